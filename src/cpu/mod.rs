@@ -1,0 +1,34 @@
+//! The CPU engine: raster scans, rotated raster scans and fast marching for one map.
+//!
+//! All three share one update and one array layout (a border of points that are never reached),
+//! and converge to the same map. Single precision is for use, double precision for reference.
+
+mod fast_marching;
+mod raster_scan;
+mod rotated_scan;
+mod state;
+
+pub use fast_marching::fast_marching;
+pub use raster_scan::raster_scan;
+pub use rotated_scan::rotated_scan;
+pub use state::Solution;
+
+/// When raster scans stop: at whichever comes first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stop {
+    /// Stop after an iteration in which no arrival time fell by more than this fraction.
+    pub tolerance: f64,
+    /// Stop after this many iterations of four scans.
+    pub iterations: u32,
+}
+
+impl Stop {
+    /// Stops after a fixed number of iterations, or earlier if nothing changes any more.
+    pub fn after(iterations: u32) -> Self {
+        Self { tolerance: 0.0, iterations }
+    }
+
+    pub(crate) fn done(self, iterations: u32, residual: f64) -> bool {
+        residual <= self.tolerance || iterations >= self.iterations
+    }
+}

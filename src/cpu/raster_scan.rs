@@ -1,0 +1,48 @@
+//! Algorithm 3: four directed raster scans, row by row.
+
+use super::Stop;
+use super::state::{Solution, TriangleSlots};
+use crate::surface::{Direction, EdgeLengths, Real, Seed};
+use crate::update::Wavefront;
+
+/// Solves by directed raster scans in the paper's order (Algorithm 3; figure 3, first row): a
+/// point looks at the three neighbours that its scan has just passed.
+pub fn raster_scan<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    stop: Stop,
+) -> Solution<R> {
+    use Direction::*;
+    let chart = edges.chart();
+    let triangles = |a, b, c| [TriangleSlots::new(chart, a, b), TriangleSlots::new(chart, b, c)];
+    let right_down = triangles(North, NorthWest, West);
+    let left_down = triangles(East, NorthEast, North);
+    let right_up = triangles(West, SouthWest, South);
+    let left_up = triangles(South, SouthEast, East);
+
+    let mut solution = Solution::start(chart, seeds);
+    loop {
+        let mut change = R::zero();
+        let mut update = |row: usize, col: usize, triangles: &[TriangleSlots; 2]| {
+            let point = chart.bordered(row, col);
+            for triangle in triangles {
+                let triangle = triangle.load(edges, point, |point| solution.times[point]);
+                change = change.max(solution.lower(point, triangle.update(wavefront)));
+            }
+        };
+        for row in 0..chart.rows {
+            (0..chart.cols).for_each(|col| update(row, col, &right_down));
+            (0..chart.cols).rev().for_each(|col| update(row, col, &left_down));
+        }
+        for row in (0..chart.rows).rev() {
+            (0..chart.cols).for_each(|col| update(row, col, &right_up));
+            (0..chart.cols).rev().for_each(|col| update(row, col, &left_up));
+        }
+        solution.iterations += 1;
+        solution.residual = change.wide();
+        if stop.done(solution.iterations, solution.residual) {
+            return solution;
+        }
+    }
+}

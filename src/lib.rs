@@ -1,0 +1,38 @@
+//! Geodesic distance maps on parametric surfaces, computed where the pixels already are.
+//!
+//! A [`Surface`] is an M x N grid of points (a geometry image, a height field, a range scan) or
+//! a metric per grid point. [`distance_map`] computes the distance from [`Sources`] to every
+//! point by parallel raster scans of the eikonal equation, after Weber, Devir, Bronstein,
+//! Bronstein and Kimmel, "Parallel algorithms for approximation of distance maps on parametric
+//! surfaces" (ACM Transactions on Graphics 27(4), 2008), called "the paper" throughout.
+//!
+//! ```
+//! use geosweep::{Engine, Options, Sources, Spacing, Surface, distance_map};
+//!
+//! // A ramp of 65 x 65 points, 10 m apart.
+//! let heights = (0..65 * 65).map(|i| 3.0 * (i % 65) as f64).collect();
+//! let surface = Surface::from_heights(65, 65, heights, Spacing::square(10.0))?;
+//! let options = Options { engine: Engine::Cpu, ..Options::default() };
+//! let map = distance_map(&surface, &Sources::point(0.0, 0.0), &options)?;
+//! let exact = f32::hypot(64.0 * 10.0, 64.0 * f32::hypot(10.0, 3.0));
+//! assert!((map.distance(64, 64) - exact).abs() < 1e-5 * exact);
+//! # Ok::<(), geosweep::Error>(())
+//! ```
+//!
+//! Dependence runs one way: [`surface`] (lengths and sources), [`update`] (one triangle),
+//! the engines [`cpu`] and [`vulkan`], then [`distance_map`], then file formats and the tool.
+
+pub mod cpu;
+mod error;
+mod map;
+mod solve;
+pub mod surface;
+pub mod update;
+pub mod vulkan;
+
+pub use error::Error;
+pub use glam;
+pub use map::{DistanceMap, Report};
+pub use solve::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Options, distance_map};
+pub use surface::{MetricTensor, Source, Sources, Spacing, Surface};
+pub use update::Wavefront;

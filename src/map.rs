@@ -1,0 +1,60 @@
+//! The distance map, and how it was computed.
+
+use std::time::Duration;
+
+use crate::surface::Chart;
+use crate::update::Wavefront;
+
+/// Geodesic distances from the sources to every grid point.
+#[derive(Clone, Debug)]
+pub struct DistanceMap {
+    /// The grid's size.
+    pub chart: Chart,
+    /// Distances, row-major, in the surface's unit of length (times the slowness, if any);
+    /// +infinity at holes and at points that no source reaches.
+    pub distances: Vec<f32>,
+    /// How the map was computed.
+    pub report: Report,
+}
+
+/// How a map was computed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// `vulkan`, `cpu` or `fast-marching`.
+    pub engine: &'static str,
+    /// Name of the Vulkan device.
+    pub device: Option<String>,
+    /// Why the choice was left to the crate and no Vulkan device was used.
+    pub fallback: Option<String>,
+    /// The order of updates.
+    pub schedule: &'static str,
+    /// The front assumed inside a triangle.
+    pub wavefront: Wavefront,
+    /// Iterations of four scans.
+    pub iterations: u32,
+    /// Largest relative change of an arrival time in the last iteration; 1 if a point was
+    /// first reached in it.
+    pub residual: f64,
+    /// Whether the residual met the tolerance before the iterations ran out.
+    pub converged: bool,
+    /// Time of the solve itself: on Vulkan from the first submission to the last fence, without
+    /// device creation, upload and read-back.
+    pub solve_time: Duration,
+    /// Points of the surface, without holes.
+    pub points: usize,
+    /// Points with a finite distance.
+    pub reached: usize,
+    /// Largest finite distance.
+    pub max_distance: f32,
+}
+
+impl DistanceMap {
+    /// Distance at a grid point.
+    ///
+    /// # Panics
+    /// If the grid has no such point.
+    pub fn distance(&self, row: usize, col: usize) -> f32 {
+        assert!(row < self.chart.rows && col < self.chart.cols, "point outside the grid");
+        self.distances[self.chart.index(row, col)]
+    }
+}

@@ -1,0 +1,207 @@
+//! One call from surface and sources to distance map.
+
+use std::time::{Duration, Instant};
+
+use crate::cpu::{self, Stop};
+use crate::surface::{EdgeLengths, Seed, Sources, Surface};
+use crate::update::Wavefront;
+use crate::vulkan::{self, VulkanError};
+use crate::{DistanceMap, Error, Report};
+
+/// Which engine computes a map.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Engine {
+    /// The first usable Vulkan device, else the CPU; the report says which, and why.
+    #[default]
+    Auto,
+    /// A Vulkan device, or an error.
+    Vulkan(DeviceChoice),
+    /// Rotated raster scans on the CPU.
+    Cpu,
+    /// Fast marching on the CPU, the sequential reference.
+    FastMarching,
+}
+
+/// Which Vulkan device, in the order of [`vulkan::devices`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum DeviceChoice {
+    /// The first usable one: a discrete GPU before an integrated one before others.
+    #[default]
+    Any,
+    /// The first whose name contains this text, whatever the case.
+    Name(String),
+    /// The one with this index.
+    Index(usize),
+}
+
+/// Default of [`Options::tolerance`]: near the rounding of single precision.
+pub const DEFAULT_TOLERANCE: f64 = 1e-6;
+
+/// How to compute a map. The default suits most surfaces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Which engine.
+    pub engine: Engine,
+    /// The front assumed inside a triangle; by default circular for point sources, and planar
+    /// as soon as a curve is among the sources.
+    pub wavefront: Option<Wavefront>,
+    /// Stop when no arrival time falls by more than this fraction in an iteration.
+    pub tolerance: f64,
+    /// Stop after this many iterations of four scans; by default after more than any surface
+    /// but a labyrinth needs (ten for each row and column).
+    pub iterations: Option<u32>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            engine: Engine::Auto,
+            wavefront: None,
+            tolerance: DEFAULT_TOLERANCE,
+            iterations: None,
+        }
+    }
+}
+
+impl Options {
+    fn stop(&self, surface: &Surface) -> Result<Stop, Error> {
+        if !(self.tolerance >= 0.0 && self.tolerance < 1.0) {
+            let message = format!("tolerance {} is not in the range from 0 to 1", self.tolerance);
+            return Err(Error::Options(message));
+        }
+        let enough = 10 * (surface.rows() + surface.cols());
+        let iterations = self.iterations.unwrap_or(u32::try_from(enough).unwrap_or(u32::MAX));
+        if iterations == 0 {
+            return Err(Error::Options("at least one iteration is needed".into()));
+        }
+        Ok(Stop { tolerance: self.tolerance, iterations })
+    }
+
+    fn wavefront(&self, sources: &Sources) -> Result<Wavefront, Error> {
+        match self.wavefront {
+            None if sources.are_points() => Ok(Wavefront::PointSource),
+            None => Ok(Wavefront::Planar),
+            Some(Wavefront::PointSource) if !sources.are_points() => Err(Error::Options(
+                "the point-source wavefront needs point sources; use the planar one for curves"
+                    .into(),
+            )),
+            Some(wavefront) => Ok(wavefront),
+        }
+    }
+}
+
+/// Computes the geodesic distance from the sources to every point of a surface.
+///
+/// # Errors
+/// If a source lies off the surface, an option is out of range, an edge of the surface is too
+/// long or too short for single precision, or the engine asked for cannot run.
+/// [`Engine::Auto`] falls back to the CPU where Vulkan cannot run, and says why in the report.
+pub fn distance_map(
+    surface: &Surface,
+    sources: &Sources,
+    options: &Options,
+) -> Result<DistanceMap, Error> {
+    let problem = Problem::new(surface, sources, options)?;
+    match &options.engine {
+        Engine::Cpu => problem.solve_on_cpu(None),
+        Engine::FastMarching => problem.solve_by_fast_marching(),
+        Engine::Vulkan(choice) => Ok(problem.solve_on_vulkan(choice)?),
+        Engine::Auto => match problem.solve_on_vulkan(&DeviceChoice::Any) {
+            Ok(map) => Ok(map),
+            Err(VulkanError::Surface(error)) => Err(error.into()),
+            Err(reason) => problem.solve_on_cpu(Some(reason.to_string())),
+        },
+    }
+}
+
+/// A checked problem, ready for any engine.
+struct Problem<'a> {
+    surface: &'a Surface,
+    /// Initial values less the smallest, so that a single source starts at zero, where the
+    /// circular front is exact.
+    seeds: Vec<Seed>,
+    start: f64,
+    wavefront: Wavefront,
+    stop: Stop,
+}
+
+impl<'a> Problem<'a> {
+    fn new(surface: &'a Surface, sources: &Sources, options: &Options) -> Result<Self, Error> {
+        let wavefront = options.wavefront(sources)?;
+        let stop = options.stop(surface)?;
+        let start = sources.start();
+        let mut seeds = sources.seeds(surface)?;
+        seeds.iter_mut().for_each(|seed| seed.time -= start);
+        Ok(Self { surface, seeds, start, wavefront, stop })
+    }
+
+    fn solve_on_cpu(&self, fallback: Option<String>) -> Result<DistanceMap, Error> {
+        let edges = EdgeLengths::<f32>::new(self.surface)?;
+        let start = Instant::now();
+        let solution = cpu::rotated_scan(&edges, &self.seeds, self.wavefront, self.stop);
+        let time = start.elapsed();
+        let report = Report {
+            engine: "cpu",
+            fallback,
+            iterations: solution.iterations,
+            residual: solution.residual,
+            ..self.report("rotated-scan", time)
+        };
+        Ok(self.finish(solution.distances(), report))
+    }
+
+    fn solve_by_fast_marching(&self) -> Result<DistanceMap, Error> {
+        let edges = EdgeLengths::<f32>::new(self.surface)?;
+        let start = Instant::now();
+        let solution = cpu::fast_marching(&edges, &self.seeds, self.wavefront);
+        let time = start.elapsed();
+        let report = Report { engine: "fast-marching", ..self.report("heap", time) };
+        Ok(self.finish(solution.distances(), report))
+    }
+
+    fn solve_on_vulkan(&self, choice: &DeviceChoice) -> Result<DistanceMap, VulkanError> {
+        let mut solver = vulkan::Solver::new(choice)?;
+        let solution = solver.solve(self.surface, &self.seeds, self.wavefront, self.stop)?;
+        let report = Report {
+            engine: "vulkan",
+            device: Some(solver.device_name().to_owned()),
+            iterations: solution.iterations,
+            residual: solution.residual,
+            ..self.report("rotated-scan", solution.time)
+        };
+        Ok(self.finish(solution.distances, report))
+    }
+
+    fn report(&self, schedule: &'static str, solve_time: Duration) -> Report {
+        Report {
+            engine: "",
+            device: None,
+            fallback: None,
+            schedule,
+            wavefront: self.wavefront,
+            iterations: 1,
+            residual: 0.0,
+            converged: false,
+            solve_time,
+            points: self.surface.points(),
+            reached: 0,
+            max_distance: 0.0,
+        }
+    }
+
+    /// Adds the initial value that was taken away, and counts.
+    fn finish(&self, mut distances: Vec<f32>, report: Report) -> DistanceMap {
+        let (mut reached, mut max_distance) = (0, f32::NEG_INFINITY);
+        for distance in distances.iter_mut().filter(|distance| distance.is_finite()) {
+            *distance += self.start as f32;
+            reached += 1;
+            max_distance = max_distance.max(*distance);
+        }
+        let converged = report.residual <= self.stop.tolerance;
+        DistanceMap {
+            chart: self.surface.chart(),
+            distances,
+            report: Report { converged, reached, max_distance, ..report },
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Edge lengths: all that the solvers know of a surface.
+
+use rayon::prelude::*;
+
+use super::chart::{Chart, Direction};
+use super::real::Real;
+use super::{Surface, SurfaceError};
+
+/// Shortest length of an edge between distinct points, in the surface's unit.
+pub const SHORTEST_EDGE: f64 = 1e-12;
+/// Longest length of an edge: squares and sums of such lengths stay within single precision
+/// and below [`super::FAR`].
+pub const LONGEST_EDGE: f64 = 1e12;
+
+/// The lengths of the edges from every grid point to its east, north, north-east and north-west
+/// neighbours; the other four are stored at the neighbour. An edge that does not exist (border,
+/// hole) is [`Real::FAR`] long.
+///
+/// A triangle of the update is three such edges, so masks, metrics and slowness need no special
+/// case anywhere else. The arrays have a border of missing points, and take 16 bytes a point in
+/// single precision.
+#[derive(Clone, Debug)]
+pub struct EdgeLengths<R> {
+    chart: Chart,
+    lengths: Vec<[R; 4]>,
+}
+
+/// The directions stored at a point, in this order, here and in the shaders.
+pub(crate) const STORED: [Direction; 4] =
+    [Direction::East, Direction::North, Direction::NorthEast, Direction::NorthWest];
+
+/// Where the length of an edge is stored: an offset from the point, and one of [`STORED`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EdgeSlot {
+    offset: isize,
+    stored: usize,
+}
+
+impl EdgeSlot {
+    /// The edge from the point `at` (an offset from the point that the slot is used for).
+    pub(crate) fn new(chart: Chart, at: isize, to: Direction) -> Self {
+        match STORED.iter().position(|&direction| direction == to) {
+            Some(stored) => Self { offset: at, stored },
+            None => Self::new(chart, at + chart.offset(to), to.opposite()),
+        }
+    }
+}
+
+impl<R: Real> EdgeLengths<R> {
+    /// Measures the edges of a surface, in double precision, in parallel over rows.
+    ///
+    /// # Errors
+    /// [`SurfaceError::EdgeLength`] if a length is neither zero (points that coincide, at a pole
+    /// for example) nor between [`SHORTEST_EDGE`] and [`LONGEST_EDGE`].
+    pub fn new(surface: &Surface) -> Result<Self, SurfaceError> {
+        let chart = surface.chart();
+        let mut lengths = vec![[R::FAR; 4]; chart.bordered_points()];
+        lengths.par_chunks_mut(chart.stride()).skip(1).take(chart.rows).enumerate().try_for_each(
+            |(row, line)| {
+                for col in 0..chart.cols {
+                    for (slot, to) in line[col + 1].iter_mut().zip(STORED) {
+                        if surface.has_edge(row, col, to) {
+                            *slot = R::of(surface.edge_length(row, col, to)?);
+                        }
+                    }
+                }
+                Ok(())
+            },
+        )?;
+        Ok(Self { chart, lengths })
+    }
+
+    /// The grid's size.
+    pub fn chart(&self) -> Chart {
+        self.chart
+    }
+
+    /// Length of the edge to a neighbour, or [`Real::FAR`] if there is none.
+    ///
+    /// # Panics
+    /// If the grid has no such point.
+    pub fn length(&self, row: usize, col: usize, to: Direction) -> R {
+        assert!(row < self.chart.rows && col < self.chart.cols, "point outside the grid");
+        self.at(self.chart.bordered(row, col), EdgeSlot::new(self.chart, 0, to))
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        std::mem::size_of_val(self.lengths.as_slice())
+    }
+
+    #[inline]
+    pub(crate) fn at(&self, point: usize, slot: EdgeSlot) -> R {
+        self.lengths[point.wrapping_add_signed(slot.offset)][slot.stored]
+    }
+}
+
+impl Surface {
+    /// Length of the edge to a neighbour, weighted by the slowness.
+    fn edge_length(&self, row: usize, col: usize, to: Direction) -> Result<f64, SurfaceError> {
+        let chart = self.chart();
+        let (r, c) = chart.neighbour(row, col, to).expect("the caller has tested the edge");
+        let (here, there) =
+            (self.geometry().sample(chart, row, col), self.geometry().sample(chart, r, c));
+        let slowness = |index: usize| self.slowness().map_or(1.0, |slowness| slowness[index]);
+        let weight = 0.5 * (slowness(chart.index(row, col)) + slowness(chart.index(r, c)));
+        let length = weight * here.length_to(there);
+        if length == 0.0 || (SHORTEST_EDGE..=LONGEST_EDGE).contains(&length) {
+            Ok(length)
+        } else {
+            Err(SurfaceError::EdgeLength { row, col, direction: to, length })
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Theorem 1: how many raster scan iterations a surface can need.
+
+use glam::{DMat2, DVec3};
+
+use super::Surface;
+
+impl Surface {
+    /// Theorem 1's bound on the number of raster scan iterations, from finite differences.
+    ///
+    /// The theorem (paper, section 4 and appendix A) bounds how far a geodesic can turn in the
+    /// chart; four scans cover every quarter turn. Two details of the published expression need
+    /// a reading. Its eigenvalues of the Hessians are taken by magnitude, since the proof bounds
+    /// a quadratic form with them. And the factor lambda_max is a matter of units: the proof's
+    /// curvature bound, |H| / lambda_min per unit of length on the surface, does not change when
+    /// the chart or the surface is scaled, and equals the published one where the chart is
+    /// scaled so that lambda_max = 1. The maximum and the minimum are taken over the surface
+    /// independently, and the diameter is bounded by the longest row plus the longest column.
+    ///
+    /// `None` where the theorem says nothing: for a metric without positions, with slowness,
+    /// with holes (a path around a wall turns as often as the wall does), and below 3 x 3 points.
+    pub fn iteration_bound(&self) -> Option<u64> {
+        let (rows, cols) = (self.rows(), self.cols());
+        if self.slowness().is_some() || self.present().contains(&false) || rows < 3 || cols < 3 {
+            return None;
+        }
+        let position = |row, col| self.position(row, col);
+        position(0, 0)?;
+        let at = |row: usize, col: usize| position(row, col).expect("the surface has no hole");
+        let (mut smallest_eigenvalue, mut largest_hessian) = (f64::INFINITY, 0.0f64);
+        for row in 1..rows - 1 {
+            for col in 1..cols - 1 {
+                let x = at(row, col);
+                let along_rows = 0.5 * (at(row + 1, col) - at(row - 1, col));
+                let along_cols = 0.5 * (at(row, col + 1) - at(row, col - 1));
+                let metric = symmetric(
+                    along_rows.length_squared(),
+                    along_rows.dot(along_cols),
+                    along_cols.length_squared(),
+                );
+                let rr = at(row + 1, col) - 2.0 * x + at(row - 1, col);
+                let cc = at(row, col + 1) - 2.0 * x + at(row, col - 1);
+                let rc = 0.25
+                    * (at(row + 1, col + 1) - at(row + 1, col - 1) - at(row - 1, col + 1)
+                        + at(row - 1, col - 1));
+                smallest_eigenvalue = smallest_eigenvalue.min(eigenvalues(metric).0);
+                largest_hessian = largest_hessian.max(hessian_norm(rr, rc, cc));
+            }
+        }
+        let length = |a: DVec3, b: DVec3| a.distance(b);
+        let row_length = |row| (1..cols).map(|col| length(at(row, col - 1), at(row, col))).sum();
+        let col_length = |col| (1..rows).map(|row| length(at(row - 1, col), at(row, col))).sum();
+        let longest_row = (0..rows).map(row_length).fold(0.0, f64::max);
+        let longest_col = (0..cols).map(col_length).fold(0.0, f64::max);
+        let diameter: f64 = longest_row + longest_col;
+        let turns = 2.0 * diameter * largest_hessian / (std::f64::consts::PI * smallest_eigenvalue);
+        // Second differences of a straight grid are rounding errors, not curvature.
+        let noise = 1e-9;
+        turns.is_finite().then_some((turns - noise).max(0.0).ceil() as u64 + 1)
+    }
+}
+
+/// The root of the sum over x, y, z of the squared largest eigenvalue of each Hessian.
+fn hessian_norm(rr: DVec3, rc: DVec3, cc: DVec3) -> f64 {
+    let largest = |axis: usize| {
+        let (low, high) = eigenvalues(symmetric(rr[axis], rc[axis], cc[axis]));
+        low.abs().max(high.abs())
+    };
+    DVec3::new(largest(0), largest(1), largest(2)).length()
+}
+
+fn symmetric(rr: f64, rc: f64, cc: f64) -> DMat2 {
+    DMat2::from_cols_array(&[rr, rc, rc, cc])
+}
+
+/// Eigenvalues of a symmetric matrix, the smaller first.
+fn eigenvalues(m: DMat2) -> (f64, f64) {
+    let mean = 0.5 * (m.x_axis.x + m.y_axis.y);
+    let radius = (0.5 * (m.x_axis.x - m.y_axis.y)).hypot(m.x_axis.y);
+    (mean - radius, mean + radius)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::Spacing;
+
+    fn disc(points: usize) -> Surface {
+        let position = |index: usize| {
+            let (row, col) = (index / points, index % points);
+            let radius = 0.5 + 0.5 * row as f64 / (points - 1) as f64;
+            let angle = 1.5 * col as f64 / (points - 1) as f64;
+            DVec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
+        };
+        Surface::from_positions(points, points, (0..points * points).map(position).collect())
+            .unwrap()
+    }
+
+    #[test]
+    fn a_plane_needs_one_iteration() {
+        let plane =
+            Surface::from_heights(5, 7, vec![0.1; 35], Spacing { dx: 0.1, dy: 0.3 }).unwrap();
+        assert_eq!(plane.iteration_bound(), Some(1));
+    }
+
+    #[test]
+    fn the_bound_does_not_depend_on_sampling_or_scale() {
+        // The paper's example of an unfavourable chart, a disc in polar coordinates.
+        let coarse = disc(65).iteration_bound().unwrap();
+        let fine = disc(257).iteration_bound().unwrap();
+        assert!(coarse > 1 && coarse.abs_diff(fine) <= 1, "{coarse} {fine}");
+        let larger =
+            (0..65 * 65).map(|i| 1e3 * disc(65).position(i / 65, i % 65).unwrap()).collect();
+        assert_eq!(
+            Surface::from_positions(65, 65, larger).unwrap().iteration_bound(),
+            Some(coarse)
+        );
+    }
+}

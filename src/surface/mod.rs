@@ -1,0 +1,267 @@
+//! Surfaces: a grid of points with a geometry, holes, and the sources on it.
+//!
+//! The solvers need nothing but lengths: whatever the input, a surface becomes the lengths of
+//! the edges between neighbouring grid points ([`EdgeLengths`]), and a source becomes initial
+//! values at grid points ([`Seed`]).
+
+mod chart;
+mod edges;
+mod geometry;
+mod iteration_bound;
+mod real;
+mod sources;
+
+pub use chart::{Chart, Direction};
+pub(crate) use edges::EdgeSlot;
+pub use edges::{EdgeLengths, LONGEST_EDGE, SHORTEST_EDGE};
+pub use geometry::{Geometry, MetricTensor, Spacing};
+pub use real::{FAR, Real};
+pub use sources::{Seed, Source, SourceError, Sources};
+
+use glam::DVec3;
+
+/// An M x N grid of points on a surface: positions, heights or a metric, with an optional
+/// slowness and holes.
+///
+/// Lengths are kept in double precision, since coordinates far from the origin (a map
+/// projection's eastings, say) would lose a short edge's digits in single precision.
+///
+/// ```
+/// use geosweep::{Surface, Spacing};
+/// let heights = vec![0.0; 3 * 4];
+/// let surface = Surface::from_heights(3, 4, heights, Spacing { dx: 30.0, dy: 30.0 })?
+///     .with_slowness(vec![2.0; 12])?;
+/// assert_eq!((surface.rows(), surface.cols(), surface.points()), (3, 4, 12));
+/// # Ok::<(), geosweep::surface::SurfaceError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Surface {
+    chart: Chart,
+    geometry: Geometry,
+    slowness: Option<Vec<f64>>,
+    present: Vec<bool>,
+}
+
+/// Why an array is no surface.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SurfaceError {
+    /// An array's length is not rows x columns.
+    #[error("{what}: {found} values do not fill a grid of {rows} x {cols} points")]
+    Shape {
+        /// Which array.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// Rows of the grid.
+        rows: usize,
+        /// Columns of the grid.
+        cols: usize,
+    },
+    /// The grid has no row or no column.
+    #[error("a grid of {rows} x {cols} points is empty; give at least one row and one column")]
+    Empty {
+        /// Rows of the grid.
+        rows: usize,
+        /// Columns of the grid.
+        cols: usize,
+    },
+    /// Every point is a hole.
+    #[error("no point of the surface is left: all are NaN or masked out")]
+    NoPoint,
+    /// A value is infinite where only finite values and NaN (a hole) make sense.
+    #[error("{what} at row {row}, column {col} is infinite; use NaN to mark a hole")]
+    Infinite {
+        /// Which array.
+        what: &'static str,
+        /// Row of the value.
+        row: usize,
+        /// Column of the value.
+        col: usize,
+    },
+    /// A spacing is zero, negative or not finite.
+    #[error("spacing {dx} x {dy} is not usable: both must be positive and finite")]
+    Spacing {
+        /// Between columns.
+        dx: f64,
+        /// Between rows.
+        dy: f64,
+    },
+    /// A slowness is zero, negative or not finite.
+    #[error(
+        "slowness {value} at row {row}, column {col} is not usable: it must be positive and finite (mask the point to make a hole)"
+    )]
+    Slowness {
+        /// The value.
+        value: f64,
+        /// Row of the value.
+        row: usize,
+        /// Column of the value.
+        col: usize,
+    },
+    /// A metric tensor has no positive definite symmetric form.
+    #[error(
+        "metric at row {row}, column {col} is not positive definite: [[{rr}, {rc}], [{rc}, {cc}]]; its diagonal and its determinant must be positive"
+    )]
+    Metric {
+        /// Row of the tensor.
+        row: usize,
+        /// Column of the tensor.
+        col: usize,
+        /// The tensor's entry for rows.
+        rr: f64,
+        /// The tensor's mixed entry.
+        rc: f64,
+        /// The tensor's entry for columns.
+        cc: f64,
+    },
+    /// An edge is too long or too short for single precision arithmetic.
+    #[error(
+        "the edge from row {row}, column {col} to its {direction:?} neighbour is {length:e} units long; choose a unit of length in which edges lie between {SHORTEST_EDGE:e} and {LONGEST_EDGE:e}"
+    )]
+    EdgeLength {
+        /// Row of the edge's first end.
+        row: usize,
+        /// Column of the edge's first end.
+        col: usize,
+        /// Where the other end lies.
+        direction: Direction,
+        /// The length.
+        length: f64,
+    },
+}
+
+impl Surface {
+    /// A surface from 3D points, row-major. A point with a NaN coordinate is a hole.
+    pub fn from_positions(
+        rows: usize,
+        cols: usize,
+        positions: Vec<DVec3>,
+    ) -> Result<Self, SurfaceError> {
+        Self::new(rows, cols, Geometry::Positions(positions))
+    }
+
+    /// A height field, row-major: the point at row r and column c is (c dx, r dy, height). A NaN
+    /// height is a hole.
+    pub fn from_heights(
+        rows: usize,
+        cols: usize,
+        heights: Vec<f64>,
+        spacing: Spacing,
+    ) -> Result<Self, SurfaceError> {
+        if !spacing.is_usable() {
+            return Err(SurfaceError::Spacing { dx: spacing.dx, dy: spacing.dy });
+        }
+        Self::new(rows, cols, Geometry::Heights { heights, spacing })
+    }
+
+    /// A surface known only by its metric (paper, eq. 3) in index coordinates, row-major. A
+    /// tensor with a NaN entry is a hole.
+    pub fn from_metric(
+        rows: usize,
+        cols: usize,
+        metric: Vec<MetricTensor>,
+    ) -> Result<Self, SurfaceError> {
+        Self::new(rows, cols, Geometry::Metric(metric))
+    }
+
+    fn new(rows: usize, cols: usize, geometry: Geometry) -> Result<Self, SurfaceError> {
+        if rows == 0 || cols == 0 {
+            return Err(SurfaceError::Empty { rows, cols });
+        }
+        let chart = Chart { rows, cols };
+        check_shape(geometry.what(), geometry.len(), chart)?;
+        let present = geometry.points_present(chart)?;
+        Self { chart, geometry, slowness: None, present }.non_empty()
+    }
+
+    /// Weights lengths by a slowness (reciprocal speed) at each point, row-major, so that
+    /// distances become travel times. An edge's length is multiplied by the mean of both ends.
+    /// Values at holes are not looked at.
+    pub fn with_slowness(mut self, slowness: Vec<f64>) -> Result<Self, SurfaceError> {
+        check_shape("slowness", slowness.len(), self.chart)?;
+        for (index, &value) in slowness.iter().enumerate() {
+            if self.present[index] && !(value > 0.0 && value.is_finite()) {
+                let (row, col) = self.chart.position(index);
+                return Err(SurfaceError::Slowness { value, row, col });
+            }
+        }
+        self.slowness = Some(slowness);
+        Ok(self)
+    }
+
+    /// Makes holes where the mask, row-major, is false.
+    pub fn with_mask(mut self, mask: &[bool]) -> Result<Self, SurfaceError> {
+        check_shape("mask", mask.len(), self.chart)?;
+        self.present.iter_mut().zip(mask).for_each(|(present, &keep)| *present &= keep);
+        self.non_empty()
+    }
+
+    fn non_empty(self) -> Result<Self, SurfaceError> {
+        if self.present.contains(&true) { Ok(self) } else { Err(SurfaceError::NoPoint) }
+    }
+
+    /// The grid's size.
+    pub fn chart(&self) -> Chart {
+        self.chart
+    }
+
+    /// Number of rows, M.
+    pub fn rows(&self) -> usize {
+        self.chart.rows
+    }
+
+    /// Number of columns, N.
+    pub fn cols(&self) -> usize {
+        self.chart.cols
+    }
+
+    /// Number of points that are not holes.
+    pub fn points(&self) -> usize {
+        self.present.iter().filter(|&&present| present).count()
+    }
+
+    /// Positions, heights or metric, as given.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// The slowness, if lengths are weighted.
+    pub fn slowness(&self) -> Option<&[f64]> {
+        self.slowness.as_deref()
+    }
+
+    /// For each point whether the surface is there (true) or has a hole, row-major.
+    pub fn present(&self) -> &[bool] {
+        &self.present
+    }
+
+    /// Whether the grid has this point and it is not a hole.
+    pub fn has(&self, row: usize, col: usize) -> bool {
+        row < self.rows() && col < self.cols() && self.present[self.chart.index(row, col)]
+    }
+
+    /// The 3D position of a grid point; `None` for a surface known only by its metric, and at
+    /// holes.
+    pub fn position(&self, row: usize, col: usize) -> Option<DVec3> {
+        self.has(row, col).then(|| self.geometry.position(self.chart, row, col))?
+    }
+
+    /// Whether the surface has an edge from a grid point to a neighbour: both ends are there,
+    /// and a diagonal has a third corner of its cell beside it, since a path would otherwise
+    /// slip through between two holes.
+    pub fn has_edge(&self, row: usize, col: usize, to: Direction) -> bool {
+        let Some((r, c)) = self.chart.neighbour(row, col, to) else { return false };
+        let beside = r == row || c == col || self.has(row, c) || self.has(r, col);
+        self.has(row, col) && self.has(r, c) && beside
+    }
+}
+
+fn check_shape(what: &'static str, found: usize, chart: Chart) -> Result<(), SurfaceError> {
+    let Chart { rows, cols } = chart;
+    if rows.checked_mul(cols) == Some(found) {
+        Ok(())
+    } else {
+        Err(SurfaceError::Shape { what, found, rows, cols })
+    }
+}

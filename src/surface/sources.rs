@@ -1,0 +1,440 @@
+//! Sources: where the wavefront starts, and the initial values that this gives at grid points.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use super::Surface;
+use super::geometry::Sample;
+
+/// One source. Rows and columns may be fractional and count from 0.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// A point, anywhere on the grid or inside a cell.
+    Point {
+        /// Row and column.
+        at: DVec2,
+        /// Arrival time at the source itself.
+        initial: f64,
+    },
+    /// A polyline over the grid: every point of it is a source.
+    Curve {
+        /// Rows and columns of the vertices; the last may repeat the first.
+        vertices: Vec<DVec2>,
+        /// Arrival time along the curve.
+        initial: f64,
+    },
+}
+
+/// The sources of one distance map: the distance to the nearest of them, initial values
+/// included, is what the map holds.
+///
+/// ```
+/// use geosweep::Sources;
+/// let sources = Sources::point(10.0, 20.5).and_point(3.0, 4.0, 7.5);
+/// assert_eq!(sources.iter().count(), 2);
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sources(Vec<Source>);
+
+/// An initial value at a grid point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seed {
+    /// Row of the point.
+    pub row: usize,
+    /// Column of the point.
+    pub col: usize,
+    /// Arrival time there.
+    pub time: f64,
+}
+
+/// Why a source cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SourceError {
+    /// No source was given.
+    #[error("no source given; a distance map needs at least one")]
+    None,
+    /// The source lies off the grid.
+    #[error(
+        "source {row},{col} lies outside the grid: rows run from 0 to {last_row}, columns from 0 to {last_col}"
+    )]
+    Outside {
+        /// Row of the source.
+        row: f64,
+        /// Column of the source.
+        col: f64,
+        /// The grid's last row.
+        last_row: usize,
+        /// The grid's last column.
+        last_col: usize,
+    },
+    /// The source lies in a hole.
+    #[error(
+        "source {row},{col} lies in a hole of the surface (NaN or masked out); move it to a point of the surface"
+    )]
+    Hole {
+        /// Row of the source.
+        row: f64,
+        /// Column of the source.
+        col: f64,
+    },
+    /// An initial value is NaN or infinite.
+    #[error("the initial value {initial} of source {row},{col} is not finite")]
+    Initial {
+        /// Row of the source.
+        row: f64,
+        /// Column of the source.
+        col: f64,
+        /// The value.
+        initial: f64,
+    },
+    /// A curve has no vertex.
+    #[error("a source curve has no vertex; give at least one row and column")]
+    EmptyCurve,
+}
+
+impl Sources {
+    /// A single point source; row and column may be fractional.
+    pub fn point(row: f64, col: f64) -> Self {
+        Self::default().and_point(row, col, 0.0)
+    }
+
+    /// A single curve: rows and columns of a polyline's vertices.
+    pub fn curve(vertices: impl IntoIterator<Item = [f64; 2]>) -> Self {
+        Self::default().and_curve(vertices, 0.0)
+    }
+
+    /// Adds a point source with an initial value.
+    pub fn and_point(mut self, row: f64, col: f64, initial: f64) -> Self {
+        self.0.push(Source::Point { at: DVec2::new(row, col), initial });
+        self
+    }
+
+    /// Adds a curve with an initial value.
+    pub fn and_curve(mut self, vertices: impl IntoIterator<Item = [f64; 2]>, initial: f64) -> Self {
+        let vertices = vertices.into_iter().map(DVec2::from_array).collect();
+        self.0.push(Source::Curve { vertices, initial });
+        self
+    }
+
+    /// The sources, in the order given.
+    pub fn iter(&self) -> impl Iterator<Item = &Source> {
+        self.0.iter()
+    }
+
+    /// Whether all sources are points, so that fronts are circular near them.
+    pub fn are_points(&self) -> bool {
+        self.iter().all(|source| match source {
+            Source::Point { .. } => true,
+            Source::Curve { vertices, .. } => vertices.iter().all(|v| *v == vertices[0]),
+        })
+    }
+
+    /// The smallest initial value.
+    pub(crate) fn start(&self) -> f64 {
+        let initial = |source: &Source| match source {
+            Source::Point { initial, .. } | Source::Curve { initial, .. } => *initial,
+        };
+        self.iter().map(initial).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Initial values at grid points, in row-major order, the smallest where several meet.
+    ///
+    /// A source at a grid point seeds that point. A source elsewhere seeds the corners of the
+    /// cells it touches with their distances to it, which is exact where the cell is flat. A
+    /// curve seeds the corners of every cell it runs through, so it has no gaps.
+    pub fn seeds(&self, surface: &Surface) -> Result<Vec<Seed>, SourceError> {
+        let mut times = BTreeMap::new();
+        for source in self.iter() {
+            match source {
+                Source::Point { at, initial } => {
+                    seed_segment(surface, *at, *at, *initial, &mut times)?;
+                }
+                Source::Curve { vertices, initial } => {
+                    let first = *vertices.first().ok_or(SourceError::EmptyCurve)?;
+                    seed_segment(surface, first, first, *initial, &mut times)?;
+                    for ends in vertices.windows(2) {
+                        seed_segment(surface, ends[0], ends[1], *initial, &mut times)?;
+                    }
+                }
+            }
+        }
+        if times.is_empty() {
+            return Err(SourceError::None);
+        }
+        let seed = |((row, col), time)| Seed { row, col, time };
+        Ok(times.into_iter().map(seed).collect())
+    }
+}
+
+type Times = BTreeMap<(usize, usize), f64>;
+
+/// Seeds the corners of the cells that a straight segment of the chart runs through.
+fn seed_segment(
+    surface: &Surface,
+    from: DVec2,
+    to: DVec2,
+    initial: f64,
+    times: &mut Times,
+) -> Result<(), SourceError> {
+    for end in [from, to] {
+        check_inside(surface, end)?;
+        if !initial.is_finite() {
+            return Err(SourceError::Initial { row: end.x, col: end.y, initial });
+        }
+    }
+    let cuts = grid_crossings(from, to);
+    for ends in cuts.windows(2) {
+        let (a, b) = (from.lerp(to, ends[0]), from.lerp(to, ends[1]));
+        // Both ends of a piece lie on the border of the cell that its middle is in.
+        let middle = 0.5 * (a + b);
+        let mut found = false;
+        for cell in cells_around(surface, middle) {
+            let Some((a, b)) = cell.sample(surface, a).zip(cell.sample(surface, b)) else {
+                continue;
+            };
+            found = true;
+            for (row, col) in cell.corners().into_iter().filter(|&(row, col)| surface.has(row, col))
+            {
+                let time = initial + surface.time_to_segment(row, col, middle, a, b);
+                times.entry((row, col)).and_modify(|t| *t = time.min(*t)).or_insert(time);
+            }
+        }
+        if !found {
+            return Err(SourceError::Hole { row: middle.x, col: middle.y });
+        }
+    }
+    Ok(())
+}
+
+fn check_inside(surface: &Surface, at: DVec2) -> Result<(), SourceError> {
+    let (last_row, last_col) = (surface.rows() - 1, surface.cols() - 1);
+    let inside = (0.0..=last_row as f64).contains(&at.x) && (0.0..=last_col as f64).contains(&at.y);
+    if inside {
+        Ok(())
+    } else {
+        Err(SourceError::Outside { row: at.x, col: at.y, last_row, last_col })
+    }
+}
+
+/// Where a segment crosses the grid's rows and columns: parameters from 0 to 1, ends included.
+fn grid_crossings(from: DVec2, to: DVec2) -> Vec<f64> {
+    let mut cuts = vec![0.0, 1.0];
+    for axis in 0..2 {
+        let (a, b) = (from[axis], to[axis]);
+        let (low, high) = (a.min(b), a.max(b));
+        let mut line = low.floor() + 1.0;
+        while line < high {
+            cuts.push((line - a) / (b - a));
+            line += 1.0;
+        }
+    }
+    cuts.sort_by(f64::total_cmp);
+    cuts
+}
+
+/// The part of the chart spanned by up to four neighbouring grid points: a cell, an edge or a
+/// single point.
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    rows: (usize, usize),
+    cols: (usize, usize),
+}
+
+/// The cells that contain a place: one inside a cell, two on an edge. A place at a grid point
+/// is a cell of its own, since its neighbours' first update is exact already.
+fn cells_around(surface: &Surface, at: DVec2) -> Vec<Cell> {
+    let at_point = at.x.fract() == 0.0 && at.y.fract() == 0.0;
+    let spans = |x: f64, points: usize| -> Vec<(usize, usize)> {
+        let low = x as usize;
+        if x.fract() != 0.0 {
+            return vec![(low, low + 1)];
+        }
+        if at_point || points == 1 {
+            return vec![(low, low)];
+        }
+        [low.checked_sub(1), Some(low)]
+            .into_iter()
+            .flatten()
+            .filter(|low| low + 1 < points)
+            .map(|low| (low, low + 1))
+            .collect()
+    };
+    let cols = spans(at.y, surface.cols());
+    spans(at.x, surface.rows())
+        .into_iter()
+        .flat_map(|rows| cols.iter().map(move |&cols| Cell { rows, cols }))
+        .collect()
+}
+
+impl Cell {
+    fn corners(self) -> Vec<(usize, usize)> {
+        let mut corners = vec![
+            (self.rows.0, self.cols.0),
+            (self.rows.0, self.cols.1),
+            (self.rows.1, self.cols.0),
+            (self.rows.1, self.cols.1),
+        ];
+        corners.dedup();
+        corners.sort_unstable();
+        corners.dedup();
+        corners
+    }
+
+    /// The geometry at a place of the cell, interpolated between its corners; `None` in a hole.
+    ///
+    /// With a corner missing, the half of the cell opposite to it still belongs to the surface.
+    fn sample(self, surface: &Surface, at: DVec2) -> Option<Sample> {
+        // A place on the cell's border may lie a rounding error outside.
+        let v = (at.x - self.rows.0 as f64).clamp(0.0, 1.0);
+        let u = (at.y - self.cols.0 as f64).clamp(0.0, 1.0);
+        let mut corners = [
+            (1.0 - v, 1.0 - u, self.rows.0, self.cols.0),
+            (1.0 - v, u, self.rows.0, self.cols.1),
+            (v, 1.0 - u, self.rows.1, self.cols.0),
+            (v, u, self.rows.1, self.cols.1),
+        ]
+        .map(|(v, u, row, col)| (v * u, row, col));
+        let missing: Vec<usize> =
+            (0..4).filter(|&k| !surface.has(corners[k].1, corners[k].2)).collect();
+        if let [hole] = missing[..] {
+            // Weights over the triangle of the other three: the affine function with value one
+            // at a corner beside the hole is one minus that corner's opposite coordinate.
+            let (v, u) =
+                (if hole < 2 { v } else { 1.0 - v }, if hole % 2 == 0 { u } else { 1.0 - u });
+            corners[hole ^ 1].0 = 1.0 - v;
+            corners[hole ^ 2].0 = 1.0 - u;
+            corners[hole ^ 3].0 = v + u - 1.0;
+            corners[hole].0 = 0.0;
+        }
+        let used: Vec<_> = corners.into_iter().filter(|corner| corner.0.abs() > 1e-12).collect();
+        if used.iter().any(|&(weight, row, col)| weight < 0.0 || !surface.has(row, col)) {
+            return None;
+        }
+        let sample =
+            |(weight, row, col)| (weight, surface.geometry().sample(surface.chart(), row, col));
+        Some(Sample::interpolate(&used.into_iter().map(sample).collect::<Vec<_>>()))
+    }
+}
+
+impl Surface {
+    /// Time from a grid point to the nearest place of a short segment a-b around `middle`.
+    fn time_to_segment(&self, row: usize, col: usize, middle: DVec2, a: Sample, b: Sample) -> f64 {
+        let corner = self.geometry().sample(self.chart(), row, col);
+        let foot = corner.foot_on(a, b);
+        let nearest = Sample::interpolate(&[(1.0 - foot, a), (foot, b)]);
+        let weight = self.slowness().map_or(1.0, |slowness| {
+            0.5 * (slowness[self.chart().index(row, col)] + self.slowness_near(slowness, middle))
+        });
+        weight * corner.length_to(nearest)
+    }
+
+    /// The slowness between grid points, bilinear over those that are there.
+    fn slowness_near(&self, slowness: &[f64], at: DVec2) -> f64 {
+        let (row, col) = (at.x as usize, at.y as usize);
+        let (v, u) = (at.x.fract(), at.y.fract());
+        let corners = [
+            ((1.0 - v) * (1.0 - u), row, col),
+            ((1.0 - v) * u, row, col + 1),
+            (v * (1.0 - u), row + 1, col),
+            (v * u, row + 1, col + 1),
+        ];
+        let (sum, weights) = corners
+            .into_iter()
+            .filter(|&(weight, row, col)| weight > 0.0 && self.has(row, col))
+            .fold((0.0, 0.0), |(sum, weights), (weight, row, col)| {
+                (sum + weight * slowness[self.chart().index(row, col)], weights + weight)
+            });
+        sum / weights
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::{MetricTensor, Spacing};
+
+    fn flat(rows: usize, cols: usize) -> Surface {
+        Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
+    }
+
+    #[test]
+    fn a_source_at_a_grid_point_seeds_it_alone() {
+        let seeds = Sources::point(2.0, 3.0).seeds(&flat(5, 6)).unwrap();
+        assert_eq!(seeds, [Seed { row: 2, col: 3, time: 0.0 }]);
+    }
+
+    #[test]
+    fn a_source_inside_a_cell_seeds_its_corners_exactly() {
+        let seeds = Sources::point(1.25, 2.5).seeds(&flat(4, 5)).unwrap();
+        assert_eq!(seeds.len(), 4);
+        for seed in seeds {
+            let exact = (seed.row as f64 - 1.25).hypot(seed.col as f64 - 2.5);
+            approx::assert_relative_eq!(seed.time, exact, epsilon = 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_source_on_an_edge_seeds_both_cells() {
+        assert_eq!(Sources::point(1.0, 2.5).seeds(&flat(4, 5)).unwrap().len(), 6);
+        assert_eq!(Sources::point(0.0, 2.5).seeds(&flat(4, 5)).unwrap().len(), 4);
+        assert_eq!(Sources::point(0.0, 2.5).seeds(&flat(1, 5)).unwrap().len(), 2);
+    }
+
+    #[test]
+    fn a_metric_measures_like_the_positions_it_came_from() {
+        // Sheared cell: columns along (1, 0), rows along (0.5, 2).
+        let metric = MetricTensor { rr: 4.25, rc: 0.5, cc: 1.0 };
+        let surface = Surface::from_metric(2, 2, vec![metric; 4]).unwrap();
+        for seed in Sources::point(0.25, 0.75).seeds(&surface).unwrap() {
+            let (dr, dc) = (seed.row as f64 - 0.25, seed.col as f64 - 0.75);
+            let exact = (dc + 0.5 * dr).hypot(2.0 * dr);
+            approx::assert_relative_eq!(seed.time, exact, epsilon = 1e-14);
+        }
+    }
+
+    #[test]
+    fn curves_have_no_gaps() {
+        let seeds = Sources::curve([[0.0, 0.0], [7.3, 11.9]]).seeds(&flat(9, 13)).unwrap();
+        for row in 0..8 {
+            let col = row as f64 * 11.9 / 7.3;
+            for col in [col.floor() as usize, col.ceil() as usize] {
+                assert!(seeds.iter().any(|s| (s.row, s.col) == (row, col)), "{row},{col}");
+            }
+        }
+        // Exact distance to the line from every seeded point whose foot lies in its own cells.
+        let normal = DVec2::new(11.9, -7.3).normalize();
+        for seed in &seeds {
+            let exact = normal.dot(DVec2::new(seed.row as f64, seed.col as f64)).abs();
+            assert!(seed.time >= exact - 1e-12, "{seed:?} {exact}");
+        }
+    }
+
+    #[test]
+    fn half_a_cell_is_left_beside_a_missing_corner() {
+        let mut mask = vec![true; 4];
+        mask[0] = false;
+        let surface = flat(2, 2).with_mask(&mask).unwrap();
+        let seeds = Sources::point(0.75, 0.5).seeds(&surface).unwrap();
+        assert_eq!(seeds.len(), 3);
+        for seed in seeds {
+            let exact = (seed.row as f64 - 0.75).hypot(seed.col as f64 - 0.5);
+            approx::assert_relative_eq!(seed.time, exact, epsilon = 1e-15);
+        }
+        let hole = Sources::point(0.25, 0.25).seeds(&surface);
+        assert!(matches!(hole, Err(SourceError::Hole { .. })));
+    }
+
+    #[test]
+    fn sources_off_the_surface_are_errors() {
+        let surface = flat(3, 4);
+        for (row, col) in [(-0.1, 0.0), (0.0, 3.5), (f64::NAN, 0.0), (9.0, 0.0)] {
+            let error = Sources::point(row, col).seeds(&surface).unwrap_err();
+            assert!(matches!(error, SourceError::Outside { .. }), "{error}");
+        }
+        assert_eq!(Sources::default().seeds(&surface), Err(SourceError::None));
+        let infinite = Sources::default().and_point(0.0, 0.0, f64::INFINITY).seeds(&surface);
+        assert!(matches!(infinite, Err(SourceError::Initial { .. })));
+    }
+}
