@@ -1,0 +1,218 @@
+# shellcheck shell=bash
+# What ci/setup, ci/test and ci/demo share. Sourced, from the checkout's root,
+# under `set -euo pipefail`.
+
+say() { printf '%s: %s\n' "ci/${0##*/}" "$*"; }
+die() {
+    say "$*" >&2
+    exit 1
+}
+
+# Announces a command, then runs it.
+step() {
+    printf '\n==> %s\n' "$*"
+    "$@"
+}
+
+# A shell that is no login shell often lacks rustup's folder.
+export PATH="$PATH:${CARGO_HOME:-${HOME:-/}/.cargo}/bin"
+
+# ---------------------------------------------------------------- Rust
+
+# need_rust [SUBCOMMAND...]: cargo as new as Cargo.toml asks for, and the given
+# subcommands, which a minimal toolchain lacks.
+need_rust() {
+    local cure="install Rust with rustup (https://rustup.rs)"
+    local have want sub
+    want=$(sed -n 's/^rust-version *= *"\([0-9.]*\)".*/\1/p' Cargo.toml)
+    want=${want:-1.88}
+    command -v cargo >/dev/null || die "cargo is missing; $cure, then run this again"
+    have=$(cargo --version 2>&1) || die "cargo does not work ($have); $cure, then run this again"
+    have=$(cut -d ' ' -f 2 <<<"$have")
+    [[ $(printf '%s\n' "$want" "${have%%-*}" | sort -V | head -n 1) == "$want" ]] ||
+        die "cargo $have is older than $want; 'rustup update stable', or $cure"
+    for sub; do
+        cargo "$sub" --version >/dev/null 2>&1 ||
+            die "'cargo $sub' is missing; 'rustup component add clippy rustfmt' brings it"
+    done
+}
+
+# ------------------------------------------------------------ packages
+
+# Each need is tested by what it is for, not by a package's name, so that a
+# system prepared in another way is left alone.
+have_archive() { have_library "lib$1.a"; }
+have_library() { [[ $(c++ -print-file-name="$1" 2>/dev/null) == /* ]]; }
+have_json() { # the folders in which the Vulkan loader looks
+    local home=${HOME:-/}
+    [[ -n $(find {/usr,/usr/local}/share/vulkan {/etc,/usr/local/etc,/etc/xdg}/vulkan \
+        "$home"/.{config,local/share}/vulkan -name "$1" 2>/dev/null) ]]
+}
+
+# need WHY PACKAGE[|PACKAGE...] TEST...: notes the package, of several names
+# the first one known here, if the test fails.
+need() {
+    local why=$1 names=$2
+    shift 2
+    "$@" || missing+=("$why=$names")
+}
+
+list_missing() {
+    missing=()
+    need "certificates, for cargo's downloads" ca-certificates test -e /etc/ssl/certs/ca-certificates.crt
+    need "C++ compiler, linker and library" g++ command -v c++ >/dev/null
+    if [[ -z ${SHADERC_LIB_DIR-} ]]; then
+        need "GLSL compiler for build.rs" libshaderc-dev have_archive shaderc_combined
+        need "a part of it that it is packaged without" glslang-dev have_archive glslang
+        need "another such part" "libspirv-tools-dev|spirv-tools-dev|spirv-tools" have_archive SPIRV-Tools-opt
+    fi
+    need "Vulkan loader" libvulkan1 have_library libvulkan.so.1
+    [[ -n ${VK_DRIVER_FILES-}${VK_ICD_FILENAMES-} ]] ||
+        need "lavapipe, Vulkan on the CPU" mesa-vulkan-drivers have_json 'lvp_icd*.json'
+    if [[ -n ${1-} ]]; then
+        need "validation layers" vulkan-validationlayers have_json 'VkLayer_khronos_validation.json'
+        need "spirv-val, the SPIR-V checker" spirv-tools command -v spirv-val >/dev/null
+    fi
+}
+
+# install_missing [for_tests]
+install_missing() {
+    local -a missing packages=() as_root=()
+    local entry name names
+    list_missing "$@"
+    ((${#missing[@]})) || return 0
+    say "missing on this machine:"
+    for entry in "${missing[@]}"; do
+        printf '    %s (%s)\n' "${entry##*=}" "${entry%=*}"
+    done
+    command -v apt-get >/dev/null || die "no apt-get here: install these yourself, under whatever name they have"
+    if ((EUID != 0)); then
+        command -v sudo >/dev/null || die "run this as root, or install sudo"
+        as_root=(sudo)
+        [[ -t 0 ]] || as_root=(sudo -n) # nobody is there to type a password
+    fi
+    # No questions; wait for another apt's lock; leave running services alone.
+    as_root+=(env DEBIAN_FRONTEND=noninteractive NEEDRESTART_SUSPEND=1
+        apt-get -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3)
+    say "reading the package lists"
+    "${as_root[@]}" -q=2 update </dev/null || say "some package lists could not be read; going on without them"
+    for entry in "${missing[@]}"; do
+        IFS='|' read -ra names <<<"${entry##*=}"
+        for name in "${names[@]}" ""; do
+            [[ -n $name ]] || die "no package ${entry##*=} is known here (${entry%=*})"
+            [[ -n $(apt-cache show --no-all-versions "$name" 2>/dev/null) ]] && break
+        done
+        [[ " ${packages[*]} " == *" $name "* ]] || packages+=("$name")
+    done
+    say "installing ${packages[*]}"
+    "${as_root[@]}" -q=2 install -y --no-install-recommends "${packages[@]}" </dev/null ||
+        die "could not install them, see above; as root: apt-get install ${packages[*]}"
+    list_missing "$@"
+    ((${#missing[@]} == 0)) || die "still missing after the installation: ${missing[*]}"
+}
+
+# ------------------------------------------------------------- shaderc
+
+# Debian's and Ubuntu's libshaderc, shared and static, comes without glslang
+# and SPIRV-Tools and links with nothing. A linker script under the library's
+# name that groups all the static archives is understood by GNU ld, gold, lld
+# and mold alike and needs no copies. It lies outside target/, which `cargo
+# clean` deletes and which CARGO_TARGET_DIR moves.
+link_shaderc() {
+    if [[ -n ${SHADERC_LIB_DIR-} ]]; then
+        say "using your SHADERC_LIB_DIR=$SHADERC_LIB_DIR, unchecked"
+        forget_older_shaderc "$SHADERC_LIB_DIR"
+        return
+    fi
+    local dir=$PWD/.shaderc name path new
+    local -a archives=()
+    # The last five exist in some versions only.
+    for name in shaderc_combined glslang SPIRV-Tools-opt SPIRV-Tools \
+        SPIRV MachineIndependent GenericCodeGen OSDependent OGLCompiler; do
+        have_archive "$name" || continue
+        path=$(c++ -print-file-name="lib$name.a")
+        archives+=("$(readlink -f "$path")")
+    done
+    # Sizes and times tell one version of the packages from another, and the
+    # folder's own path tells a checkout that was moved.
+    new="/* Made by ci/setup: libshaderc with all its parts.
+   $dir
+$(stat -c '   %s %Y %n' "${archives[@]}")
+*/
+GROUP($(printf ' "%s"' "${archives[@]}") )"
+    if [[ $new != "$(cat "$dir/libshaderc.so" 2>/dev/null)" ]]; then
+        say "writing .shaderc/libshaderc.so, a linker script"
+        rm -rf "$dir.new"
+        mkdir -p "$dir.new"
+        echo '*' >"$dir.new/.gitignore"
+        printf '%s\n' "$new" >"$dir.new/libshaderc.so"
+        if ! try_shaderc "$dir.new"; then
+            rm -r "$dir.new"
+            die "libshaderc as installed here does not work, see above;
+    with a working one, set SHADERC_LIB_DIR to its folder"
+        fi
+        rm -rf "$dir"
+        mv "$dir.new" "$dir"
+    fi
+    forget_older_shaderc "$new"
+}
+
+# Links a program with the libshaderc in folder $1, compiles a shader with it.
+try_shaderc() {
+    c++ -x c++ -o "$1/try" - -L"$1" -lshaderc -pthread <<'END' && "$1/try" && rm "$1/try"
+#include <cstdio>
+#include <cstring>
+#include <shaderc/shaderc.h>
+int main() {
+    const char *glsl = "#version 450\nlayout(local_size_x = 8) in;"
+                       "layout(binding = 0) buffer B { float v[]; };"
+                       "void main() { v[gl_GlobalInvocationID.x] *= 2.0; }";
+    shaderc_compile_options_t options = shaderc_compile_options_initialize();
+    shaderc_compile_options_set_target_env(options, shaderc_target_env_vulkan, shaderc_env_version_vulkan_1_1);
+    shaderc_compile_options_set_optimization_level(options, shaderc_optimization_level_performance);
+    shaderc_compilation_result_t result = shaderc_compile_into_spv(
+        shaderc_compiler_initialize(), glsl, std::strlen(glsl), shaderc_compute_shader, "try", "main", options);
+    std::fputs(shaderc_result_get_error_message(result), stderr);
+    return shaderc_result_get_compilation_status(result) != shaderc_compilation_status_success;
+}
+END
+}
+
+# Cargo does not see that the library behind shaderc-sys was replaced. A note in
+# the target folder says which one ($1) it was built with.
+forget_older_shaderc() {
+    local target note
+    target=$(cargo metadata --no-deps --format-version 1 |
+        sed -n 's/.*"target_directory":"\([^"]*\)".*/\1/p')
+    [[ -n $target ]] || die "cargo metadata names no target folder"
+    note=$target/shaderc-built-with
+    [[ $1 != "$(cat "$note" 2>/dev/null)" ]] || return 0
+    if [[ -d $target ]]; then
+        say "dropping what was built with another libshaderc, if anything"
+        # Without --release cargo drops the debug build only.
+        if ! cargo clean -q -p shaderc-sys || ! cargo clean -q --release -p shaderc-sys; then
+            die "could not; run 'cargo clean', then this again"
+        fi
+    fi
+    mkdir -p "$target"
+    printf '%s\n' "$1" >"$note"
+}
+
+# -------------------------------------------------------------- Vulkan
+
+# check_vulkan [LAYER]: the loader must find a device (the one named by
+# GEOSWEEP_TEST_DEVICE, if set) and the layer.
+check_vulkan() {
+    local scratch devices
+    scratch=$(mktemp -d)
+    # shellcheck disable=SC2064 # the value of now is meant
+    trap "rm -rf '$scratch'" EXIT
+    c++ -o "$scratch/devices" ci/vulkan-devices.cpp -ldl
+    devices=$("$scratch/devices" "$@") || die "Vulkan does not work here, see above.
+    Lavapipe's driver file is lvp_icd*.json in /usr/share/vulkan/icd.d; VK_DRIVER_FILES and
+    VK_ICD_FILENAMES replace all driver files (now: '${VK_DRIVER_FILES-}', '${VK_ICD_FILENAMES-}')"
+    say "Vulkan devices: ${devices//$'\n'/, }"
+    [[ ${devices,,} == *"$(tr '[:upper:]' '[:lower:]' <<<"${GEOSWEEP_TEST_DEVICE-}")"* ]] ||
+        die "none of them is called '$GEOSWEEP_TEST_DEVICE' (GEOSWEEP_TEST_DEVICE);
+    lavapipe, in the package mesa-vulkan-drivers, is called llvmpipe"
+}

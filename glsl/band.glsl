@@ -1,0 +1,15 @@
+// The band of rows that a dispatch measures. Large surfaces come in bands, since a device may
+// bind only part of their points at once.
+
+layout(push_constant) uniform Band {
+    ivec2 grid;      // columns and rows of the whole grid
+    int first_row;   // the band's first row
+    int band_rows;   // rows measured
+    int buffer_row;  // the grid's row that the buffer starts with
+    float dx;        // spacing of a height field
+    float dy;
+};
+
+int buffer_index(ivec2 at) {
+    return (at.y - buffer_row) * grid.x + at.x;
+}

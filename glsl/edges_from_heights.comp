@@ -1,0 +1,28 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Edge lengths of a height field. One invocation is one grid point.
+
+#include "constants.glsl"
+#include "band.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+struct Point {
+    float height;
+    float slowness;
+};
+
+layout(set = 0, binding = 5) readonly restrict buffer Points {
+    vec2 points[]; // height and slowness, row-major
+};
+
+Point load(ivec2 at) {
+    vec2 point = points[buffer_index(at)];
+    return Point(point.x, point.y);
+}
+
+float separation(Point a, Point b, ivec2 step) {
+    return length(vec3(step * vec2(dx, dy), b.height - a.height));
+}
+
+#include "edges.glsl"

@@ -1,0 +1,33 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Edge lengths of a surface given by its metric, averaged over an edge's two ends. One
+// invocation is one grid point.
+
+#include "constants.glsl"
+#include "band.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+struct Point {
+    vec3 metric; // rr, rc, cc
+    float slowness;
+};
+
+layout(set = 0, binding = 5) readonly restrict buffer Points {
+    vec4 points[]; // metric and slowness, row-major
+};
+
+Point load(ivec2 at) {
+    vec4 point = points[buffer_index(at)];
+    return Point(point.xyz, point.w);
+}
+
+float step_length(vec3 metric, ivec2 step) {
+    return sqrt(max(dot(metric, vec3(step.y * step.y, 2 * step.x * step.y, step.x * step.x)), 0.0));
+}
+
+float separation(Point a, Point b, ivec2 step) {
+    return 0.5 * (step_length(a.metric, step) + step_length(b.metric, step));
+}
+
+#include "edges.glsl"

@@ -1,0 +1,28 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Edge lengths of a surface given by 3D points. One invocation is one grid point.
+
+#include "constants.glsl"
+#include "band.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+struct Point {
+    vec3 position;
+    float slowness;
+};
+
+layout(set = 0, binding = 5) readonly restrict buffer Points {
+    vec4 points[]; // position and slowness, row-major
+};
+
+Point load(ivec2 at) {
+    vec4 point = points[buffer_index(at)];
+    return Point(point.xyz, point.w);
+}
+
+float separation(Point a, Point b, ivec2 step) {
+    return distance(a.position, b.position);
+}
+
+#include "edges.glsl"
