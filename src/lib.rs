@@ -22,6 +22,7 @@
 //! Dependence runs one way: [`surface`] (lengths and sources), [`update`] (one triangle),
 //! the engines [`cpu`] and [`vulkan`], then [`distance_map`], then file formats and the tool.
 
+mod constants;
 pub mod cpu;
 mod error;
 mod map;
@@ -30,8 +31,10 @@ pub mod surface;
 pub mod update;
 pub mod vulkan;
 
+pub use ash;
 pub use error::Error;
 pub use glam;
+pub use gpu_allocator;
 pub use map::{DistanceMap, Report};
 pub use solve::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Options, distance_map};
 pub use surface::{MetricTensor, Source, Sources, Spacing, Surface};

@@ -16,7 +16,7 @@ pub enum Engine {
     Auto,
     /// A Vulkan device, or an error.
     Vulkan(DeviceChoice),
-    /// Rotated raster scans on the CPU.
+    /// Raster scans on the CPU.
     Cpu,
     /// Fast marching on the CPU, the sequential reference.
     FastMarching,
@@ -138,14 +138,14 @@ impl<'a> Problem<'a> {
     fn solve_on_cpu(&self, fallback: Option<String>) -> Result<DistanceMap, Error> {
         let edges = EdgeLengths::<f32>::new(self.surface)?;
         let start = Instant::now();
-        let solution = cpu::rotated_scan(&edges, &self.seeds, self.wavefront, self.stop);
+        let solution = cpu::raster_scan(&edges, &self.seeds, self.wavefront, self.stop);
         let time = start.elapsed();
         let report = Report {
             engine: "cpu",
             fallback,
             iterations: solution.iterations,
             residual: solution.residual,
-            ..self.report("rotated-scan", time)
+            ..self.report("raster-scan", time)
         };
         Ok(self.finish(solution.distances(), report))
     }
@@ -161,7 +161,8 @@ impl<'a> Problem<'a> {
 
     fn solve_on_vulkan(&self, choice: &DeviceChoice) -> Result<DistanceMap, VulkanError> {
         let mut solver = vulkan::Solver::new(choice)?;
-        let solution = solver.solve(self.surface, &self.seeds, self.wavefront, self.stop)?;
+        let mut surface = solver.upload(self.surface)?;
+        let solution = solver.solve(&mut surface, &self.seeds, self.wavefront, self.stop)?;
         let report = Report {
             engine: "vulkan",
             device: Some(solver.device_name().to_owned()),

@@ -96,6 +96,18 @@ impl<R: Real> EdgeLengths<R> {
 }
 
 impl Surface {
+    /// Whether all edges are of a length that the solvers can handle; see [`EdgeLengths::new`].
+    pub fn check_edges(&self) -> Result<(), SurfaceError> {
+        (0..self.rows()).into_par_iter().try_for_each(|row| {
+            for col in 0..self.cols() {
+                for to in STORED.into_iter().filter(|&to| self.has_edge(row, col, to)) {
+                    self.edge_length(row, col, to)?;
+                }
+            }
+            Ok(())
+        })
+    }
+
     /// Length of the edge to a neighbour, weighted by the slowness.
     fn edge_length(&self, row: usize, col: usize, to: Direction) -> Result<f64, SurfaceError> {
         let chart = self.chart();

@@ -4,7 +4,7 @@
 ///
 /// A large finite number, since GLSL does not promise infinities and their difference is NaN.
 /// The public interface says +infinity instead.
-pub const FAR: f64 = 1e30;
+pub const FAR: f64 = crate::constants::FAR;
 
 /// f32 for use, f64 for reference.
 pub trait Real: num_traits::Float + Default + Send + Sync + std::fmt::Debug + 'static {

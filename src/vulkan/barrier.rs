@@ -1,0 +1,81 @@
+//! Barriers, each named by the hazard it covers.
+
+use ash::vk;
+
+/// A side of a barrier: pipeline stages and the kinds of access in them.
+pub(crate) type Access = (vk::PipelineStageFlags, vk::AccessFlags);
+
+pub(crate) const NOTHING: Access = (vk::PipelineStageFlags::TOP_OF_PIPE, vk::AccessFlags::NONE);
+pub(crate) const CLEAR: Access =
+    (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_WRITE);
+pub(crate) const COPY: Access = (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_READ);
+pub(crate) const SHADER_WRITE: Access =
+    (vk::PipelineStageFlags::COMPUTE_SHADER, vk::AccessFlags::SHADER_WRITE);
+pub(crate) const SHADER: Access = (
+    vk::PipelineStageFlags::COMPUTE_SHADER,
+    vk::AccessFlags::from_raw(
+        vk::AccessFlags::SHADER_READ.as_raw() | vk::AccessFlags::SHADER_WRITE.as_raw(),
+    ),
+);
+pub(crate) const HOST_READ: Access = (vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ);
+
+/// Makes what `before` has written visible to `after`.
+pub(crate) fn memory(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    before: Access,
+    after: Access,
+) {
+    let barrier = vk::MemoryBarrier::default().src_access_mask(before.1).dst_access_mask(after.1);
+    // SAFETY: the command buffer is being recorded on this device.
+    unsafe {
+        device.cmd_pipeline_barrier(
+            commands,
+            before.0,
+            after.0,
+            vk::DependencyFlags::empty(),
+            &[barrier],
+            &[],
+            &[],
+        );
+    }
+}
+
+/// Brings a new image into the layout in which it stays, before `after`.
+pub(crate) fn into_general(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    image: vk::Image,
+    after: Access,
+) {
+    let barrier = vk::ImageMemoryBarrier::default()
+        .src_access_mask(NOTHING.1)
+        .dst_access_mask(after.1)
+        .old_layout(vk::ImageLayout::UNDEFINED)
+        .new_layout(vk::ImageLayout::GENERAL)
+        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .image(image)
+        .subresource_range(COLOR);
+    // SAFETY: the command buffer is being recorded on the device that the image is from.
+    unsafe {
+        device.cmd_pipeline_barrier(
+            commands,
+            NOTHING.0,
+            after.0,
+            vk::DependencyFlags::empty(),
+            &[],
+            &[],
+            &[barrier],
+        );
+    }
+}
+
+/// All of a colour image without mip levels or layers.
+pub(crate) const COLOR: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
+    aspect_mask: vk::ImageAspectFlags::COLOR,
+    base_mip_level: 0,
+    level_count: 1,
+    base_array_layer: 0,
+    layer_count: 1,
+};

@@ -1,0 +1,122 @@
+//! Why the Vulkan engine cannot run.
+
+use ash::vk;
+
+use crate::surface::SurfaceError;
+
+/// Why the Vulkan engine cannot run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum VulkanError {
+    /// There is no Vulkan loader.
+    #[error(
+        "no Vulkan loader on this machine ({0}); install one (libvulkan1 on Debian and Ubuntu) \
+         or use the CPU engine"
+    )]
+    NoLoader(String),
+    /// The loader has no driver, or the driver no device.
+    #[error(
+        "the Vulkan loader finds no device; install a driver (mesa-vulkan-drivers on Debian and \
+         Ubuntu brings lavapipe, which needs no GPU) or use the CPU engine"
+    )]
+    NoDevice,
+    /// No device meets the requirements.
+    #[error("no Vulkan device is usable: {0}")]
+    NoUsableDevice(String),
+    /// The device asked for does not exist.
+    #[error("there is no Vulkan device {wanted}; available: {available}")]
+    UnknownDevice {
+        /// The name or index asked for.
+        wanted: String,
+        /// The devices there are.
+        available: String,
+    },
+    /// The device asked for does not meet the requirements.
+    #[error("Vulkan device \"{device}\" is not usable: {unmet}")]
+    Unusable {
+        /// Its name.
+        device: String,
+        /// What it lacks.
+        unmet: String,
+    },
+    /// The grid is larger than the device's images.
+    #[error(
+        "a grid of {rows} x {cols} points is too large for \"{device}\": it holds at most \
+         {limit} points a side; use the CPU engine"
+    )]
+    TooLarge {
+        /// Rows of the grid.
+        rows: usize,
+        /// Columns of the grid.
+        cols: usize,
+        /// The device's name.
+        device: String,
+        /// Largest number of rows or columns.
+        limit: usize,
+    },
+    /// The grid needs more memory than the device has.
+    #[error(
+        "a grid of {rows} x {cols} points needs {needed} MiB on \"{device}\", which has \
+         {available} MiB; use the CPU engine"
+    )]
+    TooMuchMemory {
+        /// Rows of the grid.
+        rows: usize,
+        /// Columns of the grid.
+        cols: usize,
+        /// The device's name.
+        device: String,
+        /// MiB needed.
+        needed: u64,
+        /// MiB in the device's largest heap.
+        available: u64,
+    },
+    /// An allocation failed.
+    #[error("cannot allocate {what} on the device: {source}")]
+    Allocation {
+        /// Which resource.
+        what: &'static str,
+        /// The allocator's word.
+        source: gpu_allocator::AllocationError,
+    },
+    /// A Vulkan call failed.
+    #[error("{call} failed: {result}{}", hint(*.result))]
+    Call {
+        /// The call.
+        call: &'static str,
+        /// What it returned.
+        result: vk::Result,
+    },
+    /// Validation was asked for and its layer is missing.
+    #[error(
+        "the layer VK_LAYER_KHRONOS_validation is missing; install it (vulkan-validationlayers \
+         on Debian and Ubuntu) or turn validation off"
+    )]
+    NoValidationLayer,
+    /// The validation layers found something.
+    #[error("the Vulkan validation layers report {} message(s), the first: {}", .0.len(), .0[0])]
+    Validation(Vec<String>),
+    /// The surface cannot be used.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+}
+
+impl VulkanError {
+    /// Names the call that a result comes from.
+    pub(crate) fn from_call(call: &'static str) -> impl Fn(vk::Result) -> Self {
+        move |result| Self::Call { call, result }
+    }
+}
+
+fn hint(result: vk::Result) -> &'static str {
+    match result {
+        vk::Result::ERROR_DEVICE_LOST => {
+            "; the driver has given the device up (a reset, a time-out or a fault): try again, \
+             or use the CPU engine"
+        }
+        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
+            "; use a smaller grid or the CPU engine"
+        }
+        _ => "",
+    }
+}

@@ -1,0 +1,219 @@
+//! An instance, a device and a queue of our own, for use without a renderer.
+
+use std::mem::ManuallyDrop;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use ash::{ext, vk};
+use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+
+use super::validation::{self, Messenger, ValidationLog};
+use super::{API_VERSION, DeviceInfo, VulkanError, devices, requirements};
+use crate::DeviceChoice;
+
+/// The loader and an instance, with the validation layers if asked for.
+pub(crate) struct Instance {
+    // The entry keeps the loader's library in memory.
+    _entry: ash::Entry,
+    pub(crate) handle: ash::Instance,
+    messenger: Option<Messenger>,
+}
+
+impl Instance {
+    pub(crate) fn new(validate: bool) -> Result<Self, VulkanError> {
+        // SAFETY: the loader's library is the system's own and is kept loaded by the entry.
+        let entry = unsafe { ash::Entry::load() }
+            .map_err(|error| VulkanError::NoLoader(error.to_string()))?;
+        let application = vk::ApplicationInfo::default()
+            .application_name(c"geosweep")
+            .engine_name(c"geosweep")
+            .api_version(API_VERSION);
+        let mut features =
+            vk::ValidationFeaturesEXT::default().enabled_validation_features(&validation::FEATURES);
+        let layers = [validation::LAYER.as_ptr()];
+        let extensions = [ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()];
+        let mut info = vk::InstanceCreateInfo::default().application_info(&application);
+        if validate {
+            info = info
+                .enabled_layer_names(&layers)
+                .enabled_extension_names(&extensions)
+                .push_next(&mut features);
+        }
+        // SAFETY: all that the structures point to is alive.
+        let handle = match unsafe { entry.create_instance(&info, None) } {
+            Ok(handle) => handle,
+            Err(vk::Result::ERROR_LAYER_NOT_PRESENT) => return Err(VulkanError::NoValidationLayer),
+            Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) => return Err(VulkanError::NoDevice),
+            Err(result) => return Err(VulkanError::Call { call: "vkCreateInstance", result }),
+        };
+        let mut new = Self { _entry: entry, handle, messenger: None };
+        if validate {
+            new.messenger = Some(Messenger::new(&new._entry, &new.handle)?);
+        }
+        Ok(new)
+    }
+
+    pub(crate) fn validation_log(&self) -> Option<&ValidationLog> {
+        self.messenger.as_ref().map(Messenger::log)
+    }
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        if let Some(messenger) = &mut self.messenger {
+            messenger.destroy();
+        }
+        // SAFETY: everything made from the instance is gone.
+        unsafe { self.handle.destroy_instance(None) };
+    }
+}
+
+/// A device with one compute queue, an allocator and command buffers.
+pub(crate) struct Context {
+    pub(crate) device: ash::Device,
+    pub(crate) info: DeviceInfo,
+    pub(crate) physical_device: vk::PhysicalDevice,
+    queue: vk::Queue,
+    allocator: ManuallyDrop<Mutex<Allocator>>,
+    pool: vk::CommandPool,
+    fence: vk::Fence,
+    // Last, so that it is dropped last.
+    pub(crate) instance: Instance,
+}
+
+impl Context {
+    pub(crate) fn new(choice: &DeviceChoice, validate: bool) -> Result<Self, VulkanError> {
+        let instance = Instance::new(validate)?;
+        let (info, physical_device) = devices::choose(&instance, choice)?;
+        let family = requirements::compute_queue_family(&instance.handle, physical_device)
+            .expect("a chosen device meets the requirements");
+        let queues = [vk::DeviceQueueCreateInfo::default()
+            .queue_family_index(family)
+            .queue_priorities(&[1.0])];
+        let create = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
+        // SAFETY: the physical device has this queue family.
+        let device = unsafe { instance.handle.create_device(physical_device, &create, None) }
+            .map_err(VulkanError::from_call("vkCreateDevice"))?;
+        let allocator = Allocator::new(&AllocatorCreateDesc {
+            instance: instance.handle.clone(),
+            device: device.clone(),
+            physical_device,
+            debug_settings: Default::default(),
+            buffer_device_address: false,
+            allocation_sizes: Default::default(),
+        });
+        let allocator = match allocator {
+            Ok(allocator) => ManuallyDrop::new(Mutex::new(allocator)),
+            Err(source) => {
+                // SAFETY: nothing was made from the device.
+                unsafe { device.destroy_device(None) };
+                return Err(VulkanError::Allocation { what: "the allocator", source });
+            }
+        };
+        // SAFETY: the family's first queue was created with the device.
+        let queue = unsafe { device.get_device_queue(family, 0) };
+        let mut new = Self {
+            device,
+            info,
+            physical_device,
+            queue,
+            allocator,
+            pool: vk::CommandPool::null(),
+            fence: vk::Fence::null(),
+            instance,
+        };
+        let pool = vk::CommandPoolCreateInfo::default()
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER)
+            .queue_family_index(family);
+        // SAFETY: the device was created with this queue family.
+        new.pool = unsafe { new.device.create_command_pool(&pool, None) }
+            .map_err(VulkanError::from_call("vkCreateCommandPool"))?;
+        // SAFETY: nothing is borrowed beyond the call.
+        new.fence = unsafe { new.device.create_fence(&vk::FenceCreateInfo::default(), None) }
+            .map_err(VulkanError::from_call("vkCreateFence"))?;
+        Ok(new)
+    }
+
+    pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {
+        self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Records a command buffer that can be submitted many times, one submission at a time.
+    pub(crate) fn record(
+        &self,
+        append: impl FnOnce(&ash::Device, vk::CommandBuffer),
+    ) -> Result<Commands<'_>, VulkanError> {
+        let info = vk::CommandBufferAllocateInfo::default()
+            .command_pool(self.pool)
+            .level(vk::CommandBufferLevel::PRIMARY)
+            .command_buffer_count(1);
+        // SAFETY: the pool is alive and used by one thread at a time, since it is not shared.
+        let buffer = unsafe { self.device.allocate_command_buffers(&info) }
+            .map_err(VulkanError::from_call("vkAllocateCommandBuffers"))?[0];
+        let commands = Commands { context: self, buffer };
+        // SAFETY: the buffer is new.
+        unsafe { self.device.begin_command_buffer(buffer, &vk::CommandBufferBeginInfo::default()) }
+            .map_err(VulkanError::from_call("vkBeginCommandBuffer"))?;
+        append(&self.device, buffer);
+        // SAFETY: the buffer is being recorded.
+        unsafe { self.device.end_command_buffer(buffer) }
+            .map_err(VulkanError::from_call("vkEndCommandBuffer"))?;
+        Ok(commands)
+    }
+
+    /// Records, submits and waits.
+    pub(crate) fn run(
+        &self,
+        append: impl FnOnce(&ash::Device, vk::CommandBuffer),
+    ) -> Result<(), VulkanError> {
+        self.record(append)?.submit_and_wait()
+    }
+
+    /// An error if the validation layers have found anything.
+    pub(crate) fn check_validation(&self) -> Result<(), VulkanError> {
+        let messages = self.instance.validation_log().map_or(Vec::new(), ValidationLog::messages);
+        if messages.is_empty() { Ok(()) } else { Err(VulkanError::Validation(messages)) }
+    }
+}
+
+impl Drop for Context {
+    fn drop(&mut self) {
+        // SAFETY: the device is alive; its other children are gone, since they borrow or share
+        // the context. The allocator is not used after it is dropped.
+        unsafe {
+            let _ = self.device.device_wait_idle();
+            self.device.destroy_fence(self.fence, None);
+            self.device.destroy_command_pool(self.pool, None);
+            ManuallyDrop::drop(&mut self.allocator);
+            self.device.destroy_device(None);
+        }
+    }
+}
+
+/// A recorded command buffer.
+pub(crate) struct Commands<'a> {
+    context: &'a Context,
+    buffer: vk::CommandBuffer,
+}
+
+impl Commands<'_> {
+    pub(crate) fn submit_and_wait(&self) -> Result<(), VulkanError> {
+        let Context { device, queue, fence, .. } = self.context;
+        let buffers = [self.buffer];
+        let submit = vk::SubmitInfo::default().command_buffers(&buffers);
+        // SAFETY: the buffer is recorded and not pending, and the fence is unsignalled.
+        unsafe { device.queue_submit(*queue, &[submit], *fence) }
+            .map_err(VulkanError::from_call("vkQueueSubmit"))?;
+        // SAFETY: the fence was submitted above.
+        unsafe { device.wait_for_fences(&[*fence], true, u64::MAX) }
+            .map_err(VulkanError::from_call("vkWaitForFences"))?;
+        // SAFETY: the fence is signalled.
+        unsafe { device.reset_fences(&[*fence]) }.map_err(VulkanError::from_call("vkResetFences"))
+    }
+}
+
+impl Drop for Commands<'_> {
+    fn drop(&mut self) {
+        // SAFETY: submissions have been waited for; after a lost device nothing is pending.
+        unsafe { self.context.device.free_command_buffers(self.context.pool, &[self.buffer]) };
+    }
+}

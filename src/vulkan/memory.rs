@@ -1,0 +1,185 @@
+//! Images and buffers with their memory, from the caller's device and allocator.
+
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator};
+
+use super::{VulkanError, barrier};
+
+/// The format of every image: 2 x 2 points, or the four edges of one point, a texel.
+pub(crate) const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+pub(crate) const IMAGE_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+    vk::ImageUsageFlags::STORAGE.as_raw() | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
+);
+
+/// A storage image in device memory with its view.
+#[derive(Debug)]
+pub(crate) struct Image {
+    pub(crate) image: vk::Image,
+    pub(crate) view: vk::ImageView,
+    allocation: Option<Allocation>,
+}
+
+/// A storage buffer.
+#[derive(Debug)]
+pub(crate) struct Buffer {
+    pub(crate) buffer: vk::Buffer,
+    allocation: Option<Allocation>,
+}
+
+impl Image {
+    pub(crate) fn new(
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        name: &'static str,
+        extent: vk::Extent3D,
+    ) -> Result<Self, VulkanError> {
+        let info = vk::ImageCreateInfo::default()
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(FORMAT)
+            .extent(extent)
+            .mip_levels(1)
+            .array_layers(1)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .tiling(vk::ImageTiling::OPTIMAL)
+            .usage(IMAGE_USAGE);
+        // SAFETY: the extent lies within the device's limits, which the caller has checked.
+        let image = unsafe { device.create_image(&info, None) }
+            .map_err(VulkanError::from_call("vkCreateImage"))?;
+        let mut new = Self { image, view: vk::ImageView::null(), allocation: None };
+        match new.back(device, allocator, name) {
+            Ok(()) => Ok(new),
+            Err(error) => {
+                new.destroy(device, allocator);
+                Err(error)
+            }
+        }
+    }
+
+    fn back(
+        &mut self,
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        name: &'static str,
+    ) -> Result<(), VulkanError> {
+        // SAFETY: the image is from this device.
+        let requirements = unsafe { device.get_image_memory_requirements(self.image) };
+        let location = MemoryLocation::GpuOnly;
+        let allocation = allocate(allocator, name, requirements, location, false)?;
+        // SAFETY: the allocation was made for this image's requirements.
+        let bound = unsafe {
+            device.bind_image_memory(self.image, allocation.memory(), allocation.offset())
+        };
+        self.allocation = Some(allocation);
+        bound.map_err(VulkanError::from_call("vkBindImageMemory"))?;
+        let info = vk::ImageViewCreateInfo::default()
+            .image(self.image)
+            .view_type(vk::ImageViewType::TYPE_2D)
+            .format(FORMAT)
+            .subresource_range(barrier::COLOR);
+        // SAFETY: the image is bound to memory and has this format.
+        self.view = unsafe { device.create_image_view(&info, None) }
+            .map_err(VulkanError::from_call("vkCreateImageView"))?;
+        Ok(())
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        self.allocation.as_ref().map_or(0, Allocation::size)
+    }
+
+    pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+        // SAFETY: the caller has made sure that no submitted work uses the image; null handles
+        // are allowed.
+        unsafe {
+            device.destroy_image_view(self.view, None);
+            device.destroy_image(self.image, None);
+        }
+        free(allocator, self.allocation.take());
+    }
+}
+
+impl Buffer {
+    pub(crate) fn new(
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        name: &'static str,
+        size: u64,
+        location: MemoryLocation,
+    ) -> Result<Self, VulkanError> {
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_SRC
+            | vk::BufferUsageFlags::TRANSFER_DST;
+        let info = vk::BufferCreateInfo::default().size(size).usage(usage);
+        // SAFETY: the size is positive.
+        let buffer = unsafe { device.create_buffer(&info, None) }
+            .map_err(VulkanError::from_call("vkCreateBuffer"))?;
+        let mut new = Self { buffer, allocation: None };
+        match new.back(device, allocator, name, location) {
+            Ok(()) => Ok(new),
+            Err(error) => {
+                new.destroy(device, allocator);
+                Err(error)
+            }
+        }
+    }
+
+    fn back(
+        &mut self,
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        name: &'static str,
+        location: MemoryLocation,
+    ) -> Result<(), VulkanError> {
+        // SAFETY: the buffer is from this device.
+        let requirements = unsafe { device.get_buffer_memory_requirements(self.buffer) };
+        let allocation = allocate(allocator, name, requirements, location, true)?;
+        // SAFETY: the allocation was made for this buffer's requirements.
+        let bound = unsafe {
+            device.bind_buffer_memory(self.buffer, allocation.memory(), allocation.offset())
+        };
+        self.allocation = Some(allocation);
+        bound.map_err(VulkanError::from_call("vkBindBufferMemory"))
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        self.allocation.as_ref().map_or(0, Allocation::size)
+    }
+
+    /// The buffer's memory; it must be host-visible.
+    pub(crate) fn mapped(&mut self) -> &mut [u8] {
+        let allocation = self.allocation.as_mut().and_then(Allocation::mapped_slice_mut);
+        allocation.expect("only buffers made host-visible are mapped")
+    }
+
+    pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+        // SAFETY: the caller has made sure that no submitted work uses the buffer.
+        unsafe { device.destroy_buffer(self.buffer, None) };
+        free(allocator, self.allocation.take());
+    }
+}
+
+fn allocate(
+    allocator: &mut Allocator,
+    name: &'static str,
+    requirements: vk::MemoryRequirements,
+    location: MemoryLocation,
+    linear: bool,
+) -> Result<Allocation, VulkanError> {
+    allocator
+        .allocate(&AllocationCreateDesc {
+            name,
+            requirements,
+            location,
+            linear,
+            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+        })
+        .map_err(|source| VulkanError::Allocation { what: name, source })
+}
+
+fn free(allocator: &mut Allocator, allocation: Option<Allocation>) {
+    if let Some(allocation) = allocation {
+        // An allocation of another allocator is the only reason to fail.
+        let freed = allocator.free(allocation);
+        debug_assert!(freed.is_ok(), "{freed:?}");
+    }
+}

@@ -1,0 +1,234 @@
+//! Recording: each function appends commands to a command buffer that the caller has begun, and
+//! ends with a barrier after which the next function may be recorded. None submits or waits.
+
+use ash::vk;
+use bytemuck::{NoUninit, bytes_of};
+
+use super::barrier::{self, CLEAR, COPY, HOST_READ, SHADER, SHADER_WRITE};
+use super::plan::{Scan, Step};
+use super::{GridImages, Pipelines, ScanPipelines};
+use crate::constants::{FAR, WORKGROUP};
+use crate::surface::{Geometry, Spacing};
+
+#[derive(Clone, Copy, NoUninit)]
+#[repr(C)]
+struct EdgesBand {
+    grid: [i32; 2],
+    first_row: i32,
+    band_rows: i32,
+    buffer_row: i32,
+    dx: f32,
+    dy: f32,
+}
+
+#[derive(Clone, Copy, NoUninit)]
+#[repr(C)]
+struct UnpackBand {
+    grid: [i32; 2],
+    first_row: i32,
+    band_rows: i32,
+}
+
+#[derive(Clone, Copy, NoUninit)]
+#[repr(C)]
+struct Line {
+    line: i32,
+    first: i32,
+    count: i32,
+}
+
+/// Brings new images into their layout, with no edge and no point reached.
+pub fn prepare(device: &ash::Device, commands: vk::CommandBuffer, grid: &GridImages) {
+    for image in [&grid.edges, &grid.times[0], &grid.times[1]] {
+        barrier::into_general(device, commands, image.image, CLEAR);
+    }
+    clear(device, commands, grid.edges.image);
+    barrier::memory(device, commands, CLEAR, SHADER);
+}
+
+/// Measures the edges of a band of rows whose points are in the upload buffer, from the row
+/// above the band on, if there is one.
+pub fn measure_edges(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    pipelines: &Pipelines,
+    grid: &GridImages,
+    geometry: &Geometry,
+    rows: std::ops::Range<usize>,
+) {
+    let (pipeline, spacing) = match geometry {
+        Geometry::Positions(_) => (pipelines.edges_from_positions, Spacing::square(1.0)),
+        Geometry::Heights { spacing, .. } => (pipelines.edges_from_heights, *spacing),
+        Geometry::Metric(_) => (pipelines.edges_from_metric, Spacing::square(1.0)),
+    };
+    let band = EdgesBand {
+        grid: [grid.chart.cols as i32, grid.chart.rows as i32],
+        first_row: rows.start as i32,
+        band_rows: rows.len() as i32,
+        buffer_row: rows.start.saturating_sub(1) as i32,
+        dx: spacing.dx as f32,
+        dy: spacing.dy as f32,
+    };
+    bind(device, commands, pipelines, grid, pipeline, 0);
+    dispatch(device, commands, pipelines, &band, grid.chart.cols as u32, rows.len() as u32);
+    barrier::memory(device, commands, SHADER_WRITE, SHADER);
+}
+
+/// Forgets the map: no point is reached in either image.
+pub fn forget(device: &ash::Device, commands: vk::CommandBuffer, grid: &GridImages) {
+    barrier::memory(device, commands, SHADER, CLEAR);
+    grid.times.iter().for_each(|image| clear(device, commands, image.image));
+    barrier::memory(device, commands, CLEAR, SHADER);
+}
+
+/// Sets the texels with sources, `count` of which are in the upload buffer, in image 0.
+pub fn seed(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    pipelines: &Pipelines,
+    grid: &GridImages,
+    count: u32,
+) {
+    bind(device, commands, pipelines, grid, pipelines.seed, 0);
+    dispatch(device, commands, pipelines, &count, count, 1);
+    barrier::memory(device, commands, SHADER_WRITE, SHADER);
+}
+
+/// Dispatches every scan over no texel, since drivers may compile a pipeline at its first
+/// dispatch.
+pub fn warm_up(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    pipelines: &Pipelines,
+    scans: &ScanPipelines,
+    grid: &GridImages,
+) {
+    for pipeline in scans.scans {
+        bind(device, commands, pipelines, grid, pipeline, 0);
+        dispatch(device, commands, pipelines, &Line { line: 0, first: 0, count: 0 }, 1, 1);
+        barrier::memory(device, commands, SHADER_WRITE, SHADER);
+    }
+}
+
+/// Runs the steps of an iteration and leaves its residual in the host's buffer.
+pub fn iterate(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    pipelines: &Pipelines,
+    scans: &ScanPipelines,
+    grid: &GridImages,
+    steps: &[Step],
+) {
+    barrier::memory(device, commands, COPY, CLEAR);
+    // SAFETY: the buffer holds one word, and the barrier has ended its last copy.
+    unsafe { device.cmd_fill_buffer(commands, grid.residual.buffer, 0, vk::WHOLE_SIZE, 0) };
+    barrier::memory(device, commands, CLEAR, SHADER);
+
+    let mut bound = None;
+    for step in steps {
+        match step {
+            Step::Pass(pass) => {
+                if bound != Some(pass.scan) {
+                    let pipeline = scans.scans[pipeline_index(pass.scan)];
+                    bind(device, commands, pipelines, grid, pipeline, pass.writes);
+                    bound = Some(pass.scan);
+                }
+                let count = pass.texels.end - pass.texels.start;
+                let line = Line {
+                    line: pass.line as i32,
+                    first: pass.texels.start as i32,
+                    count: count as i32,
+                };
+                dispatch(device, commands, pipelines, &line, count, 1);
+            }
+            Step::Barrier => barrier::memory(device, commands, SHADER_WRITE, SHADER),
+        }
+    }
+
+    barrier::memory(device, commands, SHADER_WRITE, COPY);
+    let copy = [vk::BufferCopy::default().size(size_of::<u32>() as u64)];
+    // SAFETY: both buffers hold one word.
+    unsafe {
+        device.cmd_copy_buffer(commands, grid.residual.buffer, grid.residual_on_host.buffer, &copy);
+    }
+    barrier::memory(device, commands, CLEAR, HOST_READ);
+}
+
+/// Unpacks image 0 of the arrival times, a band of rows, into the read-back buffer.
+pub fn unpack(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    pipelines: &Pipelines,
+    grid: &GridImages,
+    rows: std::ops::Range<usize>,
+) {
+    let band = UnpackBand {
+        grid: [grid.chart.cols as i32, grid.chart.rows as i32],
+        first_row: rows.start as i32,
+        band_rows: rows.len() as i32,
+    };
+    // The set that writes image 1 reads image 0.
+    bind(device, commands, pipelines, grid, pipelines.unpack, 1);
+    let (width, height) = (grid.chart.cols.div_ceil(2), rows.len().div_ceil(2));
+    dispatch(device, commands, pipelines, &band, width as u32, height as u32);
+    barrier::memory(device, commands, SHADER_WRITE, HOST_READ);
+}
+
+fn pipeline_index(scan: Scan) -> usize {
+    Scan::ALL.iter().position(|&other| other == scan).expect("all scans are listed")
+}
+
+/// Fills an image with FAR.
+fn clear(device: &ash::Device, commands: vk::CommandBuffer, image: vk::Image) {
+    let far = vk::ClearColorValue { float32: [FAR as f32; 4] };
+    // SAFETY: the image is in this layout and is used by nothing else until the next barrier.
+    unsafe {
+        device.cmd_clear_color_image(
+            commands,
+            image,
+            vk::ImageLayout::GENERAL,
+            &far,
+            &[barrier::COLOR],
+        );
+    }
+}
+
+fn bind(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    pipelines: &Pipelines,
+    grid: &GridImages,
+    pipeline: vk::Pipeline,
+    writes: usize,
+) {
+    let compute = vk::PipelineBindPoint::COMPUTE;
+    // SAFETY: pipeline, layout and set belong together and are alive.
+    unsafe {
+        device.cmd_bind_pipeline(commands, compute, pipeline);
+        device.cmd_bind_descriptor_sets(
+            commands,
+            compute,
+            pipelines.layout,
+            0,
+            &[grid.sets[writes]],
+            &[],
+        );
+    }
+}
+
+/// Dispatches `width` x `height` invocations, in groups along the width.
+fn dispatch(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    pipelines: &Pipelines,
+    constants: &impl NoUninit,
+    width: u32,
+    height: u32,
+) {
+    let stages = vk::ShaderStageFlags::COMPUTE;
+    // SAFETY: a pipeline with this layout is bound, and the constants fit its range.
+    unsafe {
+        device.cmd_push_constants(commands, pipelines.layout, stages, 0, bytes_of(constants));
+        device.cmd_dispatch(commands, width.div_ceil(WORKGROUP), height, 1);
+    }
+}

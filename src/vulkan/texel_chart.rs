@@ -1,0 +1,73 @@
+//! The chart in texels: which texel of the images holds which grid points. The twin of
+//! `glsl/texel.glsl`.
+
+use std::ops::Range;
+
+use ash::vk;
+
+use crate::constants::BORDER;
+use crate::surface::Chart;
+
+/// Size of the images of arrival times, 2 x 2 grid points a texel with a border of texels that
+/// are never reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TexelChart {
+    /// Rows of texels, the border included.
+    pub rows: u32,
+    /// Columns of texels, the border included.
+    pub cols: u32,
+}
+
+impl TexelChart {
+    /// The texels of a grid; `None` if they cannot be counted in 31 bits.
+    pub fn new(chart: Chart) -> Option<Self> {
+        let texels = |points: usize| {
+            let points = u32::try_from(points).ok().filter(|&points| points < 1 << 30)?;
+            Some(points.div_ceil(2) + 2 * BORDER)
+        };
+        Some(Self { rows: texels(chart.rows)?, cols: texels(chart.cols)? })
+    }
+
+    /// Rows of texels with grid points in them.
+    pub fn inner_rows(self) -> Range<u32> {
+        BORDER..self.rows - BORDER
+    }
+
+    /// Columns of texels with grid points in them.
+    pub fn inner_cols(self) -> Range<u32> {
+        BORDER..self.cols - BORDER
+    }
+
+    /// The row and column of the texel of a grid point, and its component in it.
+    pub fn texel_of(row: usize, col: usize) -> (u32, u32, usize) {
+        (row as u32 / 2 + BORDER, col as u32 / 2 + BORDER, 2 * (row % 2) + col % 2)
+    }
+
+    /// Extent of an image with one texel for 2 x 2 points.
+    pub fn times_extent(self) -> vk::Extent3D {
+        vk::Extent3D { width: self.cols, height: self.rows, depth: 1 }
+    }
+
+    /// Extent of an image with one texel a point.
+    pub fn edges_extent(self) -> vk::Extent3D {
+        vk::Extent3D { width: 2 * self.cols, height: 2 * self.rows, depth: 1 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn odd_grids_fill_the_last_texel_in_part() {
+        let texels = TexelChart::new(Chart { rows: 3, cols: 1 }).unwrap();
+        assert_eq!((texels.inner_rows(), texels.inner_cols()), (1..3, 1..2));
+        assert_eq!(TexelChart::texel_of(2, 0), (2, 1, 0));
+        assert_eq!(TexelChart::texel_of(1, 3), (1, 2, 3));
+    }
+
+    #[test]
+    fn absurd_sizes_are_refused() {
+        assert_eq!(TexelChart::new(Chart { rows: 1, cols: usize::MAX }), None);
+    }
+}
