@@ -4,6 +4,7 @@
 //! the edges between neighbouring grid points ([`EdgeLengths`]), and a source becomes initial
 //! values at grid points ([`Seed`]).
 
+pub mod builtin;
 mod chart;
 mod edges;
 mod geometry;

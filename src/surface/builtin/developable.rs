@@ -1,0 +1,74 @@
+//! Surfaces that unroll into the plane: shear, cylinder and cone.
+
+use std::f64::consts::PI;
+
+use glam::{DVec2, DVec3};
+
+pub(super) fn shear(degrees: f64, uv: DVec2) -> DVec2 {
+    DVec2::new(uv.x + uv.y * degrees.to_radians().tan(), uv.y)
+}
+
+/// Three quarters of a turn, the angle that cylinder and cone cover.
+const ANGLE: f64 = 1.5 * PI;
+const HEIGHT: f64 = 3.0;
+
+pub(super) fn cylinder(uv: DVec2) -> DVec3 {
+    let (sin, cos) = (ANGLE * uv.x).sin_cos();
+    DVec3::new(cos, sin, HEIGHT * uv.y)
+}
+
+pub(super) fn cylinder_distance(a: DVec2, b: DVec2) -> f64 {
+    let unrolled = |uv: DVec2| DVec2::new(ANGLE * uv.x, HEIGHT * uv.y);
+    unrolled(a).distance(unrolled(b))
+}
+
+/// The cone's radius per slant height: the sine of its half-angle, 30 degrees.
+const SLOPE: f64 = 0.5;
+/// Slant height of the inner border.
+const INNER: f64 = 0.5;
+
+pub(super) fn cone(uv: DVec2) -> DVec3 {
+    let slant = INNER + uv.y;
+    let (sin, cos) = (ANGLE * uv.x).sin_cos();
+    slant * DVec3::new(SLOPE * cos, SLOPE * sin, (1.0 - SLOPE * SLOPE).sqrt())
+}
+
+pub(super) fn cone_distance(a: DVec2, b: DVec2) -> f64 {
+    let angle = SLOPE * ANGLE * (a.x - b.x).abs();
+    annulus_distance(INNER, INNER + a.y, INNER + b.y, angle)
+}
+
+/// Distance outside a circle around the origin between points at two radii and an angle apart,
+/// on that side of the circle: also right for angles above 180 degrees.
+fn annulus_distance(inner: f64, r1: f64, r2: f64, angle: f64) -> f64 {
+    // The angle between a point and the point where its tangent touches the circle.
+    let to_tangent = |r: f64| (inner / r).min(1.0).acos();
+    let arc = angle - to_tangent(r1) - to_tangent(r2);
+    if arc > 0.0 {
+        let tangent = |r: f64| ((r - inner) * (r + inner)).max(0.0).sqrt();
+        tangent(r1) + tangent(r2) + inner * arc
+    } else {
+        // The law of cosines, without cancellation at small angles.
+        (r1 - r2).hypot(2.0 * (r1 * r2).sqrt() * (0.5 * angle).sin())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn around_the_inner_circle_the_path_is_two_tangents_and_an_arc() {
+        let diagonal = 2.0f64.sqrt();
+        // From 45 degrees before the point of contact, 90 degrees of arc, 45 degrees on.
+        let distance = annulus_distance(1.0, diagonal, diagonal, PI);
+        approx::assert_relative_eq!(distance, 2.0 + PI / 2.0, max_relative = 1e-15);
+        approx::assert_relative_eq!(annulus_distance(1.0, 1.0, 1.0, 5.0), 5.0);
+        // Straight as long as the circle is not met, and continuous where it is.
+        approx::assert_relative_eq!(annulus_distance(1.0, 3.0, 4.0, PI / 2.0), 5.0);
+        let touching = annulus_distance(1.0, diagonal, diagonal, PI / 2.0);
+        approx::assert_relative_eq!(touching, 2.0, max_relative = 1e-12);
+        let just_bent = annulus_distance(1.0, diagonal, diagonal, PI / 2.0 + 1e-9);
+        approx::assert_relative_eq!(just_bent, touching, max_relative = 1e-8);
+    }
+}

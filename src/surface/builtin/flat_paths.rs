@@ -1,0 +1,247 @@
+//! Shortest paths over a flat grid with holes, by a visibility graph.
+//!
+//! Independent of the solvers: a shortest path between obstacles with straight sides is a chain
+//! of straight lines which bends only at the obstacles' corners.
+
+use std::ops::Range;
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use crate::surface::{Chart, Direction};
+
+/// A flat grid, some of whose points are missing. Its floor is the union of the triangles of
+/// neighbouring points that are all there, and of edges between two that are: a cell with one
+/// corner missing keeps its half on the other side of the diagonal.
+pub(super) struct FloorPlan {
+    chart: Chart,
+    floor: Vec<bool>,
+    /// Distance between rows and between columns.
+    spacing: DVec2,
+}
+
+/// Places closer than this, in cells, are one.
+const NEAR: f64 = 1e-9;
+
+impl FloorPlan {
+    pub(super) fn new(rows: usize, cols: usize, floor: Vec<bool>, spacing: DVec2) -> Self {
+        Self { chart: Chart { rows, cols }, floor, spacing }
+    }
+
+    fn has(&self, row: usize, col: usize) -> bool {
+        row < self.chart.rows && col < self.chart.cols && self.floor[self.chart.index(row, col)]
+    }
+
+    fn neighbour(&self, row: usize, col: usize, to: Direction) -> bool {
+        self.chart.neighbour(row, col, to).is_some_and(|(row, col)| self.has(row, col))
+    }
+
+    /// Length of a straight line between two places.
+    fn length(&self, a: DVec2, b: DVec2) -> f64 {
+        ((b - a) * self.spacing).length()
+    }
+
+    /// The points at which a shortest path can bend: where less than half a turn, between two
+    /// directions in which one can go, is blocked.
+    fn corners(&self) -> Vec<DVec2> {
+        let Chart { rows, cols } = self.chart;
+        (0..rows)
+            .flat_map(|row| (0..cols).map(move |col| (row, col)))
+            .filter(|&(row, col)| self.has(row, col) && self.is_corner(row, col))
+            .map(|(row, col)| DVec2::new(row as f64, col as f64))
+            .collect()
+    }
+
+    fn is_corner(&self, row: usize, col: usize) -> bool {
+        let there = Direction::ALL.map(|to| self.neighbour(row, col, to));
+        let at = |index: usize| there[index % 8];
+        // Eighth k lies between directions k and k + 1, of which the odd ones are diagonals. It
+        // is open if its triangle is there, or that of the cell's half it is cut from.
+        let cell = |k: usize| {
+            let first = k / 2 * 2;
+            [at(first), at(first + 1), at(first + 2)]
+        };
+        let open = |k: usize| match cell(k) {
+            [true, _, true] => true,
+            [a, true, b] => {
+                if k.is_multiple_of(2) {
+                    a
+                } else {
+                    b
+                }
+            }
+            _ => false,
+        };
+        // Edges with no triangle beside them end a blocked range too.
+        let passable = |k: usize| {
+            let diagonal = k % 2 == 1;
+            at(k) && (!diagonal || open(k) || open(k + 7))
+        };
+        (0..8).filter(|&k| passable(k) || open(k) || open(k + 7)).any(|start| {
+            let blocked = (start..start + 8)
+                .take_while(|&k| !open(k) && (k == start || !passable(k)))
+                .count();
+            (1..4).contains(&blocked)
+        })
+    }
+
+    /// Whether the straight line between two places stays on the floor.
+    fn sees(&self, a: DVec2, b: DVec2) -> bool {
+        let cuts = crossings(a, b);
+        cuts.windows(2).all(|ends| self.has_piece(a.lerp(b, ends[0]), a.lerp(b, ends[1])))
+    }
+
+    /// Whether a piece of a line that crosses no row or column inside lies on the floor.
+    fn has_piece(&self, a: DVec2, b: DVec2) -> bool {
+        let middle = 0.5 * (a + b);
+        let (rows, cols) = (span(middle.x), span(middle.y));
+        match (rows.len(), cols.len()) {
+            (1, 1) | (1, 2) | (2, 1) => {
+                let mut points = rows.flat_map(|row| cols.clone().map(move |col| (row, col)));
+                points.all(|(row, col)| self.has(row, col))
+            }
+            _ => {
+                let corner = |k: usize| (rows.start + k / 2, cols.start + k % 2);
+                let mut missing = (0..4).map(corner).filter(|&(row, col)| !self.has(row, col));
+                match (missing.next(), missing.next()) {
+                    (None, _) => true,
+                    (Some((row, col)), None) => {
+                        let hole = DVec2::new(row as f64, col as f64);
+                        let beyond = |x: DVec2| (x - hole).abs().element_sum() >= 1.0 - NEAR;
+                        beyond(a) && beyond(b)
+                    }
+                    _ => false,
+                }
+            }
+        }
+    }
+}
+
+/// The grid lines that a coordinate lies on (one) or between (two).
+fn span(x: f64) -> Range<usize> {
+    let nearest = x.round();
+    if (x - nearest).abs() < NEAR {
+        nearest as usize..nearest as usize + 1
+    } else {
+        x as usize..x as usize + 2
+    }
+}
+
+/// Parameters, 0 and 1 included, at which a line crosses rows and columns.
+fn crossings(a: DVec2, b: DVec2) -> Vec<f64> {
+    let mut cuts = vec![0.0, 1.0];
+    for (from, to) in [(a.x, b.x), (a.y, b.y)] {
+        let first = from.min(to).floor() as usize + 1;
+        let last = from.max(to).ceil() as usize;
+        cuts.extend((first..last).map(|line| (line as f64 - from) / (to - from)));
+    }
+    cuts.sort_by(f64::total_cmp);
+    let shortest = NEAR / (b - a).length().max(NEAR);
+    cuts.dedup_by(|later, earlier| *later - *earlier < shortest && *later < 1.0);
+    cuts
+}
+
+/// Distances over a floor from one place.
+pub(super) struct FlatPaths {
+    plan: FloorPlan,
+    /// The source and the corners that it reaches, with their distances.
+    anchors: Vec<(DVec2, f64)>,
+}
+
+impl FlatPaths {
+    /// Dijkstra over the source and the corners.
+    pub(super) fn new(plan: FloorPlan, from: [f64; 2]) -> Self {
+        let from = DVec2::from_array(from);
+        let mut open: Vec<_> = plan.corners().into_iter().map(|at| (at, f64::INFINITY)).collect();
+        let mut anchors = Vec::new();
+        let mut next = plan.has_piece(from, from).then_some((from, 0.0));
+        while let Some((at, distance)) = next {
+            anchors.push((at, distance));
+            for (corner, best) in &mut open {
+                let through = distance + plan.length(at, *corner);
+                if through < *best && plan.sees(at, *corner) {
+                    *best = through;
+                }
+            }
+            next = (0..open.len())
+                .min_by(|&i, &j| open[i].1.total_cmp(&open[j].1))
+                .filter(|&nearest| open[nearest].1.is_finite())
+                .map(|nearest| open.swap_remove(nearest));
+        }
+        Self { plan, anchors }
+    }
+
+    /// Distance to a place, fractional row and column; infinite if it cannot be reached.
+    pub(super) fn distance_to(&self, to: [f64; 2]) -> f64 {
+        let to = DVec2::from_array(to);
+        if !self.plan.has_piece(to, to) {
+            return f64::INFINITY;
+        }
+        let through = |&(at, distance): &(DVec2, f64)| (distance + self.plan.length(at, to), at);
+        let mut ways: Vec<_> = self.anchors.iter().map(through).collect();
+        ways.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ways.into_iter().find(|&(_, at)| self.plan.sees(at, to)).map_or(f64::INFINITY, |way| way.0)
+    }
+
+    /// Distances to all grid points, row-major.
+    pub(super) fn distances(&self) -> Vec<f64> {
+        let Chart { rows, cols } = self.plan.chart;
+        (0..rows * cols)
+            .into_par_iter()
+            .map(|index| self.distance_to([(index / cols) as f64, (index % cols) as f64]))
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Floor where the picture has a dot.
+    fn paths(picture: &[&str], from: [f64; 2]) -> FlatPaths {
+        let floor = picture.iter().flat_map(|row| row.chars().map(|c| c == '.')).collect();
+        FlatPaths::new(FloorPlan::new(picture.len(), picture[0].len(), floor, DVec2::ONE), from)
+    }
+
+    #[test]
+    fn nothing_in_the_way_is_a_straight_line() {
+        let paths = paths(&["....", "....", "...."], [0.25, 0.5]);
+        approx::assert_relative_eq!(paths.distance_to([1.75, 2.5]), 2.5);
+        assert_eq!(paths.distance_to([0.25, 0.5]), 0.0);
+    }
+
+    #[test]
+    fn one_missing_point_is_a_diamond() {
+        let paths = paths(&[".....", ".....", "..#..", ".....", "....."], [2.0, 0.0]);
+        // Over the diamond's tip at (1, 2): two straight lines.
+        approx::assert_relative_eq!(paths.distance_to([2.0, 4.0]), 2.0 * 5f64.sqrt());
+        // Past the diamond's side: along a diagonal of the grid.
+        approx::assert_relative_eq!(paths.distance_to([0.0, 2.0]), 8f64.sqrt());
+        assert_eq!(paths.distance_to([2.0, 2.0]), f64::INFINITY);
+        assert_eq!(paths.distance_to([2.25, 2.25]), f64::INFINITY);
+        assert!(paths.distance_to([2.5, 2.5]).is_finite());
+    }
+
+    #[test]
+    fn a_wall_is_walked_around() {
+        let paths = paths(&[".....", ".....", "###..", ".....", "....."], [4.0, 0.0]);
+        // Corners of the wall's end at (3, 2), (2, 3) and (1, 2).
+        let exact = 5f64.sqrt() + 2.0 * 2f64.sqrt() + 5f64.sqrt();
+        approx::assert_relative_eq!(paths.distance_to([0.0, 0.0]), exact);
+    }
+
+    #[test]
+    fn a_corridor_one_point_wide_is_walked_along_its_edges() {
+        let paths = paths(&["...", "##.", "##.", "##."], [0.0, 0.0]);
+        approx::assert_relative_eq!(paths.distance_to([3.0, 2.0]), 3.0 + 2f64.sqrt());
+        let turn = self::paths(&["..##", "#.##", "#...", "####"], [0.0, 0.0]);
+        // Both bends are cut by the half cells beside them.
+        approx::assert_relative_eq!(turn.distance_to([2.0, 3.0]), 1.0 + 2.0 * 2f64.sqrt());
+    }
+
+    #[test]
+    fn holes_that_touch_at_a_corner_let_nothing_through() {
+        let paths = paths(&[".#", "#."], [0.0, 0.0]);
+        assert_eq!(paths.distance_to([1.0, 1.0]), f64::INFINITY);
+    }
+}
