@@ -1,0 +1,211 @@
+//! The Vulkan engine against the CPU engine, under the validation layers.
+
+mod common;
+
+use common::*;
+use geosweep::cpu::{self, Stop};
+use geosweep::surface::EdgeLengths;
+use geosweep::surface::builtin::Builtin;
+use geosweep::vulkan::{Solver, VulkanError};
+use geosweep::{
+    DeviceChoice, Engine, MetricTensor, Options, Sources, Surface, Wavefront, distance_map,
+};
+
+/// Both engines stop where nothing falls by more than 1e-6 in an iteration, and measure edges
+/// in different precision; the bar is ten times that.
+const AGREEMENT: f32 = 1e-5;
+/// After the same number of iterations only rounding is left: a few units of the last digit for
+/// each of the points a front passes, with both signs.
+const TWINS: f32 = 2e-6;
+const WAVEFRONTS: [Wavefront; 2] = [Wavefront::Planar, Wavefront::PointSource];
+
+fn assert_engines_agree(solver: &mut Solver, surface: &Surface, sources: &Sources, what: &str) {
+    let seeds = sources.seeds(surface).unwrap();
+    for wavefront in WAVEFRONTS {
+        let cpu = on_cpu(surface, &seeds, wavefront, CONVERGED);
+        let vulkan = on_vulkan(solver, surface, &seeds, wavefront, CONVERGED);
+        let difference = relative_difference(&cpu, &vulkan);
+        assert!(difference < AGREEMENT, "{what}, {wavefront}: {difference}");
+    }
+}
+
+fn middle(surface: &Surface) -> Sources {
+    let (row, col) = some_point(surface);
+    Sources::point(row as f64, col as f64)
+}
+
+#[test]
+fn engines_agree_on_every_built_in_surface() {
+    let mut solver = vulkan_solver();
+    for builtin in Builtin::ALL {
+        let surface = builtin.surface(129, 117).unwrap();
+        assert_engines_agree(&mut solver, &surface, &middle(&surface), builtin.name());
+    }
+}
+
+#[test]
+fn engines_agree_on_odd_and_tiny_sizes() {
+    let mut solver = vulkan_solver();
+    for (rows, cols) in
+        [(1, 1), (1, 2), (1, 17), (23, 1), (2, 2), (2, 3), (3, 5), (4, 4), (17, 1000), (1000, 17)]
+    {
+        let surface = rough(rows, cols, 0);
+        let corners = [(0, 0), (rows - 1, cols - 1), (0, cols - 1), (rows / 2, cols / 2)];
+        for (row, col) in corners {
+            let sources = Sources::point(row as f64, col as f64);
+            let what = format!("{rows}x{cols} from {row},{col}");
+            assert_engines_agree(&mut solver, &surface, &sources, &what);
+        }
+    }
+}
+
+#[test]
+fn engines_agree_around_holes() {
+    let mut solver = vulkan_solver();
+    for one_hole_in in [2, 3, 5, 20] {
+        let surface = rough(61, 84, one_hole_in);
+        let what = format!("one hole in {one_hole_in}");
+        assert_engines_agree(&mut solver, &surface, &middle(&surface), &what);
+    }
+}
+
+#[test]
+fn engines_agree_with_slowness_and_on_a_metric() {
+    let mut solver = vulkan_solver();
+    let slowness = (0..60 * 70).map(|i| if i % 70 < 30 { 1.0 } else { 2.5 }).collect();
+    let weighted = rough(60, 70, 9).with_slowness(slowness).unwrap();
+    assert_engines_agree(&mut solver, &weighted, &middle(&weighted), "slowness");
+
+    let metric = |index: usize| {
+        let (row, col) = ((index / 70) as f64 / 60.0, (index % 70) as f64 / 70.0);
+        MetricTensor { rr: 1.0 + row, rc: 0.4 * (3.0 * col).sin(), cc: 2.0 - col }
+    };
+    let metric = Surface::from_metric(60, 70, (0..60 * 70).map(metric).collect()).unwrap();
+    assert_engines_agree(&mut solver, &metric, &middle(&metric), "metric");
+}
+
+#[test]
+fn engines_agree_with_many_sources_and_curves() {
+    let mut solver = vulkan_solver();
+    let surface = rough(90, 75, 0);
+    let several = Sources::point(10.25, 20.5).and_point(80.0, 3.0, 4.5).and_point(10.5, 20.0, 1.0);
+    assert_engines_agree(&mut solver, &surface, &several, "several sources");
+    let every_point = (0..90).flat_map(|row| (0..75).map(move |col| (row, col)));
+    let every_point = every_point.fold(Sources::default(), |sources, (row, col)| {
+        sources.and_point(row as f64, col as f64, 0.0)
+    });
+    assert_engines_agree(&mut solver, &surface, &every_point, "every point");
+    let curve = Sources::curve([[5.0, 5.0], [70.5, 30.25], [40.0, 70.0]]);
+    let seeds = curve.seeds(&surface).unwrap();
+    let cpu = on_cpu(&surface, &seeds, Wavefront::Planar, CONVERGED);
+    let vulkan = on_vulkan(&mut solver, &surface, &seeds, Wavefront::Planar, CONVERGED);
+    assert!(relative_difference(&cpu, &vulkan) < AGREEMENT);
+}
+
+/// Positions far from the origin keep their digits.
+#[test]
+fn engines_agree_far_from_the_origin() {
+    let mut solver = vulkan_solver();
+    let near = Builtin::Peaks.surface(80, 80).unwrap();
+    let far = (0..80 * 80)
+        .map(|i| near.position(i / 80, i % 80).unwrap() + geosweep::glam::DVec3::splat(4e6))
+        .collect();
+    let far = Surface::from_positions(80, 80, far).unwrap();
+    assert_engines_agree(&mut solver, &far, &middle(&far), "far from the origin");
+}
+
+/// Iteration by iteration, not only in the limit: the scans are the CPU's rotated scans.
+fn assert_twins(solver: &mut Solver, surface: &Surface, source: (usize, usize), iterations: u32) {
+    let seeds = seeds_at(surface, source);
+    let edges = EdgeLengths::<f32>::new(surface).unwrap();
+    for iterations in 1..=iterations {
+        let stop = Stop::after(iterations);
+        for wavefront in WAVEFRONTS {
+            let twin = cpu::rotated_scan(&edges, &seeds, wavefront, stop).distances();
+            let vulkan = on_vulkan(solver, surface, &seeds, wavefront, stop);
+            let difference = relative_difference(&twin, &vulkan);
+            assert!(difference < TWINS, "{iterations} iterations, {wavefront}: {difference}");
+        }
+    }
+}
+
+#[test]
+fn every_iteration_of_the_shader_is_one_of_its_twin() {
+    let mut solver = vulkan_solver();
+    assert_twins(&mut solver, &Builtin::Maze.surface(101, 120).unwrap(), (0, 0), 4);
+    assert_twins(&mut solver, &rough(75, 62, 0), (50, 13), 3);
+    let holes = rough(64, 81, 4);
+    assert_twins(&mut solver, &holes, some_point(&holes), 3);
+}
+
+/// More rows than one band of the upload holds.
+#[test]
+fn every_band_of_the_upload_arrives() {
+    let mut solver = vulkan_solver();
+    assert_twins(&mut solver, &Builtin::Sphere.surface(1100, 1000).unwrap(), (300, 700), 1);
+}
+
+#[test]
+fn a_surface_on_the_device_serves_many_maps_and_repeats_them_to_the_bit() {
+    let mut solver = vulkan_solver();
+    let surface = rough(70, 50, 6);
+    let mut on_device = solver.upload(&surface).unwrap();
+    let seeds = seeds_at(&surface, some_point(&surface));
+    let mut solve =
+        |seeds: &[_], wavefront| solver.solve(&mut on_device, seeds, wavefront, CONVERGED).unwrap();
+    let first = solve(&seeds, Wavefront::PointSource);
+    let other =
+        solve(&Sources::point(0.5, 0.5).seeds(&rough(70, 50, 0)).unwrap(), Wavefront::Planar);
+    assert_ne!(first.distances, other.distances);
+    let again = solve(&seeds, Wavefront::PointSource);
+    assert_eq!(first.distances, again.distances);
+    assert_eq!((first.iterations, first.residual), (again.iterations, again.residual));
+}
+
+#[test]
+fn iterations_stop_at_the_given_count() {
+    let mut solver = vulkan_solver();
+    let surface = Builtin::Maze.surface(101, 101).unwrap();
+    let seeds = seeds_at(&surface, (0, 0));
+    let mut on_device = solver.upload(&surface).unwrap();
+    let mut solve = |stop| solver.solve(&mut on_device, &seeds, Wavefront::Planar, stop).unwrap();
+    let one = solve(Stop::after(1));
+    assert_eq!((one.iterations, one.residual), (1, 1.0));
+    let converged = solve(CONVERGED);
+    assert!(converged.iterations > 1 && converged.residual <= CONVERGED.tolerance);
+    let reached = |distances: &[f32]| distances.iter().filter(|d| d.is_finite()).count();
+    assert!(reached(&one.distances) < reached(&converged.distances));
+}
+
+#[test]
+fn the_one_call_says_what_it_used() {
+    let surface = rough(20, 30, 0);
+    let sources = Sources::point(3.0, 4.0).and_point(15.0, 20.0, -2.0);
+    let auto = distance_map(&surface, &sources, &Options::default()).unwrap();
+    assert_eq!((auto.report.engine, &auto.report.fallback), ("vulkan", &None));
+    assert!(auto.report.device.is_some() && auto.report.converged);
+    assert_eq!((auto.report.points, auto.report.reached), (600, 600));
+    let cpu = Options { engine: Engine::Cpu, ..Options::default() };
+    let cpu = distance_map(&surface, &sources, &cpu).unwrap();
+    assert_eq!((cpu.report.engine, cpu.report.device), ("cpu", None));
+    assert!(relative_difference(&auto.distances, &cpu.distances) < AGREEMENT);
+    assert_eq!(auto.distance(15, 20), -2.0);
+}
+
+#[test]
+fn a_choice_that_cannot_be_met_is_an_error() {
+    let surface = rough(5, 5, 0);
+    for choice in [DeviceChoice::Name("no such device".into()), DeviceChoice::Index(99)] {
+        let options = Options { engine: Engine::Vulkan(choice), ..Options::default() };
+        let error = distance_map(&surface, &Sources::point(1.0, 1.0), &options).unwrap_err();
+        assert!(error.to_string().contains("available: 0: \""), "{error}");
+    }
+}
+
+#[test]
+fn a_grid_larger_than_the_device_is_an_error() {
+    let solver = vulkan_solver();
+    let surface = rough(1, 200_000, 0);
+    let Err(error) = solver.upload(&surface) else { panic!("no device has such images") };
+    assert!(matches!(error, VulkanError::TooLarge { .. }), "{error}");
+}
