@@ -1,0 +1,55 @@
+//! Time of one converged map, engines and wavefronts side by side: `cargo bench`.
+//!
+//! Set-up (edge lengths, upload, compilation of shaders) is outside the measured time.
+
+use std::time::Duration;
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use geosweep::cpu::{self, Stop};
+use geosweep::surface::EdgeLengths;
+use geosweep::surface::builtin::Builtin;
+use geosweep::vulkan::Solver;
+use geosweep::{DeviceChoice, Sources, Wavefront};
+
+const STOP: Stop = Stop { tolerance: 1e-6, iterations: 1000 };
+
+fn distance_map(c: &mut Criterion) {
+    let mut solver = Solver::new(&DeviceChoice::Any)
+        .inspect_err(|error| eprintln!("without Vulkan: {error}"))
+        .ok();
+    for builtin in [Builtin::Sphere, Builtin::Peaks, Builtin::Maze] {
+        for side in [150, 600, 1200] {
+            let surface = builtin.surface(side, side).expect("built-in surfaces fit");
+            let source = (side as f64 * 0.05).floor();
+            let seeds = Sources::point(source, source).seeds(&surface).expect("the corner is open");
+            let edges = EdgeLengths::<f32>::new(&surface).expect("built-in surfaces fit");
+            let mut group = c.benchmark_group(format!("{}/{side}", builtin.name()));
+            group.throughput(Throughput::Elements((side * side) as u64)).sample_size(10);
+            for wavefront in [Wavefront::Planar, Wavefront::PointSource] {
+                group.bench_function(BenchmarkId::new("raster scan", wavefront), |b| {
+                    b.iter(|| cpu::raster_scan(&edges, &seeds, wavefront, STOP));
+                });
+                group.bench_function(BenchmarkId::new("rotated scan", wavefront), |b| {
+                    b.iter(|| cpu::rotated_scan(&edges, &seeds, wavefront, STOP));
+                });
+                group.bench_function(BenchmarkId::new("fast marching", wavefront), |b| {
+                    b.iter(|| cpu::fast_marching(&edges, &seeds, wavefront));
+                });
+                let Some(solver) = &mut solver else { continue };
+                let mut on_device = solver.upload(&surface).expect("the grid fits the device");
+                let id = BenchmarkId::new(format!("Vulkan on {}", solver.device_name()), wavefront);
+                group.bench_function(id, |b| {
+                    b.iter_custom(|runs| {
+                        (0..runs)
+                            .map(|_| solver.solve(&mut on_device, &seeds, wavefront, STOP))
+                            .map(|solution| solution.expect("the device works").time)
+                            .sum::<Duration>()
+                    });
+                });
+            }
+        }
+    }
+}
+
+criterion_group!(benches, distance_map);
+criterion_main!(benches);
