@@ -25,6 +25,8 @@
 mod constants;
 pub mod cpu;
 mod error;
+#[cfg(feature = "formats")]
+pub mod io;
 mod map;
 mod solve;
 pub mod surface;

@@ -1,0 +1,121 @@
+//! Output files that appear whole or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::{Builder, NamedTempFile};
+
+use super::IoError;
+
+/// A place where a file can be written, checked before the work that fills it begins.
+///
+/// ```
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path().join("map.txt");
+/// use std::io::Write;
+/// let output = geosweep::io::OutputFile::new(&path)?;
+/// let staged = output.stage(|writer| writer.write_all(b"the whole content"))?;
+/// assert!(!path.exists());
+/// staged.commit()?;
+/// assert_eq!(std::fs::read(&path)?, b"the whole content");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct OutputFile {
+    path: PathBuf,
+    /// Where links lead.
+    target: PathBuf,
+}
+
+/// A complete file beside its place, removed again unless it is committed.
+#[derive(Debug)]
+pub struct StagedFile {
+    file: NamedTempFile,
+    output: OutputFile,
+}
+
+impl OutputFile {
+    /// Checks that a file can be written at `path`, over an existing file or not.
+    ///
+    /// # Errors
+    /// If the folder is missing or not writable, or something other than a writable regular
+    /// file is in the way.
+    pub fn new(path: &Path) -> Result<Self, IoError> {
+        let error = |reason: &str| IoError::write(path, reason);
+        if path.file_name().is_none() {
+            return Err(error("the name of a file is missing"));
+        }
+        // A link is followed, so that its target is replaced and not the link.
+        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        match fs::metadata(&target) {
+            Ok(found) if found.is_dir() => return Err(error("a folder has this name")),
+            Ok(found) if !found.is_file() => return Err(error("it is not a regular file")),
+            Ok(found) if found.permissions().readonly() => {
+                return Err(error("the file there is read-only; remove it or choose another name"));
+            }
+            _ => {}
+        }
+        let output = Self { path: path.to_owned(), target };
+        if !output.folder().is_dir() {
+            let folder = output.folder().display();
+            return Err(error(&format!("there is no folder {folder}; create it first")));
+        }
+        output
+            .temporary_file()
+            .map_err(|source| error(&format!("no file can be created in its folder: {source}")))?;
+        Ok(output)
+    }
+
+    /// The path, as given.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes the content to a temporary file in the same folder.
+    ///
+    /// # Errors
+    /// Those of the writing, with the file's name; nothing is left behind.
+    pub fn stage(
+        self,
+        write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+    ) -> Result<StagedFile, IoError> {
+        let error = |source: io::Error| IoError::write(&self.path, source);
+        let file = self.temporary_file().map_err(error)?;
+        let mut writer = BufWriter::new(file.as_file());
+        write(&mut writer).and_then(|()| writer.flush()).map_err(error)?;
+        drop(writer);
+        // Else a power failure could leave the name with nothing behind it.
+        file.as_file().sync_data().map_err(error)?;
+        Ok(StagedFile { file, output: self })
+    }
+
+    fn folder(&self) -> &Path {
+        match self.target.parent() {
+            Some(folder) if folder != Path::new("") => folder,
+            _ => Path::new("."),
+        }
+    }
+
+    fn temporary_file(&self) -> io::Result<NamedTempFile> {
+        let mut builder = Builder::new();
+        builder.prefix(".geosweep-").suffix(".part");
+        // What any new file gets, less the umask; temporary files are private otherwise.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        builder.tempfile_in(self.folder())
+    }
+}
+
+impl StagedFile {
+    /// Gives the file its name, in one step.
+    ///
+    /// # Errors
+    /// If the folder has changed in the meantime.
+    pub fn commit(self) -> Result<(), IoError> {
+        let Self { file, output } = self;
+        file.persist(&output.target)
+            .map(drop)
+            .map_err(|failure| IoError::write(&output.path, failure.error))
+    }
+}

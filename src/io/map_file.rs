@@ -1,0 +1,83 @@
+//! Distance maps as files.
+
+use std::fmt;
+use std::io::{self, Seek, Write};
+use std::path::Path;
+
+use super::arrays::{matrix, read_npy};
+use super::{Grid, IoError, exr, extension, read_bytes, tiff, write_npy};
+
+/// A format that holds a map without loss: one float32 per point, +infinity where no source
+/// reaches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapFormat {
+    /// NumPy array (M, N).
+    Npy,
+    /// One grey channel, uncompressed.
+    Tiff,
+    /// One channel `Y`, compressed.
+    Exr,
+}
+
+impl MapFormat {
+    /// The format that a name's extension stands for.
+    ///
+    /// # Errors
+    /// If it stands for none, with a list of those that would do.
+    pub fn of(path: &Path) -> Result<Self, IoError> {
+        match extension(path).as_str() {
+            "npy" => Ok(Self::Npy),
+            "tif" | "tiff" => Ok(Self::Tiff),
+            "exr" => Ok(Self::Exr),
+            _ => Err(IoError::extension(path, "a distance map", ".npy, .tif or .exr")),
+        }
+    }
+
+    /// Writes a map of `rows` x `cols` values, row-major.
+    ///
+    /// # Errors
+    /// Those of the writer, and of formats that cannot hold so large a map.
+    pub fn write(
+        self,
+        writer: &mut (impl Write + Seek),
+        rows: usize,
+        cols: usize,
+        distances: &[f32],
+    ) -> io::Result<()> {
+        match self {
+            Self::Npy => write_npy(writer, &[rows, cols], distances),
+            Self::Tiff => tiff::encode(writer, rows, cols, distances),
+            Self::Exr => exr::encode(writer, rows, cols, distances),
+        }
+    }
+}
+
+impl fmt::Display for MapFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Npy => ".npy",
+            Self::Tiff => ".tif",
+            Self::Exr => ".exr",
+        })
+    }
+}
+
+/// Reads a map, or any other grid of numbers, in one of the formats of [`MapFormat`].
+///
+/// # Errors
+/// If the file cannot be read or holds no single grid of numbers.
+pub fn read_map(path: &Path) -> Result<Grid<f64>, IoError> {
+    let content = |reason| IoError::content(path, reason);
+    match MapFormat::of(path)? {
+        MapFormat::Npy => matrix(path, read_npy(path)?, "a map"),
+        MapFormat::Tiff => {
+            tiff::decode(&read_bytes(path)?).map(|raster| raster.grid).map_err(content)
+        }
+        MapFormat::Exr => match exr::decode(&read_bytes(path)?).map_err(content)? {
+            exr::Pixels::Single(grid) => Ok(grid),
+            exr::Pixels::Positions(_) => {
+                Err(content("holds positions; a map is a single channel".into()))
+            }
+        },
+    }
+}

@@ -1,0 +1,64 @@
+//! Files: surfaces, masks, slowness, metrics and curves in; distance maps out.
+//!
+//! Arrays are NumPy `.npy` files, row first; heights also come from grey PNG and from (Geo)TIFF,
+//! geometry images and heights from EXR. NaN means "no surface here". A format is chosen by the
+//! name's extension. Output files appear whole or not at all ([`OutputFile`]).
+//!
+//! Files are not trusted: sizes are checked against the data before anything is allocated for
+//! them, and at most [`MAX_POINTS`] points are accepted.
+
+mod arrays;
+mod atomic;
+mod error;
+mod exr;
+mod map_file;
+mod npy;
+mod png;
+mod surface_file;
+mod tiff;
+
+pub use arrays::{Grid, read_curve, read_mask, read_metric, read_slowness};
+pub use atomic::{OutputFile, StagedFile};
+pub use error::IoError;
+pub use map_file::{MapFormat, read_map};
+pub use npy::write_npy;
+pub use surface_file::SurfaceFile;
+
+use std::fs;
+use std::path::Path;
+
+/// The largest number of grid points that is read or made: 2^28, 16384 x 16384.
+pub const MAX_POINTS: usize = 1 << 28;
+
+/// The number of points of a grid, or why there cannot be so many.
+pub fn checked_points(rows: usize, cols: usize) -> Result<usize, String> {
+    match rows.checked_mul(cols) {
+        Some(0) => {
+            Err(format!("a grid of {rows} x {cols} points is empty; at least 1 x 1 is needed"))
+        }
+        Some(points) if points <= MAX_POINTS => Ok(points),
+        _ => Err(format!(
+            "a grid of {rows} x {cols} points is too large; the limit is {MAX_POINTS} points, 16384 x 16384"
+        )),
+    }
+}
+
+/// A file's bytes. Only regular files: devices and pipes may never end.
+fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
+    let read_error = |source| IoError::Read { path: path.to_owned(), source };
+    let metadata = fs::metadata(path).map_err(read_error)?;
+    if !metadata.is_file() {
+        let what = if metadata.is_dir() { "a folder" } else { "not a regular file" };
+        return Err(IoError::content(path, format!("is {what}; give a file")));
+    }
+    let bytes = fs::read(path).map_err(read_error)?;
+    if bytes.is_empty() {
+        return Err(IoError::content(path, "the file is empty"));
+    }
+    Ok(bytes)
+}
+
+/// A name's extension in lower case, or nothing.
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+}

@@ -1,0 +1,43 @@
+//! Grey PNG pictures: heights and masks.
+
+use std::io::Cursor;
+
+use ::png::{BitDepth, ColorType, Decoder, Limits, Transformations};
+
+use super::{Grid, checked_points};
+
+/// A grey picture's values, unscaled at 8 and 16 bits; fewer bits are scaled to 0..=255.
+pub(super) struct GreyPicture {
+    pub grid: Grid<f64>,
+    /// Bits a value in the file.
+    pub bits: u8,
+}
+
+pub(super) fn decode(bytes: &[u8]) -> Result<GreyPicture, String> {
+    let malformed = |error: ::png::DecodingError| format!("is no usable PNG file: {error}");
+    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: usize::MAX });
+    let info = decoder.read_header_info().map_err(malformed)?;
+    let (rows, cols) = (info.height as usize, info.width as usize);
+    let (color, depth) = (info.color_type, info.bit_depth);
+    let points = checked_points(rows, cols)?;
+    if color != ColorType::Grayscale {
+        return Err(format!(
+            "is a picture of type {color:?}; only grey PNG without alpha is read, since colours are no numbers"
+        ));
+    }
+    decoder.set_transformations(Transformations::EXPAND);
+    let mut reader = decoder.read_info().map_err(malformed)?;
+    let width = if depth == BitDepth::Sixteen { 2 } else { 1 };
+    let mut samples = vec![0; points * width];
+    if reader.output_buffer_size() != Some(samples.len()) {
+        return Err("is a PNG file with transparency; only grey PNG without alpha is read".into());
+    }
+    reader.next_frame(&mut samples).map_err(malformed)?;
+    let values = match depth {
+        BitDepth::Sixteen => {
+            samples.as_chunks().0.iter().map(|b| u16::from_be_bytes(*b).into()).collect()
+        }
+        _ => samples.into_iter().map(f64::from).collect(),
+    };
+    Ok(GreyPicture { grid: Grid { rows, cols, values }, bits: depth as u8 })
+}

@@ -1,0 +1,145 @@
+//! What a file holds, and the surface it makes.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use super::arrays::{matrix, metric, read_npy, wrong_shape};
+use super::{Grid, IoError, checked_points, exr, extension, png, read_bytes, tiff};
+use crate::surface::{MetricTensor, Spacing, Surface, SurfaceError};
+
+/// A surface file that has been read: positions, heights or a metric.
+///
+/// | extension | content |
+/// |---|---|
+/// | `.npy` | positions (M, N, 3), heights (M, N) or a metric (M, N, 2, 2), any number type |
+/// | `.png` | heights, grey, 8 or 16 bits |
+/// | `.tif`, `.tiff` | heights, one channel; GDAL's no-data value marks holes |
+/// | `.exr` | positions in channels X, Y, Z or R, G, B, or heights in a single channel |
+///
+/// NaN marks holes in all of them.
+#[derive(Clone, Debug)]
+pub struct SurfaceFile {
+    path: PathBuf,
+    content: Content,
+}
+
+#[derive(Clone, Debug)]
+enum Content {
+    Positions(Grid<DVec3>),
+    Heights(Grid<f64>, FileSpacing),
+    Metric(Grid<MetricTensor>),
+}
+
+/// What a file of heights says about the distance between its points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum FileSpacing {
+    /// Nothing.
+    Unknown,
+    /// A distance.
+    Known(Spacing),
+    /// Something of no use, and why.
+    Unusable(&'static str),
+}
+
+impl SurfaceFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// If it cannot be read, or is not one of the formats above.
+    pub fn read(path: &Path) -> Result<Self, IoError> {
+        let reason = |reason| IoError::content(path, reason);
+        let content = match extension(path).as_str() {
+            "npy" => npy(path)?,
+            "png" => heights(png_heights(&read_bytes(path)?).map_err(reason)?),
+            "tif" | "tiff" => {
+                let raster = tiff::decode(&read_bytes(path)?).map_err(reason)?;
+                Content::Heights(raster.grid, raster.spacing)
+            }
+            "exr" => match exr::decode(&read_bytes(path)?).map_err(reason)? {
+                exr::Pixels::Positions(grid) => Content::Positions(grid),
+                exr::Pixels::Single(grid) => heights(grid),
+            },
+            _ => return Err(IoError::extension(path, "a surface", ".npy, .png, .tif or .exr")),
+        };
+        Ok(Self { path: path.to_owned(), content })
+    }
+
+    /// Whether the file holds heights and says nothing about the distance between its points.
+    pub fn lacks_spacing(&self) -> bool {
+        matches!(self.content, Content::Heights(_, FileSpacing::Unknown))
+    }
+
+    /// The surface. Heights take the given spacing, else the file's, else 1.
+    ///
+    /// # Errors
+    /// If the values make no surface; if a spacing is given and the file holds no heights; if
+    /// the file has a spacing that cannot be used and none is given.
+    pub fn into_surface(self, spacing: Option<Spacing>) -> Result<Surface, IoError> {
+        let Self { path, content } = self;
+        let no_spacing_for = |what| match spacing {
+            None => Ok(()),
+            Some(_) => Err(IoError::content(
+                &path,
+                format!(
+                    "holds {what}, which need no spacing; it is for heights only, leave it out"
+                ),
+            )),
+        };
+        let surface = |result: Result<Surface, SurfaceError>| {
+            result.map_err(|source| IoError::Surface { path: path.clone(), source })
+        };
+        match content {
+            Content::Positions(Grid { rows, cols, values }) => {
+                no_spacing_for("positions")?;
+                surface(Surface::from_positions(rows, cols, values))
+            }
+            Content::Metric(Grid { rows, cols, values }) => {
+                no_spacing_for("metric tensors")?;
+                surface(Surface::from_metric(rows, cols, values))
+            }
+            Content::Heights(Grid { rows, cols, values }, from_file) => {
+                let spacing = match (spacing, from_file) {
+                    (Some(spacing), _) | (None, FileSpacing::Known(spacing)) => spacing,
+                    (None, FileSpacing::Unknown) => Spacing::square(1.0),
+                    (None, FileSpacing::Unusable(why)) => {
+                        let cure = "give the spacing in the unit of the heights (metres, usually)";
+                        return Err(IoError::content(&path, format!("{why}; {cure}")));
+                    }
+                };
+                surface(Surface::from_heights(rows, cols, values, spacing))
+            }
+        }
+    }
+}
+
+fn heights(grid: Grid<f64>) -> Content {
+    Content::Heights(grid, FileSpacing::Unknown)
+}
+
+fn npy(path: &Path) -> Result<Content, IoError> {
+    let array = read_npy(path)?;
+    let reason = |reason| IoError::content(path, reason);
+    match *array.shape {
+        [_, _] => Ok(heights(matrix(path, array, "a height field")?)),
+        [rows, cols, 3] => {
+            checked_points(rows, cols).map_err(reason)?;
+            let values = array.values.as_chunks().0.iter().map(|x| DVec3::from_array(*x)).collect();
+            Ok(Content::Positions(Grid { rows, cols, values }))
+        }
+        [_, _, 2, 2] => metric(array).map(Content::Metric).map_err(reason),
+        _ => Err(wrong_shape(
+            path,
+            &array,
+            "a surface has shape (M, N, 3) for positions, (M, N) for heights, or (M, N, 2, 2) for a metric",
+        )),
+    }
+}
+
+fn png_heights(bytes: &[u8]) -> Result<Grid<f64>, String> {
+    let picture = png::decode(bytes)?;
+    if picture.bits < 8 {
+        return Err(format!("has {} bits a pixel; heights need 8 or 16", picture.bits));
+    }
+    Ok(picture.grid)
+}
