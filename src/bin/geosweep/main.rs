@@ -1,1 +1,100 @@
-fn main() {}
+//! The command-line tool `geosweep`: distance maps from files to files.
+
+mod builtin;
+mod compare;
+mod devices;
+mod distance;
+mod picture;
+mod surface_arg;
+
+use std::error::Error;
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Geodesic distance maps on parametric surfaces: on a GPU through Vulkan, or on the CPU.
+#[derive(Parser)]
+#[command(version, max_term_width = 100, after_help = EXAMPLES)]
+struct Tool {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+Arrays are NumPy .npy files, row first; NaN in a surface marks a hole. Rows count downwards from 0 and
+columns rightwards from 0, as in a picture. Output files appear whole or not at all.
+
+Exit status: 0 if everything asked for was written; 1 if `compare` finds a difference; 2 on an error.
+
+Examples:
+  geosweep distance terrain.tif --spacing 30 --source 120,85 -o map.npy --picture map.png
+  geosweep compare map.npy reference.npy --tolerance 1e-4
+  geosweep COMMAND --help";
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compute the distance from sources to every point of a surface
+    Distance(distance::Args),
+    /// List the Vulkan devices, and why one cannot be used
+    Devices(devices::Args),
+    /// Compare two distance maps
+    Compare(compare::Args),
+    /// Write a built-in surface's positions to a file
+    Builtin(builtin::Args),
+}
+
+/// What a command ends with: a status, or a message for people.
+type Outcome = Result<ExitCode, Box<dyn Error>>;
+
+/// Status for errors; 1 is left to `compare` for "they differ", as in diff.
+const TROUBLE: u8 = 2;
+
+fn main() -> ExitCode {
+    let tool = match Tool::try_parse() {
+        Ok(tool) => tool,
+        Err(usage) => return usage_exit(&usage),
+    };
+    let outcome = match tool.command {
+        Command::Distance(args) => distance::run(&args),
+        Command::Devices(args) => devices::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Builtin(args) => builtin::run(&args),
+    };
+    outcome.unwrap_or_else(|error| {
+        if !is_broken_pipe(error.as_ref()) {
+            say("error", error);
+        }
+        ExitCode::from(TROUBLE)
+    })
+}
+
+/// Help and version go to standard output, errors in the tool's own form to standard error.
+fn usage_exit(usage: &clap::Error) -> ExitCode {
+    if usage.use_stderr() {
+        let text = usage.render().to_string();
+        say("error", text.strip_prefix("error: ").unwrap_or(&text).trim_end());
+        ExitCode::from(TROUBLE)
+    } else {
+        // A reader that has closed the pipe has read enough.
+        let _ = usage.print();
+        ExitCode::SUCCESS
+    }
+}
+
+fn is_broken_pipe(error: &(dyn Error + 'static)) -> bool {
+    error.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+}
+
+/// Says something on standard error; nothing can be done if that is closed.
+fn say(kind: &str, message: impl Display) {
+    let _ = writeln!(io::stderr(), "geosweep: {kind}: {message}");
+}
+
+/// Prints a line on standard output.
+fn print(line: impl Display) -> io::Result<()> {
+    let mut stdout = io::stdout().lock();
+    writeln!(stdout, "{line}")?;
+    stdout.flush()
+}

@@ -1,0 +1,73 @@
+//! `geosweep builtin`: built-in surfaces as files.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use geosweep::Surface;
+use geosweep::io::{OutputFile, write_npy};
+
+use crate::Outcome;
+use crate::surface_arg::SizedBuiltin;
+
+pub use shim::Builtin;
+
+/// The arguments of `geosweep builtin`.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// The surface and its size, e.g. plane:257x513
+    #[arg(value_name = "NAME:ROWSxCOLS")]
+    surface: SizedBuiltin,
+    /// Where to write the positions: a float64 array (ROWS, COLS, 3), NaN at holes
+    #[arg(short, long, value_name = "FILE.npy")]
+    output: PathBuf,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  geosweep builtin plane:257x513 -o plane.npy";
+
+pub fn run(args: &Args) -> Outcome {
+    if args.output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("npy")) {
+        let name = args.output.display();
+        return Err(format!("{name}: positions are written as .npy; choose such a name").into());
+    }
+    let output = OutputFile::new(&args.output)?;
+    let surface = args.surface.surface()?;
+    let positions = positions(&surface);
+    let shape = [surface.rows(), surface.cols(), 3];
+    output.stage(|writer| write_npy(writer, &shape, &positions))?.commit()?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn positions(surface: &Surface) -> Vec<f64> {
+    let chart = surface.chart();
+    let position = |index| {
+        let (row, col) = chart.position(index);
+        surface.position(row, col).map_or([f64::NAN; 3], |position| position.to_array())
+    };
+    (0..chart.points()).flat_map(position).collect()
+}
+
+// To be replaced by `geosweep::surface::builtin::Builtin`.
+mod shim {
+    use geosweep::{Spacing, Surface, surface::SurfaceError};
+
+    #[derive(Clone, Debug)]
+    pub struct Builtin;
+
+    impl Builtin {
+        pub fn parse(name: &str) -> Result<Self, String> {
+            if name == "plane" {
+                Ok(Self)
+            } else {
+                Err(format!("no built-in surface `{name}`; there are: plane"))
+            }
+        }
+
+        pub fn surface(&self, rows: usize, cols: usize) -> Result<Surface, SurfaceError> {
+            let step = 1.0 / (rows.max(cols) - 1).max(1) as f64;
+            Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(step))
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! An RGB picture in memory.
+
+use std::io::{self, Write};
+
+use geosweep::glam::Vec2;
+
+/// A colour from 0 to 1 in each channel, as displayed (sRGB).
+pub type Color = [f32; 3];
+
+/// Row-major pixels.
+#[derive(Clone)]
+pub struct Canvas {
+    pub width: usize,
+    pub height: usize,
+    pub pixels: Vec<Color>,
+}
+
+/// Between `a` (0) and `b` (1).
+pub fn mix(a: Color, b: Color, t: f32) -> Color {
+    std::array::from_fn(|k| a[k] + (b[k] - a[k]) * t)
+}
+
+impl Canvas {
+    pub fn new(width: usize, height: usize, color: Color) -> Self {
+        Self { width, height, pixels: vec![color; width * height] }
+    }
+
+    /// Lays a colour over a pixel, as opaque as `alpha` says.
+    pub fn blend(&mut self, x: usize, y: usize, color: Color, alpha: f32) {
+        let pixel = &mut self.pixels[y * self.width + x];
+        *pixel = mix(*pixel, color, alpha);
+    }
+
+    /// Copies another picture to a place inside this one.
+    pub fn paste(&mut self, x: usize, y: usize, other: &Self) {
+        for (row, line) in other.pixels.chunks(other.width).enumerate() {
+            let start = (y + row) * self.width + x;
+            self.pixels[start..start + other.width].copy_from_slice(line);
+        }
+    }
+
+    /// Draws a straight line with round ends, or a disc, with smooth edges.
+    pub fn stroke(&mut self, from: Vec2, to: Vec2, radius: f32, color: Color) {
+        let reach = Vec2::splat(radius + 1.0);
+        let low = (from.min(to) - reach).max(Vec2::ZERO).as_usizevec2();
+        let end = (from.max(to) + reach + 1.0).max(Vec2::ZERO).as_usizevec2();
+        let along = to - from;
+        for y in low.y..end.y.min(self.height) {
+            for x in low.x..end.x.min(self.width) {
+                let center = Vec2::new(x as f32, y as f32);
+                let t = (center - from).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
+                let distance = center.distance(from + along * t.clamp(0.0, 1.0));
+                self.blend(x, y, color, (radius + 0.5 - distance).clamp(0.0, 1.0));
+            }
+        }
+    }
+
+    /// Eight bits a channel.
+    fn bytes(&self) -> Vec<u8> {
+        let byte = |channel: &f32| (channel.clamp(0.0, 1.0) * 255.0).round() as u8;
+        self.pixels.iter().flatten().map(byte).collect()
+    }
+
+    pub fn write_png(&self, writer: impl Write) -> io::Result<()> {
+        let size = |n: usize| u32::try_from(n).map_err(io::Error::other);
+        let mut encoder = png::Encoder::new(writer, size(self.width)?, size(self.height)?);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_compression(png::Compression::High);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&self.bytes())?;
+        Ok(writer.finish()?)
+    }
+}

@@ -1,0 +1,111 @@
+//! Lines of equal distance at round values.
+
+use super::canvas::{Color, mix};
+use super::colors::{Scale, luma};
+
+/// No more lines than this over the whole range.
+const MOST_LINES: f64 = 25.0;
+/// Every so many lines one is stronger, and named in the legend.
+const STRONG: i64 = 5;
+
+/// Values at all multiples of a round step.
+pub struct Isolines {
+    pub step: f64,
+}
+
+/// One line: a multiple of the step.
+#[derive(Clone, Copy)]
+pub struct Isoline {
+    multiple: i64,
+    pub value: f64,
+}
+
+impl Isolines {
+    pub fn over(scale: &Scale) -> Self {
+        let range = f64::from(scale.high) - f64::from(scale.low);
+        Self { step: round_step(range / MOST_LINES) }
+    }
+
+    /// The line nearest to a value.
+    pub fn nearest(&self, value: f64) -> Isoline {
+        self.at((value / self.step).round() as i64)
+    }
+
+    /// All lines in a range, from low to high.
+    pub fn within(&self, low: f64, high: f64) -> impl Iterator<Item = Isoline> {
+        let (first, last) = ((low / self.step).ceil() as i64, (high / self.step).floor() as i64);
+        (first..=last).map(|multiple| self.at(multiple))
+    }
+
+    /// The distance between strong lines.
+    pub fn strong_step(&self) -> f64 {
+        STRONG as f64 * self.step
+    }
+
+    fn at(&self, multiple: i64) -> Isoline {
+        Isoline { multiple, value: multiple as f64 * self.step }
+    }
+
+    /// How much of a pixel the nearest line covers, where the value changes by `slope` per
+    /// pixel; lines that come closer than a few pixels fade.
+    pub fn coverage(&self, value: f64, slope: f64) -> (Isoline, f32) {
+        let line = self.nearest(value);
+        let pixels = |difference: f64| (difference / slope.max(f64::MIN_POSITIVE)) as f32;
+        let distance = pixels((value - line.value).abs());
+        let apart = pixels(self.step);
+        let fading = ((apart - 3.0) / 5.0).clamp(0.0, 1.0);
+        (line, fading * (line.half_width() + 0.5 - distance).clamp(0.0, 1.0))
+    }
+}
+
+impl Isoline {
+    pub fn is_strong(self) -> bool {
+        self.multiple % STRONG == 0
+    }
+
+    pub fn half_width(self) -> f32 {
+        if self.is_strong() { 0.9 } else { 0.45 }
+    }
+
+    /// The line over a ground: light over the dark end of the scale, dark over the light one.
+    pub fn over(self, ground: Color, scale: &Scale, coverage: f32) -> Color {
+        const LIGHT: Color = [1.0, 1.0, 1.0];
+        const DARK: Color = [0.05, 0.05, 0.1];
+        let dark_ground = luma(scale.color(self.value as f32)) < 0.5;
+        let (ink, weak, strong) = if dark_ground { (LIGHT, 0.38, 0.8) } else { (DARK, 0.36, 0.7) };
+        mix(ground, ink, coverage * if self.is_strong() { strong } else { weak })
+    }
+}
+
+/// The smallest of 1, 2, 5 times a power of ten that is not smaller than `least`.
+fn round_step(least: f64) -> f64 {
+    if least.is_nan() || least <= 0.0 {
+        return 1.0;
+    }
+    let power = 10f64.powf(least.log10().floor());
+    // A rounding error must not turn 1 into 2.
+    let wanted = least / power * (1.0 - 1e-9);
+    power * [1.0, 2.0, 5.0].into_iter().find(|step| *step >= wanted).unwrap_or(10.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_round() {
+        for (least, step) in [(1.0, 1.0), (1.1, 2.0), (0.3, 0.5), (60.0, 100.0), (2e-7, 2e-7)] {
+            approx::assert_relative_eq!(round_step(least), step, max_relative = 1e-12);
+        }
+        assert_eq!(round_step(0.0), 1.0);
+    }
+
+    #[test]
+    fn a_line_is_about_as_wide_as_asked() {
+        let lines = Isolines { step: 10.0 };
+        // A slope of a tenth per pixel, sampled finely around the line at 30.
+        let width: f32 =
+            (-400..400).map(|i| lines.coverage(30.0 + f64::from(i) * 1e-3, 0.1).1 * 0.01).sum();
+        approx::assert_relative_eq!(width, 0.9, max_relative = 0.02);
+    }
+}

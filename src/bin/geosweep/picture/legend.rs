@@ -1,0 +1,153 @@
+//! The colour bar beside the picture.
+
+use super::canvas::{Canvas, Color};
+use super::colors::Scale;
+use super::isolines::Isolines;
+use super::text::Pen;
+
+const PAPER: Color = [1.0, 1.0, 1.0];
+const INK: Color = [0.2, 0.2, 0.2];
+
+/// Colours, lines and their values.
+pub struct Legend<'a> {
+    /// What the values are.
+    pub quantity: &'a str,
+    pub scale: &'a Scale,
+    pub isolines: &'a Isolines,
+}
+
+/// A rectangle of pixels.
+struct Bar {
+    left: usize,
+    top: usize,
+    width: usize,
+    height: usize,
+}
+
+impl Legend<'_> {
+    /// The picture on white paper with this legend to its right; all measures follow the size
+    /// of the text, which follows the size of the picture.
+    pub fn beside(&self, picture: Canvas) -> Canvas {
+        let size = (picture.width.max(picture.height) / 45).clamp(18, 40);
+        let pen = Pen::new(size as f32);
+        let labels = self.labels();
+        let bar = Bar {
+            left: size + picture.width + size,
+            top: size + 3 * size / 2,
+            width: size,
+            height: picture.height.saturating_sub(3 * size / 2).max(10 * size),
+        };
+        let tick = size / 4;
+        let label_left = bar.left + bar.width + 2 * tick;
+        let text_end = |left: usize, text: &str| left + pen.width(text).ceil() as usize;
+        let ends = labels.iter().map(|(_, label)| text_end(label_left, label));
+        let width = ends.fold(text_end(bar.left, self.quantity), usize::max) + size;
+        let mut canvas = Canvas::new(width, bar.top + bar.height + size, PAPER);
+
+        canvas.paste(size, (canvas.height - picture.height) / 2, &picture);
+        pen.write(&mut canvas, bar.left as f32, 1.5 * size as f32, self.quantity, INK);
+        self.draw_scale(&mut canvas, &bar);
+        for (value, label) in labels {
+            let y = bar.y(self.scale, value);
+            for x in bar.left + bar.width..bar.left + bar.width + tick {
+                canvas.blend(x, y, INK, 1.0);
+            }
+            pen.write(&mut canvas, label_left as f32, y as f32, &label, INK);
+        }
+        canvas
+    }
+
+    /// The colours from the largest value down, with the lines that the picture has.
+    fn draw_scale(&self, canvas: &mut Canvas, bar: &Bar) {
+        let (low, high) = (f64::from(self.scale.low), f64::from(self.scale.high));
+        let slope = (high - low) / bar.height as f64;
+        for y in 0..bar.height {
+            let value = high - (y as f64 + 0.5) * slope;
+            let (line, coverage) = self.isolines.coverage(value, slope);
+            let color = line.over(self.scale.color(value as f32), self.scale, coverage);
+            for x in bar.left..bar.left + bar.width {
+                canvas.blend(x, bar.top + y, color, 1.0);
+            }
+        }
+    }
+
+    /// The strong lines, or the smallest value where there is none.
+    fn labels(&self) -> Vec<(f64, String)> {
+        let (low, high) = (f64::from(self.scale.low), f64::from(self.scale.high));
+        let strong = self.isolines.within(low, high).filter(|line| line.is_strong());
+        let mut values: Vec<f64> = strong.map(|line| line.value).collect();
+        if values.is_empty() {
+            values.push(low);
+        }
+        let format = NumberFormat::new(self.isolines.strong_step(), low.abs().max(high.abs()));
+        values.into_iter().map(|value| (value, format.text(value))).collect()
+    }
+}
+
+impl Bar {
+    /// The row that stands for a value.
+    fn y(&self, scale: &Scale, value: f64) -> usize {
+        let down = (1.0 - scale.fraction(value as f32)) * (self.height - 1) as f32;
+        self.top + down.round() as usize
+    }
+}
+
+/// How to write multiples of a step, all in the same way.
+enum NumberFormat {
+    Decimals(usize),
+    Exponent,
+}
+
+impl NumberFormat {
+    fn new(step: f64, largest: f64) -> Self {
+        // The step has one or two significant digits, such as 0.25.
+        let is_whole = |decimals: &usize| {
+            let scaled = step * 10f64.powi(*decimals as i32);
+            (scaled - scaled.round()).abs() < 1e-6 * scaled
+        };
+        match (0..=5).find(is_whole) {
+            Some(decimals) if largest < 1e7 => Self::Decimals(decimals),
+            _ => Self::Exponent,
+        }
+    }
+
+    fn text(&self, value: f64) -> String {
+        match self {
+            _ if value == 0.0 => "0".into(),
+            Self::Exponent => format!("{value:.1e}"),
+            Self::Decimals(0) => with_thousands(value),
+            Self::Decimals(decimals) => format!("{value:.decimals$}"),
+        }
+    }
+}
+
+/// `12 500`, with a thin space.
+fn with_thousands(value: f64) -> String {
+    let number = format!("{value:.0}");
+    let first_digit = number.len() - number.trim_start_matches('-').len();
+    let mut text = String::new();
+    for (index, character) in number.char_indices() {
+        let left = number.len() - index;
+        if index > first_digit && left % 3 == 0 && value.abs() >= 1e4 {
+            text.push('\u{2009}');
+        }
+        text.push(character);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_have_the_digits_of_their_step() {
+        let text = |step, value| NumberFormat::new(step, 30_000.0).text(value);
+        assert_eq!(text(0.25, 0.5), "0.50");
+        assert_eq!(text(1.0, 3.0), "3");
+        assert_eq!(text(2500.0, 7500.0), "7500");
+        assert_eq!(text(5000.0, -25_000.0), "-25\u{2009}000");
+        assert_eq!(text(1e-8, 3e-8), "3.0e-8");
+        assert_eq!(NumberFormat::new(5e7, 2e8).text(5e7), "5.0e7");
+    }
+}

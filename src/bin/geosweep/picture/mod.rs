@@ -1,0 +1,102 @@
+//! Pictures of distance maps: colours and lines of equal distance over the shaded surface.
+
+mod canvas;
+mod colors;
+mod isolines;
+mod legend;
+mod raster;
+mod relief;
+mod text;
+
+use geosweep::glam::{DVec2, Vec2};
+use geosweep::surface::{Direction, Geometry, Source};
+use geosweep::{DistanceMap, Sources, Surface};
+
+use canvas::Canvas;
+use colors::Scale;
+use isolines::Isolines;
+use legend::Legend;
+use raster::{Raster, View};
+use relief::Relief;
+
+/// What is drawn.
+pub struct Picture<'a> {
+    /// The surface that was solved for.
+    pub surface: &'a Surface,
+    /// The same grid with positions, for shading and proportions.
+    pub shape: &'a Surface,
+    pub map: &'a DistanceMap,
+    pub sources: &'a Sources,
+}
+
+impl Picture<'_> {
+    pub fn draw(&self) -> Canvas {
+        let Self { surface, shape, map, sources } = *self;
+        let view = View::new(surface.chart(), aspect(shape));
+        let scale = Scale::over(map.distances.iter().copied().filter(|d| d.is_finite()));
+        let isolines = Isolines::over(&scale);
+        let raster = Raster {
+            view,
+            present: surface.present(),
+            values: &map.distances,
+            relief: Relief::of(shape),
+            scale: &scale,
+            isolines: &isolines,
+        };
+        let mut drawing = raster.draw();
+        mark_sources(&mut drawing, view, sources);
+        let quantity = if surface.slowness().is_some() { "travel time" } else { "distance" };
+        Legend { quantity, scale: &scale, isolines: &isolines }.beside(drawing)
+    }
+}
+
+/// Mean distance between columns over mean distance between rows, heights seen from above.
+fn aspect(shape: &Surface) -> f64 {
+    if let Geometry::Heights { spacing, .. } = shape.geometry() {
+        return spacing.dx / spacing.dy;
+    }
+    let ratio = mean_step(shape, Direction::East) / mean_step(shape, Direction::South);
+    if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
+}
+
+fn mean_step(shape: &Surface, to: Direction) -> f64 {
+    let chart = shape.chart();
+    let step = |index| {
+        let (row, col) = chart.position(index);
+        let there = chart.neighbour(row, col, to).filter(|_| shape.has_edge(row, col, to))?;
+        match (shape.geometry(), to) {
+            (Geometry::Metric(metric), Direction::East) => Some(metric[index].cc.sqrt()),
+            (Geometry::Metric(metric), _) => Some(metric[index].rr.sqrt()),
+            _ => Some(shape.position(row, col)?.distance(shape.position(there.0, there.1)?)),
+        }
+    };
+    let steps = (0..chart.points()).filter_map(step);
+    let (sum, count) = steps.fold((0.0, 0u32), |(sum, count), step| (sum + step, count + 1));
+    sum / f64::from(count)
+}
+
+/// Points as discs and curves as bands, white with a dark rim.
+fn mark_sources(canvas: &mut Canvas, view: View, sources: &Sources) {
+    const RIM: [f32; 3] = [0.1, 0.1, 0.1];
+    const FILL: [f32; 3] = [1.0, 1.0, 1.0];
+    let size = (canvas.width.max(canvas.height) as f32 / 1000.0).max(0.8);
+    let pixel = |at: &DVec2| view.pixel(*at);
+    // All rims first, so that a curve's pieces and crossing sources join.
+    for (color, wider) in [(RIM, 1.6 * size), (FILL, 0.0)] {
+        for source in sources.iter() {
+            match source {
+                Source::Point { at, .. } => {
+                    let center = pixel(at);
+                    canvas.stroke(center, center, 5.5 * size + wider, color);
+                }
+                Source::Curve { vertices, .. } => {
+                    let pixels: Vec<Vec2> = vertices.iter().map(pixel).collect();
+                    canvas.stroke(pixels[0], pixels[0], 1.8 * size + wider, color);
+                    for ends in pixels.windows(2) {
+                        canvas.stroke(ends[0], ends[1], 1.8 * size + wider, color);
+                    }
+                }
+            }
+        }
+    }
+}

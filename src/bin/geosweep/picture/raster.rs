@@ -1,0 +1,203 @@
+//! From grid points to pixels: which pixel shows what of a surface.
+
+use geosweep::glam::{DVec2, Vec2};
+use geosweep::surface::Chart;
+use rayon::prelude::*;
+
+use super::canvas::{Canvas, Color};
+use super::colors::{HATCHING, HOLE, Scale, UNREACHED};
+use super::isolines::Isolines;
+use super::relief::{Relief, shade};
+
+/// Small grids are enlarged to so many pixels on the long side, large ones reduced to so many.
+const LONG_SIDE: std::ops::RangeInclusive<f64> = 900.0..=2000.0;
+/// A narrow strip is still visible, if not in proportion.
+const SHORT_SIDE: f64 = 60.0;
+
+/// Where the grid lies in the picture: its outermost points in the middle of the outermost
+/// pixels.
+#[derive(Clone, Copy)]
+pub struct View {
+    pub chart: Chart,
+    pub width: usize,
+    pub height: usize,
+}
+
+impl View {
+    /// `aspect` is the distance between columns over that between rows.
+    pub fn new(chart: Chart, aspect: f64) -> Self {
+        let steps = |points: usize| (points - 1).max(1) as f64;
+        let (width, height) = (steps(chart.cols) * aspect, steps(chart.rows));
+        let points = chart.cols.max(chart.rows) as f64;
+        let long_side = points.clamp(*LONG_SIDE.start(), *LONG_SIDE.end());
+        let scale = long_side / width.max(height);
+        let pixels = |length: f64| (length * scale).max(SHORT_SIDE).round() as usize;
+        Self { chart, width: pixels(width), height: pixels(height) }
+    }
+
+    /// Grid steps per pixel: rows downwards, columns rightwards.
+    fn steps(self) -> DVec2 {
+        let steps = |points: usize, pixels: usize| (points - 1) as f64 / (pixels - 1) as f64;
+        DVec2::new(steps(self.chart.rows, self.height), steps(self.chart.cols, self.width))
+    }
+
+    /// The pixel (x, y) of a place (row, column).
+    pub fn pixel(self, at: DVec2) -> Vec2 {
+        let steps = self.steps();
+        let pixels = |at: f64, step: f64| if step > 0.0 { (at / step) as f32 } else { 0.0 };
+        Vec2::new(pixels(at.y, steps.y), pixels(at.x, steps.x))
+    }
+
+    /// The place (row, column) of a pixel.
+    fn place(self, x: f64, y: f64) -> DVec2 {
+        let last = DVec2::new((self.chart.rows - 1) as f64, (self.chart.cols - 1) as f64);
+        (self.steps() * DVec2::new(y, x)).clamp(DVec2::ZERO, last)
+    }
+}
+
+/// A map over a surface, as it appears.
+pub struct Raster<'a> {
+    pub view: View,
+    pub present: &'a [bool],
+    /// One value per grid point, infinite where there is none.
+    pub values: &'a [f32],
+    pub relief: Relief,
+    pub scale: &'a Scale,
+    pub isolines: &'a Isolines,
+}
+
+/// What surrounds a place: the cell's corners, their weights, and the nearest one.
+struct Around {
+    corners: [(usize, usize, f64); 4],
+    nearest: (usize, usize),
+}
+
+impl Raster<'_> {
+    pub fn draw(&self) -> Canvas {
+        let View { width, height, .. } = self.view;
+        let steps = self.view.steps().max_element();
+        // Several samples a pixel smooth the borders of holes, and average what is reduced.
+        let samples = (steps.ceil() as usize).clamp(2, 4);
+        let pixel = |index: usize| self.pixel(index % width, index / width, samples);
+        let pixels = (0..width * height).into_par_iter().map(pixel).collect();
+        Canvas { width, height, pixels }
+    }
+
+    fn pixel(&self, x: usize, y: usize, samples: usize) -> Color {
+        let offset = |k: usize| (k as f64 + 0.5) / samples as f64 - 0.5;
+        let mut sum = [0.0; 3];
+        for k in 0..samples * samples {
+            let (x, y) = (x as f64 + offset(k % samples), y as f64 + offset(k / samples));
+            let color = self.sample(x, y);
+            sum = std::array::from_fn(|channel| sum[channel] + color[channel]);
+        }
+        sum.map(|channel| channel / (samples * samples) as f32)
+    }
+
+    fn sample(&self, x: f64, y: f64) -> Color {
+        let place = self.view.place(x, y);
+        let around = self.around(place);
+        let index = self.view.chart.index(around.nearest.0, around.nearest.1);
+        if !self.present[index] {
+            return HOLE;
+        }
+        let brightness = self.brightness(&around);
+        if !self.values[index].is_finite() {
+            let hatched = (x + y).rem_euclid(14.0) < 4.0;
+            return shade(if hatched { HATCHING } else { UNREACHED }, brightness);
+        }
+        let value = self.value(&around);
+        let ground = shade(self.scale.color(value as f32), brightness);
+        let (line, coverage) = self.isolines.coverage(value, self.slope(&around));
+        line.over(ground, self.scale, coverage)
+    }
+
+    fn around(&self, place: DVec2) -> Around {
+        let Chart { rows, cols } = self.view.chart;
+        let low = |at: f64, points: usize| (at as usize).min(points.saturating_sub(2));
+        let (row, col) = (low(place.x, rows), low(place.y, cols));
+        let (v, u) = (place.x - row as f64, place.y - col as f64);
+        let (below, right) = ((row + 1).min(rows - 1), (col + 1).min(cols - 1));
+        let corners = [
+            (row, col, (1.0 - v) * (1.0 - u)),
+            (row, right, (1.0 - v) * u),
+            (below, col, v * (1.0 - u)),
+            (below, right, v * u),
+        ];
+        let nearest = (if v < 0.5 { row } else { below }, if u < 0.5 { col } else { right });
+        Around { corners, nearest }
+    }
+
+    /// The value between grid points, bilinear; beside a hole, missing corners are continued
+    /// from the nearest point, so that lines run straight into the hole's border.
+    fn value(&self, around: &Around) -> f64 {
+        let corner = |&(row, col, weight): &(usize, usize, f64)| {
+            let value = self.at(row, col).unwrap_or_else(|| self.continued(around, row, col));
+            weight * value
+        };
+        around.corners.iter().map(corner).sum()
+    }
+
+    fn continued(&self, around: &Around, row: usize, col: usize) -> f64 {
+        let (near_row, near_col) = around.nearest;
+        let along = |to: usize, from: usize, (dr, dc)| {
+            (to as f64 - from as f64) * self.difference(near_row, near_col, dr, dc)
+        };
+        let value = self.at(near_row, near_col).unwrap_or_default();
+        value + along(row, near_row, (1, 0)) + along(col, near_col, (0, 1))
+    }
+
+    /// The mean of the differences to both neighbours in a direction, as far as they exist.
+    fn difference(&self, row: usize, col: usize, down: isize, right: isize) -> f64 {
+        let [ahead, behind] = self.differences(row, col, down, right);
+        match (ahead, behind) {
+            (Some(ahead), Some(behind)) => 0.5 * (ahead + behind),
+            (one, other) => one.or(other).unwrap_or_default(),
+        }
+    }
+
+    fn differences(&self, row: usize, col: usize, down: isize, right: isize) -> [Option<f64>; 2] {
+        [1, -1].map(|sign| {
+            let row_there = row.checked_add_signed(sign * down)?;
+            let col_there = col.checked_add_signed(sign * right)?;
+            let there = self.at(row_there, col_there)?;
+            Some(sign as f64 * (there - self.at(row, col)?))
+        })
+    }
+
+    /// Change of the value per pixel. On a ridge, where fronts meet, the mean of both sides
+    /// would vanish and lines would swell, hence the larger side.
+    fn slope(&self, around: &Around) -> f64 {
+        let larger = |row, col, down, right| {
+            let sides = self.differences(row, col, down, right).into_iter().flatten();
+            sides.map(f64::abs).fold(0.0, f64::max)
+        };
+        let (mut slope, mut weights) = (DVec2::ZERO, 0.0);
+        for &(row, col, weight) in &around.corners {
+            if weight > 0.0 && self.at(row, col).is_some() {
+                slope += weight * DVec2::new(larger(row, col, 1, 0), larger(row, col, 0, 1));
+                weights += weight;
+            }
+        }
+        (slope / weights * self.view.steps()).length()
+    }
+
+    fn brightness(&self, around: &Around) -> f32 {
+        let (sum, weights) = around
+            .corners
+            .iter()
+            .map(|&(row, col, weight)| (self.view.chart.index(row, col), weight as f32))
+            .filter(|&(index, _)| self.present[index])
+            .fold((0.0, 0.0), |(sum, weights), (index, weight)| {
+                (sum + weight * self.relief.brightness(index), weights + weight)
+            });
+        sum / weights
+    }
+
+    /// The value at a grid point, if there is one.
+    fn at(&self, row: usize, col: usize) -> Option<f64> {
+        let Chart { rows, cols } = self.view.chart;
+        let value = *self.values.get(row * cols + col).filter(|_| row < rows && col < cols)?;
+        value.is_finite().then_some(f64::from(value))
+    }
+}

@@ -1,0 +1,60 @@
+//! What surface the user names: a file, or a built-in one with its size.
+
+use std::error::Error;
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use geosweep::Surface;
+use geosweep::io::checked_points;
+
+use crate::builtin::Builtin;
+
+/// A file or `builtin:NAME:ROWSxCOLS`.
+#[derive(Clone, Debug)]
+pub enum SurfaceArg {
+    File(PathBuf),
+    Builtin(SizedBuiltin),
+}
+
+impl SurfaceArg {
+    /// Only built-in names need be text; a file's name may be any.
+    pub fn parse(arg: OsString) -> Result<Self, String> {
+        match arg.to_str() {
+            Some(text) if text.starts_with(SizedBuiltin::PREFIX) => text.parse().map(Self::Builtin),
+            _ => Ok(Self::File(arg.into())),
+        }
+    }
+}
+
+/// A built-in surface at some size.
+#[derive(Clone, Debug)]
+pub struct SizedBuiltin {
+    builtin: Builtin,
+    rows: usize,
+    cols: usize,
+}
+
+impl SizedBuiltin {
+    const PREFIX: &str = "builtin:";
+
+    pub fn surface(&self) -> Result<Surface, Box<dyn Error>> {
+        Ok(self.builtin.surface(self.rows, self.cols)?)
+    }
+}
+
+impl FromStr for SizedBuiltin {
+    type Err = String;
+
+    /// Reads `NAME:ROWSxCOLS`, with or without `builtin:` before it.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.strip_prefix(Self::PREFIX).unwrap_or(text);
+        let form = || format!("`{text}` is not of the form NAME:ROWSxCOLS, such as plane:257x257");
+        let (name, size) = text.rsplit_once(':').ok_or_else(form)?;
+        let (rows, cols) = size.split_once('x').ok_or_else(form)?;
+        let number = |text: &str| text.parse().map_err(|_| form());
+        let (rows, cols) = (number(rows)?, number(cols)?);
+        checked_points(rows, cols)?;
+        Ok(Self { builtin: Builtin::parse(name)?, rows, cols })
+    }
+}
