@@ -5,17 +5,16 @@ use std::process::ExitCode;
 
 use geosweep::Surface;
 use geosweep::io::{OutputFile, write_npy};
+use geosweep::surface::builtin::Builtin;
 
 use crate::Outcome;
 use crate::surface_arg::SizedBuiltin;
 
-pub use shim::Builtin;
-
 /// The arguments of `geosweep builtin`.
 #[derive(clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = examples())]
 pub struct Args {
-    /// The surface and its size, e.g. plane:257x513
+    /// The surface and its size, e.g. torus:257x513
     #[arg(value_name = "NAME:ROWSxCOLS")]
     surface: SizedBuiltin,
     /// Where to write the positions: a float64 array (ROWS, COLS, 3), NaN at holes
@@ -23,9 +22,17 @@ pub struct Args {
     output: PathBuf,
 }
 
-const EXAMPLES: &str = "\
+fn examples() -> String {
+    format!(
+        "\
+Surfaces: {}; sheared-plane@DEGREES says by what angle.
+
 Examples:
-  geosweep builtin plane:257x513 -o plane.npy";
+  geosweep builtin sphere:257x257 -o sphere.npy
+  geosweep builtin sheared-plane@72:129x129 -o sheared.npy",
+        Builtin::names()
+    )
+}
 
 pub fn run(args: &Args) -> Outcome {
     if args.output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("npy")) {
@@ -47,27 +54,4 @@ fn positions(surface: &Surface) -> Vec<f64> {
         surface.position(row, col).map_or([f64::NAN; 3], |position| position.to_array())
     };
     (0..chart.points()).flat_map(position).collect()
-}
-
-// To be replaced by `geosweep::surface::builtin::Builtin`.
-mod shim {
-    use geosweep::{Spacing, Surface, surface::SurfaceError};
-
-    #[derive(Clone, Debug)]
-    pub struct Builtin;
-
-    impl Builtin {
-        pub fn parse(name: &str) -> Result<Self, String> {
-            if name == "plane" {
-                Ok(Self)
-            } else {
-                Err(format!("no built-in surface `{name}`; there are: plane"))
-            }
-        }
-
-        pub fn surface(&self, rows: usize, cols: usize) -> Result<Surface, SurfaceError> {
-            let step = 1.0 / (rows.max(cols) - 1).max(1) as f64;
-            Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(step))
-        }
-    }
 }

@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use geosweep::vulkan::{self, DeviceInfo};
 use serde::Serialize;
 
 use crate::{Outcome, print};
@@ -34,7 +35,7 @@ struct Device<'a> {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let found = shim::devices()?;
+    let found = vulkan::devices()?;
     let devices: Vec<_> = found.iter().map(Device::from).collect();
     if args.json {
         print(serde_json::to_string_pretty(&devices)?)?;
@@ -46,9 +47,9 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-impl<'a> From<&'a shim::DeviceInfo> for Device<'a> {
-    fn from(info: &'a shim::DeviceInfo) -> Self {
-        let shim::DeviceInfo { index, name, kind, api_version, driver, unmet } = info;
+impl<'a> From<&'a DeviceInfo> for Device<'a> {
+    fn from(info: &'a DeviceInfo) -> Self {
+        let DeviceInfo { index, name, kind, api_version, driver, unmet } = info;
         Self { index: *index, name, kind, api_version, driver, unmet }
     }
 }
@@ -61,23 +62,5 @@ impl std::fmt::Display for Device<'_> {
             [] => Ok(()),
             _ => write!(f, "\n   not usable: {}", unmet.join("; ")),
         }
-    }
-}
-
-// To be replaced by `geosweep::vulkan::{devices, DeviceInfo}`.
-mod shim {
-    use geosweep::vulkan::VulkanError;
-
-    pub struct DeviceInfo {
-        pub index: usize,
-        pub name: String,
-        pub kind: String,
-        pub api_version: String,
-        pub driver: String,
-        pub unmet: Vec<String>,
-    }
-
-    pub fn devices() -> Result<Vec<DeviceInfo>, VulkanError> {
-        Err(VulkanError::Missing)
     }
 }

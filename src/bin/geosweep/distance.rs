@@ -9,6 +9,7 @@ use std::time::Duration;
 use clap::ValueEnum;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use geosweep::io::{self, MapFormat, OutputFile, SurfaceFile};
+use geosweep::surface::builtin::Builtin;
 use geosweep::{
     DEFAULT_TOLERANCE, DeviceChoice, DistanceMap, Engine, Options, Sources, Spacing, Surface,
     Wavefront, distance_map,
@@ -22,7 +23,7 @@ use crate::{Outcome, print, say};
 
 /// The arguments of `geosweep distance`.
 #[derive(clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = examples())]
 #[command(group = clap::ArgGroup::new("sources").required(true).multiple(true))]
 pub struct Args {
     /// A file, or builtin:NAME:ROWSxCOLS. Files: .npy with positions (M, N, 3), heights (M, N) or a
@@ -92,9 +93,13 @@ pub struct Args {
     json: bool,
 }
 
-const EXAMPLES: &str = "\
+fn examples() -> String {
+    format!(
+        "\
 Distances are in the unit of the positions, or of the heights and the spacing, which must agree. Rows
 count downwards from 0, columns rightwards from 0.
+
+Built-in surfaces: {}; sheared-plane@DEGREES says by what angle.
 
 Examples:
   An elevation model in metres, 30 m between points, from its centre, with a picture:
@@ -104,7 +109,10 @@ Examples:
   Travel times, on the CPU, with a report to parse:
     geosweep distance dem.tif --slowness slowness.npy --source 10,10 --engine cpu --json -o time.npy
   A built-in surface:
-    geosweep distance builtin:plane:257x257 --source 0,0 -o plane.npy";
+    geosweep distance builtin:sphere:257x257 --source 0,0 -o sphere.npy",
+        Builtin::names()
+    )
+}
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum WavefrontArg {
@@ -348,7 +356,7 @@ impl Args {
                                 its own size, leave it out"
                         .into());
                 }
-                builtin.surface()
+                Ok(builtin.surface()?)
             }
             SurfaceArg::File(path) => {
                 let _spinner = Spinner::new("reading");

@@ -36,7 +36,7 @@ Examples:
 #[derive(Subcommand)]
 enum Command {
     /// Compute the distance from sources to every point of a surface
-    Distance(distance::Args),
+    Distance(Box<distance::Args>),
     /// List the Vulkan devices, and why one cannot be used
     Devices(devices::Args),
     /// Compare two distance maps

@@ -1,14 +1,13 @@
 //! What surface the user names: a file, or a built-in one with its size.
 
-use std::error::Error;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::str::FromStr;
 
 use geosweep::Surface;
 use geosweep::io::checked_points;
-
-use crate::builtin::Builtin;
+use geosweep::surface::SurfaceError;
+use geosweep::surface::builtin::Builtin;
 
 /// A file or `builtin:NAME:ROWSxCOLS`.
 #[derive(Clone, Debug)]
@@ -38,8 +37,8 @@ pub struct SizedBuiltin {
 impl SizedBuiltin {
     const PREFIX: &str = "builtin:";
 
-    pub fn surface(&self) -> Result<Surface, Box<dyn Error>> {
-        Ok(self.builtin.surface(self.rows, self.cols)?)
+    pub fn surface(&self) -> Result<Surface, SurfaceError> {
+        self.builtin.surface(self.rows, self.cols)
     }
 }
 

@@ -33,7 +33,8 @@ impl Picture<'_> {
     pub fn draw(&self) -> Canvas {
         let Self { surface, shape, map, sources } = *self;
         let view = View::new(surface.chart(), aspect(shape));
-        let scale = Scale::over(map.distances.iter().copied().filter(|d| d.is_finite()));
+        let distances = map.distances.iter().copied().filter(|distance| distance.is_finite());
+        let scale = Scale::over(distances.chain([start(sources)]));
         let isolines = Isolines::over(&scale);
         let raster = Raster {
             view,
@@ -48,6 +49,14 @@ impl Picture<'_> {
         let quantity = if surface.slowness().is_some() { "travel time" } else { "distance" };
         Legend { quantity, scale: &scale, isolines: &isolines }.beside(drawing)
     }
+}
+
+/// The smallest distance, which need not occur at a grid point.
+fn start(sources: &Sources) -> f32 {
+    let initial = sources.iter().map(|source| match source {
+        Source::Point { initial, .. } | Source::Curve { initial, .. } => *initial as f32,
+    });
+    initial.fold(f32::INFINITY, f32::min)
 }
 
 /// Mean distance between columns over mean distance between rows, heights seen from above.
