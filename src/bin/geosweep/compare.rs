@@ -19,17 +19,19 @@ pub struct Args {
     /// Largest difference that passes, as a fraction of B's largest finite value
     #[arg(short, long, value_name = "T", default_value_t = 1e-5, value_parser = tolerance)]
     tolerance: f64,
-    /// Print one JSON object: max, mean (relative), scale, compared, only_in_a, only_in_b, equal
+    /// Print one JSON object: max and mean (relative), at (row, column of the
+    /// largest difference), scale, compared, only_in_a, only_in_b, equal
     #[arg(long)]
     json: bool,
 }
 
 const EXAMPLES: &str = "\
-Prints the largest and the mean |A - B| over the points that are finite in both maps, as fractions of
-B's largest finite value, and how many points are finite in one map only.
+Prints the largest and the mean |A - B| over the points that are finite in both
+maps, as fractions of B's largest finite value, and how many points are finite in
+one map only.
 
-Exit status: 0 if the largest difference is within the tolerance and the same points are finite,
-1 if not, 2 if the maps cannot be compared.
+Exit status: 0 if the largest difference is within the tolerance and the same
+points are finite, 1 if not, 2 if the maps cannot be compared.
 
 Examples:
   geosweep compare vulkan.npy cpu.npy

@@ -96,18 +96,21 @@ pub struct Args {
 fn examples() -> String {
     format!(
         "\
-Distances are in the unit of the positions, or of the heights and the spacing, which must agree. Rows
-count downwards from 0, columns rightwards from 0.
+Distances are in the unit of the positions, or of the heights and the spacing,
+which must agree. Rows count downwards from 0, columns rightwards from 0.
 
-Built-in surfaces: {}; sheared-plane@DEGREES says by what angle.
+Built-in surfaces:
+  {}; sheared-plane@DEGREES says by what angle.
 
 Examples:
-  An elevation model in metres, 30 m between points, from its centre, with a picture:
-    geosweep distance terrain.png --spacing 30 --source 172,201 -o map.npy --picture map.png
-  A scanned surface with a mask, from a curve and a point that starts at 12.5:
-    geosweep distance scan.npy --mask face.png --source-curve brow.csv --source 80.5,64.25,12.5 -o map.npy
+  An elevation model in metres, 30 m between points, with a picture:
+    geosweep distance dem.png --spacing 30 --source 172,201 -o map.npy --picture map.png
+  A scan with a mask, from a curve and from a point that starts at 12.5:
+    geosweep distance scan.npy --mask face.png --source-curve brow.csv \\
+      --source 80.5,64.25,12.5 -o map.npy
   Travel times, on the CPU, with a report to parse:
-    geosweep distance dem.tif --slowness slowness.npy --source 10,10 --engine cpu --json -o time.npy
+    geosweep distance dem.tif --slowness slowness.npy --source 10,10 \\
+      --engine cpu --json -o time.npy
   A built-in surface:
     geosweep distance builtin:sphere:257x257 --source 0,0 -o sphere.npy",
         Builtin::names()

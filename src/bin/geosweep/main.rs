@@ -23,15 +23,17 @@ struct Tool {
 }
 
 const EXAMPLES: &str = "\
-Arrays are NumPy .npy files, row first; NaN in a surface marks a hole. Rows count downwards from 0 and
-columns rightwards from 0, as in a picture. Output files appear whole or not at all.
+Arrays are NumPy .npy files, row first; NaN in a surface marks a hole. Rows count
+downwards from 0 and columns rightwards from 0, as in a picture. Output files
+appear whole or not at all.
 
-Exit status: 0 if everything asked for was written; 1 if `compare` finds a difference; 2 on an error.
+Exit status: 0 if everything asked for was written; 1 if `compare` finds a
+difference; 2 on an error.
 
 Examples:
-  geosweep distance terrain.tif --spacing 30 --source 120,85 -o map.npy --picture map.png
+  geosweep distance dem.tif --spacing 30 --source 120,85 -o map.npy --picture map.png
   geosweep compare map.npy reference.npy --tolerance 1e-4
-  geosweep COMMAND --help";
+  geosweep distance --help";
 
 #[derive(Subcommand)]
 enum Command {

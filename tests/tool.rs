@@ -1,0 +1,556 @@
+//! The tool as a user meets it: what it writes, and what it says when it cannot.
+#![cfg(feature = "cli")]
+
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use assert_cmd::cargo::cargo_bin_cmd;
+use geosweep::io::{read_map, write_npy};
+use geosweep::surface::builtin::Builtin;
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A folder of inputs and one of outputs, in which only what was asked for may appear.
+struct Bench {
+    inputs: TempDir,
+    outputs: TempDir,
+}
+
+impl Bench {
+    fn new() -> Self {
+        Self { inputs: tempfile::tempdir().unwrap(), outputs: tempfile::tempdir().unwrap() }
+    }
+
+    fn input(&self, name: &str, bytes: impl AsRef<[u8]>) -> String {
+        let path = self.inputs.path().join(name);
+        fs::write(&path, bytes).unwrap();
+        path.to_str().unwrap().to_owned()
+    }
+
+    fn array(&self, name: &str, shape: &[usize], values: &[f64]) -> String {
+        let mut bytes = Vec::new();
+        write_npy(&mut bytes, shape, values).unwrap();
+        self.input(name, bytes)
+    }
+
+    fn flat(&self, rows: usize, cols: usize) -> String {
+        self.array("flat.npy", &[rows, cols], &vec![0.0; rows * cols])
+    }
+
+    fn output(&self, name: &str) -> PathBuf {
+        self.outputs.path().join(name)
+    }
+
+    /// Runs the tool in the folder of outputs.
+    fn run(&self, args: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Output {
+        cargo_bin_cmd!("geosweep").current_dir(self.outputs.path()).args(args).output().unwrap()
+    }
+
+    /// Runs `geosweep distance` on the CPU with the words of a command line.
+    fn distance(&self, surface: &str, words: &str) -> Output {
+        let words = words.split_whitespace();
+        self.run(["distance", surface, "--engine", "cpu"].into_iter().chain(words))
+    }
+
+    fn outputs(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.outputs.path()).unwrap();
+        let mut names: Vec<_> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    /// The tool must refuse, in one message with all these parts, and leave nothing behind.
+    fn refuses(&self, output: &Output, parts: &[&str]) {
+        let stderr = stderr(output);
+        assert_eq!(output.status.code(), Some(2), "{stderr}");
+        assert_eq!(stderr.matches("geosweep: error: ").count(), 1, "{stderr}");
+        for part in parts {
+            assert!(stderr.contains(part), "`{part}` is missing in: {stderr}");
+        }
+        assert!(output.stdout.is_empty(), "{}", String::from_utf8_lossy(&output.stdout));
+        assert_eq!(self.outputs(), [""; 0], "{stderr}");
+    }
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn json(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", stderr(output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn map(path: &Path) -> Vec<f64> {
+    read_map(path).unwrap().values
+}
+
+#[test]
+fn a_plane_has_straight_distances() {
+    let bench = Bench::new();
+    let (rows, cols) = (21, 31);
+    let surface = bench.flat(rows, cols);
+    let output = bench.distance(&surface, "-s 4,5 --spacing 2,3 --json -o map.npy");
+    let report = json(&output);
+    assert_eq!(bench.outputs(), ["map.npy"]);
+    let map = map(&bench.output("map.npy"));
+    for (index, &distance) in map.iter().enumerate() {
+        let (row, col) = ((index / cols) as f64, (index % cols) as f64);
+        let exact = (3.0 * (row - 4.0)).hypot(2.0 * (col - 5.0));
+        approx::assert_relative_eq!(distance, exact, max_relative = 1e-5);
+    }
+    assert_eq!(map[4 * cols + 5], 0.0);
+    assert_eq!(report["engine"], "cpu");
+    assert_eq!(report["device"], Value::Null);
+    assert!(report["schedule"].is_string());
+    assert_eq!(report["wavefront"], "point");
+    assert_eq!(report["converged"], true);
+    assert_eq!(report["iteration_bound"], 1);
+    assert_eq!(report["points"], rows * cols);
+    assert_eq!(report["reached"], rows * cols);
+    assert!(report["iterations"].as_u64().unwrap() >= 1);
+    assert!(report["residual"].as_f64().unwrap() <= 1e-6);
+    assert!(report["solve_seconds"].as_f64().unwrap() > 0.0);
+    let max = map.iter().copied().fold(0.0, f64::max);
+    approx::assert_relative_eq!(report["max_distance"].as_f64().unwrap(), max, epsilon = 1e-6);
+}
+
+#[test]
+fn the_nearest_source_counts_with_its_start_value() {
+    let bench = Bench::new();
+    let output =
+        bench.distance(&bench.flat(41, 61), "-s 4,5 -s 30.5,50.25,8 --spacing 1 -o map.npy");
+    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+    let map = map(&bench.output("map.npy"));
+    for (index, distance) in map.iter().enumerate() {
+        let (row, col) = ((index / 61) as f64, (index % 61) as f64);
+        let exact = (row - 4.0).hypot(col - 5.0).min((row - 30.5).hypot(col - 50.25) + 8.0);
+        // Less the start value, fronts are circles around another centre: first order only.
+        assert!((distance - exact).abs() < 0.6, "{row},{col}: {distance} {exact}");
+    }
+}
+
+#[test]
+fn engines_and_fronts_can_be_chosen() {
+    let bench = Bench::new();
+    for (words, key, value) in [
+        ("--engine fast-marching", "engine", "fast-marching"),
+        ("--engine cpu --wavefront planar", "wavefront", "planar"),
+        ("--engine cpu --wavefront point", "wavefront", "point"),
+    ] {
+        let words = format!("distance builtin:sphere:33x33 -s 3,4 --json -o map.npy {words}");
+        let report = json(&bench.run(words.split_whitespace()));
+        assert_eq!(report[key], value, "{words}");
+        let exact = Builtin::Sphere.exact_distances(33, 33, [3.0, 4.0]).unwrap();
+        for (distance, exact) in map(&bench.output("map.npy")).iter().zip(exact) {
+            assert!((distance - exact).abs() < 0.03, "{words}: {distance} {exact}");
+        }
+    }
+}
+
+#[test]
+fn holes_masks_and_walls_are_respected() {
+    let bench = Bench::new();
+    // A wall from top to bottom, half of it NaN and half masked, and a masked point.
+    let mut heights = vec![0.0; 6 * 9];
+    let mut mask = vec![255u8; 6 * 9];
+    for row in 0..6 {
+        if row < 3 {
+            heights[row * 9 + 5] = f64::NAN;
+        } else {
+            mask[row * 9 + 5] = 0;
+        }
+    }
+    mask[9] = 0;
+    let surface = bench.array("heights.npy", &[6, 9], &heights);
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 9, 6);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.write_header().unwrap().write_image_data(&mask).unwrap();
+    let mask = bench.input("mask.png", bytes);
+    let words = format!("-s 0,0 --mask {mask} --spacing 1 --json -o map.tif");
+    let output = bench.distance(&surface, &words);
+    let report = json(&output);
+    assert_eq!((&report["points"], &report["reached"]), (&47.into(), &29.into()));
+    assert!(report["iteration_bound"].is_null());
+    assert!(stderr(&output).contains("18 of 47 points cannot be reached"), "{}", stderr(&output));
+    let map = map(&bench.output("map.tif"));
+    for (index, distance) in map.iter().enumerate() {
+        assert_eq!(distance.is_finite(), index % 9 < 5 && index != 9, "{index}");
+    }
+}
+
+#[test]
+fn slowness_and_metric_weigh_lengths() {
+    let bench = Bench::new();
+    let surface = bench.flat(11, 11);
+    let slowness = bench.array("slowness.npy", &[11, 11], &[2.5; 121]);
+    let metric = bench.array("metric.npy", &[11, 11, 2, 2], &[9.0, 0.0, 0.0, 4.0].repeat(121));
+    let (dr, dc) = (3.0, 7.0f64);
+    for (surface, words, exact) in [
+        (&surface, format!("--slowness {slowness}"), 2.5 * dc.hypot(dr)),
+        (&surface, format!("--metric {metric}"), (2.0 * dc).hypot(3.0 * dr)),
+        (&metric, String::new(), (2.0 * dc).hypot(3.0 * dr)),
+    ] {
+        let output = bench.distance(surface, &format!("-s 2,1 -o map.exr {words}"));
+        assert!(output.status.success(), "{}", stderr(&output));
+        let found = map(&bench.output("map.exr"))[5 * 11 + 8];
+        approx::assert_relative_eq!(found, exact, max_relative = 1e-5);
+    }
+}
+
+#[test]
+fn curves_come_as_arrays_and_as_text() {
+    let bench = Bench::new();
+    let surface = bench.flat(9, 9);
+    let array = bench.array("curve.npy", &[2, 2], &[0.0, 2.0, 8.0, 2.0]);
+    let text = bench.input("curve.csv", "row,col\n0,2\n8,2\n");
+    for curve in [array, text] {
+        let words = format!("--source-curve {curve} --json -o map.npy");
+        let report = json(&bench.distance(&surface, &words));
+        assert_eq!(report["wavefront"], "planar");
+        for (index, distance) in map(&bench.output("map.npy")).iter().enumerate() {
+            approx::assert_relative_eq!(
+                *distance,
+                (index as f64 % 9.0 - 2.0).abs(),
+                epsilon = 1e-5
+            );
+        }
+    }
+}
+
+#[test]
+fn a_missing_spacing_and_a_missing_convergence_are_said() {
+    let bench = Bench::new();
+    let output = bench.distance(&bench.flat(5, 5), "-s 0,0 -o map.npy");
+    assert!(output.status.success() && output.stdout.is_empty());
+    let stderr_text = stderr(&output);
+    assert!(stderr_text.contains("geosweep: note:") && stderr_text.contains("--spacing"));
+
+    let output = bench.distance("builtin:maze:65x65", "-s 1,1 --iterations 1 --json -o map.npy");
+    assert_eq!(json(&output)["converged"], false);
+    let stderr_text = stderr(&output);
+    assert!(stderr_text.contains("warning: not converged after 1 iteration"), "{stderr_text}");
+}
+
+#[test]
+fn pictures_show_the_map_and_have_a_sensible_size() {
+    let bench = Bench::new();
+    let words = "-s 3,0 -o map.npy --picture map.png";
+    let hill = |i: usize| 8.0 * (-((i / 10) as f64 - 25.0).powi(2) / 50.0).exp();
+    let hill = bench.array("hill.npy", &[51, 10], &(0..510).map(hill).collect::<Vec<_>>());
+    // A single column is a strip that still can be seen.
+    for (surface, widths) in [(&*hill, 250..400), ("builtin:plane:30x1", 100..250)] {
+        let output = bench.distance(surface, words);
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert_eq!(bench.outputs(), ["map.npy", "map.png"]);
+        let bytes = fs::read(bench.output("map.png")).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        assert!((800..2500).contains(&info.height), "{surface}: {info:?}");
+        assert!(widths.contains(&info.width), "{surface}: {info:?}");
+        // Both ends of the colour scale occur: dark violet at the source, yellow far away.
+        let near = |color: [i32; 3]| {
+            let distance = |p: &[u8]| (0..3).map(|k| (i32::from(p[k]) - color[k]).abs()).max();
+            pixels.chunks(3).filter(|pixel| distance(pixel) < Some(12)).count()
+        };
+        assert!(near([68, 1, 84]) > 20 && near([253, 231, 37]) > 20, "{surface}");
+    }
+}
+
+#[test]
+fn wrong_words_are_refused() {
+    let bench = Bench::new();
+    let flat = bench.flat(5, 7);
+    let positions = bench.array("positions.npy", &[5, 7, 3], &vec![0.5; 105]);
+    for (surface, words, parts) in [
+        (&*flat, "-o map.npy", &["--source", "--source-curve"][..]),
+        (&flat, "-s 1,1", &["--output"]),
+        (&flat, "-s nan,1 -o map.npy", &["nan", "finite number"]),
+        (&flat, "-s 1,inf -o map.npy", &["inf", "finite number"]),
+        (&flat, "-s 1 -o map.npy", &["R,C[,T0]"]),
+        (&flat, "-s 1,2,3,4 -o map.npy", &["R,C[,T0]"]),
+        (&flat, "-s -1,2 -o map.npy", &["-1,2", "outside the grid", "0 to 4", "0 to 6"]),
+        (&flat, "-s 4.5,2 -o map.npy", &["4.5,2", "outside the grid"]),
+        (&flat, "-s 1,1 --spacing 0 -o map.npy", &["positive"]),
+        (&flat, "-s 1,1 --spacing -2 -o map.npy", &["positive"]),
+        (&flat, "-s 1,1 --spacing 1,nan -o map.npy", &["nan", "finite number"]),
+        (&flat, "-s 1,1 --spacing 1,2,3 -o map.npy", &["one for columns"]),
+        (&flat, "-s 1,1 --spacing 1e300 -o map.npy", &["edge", "unit of length"]),
+        (&positions, "-s 1,1 --spacing 2 -o map.npy", &["positions.npy", "need no spacing"]),
+        ("builtin:plane:9x9", "-s 1,1 --spacing 2 -o map.npy", &["--spacing", "built-in"]),
+        (&flat, "-s 1,1 --iterations 0 -o map.npy", &["at least one iteration"]),
+        (&flat, "-s 1,1 --tolerance -1 -o map.npy", &["tolerance -1"]),
+        (&flat, "-s 1,1 --tolerance nan -o map.npy", &["tolerance NaN"]),
+        (&flat, "-s 1,1 --device 0 -o map.npy", &["--device", "--engine vulkan"]),
+        (&flat, "-s 1,1 --wavefront round -o map.npy", &["round", "planar"]),
+        ("builtin:plane:0x0", "-s 0,0 -o map.npy", &["0 x 0", "empty"]),
+        ("builtin:plane:1000000x1000000", "-s 0,0 -o map.npy", &["too large", "268435456"]),
+        ("builtin:plane:99999999999999999999x2", "-s 0,0 -o map.npy", &["ROWSxCOLS"]),
+        ("builtin:plane", "-s 0,0 -o map.npy", &["ROWSxCOLS"]),
+        ("builtin:teapot:9x9", "-s 0,0 -o map.npy", &["teapot", "plane", "torus"]),
+    ] {
+        bench.refuses(&bench.distance(surface, words), parts);
+    }
+}
+
+#[test]
+fn wrong_surfaces_are_refused_by_name() {
+    let bench = Bench::new();
+    let rgb = {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.write_header().unwrap().write_image_data(&[0; 12]).unwrap();
+        bytes
+    };
+    let npy = |descr: &str, shape: &str, data: usize| {
+        let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}}}\n");
+        let length = (header.len() as u16).to_le_bytes();
+        [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &vec![0; data]].concat()
+    };
+    let infinite = [0.0, 1.0, f64::INFINITY, 0.0];
+    bench.array("infinite.npy", &[2, 2], &infinite);
+    bench.array("holes.npy", &[2, 2], &[f64::NAN; 4]);
+    bench.array("cube.npy", &[2, 2, 2], &[0.0; 8]);
+    bench.array("line.npy", &[4], &[0.0; 4]);
+    bench.array("indefinite.npy", &[2, 2, 2, 2], &[1.0, 2.0, 2.0, 1.0].repeat(4));
+    bench.array("unknown.obj", &[2, 2], &[0.0; 4]);
+    fs::create_dir(bench.inputs.path().join("folder.npy")).unwrap();
+    for (name, bytes) in [
+        ("empty.npy", &[][..]),
+        ("empty.png", &[]),
+        ("text.npy", b"0 1 2 3"),
+        ("text.tif", b"0 1 2 3"),
+        ("text.exr", b"0 1 2 3"),
+        ("rgb.png", &rgb),
+        ("cut.npy", &npy("<f8", "(3, 3)", 71)),
+        ("lie.npy", &npy("<f4", "(16384, 16384)", 64)),
+        ("huge.npy", &npy("<f4", "(4294967296, 4294967296)", 64)),
+        ("complex.npy", &npy("<c8", "(2, 2)", 32)),
+    ] {
+        bench.input(name, bytes);
+    }
+    for (name, parts) in [
+        ("missing.npy", &["cannot be read"][..]),
+        ("folder.npy", &["is a folder"]),
+        ("unknown.obj", &["unknown extension .obj", ".npy, .png, .tif or .exr"]),
+        ("empty.npy", &["empty"]),
+        ("empty.png", &["empty"]),
+        ("text.npy", &["no NumPy .npy file"]),
+        ("text.tif", &["no usable TIFF file"]),
+        ("text.exr", &["no usable EXR file"]),
+        ("rgb.png", &["Rgb", "only grey PNG"]),
+        ("cut.npy", &["needs 72 bytes, 71 are there"]),
+        ("lie.npy", &["cut short"]),
+        ("huge.npy", &["cut short"]),
+        ("complex.npy", &["<c8", "float32 or float64"]),
+        ("infinite.npy", &["height at row 1, column 0 is infinite", "NaN"]),
+        ("holes.npy", &["no point of the surface is left"]),
+        ("cube.npy", &["(2, 2, 2)", "(M, N, 3)"]),
+        ("line.npy", &["(4)", "(M, N)"]),
+        ("indefinite.npy", &["row 0, column 0", "positive definite"]),
+    ] {
+        let path = bench.inputs.path().join(name);
+        let output = bench.distance(path.to_str().unwrap(), "-s 0,0 -o map.npy");
+        bench.refuses(&output, &[&[name], parts].concat());
+    }
+}
+
+#[test]
+fn wrong_companions_are_refused_by_name() {
+    let bench = Bench::new();
+    let flat = bench.flat(3, 4);
+    let doubles = bench.array("doubles.npy", &[3, 4], &[1.0; 12]);
+    let small = bench.array("small.npy", &[2, 4], &[1.0; 8]);
+    let mut zero = [1.0; 12];
+    zero[6] = 0.0;
+    let zero = bench.array("zero.npy", &[3, 4], &zero);
+    let metric = bench.array("metric.npy", &[3, 3, 2, 2], &[1.0, 0.0, 0.0, 1.0].repeat(9));
+    let header = "{'descr': '|b1', 'fortran_order': False, 'shape': (4, 3)}";
+    let length = [header.len() as u8, 0];
+    let turned = bench.input(
+        "turned.npy",
+        [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &[1; 12]].concat(),
+    );
+    let curve = bench.input("curve.txt", "0,0\n1;1\noops\n");
+    let outside = bench.input("outside.txt", "0,0\n1,9\n");
+    let blank = bench.input("blank.txt", "# nothing\n");
+    for (words, parts) in [
+        (format!("--mask {doubles}"), &["doubles.npy", "bool or uint8"][..]),
+        (format!("--mask {turned}"), &["turned.npy", "4 x 3", "3 x 4"]),
+        (format!("--mask {curve}"), &["curve.txt", ".npy or .png"]),
+        (format!("--slowness {small}"), &["small.npy", "2 x 4", "3 x 4"]),
+        (format!("--slowness {zero}"), &["zero.npy", "slowness 0 at row 1, column 2"]),
+        (format!("--metric {metric}"), &["metric.npy", "3 x 3", "3 x 4"]),
+        (format!("--metric {doubles}"), &["doubles.npy", "(M, N, 2, 2)"]),
+        (format!("--source-curve {curve}"), &["curve.txt", "line 3", "row,col"]),
+        (format!("--source-curve {outside}"), &["1,9", "outside"]),
+        (format!("--source-curve {blank}"), &["blank.txt", "no vertex"]),
+        (format!("--source-curve {doubles}"), &["doubles.npy", "(K, 2)"]),
+    ] {
+        bench.refuses(&bench.distance(&flat, &format!("-s 0,0 -o map.npy {words}")), parts);
+    }
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_refused_before_anything_is_read() {
+    let bench = Bench::new();
+    // A surface that does not exist: its error would come first if it were looked at.
+    for (words, parts) in [
+        ("-o map.txt", &["unknown extension .txt", ".npy, .tif or .exr"][..]),
+        ("-o map", &["no extension"]),
+        ("-o no/map.npy", &["no/map.npy", "no folder", "create it"]),
+        ("-o map.npy --picture no/map.png", &["no/map.png", "no folder"]),
+        ("-o map.npy --picture map.jpg", &["map.jpg", ".png"]),
+    ] {
+        bench.refuses(&bench.distance("missing.npy", &format!("-s 0,0 {words}")), parts);
+    }
+}
+
+#[test]
+fn what_is_in_the_way_stays() {
+    let bench = Bench::new();
+    let flat = bench.flat(5, 5);
+    let before = fs::read(&flat).unwrap();
+    let output = bench.run(["distance", &flat, "--engine", "cpu", "-s", "0,0", "-o", &flat]);
+    bench.refuses(&output, &["flat.npy", "also an input"]);
+    assert_eq!(fs::read(&flat).unwrap(), before);
+
+    let folder = bench.inputs.path().join("map.npy");
+    fs::create_dir(&folder).unwrap();
+    let words = format!("-s 0,0 -o {}", folder.display());
+    bench.refuses(&bench.distance(&flat, &words), &["map.npy", "a folder has this name"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn names_need_not_be_text() {
+    use std::os::unix::ffi::OsStrExt;
+    let bench = Bench::new();
+    let name = OsStr::from_bytes(b"\xff.npy");
+    let words = |words: &'static str| words.split(' ').map(OsStr::new);
+    let output = bench.run(words("distance").chain([name]).chain(words("-s 0,0 -o map.npy")));
+    bench.refuses(&output, &[".npy: cannot be read"]);
+    let output =
+        bench.run(words("distance builtin:plane:5x5 --engine cpu -s 0,0 -o").chain([name]));
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(map(&bench.output("").join(name)).len(), 25);
+    let source = OsStr::from_bytes(b"1,\xff");
+    let bench = Bench::new();
+    let output = bench.run(words("distance builtin:plane:5x5 -o map.npy -s").chain([source]));
+    bench.refuses(&output, &["UTF-8"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn links_are_followed_and_devices_left_alone() {
+    let bench = Bench::new();
+    std::os::unix::fs::symlink(bench.inputs.path().join("real.npy"), bench.output("map.npy"))
+        .unwrap();
+    fs::write(bench.inputs.path().join("real.npy"), "old").unwrap();
+    let output = bench.distance("builtin:plane:5x5", "-s 0,0 -o map.npy");
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(fs::symlink_metadata(bench.output("map.npy")).unwrap().is_symlink());
+    assert_eq!(map(&bench.inputs.path().join("real.npy")).len(), 25);
+
+    fs::remove_file(bench.output("map.npy")).unwrap();
+    std::os::unix::fs::symlink("/dev/null", bench.output("map.npy")).unwrap();
+    let output = bench.distance("builtin:plane:5x5", "-s 0,0 -o map.npy");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("not a regular file"), "{}", stderr(&output));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_closed_pipe_is_no_panic() {
+    use std::process::{Command, Stdio};
+    let bench = Bench::new();
+    let program = assert_cmd::cargo::cargo_bin!("geosweep");
+    let mut child = Command::new(program)
+        .current_dir(bench.outputs.path())
+        .args("distance builtin:plane:65x65 --engine cpu -s 0,0 --json -o map.npy".split(' '))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(stderr(&output), "");
+}
+
+#[test]
+fn compare_measures_and_its_status_tells() {
+    let bench = Bench::new();
+    let inf = f64::INFINITY;
+    let a = bench.array("a.npy", &[2, 3], &[0.0, 1.0, 2.0, 3.5, inf, inf]);
+    let b = bench.array("b.npy", &[2, 3], &[0.0, 1.0, 2.0, 4.0, inf, 1.0]);
+    let c = bench.array("c.npy", &[2, 3], &[0.0, 1.0, 2.0, 4.0, inf, inf]);
+    let other = bench.array("other.npy", &[3, 2], &[0.0; 6]);
+
+    let output = bench.run(["compare", &a, &b, "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let expected = serde_json::json!({
+        "max": 0.125, "mean": 0.125 / 4.0, "at": [1, 0], "scale": 4.0,
+        "compared": 4, "only_in_a": 0, "only_in_b": 1, "equal": false,
+    });
+    assert_eq!(found, expected);
+
+    for (words, status) in [
+        (vec!["compare", &*a, &*c], 1),
+        (vec!["compare", &a, &c, "--tolerance", "0.125"], 0),
+        (vec!["compare", &a, &b, "--tolerance", "0.125"], 1),
+        (vec!["compare", &b, &b, "--tolerance", "0"], 0),
+    ] {
+        let output = bench.run(&words);
+        assert_eq!(output.status.code(), Some(status), "{words:?}: {}", stderr(&output));
+        assert!(!output.stdout.is_empty());
+    }
+    bench.refuses(&bench.run(["compare", &a, &other]), &["2 x 3", "3 x 2"]);
+    bench.refuses(&bench.run(["compare", &a, "missing.npy"]), &["missing.npy"]);
+    bench.refuses(&bench.run(["compare", &a, &b, "--tolerance", "nan"]), &["tolerance"]);
+}
+
+#[test]
+fn builtin_surfaces_become_files_that_are_surfaces() {
+    let bench = Bench::new();
+    let output = bench.run(["builtin", "maze:65x65", "-o", "maze.npy"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let words = ["-s 1,1 --json -o from-file.npy", "-s 1,1 --json -o from-name.npy"];
+    let from_file = json(&bench.distance("maze.npy", words[0]));
+    let from_name = json(&bench.distance("builtin:maze:65x65", words[1]));
+    assert!(from_file["points"].as_u64().unwrap() < 65 * 65);
+    assert_eq!(from_file["points"], from_name["points"]);
+    assert_eq!(map(&bench.output("from-file.npy")), map(&bench.output("from-name.npy")));
+}
+
+#[test]
+fn builtin_refuses_other_formats_and_sizes() {
+    let bench = Bench::new();
+    for (words, part) in [
+        ("builtin plane:5x5 -o plane.obj", ".npy"),
+        ("builtin plane:0x5 -o plane.npy", "empty"),
+        ("builtin plane:65536x65536 -o plane.npy", "too large"),
+        ("builtin plane -o plane.npy", "ROWSxCOLS"),
+    ] {
+        bench.refuses(&bench.run(words.split(' ')), &[part]);
+    }
+}
+
+#[test]
+fn help_names_every_option() {
+    let bench = Bench::new();
+    let help = bench.run(["distance", "--help"]);
+    assert!(help.status.success());
+    let help = String::from_utf8(help.stdout).unwrap();
+    for word in ["--source-curve", "--spacing", "--device", "Examples:", "sheared-plane", "unit"] {
+        assert!(help.contains(word), "{word}");
+    }
+    bench.refuses(&bench.run(["sing"]), &["sing"]);
+}
