@@ -230,10 +230,8 @@ proptest! {
         }
         let folder = Folder::new();
         let path = folder.file(name, &bytes);
-        if let Ok(file) = SurfaceFile::read(&path) {
-            if let Ok(surface) = file.into_surface(None) {
-                prop_assert!(surface.points() >= 1);
-            }
+        if let Ok(surface) = SurfaceFile::read(&path).and_then(|file| file.into_surface(None)) {
+            prop_assert!(surface.points() >= 1);
         }
     }
 }

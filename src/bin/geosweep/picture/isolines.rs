@@ -11,6 +11,8 @@ const STRONG: i64 = 5;
 /// Values at all multiples of a round step.
 pub struct Isolines {
     pub step: f64,
+    /// Width of a line in units of the usual one: large pictures need stronger lines.
+    pub thickness: f32,
 }
 
 /// One line: a multiple of the step.
@@ -21,9 +23,9 @@ pub struct Isoline {
 }
 
 impl Isolines {
-    pub fn over(scale: &Scale) -> Self {
+    pub fn over(scale: &Scale, thickness: f32) -> Self {
         let range = f64::from(scale.high) - f64::from(scale.low);
-        Self { step: round_step(range / MOST_LINES) }
+        Self { step: round_step(range / MOST_LINES), thickness }
     }
 
     /// The line nearest to a value.
@@ -53,8 +55,9 @@ impl Isolines {
         let pixels = |difference: f64| (difference / slope.max(f64::MIN_POSITIVE)) as f32;
         let distance = pixels((value - line.value).abs());
         let apart = pixels(self.step);
-        let fading = ((apart - 3.0) / 5.0).clamp(0.0, 1.0);
-        (line, fading * (line.half_width() + 0.5 - distance).clamp(0.0, 1.0))
+        let fading = ((apart / self.thickness - 3.0) / 5.0).clamp(0.0, 1.0);
+        let half_width = line.half_width() * self.thickness;
+        (line, fading * (half_width + 0.5 - distance).clamp(0.0, 1.0))
     }
 }
 
@@ -63,7 +66,7 @@ impl Isoline {
         self.multiple % STRONG == 0
     }
 
-    pub fn half_width(self) -> f32 {
+    fn half_width(self) -> f32 {
         if self.is_strong() { 0.9 } else { 0.45 }
     }
 
@@ -102,7 +105,7 @@ mod tests {
 
     #[test]
     fn a_line_is_about_as_wide_as_asked() {
-        let lines = Isolines { step: 10.0 };
+        let lines = Isolines { step: 10.0, thickness: 1.0 };
         // A slope of a tenth per pixel, sampled finely around the line at 30.
         let width: f32 =
             (-400..400).map(|i| lines.coverage(30.0 + f64::from(i) * 1e-3, 0.1).1 * 0.01).sum();

@@ -1,5 +1,7 @@
 //! The colour bar beside the picture.
 
+use geosweep::glam::Vec2;
+
 use super::canvas::{Canvas, Color};
 use super::colors::Scale;
 use super::isolines::Isolines;
@@ -25,9 +27,9 @@ struct Bar {
 }
 
 impl Legend<'_> {
-    /// The picture on white paper with this legend to its right; all measures follow the size
-    /// of the text, which follows the size of the picture.
-    pub fn beside(&self, picture: Canvas) -> Canvas {
+    /// The picture on white paper with this legend to its right, and where the picture's first
+    /// pixel is. All measures follow the size of the text, which follows the picture's.
+    pub fn beside(&self, picture: &Canvas) -> (Canvas, Vec2) {
         let size = (picture.width.max(picture.height) / 45).clamp(18, 40);
         let pen = Pen::new(size as f32);
         let labels = self.labels();
@@ -44,7 +46,8 @@ impl Legend<'_> {
         let width = ends.fold(text_end(bar.left, self.quantity), usize::max) + size;
         let mut canvas = Canvas::new(width, bar.top + bar.height + size, PAPER);
 
-        canvas.paste(size, (canvas.height - picture.height) / 2, &picture);
+        let (left, top) = (size, (canvas.height - picture.height) / 2);
+        canvas.paste(left, top, picture);
         pen.write(&mut canvas, bar.left as f32, 1.5 * size as f32, self.quantity, INK);
         self.draw_scale(&mut canvas, &bar);
         for (value, label) in labels {
@@ -54,7 +57,7 @@ impl Legend<'_> {
             }
             pen.write(&mut canvas, label_left as f32, y as f32, &label, INK);
         }
-        canvas
+        (canvas, Vec2::new(left as f32, top as f32))
     }
 
     /// The colours from the largest value down, with the lines that the picture has.

@@ -35,7 +35,7 @@ impl Picture<'_> {
         let view = View::new(surface.chart(), aspect(shape));
         let distances = map.distances.iter().copied().filter(|distance| distance.is_finite());
         let scale = Scale::over(distances.chain([start(sources)]));
-        let isolines = Isolines::over(&scale);
+        let isolines = Isolines::over(&scale, view.thickness());
         let raster = Raster {
             view,
             present: surface.present(),
@@ -44,10 +44,11 @@ impl Picture<'_> {
             scale: &scale,
             isolines: &isolines,
         };
-        let mut drawing = raster.draw();
-        mark_sources(&mut drawing, view, sources);
         let quantity = if surface.slowness().is_some() { "travel time" } else { "distance" };
-        Legend { quantity, scale: &scale, isolines: &isolines }.beside(drawing)
+        let legend = Legend { quantity, scale: &scale, isolines: &isolines };
+        let (mut canvas, corner) = legend.beside(&raster.draw());
+        mark_sources(&mut canvas, view, corner, sources);
+        canvas
     }
 }
 
@@ -84,12 +85,13 @@ fn mean_step(shape: &Surface, to: Direction) -> f64 {
     sum / f64::from(count)
 }
 
-/// Points as discs and curves as bands, white with a dark rim.
-fn mark_sources(canvas: &mut Canvas, view: View, sources: &Sources) {
+/// Points as discs and curves as bands, white with a dark rim, over a picture whose first pixel
+/// is at `corner`.
+fn mark_sources(canvas: &mut Canvas, view: View, corner: Vec2, sources: &Sources) {
     const RIM: [f32; 3] = [0.1, 0.1, 0.1];
     const FILL: [f32; 3] = [1.0, 1.0, 1.0];
-    let size = (canvas.width.max(canvas.height) as f32 / 1000.0).max(0.8);
-    let pixel = |at: &DVec2| view.pixel(*at);
+    let size = view.thickness();
+    let pixel = |at: &DVec2| corner + view.pixel(*at);
     // All rims first, so that a curve's pieces and crossing sources join.
     for (color, wider) in [(RIM, 1.6 * size), (FILL, 0.0)] {
         for source in sources.iter() {

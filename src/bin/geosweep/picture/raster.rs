@@ -35,6 +35,11 @@ impl View {
         Self { chart, width: pixels(width), height: pixels(height) }
     }
 
+    /// Size of marks and lines: 1 for about a thousand pixels on the long side.
+    pub fn thickness(self) -> f32 {
+        (self.width.max(self.height) as f32 / 1000.0).max(1.0)
+    }
+
     /// Grid steps per pixel: rows downwards, columns rightwards.
     fn steps(self) -> DVec2 {
         let steps = |points: usize, pixels: usize| (points - 1) as f64 / (pixels - 1) as f64;
@@ -77,7 +82,7 @@ impl Raster<'_> {
         let View { width, height, .. } = self.view;
         let steps = self.view.steps().max_element();
         // Several samples a pixel smooth the borders of holes, and average what is reduced.
-        let samples = (steps.ceil() as usize).clamp(2, 4);
+        let samples = (steps.ceil() as usize).clamp(2, 3);
         let pixel = |index: usize| self.pixel(index % width, index / width, samples);
         let pixels = (0..width * height).into_par_iter().map(pixel).collect();
         Canvas { width, height, pixels }
