@@ -68,9 +68,33 @@ impl<R: Real> Triangle<R> {
         (self.t1 + self.l1).min(self.t2 + self.l2)
     }
 
-    /// Whether all three edges exist and none has zero length.
+    /// Whether all three edges exist, and together are the sides of a triangle with an area.
+    ///
+    /// Chords always are, but lengths weighted by a slowness or taken from a metric need not be:
+    /// an edge that is longer than the way around it is no shortest path, and a front that runs
+    /// across such a "triangle" would arrive too early, or before it left.
     #[inline]
     pub(crate) fn is_proper(self) -> bool {
-        self.l1.max(self.l2).max(self.c) < R::FAR && self.l1.min(self.l2).min(self.c) > R::zero()
+        let longest = self.l1.max(self.l2).max(self.c);
+        longest < R::FAR && longest + longest < self.l1 + self.l2 + self.c
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_a_triangle_the_front_runs_along_the_edges() {
+        // The longest edge in each place, longer than the two others together; and none of it.
+        for (l1, l2, c) in [(1.0, 1.0, 3.0), (3.0, 1.0, 1.0), (1.0, 3.0, 1.0), (1.0, 1.0, 0.0)] {
+            for (t1, t2) in [(2.0, 2.0), (2.0, 3.5), (4.5, 2.0)] {
+                let triangle = Triangle { t1, t2, l1, l2, c };
+                for wavefront in [Wavefront::Planar, Wavefront::PointSource] {
+                    let edge_step = f64::min(t1 + l1, t2 + l2);
+                    assert_eq!(triangle.update(wavefront), edge_step, "{triangle:?} {wavefront}");
+                }
+            }
+        }
     }
 }
