@@ -3,6 +3,7 @@
 //! Independent of the solvers: a shortest path between obstacles with straight sides is a chain
 //! of straight lines which bends only at the obstacles' corners.
 
+use std::iter::Peekable;
 use std::ops::Range;
 
 use glam::DVec2;
@@ -87,8 +88,29 @@ impl FloorPlan {
 
     /// Whether the straight line between two places stays on the floor.
     fn sees(&self, a: DVec2, b: DVec2) -> bool {
-        let cuts = crossings(a, b);
-        cuts.windows(2).all(|ends| self.has_piece(a.lerp(b, ends[0]), a.lerp(b, ends[1])))
+        let shortest = NEAR / (b - a).length().max(NEAR);
+        let mut rows = crossings(a.x, b.x).peekable();
+        let mut cols = crossings(a.y, b.y).peekable();
+        let mut from = 0.0;
+        while from < 1.0 {
+            let next = |cuts: &mut Peekable<_>| cuts.peek().copied().unwrap_or(1.0);
+            let (row, col) = (next(&mut rows), next(&mut cols));
+            let to = row.min(col);
+            if row <= col {
+                rows.next()
+            } else {
+                cols.next()
+            };
+            if to - from >= shortest {
+                if !self.has_piece(a.lerp(b, from), a.lerp(b, to)) {
+                    return false;
+                }
+                from = to;
+            } else if to >= 1.0 {
+                break;
+            }
+        }
+        true
     }
 
     /// Whether a piece of a line that crosses no row or column inside lies on the floor.
@@ -127,18 +149,14 @@ fn span(x: f64) -> Range<usize> {
     }
 }
 
-/// Parameters, 0 and 1 included, at which a line crosses rows and columns.
-fn crossings(a: DVec2, b: DVec2) -> Vec<f64> {
-    let mut cuts = vec![0.0, 1.0];
-    for (from, to) in [(a.x, b.x), (a.y, b.y)] {
-        let first = from.min(to).floor() as usize + 1;
-        let last = from.max(to).ceil() as usize;
-        cuts.extend((first..last).map(|line| (line as f64 - from) / (to - from)));
-    }
-    cuts.sort_by(f64::total_cmp);
-    let shortest = NEAR / (b - a).length().max(NEAR);
-    cuts.dedup_by(|later, earlier| *later - *earlier < shortest && *later < 1.0);
-    cuts
+/// Parameters between 0 and 1, in order, at which a line passes whole coordinates.
+fn crossings(from: f64, to: f64) -> impl Iterator<Item = f64> {
+    let (first, last) = (from.min(to).floor() as usize + 1, from.max(to).ceil() as usize);
+    let count = last.saturating_sub(first);
+    (0..count).map(move |k| {
+        let line = if from < to { first + k } else { last - 1 - k };
+        (line as f64 - from) / (to - from)
+    })
 }
 
 /// Distances over a floor from one place.
