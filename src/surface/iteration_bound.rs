@@ -27,6 +27,7 @@ impl Surface {
         position(0, 0)?;
         let at = |row: usize, col: usize| position(row, col).expect("the surface has no hole");
         let (mut smallest_eigenvalue, mut largest_hessian) = (f64::INFINITY, 0.0f64);
+        let mut largest_coordinate = 0.0f64;
         for row in 1..rows - 1 {
             for col in 1..cols - 1 {
                 let x = at(row, col);
@@ -44,6 +45,7 @@ impl Surface {
                         + at(row - 1, col - 1));
                 smallest_eigenvalue = smallest_eigenvalue.min(eigenvalues(metric).0);
                 largest_hessian = largest_hessian.max(hessian_norm(rr, rc, cc));
+                largest_coordinate = largest_coordinate.max(x.abs().max_element());
             }
         }
         let length = |a: DVec3, b: DVec3| a.distance(b);
@@ -52,10 +54,11 @@ impl Surface {
         let longest_row = (0..rows).map(row_length).fold(0.0, f64::max);
         let longest_col = (0..cols).map(col_length).fold(0.0, f64::max);
         let diameter: f64 = longest_row + longest_col;
-        let turns = 2.0 * diameter * largest_hessian / (std::f64::consts::PI * smallest_eigenvalue);
         // Second differences of a straight grid are rounding errors, not curvature.
-        let noise = 1e-9;
-        turns.is_finite().then_some((turns - noise).max(0.0).ceil() as u64 + 1)
+        let rounding = 8.0 * f64::EPSILON * largest_coordinate;
+        let curvature = (largest_hessian - rounding).max(0.0) / smallest_eigenvalue;
+        let turns = 2.0 * diameter * curvature / std::f64::consts::PI;
+        turns.is_finite().then_some(turns.ceil() as u64 + 1)
     }
 }
 
@@ -100,6 +103,15 @@ mod tests {
         let plane =
             Surface::from_heights(5, 7, vec![0.1; 35], Spacing { dx: 0.1, dy: 0.3 }).unwrap();
         assert_eq!(plane.iteration_bound(), Some(1));
+        // A slanted and sheared one too, however fine, and far from the origin.
+        let points = 513;
+        let position = |index: usize| {
+            let (row, col) = ((index / points) as f64, (index % points) as f64);
+            DVec3::new(5e5 + 0.1 * col + 0.3 * row, 4e6 + 0.1 * row, 0.7 * col)
+        };
+        let positions = (0..points * points).map(position).collect();
+        let slanted = Surface::from_positions(points, points, positions).unwrap();
+        assert_eq!(slanted.iteration_bound(), Some(1));
     }
 
     #[test]
