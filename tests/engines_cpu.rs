@@ -2,13 +2,14 @@
 
 mod measure;
 
-use geosweep::cpu::Stop;
+use geosweep::cpu::{self, Connections, Stop};
 use geosweep::glam::DVec3;
+use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{Surface, Wavefront};
 use measure::{
-    CONVERGED, CONVERGED_F64, Random, at, builtins, difference, directed, largest_angle, marched,
-    off_centre, rotated,
+    CONVERGED, CONVERGED_F64, Random, at, builtins, difference, directed, errors, largest_angle,
+    marched, off_centre, rotated,
 };
 
 const WAVEFRONTS: [Wavefront; 2] = [Wavefront::Planar, Wavefront::PointSource];
@@ -108,6 +109,70 @@ fn fast_marching_agrees_with_raster_scans_on_acute_triangles() {
         }
     }
     assert!(acute_surfaces >= 6, "only {acute_surfaces} surfaces have acute triangles");
+}
+
+/// Where triangles are obtuse, connections to further neighbours restore the order: measured at
+/// 97 x 97 points, the mean relative error of fast marching falls from 3.0e-2 to 4.0e-3 (planar)
+/// and from 2.3e-2 to rounding (point-source) at 60 degrees of shear.
+#[test]
+fn split_triangles_mend_fast_marching() {
+    for degrees in [60.0, -72.0, 80.0] {
+        let builtin = Builtin::ShearedPlane { degrees };
+        let surface = builtin.surface(POINTS, POINTS).unwrap();
+        let source = off_centre(POINTS, POINTS);
+        let exact = builtin.exact_distances(POINTS, POINTS, source).unwrap();
+        let edges = EdgeLengths::<f64>::new(&surface).unwrap();
+        let seeds = at(source).seeds(&surface).unwrap();
+        let [eight, split] =
+            [Connections::eight(surface.chart()), Connections::split(&surface).unwrap()];
+        for (wavefront, bar) in [(Wavefront::Planar, 5e-3), (Wavefront::PointSource, 1e-12)] {
+            let [eight, split] = [&eight, &split].map(|connections| {
+                let solution = cpu::fast_marching_with(&edges, connections, &seeds, wavefront);
+                errors(&solution.distances(), &exact).mean_relative
+            });
+            println!("{degrees} {wavefront}: {eight:.1e} with eight, {split:.1e} split");
+            assert!(eight > 0.01, "{degrees} {wavefront}: {eight:e}");
+            assert!(split < bar, "{degrees} {wavefront}: {split:e}");
+        }
+    }
+}
+
+/// On a curved surface, against a grid eight times as fine: better than without, and no worse than
+/// the scans, which do not mind the order. Measured: planar 0.5 to 0.9 and point-source 0.7 to 1.1
+/// times the error of the scans.
+#[test]
+fn split_triangles_serve_curved_surfaces() {
+    let (points, fine) = (65, 513);
+    let step = (fine - 1) / (points - 1);
+    let [coarse_peaks, fine_peaks] =
+        [points, fine].map(|points| Builtin::Peaks.surface(points, points).unwrap());
+    let edges = EdgeLengths::<f64>::new(&coarse_peaks).unwrap();
+    let split = Connections::split(&coarse_peaks).unwrap();
+    assert!(split.triangles() > 0);
+    for source in [[0.0, 0.0], [19.0, 26.0], [44.0, 31.0]] {
+        let fine_source = at(source.map(|x| x * step as f64));
+        let reference =
+            rotated::<f32>(&fine_peaks, &fine_source, Wavefront::PointSource, CONVERGED);
+        let reference = reference.distances();
+        let reference: Vec<f64> = (0..points * points)
+            .map(|index| (index / points * fine + index % points) * step)
+            .map(|index| reference[index].into())
+            .collect();
+        let seeds = at(source).seeds(&coarse_peaks).unwrap();
+        for wavefront in WAVEFRONTS {
+            let [scanned, eight, split] = [
+                rotated(&coarse_peaks, &at(source), wavefront, CONVERGED_F64),
+                cpu::fast_marching(&edges, &seeds, wavefront),
+                cpu::fast_marching_with(&edges, &split, &seeds, wavefront),
+            ]
+            .map(|solution| errors(&solution.distances(), &reference).mean_relative);
+            println!(
+                "{source:?} {wavefront}: scans {scanned:.1e}, eight {eight:.1e}, split {split:.1e}"
+            );
+            assert!(split < eight, "{source:?} {wavefront}: {split:e} {eight:e}");
+            assert!(split < 1.2 * scanned, "{source:?} {wavefront}: {split:e} {scanned:e}");
+        }
+    }
 }
 
 /// Theorem 1 bounds the iterations that change the map; one more finds that nothing changes.

@@ -3,6 +3,7 @@
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
+use super::Connections;
 use super::state::{Solution, TriangleSlots};
 use crate::surface::{Direction, EdgeLengths, EdgeSlot, Real, Seed};
 use crate::update::Wavefront;
@@ -12,9 +13,20 @@ use crate::update::Wavefront;
 ///
 /// With the planar wavefront and no obtuse triangle this is the raster scans' converged map.
 /// Where triangles are obtuse, or fronts circular, a point can be fixed too early, and the map
-/// is an upper bound of the converged one.
+/// is an upper bound of the converged one; see [`fast_marching_with`].
 pub fn fast_marching<R: Real>(
     edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+) -> Solution<R> {
+    fast_marching_with(edges, &Connections::eight(edges.chart()), seeds, wavefront)
+}
+
+/// [`fast_marching`] with connections to further neighbours, which mend the order in which points
+/// are fixed where triangles are obtuse.
+pub fn fast_marching_with<R: Real>(
+    edges: &EdgeLengths<R>,
+    connections: &Connections<R>,
     seeds: &[Seed],
     wavefront: Wavefront,
 ) -> Solution<R> {
@@ -57,6 +69,17 @@ pub fn fast_marching<R: Real>(
                 .fold(R::FAR, R::min);
             if solution.lower(neighbour, time) > R::zero() {
                 front.push(Reverse(Arrival { time, point: neighbour }));
+            }
+        }
+        let known = |times: &[R], point: usize| if fixed[point] { times[point] } else { R::FAR };
+        let arrivals: Vec<_> = connections
+            .around(point, |point| known(&solution.times, point))
+            .filter(|&(x0, _)| !fixed[x0])
+            .map(|(x0, triangle)| Arrival { time: triangle.update(wavefront), point: x0 })
+            .collect();
+        for arrival in arrivals {
+            if solution.lower(arrival.point, arrival.time) > R::zero() {
+                front.push(Reverse(arrival));
             }
         }
     }

@@ -3,12 +3,14 @@
 //! All three share one update and one array layout (a border of points that are never reached),
 //! and converge to the same map. Single precision is for use, double precision for reference.
 
+mod connections;
 mod fast_marching;
 mod raster_scan;
 mod rotated_scan;
 mod state;
 
-pub use fast_marching::fast_marching;
+pub use connections::Connections;
+pub use fast_marching::{fast_marching, fast_marching_with};
 pub use raster_scan::raster_scan;
 pub use rotated_scan::rotated_scan;
 pub use state::Solution;

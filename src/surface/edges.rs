@@ -112,15 +112,19 @@ impl Surface {
     fn edge_length(&self, row: usize, col: usize, to: Direction) -> Result<f64, SurfaceError> {
         let chart = self.chart();
         let (r, c) = chart.neighbour(row, col, to).expect("the caller has tested the edge");
-        let (here, there) =
-            (self.geometry().sample(chart, row, col), self.geometry().sample(chart, r, c));
-        let slowness = |index: usize| self.slowness().map_or(1.0, |slowness| slowness[index]);
-        let weight = 0.5 * (slowness(chart.index(row, col)) + slowness(chart.index(r, c)));
-        let length = weight * here.length_to(there);
+        let length = self.length_between((row, col), (r, c));
         if length == 0.0 || (SHORTEST_EDGE..=LONGEST_EDGE).contains(&length) {
             Ok(length)
         } else {
             Err(SurfaceError::EdgeLength { row, col, direction: to, length })
         }
+    }
+
+    /// Length of the straight step between two grid points, weighted by their mean slowness.
+    pub(crate) fn length_between(&self, from: (usize, usize), to: (usize, usize)) -> f64 {
+        let chart = self.chart();
+        let sample = |(row, col)| self.geometry().sample(chart, row, col);
+        let slowness = |(row, col)| self.slowness().map_or(1.0, |s| s[chart.index(row, col)]);
+        0.5 * (slowness(from) + slowness(to)) * sample(from).length_to(sample(to))
     }
 }

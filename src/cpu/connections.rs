@@ -1,0 +1,220 @@
+//! Connections to further neighbours where the eight leave an obtuse angle.
+
+use rayon::prelude::*;
+
+use crate::surface::{Chart, Direction, EdgeLengths, Real, Surface, SurfaceError};
+use crate::update::Triangle;
+
+/// The triangles that split obtuse ones, for [`super::fast_marching_with`] (paper, end of
+/// section 3, after Spira and Kimmel).
+///
+/// An obtuse triangle between the neighbours x0 + a and x0 + b is split by the grid point
+/// x0 + a + b, the only one that can lie between them with no other in between, and its halves
+/// again until no angle is obtuse. Where that would reach over a hole or the border, the obtuse
+/// triangle stays alone.
+#[derive(Clone, Debug)]
+pub struct Connections<R> {
+    triangles: Vec<Split<R>>,
+    /// The triangles that look at a point of the bordered array are
+    /// `lookers[first[point]..first[point + 1]]`.
+    first: Vec<usize>,
+    lookers: Vec<usize>,
+}
+
+/// One half of a split triangle; points are indices into a bordered array.
+#[derive(Clone, Copy, Debug)]
+struct Split<R> {
+    x0: usize,
+    x1: usize,
+    x2: usize,
+    l1: R,
+    l2: R,
+    c: R,
+}
+
+/// A step in rows and columns.
+type Step = (isize, isize);
+
+/// Farthest connection, in rows or columns: a front is not straight over longer ways.
+const FARTHEST: isize = 8;
+
+impl<R: Real> Connections<R> {
+    /// No further neighbours.
+    pub fn eight(chart: Chart) -> Self {
+        Self::new(chart, Vec::new())
+    }
+
+    /// Splits the obtuse triangles of a surface.
+    ///
+    /// # Errors
+    /// [`SurfaceError::EdgeLength`], as from [`EdgeLengths::new`].
+    pub fn split(surface: &Surface) -> Result<Self, SurfaceError> {
+        let (chart, edges) = (surface.chart(), EdgeLengths::<f64>::new(surface)?);
+        let in_row = |row: usize| {
+            let mut triangles = Vec::new();
+            for col in 0..chart.cols {
+                let corner = Corner { surface, row, col };
+                for a in Direction::ALL {
+                    let b = a.next();
+                    let longer = edges.length(row, col, a).max(edges.length(row, col, b));
+                    if longer < f64::FAR && corner.is_obtuse(a.step(), b.step()) {
+                        corner.split(a.step(), b.step(), &mut triangles);
+                    }
+                }
+            }
+            triangles
+        };
+        let triangles = (0..chart.rows).into_par_iter().flat_map_iter(in_row).collect();
+        Ok(Self::new(chart, triangles))
+    }
+
+    /// Number of triangles added.
+    pub fn triangles(&self) -> usize {
+        self.triangles.len()
+    }
+
+    fn new(chart: Chart, triangles: Vec<Split<R>>) -> Self {
+        let ends = || {
+            let indexed = triangles.iter().enumerate();
+            indexed.flat_map(|(index, triangle)| [(triangle.x1, index), (triangle.x2, index)])
+        };
+        let mut first = vec![0; chart.bordered_points() + 1];
+        ends().for_each(|(point, _)| first[point + 1] += 1);
+        (1..first.len()).for_each(|point| first[point] += first[point - 1]);
+        let (mut next, mut lookers) = (first.clone(), vec![0; 2 * triangles.len()]);
+        for (point, index) in ends() {
+            lookers[next[point]] = index;
+            next[point] += 1;
+        }
+        Self { triangles, first, lookers }
+    }
+
+    /// The triangles with a point as x1 or x2: their x0, and themselves with arrival times seen
+    /// through `time`.
+    pub(super) fn around(
+        &self,
+        point: usize,
+        time: impl Fn(usize) -> R,
+    ) -> impl Iterator<Item = (usize, Triangle<R>)> {
+        self.lookers[self.first[point]..self.first[point + 1]].iter().map(move |&index| {
+            let Split { x0, x1, x2, l1, l2, c } = self.triangles[index];
+            (x0, Triangle { t1: time(x1), t2: time(x2), l1, l2, c })
+        })
+    }
+}
+
+/// A grid point and its surface.
+#[derive(Clone, Copy)]
+struct Corner<'a> {
+    surface: &'a Surface,
+    row: usize,
+    col: usize,
+}
+
+impl Corner<'_> {
+    fn at(self, step: Step) -> Option<(usize, usize)> {
+        let (row, col) =
+            (self.row.checked_add_signed(step.0)?, self.col.checked_add_signed(step.1)?);
+        self.surface.has(row, col).then_some((row, col))
+    }
+
+    fn length(self, from: Step, to: Step) -> f64 {
+        match self.at(from).zip(self.at(to)) {
+            Some((from, to)) => self.surface.length_between(from, to),
+            None => f64::INFINITY,
+        }
+    }
+
+    fn is_obtuse(self, a: Step, b: Step) -> bool {
+        let (l1, l2) = (self.length((0, 0), a), self.length((0, 0), b));
+        let c = self.length(a, b);
+        // Not for a right angle that rounding has opened.
+        l1 * l1 + l2 * l2 < c * c * (1.0 - 1e-9)
+    }
+
+    /// Adds the halves of an obtuse triangle, or those of their halves.
+    fn split<R: Real>(self, a: Step, b: Step, triangles: &mut Vec<Split<R>>) {
+        let middle = (a.0 + b.0, a.1 + b.1);
+        if middle.0.abs().max(middle.1.abs()) > FARTHEST || !self.has_box(a, b, middle) {
+            return;
+        }
+        for (a, b) in [(a, middle), (middle, b)] {
+            triangles.push(self.triangle(a, b));
+            if self.is_obtuse(a, b) {
+                self.split(a, b, triangles);
+            }
+        }
+    }
+
+    fn triangle<R: Real>(self, a: Step, b: Step) -> Split<R> {
+        let point = |step| {
+            let (row, col) = self.at(step).expect("the caller has looked");
+            self.surface.chart().bordered(row, col)
+        };
+        Split {
+            x0: point((0, 0)),
+            x1: point(a),
+            x2: point(b),
+            l1: R::of(self.length((0, 0), a)),
+            l2: R::of(self.length((0, 0), b)),
+            c: R::of(self.length(a, b)),
+        }
+    }
+
+    /// Whether no point is missing from the smallest box around the steps and the point itself.
+    fn has_box(self, a: Step, b: Step, middle: Step) -> bool {
+        let range = |k: fn(Step) -> isize| {
+            let all = [0, k(a), k(b), k(middle)];
+            all.into_iter().min().unwrap()..=all.into_iter().max().unwrap()
+        };
+        let cols = range(|step| step.1);
+        range(|step| step.0).all(|row| cols.clone().all(|col| self.at((row, col)).is_some()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::builtin::Builtin;
+
+    #[test]
+    fn acute_triangles_are_left_alone() {
+        for builtin in [Builtin::Plane, Builtin::Sphere, Builtin::ShearedPlane { degrees: 45.0 }] {
+            let surface = builtin.surface(9, 9).unwrap();
+            assert_eq!(Connections::<f64>::split(&surface).unwrap().triangles(), 0, "{builtin}");
+        }
+    }
+
+    #[test]
+    fn every_obtuse_triangle_inside_is_split_into_two() {
+        // At 60 degrees, two of eight, each into two; 7 x 5 points are far from the border.
+        let surface = Builtin::ShearedPlane { degrees: 60.0 }.surface(9, 9).unwrap();
+        let split = Connections::<f64>::split(&surface).unwrap();
+        let chart = surface.chart();
+        let inside = (1..8).flat_map(|row| (2..7).map(move |col| chart.bordered(row, col)));
+        for point in inside {
+            let own = split.triangles.iter().filter(|triangle| triangle.x0 == point);
+            assert_eq!(own.count(), 4);
+        }
+    }
+
+    #[test]
+    fn nothing_reaches_over_a_hole() {
+        let surface = Builtin::ShearedPlane { degrees: 75.0 }.surface(7, 9).unwrap();
+        let mut mask = vec![true; 63];
+        mask[3 * 9 + 4] = false;
+        let holed = surface.with_mask(&mask).unwrap();
+        let split = Connections::<f64>::split(&holed).unwrap();
+        let row = |point: usize| point / holed.chart().stride();
+        for triangle in &split.triangles {
+            let col = |point: usize| point % holed.chart().stride();
+            let corners = [triangle.x0, triangle.x1, triangle.x2];
+            let rows = corners.map(row);
+            let cols = corners.map(col);
+            let spans = |at: usize, of: [usize; 3]| {
+                (*of.iter().min().unwrap()..=*of.iter().max().unwrap()).contains(&at)
+            };
+            assert!(!(spans(4, rows) && spans(5, cols)), "{triangle:?}");
+        }
+    }
+}
