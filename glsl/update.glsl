@@ -8,11 +8,12 @@ vec4 edge_step(vec4 t1, vec4 t2, vec4 l1, vec4 l2) {
     return min(t1 + l1, t2 + l2);
 }
 
-// Whether all three edges exist and none has zero length.
+// Whether all three edges exist, and together are the sides of a triangle with an area.
 bvec4 is_proper(vec4 l1, vec4 l2, vec4 c) {
-    bvec4 exist = lessThan(max(max(l1, l2), c), vec4(FAR));
-    bvec4 extend = greaterThan(min(min(l1, l2), c), vec4(0.0));
-    return bvec4(uvec4(exist) & uvec4(extend));
+    vec4 longest = max(max(l1, l2), c);
+    bvec4 exist = lessThan(longest, vec4(FAR));
+    bvec4 enclose = lessThan(longest + longest, l1 + l2 + c);
+    return bvec4(uvec4(exist) & uvec4(enclose));
 }
 
 vec4 planar(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
