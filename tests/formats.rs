@@ -123,6 +123,19 @@ fn geotiff_says_spacing_and_holes() {
 }
 
 #[test]
+fn a_no_data_value_that_the_type_lacks_makes_no_hole() {
+    use tiff::encoder::{TiffEncoder, colortype::Gray8};
+    let mut file = Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut file).unwrap();
+    let mut image = encoder.new_image::<Gray8>(COLS as u32, ROWS as u32).unwrap();
+    image.encoder().write_tag(tiff::tags::Tag::GdalNodata, "-9999").unwrap();
+    image.write_data(&[0; ROWS * COLS]).unwrap();
+    let folder = Folder::new();
+    let path = folder.file("flat.tif", &file.into_inner());
+    assert_eq!(heights(&path), [0.0; ROWS * COLS]);
+}
+
+#[test]
 fn geotiff_in_degrees_asks_for_the_spacing() {
     let folder = Folder::new();
     let files = [

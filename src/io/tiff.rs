@@ -65,8 +65,13 @@ fn no_data(decoder: &mut TiffDecoder) -> Result<Option<f64>, String> {
 fn heights(samples: DecodingResult, no_data: Option<f64>) -> Result<Vec<f64>, String> {
     macro_rules! widen {
         ($samples:expr, $type:ty) => {{
-            // Compared in the file's precision: the text may have more digits than a float32.
-            let no_data = no_data.map(|value| value as $type as f64);
+            // Compared in the file's type, if that has the value: the text may have more digits
+            // than a float32, or be -9999 for unsigned integers.
+            let in_type = |value: f64| {
+                let rounded = value as $type as f64;
+                ((rounded - value).abs() <= 1e-6 * value.abs()).then_some(rounded)
+            };
+            let no_data = no_data.and_then(in_type);
             let widen = |sample: $type| match sample as f64 {
                 value if Some(value) == no_data => f64::NAN,
                 value => value,

@@ -97,6 +97,7 @@ fn say(kind: &str, message: impl Display) {
 /// Prints a line on standard output.
 fn print(line: impl Display) -> io::Result<()> {
     let mut stdout = io::stdout().lock();
-    writeln!(stdout, "{line}")?;
-    stdout.flush()
+    writeln!(stdout, "{line}").and_then(|()| stdout.flush()).map_err(|error| {
+        io::Error::new(error.kind(), format!("cannot write to standard output: {error}"))
+    })
 }

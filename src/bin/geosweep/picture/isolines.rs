@@ -3,8 +3,8 @@
 use super::canvas::{Color, mix};
 use super::colors::{Scale, luma};
 
-/// No more lines than this over the whole range.
-const MOST_LINES: f64 = 25.0;
+/// No more lines than this over the whole range, and, steps being round, at least 12.
+const MOST_LINES: f64 = 30.0;
 /// Every so many lines one is stronger, and named in the legend.
 const STRONG: i64 = 5;
 
@@ -52,7 +52,10 @@ impl Isolines {
     /// pixel; lines that come closer than a few pixels fade.
     pub fn coverage(&self, value: f64, slope: f64) -> (Isoline, f32) {
         let line = self.nearest(value);
-        let pixels = |difference: f64| (difference / slope.max(f64::MIN_POSITIVE)) as f32;
+        if slope <= 0.0 {
+            return (line, 0.0);
+        }
+        let pixels = |difference: f64| (difference / slope) as f32;
         let distance = pixels((value - line.value).abs());
         let apart = pixels(self.step);
         let fading = ((apart / self.thickness - 3.0) / 5.0).clamp(0.0, 1.0);

@@ -49,8 +49,11 @@ impl View {
     /// The pixel (x, y) of a place (row, column).
     pub fn pixel(self, at: DVec2) -> Vec2 {
         let steps = self.steps();
-        let pixels = |at: f64, step: f64| if step > 0.0 { (at / step) as f32 } else { 0.0 };
-        Vec2::new(pixels(at.y, steps.y), pixels(at.x, steps.x))
+        // A single row or column lies in the middle of its strip.
+        let along = |at: f64, step: f64, pixels: usize| {
+            if step > 0.0 { at / step } else { 0.5 * (pixels - 1) as f64 }
+        };
+        DVec2::new(along(at.y, steps.y, self.width), along(at.x, steps.x, self.height)).as_vec2()
     }
 
     /// The place (row, column) of a pixel.
