@@ -13,7 +13,7 @@ use geosweep::cpu::{self, Connections, Stop};
 use geosweep::glam::DVec2;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::update::Triangle;
+use geosweep::update::{Triangle, planar};
 use geosweep::{Sources, Wavefront};
 
 const ANGLES: [f64; 9] = [0.0, 15.0, 30.0, 45.0, 50.0, 60.0, 70.0, 75.0, 80.0];
@@ -232,7 +232,7 @@ impl Lattice {
             let Spoke { l1, l2, c, .. } = *spoke;
             let seen = |x: Option<usize>| x.map_or(1e30, |x| map[x]);
             let triangle = Triangle { t1: seen(x1), t2: seen(x2), l1, l2, c };
-            (triangle.update(Wavefront::Planar), x1.is_some() && x2.is_some())
+            (planar(triangle), x1.is_some() && x2.is_some())
         };
         let mut best = f64::INFINITY;
         for fan in fans {

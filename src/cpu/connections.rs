@@ -89,16 +89,14 @@ impl<R: Real> Connections<R> {
         Self { triangles, first, lookers }
     }
 
-    /// The triangles with a point as x1 or x2: their x0, and themselves with arrival times seen
-    /// through `time`.
+    /// The triangles with a point as x1 or x2: their x0, x1 and x2, and their lengths.
     pub(super) fn around(
         &self,
         point: usize,
-        time: impl Fn(usize) -> R,
-    ) -> impl Iterator<Item = (usize, Triangle<R>)> {
+    ) -> impl Iterator<Item = (usize, [usize; 2], Triangle<R>)> {
         self.lookers[self.first[point]..self.first[point + 1]].iter().map(move |&index| {
             let Split { x0, x1, x2, l1, l2, c } = self.triangles[index];
-            (x0, Triangle { t1: time(x1), t2: time(x2), l1, l2, c })
+            (x0, [x1, x2], Triangle { t1: R::FAR, t2: R::FAR, l1, l2, c })
         })
     }
 }

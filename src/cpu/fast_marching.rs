@@ -4,9 +4,9 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
 use super::Connections;
-use super::state::{Solution, TriangleSlots};
+use super::state::{Fronts, Solution, TriangleSlots};
 use crate::surface::{Direction, EdgeLengths, EdgeSlot, Real, Seed};
-use crate::update::Wavefront;
+use crate::update::{Triangle, Wavefront};
 
 /// Solves by fast marching (Algorithm 1): points are fixed in the order in which the front
 /// reaches them, and a point is updated from fixed points only.
@@ -45,14 +45,14 @@ pub fn fast_marching_with<R: Real>(
         )
     });
 
-    let mut solution = Solution::start(chart, seeds);
+    let mut fronts = Fronts::start(edges, seeds, wavefront);
     let mut fixed = vec![false; chart.bordered_points()];
-    let mut front: BinaryHeap<_> = seeds
+    let mut heap: BinaryHeap<_> = seeds
         .iter()
         .map(|seed| chart.bordered(seed.row, seed.col))
-        .map(|point| Reverse(Arrival { time: solution.times[point], point }))
+        .map(|point| Reverse(Arrival { time: fronts.time(point), point }))
         .collect();
-    while let Some(Reverse(Arrival { point, .. })) = front.pop() {
+    while let Some(Reverse(Arrival { point, .. })) = heap.pop() {
         // A point stays in the heap under its earlier, larger times too.
         if std::mem::replace(&mut fixed[point], true) {
             continue;
@@ -62,30 +62,27 @@ pub fn fast_marching_with<R: Real>(
             if fixed[neighbour] || edges.at(point, *edge) >= R::FAR {
                 continue;
             }
-            let known = |point: usize| if fixed[point] { solution.times[point] } else { R::FAR };
-            let time = triangles
-                .map(|triangle| triangle.load(edges, neighbour, known).update(wavefront))
-                .into_iter()
-                .fold(R::FAR, R::min);
-            if solution.lower(neighbour, time) > R::zero() {
-                front.push(Reverse(Arrival { time, point: neighbour }));
+            for triangle in triangles {
+                let known = |point: usize| if fixed[point] { fronts.time(point) } else { R::FAR };
+                let front = fronts.through_known(neighbour, triangle, known);
+                if fronts.lower(neighbour, front) > R::zero() {
+                    heap.push(Reverse(Arrival { time: front.time, point: neighbour }));
+                }
             }
         }
-        let known = |times: &[R], point: usize| if fixed[point] { times[point] } else { R::FAR };
-        let arrivals: Vec<_> = connections
-            .around(point, |point| known(&solution.times, point))
-            .filter(|&(x0, _)| !fixed[x0])
-            .map(|(x0, triangle)| Arrival { time: triangle.update(wavefront), point: x0 })
-            .collect();
-        for arrival in arrivals {
-            if solution.lower(arrival.point, arrival.time) > R::zero() {
-                front.push(Reverse(arrival));
+        for (x0, [x1, x2], lengths) in connections.around(point) {
+            if fixed[x0] {
+                continue;
+            }
+            let known = |point: usize| if fixed[point] { fronts.time(point) } else { R::FAR };
+            let triangle = Triangle { t1: known(x1), t2: known(x2), ..lengths };
+            let front = fronts.arrival(x0, x1, x2, triangle);
+            if fronts.lower(x0, front) > R::zero() {
+                heap.push(Reverse(Arrival { time: front.time, point: x0 }));
             }
         }
     }
-    solution.iterations = 1;
-    solution.residual = 0.0;
-    solution
+    fronts.finish(1, 0.0)
 }
 
 /// A point of the front, ordered by arrival time; the index makes the order total.

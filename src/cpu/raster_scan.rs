@@ -1,7 +1,7 @@
 //! Algorithm 3: four directed raster scans, row by row.
 
 use super::Stop;
-use super::state::{Solution, TriangleSlots};
+use super::state::{Fronts, Solution, TriangleSlots};
 use crate::surface::{Direction, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
@@ -21,14 +21,15 @@ pub fn raster_scan<R: Real>(
     let right_up = triangles(West, SouthWest, South);
     let left_up = triangles(South, SouthEast, East);
 
-    let mut solution = Solution::start(chart, seeds);
+    let mut fronts = Fronts::start(edges, seeds, wavefront);
+    let mut iterations = 0;
     loop {
         let mut change = R::zero();
         let mut update = |row: usize, col: usize, triangles: &[TriangleSlots; 2]| {
             let point = chart.bordered(row, col);
             for triangle in triangles {
-                let triangle = triangle.load(edges, point, |point| solution.times[point]);
-                change = change.max(solution.lower(point, triangle.update(wavefront)));
+                let front = fronts.through(point, triangle);
+                change = change.max(fronts.lower(point, front));
             }
         };
         for row in 0..chart.rows {
@@ -39,10 +40,9 @@ pub fn raster_scan<R: Real>(
             (0..chart.cols).for_each(|col| update(row, col, &right_up));
             (0..chart.cols).rev().for_each(|col| update(row, col, &left_up));
         }
-        solution.iterations += 1;
-        solution.residual = change.wide();
-        if stop.done(solution.iterations, solution.residual) {
-            return solution;
+        iterations += 1;
+        if stop.done(iterations, change.wide()) {
+            return fronts.finish(iterations, change.wide());
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Rotated raster scans: whole rows, then whole columns. The twin of `glsl/scan.comp`.
 
 use super::Stop;
-use super::state::{Solution, TriangleSlots};
+use super::state::{Fronts, Solution, TriangleSlots};
 use crate::surface::{Direction, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
@@ -27,25 +27,24 @@ pub fn rotated_scan<R: Real>(
     let [down, up, right, left] =
         SCANS.map(|[a, b, c]| [TriangleSlots::new(chart, a, b), TriangleSlots::new(chart, b, c)]);
 
-    let mut solution = Solution::start(chart, seeds);
+    let mut fronts = Fronts::start(edges, seeds, wavefront);
+    let mut iterations = 0;
     loop {
         let mut change = R::zero();
         let mut update = |row: usize, col: usize, triangles: &[TriangleSlots; 2]| {
             let point = chart.bordered(row, col);
-            let arrival = |triangle: &TriangleSlots| {
-                triangle.load(edges, point, |point| solution.times[point]).update(wavefront)
-            };
-            let time = arrival(&triangles[0]).min(arrival(&triangles[1]));
-            change = change.max(solution.lower(point, time));
+            let [left, right] = [0, 1].map(|side| fronts.through(point, &triangles[side]));
+            let right_first = right.time < left.time || (right.whole && right.time == left.time);
+            let front = if right_first { right } else { left };
+            change = change.max(fronts.lower(point, front));
         };
         (0..rows).for_each(|row| (0..cols).for_each(|col| update(row, col, &down)));
         (0..rows).rev().for_each(|row| (0..cols).for_each(|col| update(row, col, &up)));
         (0..cols).for_each(|col| (0..rows).for_each(|row| update(row, col, &right)));
         (0..cols).rev().for_each(|col| (0..rows).for_each(|row| update(row, col, &left)));
-        solution.iterations += 1;
-        solution.residual = change.wide();
-        if stop.done(solution.iterations, solution.residual) {
-            return solution;
+        iterations += 1;
+        if stop.done(iterations, change.wide()) {
+            return fronts.finish(iterations, change.wide());
         }
     }
 }

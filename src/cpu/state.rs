@@ -2,13 +2,13 @@
 
 use crate::surface::EdgeSlot;
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
-use crate::update::Triangle;
+use crate::update::{Bends, Front, Triangle, Wavefront, curved, planar, point_source};
 
 /// A distance map as a CPU solver leaves it.
 #[derive(Clone, Debug)]
 pub struct Solution<R> {
-    pub(super) chart: Chart,
-    pub(super) times: Vec<R>,
+    chart: Chart,
+    times: Vec<R>,
     /// Iterations of four scans; fast marching counts as one.
     pub iterations: u32,
     /// Largest relative fall of an arrival time in the last iteration; a point that was reached
@@ -17,16 +17,6 @@ pub struct Solution<R> {
 }
 
 impl<R: Real> Solution<R> {
-    /// No point reached but the seeds.
-    pub(super) fn start(chart: Chart, seeds: &[Seed]) -> Self {
-        let mut times = vec![R::FAR; chart.bordered_points()];
-        for seed in seeds {
-            let time = &mut times[chart.bordered(seed.row, seed.col)];
-            *time = time.min(R::of(seed.time));
-        }
-        Self { chart, times, iterations: 0, residual: 1.0 }
-    }
-
     /// The distances, row-major, +infinity where the sources do not reach.
     pub fn distances(&self) -> Vec<R> {
         let Chart { rows, cols } = self.chart;
@@ -36,17 +26,108 @@ impl<R: Real> Solution<R> {
             .map(finite)
             .collect()
     }
+}
 
-    /// Lowers the arrival time at a point to that of an update; returns the relative change.
-    #[inline]
-    pub(super) fn lower(&mut self, point: usize, time: R) -> R {
-        let before = self.times[point];
-        if time < before {
-            self.times[point] = time;
-            (before - time) / before
-        } else {
-            R::zero()
+/// The fronts at all points of a bordered array while a solver works on them.
+pub(super) struct Fronts<'a, R> {
+    edges: &'a EdgeLengths<R>,
+    wavefront: Wavefront,
+    times: Vec<R>,
+    /// Of the fronts and of the surface; both empty unless the wavefront is curved.
+    curvatures: Vec<R>,
+    gaussian: &'a [R],
+}
+
+impl<'a, R: Real> Fronts<'a, R> {
+    /// No point reached but the seeds.
+    pub(super) fn start(edges: &'a EdgeLengths<R>, seeds: &[Seed], wavefront: Wavefront) -> Self {
+        let points = edges.chart().bordered_points();
+        let curved = wavefront == Wavefront::Curved;
+        let mut fronts = Self {
+            edges,
+            wavefront,
+            times: vec![R::FAR; points],
+            curvatures: vec![R::zero(); if curved { points } else { 0 }],
+            gaussian: if curved { edges.gaussian_curvature() } else { &[] },
+        };
+        for seed in seeds {
+            let curvature = R::of(seed.curvature);
+            let front = Front { time: R::of(seed.time), curvature, whole: true };
+            fronts.lower(edges.chart().bordered(seed.row, seed.col), front);
         }
+        fronts
+    }
+
+    /// Arrival time at a point.
+    #[inline]
+    pub(super) fn time(&self, point: usize) -> R {
+        self.times[point]
+    }
+
+    /// The front that reaches a point through the triangle with x1 and x2, whose arrival times
+    /// are given beside the lengths.
+    #[inline]
+    pub(super) fn arrival(
+        &self,
+        point: usize,
+        x1: usize,
+        x2: usize,
+        triangle: Triangle<R>,
+    ) -> Front<R> {
+        let straight = |time| Front { time, curvature: R::zero(), whole: false };
+        match self.wavefront {
+            Wavefront::Planar => straight(planar(triangle)),
+            Wavefront::PointSource => straight(point_source(triangle)),
+            Wavefront::Curved => {
+                let fronts = [self.curvatures[x1], self.curvatures[x2]];
+                let surface = [self.gaussian[point], self.gaussian[x1], self.gaussian[x2]];
+                curved(triangle, Bends { fronts, surface })
+            }
+        }
+    }
+
+    /// The front that reaches a point through one of its triangles.
+    #[inline]
+    pub(super) fn through(&self, point: usize, slots: &TriangleSlots) -> Front<R> {
+        self.through_known(point, slots, |point| self.times[point])
+    }
+
+    /// The same with arrival times seen through `time`.
+    #[inline]
+    pub(super) fn through_known(
+        &self,
+        point: usize,
+        slots: &TriangleSlots,
+        time: impl Fn(usize) -> R,
+    ) -> Front<R> {
+        let x1 = point.wrapping_add_signed(slots.x1);
+        let x2 = point.wrapping_add_signed(slots.x2);
+        let triangle = Triangle {
+            t1: time(x1),
+            t2: time(x2),
+            l1: self.edges.at(point, slots.l1),
+            l2: self.edges.at(point, slots.l2),
+            c: self.edges.at(point, slots.c),
+        };
+        self.arrival(point, x1, x2, triangle)
+    }
+
+    /// Accepts a front at a point if it is the first; returns the relative fall of the time.
+    #[inline]
+    pub(super) fn lower(&mut self, point: usize, front: Front<R>) -> R {
+        let before = self.times[point];
+        let first = front.time < before;
+        if first || (front.whole && front.time == before && before < R::FAR) {
+            self.times[point] = front.time;
+            if let Some(curvature) = self.curvatures.get_mut(point) {
+                *curvature = front.curvature;
+            }
+        }
+        if first { (before - front.time) / before } else { R::zero() }
+    }
+
+    pub(super) fn finish(self, iterations: u32, residual: f64) -> Solution<R> {
+        Solution { chart: self.edges.chart(), times: self.times, iterations, residual }
     }
 }
 
@@ -74,23 +155,6 @@ impl TriangleSlots {
             l1: EdgeSlot::new(chart, 0, first),
             l2: EdgeSlot::new(chart, 0, second),
             c: EdgeSlot::new(chart, chart.offset(first), base),
-        }
-    }
-
-    /// The triangle's lengths and its arrival times, each seen through `time`.
-    #[inline]
-    pub(super) fn load<R: Real>(
-        self,
-        edges: &EdgeLengths<R>,
-        point: usize,
-        time: impl Fn(usize) -> R,
-    ) -> Triangle<R> {
-        Triangle {
-            t1: time(point.wrapping_add_signed(self.x1)),
-            t2: time(point.wrapping_add_signed(self.x2)),
-            l1: edges.at(point, self.l1),
-            l2: edges.at(point, self.l2),
-            c: edges.at(point, self.c),
         }
     }
 }

@@ -56,6 +56,11 @@ impl Direction {
         Self::ALL[(self as usize + 1) % 8]
     }
 
+    /// From this neighbour to the next one counter-clockwise: the base of their triangle.
+    pub const fn base(self) -> Self {
+        Self::ALL[((self as usize).div_ceil(2) * 2 + 2) % 8]
+    }
+
     /// The next neighbour clockwise.
     pub const fn previous(self) -> Self {
         Self::ALL[(self as usize + 7) % 8]
@@ -125,6 +130,15 @@ mod tests {
         for direction in Direction::ALL {
             let ((a, b), (c, d)) = (direction.step(), direction.opposite().step());
             assert_eq!((a + c, b + d), (0, 0));
+        }
+    }
+
+    #[test]
+    fn bases_lead_from_a_neighbour_to_the_next() {
+        for direction in Direction::ALL {
+            let (from, to, base) =
+                (direction.step(), direction.next().step(), direction.base().step());
+            assert_eq!(base, (to.0 - from.0, to.1 - from.1));
         }
     }
 

@@ -1,8 +1,11 @@
 //! Edge lengths: all that the solvers know of a surface.
 
+use std::sync::OnceLock;
+
 use rayon::prelude::*;
 
 use super::chart::{Chart, Direction};
+use super::gaussian_curvature::gaussian_curvature;
 use super::real::Real;
 use super::{Surface, SurfaceError};
 
@@ -23,6 +26,7 @@ pub const LONGEST_EDGE: f64 = 1e12;
 pub struct EdgeLengths<R> {
     chart: Chart,
     lengths: Vec<[R; 4]>,
+    gaussian_curvature: OnceLock<Vec<R>>,
 }
 
 /// The directions stored at a point, in this order, here and in the shaders.
@@ -67,7 +71,7 @@ impl<R: Real> EdgeLengths<R> {
                 Ok(())
             },
         )?;
-        Ok(Self { chart, lengths })
+        Ok(Self { chart, lengths, gaussian_curvature: OnceLock::new() })
     }
 
     /// The grid's size.
@@ -82,6 +86,12 @@ impl<R: Real> EdgeLengths<R> {
     pub fn length(&self, row: usize, col: usize, to: Direction) -> R {
         assert!(row < self.chart.rows && col < self.chart.cols, "point outside the grid");
         self.at(self.chart.bordered(row, col), EdgeSlot::new(self.chart, 0, to))
+    }
+
+    /// Gaussian curvature at each point of the bordered array, from the lengths alone; see
+    /// `gaussian_curvature.rs`. Computed when it is first asked for.
+    pub(crate) fn gaussian_curvature(&self) -> &[R] {
+        self.gaussian_curvature.get_or_init(|| gaussian_curvature(self))
     }
 
     /// Bytes held.

@@ -7,6 +7,7 @@
 pub mod builtin;
 mod chart;
 mod edges;
+mod gaussian_curvature;
 mod geometry;
 mod iteration_bound;
 mod real;

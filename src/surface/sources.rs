@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::Surface;
 use super::geometry::Sample;
@@ -46,6 +46,19 @@ pub struct Seed {
     pub col: usize,
     /// Arrival time there.
     pub time: f64,
+    /// Curvature of the front there, for the curved wavefront: 1 over the distance from a point
+    /// source, [`Seed::AT_SOURCE`] at the source itself, 0 beside a straight curve.
+    pub curvature: f64,
+}
+
+impl Seed {
+    /// Curvature of a front at its point source: as good as infinite.
+    pub const AT_SOURCE: f64 = crate::constants::SOURCE_CURVATURE;
+
+    /// A point source at a grid point.
+    pub fn at_source(row: usize, col: usize, time: f64) -> Self {
+        Self { row, col, time, curvature: Self::AT_SOURCE }
+    }
 }
 
 /// Why a source cannot be used.
@@ -145,39 +158,84 @@ impl Sources {
     /// cells it touches with their distances to it, which is exact where the cell is flat. A
     /// curve seeds the corners of every cell it runs through, so it has no gaps.
     pub fn seeds(&self, surface: &Surface) -> Result<Vec<Seed>, SourceError> {
-        let mut times = BTreeMap::new();
+        let mut seeds = BTreeMap::new();
         for source in self.iter() {
             match source {
                 Source::Point { at, initial } => {
-                    seed_segment(surface, *at, *at, *initial, &mut times)?;
+                    let ends = [(*at, Vertex::Corner); 2];
+                    seed_segment(surface, ends, *initial, &mut seeds)?;
                 }
                 Source::Curve { vertices, initial } => {
+                    let bends = bends(surface, vertices);
+                    let vertices: Vec<_> = vertices.iter().copied().zip(bends).collect();
                     let first = *vertices.first().ok_or(SourceError::EmptyCurve)?;
-                    seed_segment(surface, first, first, *initial, &mut times)?;
+                    if vertices.len() == 1 {
+                        seed_segment(surface, [first, first], *initial, &mut seeds)?;
+                    }
                     for ends in vertices.windows(2) {
-                        seed_segment(surface, ends[0], ends[1], *initial, &mut times)?;
+                        seed_segment(surface, [ends[0], ends[1]], *initial, &mut seeds)?;
                     }
                 }
             }
         }
-        if times.is_empty() {
+        if seeds.is_empty() {
             return Err(SourceError::None);
         }
-        let seed = |((row, col), time)| Seed { row, col, time };
-        Ok(times.into_iter().map(seed).collect())
+        Ok(seeds.into_values().collect())
     }
 }
 
-type Times = BTreeMap<(usize, usize), f64>;
+type Seeds = BTreeMap<(usize, usize), Seed>;
+
+/// How a curve runs through one of its vertices.
+#[derive(Clone, Copy, Debug)]
+enum Vertex {
+    /// It ends or turns sharply there: the front fans out as from a point.
+    Corner,
+    /// It bends gently: its curvature vector, towards the centre of the bend.
+    Smooth(DVec3),
+}
+
+/// A curve that turns by less than 30 degrees at a vertex is taken for a smooth one.
+const SMOOTH_TURN_COSINE: f64 = 0.866;
+
+/// How a curve runs through its vertices. Only positions tell a bend's size; on a surface known by
+/// its metric, curves are as straight as their segments.
+fn bends(surface: &Surface, vertices: &[DVec2]) -> Vec<Vertex> {
+    let closed = vertices.len() > 2 && vertices.first() == vertices.last();
+    let place = |at: DVec2| match surface.place(at) {
+        Some(Sample::Position(position)) => Some(position),
+        _ => None,
+    };
+    let last = vertices.len().saturating_sub(1);
+    (0..vertices.len())
+        .map(|index| {
+            let (before, after) = match index {
+                _ if index > 0 && index < last => (index - 1, index + 1),
+                _ if closed => (last - 1, 1),
+                _ => return Vertex::Corner,
+            };
+            let places = [before, index, after].map(|index| place(vertices[index]));
+            let [Some(a), Some(b), Some(c)] = places else { return Vertex::Smooth(DVec3::ZERO) };
+            let (Some(into), Some(out)) = ((b - a).try_normalize(), (c - b).try_normalize()) else {
+                return Vertex::Smooth(DVec3::ZERO);
+            };
+            if into.dot(out) < SMOOTH_TURN_COSINE {
+                return Vertex::Corner;
+            }
+            Vertex::Smooth((out - into) / (0.5 * (a.distance(b) + b.distance(c))))
+        })
+        .collect()
+}
 
 /// Seeds the corners of the cells that a straight segment of the chart runs through.
 fn seed_segment(
     surface: &Surface,
-    from: DVec2,
-    to: DVec2,
+    ends: [(DVec2, Vertex); 2],
     initial: f64,
-    times: &mut Times,
+    seeds: &mut Seeds,
 ) -> Result<(), SourceError> {
+    let (from, to) = (ends[0].0, ends[1].0);
     for end in [from, to] {
         check_inside(surface, end)?;
         if !initial.is_finite() {
@@ -185,8 +243,8 @@ fn seed_segment(
         }
     }
     let cuts = grid_crossings(from, to);
-    for ends in cuts.windows(2) {
-        let (a, b) = (from.lerp(to, ends[0]), from.lerp(to, ends[1]));
+    for cut in cuts.windows(2) {
+        let (a, b) = (from.lerp(to, cut[0]), from.lerp(to, cut[1]));
         // Both ends of a piece lie on the border of the cell that its middle is in.
         let middle = 0.5 * (a + b);
         let mut found = false;
@@ -197,8 +255,14 @@ fn seed_segment(
             found = true;
             for (row, col) in cell.corners().into_iter().filter(|&(row, col)| surface.has(row, col))
             {
-                let time = initial + surface.time_to_segment(row, col, middle, a, b);
-                times.entry((row, col)).and_modify(|t| *t = time.min(*t)).or_insert(time);
+                let (distance, foot) = surface.distance_to_segment(row, col, middle, a, b);
+                let foot = cut[0] + foot * (cut[1] - cut[0]);
+                let curvature = surface.seed_curvature((row, col), distance, foot, ends);
+                let seed = Seed { row, col, time: initial + distance, curvature };
+                let first = seeds.entry((row, col)).or_insert(seed);
+                if seed.time < first.time {
+                    *first = seed;
+                }
             }
         }
         if !found {
@@ -319,15 +383,55 @@ impl Cell {
 }
 
 impl Surface {
-    /// Time from a grid point to the nearest place of a short segment a-b around `middle`.
-    fn time_to_segment(&self, row: usize, col: usize, middle: DVec2, a: Sample, b: Sample) -> f64 {
+    /// Distance from a grid point to a short segment a-b around `middle`, and where on the segment
+    /// the nearest place is, from 0 to 1.
+    fn distance_to_segment(
+        &self,
+        row: usize,
+        col: usize,
+        middle: DVec2,
+        a: Sample,
+        b: Sample,
+    ) -> (f64, f64) {
         let corner = self.geometry().sample(self.chart(), row, col);
         let foot = corner.foot_on(a, b);
         let nearest = Sample::interpolate(&[(1.0 - foot, a), (foot, b)]);
         let weight = self.slowness().map_or(1.0, |slowness| {
             0.5 * (slowness[self.chart().index(row, col)] + self.slowness_near(slowness, middle))
         });
-        weight * corner.length_to(nearest)
+        (weight * corner.length_to(nearest), foot)
+    }
+
+    /// Curvature of the front at a grid point some distance from the place `foot` of a segment.
+    fn seed_curvature(
+        &self,
+        (row, col): (usize, usize),
+        distance: f64,
+        foot: f64,
+        [start, end]: [(DVec2, Vertex); 2],
+    ) -> f64 {
+        let as_from_point = if distance > 0.0 { 1.0 / distance } else { Seed::AT_SOURCE };
+        let bend = match (start.1, end.1) {
+            _ if start.0 == end.0 => return as_from_point,
+            (Vertex::Corner, _) if foot <= 1e-12 && distance > 0.0 => return as_from_point,
+            (_, Vertex::Corner) if foot >= 1.0 - 1e-12 && distance > 0.0 => return as_from_point,
+            (Vertex::Smooth(a), Vertex::Smooth(b)) => a.lerp(b, foot),
+            (Vertex::Smooth(bend), Vertex::Corner) | (Vertex::Corner, Vertex::Smooth(bend)) => bend,
+            (Vertex::Corner, Vertex::Corner) => DVec3::ZERO,
+        };
+        let place = self.place(start.0.lerp(end.0, foot));
+        let (Some(Sample::Position(place)), Some(point)) = (place, self.position(row, col)) else {
+            return 0.0;
+        };
+        // The front spreads on the outer side of the bend. On the curve itself it goes both ways.
+        let side = (point - place).normalize_or_zero().dot(bend);
+        -side / (1.0 - side * distance).max(0.1)
+    }
+
+    /// The geometry between grid points; `None` in a hole.
+    fn place(&self, at: DVec2) -> Option<Sample> {
+        check_inside(self, at).ok()?;
+        cells_around(self, at).into_iter().find_map(|cell| cell.sample(self, at))
     }
 
     /// The slowness between grid points, bilinear over those that are there.
@@ -362,7 +466,7 @@ mod tests {
     #[test]
     fn a_source_at_a_grid_point_seeds_it_alone() {
         let seeds = Sources::point(2.0, 3.0).seeds(&flat(5, 6)).unwrap();
-        assert_eq!(seeds, [Seed { row: 2, col: 3, time: 0.0 }]);
+        assert_eq!(seeds, [Seed::at_source(2, 3, 0.0)]);
     }
 
     #[test]
@@ -409,6 +513,34 @@ mod tests {
             let exact = normal.dot(DVec2::new(seed.row as f64, seed.col as f64)).abs();
             assert!(seed.time >= exact - 1e-12, "{seed:?} {exact}");
         }
+    }
+
+    #[test]
+    fn the_front_of_a_circle_has_its_curvature_on_either_side() {
+        let (centre, radius) = (DVec2::new(20.0, 20.0), 12.3);
+        let circle = (0..=200).map(|k| {
+            let angle = std::f64::consts::TAU * f64::from(k % 200) / 200.0;
+            (centre + radius * DVec2::from_angle(angle)).to_array()
+        });
+        for seed in Sources::curve(circle).seeds(&flat(41, 41)).unwrap() {
+            let offset = DVec2::new(seed.row as f64, seed.col as f64).distance(centre) - radius;
+            // A corner whose nearest place lies in a cell beside its own comes a little late.
+            approx::assert_abs_diff_eq!(seed.time, offset.abs(), epsilon = 5e-3);
+            if offset.abs() > 0.05 {
+                let exact = offset.signum() / (radius + offset);
+                approx::assert_relative_eq!(seed.curvature, exact, max_relative = 0.05);
+            }
+        }
+    }
+
+    #[test]
+    fn the_front_of_a_polyline_is_straight_but_for_its_corners() {
+        let line = [[2.0, 2.5], [2.0, 6.5], [6.5, 6.5]];
+        let seeds = Sources::curve(line).seeds(&flat(9, 9)).unwrap();
+        let at = |row, col| seeds.iter().find(|s| (s.row, s.col) == (row, col)).unwrap();
+        assert_eq!((at(1, 4).time, at(1, 4).curvature), (1.0, 0.0));
+        let corner = at(1, 7);
+        approx::assert_relative_eq!(corner.curvature, 1.0 / corner.time, max_relative = 1e-12);
     }
 
     #[test]

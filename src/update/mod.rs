@@ -3,9 +3,11 @@
 //! Everything is expressed in the lengths of the triangle's edges. The functions here are the
 //! twins of `glsl/update.glsl` and follow the same order of operations.
 
+mod curved;
 mod planar;
 mod point_source;
 
+pub use curved::{Bends, Front, curved};
 pub use planar::planar;
 pub use point_source::point_source;
 
@@ -19,14 +21,21 @@ pub enum Wavefront {
     /// A circular front around a virtual point source: exact on developable surfaces but for
     /// the sampling, second-order elsewhere, for point sources.
     PointSource,
+    /// A front that carries its curvature beside the arrival time: second-order on curved
+    /// surfaces, around holes and for extended sources too.
+    Curved,
 }
 
 impl Wavefront {
+    /// All kinds.
+    pub const ALL: [Self; 3] = [Self::Planar, Self::PointSource, Self::Curved];
+
     /// The name used by the tool and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Planar => "planar",
             Self::PointSource => "point",
+            Self::Curved => "curved",
         }
     }
 }
@@ -53,15 +62,6 @@ pub struct Triangle<R> {
 }
 
 impl<R: Real> Triangle<R> {
-    /// The arrival time at x0: [`Real::FAR`] or later if neither x1 nor x2 is reached.
-    #[inline]
-    pub fn update(self, wavefront: Wavefront) -> R {
-        match wavefront {
-            Wavefront::Planar => planar(self),
-            Wavefront::PointSource => point_source(self),
-        }
-    }
-
     /// The Dijkstra step along an edge (paper, eq. 16).
     #[inline]
     pub(crate) fn edge_step(self) -> R {
@@ -90,9 +90,11 @@ mod tests {
         for (l1, l2, c) in [(1.0, 1.0, 3.0), (3.0, 1.0, 1.0), (1.0, 3.0, 1.0), (1.0, 1.0, 0.0)] {
             for (t1, t2) in [(2.0, 2.0), (2.0, 3.5), (4.5, 2.0)] {
                 let triangle = Triangle { t1, t2, l1, l2, c };
-                for wavefront in [Wavefront::Planar, Wavefront::PointSource] {
-                    let edge_step = f64::min(t1 + l1, t2 + l2);
-                    assert_eq!(triangle.update(wavefront), edge_step, "{triangle:?} {wavefront}");
+                let edge_step = f64::min(t1 + l1, t2 + l2);
+                let bends = Bends { fronts: [0.5; 2], surface: [0.0; 3] };
+                let curved = curved(triangle, bends).time;
+                for time in [planar(triangle), point_source(triangle), curved] {
+                    assert_eq!(time, edge_step, "{triangle:?}");
                 }
             }
         }
