@@ -7,5 +7,19 @@
 // Invocations of a workgroup; 128 is the most that every Vulkan device offers, and a row or
 // column of texels is the whole dispatch, so small groups fill a device sooner.
 #define WORKGROUP 64
+// Layers of the images of fronts, each with 2 x 2 points a texel: arrival times, curvature of the
+// front, and Gaussian curvature of the surface (the same in both images).
+#define TIME 0
+#define CURVATURE 1
+#define GAUSSIAN 2
+#define LAYERS 3
+// Rounding of an angle defect, and the largest one that counts; see gaussian_curvature.rs.
+#define DEFECT_NOISE 1e-6
+#define LARGEST_DEFECT 0.5
+// Stands for a curvature of zero that carries a flag: devices may flush what is smaller.
+#define FLAT 1e-30
+// See curved.rs.
+#define GRAZING 0.1
+#define FOCUS 0.1
 // Texels around the grid's own in every image, so that no neighbour needs a bounds test.
 #define BORDER 1

@@ -20,11 +20,11 @@ layout(constant_id = 1) const int AHEAD_Y = 1;
 // The image that the scan writes is bound twice, so that reads of the line behind and writes of
 // this line can be told apart.
 layout(set = 0, binding = 0, rgba32f) uniform readonly restrict image2D edges;
-layout(set = 0, binding = 1, rgba32f) uniform readonly restrict image2D old_times;
-layout(set = 0, binding = 2, rgba32f) uniform readonly image2D line_behind;
-layout(set = 0, binding = 3, rgba32f) uniform writeonly image2D new_times;
+layout(set = 0, binding = 1, rgba32f) uniform readonly restrict image2DArray old_fronts;
+layout(set = 0, binding = 2, rgba32f) uniform readonly image2DArray fronts_behind;
+layout(set = 0, binding = 3, rgba32f) uniform writeonly image2DArray new_fronts;
 layout(set = 0, binding = 4) restrict buffer Residual {
-    uint residual; // bits of the largest relative fall of an arrival time
+    uint residual; // bits of the largest relative change of an arrival time
 };
 
 layout(push_constant) uniform Line {
@@ -37,9 +37,8 @@ const ivec2 ahead = ivec2(AHEAD_X, AHEAD_Y);
 const ivec2 along = ivec2(AHEAD_Y * AHEAD_Y, AHEAD_X * AHEAD_X);
 
 float edge_length(ivec2 point, ivec2 step) {
-    bool stored_here = step.y < 0 || (step.y == 0 && step.x > 0);
-    return stored_here ? stored_length(imageLoad(edges, point), step)
-                       : stored_length(imageLoad(edges, point + step), -step);
+    return stored_here(step) ? stored_length(imageLoad(edges, point), step)
+                             : stored_length(imageLoad(edges, point + step), -step);
 }
 
 // Edge lengths from four points in a row, the second being this one.
@@ -48,18 +47,67 @@ vec4 edge_lengths(ivec2 point, ivec2 step) {
                 edge_length(point + along, step), edge_length(point + 2 * along, step));
 }
 
+// A layer of the fronts on the line behind, at points -2 to 3 along the line of texels; the
+// texel's own points are 0 and 1. Gaussian curvature never changes.
+struct Behind {
+    vec2 left, middle, right;
+};
+
+Behind behind(ivec2 texel, int layer) {
+    ivec3 at = ivec3(texel - ahead, layer);
+    ivec3 side = ivec3(along, 0);
+    return Behind(second_line(imageLoad(fronts_behind, at - side), ahead),
+                  second_line(imageLoad(fronts_behind, at), ahead),
+                  second_line(imageLoad(fronts_behind, at + side), ahead));
+}
+
+// A layer at points -1 to 2 of the texel's first line.
+vec4 first_line_old(ivec2 texel, int layer) {
+    ivec3 at = ivec3(texel, layer);
+    ivec3 side = ivec3(along, 0);
+    return vec4(first_line(imageLoad(old_fronts, at - side), ahead).y,
+                first_line(imageLoad(old_fronts, at), ahead),
+                first_line(imageLoad(old_fronts, at + side), ahead).x);
+}
+
+// The scan's number, from 1 in the order of an iteration.
+const uint SCAN = AHEAD_Y != 0 ? (AHEAD_Y > 0 ? 1u : 2u) : (AHEAD_X > 0 ? 3u : 4u);
+
+// Accepts fronts that are the first to arrive. Equally early ones of whole triangles know better,
+// and curved ones that this scan has brought before are renewed, earlier or later.
+void accept(Fronts fronts, inout vec4 time, inout vec4 curvature) {
+    bvec4 first = lessThan(fronts.time, time);
+    if (WAVEFRONT == 2) {
+        bvec4 renewed = equal(floatBitsToUint(curvature) & 7u, uvec4(SCAN));
+        bvec4 preferred = both(fronts.whole, equal(fronts.time, time));
+        first = either(first, both(lessThan(time, vec4(FAR)), either(renewed, preferred)));
+        vec4 tagged = vec4(with_tag(fronts.curvature.x, SCAN), with_tag(fronts.curvature.y, SCAN),
+                           with_tag(fronts.curvature.z, SCAN), with_tag(fronts.curvature.w, SCAN));
+        curvature = mix(curvature, tagged, first);
+    }
+    time = mix(time, fronts.time, first);
+}
+
 void main() {
     if (gl_GlobalInvocationID.x >= uint(count)) return;
     ivec2 texel = line * abs(ahead) + (first + int(gl_GlobalInvocationID.x)) * along;
-    vec4 old = imageLoad(old_times, texel);
+    bool is_curved = WAVEFRONT == 2;
 
-    // Points along the line: the texel's own are 0 and 1.
-    vec2 behind_01 = second_line(imageLoad(line_behind, texel - ahead), ahead);
-    vec2 behind_21 = second_line(imageLoad(line_behind, texel - ahead - along), ahead);
-    vec2 behind_23 = second_line(imageLoad(line_behind, texel - ahead + along), ahead);
-    vec4 left = vec4(behind_21, behind_01);
-    vec4 middle = vec4(behind_21.y, behind_01, behind_23.x);
-    vec4 right = vec4(behind_01, behind_23);
+    Behind zero = Behind(vec2(0.0), vec2(0.0), vec2(0.0));
+    Behind times = behind(texel, TIME);
+    Behind curvatures = zero;
+    Behind gaussians = zero;
+    if (is_curved) {
+        curvatures = behind(texel, CURVATURE);
+        gaussians = behind(texel, GAUSSIAN);
+    }
+    Ends left = Ends(vec4(times.left, times.middle), vec4(curvatures.left, curvatures.middle),
+                     vec4(gaussians.left, gaussians.middle));
+    Ends middle = Ends(vec4(times.left.y, times.middle, times.right.x),
+                       vec4(curvatures.left.y, curvatures.middle, curvatures.right.x),
+                       vec4(gaussians.left.y, gaussians.middle, gaussians.right.x));
+    Ends right = Ends(vec4(times.middle, times.right), vec4(curvatures.middle, curvatures.right),
+                      vec4(gaussians.middle, gaussians.right));
 
     // First line, points -1 to 2.
     ivec2 point = 2 * texel + max(-ahead, 0);
@@ -68,11 +116,15 @@ void main() {
     vec4 to_right = edge_lengths(point, -ahead + along);
     vec4 base_left = edge_lengths(point - ahead - along, along);
     vec4 base_right = edge_lengths(point - ahead, along);
-    vec4 line1 = vec4(first_line(imageLoad(old_times, texel - along), ahead).y,
-                      first_line(old, ahead),
-                      first_line(imageLoad(old_times, texel + along), ahead).x);
-    line1 = min(line1, min(update(left, middle, to_left, to_middle, base_left),
-                           update(middle, right, to_middle, to_right, base_right)));
+    Ends line1 = Ends(first_line_old(texel, TIME), vec4(0.0), vec4(0.0));
+    if (is_curved) {
+        line1.curvature = first_line_old(texel, CURVATURE);
+        line1.gaussian = first_line_old(texel, GAUSSIAN);
+    }
+    vec4 g1 = line1.gaussian;
+    accept(earlier(update(left, middle, g1, to_left, to_middle, base_left),
+                   update(middle, right, g1, to_middle, to_right, base_right)),
+           line1.time, line1.curvature);
 
     // Second line, points 0 and 1: left triangles in xy, right triangles in zw.
     ivec2 next = point + ahead;
@@ -81,13 +133,29 @@ void main() {
     vec4 l2 = vec4(sides, edge_length(next, -ahead + along), edge_length(next + along, -ahead + along));
     vec4 base = vec4(edge_length(point - along, along), edge_length(point, along),
                      edge_length(point, along), edge_length(point + along, along));
-    vec4 arrival = update(line1.xyyz, line1.yzzw, l1, l2, base);
-    vec2 line2 = min(second_line(old, ahead), min(arrival.xy, arrival.zw));
+    Ends near = Ends(line1.time.xyyz, line1.curvature.xyyz, line1.gaussian.xyyz);
+    Ends beyond = Ends(line1.time.yzzw, line1.curvature.yzzw, line1.gaussian.yzzw);
+    vec4 old = imageLoad(old_fronts, ivec3(texel, TIME));
+    vec4 old_curvature = vec4(0.0);
+    vec2 g2 = vec2(0.0);
+    if (is_curved) {
+        old_curvature = imageLoad(old_fronts, ivec3(texel, CURVATURE));
+        g2 = second_line(imageLoad(old_fronts, ivec3(texel, GAUSSIAN)), ahead);
+    }
+    Fronts sided = update(near, beyond, g2.xyxy, l1, l2, base);
+    Fronts from_right = Fronts(sided.time.zwzw, sided.curvature.zwzw, sided.whole.zwzw);
+    vec4 line2 = second_line(old, ahead).xyxy;
+    vec4 line2_curvature = second_line(old_curvature, ahead).xyxy;
+    accept(earlier(sided, from_right), line2, line2_curvature);
 
-    vec4 new = texel_of(line1.yz, line2, ahead);
-    imageStore(new_times, texel, new);
+    vec4 new = texel_of(line1.time.yz, line2.xy, ahead);
+    imageStore(new_fronts, ivec3(texel, TIME), new);
+    if (is_curved) {
+        vec4 curvature = texel_of(line1.curvature.yz, line2_curvature.xy, ahead);
+        imageStore(new_fronts, ivec3(texel, CURVATURE), curvature);
+    }
 
-    vec4 fall = mix(vec4(0.0), (old - new) / old, lessThan(new, old));
-    float change = max(max(fall.x, fall.y), max(fall.z, fall.w));
+    vec4 changes = mix(vec4(0.0), abs(old - new) / max(old, new), notEqual(new, old));
+    float change = max(max(changes.x, changes.y), max(changes.z, changes.w));
     if (change > 0.0) atomicMax(residual, floatBitsToUint(change));
 }

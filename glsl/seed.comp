@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Initial values of the sources. One invocation is one texel with sources in it.
-// Twin: Solution::start in src/cpu/state.rs.
+// Twin: Fronts::start in src/cpu/state.rs.
 
 #include "constants.glsl"
 
@@ -11,9 +11,10 @@ struct SeedTexel {
     ivec2 texel;
     ivec2 unused; // vec4 follows on a multiple of 16 bytes
     vec4 times;
+    vec4 curvatures;
 };
 
-layout(set = 0, binding = 3, rgba32f) uniform writeonly restrict image2D times;
+layout(set = 0, binding = 3, rgba32f) uniform writeonly restrict image2DArray fronts;
 layout(set = 0, binding = 5) readonly restrict buffer Seeds {
     SeedTexel seeds[];
 };
@@ -25,5 +26,6 @@ layout(push_constant) uniform Count {
 void main() {
     int index = int(gl_GlobalInvocationID.x);
     if (index >= count) return;
-    imageStore(times, seeds[index].texel, seeds[index].times);
+    imageStore(fronts, ivec3(seeds[index].texel, TIME), seeds[index].times);
+    imageStore(fronts, ivec3(seeds[index].texel, CURVATURE), seeds[index].curvatures);
 }

@@ -1,4 +1,4 @@
-// Which point lies where. 2 x 2 grid points share a texel of the arrival times:
+// Which point lies where. 2 x 2 grid points share a texel of the fronts:
 //
 //     x y     a texel's row above, columns 2c and 2c + 1
 //     z w     its row below
@@ -30,4 +30,17 @@ vec4 texel_of(vec2 first, vec2 second, ivec2 ahead) {
 float stored_length(vec4 lengths, ivec2 step) {
     if (step.y == 0) return lengths.x;
     return step.x == 0 ? lengths.y : step.x > 0 ? lengths.z : lengths.w;
+}
+
+// Where the length of an edge is stored: at the end from which it leads east or north.
+bool stored_here(ivec2 step) {
+    return step.y < 0 || (step.y == 0 && step.x > 0);
+}
+
+// A number with a tag from 0 to 7 in its last binary digits; zero becomes tiny. The curvature of
+// a front is tagged with the scan that has brought it, from 1 to 4, and that of the surface with
+// 1 where waves diffract.
+float with_tag(float value, uint tag) {
+    float held = abs(value) < FLAT ? FLAT : value;
+    return uintBitsToFloat((floatBitsToUint(held) & ~7u) | tag);
 }

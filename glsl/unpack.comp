@@ -7,7 +7,7 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 0, binding = 1, rgba32f) uniform readonly restrict image2D times;
+layout(set = 0, binding = 1, rgba32f) uniform readonly restrict image2DArray fronts;
 layout(set = 0, binding = 6) writeonly restrict buffer Distances {
     uint distances[]; // bits of floats, row-major: GLSL does not promise infinities
 };
@@ -30,7 +30,7 @@ void main() {
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, first_row / 2);
     ivec2 point = 2 * texel;
     if (point.x >= grid.x || point.y >= first_row + band_rows) return;
-    vec4 packed = imageLoad(times, texel + BORDER);
+    vec4 packed = imageLoad(fronts, ivec3(texel + BORDER, TIME));
     write(point, packed.x);
     write(point + ivec2(1, 0), packed.y);
     write(point + ivec2(0, 1), packed.z);

@@ -16,7 +16,7 @@ pub enum Engine {
     Auto,
     /// A Vulkan device, or an error.
     Vulkan(DeviceChoice),
-    /// Raster scans on the CPU.
+    /// Rotated raster scans on the CPU.
     Cpu,
     /// Fast marching on the CPU, the sequential reference.
     FastMarching,
@@ -42,8 +42,7 @@ pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 pub struct Options {
     /// Which engine.
     pub engine: Engine,
-    /// The front assumed inside a triangle; by default circular for point sources, and planar
-    /// as soon as a curve is among the sources.
+    /// The front assumed inside a triangle; by default the curved one, the most accurate.
     pub wavefront: Option<Wavefront>,
     /// Stop when no arrival time falls by more than this fraction in an iteration.
     pub tolerance: f64,
@@ -79,10 +78,10 @@ impl Options {
 
     fn wavefront(&self, sources: &Sources) -> Result<Wavefront, Error> {
         match self.wavefront {
-            None if sources.are_points() => Ok(Wavefront::PointSource),
-            None => Ok(Wavefront::Planar),
+            None => Ok(Wavefront::Curved),
             Some(Wavefront::PointSource) if !sources.are_points() => Err(Error::Options(
-                "the point-source wavefront needs point sources; use the planar one for curves"
+                "the point-source wavefront needs point sources; use the curved or the planar one \
+                 for curves"
                     .into(),
             )),
             Some(wavefront) => Ok(wavefront),
@@ -138,14 +137,14 @@ impl<'a> Problem<'a> {
     fn solve_on_cpu(&self, fallback: Option<String>) -> Result<DistanceMap, Error> {
         let edges = EdgeLengths::<f32>::new(self.surface)?;
         let start = Instant::now();
-        let solution = cpu::raster_scan(&edges, &self.seeds, self.wavefront, self.stop);
+        let solution = cpu::rotated_scan(&edges, &self.seeds, self.wavefront, self.stop);
         let time = start.elapsed();
         let report = Report {
             engine: "cpu",
             fallback,
             iterations: solution.iterations,
             residual: solution.residual,
-            ..self.report("raster-scan", time)
+            ..self.report("rotated-scan", time)
         };
         Ok(self.finish(solution.distances(), report))
     }

@@ -17,7 +17,7 @@ const AGREEMENT: f32 = 1e-5;
 /// After the same number of iterations only rounding is left: a few units of the last digit for
 /// each of the points a front passes, with both signs.
 const TWINS: f32 = 2e-6;
-const WAVEFRONTS: [Wavefront; 2] = [Wavefront::Planar, Wavefront::PointSource];
+const WAVEFRONTS: [Wavefront; 3] = Wavefront::ALL;
 
 fn assert_engines_agree(solver: &mut Solver, surface: &Surface, sources: &Sources, what: &str) {
     let seeds = sources.seeds(surface).unwrap();

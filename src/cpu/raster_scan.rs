@@ -15,30 +15,31 @@ pub fn raster_scan<R: Real>(
 ) -> Solution<R> {
     use Direction::*;
     let chart = edges.chart();
-    let triangles = |a, b, c| [TriangleSlots::new(chart, a, b), TriangleSlots::new(chart, b, c)];
-    let right_down = triangles(North, NorthWest, West);
-    let left_down = triangles(East, NorthEast, North);
-    let right_up = triangles(West, SouthWest, South);
-    let left_up = triangles(South, SouthEast, East);
+    let triangles = [
+        [North, NorthWest, West],
+        [East, NorthEast, North],
+        [West, SouthWest, South],
+        [South, SouthEast, East],
+    ]
+    .map(|[a, b, c]| [TriangleSlots::new(chart, a, b), TriangleSlots::new(chart, b, c)]);
+    let [right_down, left_down, right_up, left_up] = [1, 2, 3, 4];
 
     let mut fronts = Fronts::start(edges, seeds, wavefront);
     let mut iterations = 0;
     loop {
         let mut change = R::zero();
-        let mut update = |row: usize, col: usize, triangles: &[TriangleSlots; 2]| {
+        let mut update = |row: usize, col: usize, scan: u8| {
             let point = chart.bordered(row, col);
-            for triangle in triangles {
-                let front = fronts.through(point, triangle);
-                change = change.max(fronts.lower(point, front));
-            }
+            let front = fronts.through(point, &triangles[usize::from(scan) - 1]);
+            change = change.max(fronts.accept(point, front, scan));
         };
         for row in 0..chart.rows {
-            (0..chart.cols).for_each(|col| update(row, col, &right_down));
-            (0..chart.cols).rev().for_each(|col| update(row, col, &left_down));
+            (0..chart.cols).for_each(|col| update(row, col, right_down));
+            (0..chart.cols).rev().for_each(|col| update(row, col, left_down));
         }
         for row in (0..chart.rows).rev() {
-            (0..chart.cols).for_each(|col| update(row, col, &right_up));
-            (0..chart.cols).rev().for_each(|col| update(row, col, &left_up));
+            (0..chart.cols).for_each(|col| update(row, col, right_up));
+            (0..chart.cols).rev().for_each(|col| update(row, col, left_up));
         }
         iterations += 1;
         if stop.done(iterations, change.wide()) {

@@ -11,7 +11,7 @@ pub struct Solution<R> {
     times: Vec<R>,
     /// Iterations of four scans; fast marching counts as one.
     pub iterations: u32,
-    /// Largest relative fall of an arrival time in the last iteration; a point that was reached
+    /// Largest relative change of an arrival time in the last iteration; a point that was reached
     /// in it counts as 1.
     pub residual: f64,
 }
@@ -28,12 +28,16 @@ impl<R: Real> Solution<R> {
     }
 }
 
+/// Tag ([`Real::with_tag`]) of the curvature of fronts that no scan has brought.
+const SEED: u8 = 0;
+
 /// The fronts at all points of a bordered array while a solver works on them.
 pub(super) struct Fronts<'a, R> {
     edges: &'a EdgeLengths<R>,
     wavefront: Wavefront,
     times: Vec<R>,
-    /// Of the fronts and of the surface; both empty unless the wavefront is curved.
+    /// Of the fronts, tagged with the scan that has brought them, and of the surface; both empty
+    /// unless the wavefront is curved.
     curvatures: Vec<R>,
     gaussian: &'a [R],
 }
@@ -86,13 +90,16 @@ impl<'a, R: Real> Fronts<'a, R> {
         }
     }
 
-    /// The front that reaches a point through one of its triangles.
+    /// The first of the fronts that reach a point through the two triangles of a scan.
     #[inline]
-    pub(super) fn through(&self, point: usize, slots: &TriangleSlots) -> Front<R> {
-        self.through_known(point, slots, |point| self.times[point])
+    pub(super) fn through(&self, point: usize, triangles: &[TriangleSlots; 2]) -> Front<R> {
+        let [a, b] = [0, 1]
+            .map(|side| self.through_known(point, &triangles[side], |point| self.times[point]));
+        let second = b.time < a.time || (b.whole && b.time == a.time);
+        if second { b } else { a }
     }
 
-    /// The same with arrival times seen through `time`.
+    /// The front that reaches a point through one triangle, with arrival times seen through `time`.
     #[inline]
     pub(super) fn through_known(
         &self,
@@ -115,15 +122,36 @@ impl<'a, R: Real> Fronts<'a, R> {
     /// Accepts a front at a point if it is the first; returns the relative fall of the time.
     #[inline]
     pub(super) fn lower(&mut self, point: usize, front: Front<R>) -> R {
+        self.accept(point, front, SEED)
+    }
+
+    /// Accepts a front that one of the scans, numbered from 1, brings to a point; returns the
+    /// relative change of the arrival time.
+    ///
+    /// It is accepted if it is the first; between equally early ones a whole triangle knows
+    /// better. A curved front is accepted as well, earlier or later, if the same scan has brought
+    /// the one before: that came from the same triangles, whose fronts have changed since. So
+    /// nothing that was computed from a preliminary curvature stays, and the map does not depend
+    /// on the order of updates.
+    #[inline]
+    pub(super) fn accept(&mut self, point: usize, front: Front<R>, scan: u8) -> R {
         let before = self.times[point];
         let first = front.time < before;
-        if first || (front.whole && front.time == before && before < R::FAR) {
-            self.times[point] = front.time;
-            if let Some(curvature) = self.curvatures.get_mut(point) {
-                *curvature = front.curvature;
+        let Some(curvature) = self.curvatures.get_mut(point) else {
+            if first {
+                self.times[point] = front.time;
             }
+            return if first { (before - front.time) / before } else { R::zero() };
+        };
+        let renewed = scan != SEED && curvature.tag() == scan;
+        let preferred = front.whole && front.time == before;
+        if first || (before < R::FAR && (renewed || preferred)) {
+            *curvature = front.curvature.with_tag(scan);
+            self.times[point] = front.time;
+            (before - front.time).abs() / before.max(front.time)
+        } else {
+            R::zero()
         }
-        if first { (before - front.time) / before } else { R::zero() }
     }
 
     pub(super) fn finish(self, iterations: u32, residual: f64) -> Solution<R> {

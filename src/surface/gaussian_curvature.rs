@@ -5,19 +5,20 @@ use rayon::prelude::*;
 use super::chart::Direction;
 use super::edges::{EdgeLengths, EdgeSlot};
 use super::real::Real;
+use crate::constants::{DEFECT_NOISE, LARGEST_DEFECT};
 
-/// The angle defect of a fan is kept below this, in radians: a rougher point is a crease or a
-/// spike, whose curvature says nothing of the front that passes beside it.
-const LARGEST_DEFECT: f64 = 0.5;
-
-/// Rounding of an angle defect from lengths in single precision, in radians: defects near it
-/// are shrunk towards zero, or a flat surface would seem bent the same way everywhere.
-const DEFECT_NOISE: f64 = 5e-7;
+/// Tag ([`Real::with_tag`]) of the Gaussian curvature at points where waves diffract.
+pub(crate) const DIFFRACTS: u8 = 1;
 
 /// Gaussian curvature at each point of the bordered array: the angle defect of the fan of eight
 /// triangles around the point, over a quarter of the fan's area (a cell's worth).
 ///
-/// Points whose fan is not whole, at a border or hole, carry the flag of [`Real::with_flag`] and
+/// The defect is kept below `LARGEST_DEFECT`: a rougher point is a crease or a spike, whose
+/// curvature says nothing of the front that passes beside it. Defects near `DEFECT_NOISE`, the
+/// rounding of lengths in single precision, are shrunk towards zero, or a flat surface would seem
+/// bent the same way everywhere.
+///
+/// Points whose fan is not whole, at a border or hole, carry the tag `DIFFRACTS` and
 /// the mean of their neighbours' curvature: waves diffract there.
 pub(crate) fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
     let chart = edges.chart();
@@ -32,7 +33,7 @@ pub(crate) fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
         },
     );
     let or_mean = |point: usize| match own[point] {
-        Some(curvature) => curvature.with_flag(false),
+        Some(curvature) => curvature.with_tag(0),
         None => {
             let around = fan.iter().filter_map(|spoke| {
                 let exists = edges.at(point, spoke.edge) < R::FAR;
@@ -41,10 +42,10 @@ pub(crate) fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
             let (sum, count) = around.fold((R::zero(), R::zero()), |(sum, count), curvature| {
                 (sum + curvature, count + R::one())
             });
-            (sum / count.max(R::one())).with_flag(true)
+            (sum / count.max(R::one())).with_tag(DIFFRACTS)
         }
     };
-    let border = R::zero().with_flag(true);
+    let border = R::zero().with_tag(DIFFRACTS);
     let inside = |point: usize| {
         let (row, col) = (point / chart.stride(), point % chart.stride());
         (1..=chart.rows).contains(&row) && (1..=chart.cols).contains(&col)
@@ -134,8 +135,8 @@ mod tests {
             for col in 0..9usize {
                 let beside_the_hole = row.abs_diff(4) <= 1 && col.abs_diff(4) <= 1;
                 let at_the_border = row % 8 == 0 || col % 8 == 0;
-                let flag = edges.gaussian_curvature()[edges.chart().bordered(row, col)].flag();
-                assert_eq!(flag, beside_the_hole || at_the_border, "{row},{col}");
+                let tag = edges.gaussian_curvature()[edges.chart().bordered(row, col)].tag();
+                assert_eq!(tag == DIFFRACTS, beside_the_hole || at_the_border, "{row},{col}");
             }
         }
     }

@@ -16,6 +16,7 @@ mod sources;
 pub use chart::{Chart, Direction};
 pub(crate) use edges::EdgeSlot;
 pub use edges::{EdgeLengths, LONGEST_EDGE, SHORTEST_EDGE};
+pub(crate) use gaussian_curvature::DIFFRACTS;
 pub use geometry::{Geometry, MetricTensor, Spacing};
 pub use real::{FAR, Real};
 pub use sources::{Seed, Source, SourceError, Sources};

@@ -6,7 +6,7 @@
 /// The public interface says +infinity instead.
 pub const FAR: f64 = crate::constants::FAR;
 
-use crate::constants::SOURCE_CURVATURE;
+use crate::constants::{FLAT, SOURCE_CURVATURE};
 
 /// f32 for use, f64 for reference.
 pub trait Real: num_traits::Float + Default + Send + Sync + std::fmt::Debug + 'static {
@@ -17,11 +17,11 @@ pub trait Real: num_traits::Float + Default + Send + Sync + std::fmt::Debug + 's
     /// of edges stay finite.
     const SOURCE: Self;
 
-    /// The number with a flag in its last binary digit.
-    fn with_flag(self, flag: bool) -> Self;
+    /// The number with a tag from 0 to 7 in its last binary digits; zero becomes tiny.
+    fn with_tag(self, tag: u8) -> Self;
 
-    /// The flag in the last binary digit.
-    fn flag(self) -> bool;
+    /// The tag in the last binary digits.
+    fn tag(self) -> u8;
 
     /// Rounds to this precision.
     fn of(value: f64) -> Self;
@@ -34,12 +34,13 @@ impl Real for f32 {
     const FAR: Self = FAR as f32;
     const SOURCE: Self = SOURCE_CURVATURE as f32;
 
-    fn with_flag(self, flag: bool) -> Self {
-        Self::from_bits(self.to_bits() & !1 | u32::from(flag))
+    fn with_tag(self, tag: u8) -> Self {
+        let held = if self.abs() < FLAT as f32 { FLAT as f32 } else { self };
+        Self::from_bits(held.to_bits() & !7 | u32::from(tag))
     }
 
-    fn flag(self) -> bool {
-        self.to_bits() & 1 == 1
+    fn tag(self) -> u8 {
+        (self.to_bits() & 7) as u8
     }
 
     fn of(value: f64) -> Self {
@@ -55,12 +56,13 @@ impl Real for f64 {
     const FAR: Self = FAR;
     const SOURCE: Self = SOURCE_CURVATURE;
 
-    fn with_flag(self, flag: bool) -> Self {
-        Self::from_bits(self.to_bits() & !1 | u64::from(flag))
+    fn with_tag(self, tag: u8) -> Self {
+        let held = if self.abs() < FLAT { FLAT } else { self };
+        Self::from_bits(held.to_bits() & !7 | u64::from(tag))
     }
 
-    fn flag(self) -> bool {
-        self.to_bits() & 1 == 1
+    fn tag(self) -> u8 {
+        (self.to_bits() & 7) as u8
     }
 
     fn of(value: f64) -> Self {

@@ -1,7 +1,8 @@
 //! The curved wavefront: a front that carries its geodesic curvature beside the arrival time.
 
 use super::Triangle;
-use crate::surface::Real;
+use crate::constants::{FOCUS, GRAZING};
+use crate::surface::{DIFFRACTS, Real};
 
 /// An arriving front: when, and how curved it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,19 +22,10 @@ pub struct Front<R> {
 pub struct Bends<R> {
     /// Curvature of the front at x1 and x2.
     pub fronts: [R; 2],
-    /// Gaussian curvature of the surface at x0, x1 and x2; the flag ([`Real::flag`]) marks points
-    /// beside a hole or the border, where waves diffract.
+    /// Gaussian curvature of the surface at x0, x1 and x2; the tag 1
+    /// ([`Real::tag`]) marks points beside a hole or the border, where waves diffract.
     pub surface: [R; 3],
 }
-
-/// How far beside an edge a ray may pass, as a fraction of the edge that it must cross, before
-/// it counts as turning at the edge's end. Fronts that run along a wall pass it within rounding;
-/// diffracted ones leave at any angle. Measured on the maze: from 0.1 to 0.3 makes no difference,
-/// at 0.01 walls diffract what only grazes them.
-const GRAZING: f64 = 0.1;
-/// Least factor by which a front's radius may shrink within a triangle: behind a focus, where it
-/// would vanish, no ray is a shortest path.
-const FOCUS: f64 = 0.1;
 
 /// The front at x0, from fronts at x1 and x2.
 ///
@@ -91,7 +83,7 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     } else {
         (near_t, near_k, near_l, near_g, turns_near)
     };
-    let diffracted = turns && g.flag();
+    let diffracted = turns && g.tag() == DIFFRACTS;
     let k = if diffracted { R::SOURCE } else { k };
     Front { time: start + l, curvature: carried(k, half * (g0 + g), l), whole }
 }
@@ -156,7 +148,7 @@ mod tests {
     fn diffraction_starts_again_as_from_a_source() {
         // The ray comes from the far left and turns around x1 by a right angle.
         let triangle = Triangle { t1: 5.0, t2: 5.0 + 0.98, l1: 1.0, l2: 2f64.sqrt(), c: 1.0 };
-        let beside_a_hole = 0.0.with_flag(true);
+        let beside_a_hole = 0.0.with_tag(DIFFRACTS);
         let at = |g1| curved(triangle, Bends { fronts: [0.2, 0.2], surface: [0.0, g1, 0.0] });
         assert_eq!((at(0.0).time, at(beside_a_hole).time), (6.0, 6.0));
         approx::assert_relative_eq!(at(0.0).curvature, 0.2 / 1.2, max_relative = 1e-12);

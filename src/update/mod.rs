@@ -13,17 +13,19 @@ pub use point_source::point_source;
 
 use crate::surface::Real;
 
-/// The shape of the front that an update assumes inside a triangle.
+/// The shape of the front that an update assumes inside a triangle. The numbers are those of
+/// `WAVEFRONT` in `glsl/update.glsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(i32)]
 pub enum Wavefront {
     /// A straight front (paper, section 3): first-order accurate, for extended sources too.
-    Planar,
+    Planar = 0,
     /// A circular front around a virtual point source: exact on developable surfaces but for
     /// the sampling, second-order elsewhere, for point sources.
-    PointSource,
+    PointSource = 1,
     /// A front that carries its curvature beside the arrival time: second-order on curved
     /// surfaces, around holes and for extended sources too.
-    Curved,
+    Curved = 2,
 }
 
 impl Wavefront {

@@ -71,11 +71,11 @@ pub(crate) fn into_general(
     }
 }
 
-/// All of a colour image without mip levels or layers.
+/// All layers of a colour image without mip levels.
 pub(crate) const COLOR: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
     aspect_mask: vk::ImageAspectFlags::COLOR,
     base_mip_level: 0,
     level_count: 1,
     base_array_layer: 0,
-    layer_count: 1,
+    layer_count: vk::REMAINING_ARRAY_LAYERS,
 };

@@ -7,6 +7,7 @@ use gpu_allocator::vulkan::Allocator;
 use super::memory::{Buffer, Image};
 use super::pipelines::{Pipelines, binding, descriptor_type};
 use super::{TexelChart, VulkanError};
+use crate::constants::LAYERS;
 use crate::surface::Chart;
 
 /// Points are uploaded, and distances read back, in bands of rows of at most this many bytes.
@@ -16,19 +17,20 @@ const LEAST_UPLOAD_BYTES: usize = 64 << 10;
 /// Bytes of a point to upload, at most: position and slowness.
 pub(crate) const POINT_BYTES: usize = 16;
 
-/// The images of one surface: edge lengths (16 bytes a point) and two of arrival times (4 bytes
-/// a point each), with the buffers for upload and read-back (up to 16 MiB each).
+/// The images of one surface: edge lengths (16 bytes a point) and two of fronts (12 bytes a point
+/// each: arrival time, curvature of the front, Gaussian curvature of the surface), with the buffers
+/// for upload and read-back (up to 16 MiB each).
 #[derive(Debug)]
 pub struct GridImages {
     pub(crate) chart: Chart,
     pub(crate) texels: TexelChart,
     pub(crate) edges: Image,
-    pub(crate) times: [Image; 2],
+    pub(crate) fronts: [Image; 2],
     pub(crate) residual: Buffer,
     pub(crate) residual_on_host: Buffer,
     pub(crate) upload: Buffer,
     pub(crate) download: Buffer,
-    /// For each of the two images of arrival times the descriptors of a pass that writes it and
+    /// For each of the two images of fronts the descriptors of a pass that writes it and
     /// reads the other.
     pub(crate) sets: [vk::DescriptorSet; 2],
     pool: vk::DescriptorPool,
@@ -48,12 +50,12 @@ impl GridImages {
         let mut images = Vec::new();
         let mut buffers = Vec::new();
         let created = (|| {
-            for (name, extent) in [
-                ("edge lengths", texels.edges_extent()),
-                ("arrival times 0", texels.times_extent()),
-                ("arrival times 1", texels.times_extent()),
+            for (name, extent, layers) in [
+                ("edge lengths", texels.edges_extent(), 1),
+                ("fronts 0", texels.fronts_extent(), LAYERS),
+                ("fronts 1", texels.fronts_extent(), LAYERS),
             ] {
-                images.push(Image::new(device, allocator, name, extent)?);
+                images.push(Image::new(device, allocator, name, extent, layers)?);
             }
             let upload = band_rows(chart, POINT_BYTES) + 1;
             let upload = (upload * chart.cols * POINT_BYTES).max(LEAST_UPLOAD_BYTES);
@@ -76,14 +78,14 @@ impl GridImages {
                 return Err(error);
             }
         };
-        let [edges, times0, times1] = images.try_into().expect("three images were created");
+        let [edges, fronts0, fronts1] = images.try_into().expect("three images were created");
         let [residual, residual_on_host, upload, download] =
             buffers.try_into().expect("four buffers were created");
         let mut new = Self {
             chart,
             texels,
             edges,
-            times: [times0, times1],
+            fronts: [fronts0, fronts1],
             residual,
             residual_on_host,
             upload,
@@ -110,12 +112,12 @@ impl GridImages {
             .map_err(VulkanError::from_call("vkAllocateDescriptorSets"))?;
         self.sets = [sets[0], sets[1]];
         for writes in 0..2 {
-            let (old, new) = (&self.times[1 - writes], &self.times[writes]);
+            let (old, new) = (&self.fronts[1 - writes], &self.fronts[writes]);
             for (index, image) in [
                 (binding::EDGES, &self.edges),
-                (binding::OLD_TIMES, old),
-                (binding::LINE_BEHIND, new),
-                (binding::NEW_TIMES, new),
+                (binding::OLD_FRONTS, old),
+                (binding::FRONTS_BEHIND, new),
+                (binding::NEW_FRONTS, new),
             ] {
                 let info = [vk::DescriptorImageInfo::default()
                     .image_view(image.view)
@@ -153,7 +155,7 @@ impl GridImages {
 
     /// Bytes of device and staging memory held.
     pub fn bytes(&self) -> u64 {
-        let images = [&self.edges, &self.times[0], &self.times[1]];
+        let images = [&self.edges, &self.fronts[0], &self.fronts[1]];
         let buffers = [&self.residual, &self.residual_on_host, &self.upload, &self.download];
         images.iter().map(|image| image.bytes()).sum::<u64>()
             + buffers.iter().map(|buffer| buffer.bytes()).sum::<u64>()
@@ -164,7 +166,7 @@ impl GridImages {
         // SAFETY: the caller has made sure that nothing uses the sets.
         unsafe { device.destroy_descriptor_pool(self.pool, None) };
         self.edges.destroy(device, allocator);
-        self.times.iter_mut().for_each(|image| image.destroy(device, allocator));
+        self.fronts.iter_mut().for_each(|image| image.destroy(device, allocator));
         for buffer in
             [&mut self.residual, &mut self.residual_on_host, &mut self.upload, &mut self.download]
         {

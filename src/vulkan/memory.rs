@@ -33,13 +33,14 @@ impl Image {
         allocator: &mut Allocator,
         name: &'static str,
         extent: vk::Extent3D,
+        layers: u32,
     ) -> Result<Self, VulkanError> {
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(FORMAT)
             .extent(extent)
             .mip_levels(1)
-            .array_layers(1)
+            .array_layers(layers)
             .samples(vk::SampleCountFlags::TYPE_1)
             .tiling(vk::ImageTiling::OPTIMAL)
             .usage(IMAGE_USAGE);
@@ -47,7 +48,9 @@ impl Image {
         let image = unsafe { device.create_image(&info, None) }
             .map_err(VulkanError::from_call("vkCreateImage"))?;
         let mut new = Self { image, view: vk::ImageView::null(), allocation: None };
-        match new.back(device, allocator, name) {
+        let kind =
+            if layers > 1 { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
+        match new.back(device, allocator, name, kind) {
             Ok(()) => Ok(new),
             Err(error) => {
                 new.destroy(device, allocator);
@@ -61,6 +64,7 @@ impl Image {
         device: &ash::Device,
         allocator: &mut Allocator,
         name: &'static str,
+        kind: vk::ImageViewType,
     ) -> Result<(), VulkanError> {
         // SAFETY: the image is from this device.
         let requirements = unsafe { device.get_image_memory_requirements(self.image) };
@@ -74,7 +78,7 @@ impl Image {
         bound.map_err(VulkanError::from_call("vkBindImageMemory"))?;
         let info = vk::ImageViewCreateInfo::default()
             .image(self.image)
-            .view_type(vk::ImageViewType::TYPE_2D)
+            .view_type(kind)
             .format(FORMAT)
             .subresource_range(barrier::COLOR);
         // SAFETY: the image is bound to memory and has this format.

@@ -11,9 +11,9 @@ use crate::update::Wavefront;
 /// The bindings of every shader, and what is bound there.
 pub(crate) mod binding {
     pub(crate) const EDGES: u32 = 0;
-    pub(crate) const OLD_TIMES: u32 = 1;
-    pub(crate) const LINE_BEHIND: u32 = 2;
-    pub(crate) const NEW_TIMES: u32 = 3;
+    pub(crate) const OLD_FRONTS: u32 = 1;
+    pub(crate) const FRONTS_BEHIND: u32 = 2;
+    pub(crate) const NEW_FRONTS: u32 = 3;
     pub(crate) const RESIDUAL: u32 = 4;
     pub(crate) const UPLOAD: u32 = 5;
     pub(crate) const DOWNLOAD: u32 = 6;
@@ -33,6 +33,7 @@ pub struct Pipelines {
     pub(crate) edges_from_positions: vk::Pipeline,
     pub(crate) edges_from_heights: vk::Pipeline,
     pub(crate) edges_from_metric: vk::Pipeline,
+    pub(crate) gaussian_curvature: vk::Pipeline,
     pub(crate) seed: vk::Pipeline,
     pub(crate) unpack: vk::Pipeline,
 }
@@ -58,6 +59,7 @@ impl Pipelines {
             edges_from_positions: vk::Pipeline::null(),
             edges_from_heights: vk::Pipeline::null(),
             edges_from_metric: vk::Pipeline::null(),
+            gaussian_curvature: vk::Pipeline::null(),
             seed: vk::Pipeline::null(),
             unpack: vk::Pipeline::null(),
         };
@@ -99,6 +101,7 @@ impl Pipelines {
         self.edges_from_positions = plain(spirv!("edges_from_positions"))?;
         self.edges_from_heights = plain(spirv!("edges_from_heights"))?;
         self.edges_from_metric = plain(spirv!("edges_from_metric"))?;
+        self.gaussian_curvature = plain(spirv!("gaussian_curvature"))?;
         self.seed = plain(spirv!("seed"))?;
         self.unpack = plain(spirv!("unpack"))?;
         Ok(())
@@ -112,6 +115,7 @@ impl Pipelines {
                 self.edges_from_positions,
                 self.edges_from_heights,
                 self.edges_from_metric,
+                self.gaussian_curvature,
                 self.seed,
                 self.unpack,
             ] {
@@ -133,7 +137,7 @@ impl ScanPipelines {
         let mut new = Self { scans: [vk::Pipeline::null(); 4] };
         for (slot, scan) in new.scans.iter_mut().zip(Scan::ALL) {
             let (x, y) = scan.ahead();
-            let constants = [x, y, i32::from(wavefront == Wavefront::PointSource)];
+            let constants = [x, y, wavefront as i32];
             match compute_pipeline(device, pipelines.layout, spirv!("scan"), &constants) {
                 Ok(pipeline) => *slot = pipeline,
                 Err(error) => {

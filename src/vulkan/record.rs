@@ -7,7 +7,7 @@ use bytemuck::{NoUninit, bytes_of};
 use super::barrier::{self, CLEAR, COPY, HOST_READ, SHADER, SHADER_WRITE};
 use super::plan::{Scan, Step};
 use super::{GridImages, Pipelines, ScanPipelines};
-use crate::constants::{FAR, WORKGROUP};
+use crate::constants::{CURVATURE, FAR, GAUSSIAN, TIME, WORKGROUP};
 use crate::surface::{Geometry, Spacing};
 
 #[derive(Clone, Copy, NoUninit)]
@@ -39,10 +39,15 @@ struct Line {
 
 /// Brings new images into their layout, with no edge and no point reached.
 pub fn prepare(device: &ash::Device, commands: vk::CommandBuffer, grid: &GridImages) {
-    for image in [&grid.edges, &grid.times[0], &grid.times[1]] {
+    for image in [&grid.edges, &grid.fronts[0], &grid.fronts[1]] {
         barrier::into_general(device, commands, image.image, CLEAR);
     }
-    clear(device, commands, grid.edges.image);
+    clear(device, commands, grid.edges.image, 0, FAR);
+    for image in &grid.fronts {
+        clear(device, commands, image.image, TIME, FAR);
+        clear(device, commands, image.image, CURVATURE, 0.0);
+        clear(device, commands, image.image, GAUSSIAN, 0.0);
+    }
     barrier::memory(device, commands, CLEAR, SHADER);
 }
 
@@ -74,10 +79,26 @@ pub fn measure_edges(
     barrier::memory(device, commands, SHADER_WRITE, SHADER);
 }
 
+/// Computes the surface's Gaussian curvature, once all edges are measured.
+pub fn bend(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    pipelines: &Pipelines,
+    grid: &GridImages,
+) {
+    let texels = [grid.texels.inner_cols().len() as u32, grid.texels.inner_rows().len() as u32];
+    bind(device, commands, pipelines, grid, pipelines.gaussian_curvature, 0);
+    dispatch(device, commands, pipelines, &texels, texels[0], texels[1]);
+    barrier::memory(device, commands, SHADER_WRITE, SHADER);
+}
+
 /// Forgets the map: no point is reached in either image.
 pub fn forget(device: &ash::Device, commands: vk::CommandBuffer, grid: &GridImages) {
     barrier::memory(device, commands, SHADER, CLEAR);
-    grid.times.iter().for_each(|image| clear(device, commands, image.image));
+    for image in &grid.fronts {
+        clear(device, commands, image.image, TIME, FAR);
+        clear(device, commands, image.image, CURVATURE, 0.0);
+    }
     barrier::memory(device, commands, CLEAR, SHADER);
 }
 
@@ -154,7 +175,7 @@ pub fn iterate(
     barrier::memory(device, commands, CLEAR, HOST_READ);
 }
 
-/// Unpacks image 0 of the arrival times, a band of rows, into the read-back buffer.
+/// Unpacks the arrival times in image 0, a band of rows, into the read-back buffer.
 pub fn unpack(
     device: &ash::Device,
     commands: vk::CommandBuffer,
@@ -178,18 +199,22 @@ fn pipeline_index(scan: Scan) -> usize {
     Scan::ALL.iter().position(|&other| other == scan).expect("all scans are listed")
 }
 
-/// Fills an image with FAR.
-fn clear(device: &ash::Device, commands: vk::CommandBuffer, image: vk::Image) {
-    let far = vk::ClearColorValue { float32: [FAR as f32; 4] };
-    // SAFETY: the image is in this layout and is used by nothing else until the next barrier.
+/// Fills a layer of an image.
+fn clear(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    image: vk::Image,
+    layer: u32,
+    value: f64,
+) {
+    let value = vk::ClearColorValue { float32: [value as f32; 4] };
+    let range =
+        vk::ImageSubresourceRange { base_array_layer: layer, layer_count: 1, ..barrier::COLOR };
+    // SAFETY: the image has the layer, is in this layout, and the layer is used by nothing else
+    // until the next barrier.
     unsafe {
-        device.cmd_clear_color_image(
-            commands,
-            image,
-            vk::ImageLayout::GENERAL,
-            &far,
-            &[barrier::COLOR],
-        );
+        let layout = vk::ImageLayout::GENERAL;
+        device.cmd_clear_color_image(commands, image, layout, &value, &[range]);
     }
 }
 

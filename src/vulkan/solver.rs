@@ -37,7 +37,7 @@ const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 pub struct Solver {
     pipelines: Pipelines,
     /// Made when a wavefront is first used.
-    scans: [Option<ScanPipelines>; 2],
+    scans: [Option<ScanPipelines>; Wavefront::ALL.len()],
     context: Arc<Context>,
 }
 
@@ -56,7 +56,7 @@ pub struct Solution {
     pub distances: Vec<f32>,
     /// Iterations of four scans.
     pub iterations: u32,
-    /// Largest relative fall of an arrival time in the last iteration.
+    /// Largest relative change of an arrival time in the last iteration.
     pub residual: f64,
     /// From the first submission of an iteration to the end of the last.
     pub time: Duration,
@@ -79,7 +79,7 @@ impl Solver {
     fn open(choice: &DeviceChoice, validate: bool) -> Result<Self, VulkanError> {
         let context = Arc::new(Context::new(choice, validate)?);
         let pipelines = Pipelines::new(&context.device)?;
-        Ok(Self { pipelines, scans: [None, None], context })
+        Ok(Self { pipelines, scans: [const { None }; Wavefront::ALL.len()], context })
     }
 
     /// The device's name.
@@ -121,6 +121,9 @@ impl Solver {
                 record::measure_edges(device, commands, &self.pipelines, images, geometry, rows);
             })?;
         }
+        self.context.run(|device, commands| {
+            record::bend(device, commands, &self.pipelines, images);
+        })?;
         self.context.check_validation()?;
         Ok(on_device)
     }
@@ -229,12 +232,13 @@ impl Solver {
         };
         let bytes =
             |extent: ash::vk::Extent3D| u64::from(extent.width) * u64::from(extent.height) * 16;
-        let (edges, times) = (bytes(texels.edges_extent()), bytes(texels.times_extent()));
+        let edges = bytes(texels.edges_extent());
+        let fronts = u64::from(crate::constants::LAYERS) * bytes(texels.fronts_extent());
         // SAFETY: the physical device is from this instance.
         let memory =
             unsafe { instance.handle.get_physical_device_memory_properties(*physical_device) };
         let heap = memory.memory_heaps_as_slice().iter().map(|heap| heap.size).max().unwrap_or(0);
-        let needed = edges + 2 * times;
+        let needed = edges + 2 * fronts;
         // Not all drivers refuse what does not fit: on some the system ends the process instead.
         if needed > heap || edges > largest_image {
             let available =
@@ -331,7 +335,7 @@ mod tests {
         let mut solver = solver();
         let mut on_device = solver.upload(&surface).unwrap();
         let log = solver.validation_log().unwrap().clone();
-        for wavefront in [Wavefront::Planar, Wavefront::PointSource] {
+        for wavefront in Wavefront::ALL {
             solver.solve(&mut on_device, &seeds(&surface), wavefront, STOP).unwrap();
         }
         drop((on_device, solver));

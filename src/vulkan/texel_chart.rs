@@ -8,7 +8,7 @@ use ash::vk;
 use crate::constants::BORDER;
 use crate::surface::Chart;
 
-/// Size of the images of arrival times, 2 x 2 grid points a texel with a border of texels that
+/// Size of the images of fronts, 2 x 2 grid points a texel with a border of texels that
 /// are never reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TexelChart {
@@ -44,7 +44,7 @@ impl TexelChart {
     }
 
     /// Extent of an image with one texel for 2 x 2 points.
-    pub fn times_extent(self) -> vk::Extent3D {
+    pub fn fronts_extent(self) -> vk::Extent3D {
         vk::Extent3D { width: self.cols, height: self.rows, depth: 1 }
     }
 

@@ -6,7 +6,7 @@ use bytemuck::{NoUninit, bytes_of};
 use glam::DVec3;
 
 use super::TexelChart;
-use crate::surface::{FAR, Geometry, MetricTensor, Seed, Surface};
+use crate::surface::{FAR, Geometry, MetricTensor, Real, Seed, Surface};
 
 /// Writes the points of some rows into the upload buffer, as edges_from_*.comp read them:
 /// slowness 0 marks a hole. Positions and heights are taken relative to `origin`.
@@ -69,23 +69,28 @@ pub(crate) struct SeedTexel {
     unused: [i32; 2],
     /// Arrival times of its points.
     pub(crate) times: [f32; 4],
+    /// Curvatures of their fronts.
+    pub(crate) curvatures: [f32; 4],
 }
 
 /// Groups seeds by texel, since each texel is written by one invocation.
 pub(crate) fn seed_texels(seeds: &[Seed]) -> Vec<SeedTexel> {
-    let mut placed: Vec<_> = seeds
-        .iter()
-        .map(|seed| (TexelChart::texel_of(seed.row, seed.col), seed.time as f32))
-        .collect();
+    let mut placed: Vec<_> =
+        seeds.iter().map(|seed| (TexelChart::texel_of(seed.row, seed.col), seed)).collect();
     placed.sort_by_key(|&((row, col, _), _)| (row, col));
     let mut texels: Vec<SeedTexel> = Vec::new();
-    for ((row, col, component), time) in placed {
+    for ((row, col, component), seed) in placed {
         let texel = [col as i32, row as i32];
         if texels.last().is_none_or(|last| last.texel != texel) {
-            texels.push(SeedTexel { texel, unused: [0; 2], times: [FAR as f32; 4] });
+            let (times, curvatures) = ([FAR as f32; 4], [0.0; 4]);
+            texels.push(SeedTexel { texel, unused: [0; 2], times, curvatures });
         }
         let last = texels.last_mut().expect("one was pushed above");
-        last.times[component] = last.times[component].min(time);
+        let time = seed.time as f32;
+        if time < last.times[component] {
+            last.times[component] = time;
+            last.curvatures[component] = (seed.curvature as f32).with_tag(0);
+        }
     }
     texels
 }

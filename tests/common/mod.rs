@@ -21,7 +21,7 @@ pub fn vulkan_solver() -> Solver {
 /// The CPU engine's map.
 pub fn on_cpu(surface: &Surface, seeds: &[Seed], wavefront: Wavefront, stop: Stop) -> Vec<f32> {
     let edges = EdgeLengths::<f32>::new(surface).unwrap();
-    cpu::raster_scan(&edges, seeds, wavefront, stop).distances()
+    cpu::rotated_scan(&edges, seeds, wavefront, stop).distances()
 }
 
 /// The Vulkan engine's map.

@@ -194,6 +194,7 @@ impl Args {
             engine: self.engine()?,
             wavefront: match self.wavefront {
                 WavefrontArg::Auto => None,
+                WavefrontArg::Curved => Some(Wavefront::Curved),
                 WavefrontArg::Point => Some(Wavefront::PointSource),
                 WavefrontArg::Planar => Some(Wavefront::Planar),
             },
