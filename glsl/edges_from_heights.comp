@@ -22,7 +22,8 @@ Point load(ivec2 at) {
 }
 
 float separation(Point a, Point b, ivec2 step) {
-    return length(vec3(step * vec2(dx, dy), b.height - a.height));
+    vec3 d = vec3(step * vec2(dx, dy), b.height - a.height);
+    return sqrt((d.x * d.x + d.y * d.y) + d.z * d.z);
 }
 
 #include "edges.glsl"

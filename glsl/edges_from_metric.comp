@@ -23,7 +23,8 @@ Point load(ivec2 at) {
 }
 
 float step_length(vec3 metric, ivec2 step) {
-    return sqrt(max(dot(metric, vec3(step.y * step.y, 2 * step.x * step.y, step.x * step.x)), 0.0));
+    vec3 squares = vec3(step.y * step.y, 2 * step.x * step.y, step.x * step.x);
+    return sqrt(max((metric.x * squares.x + metric.y * squares.y) + metric.z * squares.z, 0.0));
 }
 
 float separation(Point a, Point b, ivec2 step) {

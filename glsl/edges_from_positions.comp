@@ -22,7 +22,8 @@ Point load(ivec2 at) {
 }
 
 float separation(Point a, Point b, ivec2 step) {
-    return distance(a.position, b.position);
+    vec3 d = b.position - a.position;
+    return sqrt((d.x * d.x + d.y * d.y) + d.z * d.z);
 }
 
 #include "edges.glsl"

@@ -45,7 +45,10 @@ bool fan_curvature(ivec2 point, out float curvature) {
         area = area + 0.5 * (a * b) * y;
         a = b;
     }
-    float defect = clamp(-atan(turn.y, turn.x), -LARGEST_DEFECT, LARGEST_DEFECT);
+    float tangent = turn.x > 0.0 ? clamp(-turn.y / turn.x, -LARGEST_DEFECT, LARGEST_DEFECT)
+                                 : (turn.y > 0.0 ? -LARGEST_DEFECT : LARGEST_DEFECT);
+    float square = tangent * tangent;
+    float defect = tangent * (1.0 - square * (1.0 / 3.0 - square * (1.0 / 5.0 - square * (1.0 / 7.0))));
     float signal = defect * defect / (defect * defect + DEFECT_NOISE * DEFECT_NOISE);
     curvature = defect * signal / (0.25 * area);
     return true;

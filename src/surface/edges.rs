@@ -2,10 +2,12 @@
 
 use std::sync::OnceLock;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::chart::{Chart, Direction};
 use super::gaussian_curvature::gaussian_curvature;
+use super::points::Point;
 use super::real::Real;
 use super::{Surface, SurfaceError};
 
@@ -51,25 +53,19 @@ impl EdgeSlot {
 }
 
 impl<R: Real> EdgeLengths<R> {
-    /// Measures the edges of a surface, in double precision, in parallel over rows.
+    /// Measures the edges of a surface, in parallel over rows.
+    ///
+    /// In single precision positions are taken relative to the middle of the surface, as on the
+    /// device: the rounded points make a surface as good, and both engines see the same one.
     ///
     /// # Errors
     /// [`SurfaceError::EdgeLength`] if a length is neither zero (points that coincide, at a pole
     /// for example) nor between [`SHORTEST_EDGE`] and [`LONGEST_EDGE`].
     pub fn new(surface: &Surface) -> Result<Self, SurfaceError> {
-        let chart = surface.chart();
+        let (chart, origin) = (surface.chart(), surface.origin());
         let mut lengths = vec![[R::FAR; 4]; chart.bordered_points()];
         lengths.par_chunks_mut(chart.stride()).skip(1).take(chart.rows).enumerate().try_for_each(
-            |(row, line)| {
-                for col in 0..chart.cols {
-                    for (slot, to) in line[col + 1].iter_mut().zip(STORED) {
-                        if surface.has_edge(row, col, to) {
-                            *slot = R::of(surface.edge_length(row, col, to)?);
-                        }
-                    }
-                }
-                Ok(())
-            },
+            |(row, line)| surface.measure_row(row, origin, &mut line[1..=chart.cols]),
         )?;
         Ok(Self { chart, lengths, gaussian_curvature: OnceLock::new() })
     }
@@ -108,26 +104,42 @@ impl<R: Real> EdgeLengths<R> {
 impl Surface {
     /// Whether all edges are of a length that the solvers can handle; see [`EdgeLengths::new`].
     pub fn check_edges(&self) -> Result<(), SurfaceError> {
-        (0..self.rows()).into_par_iter().try_for_each(|row| {
-            for col in 0..self.cols() {
-                for to in STORED.into_iter().filter(|&to| self.has_edge(row, col, to)) {
-                    self.edge_length(row, col, to)?;
-                }
-            }
-            Ok(())
-        })
+        let origin = self.origin();
+        (0..self.rows()).into_par_iter().try_for_each_init(
+            || vec![[0.0f32; 4]; self.cols()],
+            |line, row| self.measure_row(row, origin, line),
+        )
     }
 
-    /// Length of the edge to a neighbour, weighted by the slowness.
-    fn edge_length(&self, row: usize, col: usize, to: Direction) -> Result<f64, SurfaceError> {
+    /// Measures the edges stored at the points of a row. The twin of `glsl/edges.glsl`.
+    fn measure_row<R: Real>(
+        &self,
+        row: usize,
+        origin: DVec3,
+        line: &mut [[R; 4]],
+    ) -> Result<(), SurfaceError> {
         let chart = self.chart();
-        let (r, c) = chart.neighbour(row, col, to).expect("the caller has tested the edge");
-        let length = self.length_between((row, col), (r, c));
-        if length == 0.0 || (SHORTEST_EDGE..=LONGEST_EDGE).contains(&length) {
-            Ok(length)
-        } else {
-            Err(SurfaceError::EdgeLength { row, col, direction: to, length })
+        let points = |row| -> Vec<Point<R>> {
+            (0..chart.cols).map(|col| self.point(chart.index(row, col), origin)).collect()
+        };
+        let (here, above) = (points(row), points(row.saturating_sub(1)));
+        for (col, lengths) in line.iter_mut().enumerate() {
+            for (slot, to) in lengths.iter_mut().zip(STORED) {
+                *slot = R::FAR;
+                if !self.has_edge(row, col, to) {
+                    continue;
+                }
+                let (down, right) = to.step();
+                let there = if down == 0 { &here } else { &above };
+                let (a, b) = (here[col], there[col.wrapping_add_signed(right)]);
+                *slot = R::of(0.5) * (a[3] + b[3]) * self.separation(a, b, to.step());
+                let length = slot.wide();
+                if length != 0.0 && !(SHORTEST_EDGE..=LONGEST_EDGE).contains(&length) {
+                    return Err(SurfaceError::EdgeLength { row, col, direction: to, length });
+                }
+            }
         }
+        Ok(())
     }
 
     /// Length of the straight step between two grid points, weighted by their mean slowness.

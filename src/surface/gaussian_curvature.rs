@@ -92,7 +92,17 @@ fn fan_curvature<R: Real>(edges: &EdgeLengths<R>, fan: &[Spoke; 8], point: usize
         area = area + half * (a * b) * y;
     }
     let largest = R::of(LARGEST_DEFECT);
-    let defect = (-im.atan2(re)).max(-largest).min(largest);
+    let tangent = if re > R::zero() {
+        (-im / re).max(-largest).min(largest)
+    } else if im > R::zero() {
+        -largest
+    } else {
+        largest
+    };
+    // The arc tangent to 3e-4 at the largest defect, where it is limited anyhow.
+    let (one, square) = (R::one(), tangent * tangent);
+    let [third, fifth, seventh] = [3.0, 5.0, 7.0].map(|n| R::of(1.0 / n));
+    let defect = tangent * (one - square * (third - square * (fifth - square * seventh)));
     // The noise is that of f32; f64's is as much smaller as its digits are more.
     let noise = R::of(DEFECT_NOISE / f64::from(f32::EPSILON)) * R::epsilon();
     let signal = defect * defect / (defect * defect + noise * noise);

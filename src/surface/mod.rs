@@ -10,6 +10,7 @@ mod edges;
 mod gaussian_curvature;
 mod geometry;
 mod iteration_bound;
+mod points;
 mod real;
 mod sources;
 

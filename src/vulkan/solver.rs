@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use super::grid_images::{POINT_BYTES, band_rows};
 use super::headless::Context;
 use super::plan::{self, Reached, Step};
-use super::upload::{SeedTexel, origin, seed_texels, write_points};
+use super::upload::{SeedTexel, seed_texels, write_points};
 use super::{
     GridImages, Pipelines, ScanPipelines, TexelChart, ValidationLog, VulkanError, record,
     requirements,
@@ -112,7 +112,7 @@ impl Solver {
         let mut on_device = SurfaceOnDevice { images, context };
         let images = &mut on_device.images;
         self.context.run(|device, commands| record::prepare(device, commands, images))?;
-        let origin = origin(surface);
+        let origin = surface.origin();
         for rows in bands(chart, POINT_BYTES) {
             let first = rows.start.saturating_sub(1);
             write_points(surface, first..rows.end, origin, images.upload.mapped());

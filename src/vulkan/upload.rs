@@ -6,7 +6,7 @@ use bytemuck::{NoUninit, bytes_of};
 use glam::DVec3;
 
 use super::TexelChart;
-use crate::surface::{FAR, Geometry, MetricTensor, Real, Seed, Surface};
+use crate::surface::{FAR, Geometry, Real, Seed, Surface};
 
 /// Writes the points of some rows into the upload buffer, as edges_from_*.comp read them:
 /// slowness 0 marks a hole. Positions and heights are taken relative to `origin`.
@@ -18,23 +18,13 @@ pub(crate) fn write_points(
 ) {
     let chart = surface.chart();
     let indices = chart.index(rows.start, 0)..chart.index(rows.end, 0);
-    let slowness = |index: usize| match (surface.present()[index], surface.slowness()) {
-        (false, _) => 0.0,
-        (true, None) => 1.0,
-        (true, Some(slowness)) => slowness[index] as f32,
-    };
+    let point = |index| surface.point::<f32>(index, origin);
     match surface.geometry() {
-        Geometry::Positions(positions) => write(buffer, indices, |index| {
-            let point = (positions[index] - origin).as_vec3();
-            [point.x, point.y, point.z, slowness(index)]
+        Geometry::Heights { .. } => write(buffer, indices, |index| {
+            let [_, _, height, slowness] = point(index);
+            [height, slowness]
         }),
-        Geometry::Heights { heights, .. } => {
-            write(buffer, indices, |index| [(heights[index] - origin.z) as f32, slowness(index)])
-        }
-        Geometry::Metric(metric) => write(buffer, indices, |index| {
-            let MetricTensor { rr, rc, cc } = metric[index];
-            [rr as f32, rc as f32, cc as f32, slowness(index)]
-        }),
+        Geometry::Positions(_) | Geometry::Metric(_) => write(buffer, indices, point),
     }
 }
 
@@ -42,22 +32,6 @@ fn write<T: NoUninit>(buffer: &mut [u8], indices: Range<usize>, point: impl Fn(u
     for (bytes, index) in buffer.chunks_exact_mut(size_of::<T>()).zip(indices) {
         bytes.copy_from_slice(bytes_of(&point(index)));
     }
-}
-
-/// A place near the surface: single precision keeps more digits of positions relative to it.
-pub(crate) fn origin(surface: &Surface) -> DVec3 {
-    let chart = surface.chart();
-    let present = (0..chart.points()).filter(|&index| surface.present()[index]);
-    let position = |index| {
-        let (row, col) = chart.position(index);
-        surface.position(row, col)
-    };
-    let (low, high) = present
-        .filter_map(position)
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), position| {
-            (low.min(position), high.max(position))
-        });
-    if low.is_finite() { 0.5 * (low + high) } else { DVec3::ZERO }
 }
 
 /// The sources in one texel, as seed.comp reads them.
