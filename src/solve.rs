@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::cpu::{self, Stop};
+use crate::cpu::{self, Connections, Stop};
 use crate::surface::{EdgeLengths, Seed, Sources, Surface};
 use crate::update::Wavefront;
 use crate::vulkan::{self, VulkanError};
@@ -18,7 +18,7 @@ pub enum Engine {
     Vulkan(DeviceChoice),
     /// Rotated raster scans on the CPU.
     Cpu,
-    /// Fast marching on the CPU, the sequential reference.
+    /// Fast marching on the CPU, the sequential reference, with obtuse triangles split.
     FastMarching,
 }
 
@@ -151,8 +151,9 @@ impl<'a> Problem<'a> {
 
     fn solve_by_fast_marching(&self) -> Result<DistanceMap, Error> {
         let edges = EdgeLengths::<f32>::new(self.surface)?;
+        let split = Connections::split(self.surface)?;
         let start = Instant::now();
-        let solution = cpu::fast_marching(&edges, &self.seeds, self.wavefront);
+        let solution = cpu::fast_marching_with(&edges, &split, &self.seeds, self.wavefront);
         let time = start.elapsed();
         let report = Report { engine: "fast-marching", ..self.report("heap", time) };
         Ok(self.finish(solution.distances(), report))

@@ -391,6 +391,19 @@ proptest! {
         }
     }
 
+    /// The curved front is not monotone, but it reaches what the planar one reaches, with numbers.
+    #[test]
+    fn curved_fronts_reach_the_same_points(surface in any_surface(), a in place()) {
+        let source = present(&surface, a);
+        let curved =
+            rotated::<f32>(&surface, &sources(source), Wavefront::Curved, CONVERGED).distances();
+        let planar = map(&surface, &sources(source), Wavefront::Planar);
+        for (curved, planar) in curved.iter().zip(&planar) {
+            prop_assert!(!curved.is_nan() && curved.is_finite() == planar.is_finite());
+            prop_assert!(*curved >= 0.0);
+        }
+    }
+
     #[test]
     fn more_iterations_never_raise_a_distance(
         surface in any_surface(),

@@ -543,6 +543,80 @@ fn builtin_refuses_other_formats_and_sizes() {
     }
 }
 
+/// Runs `geosweep distance` with an engine and one variable of the environment changed.
+fn with_environment(bench: &Bench, engine: &str, variable: (&str, &OsStr)) -> Output {
+    let surface = bench.flat(9, 9);
+    let args = ["distance", &surface, "--spacing", "1", "--source", "0,0", "-o", "map.npy"];
+    cargo_bin_cmd!("geosweep")
+        .current_dir(bench.outputs.path())
+        .args(args)
+        .args(["--engine", engine, "--json"])
+        .env(variable.0, variable.1)
+        // The older name of the same variable would win where a machine sets it.
+        .env_remove("VK_ICD_FILENAMES")
+        .output()
+        .unwrap()
+}
+
+#[test]
+fn without_a_driver_vulkan_is_refused_and_auto_says_why_it_falls_back() {
+    let bench = Bench::new();
+    let no_driver = ("VK_DRIVER_FILES", OsStr::new("/nonexistent"));
+    bench.refuses(&with_environment(&bench, "vulkan", no_driver), &["driver", "CPU engine"]);
+    let summary = json(&with_environment(&bench, "auto", no_driver));
+    assert_eq!(summary["engine"], "cpu");
+    assert!(summary["fallback"].as_str().unwrap().contains("driver"), "{summary}");
+    assert_eq!(bench.outputs(), ["map.npy"]);
+}
+
+/// A file in the loader's place that is no library stands for a machine without one.
+#[test]
+#[cfg(target_os = "linux")]
+fn without_a_loader_vulkan_is_refused_and_auto_says_why_it_falls_back() {
+    let bench = Bench::new();
+    bench.input("libvulkan.so.1", "no library");
+    let no_loader = ("LD_LIBRARY_PATH", bench.inputs.path().as_os_str());
+    bench.refuses(&with_environment(&bench, "vulkan", no_loader), &["no Vulkan loader"]);
+    let summary = json(&with_environment(&bench, "auto", no_loader));
+    assert_eq!(summary["engine"], "cpu");
+    assert!(summary["fallback"].as_str().unwrap().contains("loader"), "{summary}");
+}
+
+#[test]
+fn vulkan_and_cpu_write_the_same_map() {
+    let bench = Bench::new();
+    let surface = "builtin:peaks:65x80";
+    for engine in ["vulkan", "cpu"] {
+        let map = format!("{engine}.npy");
+        let args = ["--source", "20,30.5", "--engine", engine, "-o", &map, "--json"];
+        let output = cargo_bin_cmd!("geosweep")
+            .current_dir(bench.outputs.path())
+            .env("GEOSWEEP_VALIDATION", "1")
+            .args(["distance", surface])
+            .args(args)
+            .output()
+            .unwrap();
+        assert_eq!(json(&output)["engine"], engine, "{}", stderr(&output));
+    }
+    let output = bench.run(["compare", "vulkan.npy", "cpu.npy", "--tolerance", "1e-5"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+}
+
+#[test]
+fn devices_are_listed_and_unknown_ones_refused() {
+    let bench = Bench::new();
+    let listed: Value = json(&bench.run(["devices", "--json"]));
+    let name = listed[0]["name"].as_str().unwrap();
+    let surface = bench.flat(5, 5);
+    let distance = |device: &str| {
+        let args = ["distance", &surface, "--spacing", "1", "--source", "1,1", "-o", "map.npy"];
+        bench.run(args.into_iter().chain(["--engine", "vulkan", "--device", device]))
+    };
+    bench.refuses(&distance("no such device"), &["no such device", name]);
+    bench.refuses(&distance("99"), &["99", name]);
+    assert!(distance(name).status.success());
+}
+
 #[test]
 fn help_names_every_option() {
     let bench = Bench::new();

@@ -209,3 +209,25 @@ fn a_grid_larger_than_the_device_is_an_error() {
     let Err(error) = solver.upload(&surface) else { panic!("no device has such images") };
     assert!(matches!(error, VulkanError::TooLarge { .. }), "{error}");
 }
+
+/// The real terrain that the repository ships.
+#[test]
+#[cfg(feature = "formats")]
+fn engines_agree_on_real_terrain() {
+    let path = std::path::Path::new("examples/data/jacksboro.png");
+    let spacing = geosweep::Spacing { dx: 74.573, dy: 92.475 };
+    let surface =
+        geosweep::io::SurfaceFile::read(path).unwrap().into_surface(Some(spacing)).unwrap();
+    let mut solver = vulkan_solver();
+    assert_engines_agree(&mut solver, &surface, &Sources::point(297.0, 219.0), "terrain");
+}
+
+/// Slowness as rough as noise, which leaves lengths that are no triangles.
+#[test]
+fn engines_agree_with_rough_slowness() {
+    let mut solver = vulkan_solver();
+    let noise = |i: u64| (i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f64 / (1u64 << 24) as f64;
+    let slowness = (1..=50 * 40).map(|i| 0.5 + 1.5 * noise(i)).collect();
+    let surface = rough(50, 40, 0).with_slowness(slowness).unwrap();
+    assert_engines_agree(&mut solver, &surface, &middle(&surface), "rough slowness");
+}

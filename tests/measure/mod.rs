@@ -1,10 +1,13 @@
 //! What the tests of accuracy share: solving with each engine, and errors against references.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+use std::sync::Mutex;
+
 use geosweep::cpu::{self, Solution, Stop};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::{Sources, Surface, Wavefront};
+use geosweep::vulkan::Solver;
+use geosweep::{DeviceChoice, Sources, Surface, Wavefront};
 
 /// A way to compute a map; every accuracy test runs over all of [`ENGINES`].
 pub struct Engine {
@@ -13,12 +16,30 @@ pub struct Engine {
 }
 
 /// The engines that are held to the bars.
-pub const ENGINES: &[Engine] = &[Engine {
-    name: "cpu",
-    solve: |surface, sources, wavefront, stop| {
-        rotated::<f32>(surface, sources, wavefront, stop).distances()
+pub const ENGINES: &[Engine] = &[
+    Engine {
+        name: "cpu",
+        solve: |surface, sources, wavefront, stop| {
+            rotated::<f32>(surface, sources, wavefront, stop).distances()
+        },
     },
-}];
+    Engine { name: "vulkan", solve: on_vulkan },
+];
+
+/// One device for all tests of a file, under the validation layers: a call that leaves a message
+/// in their log fails.
+static SOLVER: Mutex<Option<Solver>> = Mutex::new(None);
+
+fn on_vulkan(surface: &Surface, sources: &Sources, wavefront: Wavefront, stop: Stop) -> Vec<f32> {
+    let mut solver = SOLVER.lock().unwrap();
+    let solver = solver.get_or_insert_with(|| {
+        let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
+        Solver::with_validation(&DeviceChoice::Name(device)).unwrap()
+    });
+    let mut on_device = solver.upload(surface).unwrap();
+    let seeds = sources.seeds(surface).unwrap();
+    solver.solve(&mut on_device, &seeds, wavefront, stop).unwrap().distances
+}
 
 /// Stops when nothing changes beyond rounding, and never before.
 pub const CONVERGED: Stop = Stop { tolerance: 1e-6, iterations: 10_000 };
