@@ -41,3 +41,8 @@ pub use map::{DistanceMap, Report};
 pub use solve::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Options, distance_map};
 pub use surface::{MetricTensor, Source, Sources, Spacing, Surface};
 pub use update::Wavefront;
+
+/// README's example compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

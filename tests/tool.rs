@@ -106,7 +106,7 @@ fn a_plane_has_straight_distances() {
     assert_eq!(report["engine"], "cpu");
     assert_eq!(report["device"], Value::Null);
     assert!(report["schedule"].is_string());
-    assert_eq!(report["wavefront"], "point");
+    assert_eq!(report["wavefront"], "curved");
     assert_eq!(report["converged"], true);
     assert_eq!(report["iteration_bound"], 1);
     assert_eq!(report["points"], rows * cols);
@@ -211,7 +211,7 @@ fn curves_come_as_arrays_and_as_text() {
     for curve in [array, text] {
         let words = format!("--source-curve {curve} --json -o map.npy");
         let report = json(&bench.distance(&surface, &words));
-        assert_eq!(report["wavefront"], "planar");
+        assert_eq!(report["wavefront"], "curved");
         for (index, distance) in map(&bench.output("map.npy")).iter().enumerate() {
             approx::assert_relative_eq!(
                 *distance,

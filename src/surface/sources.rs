@@ -198,8 +198,6 @@ impl Sources {
     }
 }
 
-type Seeds = BTreeMap<(usize, usize), Seed>;
-
 /// How a curve runs through one of its vertices.
 #[derive(Clone, Copy, Debug)]
 enum Vertex {
