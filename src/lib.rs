@@ -20,8 +20,10 @@
 //! ```
 //!
 //! Dependence runs one way: [`surface`] (lengths and sources), [`update`] (one triangle),
-//! the engines [`cpu`] and [`vulkan`], then [`distance_map`], then file formats and the tool.
+//! the engines [`cpu`] and [`vulkan`], then [`distance_map`], then [`accuracy`], file formats and
+//! the tool.
 
+pub mod accuracy;
 mod constants;
 pub mod cpu;
 mod error;

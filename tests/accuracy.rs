@@ -2,9 +2,10 @@
 
 mod measure;
 
+use geosweep::Wavefront;
+use geosweep::accuracy::exact_disc;
 use geosweep::cpu::Stop;
 use geosweep::surface::builtin::Builtin;
-use geosweep::{Sources, Wavefront};
 use measure::{CONVERGED, ENGINES, at, directed, errors, off_centre, rotated};
 
 /// Converged point-source maps in single precision: the mean relative error, at most.
@@ -153,11 +154,7 @@ fn errors_after_one_iteration(
         let surface = builtin.surface(points, points).unwrap();
         let last = (points - 1) as f64;
         let exact = builtin.exact_distances(points, points, [last / 4.0, last * 0.375]).unwrap();
-        let seeds = (0..exact.len()).filter(|&index| exact[index] <= radius);
-        let sources = seeds.fold(Sources::default(), |sources, index| {
-            let (row, col) = surface.chart().position(index);
-            sources.and_point(row as f64, col as f64, exact[index])
-        });
+        let sources = exact_disc(surface.chart(), &exact, radius);
         let map = (engine.solve)(&surface, &sources, Wavefront::Planar, Stop::after(1));
         errors(&map, &exact).mean_relative
     })

@@ -3,6 +3,7 @@
 
 use std::sync::Mutex;
 
+use geosweep::accuracy::Errors;
 use geosweep::cpu::{self, Solution, Stop};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
@@ -75,56 +76,8 @@ pub fn marched<R: geosweep::surface::Real>(
     cpu::fast_marching(&edges, &sources.seeds(surface).unwrap(), wavefront)
 }
 
-/// Errors of a map against exact distances, over the points that both reach.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Errors {
-    /// Mean of |error| / distance, the source itself left out.
-    pub mean_relative: f64,
-    /// Largest |error| / distance.
-    pub max_relative: f64,
-    /// Largest |error|, over the largest distance.
-    pub max_of_largest: f64,
-    /// Points that one map reaches and the other does not.
-    pub reached_by_one: usize,
-}
-
-impl std::fmt::Display for Errors {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { mean_relative, max_relative, max_of_largest, reached_by_one } = self;
-        write!(f, "mean relative error {mean_relative:.2e}, largest {max_relative:.2e}, ")?;
-        write!(f, "{max_of_largest:.2e} of the largest distance, {reached_by_one} reached by one")
-    }
-}
-
 pub fn errors<R: geosweep::surface::Real>(map: &[R], exact: &[f64]) -> Errors {
-    assert_eq!(map.len(), exact.len());
-    let (mut sum, mut count, mut reached_by_one) = (0.0, 0, 0);
-    let (mut max_relative, mut max_error, mut largest) = (0.0f64, 0.0f64, 0.0f64);
-    for (found, &exact) in map.iter().map(|found| found.wide()).zip(exact) {
-        assert!(!found.is_nan());
-        match (found.is_finite(), exact.is_finite()) {
-            (true, true) => {}
-            (false, false) => continue,
-            _ => {
-                reached_by_one += 1;
-                continue;
-            }
-        }
-        let error = (found - exact).abs();
-        largest = largest.max(exact);
-        max_error = max_error.max(error);
-        if exact > 0.0 {
-            sum += error / exact;
-            count += 1;
-            max_relative = max_relative.max(error / exact);
-        }
-    }
-    Errors {
-        mean_relative: sum / f64::from(count.max(1)),
-        max_relative,
-        max_of_largest: if largest > 0.0 { max_error / largest } else { max_error },
-        reached_by_one,
-    }
+    Errors::of(map, exact)
 }
 
 /// Largest difference between two maps over the largest distance; they must reach the same points.
