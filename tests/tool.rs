@@ -1,88 +1,16 @@
 //! The tool as a user meets it: what it writes, and what it says when it cannot.
 #![cfg(feature = "cli")]
 
+mod bench;
+
 use std::ffi::OsStr;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::path::Path;
 
-use assert_cmd::cargo::cargo_bin_cmd;
-use geosweep::io::{read_map, write_npy};
+use bench::{Bench, json, stderr};
+use geosweep::io::read_map;
 use geosweep::surface::builtin::Builtin;
 use serde_json::Value;
-use tempfile::TempDir;
-
-/// A folder of inputs and one of outputs, in which only what was asked for may appear.
-struct Bench {
-    inputs: TempDir,
-    outputs: TempDir,
-}
-
-impl Bench {
-    fn new() -> Self {
-        Self { inputs: tempfile::tempdir().unwrap(), outputs: tempfile::tempdir().unwrap() }
-    }
-
-    fn input(&self, name: &str, bytes: impl AsRef<[u8]>) -> String {
-        let path = self.inputs.path().join(name);
-        fs::write(&path, bytes).unwrap();
-        path.to_str().unwrap().to_owned()
-    }
-
-    fn array(&self, name: &str, shape: &[usize], values: &[f64]) -> String {
-        let mut bytes = Vec::new();
-        write_npy(&mut bytes, shape, values).unwrap();
-        self.input(name, bytes)
-    }
-
-    fn flat(&self, rows: usize, cols: usize) -> String {
-        self.array("flat.npy", &[rows, cols], &vec![0.0; rows * cols])
-    }
-
-    fn output(&self, name: &str) -> PathBuf {
-        self.outputs.path().join(name)
-    }
-
-    /// Runs the tool in the folder of outputs.
-    fn run(&self, args: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Output {
-        cargo_bin_cmd!("geosweep").current_dir(self.outputs.path()).args(args).output().unwrap()
-    }
-
-    /// Runs `geosweep distance` on the CPU with the words of a command line.
-    fn distance(&self, surface: &str, words: &str) -> Output {
-        let words = words.split_whitespace();
-        self.run(["distance", surface, "--engine", "cpu"].into_iter().chain(words))
-    }
-
-    fn outputs(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.outputs.path()).unwrap();
-        let mut names: Vec<_> =
-            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
-
-    /// The tool must refuse, in one message with all these parts, and leave nothing behind.
-    fn refuses(&self, output: &Output, parts: &[&str]) {
-        let stderr = stderr(output);
-        assert_eq!(output.status.code(), Some(2), "{stderr}");
-        assert_eq!(stderr.matches("geosweep: error: ").count(), 1, "{stderr}");
-        for part in parts {
-            assert!(stderr.contains(part), "`{part}` is missing in: {stderr}");
-        }
-        assert!(output.stdout.is_empty(), "{}", String::from_utf8_lossy(&output.stdout));
-        assert_eq!(self.outputs(), [""; 0], "{stderr}");
-    }
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-fn json(output: &Output) -> Value {
-    assert!(output.status.success(), "{}", stderr(output));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
 
 fn map(path: &Path) -> Vec<f64> {
     read_map(path).unwrap().values
