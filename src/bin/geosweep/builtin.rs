@@ -4,10 +4,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use geosweep::Surface;
-use geosweep::io::{OutputFile, write_npy};
+use geosweep::io::write_npy;
 use geosweep::surface::builtin::Builtin;
 
 use crate::Outcome;
+use crate::output_file::output_file;
 use crate::surface_arg::SizedBuiltin;
 
 /// The arguments of `geosweep builtin`.
@@ -35,11 +36,7 @@ Examples:
 }
 
 pub fn run(args: &Args) -> Outcome {
-    if args.output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("npy")) {
-        let name = args.output.display();
-        return Err(format!("{name}: positions are written as .npy; choose such a name").into());
-    }
-    let output = OutputFile::new(&args.output)?;
+    let output = output_file(&args.output, "positions are", "npy")?;
     let surface = args.surface.surface()?;
     let positions = positions(&surface);
     let shape = [surface.rows(), surface.cols(), 3];

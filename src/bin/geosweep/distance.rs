@@ -17,6 +17,7 @@ use geosweep::{
 use indicatif::ProgressBar;
 use serde::Serialize;
 
+use crate::output_file::png_output;
 use crate::picture::Picture;
 use crate::surface_arg::SurfaceArg;
 use crate::{Outcome, print, say};
@@ -306,14 +307,6 @@ impl Outputs {
         }
         Ok(staged.into_iter().try_for_each(io::StagedFile::commit)?)
     }
-}
-
-fn png_output(path: &Path) -> Result<OutputFile, Box<dyn Error>> {
-    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
-        let name = path.display();
-        return Err(format!("{name}: a picture is written as .png; choose such a name").into());
-    }
-    Ok(OutputFile::new(path)?)
 }
 
 /// The surface that is solved for, and the one that is drawn.

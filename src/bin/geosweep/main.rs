@@ -4,6 +4,7 @@ mod builtin;
 mod compare;
 mod devices;
 mod distance;
+mod output_file;
 mod picture;
 mod surface_arg;
 
