@@ -4,6 +4,10 @@ use colorous::VIRIDIS;
 
 use super::canvas::Color;
 
+/// What text and axes are drawn on...
+pub const PAPER: Color = [1.0, 1.0, 1.0];
+/// ... and in.
+pub const INK: Color = [0.2, 0.2, 0.2];
 /// The surface is not there.
 pub const HOLE: Color = [0.87, 0.87, 0.87];
 /// The surface is there and no source reaches it.

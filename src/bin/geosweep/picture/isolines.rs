@@ -3,8 +3,9 @@
 use super::canvas::{Color, mix};
 use super::colors::{Scale, luma};
 
-/// No more lines than this over the whole range, and, steps being round, at least 12.
-const MOST_LINES: f64 = 30.0;
+/// No more lines than this over the whole range suit a picture of one map; steps being round,
+/// there are at least 12.
+pub const MOST_LINES: f64 = 30.0;
 /// Every so many lines one is stronger, and named in the legend.
 const STRONG: i64 = 5;
 
@@ -23,9 +24,10 @@ pub struct Isoline {
 }
 
 impl Isolines {
-    pub fn over(scale: &Scale, thickness: f32) -> Self {
+    /// At most so many lines.
+    pub fn over(scale: &Scale, most_lines: f64, thickness: f32) -> Self {
         let range = f64::from(scale.high) - f64::from(scale.low);
-        Self { step: round_step(range / MOST_LINES), thickness }
+        Self { step: round_step(range / most_lines), thickness }
     }
 
     /// The line nearest to a value.

@@ -2,13 +2,10 @@
 
 use geosweep::glam::Vec2;
 
-use super::canvas::{Canvas, Color};
-use super::colors::Scale;
+use super::canvas::Canvas;
+use super::colors::{INK, PAPER, Scale};
 use super::isolines::Isolines;
 use super::text::Pen;
-
-const PAPER: Color = [1.0, 1.0, 1.0];
-const INK: Color = [0.2, 0.2, 0.2];
 
 /// Colours, lines and their values.
 pub struct Legend<'a> {
@@ -27,17 +24,23 @@ struct Bar {
 }
 
 impl Legend<'_> {
+    /// The size of the text that suits a picture of one map.
+    pub fn text_size(picture: &Canvas) -> usize {
+        (picture.width.max(picture.height) / 45).clamp(18, 40)
+    }
+
     /// The picture on white paper with this legend to its right, and where the picture's first
-    /// pixel is. All measures follow the size of the text, which follows the picture's.
-    pub fn beside(&self, picture: &Canvas) -> (Canvas, Vec2) {
-        let size = (picture.width.max(picture.height) / 45).clamp(18, 40);
+    /// pixel is. All measures follow the size of the text, in pixels; the bar begins below the
+    /// picture's first `above` rows of pixels, or where it has room for its name.
+    pub fn beside(&self, picture: &Canvas, size: usize, above: usize) -> (Canvas, Vec2) {
         let pen = Pen::new(size as f32);
         let labels = self.labels();
+        let above = above.max(3 * size / 2);
         let bar = Bar {
             left: size + picture.width + size,
-            top: size + 3 * size / 2,
+            top: size + above,
             width: size,
-            height: picture.height.saturating_sub(3 * size / 2).max(10 * size),
+            height: picture.height.saturating_sub(above).max(10 * size),
         };
         let tick = size / 4;
         let label_left = bar.left + bar.width + 2 * tick;
@@ -48,7 +51,7 @@ impl Legend<'_> {
 
         let (left, top) = (size, (canvas.height - picture.height) / 2);
         canvas.paste(left, top, picture);
-        pen.write(&mut canvas, bar.left as f32, 1.5 * size as f32, self.quantity, INK);
+        pen.write(&mut canvas, bar.left as f32, (bar.top - size) as f32, self.quantity, INK);
         self.draw_scale(&mut canvas, &bar);
         for (value, label) in labels {
             let y = bar.y(self.scale, value);

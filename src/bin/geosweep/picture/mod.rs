@@ -1,4 +1,5 @@
-//! Pictures of distance maps: colours and lines of equal distance over the shaded surface.
+//! Pictures of distance maps, colours and lines of equal distance over the shaded surface; and
+//! plots.
 
 mod canvas;
 mod colors;
@@ -14,7 +15,7 @@ use geosweep::{DistanceMap, Sources, Surface};
 
 use canvas::Canvas;
 use colors::Scale;
-use isolines::Isolines;
+use isolines::{Isolines, MOST_LINES};
 use legend::Legend;
 use raster::{Raster, View};
 use relief::Relief;
@@ -35,18 +36,19 @@ impl Picture<'_> {
         let view = View::new(surface.chart(), aspect(shape));
         let distances = map.distances.iter().copied().filter(|distance| distance.is_finite());
         let scale = Scale::over(distances.chain([start(sources)]));
-        let isolines = Isolines::over(&scale, view.thickness());
+        let isolines = Isolines::over(&scale, MOST_LINES, view.thickness());
         let raster = Raster {
             view,
             present: surface.present(),
             values: &map.distances,
-            relief: Relief::of(shape),
+            relief: &Relief::of(shape),
             scale: &scale,
             isolines: &isolines,
         };
         let quantity = if surface.slowness().is_some() { "travel time" } else { "distance" };
         let legend = Legend { quantity, scale: &scale, isolines: &isolines };
-        let (mut canvas, corner) = legend.beside(&raster.draw());
+        let picture = raster.draw();
+        let (mut canvas, corner) = legend.beside(&picture, Legend::text_size(&picture), 0);
         mark_sources(&mut canvas, view, corner, sources);
         canvas
     }

@@ -26,10 +26,14 @@ pub struct View {
 impl View {
     /// `aspect` is the distance between columns over that between rows.
     pub fn new(chart: Chart, aspect: f64) -> Self {
+        let points = chart.cols.max(chart.rows) as f64;
+        Self::with_long_side(chart, aspect, points.clamp(*LONG_SIDE.start(), *LONG_SIDE.end()))
+    }
+
+    /// With so many pixels on the long side.
+    pub fn with_long_side(chart: Chart, aspect: f64, long_side: f64) -> Self {
         let steps = |points: usize| (points - 1).max(1) as f64;
         let (width, height) = (steps(chart.cols) * aspect, steps(chart.rows));
-        let points = chart.cols.max(chart.rows) as f64;
-        let long_side = points.clamp(*LONG_SIDE.start(), *LONG_SIDE.end());
         let scale = long_side / width.max(height);
         let pixels = |length: f64| (length * scale).max(SHORT_SIDE).round() as usize;
         Self { chart, width: pixels(width), height: pixels(height) }
@@ -69,7 +73,7 @@ pub struct Raster<'a> {
     pub present: &'a [bool],
     /// One value per grid point, infinite where there is none.
     pub values: &'a [f32],
-    pub relief: Relief,
+    pub relief: &'a Relief,
     pub scale: &'a Scale,
     pub isolines: &'a Isolines,
 }

@@ -12,8 +12,16 @@ pub struct Pen {
 
 impl Pen {
     pub fn new(size: f32) -> Self {
-        let font = FontRef::try_from_slice(dejavu::sans::regular());
-        Self { font: font.expect("the font is part of the program"), scale: PxScale::from(size) }
+        Self::with_font(dejavu::sans::regular(), size)
+    }
+
+    pub fn bold(size: f32) -> Self {
+        Self::with_font(dejavu::sans::bold(), size)
+    }
+
+    fn with_font(bytes: &'static [u8], size: f32) -> Self {
+        let font = FontRef::try_from_slice(bytes).expect("the font is part of the program");
+        Self { font, scale: PxScale::from(size) }
     }
 
     /// Width of a line of text, in pixels.
