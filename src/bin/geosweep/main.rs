@@ -4,8 +4,10 @@ mod builtin;
 mod compare;
 mod devices;
 mod distance;
+mod figure;
 mod output_file;
 mod picture;
+mod study;
 mod surface_arg;
 
 use std::error::Error;
@@ -46,6 +48,8 @@ enum Command {
     Compare(compare::Args),
     /// Write a built-in surface's positions to a file
     Builtin(builtin::Args),
+    /// Redraw a figure of the paper
+    Figure(figure::Args),
 }
 
 /// What a command ends with: a status, or a message for people.
@@ -64,6 +68,7 @@ fn main() -> ExitCode {
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Builtin(args) => builtin::run(&args),
+        Command::Figure(args) => figure::run(&args),
     };
     outcome.unwrap_or_else(|error| {
         if !is_broken_pipe(error.as_ref()) {

@@ -5,6 +5,7 @@ mod canvas;
 mod colors;
 mod isolines;
 mod legend;
+mod panels;
 mod raster;
 mod relief;
 mod text;
@@ -17,6 +18,7 @@ use canvas::Canvas;
 use colors::Scale;
 use isolines::{Isolines, MOST_LINES};
 use legend::Legend;
+pub use panels::{Panel, Panels};
 use raster::{Raster, View};
 use relief::Relief;
 

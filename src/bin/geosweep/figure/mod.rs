@@ -1,0 +1,31 @@
+//! `geosweep figure`: figures of the paper, redrawn with this crate.
+
+mod maze;
+
+use clap::Subcommand;
+
+use crate::Outcome;
+
+/// The arguments of `geosweep figure`.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    #[command(subcommand)]
+    figure: Figure,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  geosweep figure maze -o maze.png";
+
+#[derive(Subcommand)]
+enum Figure {
+    /// Figure 6: the distance map on a maze, iteration by iteration
+    Maze(maze::Args),
+}
+
+pub fn run(args: &Args) -> Outcome {
+    match &args.figure {
+        Figure::Maze(args) => maze::run(args),
+    }
+}

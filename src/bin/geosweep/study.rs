@@ -1,0 +1,93 @@
+//! What the figures and the accuracy report share: what is measured, against what.
+
+use std::time::Duration;
+
+use geosweep::accuracy::Errors;
+use geosweep::surface::SurfaceError;
+use geosweep::surface::builtin::Builtin;
+use geosweep::{DistanceMap, Error, Options, Sources, Surface, Wavefront, distance_map};
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Exact or much more accurate distances from a source to all points of a built-in surface,
+/// row-major; `None` where nothing is known.
+pub fn reference(builtin: Builtin, rows: usize, cols: usize, source: [f64; 2]) -> Option<Vec<f64>> {
+    builtin.exact_distances(rows, cols, source)
+}
+
+/// Whether a built-in surface has a [`reference`].
+pub fn has_reference(builtin: Builtin) -> bool {
+    reference(builtin, 2, 2, [0.0; 2]).is_some()
+}
+
+/// A square grid on a built-in surface, with a source and the distances from it.
+pub struct Problem {
+    pub surface: Surface,
+    pub source: [f64; 2],
+    pub reference: Vec<f64>,
+}
+
+impl Problem {
+    /// The source lies at a fraction of the rows and of the columns, at the nearest point.
+    ///
+    /// # Panics
+    /// If the surface has no [`reference`].
+    pub fn new(builtin: Builtin, points: usize, source: [f64; 2]) -> Result<Self, SurfaceError> {
+        let surface = builtin.surface(points, points)?;
+        let source = source.map(|fraction| (fraction * (points - 1) as f64).round());
+        let reference = reference(builtin, points, points, source).expect("a reference");
+        Ok(Self { surface, source, reference })
+    }
+
+    pub fn point_source(&self) -> Sources {
+        Sources::point(self.source[0], self.source[1])
+    }
+
+    /// The map from some sources, and how far it is from the reference.
+    pub fn solve(
+        &self,
+        sources: &Sources,
+        options: &Options,
+    ) -> Result<(DistanceMap, Errors), Error> {
+        let map = distance_map(&self.surface, sources, options)?;
+        let errors = Errors::of(&map.distances, &self.reference);
+        Ok((map, errors))
+    }
+}
+
+/// Points a side, as an argument.
+pub fn size(text: &str) -> Result<usize, String> {
+    const RANGE: std::ops::RangeInclusive<usize> = 2..=16384;
+    match text.trim().parse() {
+        Ok(size) if RANGE.contains(&size) => Ok(size),
+        _ => Err(format!(
+            "`{text}` is no number of points a side from {} to {}",
+            RANGE.start(),
+            RANGE.end()
+        )),
+    }
+}
+
+/// Sizes in order, each once.
+pub fn ascending(sizes: &[usize]) -> Vec<usize> {
+    let mut sizes = sizes.to_vec();
+    sizes.sort_unstable();
+    sizes.dedup();
+    sizes
+}
+
+/// A wavefront's name in a figure.
+pub fn label(wavefront: Wavefront) -> &'static str {
+    match wavefront {
+        Wavefront::PointSource => "point-source",
+        other => other.name(),
+    }
+}
+
+/// A bar on a terminal, and nothing elsewhere.
+pub fn progress(steps: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{wide_msg} {bar:30} {pos}/{len}")
+        .expect("the template is part of the program");
+    let bar = ProgressBar::new(steps as u64).with_style(style);
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
