@@ -1,5 +1,6 @@
 //! `geosweep figure`: figures of the paper, redrawn with this crate.
 
+mod convergence;
 mod maze;
 
 use clap::Subcommand;
@@ -16,16 +17,20 @@ pub struct Args {
 
 const EXAMPLES: &str = "\
 Examples:
+  geosweep figure convergence -o convergence.png --csv convergence.csv
   geosweep figure maze -o maze.png";
 
 #[derive(Subcommand)]
 enum Figure {
+    /// Figure 5: how the error falls as the grid gets finer
+    Convergence(convergence::Args),
     /// Figure 6: the distance map on a maze, iteration by iteration
     Maze(maze::Args),
 }
 
 pub fn run(args: &Args) -> Outcome {
     match &args.figure {
+        Figure::Convergence(args) => convergence::run(args),
         Figure::Maze(args) => maze::run(args),
     }
 }

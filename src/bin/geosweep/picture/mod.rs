@@ -6,6 +6,7 @@ mod colors;
 mod isolines;
 mod legend;
 mod panels;
+pub mod plot;
 mod raster;
 mod relief;
 mod text;
