@@ -1,5 +1,6 @@
 //! The command-line tool `geosweep`: distance maps from files to files.
 
+mod accuracy;
 mod builtin;
 mod compare;
 mod devices;
@@ -48,6 +49,8 @@ enum Command {
     Compare(compare::Args),
     /// Write a built-in surface's positions to a file
     Builtin(builtin::Args),
+    /// Measure the solvers against exact distances on the built-in surfaces
+    Accuracy(accuracy::Args),
     /// Redraw a figure of the paper
     Figure(figure::Args),
 }
@@ -68,6 +71,7 @@ fn main() -> ExitCode {
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Builtin(args) => builtin::run(&args),
+        Command::Accuracy(args) => accuracy::run(&args),
         Command::Figure(args) => figure::run(&args),
     };
     outcome.unwrap_or_else(|error| {
