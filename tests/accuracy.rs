@@ -2,10 +2,10 @@
 
 mod measure;
 
-use geosweep::Wavefront;
 use geosweep::accuracy::exact_disc;
 use geosweep::cpu::Stop;
 use geosweep::surface::builtin::Builtin;
+use geosweep::{Sources, Wavefront};
 use measure::{CONVERGED, ENGINES, at, directed, errors, off_centre, rotated};
 
 /// Converged point-source maps in single precision: the mean relative error, at most.

@@ -3,6 +3,9 @@
 
 mod bench;
 
+use std::process::Output;
+
+use assert_cmd::cargo::cargo_bin_cmd;
 use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
