@@ -42,7 +42,9 @@ pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 pub struct Options {
     /// Which engine.
     pub engine: Engine,
-    /// The front assumed inside a triangle; by default the curved one, the most accurate.
+    /// The front assumed inside a triangle. By default circular for point sources that start
+    /// together, which serves rough terrain as well as smooth surfaces, and curved for others. The
+    /// curved front is the most accurate on smooth surfaces and around walls.
     pub wavefront: Option<Wavefront>,
     /// Stop when no arrival time falls by more than this fraction in an iteration.
     pub tolerance: f64,
@@ -78,6 +80,7 @@ impl Options {
 
     fn wavefront(&self, sources: &Sources) -> Result<Wavefront, Error> {
         match self.wavefront {
+            None if sources.are_points() && sources.start_together() => Ok(Wavefront::PointSource),
             None => Ok(Wavefront::Curved),
             Some(Wavefront::PointSource) if !sources.are_points() => Err(Error::Options(
                 "the point-source wavefront needs point sources; use the curved or the planar one \

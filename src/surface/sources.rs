@@ -144,6 +144,14 @@ impl Sources {
         })
     }
 
+    /// Whether all sources have the same initial value.
+    pub(crate) fn start_together(&self) -> bool {
+        let start = self.start();
+        self.iter().all(|source| match source {
+            Source::Point { initial, .. } | Source::Curve { initial, .. } => *initial == start,
+        })
+    }
+
     /// The smallest initial value.
     pub(crate) fn start(&self) -> f64 {
         let initial = |source: &Source| match source {

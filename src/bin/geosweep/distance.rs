@@ -120,11 +120,11 @@ Examples:
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum WavefrontArg {
-    /// The most accurate: curved
+    /// Point for point sources that start together, curved for others
     #[default]
     Auto,
-    /// Carries its curvature: second-order accurate on curved surfaces, around holes and from
-    /// curves; about 1.7 times the work of a straight one
+    /// Carries its curvature: the most accurate on smooth surfaces, around walls and from curves;
+    /// early by a few tenths of a percent on rough terrain
     Curved,
     /// Circular: exact on developable surfaces but for the sampling, for point sources only
     Point,
