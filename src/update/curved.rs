@@ -31,7 +31,7 @@ pub struct Bends<R> {
 ///
 /// Inside the triangle the front is circular as in [`super::point_source`], with the mean
 /// curvature of both ends instead of 1 / t. At the place where the ray crosses the edge the
-/// curvature is interpolated, and it is carried to x0 along the ray's length by [`carried`]. A
+/// curvature is interpolated, and it is carried to x0 along the ray's length by `carried`. A
 /// front that turns around the end of an edge beside a hole or the border starts there again as
 /// from a point source: it is diffracted.
 #[inline]
