@@ -24,7 +24,7 @@ layout(set = 0, binding = 1, rgba32f) uniform readonly restrict image2DArray old
 layout(set = 0, binding = 2, rgba32f) uniform readonly image2DArray fronts_behind;
 layout(set = 0, binding = 3, rgba32f) uniform writeonly image2DArray new_fronts;
 layout(set = 0, binding = 4) restrict buffer Residual {
-    uint residual; // bits of the largest relative change of an arrival time
+    uint residual; // largest change of an arrival time, in units of its last place
 };
 
 layout(push_constant) uniform Line {
@@ -155,7 +155,7 @@ void main() {
         imageStore(new_fronts, ivec3(texel, CURVATURE), curvature);
     }
 
-    vec4 changes = mix(vec4(0.0), abs(old - new) / max(old, new), notEqual(new, old));
-    float change = max(max(changes.x, changes.y), max(changes.z, changes.w));
-    if (change > 0.0) atomicMax(residual, floatBitsToUint(change));
+    ivec4 changes = abs(floatBitsToInt(old) - floatBitsToInt(new));
+    int change = max(max(changes.x, changes.y), max(changes.z, changes.w));
+    if (change > 0) atomicMax(residual, uint(change));
 }

@@ -18,69 +18,6 @@ struct Fronts {
     bvec4 whole; // come from whole triangles, and decide between equal times
 };
 
-// The Dijkstra step along an edge (paper, eq. 16).
-vec4 edge_step(vec4 t1, vec4 t2, vec4 l1, vec4 l2) {
-    return min(t1 + l1, t2 + l2);
-}
-
-// Whether all three edges exist, and together are the sides of a triangle with an area.
-bvec4 is_proper(vec4 l1, vec4 l2, vec4 c) {
-    vec4 longest = max(max(l1, l2), c);
-    bvec4 exist = lessThan(longest, vec4(FAR));
-    bvec4 enclose = lessThan(longest + longest, l1 + l2 + c);
-    return bvec4(uvec4(exist) & uvec4(enclose));
-}
-
-vec4 planar(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
-    vec4 along_edge = edge_step(t1, t2, l1, l2);
-    vec4 skew = l1 * l1 - l2 * l2;
-    vec4 cc = c * c;
-    vec4 latest = 0.5 * (cc + skew) / l1;
-    vec4 earliest = 0.5 * (skew - cc) / l2;
-    vec4 t = min(t1, t2 - earliest);
-    vec4 d = min(t2 - t, latest);
-    vec4 p = 0.5 * (cc + skew) / c;
-    vec4 across = max((l1 - p) * (l1 + p), 0.0) * max((c - d) * (c + d), 0.0);
-    vec4 inside = min(along_edge, t + (p * d + sqrt(across)) / c);
-    return mix(along_edge, inside, is_proper(l1, l2, c));
-}
-
-vec4 point_source(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
-    vec4 along_edge = edge_step(t1, t2, l1, l2);
-    bvec4 swap = lessThan(t1, t2);
-    vec4 t = mix(t1, t2, swap);
-    vec4 near = mix(t2, t1, swap);
-    vec4 l = mix(l1, l2, swap);
-    vec4 other = mix(l2, l1, swap);
-    vec4 p = 0.5 * ((l * l - other * other) + c * c) / c;
-    vec4 h = sqrt(max((l - p) * (l + p), 0.0));
-    vec4 d = max(near - t, -c);
-    vec4 kappa = 1.0 / max(t, 0.25 * c);
-    vec4 cos_a = (0.5 * kappa * ((c - d) * (c + d)) - d) / c;
-    vec4 sin_a = sqrt(max((1.0 - cos_a) * (1.0 + cos_a), 0.0));
-    vec4 crossing = cos_a * h + sin_a * p;
-    vec4 n = kappa * (l * l) + (h * sin_a - p * cos_a) * 2.0;
-    vec4 inside = min(along_edge, t + n / (1.0 + sqrt(max(1.0 + kappa * n, 0.0))));
-    bvec4 in_front = lessThanEqual(cos_a, vec4(1.0));
-    bvec4 after_x1 = greaterThanEqual(crossing, vec4(0.0));
-    bvec4 before_x2 = lessThanEqual(crossing, c * (sin_a + kappa * h));
-    uvec4 upwind = uvec4(in_front) & uvec4(after_x1) & uvec4(before_x2);
-    return mix(along_edge, inside, bvec4(upwind & uvec4(is_proper(l1, l2, c))));
-}
-
-// Curvature of a front of a developable surface a time later.
-vec4 shifted(vec4 curvature, vec4 later) {
-    return curvature / max(1.0 + curvature * later, FOCUS);
-}
-
-// Curvature of a front after a ray of some length.
-vec4 carried(vec4 curvature, vec4 gaussian, vec4 ray) {
-    vec4 bend = gaussian * (ray * ray);
-    vec4 cosine = 1.0 - 0.5 * bend;
-    vec4 sine = ray * (1.0 - bend * (1.0 / 6.0));
-    return (curvature * cosine - gaussian * sine) / max(cosine + curvature * sine, FOCUS);
-}
-
 bvec4 both(bvec4 a, bvec4 b) {
     return bvec4(uvec4(a) & uvec4(b));
 }
@@ -89,58 +26,131 @@ bvec4 either(bvec4 a, bvec4 b) {
     return bvec4(uvec4(a) | uvec4(b));
 }
 
-Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c) {
-    bvec4 whole = is_proper(l1, l2, c);
-    bvec4 swap = lessThan(end1.time, end2.time);
-    vec4 t = mix(end1.time, end2.time, swap);
-    vec4 k = mix(end1.curvature, end2.curvature, swap);
-    vec4 g = mix(end1.gaussian, end2.gaussian, swap);
-    vec4 l = mix(l1, l2, swap);
-    vec4 near_t = mix(end2.time, end1.time, swap);
-    vec4 near_k = mix(end2.curvature, end1.curvature, swap);
-    vec4 near_g = mix(end2.gaussian, end1.gaussian, swap);
-    vec4 near_l = mix(l2, l1, swap);
-    vec4 p = 0.5 * ((l * l - near_l * near_l) + c * c) / c;
-    vec4 h = sqrt(max((l - p) * (l + p), 0.0));
-    vec4 lead = near_t - t;
-    vec4 d = max(lead, -c);
-    vec4 passed = shifted(near_k, -d);
-    bvec4 bent = lessThan(k, vec4(SOURCE_CURVATURE));
-    vec4 kappa = mix(passed, 0.5 * (passed + k), bent);
-    vec4 cos_a = (0.5 * kappa * ((c - d) * (c + d)) - d) / c;
+// The Dijkstra step along an edge (paper, eq. 16).
+vec4 edge_step(vec4 t1, vec4 t2, vec4 l1, vec4 l2) {
+    return min(t1 + l1, t2 + l2);
+}
+
+// A triangle in units of its base, seen from one end of it.
+struct Shape {
+    vec4 per_base;       // 1 over the length of the base
+    vec4 side;           // from this end of the base to x0
+    vec4 other;          // from the other end to x0
+    vec4 foot;           // from this end to the foot of x0 on the base
+    vec4 height_squared; // of x0 over the base
+    bvec4 whole;         // all three edges exist and enclose an area
+};
+
+Shape shape_of(vec4 side, vec4 other, vec4 base) {
+    Shape shape;
+    shape.per_base = 1.0 / base;
+    shape.side = side * shape.per_base;
+    shape.other = other * shape.per_base;
+    shape.foot = 0.5 * ((shape.side * shape.side - shape.other * shape.other) + 1.0);
+    shape.height_squared = (shape.side - shape.foot) * (shape.side + shape.foot);
+    bvec4 exists = both(lessThan(shape.height_squared, vec4(FAR)), lessThan(base, vec4(FAR)));
+    shape.whole = both(greaterThan(shape.height_squared, vec4(0.0)), exists);
+    return shape;
+}
+
+vec4 planar(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
+    vec4 along_edge = edge_step(t1, t2, l1, l2);
+    Shape shape = shape_of(l1, l2, c);
+    vec4 p = shape.foot;
+    vec4 d = (t2 - t1) * shape.per_base;
+    bvec4 after_x1 = lessThanEqual(d * shape.side, p);
+    bvec4 before_x2 = greaterThanEqual(d * shape.other, p - 1.0);
+    bvec4 upwind = both(shape.whole, both(after_x1, before_x2));
+    vec4 across = max(shape.height_squared * ((1.0 - d) * (1.0 + d)), 0.0);
+    vec4 inside = t1 + c * (p * d + sqrt(across));
+    return min(along_edge, mix(along_edge, inside, upwind));
+}
+
+vec4 point_source(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
+    vec4 along_edge = edge_step(t1, t2, l1, l2);
+    bvec4 swap = lessThan(t1, t2);
+    vec4 t = mix(t1, t2, swap);
+    vec4 near = mix(t2, t1, swap);
+    Shape shape = shape_of(mix(l1, l2, swap), mix(l2, l1, swap), c);
+    vec4 p = shape.foot;
+    vec4 h = sqrt(max(shape.height_squared, 0.0));
+    vec4 d = (near - t) * shape.per_base;
+    vec4 kappa = c / max(t, 0.25 * c);
+    vec4 cos_a = 0.5 * kappa * ((1.0 - d) * (1.0 + d)) - d;
     vec4 sin_a = sqrt(max((1.0 - cos_a) * (1.0 + cos_a), 0.0));
     vec4 crossing = cos_a * h + sin_a * p;
-    vec4 width = c * (sin_a + kappa * h);
-    bvec4 in_front = both(lessThanEqual(cos_a, vec4(1.0)), greaterThan(width, vec4(0.0)));
-    bvec4 is_front = both(both(whole, greaterThan(lead, -c)), in_front);
-    vec4 grazing = GRAZING * width;
+    vec4 width = sin_a + kappa * h;
+    bvec4 in_front = both(greaterThanEqual(d, vec4(-1.0)), lessThanEqual(cos_a, vec4(1.0)));
+    bvec4 after_x1 = greaterThanEqual(crossing, vec4(0.0));
+    bvec4 before_x2 = lessThanEqual(crossing, width);
+    bvec4 upwind = both(both(shape.whole, in_front), both(after_x1, before_x2));
+    vec4 n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * 2.0;
+    vec4 inside = t + c * (n / (1.0 + sqrt(max(1.0 + kappa * n, 0.0))));
+    return min(along_edge, mix(along_edge, inside, upwind));
+}
+
+// Curvature at the end of a ray, from what it would be on a developable surface.
+vec4 bent(vec4 curvature, vec4 gaussian, vec4 ray) {
+    vec4 x = curvature * ray;
+    return curvature - gaussian * ray * (1.0 - x + x * x * (1.0 / 3.0));
+}
+
+Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c) {
+    bvec4 swap = lessThan(end1.time, end2.time);
+    vec4 t = mix(end1.time, end2.time, swap);
+    vec4 near_t = mix(end2.time, end1.time, swap);
+    vec4 k = mix(end1.curvature, end2.curvature, swap);
+    vec4 near_k = mix(end2.curvature, end1.curvature, swap);
+    vec4 g = mix(end1.gaussian, end2.gaussian, swap);
+    vec4 near_g = mix(end2.gaussian, end1.gaussian, swap);
+    vec4 l = mix(l1, l2, swap);
+    vec4 near_l = mix(l2, l1, swap);
+    Shape shape = shape_of(l, near_l, c);
+    vec4 p = shape.foot;
+    vec4 h = sqrt(max(shape.height_squared, 0.0));
+    vec4 d = (near_t - t) * shape.per_base;
+    vec4 near_kappa = near_k * c;
+    vec4 passed = near_kappa / max(1.0 - near_kappa * d, FOCUS);
+    vec4 far_kappa = mix(passed, k * c, lessThan(k, vec4(SOURCE_CURVATURE)));
+    vec4 kappa = 0.5 * (passed + far_kappa);
+    vec4 cos_a = 0.5 * kappa * ((1.0 - d) * (1.0 + d)) - d;
+    vec4 sin_a = sqrt(max((1.0 - cos_a) * (1.0 + cos_a), 0.0));
+    vec4 crossing = cos_a * h + sin_a * p;
+    vec4 width = sin_a + kappa * h;
+    bvec4 in_front = both(greaterThan(d, vec4(-1.0)), lessThanEqual(cos_a, vec4(1.0)));
+    bvec4 is_front = both(both(shape.whole, in_front), greaterThan(width, vec4(0.0)));
     bvec4 after_x1 = greaterThanEqual(crossing, vec4(0.0));
     bvec4 inside = both(is_front, both(after_x1, lessThanEqual(crossing, width)));
 
-    vec4 n = kappa * (l * l) + (h * sin_a - p * cos_a) * 2.0;
-    vec4 time = t + n / (1.0 + sqrt(max(1.0 + kappa * n, 0.0)));
-    vec4 share = crossing / width;
-    vec4 across = p - share * c;
-    vec4 ray = sqrt(across * across + h * h);
-    vec4 far_k = shifted(mix(kappa, k, bent), time - ray - t);
-    vec4 from_k = far_k + share * (shifted(near_k, time - ray - near_t) - far_k);
-    vec4 gaussian = 0.5 * (g0 + (g + share * (near_g - g)));
-    vec4 curvature = carried(from_k, gaussian, ray);
+    vec4 n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * 2.0;
+    vec4 root = sqrt(max(1.0 + kappa * n, 0.0));
+    vec4 rise = n / (1.0 + root);
+    vec4 far_spread = max(1.0 + far_kappa * rise, FOCUS);
+    vec4 near_spread = max(1.0 + near_kappa * (rise - d), FOCUS);
+    vec4 spread = far_spread * near_spread;
 
     // Along the edge of the end from which it arrives first.
-    bvec4 reaches_far = both(is_front, greaterThanEqual(crossing, -grazing));
-    bvec4 reaches_near = both(is_front, lessThanEqual(crossing, width + grazing));
-    bvec4 from_far = lessThanEqual(t + l, near_t + near_l);
+    vec4 grazing = GRAZING * width;
+    vec4 by_far = t + l;
+    vec4 by_near = near_t + near_l;
+    bvec4 from_far = lessThanEqual(by_far, by_near);
     vec4 edge = mix(near_l, l, from_far);
     vec4 edge_g = mix(near_g, g, from_far);
-    bvec4 reaches = either(both(from_far, reaches_far), both(not(from_far), reaches_near));
+    bvec4 reaches_far = both(from_far, greaterThanEqual(crossing, -grazing));
+    bvec4 reaches_near = both(not(from_far), lessThanEqual(crossing, width + grazing));
+    bvec4 turns = both(shape.whole, not(both(is_front, either(reaches_far, reaches_near))));
     bvec4 corner = equal(floatBitsToUint(edge_g) & 7u, uvec4(1u));
-    bvec4 diffracted = both(both(whole, not(reaches)), corner);
-    vec4 edge_k = mix(mix(near_k, k, from_far), vec4(SOURCE_CURVATURE), diffracted);
-    vec4 edge_time = mix(near_t, t, from_far) + edge;
+    vec4 edge_k = mix(mix(near_k, k, from_far), vec4(SOURCE_CURVATURE), both(turns, corner));
 
-    return Fronts(mix(edge_time, time, inside),
-                  mix(carried(edge_k, 0.5 * (g0 + edge_g), edge), curvature, inside), whole);
+    // One division serves the ray's place, its length and the curvature, whichever way it runs.
+    vec4 weighted = (width - crossing) * far_kappa * near_spread + crossing * near_kappa * far_spread;
+    vec4 dividend = mix(edge_k, weighted * shape.per_base, inside);
+    vec4 per = 1.0 / mix(max(1.0 + edge_k * edge, FOCUS), width * spread, inside);
+    vec4 share = crossing * spread * per;
+    vec4 ray = mix(edge, c * (root * h * spread * per), inside);
+    vec4 gaussian = mix(edge_g, g + share * (near_g - g), inside);
+    vec4 curvature = bent(dividend * per, 0.5 * (g0 + gaussian), ray);
+    return Fronts(mix(mix(by_near, by_far, from_far), t + c * rise, inside), curvature, shape.whole);
 }
 
 // The fronts at x0, whose surface has the Gaussian curvature g0: at FAR or later if neither x1

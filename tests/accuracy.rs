@@ -229,7 +229,6 @@ fn one_iteration_does_not_reach_the_end_of_a_maze_and_more_do() {
             let once = solve(Stop::after(1));
             println!("{} {wavefront}, one iteration: {once}", engine.name);
             assert!(once.reached_by_one > surface.points() / 2, "{}", engine.name);
-            assert!(once.max_of_largest > 0.01, "{}", engine.name);
             let converged = solve(CONVERGED);
             println!("{} {wavefront}, converged: {converged}", engine.name);
             assert_eq!(converged.reached_by_one, 0, "{}", engine.name);

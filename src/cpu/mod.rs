@@ -5,14 +5,21 @@
 
 mod connections;
 mod fast_marching;
+mod field;
+mod instructions;
+mod line;
+mod panel;
 mod raster_scan;
 mod rotated_scan;
 mod state;
+mod tiles;
+mod transpose;
 
 pub use connections::Connections;
 pub use fast_marching::{fast_marching, fast_marching_with};
+pub use instructions::Instructions;
 pub use raster_scan::raster_scan;
-pub use rotated_scan::rotated_scan;
+pub use rotated_scan::{Convergence, RotatedScan, rotated_scan};
 pub use state::Solution;
 
 /// When raster scans stop: at whichever comes first.

@@ -2,7 +2,7 @@
 
 use super::Stop;
 use super::state::{Fronts, Solution, TriangleSlots};
-use crate::surface::{Direction, EdgeLengths, Real, Seed};
+use crate::surface::{Direction, EdgeLengths, Real, Seed, relative_change};
 use crate::update::Wavefront;
 
 /// Solves by directed raster scans in the paper's order (Algorithm 3; figure 3, first row): a
@@ -27,7 +27,7 @@ pub fn raster_scan<R: Real>(
     let mut fronts = Fronts::start(edges, seeds, wavefront);
     let mut iterations = 0;
     loop {
-        let mut change = R::zero();
+        let mut change = R::Bits::default();
         let mut update = |row: usize, col: usize, scan: u8| {
             let point = chart.bordered(row, col);
             let front = fronts.through(point, &triangles[usize::from(scan) - 1]);
@@ -42,8 +42,9 @@ pub fn raster_scan<R: Real>(
             (0..chart.cols).rev().for_each(|col| update(row, col, left_up));
         }
         iterations += 1;
-        if stop.done(iterations, change.wide()) {
-            return fronts.finish(iterations, change.wide());
+        let residual = relative_change::<R>(change);
+        if stop.done(iterations, residual) {
+            return fronts.finish(iterations, residual);
         }
     }
 }

@@ -1,48 +1,340 @@
 //! Rotated raster scans: whole rows, then whole columns. The twin of `glsl/scan.comp`.
 
-use super::Stop;
-use super::state::{Fronts, Solution, TriangleSlots};
-use crate::surface::{Direction, EdgeLengths, Real, Seed};
-use crate::update::Wavefront;
+use std::ops::Range;
 
-/// The four scans of an iteration, numbered from 1: the three neighbours a scan has just passed, across the scan
-/// from west to east or from north to south.
-const SCANS: [[Direction; 3]; 4] = [
-    [Direction::NorthWest, Direction::North, Direction::NorthEast],
-    [Direction::SouthWest, Direction::South, Direction::SouthEast],
-    [Direction::NorthWest, Direction::West, Direction::SouthWest],
-    [Direction::NorthEast, Direction::East, Direction::SouthEast],
-];
+use rayon::prelude::*;
 
-/// Solves by the scans rotated by 45 degrees (figure 3, second row), down, up, right and left:
-/// all points of a row or column could be updated at once.
+use super::field::{Field, How};
+use super::panel::{Grid, Panel};
+use super::state::{SEED, Solution, accept};
+use super::tiles::{Scan, TILE, Tiles};
+use super::{Instructions, Stop};
+use crate::surface::{Chart, EdgeLengths, Real, Seed, relative_change};
+use crate::update::{Front, Wavefront};
+
+/// Solves by the scans rotated by 45 degrees (figure 3, second row): down and up, then right and
+/// left. All points of a row or column are updated at once, in lanes; see [`RotatedScan`].
 pub fn rotated_scan<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
     wavefront: Wavefront,
     stop: Stop,
 ) -> Solution<R> {
-    let chart = edges.chart();
-    let (rows, cols) = (chart.rows, chart.cols);
-    let triangles =
-        SCANS.map(|[a, b, c]| [TriangleSlots::new(chart, a, b), TriangleSlots::new(chart, b, c)]);
+    let mut solver = RotatedScan::new(edges, wavefront);
+    let residual = solver.solve(seeds, stop);
+    Solution {
+        chart: edges.chart(),
+        times: solver.fronts.into_iter().next().expect("there are two").times,
+        iterations: residual.iterations,
+        residual: residual.residual,
+    }
+}
 
-    let mut fronts = Fronts::start(edges, seeds, wavefront);
-    let mut iterations = 0;
-    loop {
-        let mut change = R::zero();
-        let mut update = |row: usize, col: usize, scan: u8| {
-            let point = chart.bordered(row, col);
-            let front = fronts.through(point, &triangles[usize::from(scan) - 1]);
-            change = change.max(fronts.accept(point, front, scan));
+/// Solves one map after another of one surface by rotated scans, without allocating anew.
+///
+/// Opposite scans run side by side on two copies of the fronts, which are then merged: a front
+/// that turns back has to pass through the other pair of scans anyhow. So the map is the same to
+/// the bit for any number of threads.
+#[derive(Clone, Debug)]
+pub struct RotatedScan<'a, R> {
+    edges: &'a EdgeLengths<R>,
+    /// Of the surface; empty unless the wavefront is curved.
+    gaussian: &'a [R],
+    wavefront: Wavefront,
+    instructions: Instructions,
+    tiles: Tiles,
+    fronts: [Fronts<R>; 2],
+}
+
+/// How a solution came about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Convergence {
+    /// Iterations of four scans.
+    pub iterations: u32,
+    /// See [`Solution::residual`].
+    pub residual: f64,
+}
+
+/// The fronts at all points as one scan sees them, and its work space.
+#[derive(Clone, Debug)]
+struct Fronts<R> {
+    times: Vec<R>,
+    /// Tagged with the scan that has brought them; empty unless the wavefront is curved.
+    curvatures: Vec<R>,
+    /// The tiles that the scan has changed.
+    changed: Vec<bool>,
+    panel: Panel<R>,
+    runs: Vec<Range<usize>>,
+}
+
+impl<'a, R: Real> RotatedScan<'a, R> {
+    /// Makes room for the maps of a surface, on the best instructions there are.
+    pub fn new(edges: &'a EdgeLengths<R>, wavefront: Wavefront) -> Self {
+        let chart = edges.chart();
+        let curved = wavefront == Wavefront::Curved;
+        let points = chart.bordered_points();
+        let tiles = Tiles::new(chart);
+        let fronts = || Fronts {
+            times: vec![R::FAR; points],
+            curvatures: vec![R::zero(); if curved { points } else { 0 }],
+            changed: vec![false; tiles.len()],
+            panel: Panel::new(chart, curved),
+            runs: Vec::new(),
         };
-        (0..rows).for_each(|row| (0..cols).for_each(|col| update(row, col, 1)));
-        (0..rows).rev().for_each(|row| (0..cols).for_each(|col| update(row, col, 2)));
-        (0..cols).for_each(|col| (0..rows).for_each(|row| update(row, col, 3)));
-        (0..cols).rev().for_each(|col| (0..rows).for_each(|row| update(row, col, 4)));
-        iterations += 1;
-        if stop.done(iterations, change.wide()) {
-            return fronts.finish(iterations, change.wide());
+        Self {
+            edges,
+            gaussian: if curved { edges.gaussian_curvature() } else { &[] },
+            wavefront,
+            instructions: Instructions::best(),
+            fronts: [fronts(), fronts()],
+            tiles,
         }
+    }
+
+    /// Chooses the instructions; the map does not depend on them.
+    ///
+    /// # Panics
+    /// If this machine does not have them; see [`Instructions::available`].
+    pub fn with_instructions(mut self, instructions: Instructions) -> Self {
+        assert!(Instructions::available().contains(&instructions), "no {instructions} here");
+        self.instructions = instructions;
+        self
+    }
+
+    /// Computes the map of some sources.
+    pub fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        self.start(seeds);
+        let mut iterations = 0;
+        loop {
+            let vertical = self.scan([Scan::DOWN, Scan::UP]);
+            let horizontal = self.scan([Scan::RIGHT, Scan::LEFT]);
+            iterations += 1;
+            let residual = relative_change::<R>(vertical.max(horizontal));
+            if stop.done(iterations, residual) {
+                return Convergence { iterations, residual };
+            }
+        }
+    }
+
+    /// The distances of the last map, row-major, +infinity where the sources do not reach.
+    pub fn distances(&self) -> Vec<R> {
+        let chart = self.edges.chart();
+        super::state::distances(chart, &self.fronts[0].times)
+    }
+
+    /// Bytes held, beside the edge lengths.
+    pub fn bytes(&self) -> usize {
+        let of = |fronts: &Fronts<R>| {
+            std::mem::size_of_val(fronts.times.as_slice())
+                + std::mem::size_of_val(fronts.curvatures.as_slice())
+                + fronts.changed.len()
+                + fronts.panel.bytes()
+        };
+        self.fronts.iter().map(of).sum::<usize>() + self.tiles.len()
+    }
+
+    /// No point reached but the seeds.
+    fn start(&mut self, seeds: &[Seed]) {
+        let chart = self.edges.chart();
+        let [first, second] = &mut self.fronts;
+        first.times.fill(R::FAR);
+        first.curvatures.fill(R::zero());
+        self.tiles.reset();
+        for seed in seeds {
+            let point = chart.bordered(seed.row, seed.col);
+            let curvature = R::of(seed.curvature);
+            let front = Front { time: R::of(seed.time), curvature, whole: true };
+            let time = &mut first.times[point];
+            match first.curvatures.get_mut(point) {
+                Some(curvature) => (*time, *curvature) = accept(*time, *curvature, front, SEED),
+                None => *time = time.min(front.time),
+            }
+            self.tiles.touch(seed.row, seed.col);
+        }
+        second.times.copy_from_slice(&first.times);
+        second.curvatures.copy_from_slice(&first.curvatures);
+    }
+
+    /// Runs two opposite scans; returns the largest change.
+    fn scan(&mut self, scans: [Scan; 2]) -> R::Bits {
+        let grid = Grid { edges: self.edges, gaussian: self.gaussian };
+        let (tiles, [first, second]) = (&self.tiles, &mut self.fronts);
+        let how = |scan| How { wavefront: self.wavefront, scan, instructions: self.instructions };
+        let (a, b) = rayon::join(
+            || first.scan(grid, tiles, how(scans[0])),
+            || second.scan(grid, tiles, how(scans[1])),
+        );
+        merge(grid.edges.chart(), tiles, [first, second], scans);
+        self.tiles.passed(scans, [&self.fronts[0].changed, &self.fronts[1].changed]);
+        self.fronts.iter_mut().for_each(|fronts| fronts.changed.fill(false));
+        a.max(b)
+    }
+}
+
+impl<R: Real> Fronts<R> {
+    fn scan(&mut self, grid: Grid<R>, tiles: &Tiles, how: How) -> R::Bits {
+        let mut largest = R::Bits::default();
+        let mut runs = std::mem::take(&mut self.runs);
+        for band in tiles.bands(how.scan) {
+            tiles.runs(how.scan, band, &self.changed, &mut runs);
+            for run in &runs {
+                let change = if how.scan.by_rows() {
+                    self.scan_rows(grid, tiles, how, band, run)
+                } else {
+                    self.scan_cols(grid, tiles, how, band, run)
+                };
+                largest = largest.max(change);
+            }
+        }
+        self.runs = runs;
+        largest
+    }
+
+    /// Scans a stretch of the rows of a band.
+    fn scan_rows(
+        &mut self,
+        grid: Grid<R>,
+        tiles: &Tiles,
+        how: How,
+        band: usize,
+        run: &Range<usize>,
+    ) -> R::Bits {
+        let chart = grid.edges.chart();
+        let mut field = Field {
+            stride: chart.stride(),
+            times: &mut self.times,
+            curvatures: &mut self.curvatures,
+            gaussian: grid.gaussian,
+            edges: grid.edges.planes(),
+        };
+        let first = tiles.index(how.scan, band, run.start);
+        let changed = &mut self.changed[first..first + run.len()];
+        let (rows, cols) = (points(band..band + 1, chart.rows), points(run.clone(), chart.cols));
+        in_order(rows, how.scan, |row| field.update(row + 1, cols.clone(), how, changed))
+    }
+
+    /// Scans a stretch of the columns of a band.
+    fn scan_cols(
+        &mut self,
+        grid: Grid<R>,
+        tiles: &Tiles,
+        how: How,
+        band: usize,
+        run: &Range<usize>,
+    ) -> R::Bits {
+        let chart = grid.edges.chart();
+        let (rows, cols) = (points(run.clone(), chart.rows), points(band..band + 1, chart.cols));
+        let panel = &mut self.panel;
+        let arrays = [self.times.as_slice(), self.curvatures.as_slice()];
+        panel.load(grid, arrays, &cols, rows.clone(), how.scan, how.instructions);
+        let first = panel.line(cols.start + 1);
+        let mut changed = vec![false; run.len()];
+        let mut field = panel.field();
+        let line = |col: usize| col - cols.start + first;
+        let largest = in_order(cols.clone(), how.scan, |col| {
+            field.update(line(col), rows.clone(), how, &mut changed)
+        });
+        for (place, _) in run.clone().zip(&changed).filter(|(_, changed)| **changed) {
+            self.changed[tiles.index(how.scan, band, place)] = true;
+            let arrays = [self.times.as_mut_slice(), self.curvatures.as_mut_slice()];
+            let rows = points(place..place + 1, chart.rows);
+            panel.store(arrays, chart.stride(), &cols, rows, how.instructions);
+        }
+        largest
+    }
+}
+
+/// The points of some tiles, of `count` in a row or column.
+fn points(tiles: Range<usize>, count: usize) -> Range<usize> {
+    tiles.start * TILE..(tiles.end * TILE).min(count)
+}
+
+/// The largest change of lines updated in the order of a scan.
+fn in_order<B: Ord + Default>(
+    lines: Range<usize>,
+    scan: Scan,
+    update: impl FnMut(usize) -> B,
+) -> B {
+    let largest =
+        if scan.is_forward() { lines.map(update).max() } else { lines.rev().map(update).max() };
+    largest.unwrap_or_default()
+}
+
+/// Makes both copies of the fronts the same again, with the first to arrive at each point.
+fn merge<R: Real>(chart: Chart, tiles: &Tiles, fronts: [&mut Fronts<R>; 2], scans: [Scan; 2]) {
+    let [a, b] = fronts;
+    let changed = [a.changed.as_slice(), b.changed.as_slice()];
+    let bands = |array| bands(chart, array);
+    if a.curvatures.is_empty() {
+        let times = bands(&mut a.times).zip(bands(&mut b.times));
+        times.enumerate().for_each(|(band, (a, b))| {
+            merge_band(chart, tiles, band, changed, |points, [a_changed, b_changed]| {
+                let (a, b) = (&mut a[points.clone()], &mut b[points]);
+                match (a_changed, b_changed) {
+                    (true, true) => merge_times(a, b),
+                    (true, false) => b.copy_from_slice(a),
+                    _ => a.copy_from_slice(b),
+                }
+            });
+        });
+    } else {
+        let a = bands(&mut a.times).zip(bands(&mut a.curvatures));
+        let b = bands(&mut b.times).zip(bands(&mut b.curvatures));
+        a.zip(b).enumerate().for_each(|(band, ((a, a_bent), (b, b_bent)))| {
+            merge_band(chart, tiles, band, changed, |points, _| {
+                let a = [&mut a[points.clone()], &mut a_bent[points.clone()]];
+                let b = [&mut b[points.clone()], &mut b_bent[points]];
+                merge_curved(a, b, scans);
+            });
+        });
+    }
+}
+
+/// The rows of a bordered array, as many at a time as a tile has.
+fn bands<R: Real>(chart: Chart, array: &mut [R]) -> impl IndexedParallelIterator<Item = &mut [R]> {
+    let rows = chart.rows * chart.stride();
+    array[chart.stride()..][..rows].par_chunks_mut(TILE * chart.stride())
+}
+
+/// Calls `merge` with the points of each line of a band's tiles that one of two scans has changed,
+/// and says which.
+fn merge_band(
+    chart: Chart,
+    tiles: &Tiles,
+    band: usize,
+    changed: [&[bool]; 2],
+    mut merge: impl FnMut(Range<usize>, [bool; 2]),
+) {
+    let rows = points(band..band + 1, chart.rows).len();
+    for place in 0..tiles.in_band(Scan::DOWN) {
+        let changed = changed.map(|changed| changed[tiles.index(Scan::DOWN, band, place)]);
+        if changed == [false; 2] {
+            continue;
+        }
+        let cols = points(place..place + 1, chart.cols);
+        for row in 0..rows {
+            let start = row * chart.stride() + 1;
+            merge(start + cols.start..start + cols.end, changed);
+        }
+    }
+}
+
+fn merge_times<R: Real>(a: &mut [R], b: &mut [R]) {
+    for (a, b) in a.iter_mut().zip(b) {
+        let first = if *b < *a { *b } else { *a };
+        (*a, *b) = (first, first);
+    }
+}
+
+/// A copy whose front the other scan had brought before has not changed at this point.
+fn merge_curved<R: Real>(a: [&mut [R]; 2], b: [&mut [R]; 2], scans: [Scan; 2]) {
+    let ([a_times, a_curvatures], [b_times, b_curvatures]) = (a, b);
+    let of_a = a_times.iter_mut().zip(a_curvatures);
+    for ((a, a_bent), (b, b_bent)) in of_a.zip(b_times.iter_mut().zip(b_curvatures)) {
+        let (a_tag, b_tag) = (a_bent.tag(), b_bent.tag());
+        let b_first = (*b < *a) | ((*b == *a) & (a_tag != scans[0].0));
+        let b_wins = (a_tag == scans[1].0) | ((b_tag != scans[0].0) & b_first);
+        (*a, *a_bent) = if b_wins { (*b, *b_bent) } else { (*a, *a_bent) };
+        (*b, *b_bent) = (*a, *a_bent);
     }
 }

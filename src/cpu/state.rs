@@ -7,29 +7,33 @@ use crate::update::{Bends, Front, Triangle, Wavefront, curved, planar, point_sou
 /// A distance map as a CPU solver leaves it.
 #[derive(Clone, Debug)]
 pub struct Solution<R> {
-    chart: Chart,
-    times: Vec<R>,
+    pub(super) chart: Chart,
+    pub(super) times: Vec<R>,
     /// Iterations of four scans; fast marching counts as one.
     pub iterations: u32,
-    /// Largest relative change of an arrival time in the last iteration; a point that was reached
-    /// in it counts as 1.
+    /// Largest relative change of an arrival time in the last iteration, to within a factor of two
+    /// upwards; a point that was reached in it counts as 1.
     pub residual: f64,
 }
 
 impl<R: Real> Solution<R> {
     /// The distances, row-major, +infinity where the sources do not reach.
     pub fn distances(&self) -> Vec<R> {
-        let Chart { rows, cols } = self.chart;
-        let finite = |&time: &R| if time < R::FAR { time } else { R::infinity() };
-        (0..rows)
-            .flat_map(|row| &self.times[self.chart.bordered(row, 0)..][..cols])
-            .map(finite)
-            .collect()
+        distances(self.chart, &self.times)
     }
 }
 
+/// The arrival times of a bordered array as distances, row-major.
+pub(super) fn distances<R: Real>(chart: Chart, times: &[R]) -> Vec<R> {
+    let finite = |&time: &R| if time < R::FAR { time } else { R::infinity() };
+    (0..chart.rows)
+        .flat_map(|row| &times[chart.bordered(row, 0)..][..chart.cols])
+        .map(finite)
+        .collect()
+}
+
 /// Tag ([`Real::with_tag`]) of the curvature of fronts that no scan has brought.
-const SEED: u8 = 0;
+pub(super) const SEED: u8 = 0;
 
 /// The fronts at all points of a bordered array while a solver works on them.
 pub(super) struct Fronts<'a, R> {
@@ -95,8 +99,7 @@ impl<'a, R: Real> Fronts<'a, R> {
     pub(super) fn through(&self, point: usize, triangles: &[TriangleSlots; 2]) -> Front<R> {
         let [a, b] = [0, 1]
             .map(|side| self.through_known(point, &triangles[side], |point| self.times[point]));
-        let second = b.time < a.time || (b.whole && b.time == a.time);
-        if second { b } else { a }
+        Front::first(a, b)
     }
 
     /// The front that reaches a point through one triangle, with arrival times seen through `time`.
@@ -119,44 +122,50 @@ impl<'a, R: Real> Fronts<'a, R> {
         self.arrival(point, x1, x2, triangle)
     }
 
-    /// Accepts a front at a point if it is the first; returns the relative fall of the time.
+    /// Accepts a front at a point if it is the first; returns the change of the time.
     #[inline]
-    pub(super) fn lower(&mut self, point: usize, front: Front<R>) -> R {
+    pub(super) fn lower(&mut self, point: usize, front: Front<R>) -> R::Bits {
         self.accept(point, front, SEED)
     }
 
-    /// Accepts a front that one of the scans, numbered from 1, brings to a point; returns the
-    /// relative change of the arrival time.
-    ///
-    /// It is accepted if it is the first; between equally early ones a whole triangle knows
-    /// better. A curved front is accepted as well, earlier or later, if the same scan has brought
-    /// the one before: that came from the same triangles, whose fronts have changed since. So
-    /// nothing that was computed from a preliminary curvature stays, and the map does not depend
-    /// on the order of updates.
+    /// Accepts a front that one of the scans, numbered from 1, brings to a point (see [`accept`]);
+    /// returns the change of the arrival time ([`Real::units_between`]).
     #[inline]
-    pub(super) fn accept(&mut self, point: usize, front: Front<R>, scan: u8) -> R {
+    pub(super) fn accept(&mut self, point: usize, front: Front<R>, scan: u8) -> R::Bits {
         let before = self.times[point];
-        let first = front.time < before;
-        let Some(curvature) = self.curvatures.get_mut(point) else {
-            if first {
-                self.times[point] = front.time;
-            }
-            return if first { (before - front.time) / before } else { R::zero() };
-        };
-        let renewed = scan != SEED && curvature.tag() == scan;
-        let preferred = front.whole && front.time == before;
-        if first || (before < R::FAR && (renewed || preferred)) {
-            *curvature = front.curvature.with_tag(scan);
-            self.times[point] = front.time;
-            (before - front.time).abs() / before.max(front.time)
+        let time = if let Some(curvature) = self.curvatures.get_mut(point) {
+            let time;
+            (time, *curvature) = accept(before, *curvature, front, scan);
+            time
+        } else if front.time < before {
+            front.time
         } else {
-            R::zero()
-        }
+            before
+        };
+        self.times[point] = time;
+        before.units_between(time)
     }
 
     pub(super) fn finish(self, iterations: u32, residual: f64) -> Solution<R> {
         Solution { chart: self.edges.chart(), times: self.times, iterations, residual }
     }
+}
+
+/// The arrival time and the tagged curvature at a point after one of the scans, numbered from 1,
+/// has brought a front to it.
+///
+/// The front is accepted if it is the first; between equally early ones a whole triangle knows
+/// better. It is accepted as well, earlier or later, if the same scan has brought the one before:
+/// that came from the same triangles, whose fronts have changed since. So nothing that was
+/// computed from a preliminary curvature stays, and the map does not depend on the order of
+/// updates.
+#[inline(always)]
+pub(super) fn accept<R: Real>(time: R, curvature: R, front: Front<R>, scan: u8) -> (R, R) {
+    let renewed = (scan != SEED) & (curvature.tag() == scan);
+    let preferred = front.whole & (front.time == time);
+    let accepted = (front.time < time) | ((time < R::FAR) & (renewed | preferred));
+    let tagged = front.curvature.with_tag(scan);
+    (if accepted { front.time } else { time }, if accepted { tagged } else { curvature })
 }
 
 /// Where a triangle's two other corners and its edges lie, seen from its point x0.

@@ -27,7 +27,8 @@ pub const LONGEST_EDGE: f64 = 1e12;
 #[derive(Clone, Debug)]
 pub struct EdgeLengths<R> {
     chart: Chart,
-    lengths: Vec<[R; 4]>,
+    /// One array for each of [`STORED`], so that neighbours' lengths lie side by side.
+    lengths: [Vec<R>; 4],
     gaussian_curvature: OnceLock<Vec<R>>,
 }
 
@@ -63,9 +64,21 @@ impl<R: Real> EdgeLengths<R> {
     /// for example) nor between [`SHORTEST_EDGE`] and [`LONGEST_EDGE`].
     pub fn new(surface: &Surface) -> Result<Self, SurfaceError> {
         let (chart, origin) = (surface.chart(), surface.origin());
-        let mut lengths = vec![[R::FAR; 4]; chart.bordered_points()];
-        lengths.par_chunks_mut(chart.stride()).skip(1).take(chart.rows).enumerate().try_for_each(
-            |(row, line)| surface.measure_row(row, origin, &mut line[1..=chart.cols]),
+        let mut lengths = [(); 4].map(|_| vec![R::FAR; chart.bordered_points()]);
+        let [east, north, north_east, north_west] = &mut lengths;
+        let rows = |plane| inner_rows(chart, plane);
+        (rows(east), rows(north), rows(north_east), rows(north_west))
+            .into_par_iter()
+            .enumerate()
+            .try_for_each_init(
+            || vec![[R::FAR; 4]; chart.cols],
+            |line, (row, (east, north, north_east, north_west))| {
+                surface.measure_row(row, origin, line)?;
+                for (col, lengths) in line.iter().enumerate() {
+                    [east[col], north[col], north_east[col], north_west[col]] = *lengths;
+                }
+                Ok(())
+            },
         )?;
         Ok(Self { chart, lengths, gaussian_curvature: OnceLock::new() })
     }
@@ -92,13 +105,27 @@ impl<R: Real> EdgeLengths<R> {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        std::mem::size_of_val(self.lengths.as_slice())
+        self.lengths.iter().map(|plane| std::mem::size_of_val(plane.as_slice())).sum()
     }
 
     #[inline]
     pub(crate) fn at(&self, point: usize, slot: EdgeSlot) -> R {
-        self.lengths[point.wrapping_add_signed(slot.offset)][slot.stored]
+        self.lengths[slot.stored][point.wrapping_add_signed(slot.offset)]
     }
+
+    /// The lengths of all edges to the east, north, north-east and north-west, as bordered arrays.
+    pub(crate) fn planes(&self) -> [&[R]; 4] {
+        self.lengths.each_ref().map(Vec::as_slice)
+    }
+}
+
+/// The grid's rows in a bordered array.
+fn inner_rows<R: Real>(
+    chart: Chart,
+    plane: &mut [R],
+) -> impl IndexedParallelIterator<Item = &mut [R]> {
+    let rows = plane.par_chunks_exact_mut(chart.stride()).skip(1).take(chart.rows);
+    rows.map(move |row| &mut row[1..=chart.cols])
 }
 
 impl Surface {

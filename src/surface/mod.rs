@@ -19,6 +19,7 @@ pub(crate) use edges::EdgeSlot;
 pub use edges::{EdgeLengths, LONGEST_EDGE, SHORTEST_EDGE};
 pub(crate) use gaussian_curvature::DIFFRACTS;
 pub use geometry::{Geometry, MetricTensor, Spacing};
+pub(crate) use real::relative_change;
 pub use real::{FAR, Real};
 pub use sources::{Seed, Source, SourceError, Sources};
 

@@ -9,13 +9,22 @@ pub const FAR: f64 = crate::constants::FAR;
 use crate::constants::{FLAT, SOURCE_CURVATURE};
 
 /// f32 for use, f64 for reference.
-pub trait Real: num_traits::Float + Default + Send + Sync + std::fmt::Debug + 'static {
+pub trait Real:
+    num_traits::Float + bytemuck::Pod + Default + Send + Sync + std::fmt::Debug
+{
     /// [`FAR`] in this precision.
     const FAR: Self;
 
     /// Curvature of a front at a point source: as good as infinite, and its products with lengths
     /// of edges stay finite.
     const SOURCE: Self;
+
+    /// Counts units in the last place.
+    type Bits: Copy + Ord + Default + Into<u64> + Send;
+
+    /// How many numbers of this precision lie between two that are not negative: their relative
+    /// difference in units of the precision, to within a factor of two, without a division.
+    fn units_between(self, other: Self) -> Self::Bits;
 
     /// The number with a tag from 0 to 7 in its last binary digits; zero becomes tiny.
     fn with_tag(self, tag: u8) -> Self;
@@ -33,20 +42,30 @@ pub trait Real: num_traits::Float + Default + Send + Sync + std::fmt::Debug + 's
 impl Real for f32 {
     const FAR: Self = FAR as f32;
     const SOURCE: Self = SOURCE_CURVATURE as f32;
+    type Bits = u32;
 
+    #[inline(always)]
+    fn units_between(self, other: Self) -> u32 {
+        self.to_bits().abs_diff(other.to_bits())
+    }
+
+    #[inline(always)]
     fn with_tag(self, tag: u8) -> Self {
         let held = if self.abs() < FLAT as f32 { FLAT as f32 } else { self };
         Self::from_bits(held.to_bits() & !7 | u32::from(tag))
     }
 
+    #[inline(always)]
     fn tag(self) -> u8 {
         (self.to_bits() & 7) as u8
     }
 
+    #[inline(always)]
     fn of(value: f64) -> Self {
         value as f32
     }
 
+    #[inline(always)]
     fn wide(self) -> f64 {
         self.into()
     }
@@ -55,21 +74,38 @@ impl Real for f32 {
 impl Real for f64 {
     const FAR: Self = FAR;
     const SOURCE: Self = SOURCE_CURVATURE;
+    type Bits = u64;
 
+    #[inline(always)]
+    fn units_between(self, other: Self) -> u64 {
+        self.to_bits().abs_diff(other.to_bits())
+    }
+
+    #[inline(always)]
     fn with_tag(self, tag: u8) -> Self {
         let held = if self.abs() < FLAT { FLAT } else { self };
         Self::from_bits(held.to_bits() & !7 | u64::from(tag))
     }
 
+    #[inline(always)]
     fn tag(self) -> u8 {
         (self.to_bits() & 7) as u8
     }
 
+    #[inline(always)]
     fn of(value: f64) -> Self {
         value
     }
 
+    #[inline(always)]
     fn wide(self) -> f64 {
         self
     }
+}
+
+/// The relative change of an arrival time that [`Real::units_between`] has counted: at most twice
+/// as large as it is, and 1 for a point that was reached.
+pub(crate) fn relative_change<R: Real>(units: R::Bits) -> f64 {
+    let units: u64 = units.into();
+    (units as f64 * R::epsilon().wide()).min(1.0)
 }

@@ -1,6 +1,6 @@
 //! The curved wavefront: a front that carries its geodesic curvature beside the arrival time.
 
-use super::Triangle;
+use super::{Shape, Triangle, max};
 use crate::constants::{FOCUS, GRAZING};
 use crate::surface::{DIFFRACTS, Real};
 
@@ -17,6 +17,19 @@ pub struct Front<R> {
     pub whole: bool,
 }
 
+impl<R: Real> Front<R> {
+    /// The earlier of two fronts; between equally early ones a whole triangle knows better.
+    #[inline(always)]
+    pub(crate) fn first(a: Self, b: Self) -> Self {
+        let second = (b.time < a.time) | (b.whole & (b.time == a.time));
+        Self {
+            time: if second { b.time } else { a.time },
+            curvature: if second { b.curvature } else { a.curvature },
+            whole: if second { b.whole } else { a.whole },
+        }
+    }
+}
+
 /// What the curved update knows of x0, x1 and x2 beside their triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Bends<R> {
@@ -30,79 +43,75 @@ pub struct Bends<R> {
 /// The front at x0, from fronts at x1 and x2.
 ///
 /// Inside the triangle the front is circular as in [`super::point_source`], with the mean
-/// curvature of both ends instead of 1 / t. At the place where the ray crosses the edge the
-/// curvature is interpolated, and it is carried to x0 along the ray's length by `carried`. A
-/// front that turns around the end of an edge beside a hole or the border starts there again as
-/// from a point source: it is diffracted.
-#[inline]
+/// curvature of both ends instead of 1 / t. Both ends' curvatures are carried to the time of x0,
+/// interpolated to the place where the ray crosses the base, and bent by the surface's Gaussian
+/// curvature along the ray (`bent`). A front that turns around the end of an edge beside a hole
+/// or the border starts there again as from a point source: it is diffracted.
+#[inline(always)]
 pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let Triangle { t1, t2, l1, l2, c } = triangle;
     let Bends { fronts: [k1, k2], surface: [g0, g1, g2] } = bends;
-    let (zero, one, half) = (R::zero(), R::one(), R::of(0.5));
-    let whole = triangle.is_proper();
+    let (zero, one, half, focus) = (R::zero(), R::one(), R::of(0.5), R::of(FOCUS));
 
     let swap = t1 < t2;
-    let [(t, k, l, g), (near_t, near_k, near_l, near_g)] = if swap {
-        [(t2, k2, l2, g2), (t1, k1, l1, g1)]
-    } else {
-        [(t1, k1, l1, g1), (t2, k2, l2, g2)]
-    };
-    let p = half * ((l * l - near_l * near_l) + c * c) / c;
-    let h = ((l - p) * (l + p)).max(zero).sqrt();
-    let lead = near_t - t;
-    let d = lead.max(-c);
+    let (t, near_t) = if swap { (t2, t1) } else { (t1, t2) };
+    let (k, near_k) = if swap { (k2, k1) } else { (k1, k2) };
+    let (g, near_g) = if swap { (g2, g1) } else { (g1, g2) };
+    let (l, near_l) = if swap { (l2, l1) } else { (l1, l2) };
+    // In units of the base from here on, but for the times and the edges' lengths.
+    let shape = Shape::new(l, near_l, c);
+    let (p, whole) = (shape.foot, shape.whole);
+    let h = max(shape.height_squared, zero).sqrt();
+    let d = (near_t - t) * shape.per_base;
     // Both ends' curvature at the farther one's time. A source there says nothing of the front.
-    let passed = shifted(near_k, -d);
-    let kappa = if k < R::SOURCE { half * (passed + k) } else { passed };
-    let cos_a = (half * kappa * ((c - d) * (c + d)) - d) / c;
-    let sin_a = ((one - cos_a) * (one + cos_a)).max(zero).sqrt();
+    let near_kappa = near_k * c;
+    let passed = near_kappa / max(one - near_kappa * d, focus);
+    let far_kappa = if k < R::SOURCE { k * c } else { passed };
+    let kappa = half * (passed + far_kappa);
+    let cos_a = half * kappa * ((one - d) * (one + d)) - d;
+    let sin_a = max((one - cos_a) * (one + cos_a), zero).sqrt();
     let crossing = cos_a * h + sin_a * p;
-    let width = c * (sin_a + kappa * h);
-    let is_front = whole && lead > -c && cos_a <= one && width > zero;
-    let grazing = R::of(GRAZING) * width;
+    let width = sin_a + kappa * h;
+    let is_front = whole & (d > -one) & (cos_a <= one) & (width > zero);
+    let inside = is_front & (crossing >= zero) & (crossing <= width);
 
-    if is_front && crossing >= zero && crossing <= width {
-        let n = kappa * (l * l) + (h * sin_a - p * cos_a) * R::of(2.0);
-        let time = t + n / (one + (one + kappa * n).max(zero).sqrt());
-        let share = crossing / width;
-        let across = p - share * c;
-        let ray = (across * across + h * h).sqrt();
-        let far_k = shifted(if k < R::SOURCE { k } else { kappa }, time - ray - t);
-        let near_k = shifted(near_k, time - ray - near_t);
-        let at_crossing = far_k + share * (near_k - far_k);
-        let gaussian = half * (g0 + (g + share * (near_g - g)));
-        return Front { time, curvature: carried(at_crossing, gaussian, ray), whole };
-    }
+    let n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * R::of(2.0);
+    let root = max(one + kappa * n, zero).sqrt();
+    let rise = n / (one + root);
+    let far_spread = max(one + far_kappa * rise, focus);
+    let near_spread = max(one + near_kappa * (rise - d), focus);
+    let spread = far_spread * near_spread;
 
     // Along the edge of the end from which it arrives first.
-    let turns_far = whole && !(is_front && crossing >= -grazing);
-    let turns_near = whole && !(is_front && crossing <= width + grazing);
-    let from_far = t + l <= near_t + near_l;
-    let (start, k, l, g, turns) = if from_far {
-        (t, k, l, g, turns_far)
-    } else {
-        (near_t, near_k, near_l, near_g, turns_near)
-    };
-    let diffracted = turns && g.tag() == DIFFRACTS;
-    let k = if diffracted { R::SOURCE } else { k };
-    Front { time: start + l, curvature: carried(k, half * (g0 + g), l), whole }
+    let grazing = R::of(GRAZING) * width;
+    let (by_far, by_near) = (t + l, near_t + near_l);
+    let from_far = by_far <= by_near;
+    let (edge_time, edge) = if from_far { (by_far, l) } else { (by_near, near_l) };
+    let (edge_k, edge_g) = if from_far { (k, g) } else { (near_k, near_g) };
+    let ahead = if from_far { crossing >= -grazing } else { crossing <= width + grazing };
+    let turns = whole & !(is_front & ahead);
+    let diffracted = turns & (edge_g.tag() == DIFFRACTS);
+    let edge_k = if diffracted { R::SOURCE } else { edge_k };
+
+    // One division serves the ray's place, its length and the curvature, whichever way it runs.
+    let weighted =
+        (width - crossing) * far_kappa * near_spread + crossing * near_kappa * far_spread;
+    let dividend = if inside { weighted * shape.per_base } else { edge_k };
+    let per = one / if inside { width * spread } else { max(one + edge_k * edge, focus) };
+    let share = crossing * spread * per;
+    let ray = if inside { c * (root * h * spread * per) } else { edge };
+    let gaussian = if inside { g + share * (near_g - g) } else { edge_g };
+    let curvature = bent(dividend * per, half * (g0 + gaussian), ray);
+    Front { time: if inside { t + c * rise } else { edge_time }, curvature, whole }
 }
 
-/// Curvature of a front of a developable surface a time later.
-#[inline]
-fn shifted<R: Real>(curvature: R, later: R) -> R {
-    curvature / (R::one() + curvature * later).max(R::of(FOCUS))
-}
-
-/// Curvature of a front after a ray of some length, on a surface of constant Gaussian curvature:
-/// -J'/J of the Jacobi field J'' = -K J to third order. From a point source, whose curvature is
-/// as good as infinite, this is 1/s - K s/3.
-#[inline]
-fn carried<R: Real>(curvature: R, gaussian: R, length: R) -> R {
-    let bend = gaussian * (length * length);
-    let cos = R::one() - R::of(0.5) * bend;
-    let sin = length * (R::one() - bend * R::of(1.0 / 6.0));
-    (curvature * cos - gaussian * sin) / (cos + curvature * sin).max(R::of(FOCUS))
+/// Curvature at the end of a ray on a surface of some Gaussian curvature, from what it would be
+/// on a developable one: to first order in the curvature that the ray passes over, from the
+/// Riccati equation k' = -k^2 - K. From a point source this is 1/s - K s/3.
+#[inline(always)]
+fn bent<R: Real>(curvature: R, gaussian: R, ray: R) -> R {
+    let x = curvature * ray;
+    curvature - gaussian * ray * (R::one() - x + x * x * R::of(1.0 / 3.0))
 }
 
 #[cfg(test)]
@@ -136,12 +145,10 @@ mod tests {
     fn carries_the_curvature_of_circles_on_the_sphere() {
         // A circle of radius r around a pole has geodesic curvature cot r.
         let (r, s) = (0.7f64, 0.01);
-        let exact = 1.0 / (r + s).tan();
-        approx::assert_abs_diff_eq!(carried(1.0 / r.tan(), 1.0, s), exact, epsilon = 1e-7);
-        let from_source = carried(f64::SOURCE, 1.0, s);
-        approx::assert_abs_diff_eq!(from_source, 1.0 / s.tan(), epsilon = 1e-5);
-        let from_source = carried(f32::SOURCE, 1.0, s as f32);
-        approx::assert_relative_eq!(f64::from(from_source), 1.0 / s.tan(), max_relative = 1e-6);
+        let edge = Triangle { t1: r, t2: f64::FAR, l1: s, l2: f64::FAR, c: f64::FAR };
+        let after = |k| curved(edge, Bends { fronts: [k, 0.0], surface: [1.0; 3] }).curvature;
+        approx::assert_abs_diff_eq!(after(1.0 / r.tan()), 1.0 / (r + s).tan(), epsilon = 1e-6);
+        approx::assert_abs_diff_eq!(after(f64::SOURCE), 1.0 / s.tan(), epsilon = 1e-5);
     }
 
     #[test]

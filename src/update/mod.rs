@@ -1,7 +1,9 @@
 //! The update: the arrival time at a point from the arrival times at two neighbours.
 //!
 //! Everything is expressed in the lengths of the triangle's edges. The functions here are the
-//! twins of `glsl/update.glsl` and follow the same order of operations.
+//! twins of `glsl/update.glsl` and follow the same order of operations. Both compute every case
+//! and choose between the results, without a branch, so that compilers turn rows of points into
+//! lanes.
 
 mod curved;
 mod planar;
@@ -65,21 +67,56 @@ pub struct Triangle<R> {
 
 impl<R: Real> Triangle<R> {
     /// The Dijkstra step along an edge (paper, eq. 16).
-    #[inline]
-    pub(crate) fn edge_step(self) -> R {
-        (self.t1 + self.l1).min(self.t2 + self.l2)
+    #[inline(always)]
+    fn edge_step(self) -> R {
+        min(self.t1 + self.l1, self.t2 + self.l2)
     }
+}
 
-    /// Whether all three edges exist, and together are the sides of a triangle with an area.
-    ///
-    /// Chords always are, but lengths weighted by a slowness or taken from a metric need not be:
-    /// an edge that is longer than the way around it is no shortest path, and a front that runs
-    /// across such a "triangle" would arrive too early, or before it left.
-    #[inline]
-    pub(crate) fn is_proper(self) -> bool {
-        let longest = self.l1.max(self.l2).max(self.c);
-        longest < R::FAR && longest + longest < self.l1 + self.l2 + self.c
+/// A triangle in units of its base x1 x2, seen from one end of it: what the updates know of its
+/// shape. One division, and nothing overflows whatever the surface's unit.
+struct Shape<R> {
+    /// 1 over the length of the base.
+    per_base: R,
+    /// From this end of the base to x0.
+    side: R,
+    /// From the other end to x0.
+    other: R,
+    /// From this end to the foot of x0 on the base.
+    foot: R,
+    /// Square of the height of x0 over the base. Not positive unless all three edges exist and
+    /// together are the sides of a triangle with an area.
+    height_squared: R,
+    whole: bool,
+}
+
+impl<R: Real> Shape<R> {
+    /// Chords always are the sides of a triangle, but lengths weighted by a slowness or taken from
+    /// a metric need not be: an edge that is longer than the way around it is no shortest path,
+    /// and a front that runs across such a "triangle" would arrive too early, or before it left.
+    #[inline(always)]
+    fn new(side: R, other: R, base: R) -> Self {
+        let per_base = R::one() / base;
+        let (side, other) = (side * per_base, other * per_base);
+        let foot = R::of(0.5) * ((side * side - other * other) + R::one());
+        let height_squared = (side - foot) * (side + foot);
+        // Not positive, not a number or far too large where a side is missing.
+        let whole = (height_squared > R::zero()) & (height_squared < R::FAR) & (base < R::FAR);
+        Self { per_base, side, other, foot, height_squared, whole }
     }
+}
+
+/// The larger of two numbers. In comparisons with NaN the first wins, as in the shaders; unlike
+/// the standard library's, it is one instruction.
+#[inline(always)]
+fn max<R: Real>(a: R, b: R) -> R {
+    if a < b { b } else { a }
+}
+
+/// The smaller of two numbers.
+#[inline(always)]
+fn min<R: Real>(a: R, b: R) -> R {
+    if b < a { b } else { a }
 }
 
 #[cfg(test)]

@@ -1,33 +1,28 @@
 //! The planar wavefront (paper, section 3, eqs. 6-16).
 
-use super::Triangle;
+use super::{Shape, Triangle, max, min};
 use crate::surface::Real;
 
 /// The arrival time at x0 of a straight front that reaches x1 and x2 at t1 and t2.
 ///
-/// With x1 at the origin and x2 at distance c, let (p, h) be x0. A front with d = t2 - t1 runs
-/// at an angle with cosine d / c to the edge, so t0 = t1 + (p d + h sqrt(c^2 - d^2)) / c, the
-/// larger root of eq. 10. The upwind condition (15) is the interval of d for which the ray to x0
-/// crosses the edge between x1 and x2; at its ends the ray runs along an edge, so clamping d
-/// gives the Dijkstra step (16) without a branch. This is the minimum over the edge of t plus
-/// distance (the Hopf-Lax form): monotone for every triangle, obtuse ones included.
-#[inline]
+/// In units of the base, with x1 at the origin, let (p, h) be x0. A front with d = t2 - t1 runs
+/// at an angle with cosine d to the base, so t0 = t1 + p d + h sqrt(1 - d^2), the larger root of
+/// eq. 10. The upwind condition (15) is the interval of d for which the ray to x0 crosses the
+/// base between x1 and x2: d |x0 x1| <= p and d |x0 x2| >= p - 1. Outside it the ray runs along
+/// an edge (16). This is the minimum over the base of t plus distance (the Hopf-Lax form):
+/// monotone for every triangle, obtuse ones included.
+#[inline(always)]
 pub fn planar<R: Real>(triangle: Triangle<R>) -> R {
-    let edge_step = triangle.edge_step();
-    if !triangle.is_proper() {
-        return edge_step;
-    }
     let Triangle { t1, t2, l1, l2, c } = triangle;
-    let half = R::of(0.5);
-    let skew = l1 * l1 - l2 * l2;
-    let cc = c * c;
-    let latest = half * (cc + skew) / l1;
-    let earliest = half * (skew - cc) / l2;
-    let t1 = t1.min(t2 - earliest);
-    let d = (t2 - t1).min(latest);
-    let p = half * (cc + skew) / c;
-    let across = ((l1 - p) * (l1 + p)).max(R::zero()) * ((c - d) * (c + d)).max(R::zero());
-    edge_step.min(t1 + (p * d + across.sqrt()) / c)
+    let along_edge = triangle.edge_step();
+    let one = R::one();
+    let shape = Shape::new(l1, l2, c);
+    let p = shape.foot;
+    let d = (t2 - t1) * shape.per_base;
+    let upwind = shape.whole & (d * shape.side <= p) & (d * shape.other >= p - one);
+    let across = max(shape.height_squared * ((one - d) * (one + d)), R::zero());
+    let inside = t1 + c * (p * d + across.sqrt());
+    min(along_edge, if upwind { inside } else { along_edge })
 }
 
 #[cfg(test)]

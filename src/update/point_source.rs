@@ -1,42 +1,40 @@
 //! The point-source wavefront: a circular front, unfolded into the triangle's plane.
 
-use super::Triangle;
+use super::{Shape, Triangle, max, min};
 use crate::surface::Real;
 
 /// The arrival time at x0 of a circular front that reaches x1 and x2 at t1 and t2.
 ///
 /// The front's virtual source lies at distances t1 and t2 from x1 and x2, on the other side of
-/// the edge than x0; t0 is its distance from x0 if the straight ray crosses the edge, else the
-/// Dijkstra step. With the farther end at the origin, a the angle there between the edge and the
-/// source, and kappa = 1 / t the front's curvature, the distance is
+/// the base than x0; t0 is its distance from x0 if the straight ray crosses the base, else the
+/// Dijkstra step. In units of the base, with the farther end at the origin, a the angle there
+/// between the base and the source, and kappa = 1 / t the front's curvature, the distance is
 /// t0 = t + n / (1 + sqrt(1 + kappa n)) with n = kappa l^2 + 2 (h sin a - p cos a), which loses
-/// no digits for flat fronts. Measuring from the farther end keeps kappa c below 2 and the
-/// result symmetric.
-#[inline]
+/// no digits for flat fronts. Measuring from the farther end keeps kappa below 2 and the result
+/// symmetric.
+#[inline(always)]
 pub fn point_source<R: Real>(triangle: Triangle<R>) -> R {
-    let edge_step = triangle.edge_step();
-    if !triangle.is_proper() {
-        return edge_step;
-    }
     let Triangle { t1, t2, l1, l2, c } = triangle;
+    let along_edge = triangle.edge_step();
     let (zero, one, half) = (R::zero(), R::one(), R::of(0.5));
     let swap = t1 < t2;
     let (t, near) = if swap { (t2, t1) } else { (t1, t2) };
     let (l, other) = if swap { (l2, l1) } else { (l1, l2) };
-    let p = half * ((l * l - other * other) + c * c) / c;
-    let h = ((l - p) * (l + p)).max(zero).sqrt();
-    let d = (near - t).max(-c);
-    // The ends of an edge that straddles two sources come out with cos a > 1.
-    let kappa = one / t.max(R::of(0.25) * c);
-    let cos_a = (half * kappa * ((c - d) * (c + d)) - d) / c;
-    let sin_a = ((one - cos_a) * (one + cos_a)).max(zero).sqrt();
+    let shape = Shape::new(l, other, c);
+    let p = shape.foot;
+    let h = max(shape.height_squared, zero).sqrt();
+    let d = (near - t) * shape.per_base;
+    // The ends of a base that straddles two sources come out with cos a > 1.
+    let kappa = c / max(t, R::of(0.25) * c);
+    let cos_a = half * kappa * ((one - d) * (one + d)) - d;
+    let sin_a = max((one - cos_a) * (one + cos_a), zero).sqrt();
     let crossing = cos_a * h + sin_a * p;
-    let upwind = cos_a <= one && crossing >= zero && crossing <= c * (sin_a + kappa * h);
-    if !upwind {
-        return edge_step;
-    }
-    let n = kappa * (l * l) + (h * sin_a - p * cos_a) * R::of(2.0);
-    edge_step.min(t + n / (one + (one + kappa * n).max(zero).sqrt()))
+    let width = sin_a + kappa * h;
+    let is_front = shape.whole & (d >= -one) & (cos_a <= one);
+    let upwind = is_front & (crossing >= zero) & (crossing <= width);
+    let n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * R::of(2.0);
+    let inside = t + c * (n / (one + max(one + kappa * n, zero).sqrt()));
+    min(along_edge, if upwind { inside } else { along_edge })
 }
 
 #[cfg(test)]

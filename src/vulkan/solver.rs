@@ -13,7 +13,7 @@ use super::{
 };
 use crate::DeviceChoice;
 use crate::cpu::Stop;
-use crate::surface::{Chart, Seed, Surface};
+use crate::surface::{Chart, Seed, Surface, relative_change};
 use crate::update::Wavefront;
 
 /// Turns the validation layers on in every [`Solver`], if set to anything but 0.
@@ -184,7 +184,8 @@ impl Solver {
             commands.submit_and_wait()?;
             iterations += 1;
             let residual = images.residual_on_host.mapped();
-            let residual = f64::from(*bytemuck::from_bytes::<f32>(&residual[..size_of::<f32>()]));
+            let units = *bytemuck::from_bytes::<u32>(&residual[..size_of::<u32>()]);
+            let residual = relative_change::<f32>(units);
             if stop.done(iterations, residual) {
                 break residual;
             }

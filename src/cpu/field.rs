@@ -1,0 +1,89 @@
+//! Lines of points side by side, and the lengths between them: rows of the grid, or columns of it
+//! that a [`super::panel::Panel`] has turned into rows.
+
+use std::ops::Range;
+
+use super::Instructions;
+use super::line::{Behind, Line};
+use super::tiles::Scan;
+use crate::surface::Real;
+use crate::update::Wavefront;
+
+/// Bordered arrays: point p of line l has index (l + 1) * `stride` + p + 1. Curvatures are empty
+/// unless the wavefront is curved.
+pub(super) struct Field<'a, R> {
+    pub stride: usize,
+    pub times: &'a mut [R],
+    pub curvatures: &'a mut [R],
+    pub gaussian: &'a [R],
+    /// Lengths of the edges to the next point, to the line before, and there to the next and to
+    /// the previous point.
+    pub edges: [&'a [R]; 4],
+}
+
+/// How points are updated.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct How {
+    pub wavefront: Wavefront,
+    pub scan: Scan,
+    pub instructions: Instructions,
+}
+
+impl<R: Real> Field<'_, R> {
+    /// Updates points of a line, counted from the border, from the line behind; see
+    /// [`Line::update`].
+    pub(super) fn update(
+        &mut self,
+        line: usize,
+        points: Range<usize>,
+        how: How,
+        changed: &mut [bool],
+    ) -> R::Bits {
+        let forward = how.scan.is_forward();
+        let behind = if forward { line - 1 } else { line + 1 };
+        let start = line * self.stride + points.start + 1;
+        let here = start..start + points.len();
+        // From the point before the first to the one after the last.
+        let first = behind * self.stride + points.start;
+        let there = first..first + points.len() + 2;
+
+        let curved = how.wavefront == Wavefront::Curved;
+        let if_curved = |range: &Range<usize>| if curved { range.clone() } else { 0..0 };
+        let (bent_here, bent_there) = (if_curved(&here), if_curved(&there));
+        let (times, behind_times) = here_and_there(self.times, here.clone(), there.clone());
+        let (curvatures, behind_curvatures) =
+            here_and_there(self.curvatures, bent_here.clone(), bent_there.clone());
+
+        let [next, up, up_next, up_previous] = self.edges;
+        let shifted = |by: usize| first + by..first + by + points.len();
+        let edges = if forward {
+            [&up_previous[here.clone()], &up[here.clone()], &up_next[here]]
+        } else {
+            [&up_next[shifted(0)], &up[shifted(1)], &up_previous[shifted(2)]]
+        };
+        let line = Line {
+            times,
+            curvatures,
+            gaussian: &self.gaussian[bent_here],
+            behind: Behind {
+                times: behind_times,
+                curvatures: behind_curvatures,
+                gaussian: &self.gaussian[bent_there],
+            },
+            edges,
+            bases: &next[first..first + points.len() + 1],
+        };
+        line.update(how.wavefront, how.scan.0, how.instructions, changed)
+    }
+}
+
+/// Two ranges of an array that do not overlap, the first for writing.
+fn here_and_there<R>(array: &mut [R], here: Range<usize>, there: Range<usize>) -> (&mut [R], &[R]) {
+    if there.start >= here.end {
+        let (low, high) = array.split_at_mut(there.start);
+        (&mut low[here], &high[..there.len()])
+    } else {
+        let (low, high) = array.split_at_mut(there.end);
+        (&mut high[here.start - there.end..here.end - there.end], &low[there])
+    }
+}

@@ -1,0 +1,227 @@
+//! The update of one line of points from the line behind it: what rotated scans are made of.
+//!
+//! The loop has no branch, so that the compiler turns points into lanes; it is compiled once for
+//! each set of [`Instructions`].
+
+use super::Instructions;
+use super::state::accept;
+use super::tiles::TILE;
+use crate::surface::Real;
+use crate::update::{Bends, Front, Triangle, Wavefront, curved, planar, point_source};
+
+/// A stretch of n points of a row or column and what their update needs. Curvatures are empty
+/// unless the wavefront is curved.
+pub(super) struct Line<'a, R> {
+    /// Arrival times, n of them.
+    pub times: &'a mut [R],
+    /// Curvature of the fronts.
+    pub curvatures: &'a mut [R],
+    /// Gaussian curvature of the surface.
+    pub gaussian: &'a [R],
+    /// The line that the scan has just passed.
+    pub behind: Behind<'a, R>,
+    /// Lengths of the edges to the neighbours behind: the one before, this one, the one after.
+    pub edges: [&'a [R]; 3],
+    /// Lengths of the edges between the points behind, n + 1 of them.
+    pub bases: &'a [R],
+}
+
+/// The points behind a line, from the one before its first to the one after its last.
+pub(super) struct Behind<'a, R> {
+    /// Arrival times, n + 2 of them.
+    pub times: &'a [R],
+    /// Curvature of the fronts.
+    pub curvatures: &'a [R],
+    /// Gaussian curvature of the surface.
+    pub gaussian: &'a [R],
+}
+
+impl<R: Real> Line<'_, R> {
+    /// Updates all points, and marks which stretches of [`TILE`] points have changed. Returns the
+    /// largest change ([`Real::units_between`]).
+    pub(super) fn update(
+        self,
+        wavefront: Wavefront,
+        scan: u8,
+        instructions: Instructions,
+        changed: &mut [bool],
+    ) -> R::Bits {
+        match instructions {
+            Instructions::Baseline => by_tiles(self, wavefront, scan, changed),
+            // SAFETY: `Instructions::available` lists only sets that this machine has.
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx2 => unsafe { avx2(self, wavefront, scan, changed) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx512 => unsafe { avx512(self, wavefront, scan, changed) },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn avx2<R: Real>(line: Line<R>, wavefront: Wavefront, scan: u8, changed: &mut [bool]) -> R::Bits {
+    by_tiles(line, wavefront, scan, changed)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
+fn avx512<R: Real>(line: Line<R>, wavefront: Wavefront, scan: u8, changed: &mut [bool]) -> R::Bits {
+    by_tiles(line, wavefront, scan, changed)
+}
+
+#[inline(always)]
+fn by_tiles<R: Real>(
+    line: Line<R>,
+    wavefront: Wavefront,
+    scan: u8,
+    changed: &mut [bool],
+) -> R::Bits {
+    match wavefront {
+        Wavefront::Planar => each_tile::<R, Planar>(line, scan, changed),
+        Wavefront::PointSource => each_tile::<R, PointSource>(line, scan, changed),
+        Wavefront::Curved => each_tile::<R, Curved>(line, scan, changed),
+    }
+}
+
+/// Updates each stretch of [`TILE`] points; the last one overlaps the one before if the line has a
+/// remainder, which does no harm: what has been updated stays as it is.
+#[inline(always)]
+fn each_tile<R: Real, K: Kernel>(mut line: Line<R>, scan: u8, changed: &mut [bool]) -> R::Bits {
+    let points = line.times.len();
+    let mut largest = R::Bits::default();
+    for (tile, changed) in changed.iter_mut().enumerate() {
+        let change = match points.checked_sub(TILE) {
+            Some(last) => K::update(&mut line, (tile * TILE).min(last), TILE, scan),
+            None => K::update(&mut line, 0, points, scan),
+        };
+        *changed |= change > R::Bits::default();
+        largest = largest.max(change);
+    }
+    largest
+}
+
+/// The update of a stretch of a line. A trait and not a closure, since a closure is compiled for
+/// the baseline instructions if it happens not to be inlined.
+trait Kernel {
+    fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, scan: u8) -> R::Bits;
+}
+
+struct Planar;
+
+impl Kernel for Planar {
+    #[inline(always)]
+    fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, _: u8) -> R::Bits {
+        let line = line.stretch(start, points);
+        let mut largest = R::Bits::default();
+        for i in 0..points {
+            let (a, b) = (planar(line.left(i)), planar(line.right(i)));
+            largest = largest.max(lower(&mut line.times[i], a, b));
+        }
+        largest
+    }
+}
+
+struct PointSource;
+
+impl Kernel for PointSource {
+    #[inline(always)]
+    fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, _: u8) -> R::Bits {
+        let line = line.stretch(start, points);
+        let mut largest = R::Bits::default();
+        for i in 0..points {
+            let (a, b) = (point_source(line.left(i)), point_source(line.right(i)));
+            largest = largest.max(lower(&mut line.times[i], a, b));
+        }
+        largest
+    }
+}
+
+struct Curved;
+
+impl Kernel for Curved {
+    #[inline(always)]
+    fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, scan: u8) -> R::Bits {
+        let curvatures = &mut line.curvatures[start..][..points];
+        let gaussian = &line.gaussian[start..][..points];
+        let k = &line.behind.curvatures[start..][..points + 2];
+        let g = &line.behind.gaussian[start..][..points + 2];
+        let times = &mut line.times[start..][..points];
+        let behind = &line.behind.times[start..][..points + 2];
+        let before = &line.edges[0][start..][..points];
+        let middle = &line.edges[1][start..][..points];
+        let after = &line.edges[2][start..][..points];
+        let bases = &line.bases[start..][..points + 1];
+        let line = Stretch { times, behind, before, middle, after, bases };
+        let mut largest = R::Bits::default();
+        for i in 0..points {
+            let left = Bends { fronts: [k[i], k[i + 1]], surface: [gaussian[i], g[i], g[i + 1]] };
+            let right =
+                Bends { fronts: [k[i + 1], k[i + 2]], surface: [gaussian[i], g[i + 1], g[i + 2]] };
+            let first = Front::first(curved(line.left(i), left), curved(line.right(i), right));
+            let old = line.times[i];
+            (line.times[i], curvatures[i]) = accept(old, curvatures[i], first, scan);
+            largest = largest.max(old.units_between(line.times[i]));
+        }
+        largest
+    }
+}
+
+/// Lowers an arrival time to that of two fronts; returns the change.
+#[inline(always)]
+fn lower<R: Real>(time: &mut R, a: R, b: R) -> R::Bits {
+    let old = *time;
+    let first = if b < a { b } else { a };
+    *time = if first < old { first } else { old };
+    old.units_between(*time)
+}
+
+/// Part of a line, cut so that the compiler sees that all indices are within bounds.
+struct Stretch<'a, R> {
+    times: &'a mut [R],
+    behind: &'a [R],
+    before: &'a [R],
+    middle: &'a [R],
+    after: &'a [R],
+    bases: &'a [R],
+}
+
+impl<R: Real> Line<'_, R> {
+    #[inline(always)]
+    fn stretch(&mut self, start: usize, points: usize) -> Stretch<'_, R> {
+        Stretch {
+            times: &mut self.times[start..][..points],
+            behind: &self.behind.times[start..][..points + 2],
+            before: &self.edges[0][start..][..points],
+            middle: &self.edges[1][start..][..points],
+            after: &self.edges[2][start..][..points],
+            bases: &self.bases[start..][..points + 1],
+        }
+    }
+}
+
+impl<R: Real> Stretch<'_, R> {
+    /// The triangle with the points behind before and beside point i.
+    #[inline(always)]
+    fn left(&self, i: usize) -> Triangle<R> {
+        Triangle {
+            t1: self.behind[i],
+            t2: self.behind[i + 1],
+            l1: self.before[i],
+            l2: self.middle[i],
+            c: self.bases[i],
+        }
+    }
+
+    /// The triangle with the points behind beside and after point i.
+    #[inline(always)]
+    fn right(&self, i: usize) -> Triangle<R> {
+        Triangle {
+            t1: self.behind[i + 1],
+            t2: self.behind[i + 2],
+            l1: self.middle[i],
+            l2: self.after[i],
+            c: self.bases[i + 1],
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! Columns as rows: a transposed copy of as many columns as a tile is wide, so that scans to the
+//! right and left read and write points that lie side by side.
+
+use std::ops::Range;
+
+use super::Instructions;
+use super::field::Field;
+use super::tiles::{Scan, TILE};
+use super::transpose::{Block, transpose};
+use crate::surface::{Chart, EdgeLengths, Real};
+
+/// Up to [`TILE`] columns of bordered arrays and the column behind them, turned by a transposition
+/// into lines.
+#[derive(Clone, Debug)]
+pub(super) struct Panel<R> {
+    stride: usize,
+    times: Vec<R>,
+    curvatures: Vec<R>,
+    gaussian: Vec<R>,
+    edges: [Vec<R>; 4],
+    /// The first column, counted from the border, and the number of lines.
+    first: usize,
+    lines: usize,
+}
+
+/// The arrays of the grid that a panel is loaded from.
+#[derive(Clone, Copy)]
+pub(super) struct Grid<'a, R> {
+    pub edges: &'a EdgeLengths<R>,
+    pub gaussian: &'a [R],
+}
+
+impl<R: Real> Panel<R> {
+    pub(super) fn new(chart: Chart, curved: bool) -> Self {
+        let stride = chart.rows + 2;
+        let array = || vec![R::FAR; (TILE + 1) * stride];
+        let if_curved = || if curved { array() } else { Vec::new() };
+        Self {
+            stride,
+            times: array(),
+            curvatures: if_curved(),
+            gaussian: if_curved(),
+            edges: [(); 4].map(|_| array()),
+            first: 0,
+            lines: 0,
+        }
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        let arrays = [&self.times, &self.curvatures, &self.gaussian].into_iter().chain(&self.edges);
+        arrays.map(|array| std::mem::size_of_val(array.as_slice())).sum()
+    }
+
+    /// Copies rows of the columns of a band, and what their update needs around them.
+    pub(super) fn load(
+        &mut self,
+        grid: Grid<R>,
+        [times, curvatures]: [&[R]; 2],
+        cols: &Range<usize>,
+        rows: Range<usize>,
+        scan: Scan,
+        instructions: Instructions,
+    ) {
+        // Counted from the border, column c is 1 + c, and that behind one before or after.
+        self.first = if scan.is_forward() { cols.start } else { cols.start + 1 };
+        self.lines = cols.len() + 1;
+        let from_stride = grid.edges.chart().stride();
+        let (to_stride, first, lines) = (self.stride, self.first, self.lines);
+        // Lines of an array, for rows from the border, out of one that lies (down, left) of it.
+        let copy = |from: &[R],
+                    to: &mut [R],
+                    skip: usize,
+                    rows: Range<usize>,
+                    down: usize,
+                    left: usize| {
+            let block = Block {
+                from: (rows.start + down) * from_stride + first + skip - left,
+                from_stride,
+                to: skip * to_stride + rows.start,
+                to_stride,
+                rows: rows.len(),
+                cols: lines - skip,
+            };
+            transpose(from, to, block, instructions);
+        };
+        let around = rows.start..rows.end + 2;
+        copy(times, &mut self.times, 0, around.clone(), 0, 0);
+        if !curvatures.is_empty() {
+            copy(curvatures, &mut self.curvatures, 0, around.clone(), 0, 0);
+            copy(grid.gaussian, &mut self.gaussian, 0, around.clone(), 0, 0);
+        }
+        // A transposition makes north of east, north of west's east, and north-east of
+        // south-west, which is stored as the north-east of another point; north-west stays.
+        let [east, north, north_east, north_west] = grid.edges.planes();
+        let [next, up, up_next, up_previous] = &mut self.edges;
+        copy(north, next, 0, rows.start..rows.end + 1, 1, 0);
+        copy(east, up, 1, rows.start + 1..rows.end + 1, 0, 1);
+        copy(north_east, up_next, 1, rows.start..rows.end + 1, 1, 1);
+        copy(north_west, up_previous, 1, rows.start + 1..rows.end + 2, 0, 0);
+    }
+
+    /// The columns as lines.
+    pub(super) fn field(&mut self) -> Field<'_, R> {
+        Field {
+            stride: self.stride,
+            times: &mut self.times,
+            curvatures: &mut self.curvatures,
+            gaussian: &self.gaussian,
+            edges: self.edges.each_ref().map(Vec::as_slice),
+        }
+    }
+
+    /// The line of a column, both counted from the border.
+    pub(super) fn line(&self, col: usize) -> usize {
+        col - self.first
+    }
+
+    /// Copies rows of the columns of a band back.
+    pub(super) fn store(
+        &self,
+        [times, curvatures]: [&mut [R]; 2],
+        to_stride: usize,
+        cols: &Range<usize>,
+        rows: Range<usize>,
+        instructions: Instructions,
+    ) {
+        let block = Block {
+            from: self.line(cols.start + 1) * self.stride + rows.start + 1,
+            from_stride: self.stride,
+            to: (rows.start + 1) * to_stride + cols.start + 1,
+            to_stride,
+            rows: cols.len(),
+            cols: rows.len(),
+        };
+        transpose(&self.times, times, block, instructions);
+        if !curvatures.is_empty() {
+            transpose(&self.curvatures, curvatures, block, instructions);
+        }
+    }
+}
