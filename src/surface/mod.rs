@@ -6,6 +6,7 @@
 
 pub mod builtin;
 mod chart;
+mod coarsen;
 mod edges;
 mod gaussian_curvature;
 mod geometry;
@@ -15,6 +16,7 @@ mod real;
 mod sources;
 
 pub use chart::{Chart, Direction};
+pub use coarsen::Coarsened;
 pub(crate) use edges::EdgeSlot;
 pub use edges::{EdgeLengths, LONGEST_EDGE, SHORTEST_EDGE};
 pub(crate) use gaussian_curvature::DIFFRACTS;
@@ -66,6 +68,16 @@ pub enum SurfaceError {
     /// The grid has no row or no column.
     #[error("a grid of {rows} x {cols} points is empty; give at least one row and one column")]
     Empty {
+        /// Rows of the grid.
+        rows: usize,
+        /// Columns of the grid.
+        cols: usize,
+    },
+    /// A grid that has no coarser one.
+    #[error(
+        "a grid of {rows} x {cols} points cannot be compared with every second point of it: each side needs one point or three and more, and some of them must be no holes"
+    )]
+    TooSmall {
         /// Rows of the grid.
         rows: usize,
         /// Columns of the grid.

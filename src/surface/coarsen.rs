@@ -1,0 +1,361 @@
+//! A surface on every second of its points: the coarser of two resolutions to compare.
+
+use glam::DVec2;
+
+use super::{Chart, Geometry, MetricTensor, Source, Sources, Surface, SurfaceError};
+
+/// A surface on about every second row and column of a finer one, and which those are.
+///
+/// ```
+/// use geosweep::{Surface, Spacing};
+/// let surface = Surface::from_heights(6, 9, vec![0.0; 54], Spacing::square(1.0))?;
+/// let coarse = surface.coarsened([3, 4])?;
+/// assert_eq!(coarse.rows(), [0, 1, 3, 5]);
+/// assert_eq!(coarse.cols(), [0, 2, 4, 6, 8]);
+/// assert_eq!(coarse.surface().position(2, 2), surface.position(3, 4));
+/// # Ok::<(), geosweep::surface::SurfaceError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Coarsened {
+    surface: Surface,
+    fine: Chart,
+    rows: Vec<usize>,
+    cols: Vec<usize>,
+}
+
+impl Surface {
+    /// The surface on every second row and column, among them those of the point `through`, so
+    /// that a source there is a grid point of both.
+    ///
+    /// The first and the last row and column stay too, at a single step from the next where the
+    /// count wants it; a metric, which is per step, leaves them out there. A side of one point
+    /// stays one point. Slowness and positions are those of the points that stay. Holes stay
+    /// holes, and where a wall would fall between two points that stay, one of them becomes a
+    /// hole: paths on the coarse surface exist on the fine one.
+    ///
+    /// # Errors
+    /// If a side has two points, or both have one, or no point but holes would be left.
+    pub fn coarsened(&self, through: [usize; 2]) -> Result<Coarsened, SurfaceError> {
+        let fine = self.chart();
+        let too_small = || SurfaceError::TooSmall { rows: fine.rows, cols: fine.cols };
+        if fine.rows == 2 || fine.cols == 2 || fine.points() == 1 {
+            return Err(too_small());
+        }
+        let evenly = matches!(self.geometry(), Geometry::Metric(_));
+        let rows = every_second(fine.rows, through[0], evenly);
+        let cols = every_second(fine.cols, through[1], evenly);
+        let kept: Vec<usize> = rows
+            .iter()
+            .flat_map(|&row| cols.iter().map(move |&col| fine.index(row, col)))
+            .collect();
+        let (m, n) = (rows.len(), cols.len());
+        let surface = match self.geometry() {
+            Geometry::Metric(metric) => {
+                let step = |points: usize| if points > 1 { 2.0 } else { 1.0 };
+                let (dr, dc) = (step(fine.rows), step(fine.cols));
+                let scaled = |&index: &usize| {
+                    let MetricTensor { rr, rc, cc } = metric[index];
+                    MetricTensor { rr: rr * dr * dr, rc: rc * dr * dc, cc: cc * dc * dc }
+                };
+                Surface::from_metric(m, n, kept.iter().map(scaled).collect())
+            }
+            geometry => {
+                let position = |&index: &usize| {
+                    let (row, col) = fine.position(index);
+                    geometry.position(fine, row, col).expect("only a metric has no positions")
+                };
+                Surface::from_positions(m, n, kept.iter().map(position).collect())
+            }
+        };
+        let mut present: Vec<bool> = kept.iter().map(|&index| self.present()[index]).collect();
+        keep_walls(self, &rows, &cols, through, &mut present);
+        let surface = surface.and_then(|surface| surface.with_mask(&present));
+        let surface = match (surface, self.slowness()) {
+            (Ok(surface), Some(slowness)) => {
+                surface.with_slowness(kept.iter().map(|&index| slowness[index]).collect())
+            }
+            (Err(SurfaceError::NoPoint), _) => Err(too_small()),
+            (surface, _) => surface,
+        }?;
+        Ok(Coarsened { surface, fine, rows, cols })
+    }
+}
+
+/// Every second of a side's points, `through` among them, and both ends unless the steps must be
+/// even. Three points are two steps of one or one step of two.
+fn every_second(points: usize, through: usize, evenly: bool) -> Vec<usize> {
+    let (first, last) = (if points > 3 { through % 2 } else { 0 }, points - 1);
+    let mut kept: Vec<usize> = (first..points).step_by(2).collect();
+    if !evenly && first > 0 {
+        kept.insert(0, 0);
+    }
+    if !evenly && kept.last() != Some(&last) {
+        kept.push(last);
+    }
+    kept
+}
+
+/// Makes a hole of one of two neighbours with a hole between them, the first unless that is the
+/// point `through`. No diagonal slips through then either: it has a third corner, and with it two
+/// sides of a cell, on which nothing is missing.
+fn keep_walls(
+    fine: &Surface,
+    rows: &[usize],
+    cols: &[usize],
+    through: [usize; 2],
+    present: &mut [bool],
+) {
+    let chart = Chart { rows: rows.len(), cols: cols.len() };
+    for index in 0..chart.points() {
+        let (i, j) = chart.position(index);
+        for (down, right) in [(0, 1), (1, 0)] {
+            let (k, l) = (i + down, j + right);
+            if k >= chart.rows || l >= chart.cols {
+                continue;
+            }
+            let other = chart.index(k, l);
+            let between = (rows[i].midpoint(rows[k]), cols[j].midpoint(cols[l]));
+            if present[index] && present[other] && !fine.has(between.0, between.1) {
+                let lost = if [rows[i], cols[j]] == through { other } else { index };
+                present[lost] = false;
+            }
+        }
+    }
+}
+
+impl Coarsened {
+    /// The coarse surface.
+    pub fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    /// The fine surface's rows that are left, in order.
+    pub fn rows(&self) -> &[usize] {
+        &self.rows
+    }
+
+    /// The fine surface's columns that are left, in order.
+    pub fn cols(&self) -> &[usize] {
+        &self.cols
+    }
+
+    /// The coarse points as indices into the fine surface's arrays, row-major.
+    pub fn indices(&self) -> impl Iterator<Item = usize> {
+        let fine = self.fine;
+        self.rows.iter().flat_map(move |&row| self.cols.iter().map(move |&c| fine.index(row, c)))
+    }
+
+    /// The fine surface's sources in coarse rows and columns.
+    ///
+    /// Where the steps between rows or columns change, a curve gets a vertex more, since its
+    /// segments would not stay straight.
+    pub fn sources(&self, fine: &Sources) -> Sources {
+        fine.iter().fold(Sources::default(), |sources, source| match source {
+            Source::Point { at, initial } => {
+                let at = self.place(*at);
+                sources.and_point(at.x, at.y, *initial)
+            }
+            Source::Curve { vertices, initial } => {
+                let mut places: Vec<DVec2> = vertices.first().copied().into_iter().collect();
+                for ends in vertices.windows(2) {
+                    places.extend(self.cuts(ends[0], ends[1]));
+                    places.push(ends[1]);
+                }
+                let places = places.into_iter().map(|at| self.place(at).to_array());
+                sources.and_curve(places, *initial)
+            }
+        })
+    }
+
+    /// A place of the fine grid in coarse rows and columns; off the grid, it stays off.
+    fn place(&self, fine: DVec2) -> DVec2 {
+        DVec2::new(place_among(&self.rows, fine.x), place_among(&self.cols, fine.y))
+    }
+
+    /// Where a segment crosses a row or column at which the steps change.
+    fn cuts(&self, from: DVec2, to: DVec2) -> Vec<DVec2> {
+        let mut cuts = Vec::new();
+        for (axis, lines) in [&self.rows, &self.cols].into_iter().enumerate() {
+            let changes = lines.windows(3).filter(|w| w[1] - w[0] != w[2] - w[1]);
+            cuts.extend(changes.map(|w| (w[1] as f64 - from[axis]) / (to[axis] - from[axis])));
+        }
+        cuts.retain(|t| *t > 0.0 && *t < 1.0);
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup();
+        cuts.into_iter().map(|t| from.lerp(to, t)).collect()
+    }
+
+    /// Values at the coarse points spread over the fine ones, linearly along both axes. Values
+    /// that are not finite are left out, and +infinity stands where no corner has another.
+    pub(crate) fn spread(&self, coarse: &[f64]) -> Vec<f64> {
+        let (rows, cols) =
+            (corners(&self.rows, self.fine.rows), corners(&self.cols, self.fine.cols));
+        let value = |row: &[(usize, f64); 2], col: &[(usize, f64); 2]| {
+            let (mut sum, mut weights, mut plain, mut count) = (0.0, 0.0, 0.0, 0.0);
+            for (i, v) in row {
+                for (j, u) in col {
+                    let value = coarse[i * self.cols.len() + j];
+                    if value.is_finite() {
+                        sum += u * v * value;
+                        weights += u * v;
+                        plain += value;
+                        count += 1.0;
+                    }
+                }
+            }
+            match (weights > 0.0, count > 0.0) {
+                (true, _) => sum / weights,
+                // A point on the coarse grid that has no value, beside some that have.
+                (_, true) => plain / count,
+                _ => f64::INFINITY,
+            }
+        };
+        rows.iter().flat_map(|row| cols.iter().map(move |col| value(row, col))).collect()
+    }
+}
+
+/// A fine row or column among the coarse ones; continued in a straight line beyond the ends.
+fn place_among(lines: &[usize], fine: f64) -> f64 {
+    if lines.len() == 1 {
+        return fine - lines[0] as f64;
+    }
+    let next = lines.partition_point(|&line| line as f64 <= fine).clamp(1, lines.len() - 1);
+    let (a, b) = (lines[next - 1] as f64, lines[next] as f64);
+    (next - 1) as f64 + (fine - a) / (b - a)
+}
+
+/// For each of a side's fine points the coarse ones on either side, with weights.
+fn corners(lines: &[usize], points: usize) -> Vec<[(usize, f64); 2]> {
+    let last = (lines.len() - 1) as f64;
+    (0..points)
+        .map(|point| {
+            let place = place_among(lines, point as f64).clamp(0.0, last);
+            let low = (place as usize).min(lines.len().saturating_sub(2));
+            let weight = place - low as f64;
+            [(low, 1.0 - weight), ((low + 1).min(lines.len() - 1), weight)]
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Spacing;
+
+    fn flat(rows: usize, cols: usize) -> Surface {
+        Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing { dx: 2.0, dy: 3.0 })
+            .unwrap()
+    }
+
+    #[test]
+    fn both_ends_and_the_asked_for_line_stay() {
+        assert_eq!(every_second(9, 4, false), [0, 2, 4, 6, 8]);
+        assert_eq!(every_second(9, 5, false), [0, 1, 3, 5, 7, 8]);
+        assert_eq!(every_second(8, 4, false), [0, 2, 4, 6, 7]);
+        assert_eq!(every_second(8, 5, true), [1, 3, 5, 7]);
+        assert_eq!(every_second(3, 1, false), [0, 2]);
+        assert_eq!(every_second(1, 0, false), [0]);
+    }
+
+    #[test]
+    fn sides_of_two_points_cannot_be_halved_and_of_one_need_not() {
+        for (rows, cols) in [(2, 9), (9, 2), (1, 1), (1, 2), (2, 2)] {
+            let error = flat(rows, cols).coarsened([0, 0]).unwrap_err();
+            assert_eq!(error, SurfaceError::TooSmall { rows, cols });
+        }
+        let line = flat(1, 9).coarsened([0, 4]).unwrap();
+        assert_eq!((line.surface().rows(), line.surface().cols()), (1, 5));
+        let holes = flat(3, 3).with_mask(&std::array::from_fn::<_, 9, _>(|index| index == 4));
+        assert!(holes.unwrap().coarsened([0, 0]).is_err());
+    }
+
+    #[test]
+    fn a_metric_is_per_step_of_two() {
+        let tensor = MetricTensor { rr: 4.0, rc: 1.0, cc: 9.0 };
+        let surface = Surface::from_metric(6, 5, vec![tensor; 30]).unwrap();
+        let coarse = surface.coarsened([1, 0]).unwrap();
+        assert_eq!((coarse.rows(), coarse.cols()), (&[1, 3, 5][..], &[0, 2, 4][..]));
+        let edge = |surface: &Surface, row, col, to| {
+            crate::surface::EdgeLengths::<f64>::new(surface).unwrap().length(row, col, to)
+        };
+        for to in crate::surface::Direction::ALL {
+            approx::assert_relative_eq!(
+                edge(coarse.surface(), 1, 1, to),
+                2.0 * edge(&surface, 3, 2, to),
+                max_relative = 1e-12
+            );
+        }
+        let line = Surface::from_metric(1, 5, vec![tensor; 5]).unwrap().coarsened([0, 0]).unwrap();
+        let Geometry::Metric(metric) = line.surface().geometry() else { panic!("a metric") };
+        assert_eq!(metric[0], MetricTensor { rr: 4.0, rc: 2.0, cc: 36.0 });
+    }
+
+    #[test]
+    fn slowness_and_positions_are_those_of_the_points_that_stay() {
+        let slowness = (0..63).map(|index| 1.0 + f64::from(index)).collect();
+        let surface = flat(7, 9).with_slowness(slowness).unwrap();
+        let coarse = surface.coarsened([3, 2]).unwrap();
+        for (index, fine) in coarse.indices().enumerate() {
+            let (row, col) = surface.chart().position(fine);
+            let (i, j) = coarse.surface().chart().position(index);
+            assert_eq!(coarse.surface().position(i, j), surface.position(row, col));
+            assert_eq!(coarse.surface().slowness().unwrap()[index], 1.0 + fine as f64);
+        }
+    }
+
+    /// Walls one point thick, straight and diagonal, that lie on no line that stays.
+    #[test]
+    fn no_wall_gets_a_gap() {
+        let walls: [fn(usize, usize) -> bool; 3] =
+            [|_, col| col == 5, |row, col| row + col == 11, |row, col| row + 1 == col];
+        for wall in walls {
+            let mask: Vec<_> = (0..121).map(|index| !wall(index / 11, index % 11)).collect();
+            let surface = flat(11, 11).with_mask(&mask).unwrap();
+            for through in [[0, 0], [10, 0], [1, 0]] {
+                let coarse = surface.coarsened(through).unwrap();
+                let reached = |surface: &Surface, from: [f64; 2]| {
+                    let seeds = Sources::point(from[0], from[1]).seeds(surface).unwrap();
+                    let edges = crate::surface::EdgeLengths::<f32>::new(surface).unwrap();
+                    let planar = crate::Wavefront::Planar;
+                    crate::cpu::fast_marching(&edges, &seeds, planar).distances()
+                };
+                let from = through.map(|x| x as f64);
+                let fine = reached(&surface, from);
+                let place = coarse.place(DVec2::from_array(from)).to_array();
+                let found = reached(coarse.surface(), place);
+                for (index, distance) in coarse.indices().zip(found) {
+                    assert!(fine[index].is_finite() || distance.is_infinite(), "{through:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sources_keep_their_places() {
+        let coarse = flat(10, 11).coarsened([3, 4]).unwrap();
+        assert_eq!(coarse.rows(), [0, 1, 3, 5, 7, 9]);
+        let sources = Sources::point(3.0, 4.0).and_point(0.5, 1.0, 2.0);
+        let expected = Sources::point(2.0, 2.0).and_point(0.5, 0.5, 2.0);
+        assert_eq!(coarse.sources(&sources), expected);
+        // The curve is straight on either side of row 1, where the steps change.
+        let curve = coarse.sources(&Sources::curve([[0.0, 0.0], [9.0, 9.0]]));
+        assert_eq!(curve, Sources::curve([[0.0, 0.0], [1.0, 0.5], [5.0, 4.5]]));
+        let outside = coarse.sources(&Sources::point(-1.0, 12.0));
+        assert_eq!(outside, Sources::point(-1.0, 6.0));
+    }
+
+    #[test]
+    fn linear_values_are_spread_exactly_and_missing_ones_left_out() {
+        let coarse = flat(6, 9).coarsened([3, 4]).unwrap();
+        let linear = |index: usize| 2.0 * (index / 9) as f64 - (index % 9) as f64;
+        let values: Vec<_> = coarse.indices().map(linear).collect();
+        for (index, value) in coarse.spread(&values).into_iter().enumerate() {
+            approx::assert_relative_eq!(value, linear(index), epsilon = 1e-12);
+        }
+        let mut ones = vec![1.0; values.len()];
+        ones[7] = f64::INFINITY;
+        assert!(coarse.spread(&ones).iter().all(|&value| value == 1.0));
+        ones.fill(f64::INFINITY);
+        assert!(coarse.spread(&ones).iter().all(|value| value.is_infinite()));
+    }
+}
