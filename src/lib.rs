@@ -20,13 +20,14 @@
 //! ```
 //!
 //! Dependence runs one way: [`surface`] (lengths and sources), [`update`] (one triangle),
-//! the engines [`cpu`] and [`vulkan`], then [`distance_map`], then [`accuracy`], file formats and
-//! the tool.
+//! the engines [`cpu`] and [`vulkan`], then [`distance_map`], then [`estimate_error`] and
+//! [`accuracy`], file formats and the tool.
 
 pub mod accuracy;
 mod constants;
 pub mod cpu;
 mod error;
+mod estimate;
 #[cfg(feature = "formats")]
 pub mod io;
 mod map;
@@ -37,6 +38,7 @@ pub mod vulkan;
 
 pub use ash;
 pub use error::Error;
+pub use estimate::{ErrorEstimate, estimate_error};
 pub use glam;
 pub use gpu_allocator;
 pub use map::{DistanceMap, Report};

@@ -103,21 +103,11 @@ pub fn distance_map(
     sources: &Sources,
     options: &Options,
 ) -> Result<DistanceMap, Error> {
-    let problem = Problem::new(surface, sources, options)?;
-    match &options.engine {
-        Engine::Cpu => problem.solve_on_cpu(None),
-        Engine::FastMarching => problem.solve_by_fast_marching(),
-        Engine::Vulkan(choice) => Ok(problem.solve_on_vulkan(choice)?),
-        Engine::Auto => match problem.solve_on_vulkan(&DeviceChoice::Any) {
-            Ok(map) => Ok(map),
-            Err(VulkanError::Surface(error)) => Err(error.into()),
-            Err(reason) => problem.solve_on_cpu(Some(reason.to_string())),
-        },
-    }
+    Problem::new(surface, sources, options)?.solve(&options.engine)
 }
 
 /// A checked problem, ready for any engine.
-struct Problem<'a> {
+pub(crate) struct Problem<'a> {
     surface: &'a Surface,
     /// Initial values less the smallest, so that a single source starts at zero, where the
     /// circular front is exact.
@@ -129,12 +119,34 @@ struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     fn new(surface: &'a Surface, sources: &Sources, options: &Options) -> Result<Self, Error> {
+        Self::from_seeds(surface, sources.seeds(surface)?, sources, options)
+    }
+
+    /// Starts from seeds that stand for the sources.
+    pub(crate) fn from_seeds(
+        surface: &'a Surface,
+        mut seeds: Vec<Seed>,
+        sources: &Sources,
+        options: &Options,
+    ) -> Result<Self, Error> {
         let wavefront = options.wavefront(sources)?;
         let stop = options.stop(surface)?;
         let start = sources.start();
-        let mut seeds = sources.seeds(surface)?;
         seeds.iter_mut().for_each(|seed| seed.time -= start);
         Ok(Self { surface, seeds, start, wavefront, stop })
+    }
+
+    pub(crate) fn solve(&self, engine: &Engine) -> Result<DistanceMap, Error> {
+        match engine {
+            Engine::Cpu => self.solve_on_cpu(None),
+            Engine::FastMarching => self.solve_by_fast_marching(),
+            Engine::Vulkan(choice) => Ok(self.solve_on_vulkan(choice)?),
+            Engine::Auto => match self.solve_on_vulkan(&DeviceChoice::Any) {
+                Ok(map) => Ok(map),
+                Err(VulkanError::Surface(error)) => Err(error.into()),
+                Err(reason) => self.solve_on_cpu(Some(reason.to_string())),
+            },
+        }
     }
 
     fn solve_on_cpu(&self, fallback: Option<String>) -> Result<DistanceMap, Error> {

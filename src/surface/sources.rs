@@ -92,6 +92,16 @@ pub enum SourceError {
         /// Column of the source.
         col: f64,
     },
+    /// No point is left near the source where only every second row and column is.
+    #[error(
+        "every second row and column has no point beside the source at row {row}, column {col}, only holes, so that its error cannot be estimated"
+    )]
+    NotOnCoarseGrid {
+        /// Row of a point beside the source.
+        row: usize,
+        /// Column of that point.
+        col: usize,
+    },
     /// An initial value is NaN or infinite.
     #[error("the initial value {initial} of source {row},{col} is not finite")]
     Initial {
@@ -105,6 +115,12 @@ pub enum SourceError {
     /// A curve has no vertex.
     #[error("a source curve has no vertex; give at least one row and column")]
     EmptyCurve,
+}
+
+impl FromIterator<Source> for Sources {
+    fn from_iter<T: IntoIterator<Item = Source>>(sources: T) -> Self {
+        Self(sources.into_iter().collect())
+    }
 }
 
 impl Sources {
