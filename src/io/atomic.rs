@@ -72,6 +72,15 @@ impl OutputFile {
         &self.path
     }
 
+    /// Whether another output would take this one's place, under the same name or another.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let place = |output: &Self| {
+            let folder = fs::canonicalize(output.folder()).ok();
+            (folder, output.target.file_name().map(ToOwned::to_owned))
+        };
+        place(self) == place(other)
+    }
+
     /// Writes the content to a temporary file in the same folder.
     ///
     /// # Errors
