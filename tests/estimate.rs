@@ -65,7 +65,7 @@ fn measured(builtin: Builtin, points: usize, source: [f64; 2], front: Wavefront)
     comparison
 }
 
-/// Measured at 65 and 129 points: 0.98 to 1.38, and at least 99.3 % of the points.
+/// Measured at 65 and 129 points: 1.06 to 1.38, and at least 99.0 % of the points.
 #[test]
 fn estimates_are_near_the_errors_of_smooth_surfaces() {
     for points in [65, 129] {
@@ -134,7 +134,7 @@ fn rounding_is_estimated_where_nothing_else_is_left() {
 }
 
 /// On every second point the maze's walls are up to a step thicker: estimates are too large by
-/// 10 to 40 for planar and circular fronts and by 500 for curved ones, but seldom too small.
+/// 15 to 35 for planar and circular fronts and by 1100 for curved ones, but seldom too small.
 #[test]
 fn estimates_behind_walls_err_on_the_safe_side() {
     for wavefront in WAVEFRONTS {
@@ -166,8 +166,31 @@ fn curves_are_sources_too() {
     assert!((0.9..2.0).contains(&found.ratio) && found.within_twice > 0.98 && found.left < 0.3);
 }
 
+/// Sources with odd and even rows and columns lie on all grids. Measured: planar 1.20 and 0.08
+/// left, point-source 1.2 to 3.3 and up to half, curved 1.1 to 1.5 and up to a quarter.
 #[test]
-fn several_sources_with_start_values_are_estimated() {
+fn several_sources_are_as_good_as_one() {
+    let points = 129;
+    let (a, b) = ([39.0, 52.0], [116.0, 89.0]);
+    for (wavefront, left) in
+        [(Wavefront::Planar, 0.15), (Wavefront::PointSource, 0.7), (Wavefront::Curved, 0.4)]
+    {
+        for builtin in SMOOTH {
+            let surface = builtin.surface(points, points).unwrap();
+            let exact = |from| builtin.exact_distances(points, points, from).unwrap();
+            let nearest: Vec<_> =
+                exact(a).into_iter().zip(exact(b)).map(|(a, b)| a.min(b)).collect();
+            let sources = at(a).and_point(b[0], b[1], 0.0);
+            let found = compare(&estimate(&surface, &sources, wavefront), &nearest);
+            println!("{builtin} {wavefront}: {found:?}");
+            assert!((0.9..4.5).contains(&found.ratio), "{builtin} {wavefront}");
+            assert!(found.within_twice > 0.98 && found.left < left, "{builtin} {wavefront}");
+        }
+    }
+}
+
+#[test]
+fn start_values_are_no_part_of_the_error() {
     let points = 129;
     let surface = Builtin::Sphere.surface(points, points).unwrap();
     let (a, b) = ([30.0, 40.0], [101.0, 90.0]);
@@ -178,8 +201,34 @@ fn several_sources_with_start_values_are_estimated() {
     let estimate = estimate(&surface, &sources, Wavefront::Planar);
     let found = compare(&estimate, &nearest);
     println!("{found:?}");
-    assert!((0.9..2.0).contains(&found.ratio) && found.within_twice > 0.9);
+    assert!((0.9..2.0).contains(&found.ratio) && found.within_twice > 0.98);
     assert!(estimate.extrapolated.iter().all(|&distance| distance >= 0.25));
+}
+
+/// On a surface that is rough on the grid, a curved front is of the first order, which is seen and
+/// said. The reference is a map of four times as many points a side. Measured: orders 1.3 and
+/// 2.0, and 1.3 for the ratio.
+#[test]
+fn roughness_is_seen() {
+    let (points, times) = (65, 4);
+    let fine = (points - 1) * times + 1;
+    let options = options(Wavefront::Curved);
+    let [row, col] = off_centre(points, points);
+    let far = at([row * times as f64, col * times as f64]);
+    let reference =
+        geosweep::distance_map(&Builtin::Peaks.surface(fine, fine).unwrap(), &far, &options);
+    let reference = reference.unwrap();
+    let exact: Vec<f64> = (0..points * points)
+        .map(|index| f64::from(reference.distance(index / points * times, index % points * times)))
+        .collect();
+    let peaks = Builtin::Peaks.surface(points, points).unwrap();
+    let rough = estimate(&peaks, &at([row, col]), Wavefront::Curved);
+    let found = compare(&rough, &exact);
+    let cylinder = Builtin::Cylinder.surface(points, points).unwrap();
+    let smooth = estimate(&cylinder, &at([row, col]), Wavefront::Curved);
+    println!("{found:?}, {:?} and {:?}", rough.observed_order, smooth.observed_order);
+    assert!((0.9..2.0).contains(&found.ratio) && found.within_twice > 0.98);
+    assert!(rough.observed_order < Some(1.6) && smooth.observed_order > Some(1.8));
 }
 
 /// The same flat surface as positions, heights and a metric: the same estimates.
@@ -241,7 +290,7 @@ fn what_no_coarse_grid_reaches_has_no_estimate() {
     }
 }
 
-/// The second source stands in a corridor that every second point leaves out.
+/// A curve in a corridor that every second point leaves out.
 #[test]
 fn sources_in_coarse_holes_start_beside_them() {
     let (rows, cols) = (17, 17);
@@ -249,12 +298,12 @@ fn sources_in_coarse_holes_start_beside_them() {
     let mask: Vec<_> = (0..rows * cols).map(|i| corridor(i / cols, i % cols)).collect();
     let heights = vec![0.0; rows * cols];
     let surface = Surface::from_heights(rows, cols, heights, Spacing::square(1.0)).unwrap();
-    let in_corridor = at([4.0, 4.0]).and_point(13.0, 3.0, 0.0);
+    let in_corridor = at([4.0, 4.0]).and_curve([[13.0, 2.0], [13.0, 4.5]], 0.0);
     let masked = surface.clone().with_mask(&mask).unwrap();
-    let error = estimate_error(&masked, &in_corridor, &options(Wavefront::Planar)).unwrap_err();
-    let expected = SourceError::NotOnCoarseGrid { row: 13, col: 3 };
-    assert!(matches!(&error, Error::Source(found) if *found == expected), "{error}");
-    assert!(error.to_string().contains("row 13, column 3"), "{error}");
+    let found = estimate_error(&masked, &in_corridor, &options(Wavefront::Planar));
+    let error = found.map(drop).unwrap_err();
+    assert!(matches!(&error, Error::Source(SourceError::NotOnCoarseGrid { .. })), "{error}");
+    assert!(error.to_string().contains("beside the source at row 13"), "{error}");
 
     // With a wider corridor a point beside the source is left.
     let mask: Vec<_> =

@@ -1,5 +1,7 @@
 //! A surface on every second of its points: the coarser of two resolutions to compare.
 
+use std::collections::BTreeSet;
+
 use glam::DVec2;
 
 use super::{Chart, Geometry, MetricTensor, Source, Sources, Surface, SurfaceError};
@@ -9,7 +11,7 @@ use super::{Chart, Geometry, MetricTensor, Source, Sources, Surface, SurfaceErro
 /// ```
 /// use geosweep::{Surface, Spacing};
 /// let surface = Surface::from_heights(6, 9, vec![0.0; 54], Spacing::square(1.0))?;
-/// let coarse = surface.coarsened([3, 4])?;
+/// let coarse = surface.coarsened(&[[3, 4]])?;
 /// assert_eq!(coarse.rows(), [0, 1, 3, 5]);
 /// assert_eq!(coarse.cols(), [0, 2, 4, 6, 8]);
 /// assert_eq!(coarse.surface().position(2, 2), surface.position(3, 4));
@@ -24,26 +26,31 @@ pub struct Coarsened {
 }
 
 impl Surface {
-    /// The surface on every second row and column, among them those of the point `through`, so
-    /// that a source there is a grid point of both.
+    /// The surface on every second row and column, among them those of the points `through`, so that
+    /// sources there are grid points of both. Where they are too close together for that, and with
+    /// a metric, the first count.
     ///
-    /// The first and the last row and column stay too, at a single step from the next where the
-    /// count wants it; a metric, which is per step, leaves them out there. A side of one point
+    /// The first and the last row and column stay too. Where the count wants it there is a single
+    /// step, at an end or half-way between two of the points; a metric, which is per step, leaves
+    /// out the ends instead. A side of one point
     /// stays one point. Slowness and positions are those of the points that stay. Holes stay
     /// holes, and where a wall would fall between two points that stay, one of them becomes a
     /// hole: paths on the coarse surface exist on the fine one.
     ///
     /// # Errors
     /// If a side has two points, or both have one, or no point but holes would be left.
-    pub fn coarsened(&self, through: [usize; 2]) -> Result<Coarsened, SurfaceError> {
+    pub fn coarsened(&self, through: &[[usize; 2]]) -> Result<Coarsened, SurfaceError> {
         let fine = self.chart();
         let too_small = || SurfaceError::TooSmall { rows: fine.rows, cols: fine.cols };
         if fine.rows == 2 || fine.cols == 2 || fine.points() == 1 {
             return Err(too_small());
         }
         let evenly = matches!(self.geometry(), Geometry::Metric(_));
-        let rows = every_second(fine.rows, through[0], evenly);
-        let cols = every_second(fine.cols, through[1], evenly);
+        let lines = |points, axis: usize| {
+            let through: Vec<usize> = through.iter().map(|point| point[axis]).collect();
+            every_second(points, &through, evenly)
+        };
+        let (rows, cols) = (lines(fine.rows, 0), lines(fine.cols, 1));
         let kept: Vec<usize> = rows
             .iter()
             .flat_map(|&row| cols.iter().map(move |&col| fine.index(row, col)))
@@ -81,31 +88,55 @@ impl Surface {
     }
 }
 
-/// Every second of a side's points, `through` among them, and both ends unless the steps must be
-/// even. Three points are two steps of one or one step of two.
-fn every_second(points: usize, through: usize, evenly: bool) -> Vec<usize> {
-    let (first, last) = (if points > 3 { through % 2 } else { 0 }, points - 1);
-    let mut kept: Vec<usize> = (first..points).step_by(2).collect();
-    if !evenly && first > 0 {
+/// Every second of a side's points, those of `through` among them where they can be, the first of
+/// them always, and both ends unless the steps must be even.
+fn every_second(points: usize, through: &[usize], evenly: bool) -> Vec<usize> {
+    // Three points are two steps of one or one step of two.
+    let mut fixed = vec![if points > 3 { through.first().copied().unwrap_or(0) } else { 0 }];
+    if !evenly && points > 3 {
+        for &line in through {
+            let fits = |other: usize| {
+                let apart = line.abs_diff(other);
+                apart.is_multiple_of(2) || apart >= BETWEEN_SINGLE_STEPS
+            };
+            if fixed.iter().all(|&other| other != line && fits(other)) {
+                fixed.push(line);
+            }
+        }
+        fixed.sort_unstable();
+    }
+    let (low, high) = (fixed[0], fixed[fixed.len() - 1]);
+    let mut kept: Vec<usize> = (low % 2..low).step_by(2).collect();
+    for pair in fixed.windows(2) {
+        let length = pair[1] - pair[0];
+        let middle = if length % 2 == 1 { pair[0] + length / 4 * 2 + 1 } else { pair[1] };
+        kept.extend((pair[0]..middle).step_by(2).chain((middle..pair[1]).step_by(2)));
+    }
+    kept.extend((high..points).step_by(2));
+    if !evenly && kept[0] > 0 {
         kept.insert(0, 0);
     }
-    if !evenly && kept.last() != Some(&last) {
-        kept.push(last);
+    if !evenly && kept.last() != Some(&(points - 1)) {
+        kept.push(points - 1);
     }
     kept
 }
 
-/// Makes a hole of one of two neighbours with a hole between them, the first unless that is the
-/// point `through`. No diagonal slips through then either: it has a third corner, and with it two
+/// Points with a single step between them are so far apart, or the grid would hardly be coarser.
+const BETWEEN_SINGLE_STEPS: usize = 8;
+
+/// Makes a hole of one of two neighbours with a hole between them, the first unless that is a
+/// point of `through`. No diagonal slips through then either: it has a third corner, and with it two
 /// sides of a cell, on which nothing is missing.
 fn keep_walls(
     fine: &Surface,
     rows: &[usize],
     cols: &[usize],
-    through: [usize; 2],
+    through: &[[usize; 2]],
     present: &mut [bool],
 ) {
     let chart = Chart { rows: rows.len(), cols: cols.len() };
+    let through: BTreeSet<_> = through.iter().copied().collect();
     for index in 0..chart.points() {
         let (i, j) = chart.position(index);
         for (down, right) in [(0, 1), (1, 0)] {
@@ -116,7 +147,7 @@ fn keep_walls(
             let other = chart.index(k, l);
             let between = (rows[i].midpoint(rows[k]), cols[j].midpoint(cols[l]));
             if present[index] && present[other] && !fine.has(between.0, between.1) {
-                let lost = if [rows[i], cols[j]] == through { other } else { index };
+                let lost = if through.contains(&[rows[i], cols[j]]) { other } else { index };
                 present[lost] = false;
             }
         }
@@ -249,31 +280,40 @@ mod tests {
 
     #[test]
     fn both_ends_and_the_asked_for_line_stay() {
-        assert_eq!(every_second(9, 4, false), [0, 2, 4, 6, 8]);
-        assert_eq!(every_second(9, 5, false), [0, 1, 3, 5, 7, 8]);
-        assert_eq!(every_second(8, 4, false), [0, 2, 4, 6, 7]);
-        assert_eq!(every_second(8, 5, true), [1, 3, 5, 7]);
-        assert_eq!(every_second(3, 1, false), [0, 2]);
-        assert_eq!(every_second(1, 0, false), [0]);
+        assert_eq!(every_second(9, &[4], false), [0, 2, 4, 6, 8]);
+        assert_eq!(every_second(9, &[5], false), [0, 1, 3, 5, 7, 8]);
+        assert_eq!(every_second(8, &[4], false), [0, 2, 4, 6, 7]);
+        assert_eq!(every_second(8, &[5], true), [1, 3, 5, 7]);
+        assert_eq!(every_second(3, &[1], false), [0, 2]);
+        assert_eq!(every_second(1, &[0], false), [0]);
+    }
+
+    #[test]
+    fn a_single_step_lies_between_sources_that_want_other_lines() {
+        let kept = [0, 2, 4, 6, 8, 9, 11, 13, 15, 16];
+        assert_eq!(every_second(17, &[13, 4, 4], false), kept);
+        assert_eq!(every_second(17, &[4, 5, 13], false), kept);
+        assert_eq!(every_second(9, &[2, 5, 8], false), [0, 2, 4, 6, 8]);
+        assert_eq!(every_second(17, &[5, 4], true), [1, 3, 5, 7, 9, 11, 13, 15]);
     }
 
     #[test]
     fn sides_of_two_points_cannot_be_halved_and_of_one_need_not() {
         for (rows, cols) in [(2, 9), (9, 2), (1, 1), (1, 2), (2, 2)] {
-            let error = flat(rows, cols).coarsened([0, 0]).unwrap_err();
+            let error = flat(rows, cols).coarsened(&[[0, 0]]).unwrap_err();
             assert_eq!(error, SurfaceError::TooSmall { rows, cols });
         }
-        let line = flat(1, 9).coarsened([0, 4]).unwrap();
+        let line = flat(1, 9).coarsened(&[[0, 4]]).unwrap();
         assert_eq!((line.surface().rows(), line.surface().cols()), (1, 5));
         let holes = flat(3, 3).with_mask(&std::array::from_fn::<_, 9, _>(|index| index == 4));
-        assert!(holes.unwrap().coarsened([0, 0]).is_err());
+        assert!(holes.unwrap().coarsened(&[[0, 0]]).is_err());
     }
 
     #[test]
     fn a_metric_is_per_step_of_two() {
         let tensor = MetricTensor { rr: 4.0, rc: 1.0, cc: 9.0 };
         let surface = Surface::from_metric(6, 5, vec![tensor; 30]).unwrap();
-        let coarse = surface.coarsened([1, 0]).unwrap();
+        let coarse = surface.coarsened(&[[1, 0]]).unwrap();
         assert_eq!((coarse.rows(), coarse.cols()), (&[1, 3, 5][..], &[0, 2, 4][..]));
         let edge = |surface: &Surface, row, col, to| {
             crate::surface::EdgeLengths::<f64>::new(surface).unwrap().length(row, col, to)
@@ -285,7 +325,8 @@ mod tests {
                 max_relative = 1e-12
             );
         }
-        let line = Surface::from_metric(1, 5, vec![tensor; 5]).unwrap().coarsened([0, 0]).unwrap();
+        let line =
+            Surface::from_metric(1, 5, vec![tensor; 5]).unwrap().coarsened(&[[0, 0]]).unwrap();
         let Geometry::Metric(metric) = line.surface().geometry() else { panic!("a metric") };
         assert_eq!(metric[0], MetricTensor { rr: 4.0, rc: 2.0, cc: 36.0 });
     }
@@ -294,7 +335,7 @@ mod tests {
     fn slowness_and_positions_are_those_of_the_points_that_stay() {
         let slowness = (0..63).map(|index| 1.0 + f64::from(index)).collect();
         let surface = flat(7, 9).with_slowness(slowness).unwrap();
-        let coarse = surface.coarsened([3, 2]).unwrap();
+        let coarse = surface.coarsened(&[[3, 2]]).unwrap();
         for (index, fine) in coarse.indices().enumerate() {
             let (row, col) = surface.chart().position(fine);
             let (i, j) = coarse.surface().chart().position(index);
@@ -312,7 +353,7 @@ mod tests {
             let mask: Vec<_> = (0..121).map(|index| !wall(index / 11, index % 11)).collect();
             let surface = flat(11, 11).with_mask(&mask).unwrap();
             for through in [[0, 0], [10, 0], [1, 0]] {
-                let coarse = surface.coarsened(through).unwrap();
+                let coarse = surface.coarsened(&[through]).unwrap();
                 let reached = |surface: &Surface, from: [f64; 2]| {
                     let seeds = Sources::point(from[0], from[1]).seeds(surface).unwrap();
                     let edges = crate::surface::EdgeLengths::<f32>::new(surface).unwrap();
@@ -332,7 +373,7 @@ mod tests {
 
     #[test]
     fn sources_keep_their_places() {
-        let coarse = flat(10, 11).coarsened([3, 4]).unwrap();
+        let coarse = flat(10, 11).coarsened(&[[3, 4]]).unwrap();
         assert_eq!(coarse.rows(), [0, 1, 3, 5, 7, 9]);
         let sources = Sources::point(3.0, 4.0).and_point(0.5, 1.0, 2.0);
         let expected = Sources::point(2.0, 2.0).and_point(0.5, 0.5, 2.0);
@@ -346,7 +387,7 @@ mod tests {
 
     #[test]
     fn linear_values_are_spread_exactly_and_missing_ones_left_out() {
-        let coarse = flat(6, 9).coarsened([3, 4]).unwrap();
+        let coarse = flat(6, 9).coarsened(&[[3, 4]]).unwrap();
         let linear = |index: usize| 2.0 * (index / 9) as f64 - (index % 9) as f64;
         let values: Vec<_> = coarse.indices().map(linear).collect();
         for (index, value) in coarse.spread(&values).into_iter().enumerate() {

@@ -84,13 +84,14 @@ pub struct Args {
     #[arg(allow_hyphen_values = true)]
     tolerance: f64,
 
-    /// Estimate each distance's error from maps of every second and fourth point, which takes a third
-    /// more time: .npy (M, N), .tif or .exr, float32, in the unit of the
-    /// distances, +infinity where there is no estimate. Too large by far behind holes
+    /// Estimate each distance's error from maps of every second and fourth point, which takes a
+    /// third more time: .npy (M, N), .tif or .exr, float32, in the unit of the distances, +infinity
+    /// where there is no estimate. Too large by far behind holes
     #[arg(long, value_name = "FILE", help_heading = "Accuracy")]
     error: Option<PathBuf>,
-    /// Write the map less its estimated error (Richardson's extrapolation), for a third more time. On smooth surfaces a half to a hundredth of the error is left, least for a single
-    /// source at a grid point; behind holes it grows
+    /// Write the map less its estimated error (Richardson's extrapolation), for a third more time.
+    /// On smooth surfaces a half to a hundredth of the error is left, least from sources at grid
+    /// points; behind holes it grows
     #[arg(long, help_heading = "Accuracy")]
     extrapolate: bool,
 
