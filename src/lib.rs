@@ -30,6 +30,7 @@ mod error;
 mod estimate;
 #[cfg(feature = "formats")]
 pub mod io;
+mod lanes;
 mod map;
 mod solve;
 pub mod surface;

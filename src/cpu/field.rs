@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::Instructions;
-use super::line::{Behind, Line};
+use super::line::{Behind, Line, Update};
 use super::tiles::Scan;
 use crate::surface::Real;
 use crate::update::Wavefront;
@@ -31,7 +31,7 @@ pub(super) struct How {
 
 impl<R: Real> Field<'_, R> {
     /// Updates points of a line, counted from the border, from the line behind; see
-    /// [`Line::update`].
+    /// [`Update`].
     pub(super) fn update(
         &mut self,
         line: usize,
@@ -73,7 +73,8 @@ impl<R: Real> Field<'_, R> {
             edges,
             bases: &next[first..first + points.len() + 1],
         };
-        line.update(how.wavefront, how.scan.0, how.instructions, changed)
+        let How { wavefront, scan, instructions } = how;
+        instructions.run(Update { line, wavefront, scan: scan.0, changed })
     }
 }
 

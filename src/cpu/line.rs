@@ -1,11 +1,10 @@
 //! The update of one line of points from the line behind it: what rotated scans are made of.
 //!
-//! The loop has no branch, so that the compiler turns points into lanes; it is compiled once for
-//! each set of [`Instructions`].
+//! The loop has no branch, so that the compiler turns points into lanes; see [`Work`].
 
-use super::Instructions;
 use super::state::accept;
 use super::tiles::TILE;
+use crate::lanes::Work;
 use crate::surface::Real;
 use crate::update::{Bends, Front, Triangle, Wavefront, curved, planar, point_source};
 
@@ -36,51 +35,26 @@ pub(super) struct Behind<'a, R> {
     pub gaussian: &'a [R],
 }
 
-impl<R: Real> Line<'_, R> {
-    /// Updates all points, and marks which stretches of [`TILE`] points have changed. Returns the
-    /// largest change ([`Real::units_between`]).
-    pub(super) fn update(
-        self,
-        wavefront: Wavefront,
-        scan: u8,
-        instructions: Instructions,
-        changed: &mut [bool],
-    ) -> R::Bits {
-        match instructions {
-            Instructions::Baseline => by_tiles(self, wavefront, scan, changed),
-            // SAFETY: `Instructions::available` lists only sets that this machine has.
-            #[cfg(target_arch = "x86_64")]
-            Instructions::Avx2 => unsafe { avx2(self, wavefront, scan, changed) },
-            // SAFETY: as above.
-            #[cfg(target_arch = "x86_64")]
-            Instructions::Avx512 => unsafe { avx512(self, wavefront, scan, changed) },
+/// The update of a line by a scan, and where to mark which stretches of [`TILE`] points it has
+/// changed. The output is the largest change ([`Real::units_between`]).
+pub(super) struct Update<'a, R> {
+    pub line: Line<'a, R>,
+    pub wavefront: Wavefront,
+    pub scan: u8,
+    pub changed: &'a mut [bool],
+}
+
+impl<R: Real> Work for Update<'_, R> {
+    type Output = R::Bits;
+
+    #[inline(always)]
+    fn run(self) -> R::Bits {
+        let Self { line, wavefront, scan, changed } = self;
+        match wavefront {
+            Wavefront::Planar => each_tile::<R, Planar>(line, scan, changed),
+            Wavefront::PointSource => each_tile::<R, PointSource>(line, scan, changed),
+            Wavefront::Curved => each_tile::<R, Curved>(line, scan, changed),
         }
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn avx2<R: Real>(line: Line<R>, wavefront: Wavefront, scan: u8, changed: &mut [bool]) -> R::Bits {
-    by_tiles(line, wavefront, scan, changed)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
-fn avx512<R: Real>(line: Line<R>, wavefront: Wavefront, scan: u8, changed: &mut [bool]) -> R::Bits {
-    by_tiles(line, wavefront, scan, changed)
-}
-
-#[inline(always)]
-fn by_tiles<R: Real>(
-    line: Line<R>,
-    wavefront: Wavefront,
-    scan: u8,
-    changed: &mut [bool],
-) -> R::Bits {
-    match wavefront {
-        Wavefront::Planar => each_tile::<R, Planar>(line, scan, changed),
-        Wavefront::PointSource => each_tile::<R, PointSource>(line, scan, changed),
-        Wavefront::Curved => each_tile::<R, Curved>(line, scan, changed),
     }
 }
 
@@ -101,8 +75,7 @@ fn each_tile<R: Real, K: Kernel>(mut line: Line<R>, scan: u8, changed: &mut [boo
     largest
 }
 
-/// The update of a stretch of a line. A trait and not a closure, since a closure is compiled for
-/// the baseline instructions if it happens not to be inlined.
+/// The update of a stretch of a line.
 trait Kernel {
     fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, scan: u8) -> R::Bits;
 }

@@ -6,7 +6,6 @@
 mod connections;
 mod fast_marching;
 mod field;
-mod instructions;
 mod line;
 mod panel;
 mod raster_scan;
@@ -15,9 +14,9 @@ mod state;
 mod tiles;
 mod transpose;
 
+pub use crate::lanes::Instructions;
 pub use connections::Connections;
 pub use fast_marching::{fast_marching, fast_marching_with};
-pub use instructions::Instructions;
 pub use raster_scan::raster_scan;
 pub use rotated_scan::{Convergence, RotatedScan, rotated_scan};
 pub use state::Solution;

@@ -113,6 +113,12 @@ impl<R: Real> EdgeLengths<R> {
         self.lengths[slot.stored][point.wrapping_add_signed(slot.offset)]
     }
 
+    /// The lengths of an edge of as many points in a row.
+    #[inline(always)]
+    pub(crate) fn row(&self, first: usize, slot: EdgeSlot, points: usize) -> &[R] {
+        &self.lengths[slot.stored][first.wrapping_add_signed(slot.offset)..][..points]
+    }
+
     /// The lengths of all edges to the east, north, north-east and north-west, as bordered arrays.
     pub(crate) fn planes(&self) -> [&[R]; 4] {
         self.lengths.each_ref().map(Vec::as_slice)
@@ -120,7 +126,7 @@ impl<R: Real> EdgeLengths<R> {
 }
 
 /// The grid's rows in a bordered array.
-fn inner_rows<R: Real>(
+pub(super) fn inner_rows<R: Real>(
     chart: Chart,
     plane: &mut [R],
 ) -> impl IndexedParallelIterator<Item = &mut [R]> {

@@ -3,9 +3,10 @@
 use rayon::prelude::*;
 
 use super::chart::Direction;
-use super::edges::{EdgeLengths, EdgeSlot};
-use super::real::Real;
+use super::edges::{EdgeLengths, EdgeSlot, inner_rows};
+use super::real::{Real, max, min};
 use crate::constants::{DEFECT_NOISE, LARGEST_DEFECT};
+use crate::lanes::{Instructions, Work};
 
 /// Tag ([`Real::with_tag`]) of the Gaussian curvature at points where waves diffract.
 pub(crate) const DIFFRACTS: u8 = 1;
@@ -23,91 +24,117 @@ pub(crate) const DIFFRACTS: u8 = 1;
 /// the mean of their neighbours' curvature: waves diffract there.
 pub(crate) fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
     let chart = edges.chart();
-    let fan = fan(edges);
-    let mut own = vec![None; chart.bordered_points()];
-    let rows = |row: usize| row * chart.stride()..(row + 1) * chart.stride();
-    own.par_chunks_mut(chart.stride()).enumerate().skip(1).take(chart.rows).for_each(
-        |(row, line)| {
-            for (point, curvature) in rows(row).zip(line).skip(1).take(chart.cols) {
-                *curvature = fan_curvature(edges, &fan, point);
-            }
-        },
-    );
-    let or_mean = |point: usize| match own[point] {
-        Some(curvature) => curvature.with_tag(0),
-        None => {
-            let around = fan.iter().filter_map(|spoke| {
-                let exists = edges.at(point, spoke.edge) < R::FAR;
-                own[point.wrapping_add_signed(spoke.offset)].filter(|_| exists)
-            });
-            let (sum, count) = around.fold((R::zero(), R::zero()), |(sum, count), curvature| {
-                (sum + curvature, count + R::one())
-            });
-            (sum / count.max(R::one())).with_tag(DIFFRACTS)
+    // Where a triangle of the fan is missing, so is the curvature: FAR.
+    let mut own = vec![R::FAR; chart.bordered_points()];
+    inner_rows(chart, &mut own)
+        .enumerate()
+        .for_each(|(row, own)| Instructions::best().run(Row { edges, row, own }));
+    let mut curvature = vec![R::zero().with_tag(DIFFRACTS); chart.bordered_points()];
+    inner_rows(chart, &mut curvature).enumerate().for_each(|(row, line)| {
+        for (col, curvature) in line.iter_mut().enumerate() {
+            let point = chart.bordered(row, col);
+            *curvature = if own[point] < R::FAR {
+                own[point].with_tag(0)
+            } else {
+                mean_around(edges, &own, point).with_tag(DIFFRACTS)
+            };
         }
-    };
-    let border = R::zero().with_tag(DIFFRACTS);
-    let inside = |point: usize| {
-        let (row, col) = (point / chart.stride(), point % chart.stride());
-        (1..=chart.rows).contains(&row) && (1..=chart.cols).contains(&col)
-    };
-    (0..chart.bordered_points())
-        .into_par_iter()
-        .map(|point| if inside(point) { or_mean(point) } else { border })
-        .collect()
+    });
+    curvature
 }
 
-/// An edge of the fan and the base of the triangle that follows it counter-clockwise.
-struct Spoke {
-    offset: isize,
-    edge: EdgeSlot,
-    base: EdgeSlot,
-}
-
-fn fan<R: Real>(edges: &EdgeLengths<R>) -> [Spoke; 8] {
+/// The mean curvature of the neighbours that have one of their own.
+fn mean_around<R: Real>(edges: &EdgeLengths<R>, own: &[R], point: usize) -> R {
     let chart = edges.chart();
-    Direction::ALL.map(|to| Spoke {
-        offset: chart.offset(to),
-        edge: EdgeSlot::new(chart, 0, to),
-        base: EdgeSlot::new(chart, chart.offset(to), to.base()),
-    })
+    let (mut sum, mut count) = (R::zero(), R::zero());
+    for to in Direction::ALL {
+        let neighbour = own[point.wrapping_add_signed(chart.offset(to))];
+        if edges.at(point, EdgeSlot::new(chart, 0, to)) < R::FAR && neighbour < R::FAR {
+            (sum, count) = (sum + neighbour, count + R::one());
+        }
+    }
+    sum / count.max(R::one())
 }
 
-/// `None` if a triangle of the fan is missing.
-fn fan_curvature<R: Real>(edges: &EdgeLengths<R>, fan: &[Spoke; 8], point: usize) -> Option<R> {
-    let half = R::of(0.5);
+/// The curvature of a row of points, FAR where a triangle of the fan is.
+struct Row<'a, R> {
+    edges: &'a EdgeLengths<R>,
+    row: usize,
+    own: &'a mut [R],
+}
+
+impl<R: Real> Work for Row<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { edges, row, own } = self;
+        let (chart, cols) = (edges.chart(), own.len());
+        let mut fan: [&[R]; 8] = [&[]; 8];
+        let mut bases: [&[R]; 8] = [&[]; 8];
+        for (index, to) in Direction::ALL.into_iter().enumerate() {
+            let first = chart.bordered(row, 0);
+            fan[index] = edges.row(first, EdgeSlot::new(chart, 0, to), cols);
+            bases[index] =
+                edges.row(first, EdgeSlot::new(chart, chart.offset(to), to.base()), cols);
+        }
+        for col in 0..cols {
+            own[col] = defect_density(
+                [
+                    fan[0][col],
+                    fan[1][col],
+                    fan[2][col],
+                    fan[3][col],
+                    fan[4][col],
+                    fan[5][col],
+                    fan[6][col],
+                    fan[7][col],
+                ],
+                [
+                    bases[0][col],
+                    bases[1][col],
+                    bases[2][col],
+                    bases[3][col],
+                    bases[4][col],
+                    bases[5][col],
+                    bases[6][col],
+                    bases[7][col],
+                ],
+            );
+        }
+    }
+}
+
+/// The angle defect of a fan over a quarter of its area, given its edges and the bases between one
+/// and the next; FAR if a triangle is.
+#[inline(always)]
+fn defect_density<R: Real>(edges: [R; 8], bases: [R; 8]) -> R {
+    let (zero, one, half) = (R::zero(), R::one(), R::of(0.5));
     // The angles are added up as the product of complex numbers with these arguments: all of
     // them make a full turn less the defect.
-    let (mut re, mut im, mut area) = (R::one(), R::zero(), R::zero());
-    for (index, spoke) in fan.iter().enumerate() {
-        let a = edges.at(point, spoke.edge);
-        let b = edges.at(point, fan[(index + 1) % 8].edge);
-        let c = edges.at(point, spoke.base);
-        let longest = a.max(b).max(c);
-        if !(longest < R::FAR && longest + longest < a + b + c) {
-            return None;
-        }
+    let (mut re, mut im, mut area, mut whole) = (one, zero, zero, true);
+    for index in 0..8 {
+        let (a, b, c) = (edges[index], edges[(index + 1) % 8], bases[index]);
+        let longest = max(max(a, b), c);
+        whole &= (longest < R::FAR) & (longest + longest < a + b + c);
         let x = half * ((a * a + b * b) - c * c) / (a * b);
-        let y = ((R::one() - x) * (R::one() + x)).max(R::zero()).sqrt();
+        let y = max((one - x) * (one + x), zero).sqrt();
         (re, im) = (re * x - im * y, re * y + im * x);
         area = area + half * (a * b) * y;
     }
     let largest = R::of(LARGEST_DEFECT);
-    let tangent = if re > R::zero() {
-        (-im / re).max(-largest).min(largest)
-    } else if im > R::zero() {
-        -largest
-    } else {
-        largest
-    };
+    let beyond = if im > zero { -largest } else { largest };
+    let within = min(max(-im / re, -largest), largest);
+    let tangent = if re > zero { within } else { beyond };
     // The arc tangent to 3e-4 at the largest defect, where it is limited anyhow.
-    let (one, square) = (R::one(), tangent * tangent);
-    let [third, fifth, seventh] = [3.0, 5.0, 7.0].map(|n| R::of(1.0 / n));
+    let square = tangent * tangent;
+    let (third, fifth, seventh) = (R::of(1.0 / 3.0), R::of(1.0 / 5.0), R::of(1.0 / 7.0));
     let defect = tangent * (one - square * (third - square * (fifth - square * seventh)));
     // The noise is that of f32; f64's is as much smaller as its digits are more.
     let noise = R::of(DEFECT_NOISE / f64::from(f32::EPSILON)) * R::epsilon();
     let signal = defect * defect / (defect * defect + noise * noise);
-    Some(defect * signal / (R::of(0.25) * area))
+    let curvature = defect * signal / (R::of(0.25) * area);
+    if whole { curvature } else { R::FAR }
 }
 
 #[cfg(test)]

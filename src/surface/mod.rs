@@ -21,8 +21,8 @@ pub(crate) use edges::EdgeSlot;
 pub use edges::{EdgeLengths, LONGEST_EDGE, SHORTEST_EDGE};
 pub(crate) use gaussian_curvature::DIFFRACTS;
 pub use geometry::{Geometry, MetricTensor, Spacing};
-pub(crate) use real::relative_change;
 pub use real::{FAR, Real};
+pub(crate) use real::{max, min, relative_change};
 pub use sources::{Seed, Source, SourceError, Sources};
 
 use glam::DVec3;

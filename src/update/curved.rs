@@ -1,8 +1,8 @@
 //! The curved wavefront: a front that carries its geodesic curvature beside the arrival time.
 
-use super::{Shape, Triangle, max};
+use super::{Shape, Triangle};
 use crate::constants::{FOCUS, GRAZING};
-use crate::surface::{DIFFRACTS, Real};
+use crate::surface::{DIFFRACTS, Real, max};
 
 /// An arriving front: when, and how curved it is.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,7 +13,7 @@ pub use curved::{Bends, Front, curved};
 pub use planar::planar;
 pub use point_source::point_source;
 
-use crate::surface::Real;
+use crate::surface::{Real, min};
 
 /// The shape of the front that an update assumes inside a triangle. The numbers are those of
 /// `WAVEFRONT` in `glsl/update.glsl`.
@@ -104,19 +104,6 @@ impl<R: Real> Shape<R> {
         let whole = (height_squared > R::zero()) & (height_squared < R::FAR) & (base < R::FAR);
         Self { per_base, side, other, foot, height_squared, whole }
     }
-}
-
-/// The larger of two numbers. In comparisons with NaN the first wins, as in the shaders; unlike
-/// the standard library's, it is one instruction.
-#[inline(always)]
-fn max<R: Real>(a: R, b: R) -> R {
-    if a < b { b } else { a }
-}
-
-/// The smaller of two numbers.
-#[inline(always)]
-fn min<R: Real>(a: R, b: R) -> R {
-    if b < a { b } else { a }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The planar wavefront (paper, section 3, eqs. 6-16).
 
-use super::{Shape, Triangle, max, min};
-use crate::surface::Real;
+use super::{Shape, Triangle};
+use crate::surface::{Real, max, min};
 
 /// The arrival time at x0 of a straight front that reaches x1 and x2 at t1 and t2.
 ///

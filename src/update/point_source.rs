@@ -1,7 +1,7 @@
 //! The point-source wavefront: a circular front, unfolded into the triangle's plane.
 
-use super::{Shape, Triangle, max, min};
-use crate::surface::Real;
+use super::{Shape, Triangle};
+use crate::surface::{Real, max, min};
 
 /// The arrival time at x0 of a circular front that reaches x1 and x2 at t1 and t2.
 ///

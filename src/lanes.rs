@@ -1,4 +1,4 @@
-//! Which vector instructions the scans run on, found out when the program runs.
+//! Which vector instructions the CPU engine runs on, found out when the program runs.
 
 /// A set of vector instructions. All give the same map to the bit: no operation is fused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -32,8 +32,48 @@ impl Instructions {
 
     /// The best set that this machine has.
     pub fn best() -> Self {
-        Self::available().pop().unwrap_or(Self::Baseline)
+        static BEST: std::sync::OnceLock<Instructions> = std::sync::OnceLock::new();
+        *BEST.get_or_init(|| Self::available().pop().unwrap_or(Self::Baseline))
     }
+}
+
+/// A loop over points without a branch in it, which the compiler turns into lanes.
+///
+/// A trait and not a closure: a closure that happens not to be inlined would be compiled for the
+/// baseline instructions. For the same reason `run` and what it calls have to be
+/// `#[inline(always)]`.
+pub(crate) trait Work {
+    type Output;
+
+    fn run(self) -> Self::Output;
+}
+
+impl Instructions {
+    /// Runs work that is compiled once for each set.
+    pub(crate) fn run<W: Work>(self, work: W) -> W::Output {
+        match self {
+            Self::Baseline => work.run(),
+            // SAFETY: only sets that this machine has are made, by `Instructions::available` and
+            // `RotatedScan::with_instructions`.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => unsafe { avx2(work) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => unsafe { avx512(work) },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn avx2<W: Work>(work: W) -> W::Output {
+    work.run()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
+fn avx512<W: Work>(work: W) -> W::Output {
+    work.run()
 }
 
 impl std::fmt::Display for Instructions {
