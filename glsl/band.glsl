@@ -8,6 +8,7 @@ layout(push_constant) uniform Band {
     int buffer_row;  // the grid's row that the buffer starts with
     float dx;        // spacing of a height field
     float dy;
+    int arcs;        // 1 for lengths along the surface, 0 for chords
 };
 
 int buffer_index(ivec2 at) {

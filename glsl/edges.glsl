@@ -5,9 +5,14 @@
 //
 // The including shader declares a Point with a member `slowness` (0 in a hole), and
 //     Point load(ivec2 at)                              the point of the band's buffer
-//     float separation(Point a, Point b, ivec2 step)    their distance without slowness
+// and defines
+//     float separation(ivec2 at, ivec2 step)            to a neighbour, without slowness
+
+float separation(ivec2 at, ivec2 step);
 
 layout(set = 0, binding = 0, rgba32f) uniform writeonly restrict image2D edges;
+
+const ivec2 STEPS[4] = ivec2[](ivec2(1, 0), ivec2(0, -1), ivec2(1, -1), ivec2(-1, -1));
 
 bool in_grid(ivec2 at) {
     return at.x >= 0 && at.y >= 0 && at.x < grid.x && at.y < grid.y;
@@ -22,9 +27,7 @@ float edge_length(ivec2 at, ivec2 step) {
     bool diagonal = step.x != 0 && step.y != 0;
     bool beside = is_present(at + ivec2(step.x, 0)) || is_present(at + ivec2(0, step.y));
     if (diagonal && !beside) return FAR;
-    Point a = load(at);
-    Point b = load(at + step);
-    return 0.5 * (a.slowness + b.slowness) * separation(a, b, step);
+    return 0.5 * (load(at).slowness + load(at + step).slowness) * separation(at, step);
 }
 
 void main() {
@@ -32,8 +35,10 @@ void main() {
     if (at.x >= grid.x || at.y >= first_row + band_rows) return;
     vec4 lengths = vec4(FAR);
     if (is_present(at)) {
-        lengths = vec4(edge_length(at, ivec2(1, 0)), edge_length(at, ivec2(0, -1)),
-                       edge_length(at, ivec2(1, -1)), edge_length(at, ivec2(-1, -1)));
+        // A loop, since drivers are slow to compile the same code four times over.
+        for (int i = 0; i < 4; i++) {
+            lengths[i] = edge_length(at, STEPS[i]);
+        }
     }
     imageStore(edges, at + 2 * BORDER, lengths);
 }

@@ -21,9 +21,10 @@ Point load(ivec2 at) {
     return Point(point.x, point.y);
 }
 
-float separation(Point a, Point b, ivec2 step) {
-    vec3 d = vec3(step * vec2(dx, dy), b.height - a.height);
-    return sqrt((d.x * d.x + d.y * d.y) + d.z * d.z);
+#include "edges.glsl"
+
+vec3 difference(Point a, Point b, ivec2 step) {
+    return vec3(step * vec2(dx, dy), b.height - a.height);
 }
 
-#include "edges.glsl"
+#include "arc.glsl"

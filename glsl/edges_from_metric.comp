@@ -27,8 +27,8 @@ float step_length(vec3 metric, ivec2 step) {
     return sqrt(max((metric.x * squares.x + metric.y * squares.y) + metric.z * squares.z, 0.0));
 }
 
-float separation(Point a, Point b, ivec2 step) {
-    return 0.5 * (step_length(a.metric, step) + step_length(b.metric, step));
-}
-
 #include "edges.glsl"
+
+float separation(ivec2 at, ivec2 step) {
+    return 0.5 * (step_length(load(at).metric, step) + step_length(load(at + step).metric, step));
+}

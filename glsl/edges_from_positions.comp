@@ -21,9 +21,10 @@ Point load(ivec2 at) {
     return Point(point.xyz, point.w);
 }
 
-float separation(Point a, Point b, ivec2 step) {
-    vec3 d = b.position - a.position;
-    return sqrt((d.x * d.x + d.y * d.y) + d.z * d.z);
+#include "edges.glsl"
+
+vec3 difference(Point a, Point b, ivec2 step) {
+    return b.position - a.position;
 }
 
-#include "edges.glsl"
+#include "arc.glsl"

@@ -14,7 +14,8 @@ layout(set = 0, binding = 1, rgba32f) uniform writeonly restrict image2DArray fr
 layout(set = 0, binding = 3, rgba32f) uniform writeonly restrict image2DArray fronts_1;
 
 layout(push_constant) uniform Size {
-    ivec2 texels; // columns and rows of texels, without the border
+    ivec2 texels;       // columns and rows of texels, without the border
+    float share_of_fan; // of a fan's area, to which its angle defect belongs
 };
 
 // Steps to the eight neighbours, counter-clockwise from east.
@@ -50,7 +51,7 @@ bool fan_curvature(ivec2 point, out float curvature) {
     float square = tangent * tangent;
     float defect = tangent * (1.0 - square * (1.0 / 3.0 - square * (1.0 / 5.0 - square * (1.0 / 7.0))));
     float signal = defect * defect / (defect * defect + DEFECT_NOISE * DEFECT_NOISE);
-    curvature = defect * signal / (0.25 * area);
+    curvature = defect * signal / (share_of_fan * area);
     return true;
 }
 

@@ -44,7 +44,7 @@ pub use glam;
 pub use gpu_allocator;
 pub use map::{DistanceMap, Report};
 pub use solve::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Options, distance_map};
-pub use surface::{MetricTensor, Source, Sources, Spacing, Surface};
+pub use surface::{EdgeRule, MetricTensor, Source, Sources, Spacing, Surface};
 pub use update::Wavefront;
 
 /// README's example compiles and runs.

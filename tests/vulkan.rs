@@ -8,7 +8,8 @@ use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::{Solver, VulkanError};
 use geosweep::{
-    DeviceChoice, Engine, MetricTensor, Options, Sources, Surface, Wavefront, distance_map,
+    DeviceChoice, EdgeRule, Engine, MetricTensor, Options, Sources, Spacing, Surface, Wavefront,
+    distance_map,
 };
 
 /// Both engines stop where nothing falls by more than 1e-6 in an iteration, and measure edges
@@ -138,7 +139,22 @@ fn every_iteration_of_the_shader_is_one_of_its_twin() {
     assert_twins(&mut solver, &holes, some_point(&holes), 3);
 }
 
-/// More rows than one band of the upload holds.
+/// Chords, and arcs around holes and across creases: the lengths are the twin's.
+#[test]
+fn both_rules_for_edges_are_those_of_the_twin() {
+    let mut solver = vulkan_solver();
+    let folded = (0..60 * 50).map(|i| f64::from(i % 50 - 20).abs().max(f64::from(i / 50).sqrt()));
+    let folded = Surface::from_heights(60, 50, folded.collect(), Spacing::square(1.0)).unwrap();
+    let holes = rough(60, 50, 7);
+    for surface in [Builtin::Torus.surface(61, 70).unwrap(), holes, folded] {
+        for rule in [EdgeRule::Chord, EdgeRule::Arc] {
+            let surface = surface.clone().with_edge_rule(rule);
+            assert_twins(&mut solver, &surface, some_point(&surface), 1);
+        }
+    }
+}
+
+/// More rows than one band of the upload holds, and bends across their border.
 #[test]
 fn every_band_of_the_upload_arrives() {
     let mut solver = vulkan_solver();

@@ -5,9 +5,9 @@ use std::sync::OnceLock;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::arc::{EdgeRule, arc};
 use super::chart::{Chart, Direction};
 use super::gaussian_curvature::gaussian_curvature;
-use super::points::Point;
 use super::real::Real;
 use super::{Surface, SurfaceError};
 
@@ -29,6 +29,7 @@ pub struct EdgeLengths<R> {
     chart: Chart,
     /// One array for each of [`STORED`], so that neighbours' lengths lie side by side.
     lengths: [Vec<R>; 4],
+    rule: EdgeRule,
     gaussian_curvature: OnceLock<Vec<R>>,
 }
 
@@ -80,7 +81,8 @@ impl<R: Real> EdgeLengths<R> {
                 Ok(())
             },
         )?;
-        Ok(Self { chart, lengths, gaussian_curvature: OnceLock::new() })
+        let rule = surface.edge_rule();
+        Ok(Self { chart, lengths, rule, gaussian_curvature: OnceLock::new() })
     }
 
     /// The grid's size.
@@ -101,6 +103,11 @@ impl<R: Real> EdgeLengths<R> {
     /// `gaussian_curvature.rs`. Computed when it is first asked for.
     pub(crate) fn gaussian_curvature(&self) -> &[R] {
         self.gaussian_curvature.get_or_init(|| gaussian_curvature(self))
+    }
+
+    /// The rule by which they were measured.
+    pub(crate) fn rule(&self) -> EdgeRule {
+        self.rule
     }
 
     /// Bytes held.
@@ -152,20 +159,30 @@ impl Surface {
         line: &mut [[R; 4]],
     ) -> Result<(), SurfaceError> {
         let chart = self.chart();
-        let points = |row| -> Vec<Point<R>> {
-            (0..chart.cols).map(|col| self.point(chart.index(row, col), origin)).collect()
+        let points = |row: Option<usize>| match row.filter(|&row| row < chart.rows) {
+            Some(row) => {
+                (0..chart.cols).map(|col| self.point(chart.index(row, col), origin)).collect()
+            }
+            None => vec![[R::zero(); 4]; chart.cols],
         };
-        let (here, above) = (points(row), points(row.saturating_sub(1)));
+        let (below, here) = (points(Some(row + 1)), points(Some(row)));
+        let (above, before) = (points(row.checked_sub(1)), points(row.checked_sub(2)));
+        let bends_here = self.bends([&above, &here, &below]);
+        let bends_above = self.bends([&before, &above, &here]);
         for (col, lengths) in line.iter_mut().enumerate() {
-            for (slot, to) in lengths.iter_mut().zip(STORED) {
+            for (index, (slot, to)) in lengths.iter_mut().zip(STORED).enumerate() {
                 *slot = R::FAR;
                 if !self.has_edge(row, col, to) {
                     continue;
                 }
                 let (down, right) = to.step();
-                let there = if down == 0 { &here } else { &above };
-                let (a, b) = (here[col], there[col.wrapping_add_signed(right)]);
-                *slot = R::of(0.5) * (a[3] + b[3]) * self.separation(a, b, to.step());
+                let (points, bends) =
+                    if down == 0 { (&here, &bends_here) } else { (&above, &bends_above) };
+                let other = col.wrapping_add_signed(right);
+                let (a, b) = (here[col], points[other]);
+                let length = self.separation(a, b, to.step());
+                let length = arc(length, bends_here[col][index], bends[other][index]);
+                *slot = R::of(0.5) * (a[3] + b[3]) * length;
                 let length = slot.wide();
                 if length != 0.0 && !(SHORTEST_EDGE..=LONGEST_EDGE).contains(&length) {
                     return Err(SurfaceError::EdgeLength { row, col, direction: to, length });
@@ -175,7 +192,8 @@ impl Surface {
         Ok(())
     }
 
-    /// Length of the straight step between two grid points, weighted by their mean slowness.
+    /// Length of the straight step between two grid points, whatever the rule for edges, weighted
+    /// by their mean slowness.
     pub(crate) fn length_between(&self, from: (usize, usize), to: (usize, usize)) -> f64 {
         let chart = self.chart();
         let sample = |(row, col)| self.geometry().sample(chart, row, col);

@@ -2,6 +2,8 @@
 
 use rayon::prelude::*;
 
+#[cfg(doc)]
+use super::arc::EdgeRule;
 use super::chart::Direction;
 use super::edges::{EdgeLengths, EdgeSlot, inner_rows};
 use super::real::{Real, max, min};
@@ -12,7 +14,7 @@ use crate::lanes::{Instructions, Work};
 pub(crate) const DIFFRACTS: u8 = 1;
 
 /// Gaussian curvature at each point of the bordered array: the angle defect of the fan of eight
-/// triangles around the point, over a quarter of the fan's area (a cell's worth).
+/// triangles around the point, over its share of the fan's area ([`EdgeRule::share_of_fan`]).
 ///
 /// The defect is kept below `LARGEST_DEFECT` radians: a rougher point is a crease or a spike, whose
 /// curvature says little of the front that passes beside it. Measured on real terrain: 0.5 brings
@@ -70,45 +72,22 @@ impl<R: Real> Work for Row<'_, R> {
     fn run(self) {
         let Self { edges, row, own } = self;
         let (chart, cols) = (edges.chart(), own.len());
-        let mut fan: [&[R]; 8] = [&[]; 8];
-        let mut bases: [&[R]; 8] = [&[]; 8];
-        for (index, to) in Direction::ALL.into_iter().enumerate() {
-            let first = chart.bordered(row, 0);
-            fan[index] = edges.row(first, EdgeSlot::new(chart, 0, to), cols);
-            bases[index] =
-                edges.row(first, EdgeSlot::new(chart, chart.offset(to), to.base()), cols);
-        }
-        for col in 0..cols {
-            own[col] = defect_density(
-                [
-                    fan[0][col],
-                    fan[1][col],
-                    fan[2][col],
-                    fan[3][col],
-                    fan[4][col],
-                    fan[5][col],
-                    fan[6][col],
-                    fan[7][col],
-                ],
-                [
-                    bases[0][col],
-                    bases[1][col],
-                    bases[2][col],
-                    bases[3][col],
-                    bases[4][col],
-                    bases[5][col],
-                    bases[6][col],
-                    bases[7][col],
-                ],
-            );
+        let first = chart.bordered(row, 0);
+        let fan = Direction::ALL.map(|to| edges.row(first, EdgeSlot::new(chart, 0, to), cols));
+        let bases = Direction::ALL.map(|to| {
+            edges.row(first, EdgeSlot::new(chart, chart.offset(to), to.base()), cols)
+        });
+        let share = R::of(edges.rule().share_of_fan());
+        for (col, own) in own.iter_mut().enumerate() {
+            *own = defect_density(fan.map(|edges| edges[col]), bases.map(|c| c[col]), share);
         }
     }
 }
 
-/// The angle defect of a fan over a quarter of its area, given its edges and the bases between one
+/// The angle defect of a fan over its share of the fan's area, given its edges and the bases between one
 /// and the next; FAR if a triangle is.
 #[inline(always)]
-fn defect_density<R: Real>(edges: [R; 8], bases: [R; 8]) -> R {
+fn defect_density<R: Real>(edges: [R; 8], bases: [R; 8], share_of_fan: R) -> R {
     let (zero, one, half) = (R::zero(), R::one(), R::of(0.5));
     // The angles are added up as the product of complex numbers with these arguments: all of
     // them make a full turn less the defect.
@@ -133,7 +112,7 @@ fn defect_density<R: Real>(edges: [R; 8], bases: [R; 8]) -> R {
     // The noise is that of f32; f64's is as much smaller as its digits are more.
     let noise = R::of(DEFECT_NOISE / f64::from(f32::EPSILON)) * R::epsilon();
     let signal = defect * defect / (defect * defect + noise * noise);
-    let curvature = defect * signal / (R::of(0.25) * area);
+    let curvature = defect * signal / (share_of_fan * area);
     if whole { curvature } else { R::FAR }
 }
 

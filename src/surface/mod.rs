@@ -4,6 +4,7 @@
 //! the edges between neighbouring grid points ([`EdgeLengths`]), and a source becomes initial
 //! values at grid points ([`Seed`]).
 
+mod arc;
 pub mod builtin;
 mod chart;
 mod coarsen;
@@ -15,6 +16,7 @@ mod points;
 mod real;
 mod sources;
 
+pub use arc::EdgeRule;
 pub use chart::{Chart, Direction};
 pub use coarsen::Coarsened;
 pub(crate) use edges::EdgeSlot;
@@ -47,6 +49,7 @@ pub struct Surface {
     geometry: Geometry,
     slowness: Option<Vec<f64>>,
     present: Vec<bool>,
+    edge_rule: EdgeRule,
 }
 
 /// Why an array is no surface.
@@ -189,7 +192,8 @@ impl Surface {
         let chart = Chart { rows, cols };
         check_shape(geometry.what(), geometry.len(), chart)?;
         let present = geometry.points_present(chart)?;
-        Self { chart, geometry, slowness: None, present }.non_empty()
+        let edge_rule = EdgeRule::default();
+        Self { chart, geometry, slowness: None, present, edge_rule }.non_empty()
     }
 
     /// Weights lengths by a slowness (reciprocal speed) at each point, row-major, so that
@@ -212,6 +216,12 @@ impl Surface {
         check_shape("mask", mask.len(), self.chart)?;
         self.present.iter_mut().zip(mask).for_each(|(present, &keep)| *present &= keep);
         self.non_empty()
+    }
+
+    /// Measures edges by this rule in place of the default one.
+    pub fn with_edge_rule(mut self, edge_rule: EdgeRule) -> Self {
+        self.edge_rule = edge_rule;
+        self
     }
 
     fn non_empty(self) -> Result<Self, SurfaceError> {
@@ -246,6 +256,14 @@ impl Surface {
     /// The slowness, if lengths are weighted.
     pub fn slowness(&self) -> Option<&[f64]> {
         self.slowness.as_deref()
+    }
+
+    /// How edges are measured; a surface known only by its metric has no arcs.
+    pub fn edge_rule(&self) -> EdgeRule {
+        match self.geometry {
+            Geometry::Metric(_) => EdgeRule::Chord,
+            _ => self.edge_rule,
+        }
     }
 
     /// For each point whether the surface is there (true) or has a hole, row-major.

@@ -43,23 +43,35 @@ impl Surface {
         if low.is_finite() { 0.5 * (low + high) } else { DVec3::ZERO }
     }
 
-    /// Distance of two neighbouring points without slowness, in the shaders' order of operations.
-    pub(crate) fn separation<R: Real>(&self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> R {
-        let (down, right) = (R::of(step.0 as f64), R::of(step.1 as f64));
-        let length = |d: [R; 3]| ((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]).sqrt();
+    /// From a point to its neighbour. A surface known only by its metric has no such vector.
+    pub(crate) fn difference<R: Real>(
+        &self,
+        a: Point<R>,
+        b: Point<R>,
+        (down, right): (isize, isize),
+    ) -> [R; 3] {
         match self.geometry() {
-            Geometry::Positions(_) => length([b[0] - a[0], b[1] - a[1], b[2] - a[2]]),
             Geometry::Heights { spacing, .. } => {
-                length([right * R::of(spacing.dx), down * R::of(spacing.dy), b[2] - a[2]])
+                let (down, right) = (R::of(down as f64), R::of(right as f64));
+                [right * R::of(spacing.dx), down * R::of(spacing.dy), b[2] - a[2]]
             }
-            Geometry::Metric(_) => {
-                let two = R::of(2.0);
-                let square = |g: Point<R>| {
-                    (g[0] * (down * down) + g[1] * (two * right * down)) + g[2] * (right * right)
-                };
-                let length = |g| square(g).max(R::zero()).sqrt();
-                R::of(0.5) * (length(a) + length(b))
-            }
+            _ => [b[0] - a[0], b[1] - a[1], b[2] - a[2]],
         }
+    }
+
+    /// Length of the straight step between two neighbouring points without slowness, in the
+    /// shaders' order of operations.
+    pub(crate) fn separation<R: Real>(&self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> R {
+        if !matches!(self.geometry(), Geometry::Metric(_)) {
+            let d = self.difference(a, b, step);
+            return ((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]).sqrt();
+        }
+        let (down, right) = (R::of(step.0 as f64), R::of(step.1 as f64));
+        let two = R::of(2.0);
+        let square = |g: Point<R>| {
+            (g[0] * (down * down) + g[1] * (two * right * down)) + g[2] * (right * right)
+        };
+        let length = |g| square(g).max(R::zero()).sqrt();
+        R::of(0.5) * (length(a) + length(b))
     }
 }

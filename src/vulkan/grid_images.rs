@@ -6,6 +6,7 @@ use gpu_allocator::vulkan::Allocator;
 
 use super::memory::{Buffer, Image};
 use super::pipelines::{Pipelines, binding, descriptor_type};
+use super::record::HALO;
 use super::{TexelChart, VulkanError};
 use crate::constants::LAYERS;
 use crate::surface::Chart;
@@ -57,7 +58,7 @@ impl GridImages {
             ] {
                 images.push(Image::new(device, allocator, name, extent, layers)?);
             }
-            let upload = band_rows(chart, POINT_BYTES) + 1;
+            let upload = band_rows(chart, POINT_BYTES) + HALO;
             let upload = (upload * chart.cols * POINT_BYTES).max(LEAST_UPLOAD_BYTES);
             let download = band_rows(chart, size_of::<f32>()) * chart.cols * size_of::<f32>();
             for (name, size, location) in [

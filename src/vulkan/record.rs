@@ -8,7 +8,7 @@ use super::barrier::{self, CLEAR, COPY, HOST_READ, SHADER, SHADER_WRITE};
 use super::plan::{Scan, Step};
 use super::{GridImages, Pipelines, ScanPipelines};
 use crate::constants::{CURVATURE, FAR, GAUSSIAN, TIME, WORKGROUP};
-use crate::surface::{Geometry, Spacing};
+use crate::surface::{Chart, EdgeRule, Geometry, Spacing, Surface};
 
 #[derive(Clone, Copy, NoUninit)]
 #[repr(C)]
@@ -19,6 +19,14 @@ struct EdgesBand {
     buffer_row: i32,
     dx: f32,
     dy: f32,
+    arcs: i32,
+}
+
+#[derive(Clone, Copy, NoUninit)]
+#[repr(C)]
+struct FanSize {
+    texels: [u32; 2],
+    share_of_fan: f32,
 }
 
 #[derive(Clone, Copy, NoUninit)]
@@ -51,17 +59,27 @@ pub fn prepare(device: &ash::Device, commands: vk::CommandBuffer, grid: &GridIma
     barrier::memory(device, commands, CLEAR, SHADER);
 }
 
-/// Measures the edges of a band of rows whose points are in the upload buffer, from the row
-/// above the band on, if there is one.
+/// The rows whose points are needed to measure the edges of a band: two before, since an edge to
+/// the north also depends on how the surface bends at its other end, and one after.
+pub fn rows_around(band: &std::ops::Range<usize>, chart: Chart) -> std::ops::Range<usize> {
+    band.start.saturating_sub(BEFORE)..(band.end + AFTER).min(chart.rows)
+}
+
+const BEFORE: usize = 2;
+const AFTER: usize = 1;
+/// Rows around a band, at most.
+pub(crate) const HALO: usize = BEFORE + AFTER;
+
+/// Measures the edges of a band of rows; the points of [`rows_around`] it are in the upload buffer.
 pub fn measure_edges(
     device: &ash::Device,
     commands: vk::CommandBuffer,
     pipelines: &Pipelines,
     grid: &GridImages,
-    geometry: &Geometry,
+    surface: &Surface,
     rows: std::ops::Range<usize>,
 ) {
-    let (pipeline, spacing) = match geometry {
+    let (pipeline, spacing) = match surface.geometry() {
         Geometry::Positions(_) => (pipelines.edges_from_positions, Spacing::square(1.0)),
         Geometry::Heights { spacing, .. } => (pipelines.edges_from_heights, *spacing),
         Geometry::Metric(_) => (pipelines.edges_from_metric, Spacing::square(1.0)),
@@ -70,25 +88,30 @@ pub fn measure_edges(
         grid: [grid.chart.cols as i32, grid.chart.rows as i32],
         first_row: rows.start as i32,
         band_rows: rows.len() as i32,
-        buffer_row: rows.start.saturating_sub(1) as i32,
+        buffer_row: rows_around(&rows, grid.chart).start as i32,
         dx: spacing.dx as f32,
         dy: spacing.dy as f32,
+        arcs: (surface.edge_rule() == EdgeRule::Arc).into(),
     };
     bind(device, commands, pipelines, grid, pipeline, 0);
     dispatch(device, commands, pipelines, &band, grid.chart.cols as u32, rows.len() as u32);
     barrier::memory(device, commands, SHADER_WRITE, SHADER);
 }
 
-/// Computes the surface's Gaussian curvature, once all edges are measured.
+/// Computes the surface's Gaussian curvature, once all edges are measured by the rule.
 pub fn bend(
     device: &ash::Device,
     commands: vk::CommandBuffer,
     pipelines: &Pipelines,
     grid: &GridImages,
+    rule: EdgeRule,
 ) {
-    let texels = [grid.texels.inner_cols().len() as u32, grid.texels.inner_rows().len() as u32];
+    let size = FanSize {
+        texels: [grid.texels.inner_cols().len() as u32, grid.texels.inner_rows().len() as u32],
+        share_of_fan: rule.share_of_fan() as f32,
+    };
     bind(device, commands, pipelines, grid, pipelines.gaussian_curvature, 0);
-    dispatch(device, commands, pipelines, &texels, texels[0], texels[1]);
+    dispatch(device, commands, pipelines, &size, size.texels[0], size.texels[1]);
     barrier::memory(device, commands, SHADER_WRITE, SHADER);
 }
 

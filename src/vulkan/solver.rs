@@ -114,15 +114,14 @@ impl Solver {
         self.context.run(|device, commands| record::prepare(device, commands, images))?;
         let origin = surface.origin();
         for rows in bands(chart, POINT_BYTES) {
-            let first = rows.start.saturating_sub(1);
-            write_points(surface, first..rows.end, origin, images.upload.mapped());
+            let around = record::rows_around(&rows, chart);
+            write_points(surface, around, origin, images.upload.mapped());
             self.context.run(|device, commands| {
-                let geometry = surface.geometry();
-                record::measure_edges(device, commands, &self.pipelines, images, geometry, rows);
+                record::measure_edges(device, commands, &self.pipelines, images, surface, rows);
             })?;
         }
         self.context.run(|device, commands| {
-            record::bend(device, commands, &self.pipelines, images);
+            record::bend(device, commands, &self.pipelines, images, surface.edge_rule());
         })?;
         self.context.check_validation()?;
         Ok(on_device)

@@ -1,0 +1,48 @@
+// Lengths of edges along the surface rather than along chords.
+// Twin: src/surface/arc.rs, where the formulas are explained.
+//
+// The including shader declares
+//     vec3 difference(Point a, Point b, ivec2 step)     from a point to its neighbour
+
+float dot3(vec3 a, vec3 b) {
+    return (a.x * b.x + a.y * b.y) + a.z * b.z;
+}
+
+vec3 unit(vec3 a) {
+    float size = sqrt(dot3(a, a));
+    return size > 0.0 ? a / size : vec3(0.0);
+}
+
+// From a point to its neighbour, or zero if that is missing.
+vec3 way(ivec2 at, ivec2 step) {
+    return is_present(at + step) ? difference(load(at), load(at + step), step) : vec3(0.0);
+}
+
+// The surface's unit normal, or zero where the grid has none.
+vec3 normal(ivec2 at) {
+    vec3 u = unit(way(at, ivec2(1, 0)) - way(at, ivec2(-1, 0)));
+    vec3 v = unit(way(at, ivec2(0, -1)) - way(at, ivec2(0, 1)));
+    vec3 across = vec3(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
+    return dot3(across, across) > 1e-6 ? unit(across) : vec3(0.0);
+}
+
+// How far the surface bends across a point; 0 if a neighbour is missing.
+float bend(ivec2 at, ivec2 step) {
+    if (!is_present(at + step) || !is_present(at - step)) return 0.0;
+    return dot3(way(at, step) + way(at, -step), normal(at));
+}
+
+float separation(ivec2 at, ivec2 step) {
+    vec3 d = difference(load(at), load(at + step), step);
+    float chord = sqrt(dot3(d, d));
+    if (arcs == 0 || chord <= 0.0) return chord;
+    float sum = 0.0;
+    float product = 1.0;
+    for (int end = 0; end < 2; end++) {
+        float turn = clamp(bend(at + end * step, step) / chord, -1.0, 1.0);
+        sum += turn;
+        product *= turn;
+    }
+    float square = 0.5 * abs(sum) * sqrt(max(product, 0.0));
+    return chord + chord * (square * (1.0 / 24.0));
+}
