@@ -15,7 +15,7 @@
 #define LAYERS 3
 // Rounding of an angle defect, and the largest one that counts; see gaussian_curvature.rs.
 #define DEFECT_NOISE 4e-7
-#define LARGEST_DEFECT 0.005
+#define LARGEST_DEFECT 0.5
 // Stands for a curvature of zero that carries a flag: devices may flush what is smaller.
 #define FLAT 1e-30
 // See curved.rs.

@@ -14,72 +14,116 @@ use crate::lanes::{Instructions, Work};
 pub(crate) const DIFFRACTS: u8 = 1;
 
 /// Gaussian curvature at each point of the bordered array: the angle defect of the fan of eight
-/// triangles around the point, over its share of the fan's area ([`EdgeRule::share_of_fan`]).
+/// triangles around the point, over its share of the fan's area ([`EdgeRule::share_of_fan`]),
+/// as far as the neighbours agree ([`settled`]).
 ///
-/// The defect is kept below `LARGEST_DEFECT` radians: a rougher point is a crease or a spike, whose
-/// curvature says little of the front that passes beside it. Measured on real terrain: 0.5 brings
-/// the front early by 2.9e-3, 0.005 by 1.8e-3, and a sphere octant needs 0.003 at 33 points a side. Defects near `DEFECT_NOISE`, the
-/// rounding of lengths in single precision, are shrunk towards zero, or a flat surface would seem
-/// bent the same way everywhere.
+/// Defects near `DEFECT_NOISE`, the rounding of lengths in single precision, are shrunk towards
+/// zero, or a flat surface would seem bent the same way everywhere; and they are kept below
+/// `LARGEST_DEFECT` radians, where the series for the arc tangent ends.
 ///
 /// Points whose fan is not whole, at a border or hole, carry the tag `DIFFRACTS` and
 /// the mean of their neighbours' curvature: waves diffract there.
 pub(crate) fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
     let chart = edges.chart();
     // Where a triangle of the fan is missing, so is the curvature: FAR.
-    let mut own = vec![R::FAR; chart.bordered_points()];
-    inner_rows(chart, &mut own)
+    let mut fans = vec![R::FAR; chart.bordered_points()];
+    inner_rows(chart, &mut fans)
         .enumerate()
-        .for_each(|(row, own)| Instructions::best().run(Row { edges, row, own }));
+        .for_each(|(row, line)| Instructions::best().run(Fans { edges, row, line }));
     let mut curvature = vec![R::zero().with_tag(DIFFRACTS); chart.bordered_points()];
     inner_rows(chart, &mut curvature).enumerate().for_each(|(row, line)| {
-        for (col, curvature) in line.iter_mut().enumerate() {
-            let point = chart.bordered(row, col);
-            *curvature = if own[point] < R::FAR {
-                own[point].with_tag(0)
-            } else {
-                mean_around(edges, &own, point).with_tag(DIFFRACTS)
-            };
-        }
+        Instructions::best().run(Settled { edges, row, fans: &fans, line })
     });
     curvature
 }
 
-/// The mean curvature of the neighbours that have one of their own.
-fn mean_around<R: Real>(edges: &EdgeLengths<R>, own: &[R], point: usize) -> R {
-    let chart = edges.chart();
-    let (mut sum, mut count) = (R::zero(), R::zero());
-    for to in Direction::ALL {
-        let neighbour = own[point.wrapping_add_signed(chart.offset(to))];
-        if edges.at(point, EdgeSlot::new(chart, 0, to)) < R::FAR && neighbour < R::FAR {
-            (sum, count) = (sum + neighbour, count + R::one());
-        }
-    }
-    sum / count.max(R::one())
-}
-
-/// The curvature of a row of points, FAR where a triangle of the fan is.
-struct Row<'a, R> {
+/// What becomes of a row of points once their fans' curvatures are known.
+struct Settled<'a, R> {
     edges: &'a EdgeLengths<R>,
     row: usize,
-    own: &'a mut [R],
+    fans: &'a [R],
+    line: &'a mut [R],
 }
 
-impl<R: Real> Work for Row<'_, R> {
+impl<R: Real> Work for Settled<'_, R> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { edges, row, own } = self;
-        let (chart, cols) = (edges.chart(), own.len());
+        let Self { edges, row, fans, line } = self;
+        let (chart, cols) = (edges.chart(), line.len());
+        let first = chart.bordered(row, 0);
+        let lengths = Direction::ALL.map(|to| edges.row(first, EdgeSlot::new(chart, 0, to), cols));
+        let around =
+            Direction::ALL.map(|to| &fans[first.wrapping_add_signed(chart.offset(to))..][..cols]);
+        let own = &fans[first..][..cols];
+        for (col, curvature) in line.iter_mut().enumerate() {
+            let mut neighbours = around.map(|fans| fans[col]);
+            for (neighbour, lengths) in neighbours.iter_mut().zip(lengths) {
+                *neighbour = if lengths[col] < R::FAR { *neighbour } else { R::FAR };
+            }
+            *curvature = settled(own[col], neighbours);
+        }
+    }
+}
+
+/// The curvature of a point's own fan, or the mean of its neighbours' if that is not whole, times
+/// (m^2 - v) / (m^2 + v), if that is positive, with m the mean and v the variance of both.
+///
+/// On a smooth surface v falls with the square of the spacing, so that the curvature counts in
+/// full. Where the grid does not resolve the surface it changes its sign from point to point, and
+/// what a front would make of it is not nothing: saddles spread it for long, while caps focus it
+/// only for the moment, so that it comes early. Measured on real terrain, ten maps over 65 x 65
+/// points against exact polyhedral distances on a spline refinement, mean relative error: 1.7e-3
+/// when all curvature counts, 9.4e-4 by this rule. A limit on the defect does it too (1.2e-3 at
+/// 0.005 radians), but also takes the curvature of well resolved surfaces.
+#[inline(always)]
+fn settled<R: Real>(own: R, around: [R; 8]) -> R {
+    let [a, b, c, d, e, f, g, h] = around;
+    let all = [own, a, b, c, d, e, f, g, h];
+    // Relative to the largest, so that squares stay within range.
+    let mut largest = R::zero();
+    for curvature in all {
+        let size = if curvature < R::FAR { max(curvature, -curvature) } else { R::zero() };
+        largest = max(largest, size);
+    }
+    let (mut sum, mut squares, mut count) = (R::zero(), R::zero(), R::zero());
+    for curvature in all {
+        let known = curvature < R::FAR;
+        let relative = if known { curvature / largest } else { R::zero() };
+        sum = sum + relative;
+        squares = squares + relative * relative;
+        count = count + if known { R::one() } else { R::zero() };
+    }
+    let (mean, mean_square) = (sum / count, squares / count);
+    let agreement = max(R::of(2.0) * (mean * mean) - mean_square, R::zero()) / mean_square;
+    let beside = (largest * mean * agreement).with_tag(DIFFRACTS);
+    let settled = if own < R::FAR { (own * agreement).with_tag(0) } else { beside };
+    if largest > R::zero() { settled } else { R::zero().with_tag(DIFFRACTS) }
+}
+
+/// The curvature of the fans of a row of points, FAR where a triangle is missing.
+struct Fans<'a, R> {
+    edges: &'a EdgeLengths<R>,
+    row: usize,
+    line: &'a mut [R],
+}
+
+impl<R: Real> Work for Fans<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { edges, row, line } = self;
+        let (chart, cols) = (edges.chart(), line.len());
         let first = chart.bordered(row, 0);
         let fan = Direction::ALL.map(|to| edges.row(first, EdgeSlot::new(chart, 0, to), cols));
-        let bases = Direction::ALL.map(|to| {
-            edges.row(first, EdgeSlot::new(chart, chart.offset(to), to.base()), cols)
-        });
+        let bases = Direction::ALL
+            .map(|to| edges.row(first, EdgeSlot::new(chart, chart.offset(to), to.base()), cols));
         let share = R::of(edges.rule().share_of_fan());
-        for (col, own) in own.iter_mut().enumerate() {
-            *own = defect_density(fan.map(|edges| edges[col]), bases.map(|c| c[col]), share);
+        for (col, curvature) in line.iter_mut().enumerate() {
+            let (edges, bases) = (fan.map(|edges| edges[col]), bases.map(|bases| bases[col]));
+            *curvature = defect_density(edges, bases, share);
         }
     }
 }
@@ -105,7 +149,7 @@ fn defect_density<R: Real>(edges: [R; 8], bases: [R; 8], share_of_fan: R) -> R {
     let beyond = if im > zero { -largest } else { largest };
     let within = min(max(-im / re, -largest), largest);
     let tangent = if re > zero { within } else { beyond };
-    // The arc tangent to 3e-4 at the largest defect, where it is limited anyhow.
+    // The arc tangent to 2e-4 at the largest defect.
     let square = tangent * tangent;
     let (third, fifth, seventh) = (R::of(1.0 / 3.0), R::of(1.0 / 5.0), R::of(1.0 / 7.0));
     let defect = tangent * (one - square * (third - square * (fifth - square * seventh)));
@@ -113,7 +157,7 @@ fn defect_density<R: Real>(edges: [R; 8], bases: [R; 8], share_of_fan: R) -> R {
     let noise = R::of(DEFECT_NOISE / f64::from(f32::EPSILON)) * R::epsilon();
     let signal = defect * defect / (defect * defect + noise * noise);
     let curvature = defect * signal / (share_of_fan * area);
-    if whole { curvature } else { R::FAR }
+    if whole { curvature.with_tag(0) } else { R::FAR }
 }
 
 #[cfg(test)]
@@ -140,6 +184,23 @@ mod tests {
             approx::assert_abs_diff_eq!(double, 0.0, epsilon = 1e-3);
             approx::assert_abs_diff_eq!(single, 0.0, epsilon = 2e-2);
         }
+    }
+
+    #[test]
+    fn curvature_counts_as_far_as_neighbours_agree() {
+        let smooth = [0.9, 1.1, 1.0, 1.05, 0.95, 1.0, 1.0, 1.0];
+        approx::assert_relative_eq!(settled(1.0f64, smooth), 1.0, max_relative = 0.02);
+        let rough = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0];
+        assert!(settled(1.0f64, rough).abs() < 1e-29);
+        // The largest that the unit of length allows.
+        let largest = settled(1e24f32, smooth.map(|k| 1e24 * k as f32));
+        approx::assert_relative_eq!(largest, 1e24, max_relative = 0.02);
+        let far = f32::FAR;
+        let alone = settled::<f32>(far, [far; 8]);
+        assert_eq!((alone.tag(), alone < 1e-29), (DIFFRACTS, true));
+        let beside = settled(far, [2.0f32, 2.0, far, far, far, far, far, far]);
+        approx::assert_relative_eq!(beside, 2.0, max_relative = 1e-5);
+        assert_eq!(beside.tag(), DIFFRACTS);
     }
 
     #[test]

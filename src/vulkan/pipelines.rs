@@ -33,6 +33,7 @@ pub struct Pipelines {
     pub(crate) edges_from_positions: vk::Pipeline,
     pub(crate) edges_from_heights: vk::Pipeline,
     pub(crate) edges_from_metric: vk::Pipeline,
+    pub(crate) fan_curvature: vk::Pipeline,
     pub(crate) gaussian_curvature: vk::Pipeline,
     pub(crate) seed: vk::Pipeline,
     pub(crate) unpack: vk::Pipeline,
@@ -59,6 +60,7 @@ impl Pipelines {
             edges_from_positions: vk::Pipeline::null(),
             edges_from_heights: vk::Pipeline::null(),
             edges_from_metric: vk::Pipeline::null(),
+            fan_curvature: vk::Pipeline::null(),
             gaussian_curvature: vk::Pipeline::null(),
             seed: vk::Pipeline::null(),
             unpack: vk::Pipeline::null(),
@@ -101,6 +103,7 @@ impl Pipelines {
         self.edges_from_positions = plain(spirv!("edges_from_positions"))?;
         self.edges_from_heights = plain(spirv!("edges_from_heights"))?;
         self.edges_from_metric = plain(spirv!("edges_from_metric"))?;
+        self.fan_curvature = plain(spirv!("fan_curvature"))?;
         self.gaussian_curvature = plain(spirv!("gaussian_curvature"))?;
         self.seed = plain(spirv!("seed"))?;
         self.unpack = plain(spirv!("unpack"))?;
@@ -115,6 +118,7 @@ impl Pipelines {
                 self.edges_from_positions,
                 self.edges_from_heights,
                 self.edges_from_metric,
+                self.fan_curvature,
                 self.gaussian_curvature,
                 self.seed,
                 self.unpack,

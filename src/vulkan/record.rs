@@ -110,9 +110,15 @@ pub fn bend(
         texels: [grid.texels.inner_cols().len() as u32, grid.texels.inner_rows().len() as u32],
         share_of_fan: rule.share_of_fan() as f32,
     };
-    bind(device, commands, pipelines, grid, pipelines.gaussian_curvature, 0);
-    dispatch(device, commands, pipelines, &size, size.texels[0], size.texels[1]);
-    barrier::memory(device, commands, SHADER_WRITE, SHADER);
+    for pipeline in [pipelines.fan_curvature, pipelines.gaussian_curvature] {
+        bind(device, commands, pipelines, grid, pipeline, 0);
+        dispatch(device, commands, pipelines, &size, size.texels[0], size.texels[1]);
+        barrier::memory(device, commands, SHADER_WRITE, SHADER);
+    }
+    // What the first pass has left for the second.
+    barrier::memory(device, commands, SHADER, CLEAR);
+    clear(device, commands, grid.fronts[1].image, CURVATURE, 0.0);
+    barrier::memory(device, commands, CLEAR, SHADER);
 }
 
 /// Forgets the map: no point is reached in either image.

@@ -1,0 +1,65 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Gaussian curvature of each point's fan of triangles from its edge lengths, into the layer of
+// front curvatures of the second image, which is free until a map starts. One invocation is one
+// texel.
+// Twin: src/surface/gaussian_curvature.rs, where the formulas are explained.
+
+#include "constants.glsl"
+#include "texel.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+layout(set = 0, binding = 1, rgba32f) uniform writeonly restrict image2DArray fronts_1;
+
+layout(push_constant) uniform Size {
+    ivec2 texels;       // columns and rows of texels, without the border
+    float share_of_fan; // of a fan's area, to which its angle defect belongs
+};
+
+#include "fan.glsl"
+
+// False if a triangle of the fan is missing.
+bool fan_curvature(ivec2 point, out float curvature) {
+    curvature = 0.0;
+    vec2 turn = vec2(1.0, 0.0);
+    float area = 0.0;
+    float a = edge_length(point, FAN[0]);
+    for (int i = 0; i < 8; i++) {
+        ivec2 to = FAN[(i + 1) % 8];
+        float b = edge_length(point, to);
+        if (a >= FAR || b >= FAR) return false;
+        float c = edge_length(point + FAN[i], to - FAN[i]);
+        float longest = max(max(a, b), c);
+        if (longest >= FAR || longest + longest >= a + b + c) return false;
+        float x = 0.5 * ((a * a + b * b) - c * c) / (a * b);
+        float y = sqrt(max((1.0 - x) * (1.0 + x), 0.0));
+        turn = vec2(turn.x * x - turn.y * y, turn.x * y + turn.y * x);
+        area = area + 0.5 * (a * b) * y;
+        a = b;
+    }
+    float tangent = turn.x > 0.0 ? clamp(-turn.y / turn.x, -LARGEST_DEFECT, LARGEST_DEFECT)
+                                 : (turn.y > 0.0 ? -LARGEST_DEFECT : LARGEST_DEFECT);
+    float square = tangent * tangent;
+    float defect = tangent * (1.0 - square * (1.0 / 3.0 - square * (1.0 / 5.0 - square * (1.0 / 7.0))));
+    float signal = defect * defect / (defect * defect + DEFECT_NOISE * DEFECT_NOISE);
+    curvature = defect * signal / (share_of_fan * area);
+    return true;
+}
+
+// The curvature, or zero and a tag if a triangle is missing.
+float tagged_curvature(ivec2 point) {
+    float curvature;
+    return fan_curvature(point, curvature) ? with_tag(curvature, 0u) : with_tag(0.0, 1u);
+}
+
+void main() {
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    if (at.x >= texels.x) return;
+    ivec2 texel = at + BORDER;
+    vec4 curvature;
+    for (int i = 0; i < 4; i++) {
+        curvature[i] = tagged_curvature(2 * texel + ivec2(i & 1, i >> 1));
+    }
+    imageStore(fronts_1, ivec3(texel, CURVATURE), curvature);
+}
