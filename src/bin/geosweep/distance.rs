@@ -11,8 +11,8 @@ use clap::builder::{OsStringValueParser, TypedValueParser};
 use geosweep::io::{self, MapFormat, OutputFile, SurfaceFile};
 use geosweep::surface::builtin::Builtin;
 use geosweep::{
-    DEFAULT_TOLERANCE, DeviceChoice, DistanceMap, Engine, ErrorEstimate, Options, Sources, Spacing,
-    Surface, Wavefront, distance_map, estimate_error,
+    DEFAULT_TOLERANCE, DeviceChoice, DistanceMap, EdgeRule, Engine, ErrorEstimate, Options, Sources,
+    Spacing, Surface, Wavefront, distance_map, estimate_error,
 };
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -65,6 +65,9 @@ pub struct Args {
     /// and one column (axis 1)
     #[arg(long, value_name = "FILE", help_heading = "Surface")]
     metric: Option<PathBuf>,
+    /// How long the surface is between neighbouring points; a metric has its own lengths
+    #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
+    edges: EdgesArg,
 
     /// The front assumed between points
     #[arg(long, value_enum, default_value_t, help_heading = "Solver")]
@@ -136,13 +139,21 @@ enum WavefrontArg {
     /// Point for point sources that start together, curved for others
     #[default]
     Auto,
-    /// Carries its curvature: the most accurate on smooth surfaces, around walls and from curves;
-    /// early by a few tenths of a percent on rough terrain
+    /// Carries its curvature: the most accurate on smooth surfaces, around walls and from curves
     Curved,
     /// Circular: exact on developable surfaces but for the sampling, for point sources only
     Point,
     /// Straight: first-order accurate, as in the paper
     Planar,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum EdgesArg {
+    /// Along the surface where it bends alike at both ends, else the chord
+    #[default]
+    Arc,
+    /// Straight: the surface is the polyhedron of its points
+    Chord,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -428,6 +439,10 @@ impl Scene {
             surface =
                 surface.with_slowness(slowness).map_err(|e| format!("{}: {e}", path.display()))?;
         }
+        let surface = surface.with_edge_rule(match args.edges {
+            EdgesArg::Arc => EdgeRule::Arc,
+            EdgesArg::Chord => EdgeRule::Chord,
+        });
         Ok(Self { surface, shape })
     }
 
