@@ -5,21 +5,21 @@ mod measure;
 use geosweep::accuracy::exact_disc;
 use geosweep::cpu::Stop;
 use geosweep::surface::builtin::Builtin;
-use geosweep::{Sources, Wavefront};
+use geosweep::{EdgeRule, Sources, Wavefront};
 use measure::{CONVERGED, ENGINES, at, directed, errors, off_centre, rotated};
 
 /// Converged point-source maps in single precision: the mean relative error, at most.
 #[test]
 fn point_source_fronts_are_accurate() {
     let steep = Builtin::ShearedPlane { degrees: 60.0 };
-    // Measured at 513: plane 1.3e-7 and sheared plane 2.6e-7 (rounding), cylinder 2.1e-6 and cone
-    // 2.5e-6 (chords are shorter than arcs), sphere 2.1e-5 (its curvature bends the front).
+    // Measured at 513: plane 1.3e-7 and sheared plane 2.6e-7 (rounding), cylinder 1e-7, cone 7e-7,
+    // sphere 2.1e-5 (its curvature bends the front).
     let bars = [
         (Builtin::Plane, 257, 1e-6),
         (Builtin::Plane, 513, 1e-6),
         (steep, 513, 1e-6),
-        (Builtin::Cylinder, 513, 5e-6),
-        (Builtin::Cone, 513, 5e-6),
+        (Builtin::Cylinder, 513, 1e-6),
+        (Builtin::Cone, 513, 2e-6),
         (Builtin::Sphere, 513, 5e-5),
     ];
     for (builtin, points, bar) in bars {
@@ -36,17 +36,17 @@ fn point_source_fronts_are_accurate() {
     }
 }
 
-/// Converged curved maps in single precision at 400 x 400 points, the default of the tool.
+/// Converged curved maps in single precision at 400 x 400 points.
 #[test]
 fn curved_fronts_are_more_accurate() {
-    // Measured: plane 1.6e-7 and sheared plane 2e-7 (rounding), sphere 1.6e-6, cylinder and cone
-    // 3.5e-6 (chords are shorter than arcs), maze 4.2e-6.
+    // Measured: plane 1.4e-7, sheared plane 1.5e-7 and cylinder 1.3e-7 (rounding), sphere 1.7e-7,
+    // cone 6.9e-7, maze 4.2e-6. With chords sphere 1.5e-6, cylinder and cone 3.5e-6.
     let bars = [
         (Builtin::Plane, 1e-6),
         (Builtin::ShearedPlane { degrees: 60.0 }, 1e-6),
-        (Builtin::Sphere, 4e-6),
-        (Builtin::Cylinder, 6e-6),
-        (Builtin::Cone, 6e-6),
+        (Builtin::Sphere, 1e-6),
+        (Builtin::Cylinder, 1e-6),
+        (Builtin::Cone, 1e-6),
         (Builtin::Maze, 6e-5),
     ];
     for (builtin, bar) in bars {
@@ -63,20 +63,26 @@ fn curved_fronts_are_more_accurate() {
     }
 }
 
-/// The curved front's error falls with the square of the spacing where the surface is smooth.
+/// The curved front's error falls with the square of the spacing where the surface is smooth,
+/// and with arcs for edges it is below a fifth of that with chords.
 #[test]
 fn curved_fronts_are_of_second_order() {
     for builtin in [Builtin::Sphere, Builtin::Cylinder, Builtin::Cone] {
-        let error = |points: usize| {
-            let surface = builtin.surface(points, points).unwrap();
+        let error = |points: usize, rule| {
+            let surface = builtin.surface(points, points).unwrap().with_edge_rule(rule);
             let source = [(points / 2) as f64, (points / 2) as f64];
             let exact = builtin.exact_distances(points, points, source).unwrap();
             let map = rotated::<f64>(&surface, &at(source), Wavefront::Curved, CONVERGED);
             errors(&map.distances(), &exact).mean_relative
         };
-        let order = (error(65) / error(257)).log2() / 2.0;
-        println!("{builtin}: order {order:.2}");
-        assert!(order > 1.8, "{builtin}: {order}");
+        for rule in [EdgeRule::Chord, EdgeRule::Arc] {
+            let order = (error(65, rule) / error(257, rule)).log2() / 2.0;
+            println!("{builtin}, {rule:?}: order {order:.2}");
+            assert!(order > 1.8, "{builtin}, {rule:?}: {order}");
+        }
+        let (chord, arc) = (error(129, EdgeRule::Chord), error(129, EdgeRule::Arc));
+        println!("{builtin}: {chord:.2e} with chords, {arc:.2e} with arcs");
+        assert!(arc < 0.2 * chord, "{builtin}: {arc} {chord}");
     }
 }
 
