@@ -33,7 +33,7 @@ use super::real::Real;
 /// | cone | curved | 3.4e-6 | 6.9e-7 |
 /// | sphere | curved | 1.5e-6 | 1.7e-7 |
 /// | terrain | point-source | 1.2e-3 | 8.6e-4 |
-/// | terrain | curved | 1.7e-3 | 9.4e-4 |
+/// | terrain | curved | 1.3e-3 | 9.4e-4 |
 ///
 /// A surface given by its metric has neither: the rule makes no difference to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -74,7 +74,7 @@ impl<R: Real> Work for Settled<'_, R> {
 /// full. Where the grid does not resolve the surface it changes its sign from point to point, and
 /// what a front would make of it is not nothing: saddles spread it for long, while caps focus it
 /// only for the moment, so that it comes early. Measured on real terrain, ten maps over 65 x 65
-/// points against exact polyhedral distances on a spline refinement, mean relative error: 1.7e-3
+/// points against exact polyhedral distances on a spline refinement, mean relative error: 1.9e-3
 /// when all curvature counts, 9.4e-4 by this rule. A limit on the defect does it too (1.2e-3 at
 /// 0.005 radians), but also takes the curvature of well resolved surfaces.
 #[inline(always)]
