@@ -23,7 +23,7 @@ float fan_curvature(ivec2 point) {
 }
 
 bool is_whole(float curvature) {
-    return (floatBitsToUint(curvature) & 7u) != 1u;
+    return (floatBitsToUint(curvature) & 15u) != 1u;
 }
 
 float settled(ivec2 point) {

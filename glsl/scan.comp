@@ -24,13 +24,14 @@ layout(set = 0, binding = 1, rgba32f) uniform readonly restrict image2DArray old
 layout(set = 0, binding = 2, rgba32f) uniform readonly image2DArray fronts_behind;
 layout(set = 0, binding = 3, rgba32f) uniform writeonly image2DArray new_fronts;
 layout(set = 0, binding = 4) restrict buffer Residual {
-    uint residual; // largest change of an arrival time, in units of its last place
+    uint residual; // largest change of a front, in units of the last place of its arrival time
 };
 
 layout(push_constant) uniform Line {
     int line;  // the row or column of texels
     int first; // the first texel visited in it
     int count; // how many
+    bool renews; // curved fronts that this scan has brought before
 };
 
 const ivec2 ahead = ivec2(AHEAD_X, AHEAD_Y);
@@ -73,19 +74,32 @@ vec4 first_line_old(ivec2 texel, int layer) {
 // The scan's number, from 1 in the order of an iteration.
 const uint SCAN = AHEAD_Y != 0 ? (AHEAD_Y > 0 ? 1u : 2u) : (AHEAD_X > 0 ? 3u : 4u);
 
-// Accepts fronts that are the first to arrive. Equally early ones of whole triangles know better,
-// and curved ones that this scan has brought before are renewed, earlier or later.
+// Accepts fronts that are the first to arrive. Between equally early ones whole triangles know
+// better, then the flatter front; and those that this scan has brought before may be
+// renewed, earlier or later.
 void accept(Fronts fronts, inout vec4 time, inout vec4 curvature) {
     bvec4 first = lessThan(fronts.time, time);
     if (WAVEFRONT == 2) {
-        bvec4 renewed = equal(floatBitsToUint(curvature) & 7u, uvec4(SCAN));
-        bvec4 preferred = both(fronts.whole, equal(fronts.time, time));
+        uvec4 tag = mix(uvec4(SCAN), uvec4(SCAN | WHOLE), fronts.whole);
+        vec4 tagged = vec4(with_tag(fronts.curvature.x, tag.x), with_tag(fronts.curvature.y, tag.y),
+                           with_tag(fronts.curvature.z, tag.z), with_tag(fronts.curvature.w, tag.w));
+        uvec4 tag_before = floatBitsToUint(curvature) & 15u;
+        bvec4 whole_before = greaterThanEqual(tag_before, uvec4(WHOLE));
+        bvec4 alike = equal(uvec4(fronts.whole), uvec4(whole_before));
+        bvec4 flatter = both(alike, lessThan(tagged, curvature));
+        bvec4 knows = either(both(fronts.whole, not(whole_before)), flatter);
+        bvec4 preferred = both(equal(fronts.time, time), knows);
+        bvec4 renewed = both(bvec4(renews), equal(tag_before & 7u, uvec4(SCAN)));
         first = either(first, both(lessThan(time, vec4(FAR)), either(renewed, preferred)));
-        vec4 tagged = vec4(with_tag(fronts.curvature.x, SCAN), with_tag(fronts.curvature.y, SCAN),
-                           with_tag(fronts.curvature.z, SCAN), with_tag(fronts.curvature.w, SCAN));
         curvature = mix(curvature, tagged, first);
     }
     time = mix(time, fronts.time, first);
+}
+
+// Largest difference in units of the last place, for numbers of one sign.
+uint units_between(vec4 a, vec4 b) {
+    uvec4 units = max(floatBitsToUint(a), floatBitsToUint(b)) - min(floatBitsToUint(a), floatBitsToUint(b));
+    return max(max(units.x, units.y), max(units.z, units.w));
 }
 
 void main() {
@@ -150,12 +164,12 @@ void main() {
 
     vec4 new = texel_of(line1.time.yz, line2.xy, ahead);
     imageStore(new_fronts, ivec3(texel, TIME), new);
-    if (is_curved) {
-        vec4 curvature = texel_of(line1.curvature.yz, line2_curvature.xy, ahead);
-        imageStore(new_fronts, ivec3(texel, CURVATURE), curvature);
-    }
+    vec4 new_curvature = texel_of(line1.curvature.yz, line2_curvature.xy, ahead);
+    if (is_curved) imageStore(new_fronts, ivec3(texel, CURVATURE), new_curvature);
 
-    ivec4 changes = abs(floatBitsToInt(old) - floatBitsToInt(new));
-    int change = max(max(changes.x, changes.y), max(changes.z, changes.w));
-    if (change > 0) atomicMax(residual, uint(change));
+    uint change = units_between(old, new);
+    if (is_curved) {
+        change = max(change, units_between(old_curvature, new_curvature) >> CURVATURE_COUNTS);
+    }
+    if (change > 0u) atomicMax(residual, change);
 }

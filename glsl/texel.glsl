@@ -37,10 +37,10 @@ bool stored_here(ivec2 step) {
     return step.y < 0 || (step.y == 0 && step.x > 0);
 }
 
-// A number with a tag from 0 to 7 in its last binary digits; zero becomes tiny. The curvature of
-// a front is tagged with the scan that has brought it, from 1 to 4, and that of the surface with
-// 1 where waves diffract.
+// A number with a tag from 0 to 15 in its last binary digits; zero becomes tiny. The curvature of
+// a front is tagged with the scan that has brought it, from 1 to 4, plus WHOLE if it came from a
+// whole triangle, and that of the surface with 1 where waves diffract.
 float with_tag(float value, uint tag) {
     float held = abs(value) < FLAT ? FLAT : value;
-    return uintBitsToFloat((floatBitsToUint(held) & ~7u) | tag);
+    return uintBitsToFloat((floatBitsToUint(held) & ~15u) | tag);
 }

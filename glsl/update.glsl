@@ -139,7 +139,7 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c) {
     bvec4 reaches_far = both(from_far, greaterThanEqual(crossing, -grazing));
     bvec4 reaches_near = both(not(from_far), lessThanEqual(crossing, width + grazing));
     bvec4 turns = both(shape.whole, not(both(is_front, either(reaches_far, reaches_near))));
-    bvec4 corner = equal(floatBitsToUint(edge_g) & 7u, uvec4(1u));
+    bvec4 corner = equal(floatBitsToUint(edge_g) & 15u, uvec4(1u));
     vec4 edge_k = mix(mix(near_k, k, from_far), vec4(SOURCE_CURVATURE), both(turns, corner));
 
     // One division serves the ray's place, its length and the curvature, whichever way it runs.
@@ -162,10 +162,13 @@ Fronts update(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c) {
     return Fronts(time, vec4(0.0), bvec4(false));
 }
 
-// The earlier of two fronts at each point.
+// The earlier of two fronts at each point. Between equally early ones a whole triangle knows
+// better, then the one that sees the ray run straight on, whose front is the flatter.
 Fronts earlier(Fronts a, Fronts b) {
-    bvec4 tie = both(b.whole, equal(b.time, a.time));
-    bvec4 second = either(lessThan(b.time, a.time), tie);
+    bvec4 alike = equal(uvec4(a.whole), uvec4(b.whole));
+    bvec4 flatter = both(alike, lessThan(b.curvature, a.curvature));
+    bvec4 knows = either(both(b.whole, not(a.whole)), flatter);
+    bvec4 second = either(lessThan(b.time, a.time), both(equal(b.time, a.time), knows));
     return Fronts(mix(a.time, b.time, second), mix(a.curvature, b.curvature, second),
                   either(both(not(second), a.whole), both(second, b.whole)));
 }

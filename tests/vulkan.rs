@@ -115,14 +115,14 @@ fn engines_agree_far_from_the_origin() {
     assert_engines_agree(&mut solver, &far, &middle(&far), "far from the origin");
 }
 
-/// Iteration by iteration, not only in the limit: the scans are the CPU's rotated scans.
+/// Iteration by iteration, not only in the limit: the scans are those of the twin.
 fn assert_twins(solver: &mut Solver, surface: &Surface, source: (usize, usize), iterations: u32) {
     let seeds = seeds_at(surface, source);
     let edges = EdgeLengths::<f32>::new(surface).unwrap();
     for iterations in 1..=iterations {
         let stop = Stop::after(iterations);
         for wavefront in WAVEFRONTS {
-            let twin = cpu::rotated_scan(&edges, &seeds, wavefront, stop).distances();
+            let twin = cpu::scan_in_turn(&edges, &seeds, wavefront, stop).distances();
             let vulkan = on_vulkan(solver, surface, &seeds, wavefront, stop);
             let difference = relative_difference(&twin, &vulkan);
             assert!(difference < TWINS, "{iterations} iterations, {wavefront}: {difference}");

@@ -26,6 +26,7 @@ pub(super) struct Field<'a, R> {
 pub(super) struct How {
     pub wavefront: Wavefront,
     pub scan: Scan,
+    pub renews: bool,
     pub instructions: Instructions,
 }
 
@@ -73,8 +74,8 @@ impl<R: Real> Field<'_, R> {
             edges,
             bases: &next[first..first + points.len() + 1],
         };
-        let How { wavefront, scan, instructions } = how;
-        instructions.run(Update { line, wavefront, scan: scan.0, changed })
+        let How { wavefront, scan, renews, instructions } = how;
+        instructions.run(Update { line, wavefront, scan: scan.0, renews, changed })
     }
 }
 

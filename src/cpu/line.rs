@@ -4,6 +4,7 @@
 
 use super::state::accept;
 use super::tiles::TILE;
+use crate::constants::CURVATURE_COUNTS;
 use crate::lanes::Work;
 use crate::surface::Real;
 use crate::update::{Bends, Front, Triangle, Wavefront, curved, planar, point_source};
@@ -41,6 +42,8 @@ pub(super) struct Update<'a, R> {
     pub line: Line<'a, R>,
     pub wavefront: Wavefront,
     pub scan: u8,
+    /// Whether curved fronts that the scan has brought before are renewed.
+    pub renews: bool,
     pub changed: &'a mut [bool],
 }
 
@@ -49,11 +52,11 @@ impl<R: Real> Work for Update<'_, R> {
 
     #[inline(always)]
     fn run(self) -> R::Bits {
-        let Self { line, wavefront, scan, changed } = self;
+        let Self { line, wavefront, scan, renews, changed } = self;
         match wavefront {
-            Wavefront::Planar => each_tile::<R, Planar>(line, scan, changed),
-            Wavefront::PointSource => each_tile::<R, PointSource>(line, scan, changed),
-            Wavefront::Curved => each_tile::<R, Curved>(line, scan, changed),
+            Wavefront::Planar => each_tile::<R, Planar>(line, (scan, renews), changed),
+            Wavefront::PointSource => each_tile::<R, PointSource>(line, (scan, renews), changed),
+            Wavefront::Curved => each_tile::<R, Curved>(line, (scan, renews), changed),
         }
     }
 }
@@ -61,7 +64,11 @@ impl<R: Real> Work for Update<'_, R> {
 /// Updates each stretch of [`TILE`] points; the last one overlaps the one before if the line has a
 /// remainder, which does no harm: what has been updated stays as it is.
 #[inline(always)]
-fn each_tile<R: Real, K: Kernel>(mut line: Line<R>, scan: u8, changed: &mut [bool]) -> R::Bits {
+fn each_tile<R: Real, K: Kernel>(
+    mut line: Line<R>,
+    scan: (u8, bool),
+    changed: &mut [bool],
+) -> R::Bits {
     let points = line.times.len();
     let mut largest = R::Bits::default();
     for (tile, changed) in changed.iter_mut().enumerate() {
@@ -69,29 +76,52 @@ fn each_tile<R: Real, K: Kernel>(mut line: Line<R>, scan: u8, changed: &mut [boo
             Some(last) => K::update(&mut line, (tile * TILE).min(last), TILE, scan),
             None => K::update(&mut line, 0, points, scan),
         };
-        *changed |= change > R::Bits::default();
-        largest = largest.max(change);
+        *changed |= change.any;
+        largest = largest.max(change.largest);
     }
     largest
 }
 
-/// The update of a stretch of a line.
+/// The update of a stretch of a line by a scan, which may renew fronts.
 trait Kernel {
-    fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, scan: u8) -> R::Bits;
+    fn update<R: Real>(
+        line: &mut Line<R>,
+        start: usize,
+        points: usize,
+        scan: (u8, bool),
+    ) -> Change<R>;
+}
+
+/// What an update has changed: anything at all, and how much.
+struct Change<R: Real> {
+    any: bool,
+    largest: R::Bits,
+}
+
+impl<R: Real> Change<R> {
+    #[inline(always)]
+    fn of_times(largest: R::Bits) -> Self {
+        Self { any: largest > R::Bits::default(), largest }
+    }
 }
 
 struct Planar;
 
 impl Kernel for Planar {
     #[inline(always)]
-    fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, _: u8) -> R::Bits {
+    fn update<R: Real>(
+        line: &mut Line<R>,
+        start: usize,
+        points: usize,
+        _: (u8, bool),
+    ) -> Change<R> {
         let line = line.stretch(start, points);
         let mut largest = R::Bits::default();
         for i in 0..points {
             let (a, b) = (planar(line.left(i)), planar(line.right(i)));
             largest = largest.max(lower(&mut line.times[i], a, b));
         }
-        largest
+        Change::of_times(largest)
     }
 }
 
@@ -99,14 +129,19 @@ struct PointSource;
 
 impl Kernel for PointSource {
     #[inline(always)]
-    fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, _: u8) -> R::Bits {
+    fn update<R: Real>(
+        line: &mut Line<R>,
+        start: usize,
+        points: usize,
+        _: (u8, bool),
+    ) -> Change<R> {
         let line = line.stretch(start, points);
         let mut largest = R::Bits::default();
         for i in 0..points {
             let (a, b) = (point_source(line.left(i)), point_source(line.right(i)));
             largest = largest.max(lower(&mut line.times[i], a, b));
         }
-        largest
+        Change::of_times(largest)
     }
 }
 
@@ -114,7 +149,12 @@ struct Curved;
 
 impl Kernel for Curved {
     #[inline(always)]
-    fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, scan: u8) -> R::Bits {
+    fn update<R: Real>(
+        line: &mut Line<R>,
+        start: usize,
+        points: usize,
+        scan: (u8, bool),
+    ) -> Change<R> {
         let curvatures = &mut line.curvatures[start..][..points];
         let gaussian = &line.gaussian[start..][..points];
         let k = &line.behind.curvatures[start..][..points + 2];
@@ -126,17 +166,19 @@ impl Kernel for Curved {
         let after = &line.edges[2][start..][..points];
         let bases = &line.bases[start..][..points + 1];
         let line = Stretch { times, behind, before, middle, after, bases };
-        let mut largest = R::Bits::default();
+        let (mut largest, mut bent) = (R::Bits::default(), R::Bits::default());
         for i in 0..points {
             let left = Bends { fronts: [k[i], k[i + 1]], surface: [gaussian[i], g[i], g[i + 1]] };
             let right =
                 Bends { fronts: [k[i + 1], k[i + 2]], surface: [gaussian[i], g[i + 1], g[i + 2]] };
             let first = Front::first(curved(line.left(i), left), curved(line.right(i), right));
-            let old = line.times[i];
-            (line.times[i], curvatures[i]) = accept(old, curvatures[i], first, scan);
-            largest = largest.max(old.units_between(line.times[i]));
+            let (time, curvature) = (line.times[i], curvatures[i]);
+            (line.times[i], curvatures[i]) = accept(time, curvature, first, scan.0, scan.1);
+            largest = largest.max(time.units_between(line.times[i]));
+            bent = bent.max(curvature.units_between(curvatures[i]));
         }
-        largest
+        let any = largest.max(bent) > R::Bits::default();
+        Change { any, largest: largest.max(bent >> CURVATURE_COUNTS) }
     }
 }
 

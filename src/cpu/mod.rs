@@ -8,8 +8,10 @@ mod fast_marching;
 mod field;
 mod line;
 mod panel;
+mod progress;
 mod raster_scan;
 mod rotated_scan;
+mod scan_in_turn;
 mod state;
 mod tiles;
 mod transpose;
@@ -17,8 +19,10 @@ mod transpose;
 pub use crate::lanes::Instructions;
 pub use connections::Connections;
 pub use fast_marching::{fast_marching, fast_marching_with};
+pub(crate) use progress::Progress;
 pub use raster_scan::raster_scan;
 pub use rotated_scan::{Convergence, RotatedScan, rotated_scan};
+pub use scan_in_turn::scan_in_turn;
 pub use state::Solution;
 
 /// When raster scans stop: at whichever comes first.
@@ -34,9 +38,5 @@ impl Stop {
     /// Stops after a fixed number of iterations, or earlier if nothing changes any more.
     pub fn after(iterations: u32) -> Self {
         Self { tolerance: 0.0, iterations }
-    }
-
-    pub(crate) fn done(self, iterations: u32, residual: f64) -> bool {
-        residual <= self.tolerance || iterations >= self.iterations
     }
 }

@@ -1,8 +1,8 @@
 //! Algorithm 3: four directed raster scans, row by row.
 
-use super::Stop;
 use super::state::{Fronts, Solution, TriangleSlots};
-use crate::surface::{Direction, EdgeLengths, Real, Seed, relative_change};
+use super::{Progress, Stop};
+use crate::surface::{Direction, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
 /// Solves by directed raster scans in the paper's order (Algorithm 3; figure 3, first row): a
@@ -25,13 +25,13 @@ pub fn raster_scan<R: Real>(
     let [right_down, left_down, right_up, left_up] = [1, 2, 3, 4];
 
     let mut fronts = Fronts::start(edges, seeds, wavefront);
-    let mut iterations = 0;
+    let mut progress = Progress::new(stop);
     loop {
-        let mut change = R::Bits::default();
+        let (mut change, renews) = (R::Bits::default(), progress.renews());
         let mut update = |row: usize, col: usize, scan: u8| {
             let point = chart.bordered(row, col);
             let front = fronts.through(point, &triangles[usize::from(scan) - 1]);
-            change = change.max(fronts.accept(point, front, scan));
+            change = change.max(fronts.accept(point, front, scan, renews));
         };
         for row in 0..chart.rows {
             (0..chart.cols).for_each(|col| update(row, col, right_down));
@@ -41,10 +41,8 @@ pub fn raster_scan<R: Real>(
             (0..chart.cols).for_each(|col| update(row, col, right_up));
             (0..chart.cols).rev().for_each(|col| update(row, col, left_up));
         }
-        iterations += 1;
-        let residual = relative_change::<R>(change);
-        if stop.done(iterations, residual) {
-            return fronts.finish(iterations, residual);
+        if progress.is_done::<R>(change) {
+            return fronts.finish(progress.iterations, progress.residual);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Rotated raster scans: whole rows, then whole columns. The twin of `glsl/scan.comp`.
+//! Rotated raster scans in lanes: whole rows, then whole columns.
 
 use std::ops::Range;
 
@@ -6,10 +6,10 @@ use rayon::prelude::*;
 
 use super::field::{Field, How};
 use super::panel::{Grid, Panel};
-use super::state::{SEED, Solution, accept};
+use super::state::{SEED, Solution, accept, front};
 use super::tiles::{Scan, TILE, Tiles};
-use super::{Instructions, Stop};
-use crate::surface::{Chart, EdgeLengths, Real, Seed, relative_change};
+use super::{Instructions, Progress, Stop};
+use crate::surface::{Chart, EdgeLengths, Real, Seed};
 use crate::update::{Front, Wavefront};
 
 /// Solves by the scans rotated by 45 degrees (figure 3, second row): down and up, then right and
@@ -104,13 +104,12 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     /// Computes the map of some sources.
     pub fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         self.start(seeds);
-        let mut iterations = 0;
+        let mut progress = Progress::new(stop);
         loop {
-            let vertical = self.scan([Scan::DOWN, Scan::UP]);
-            let horizontal = self.scan([Scan::RIGHT, Scan::LEFT]);
-            iterations += 1;
-            let residual = relative_change::<R>(vertical.max(horizontal));
-            if stop.done(iterations, residual) {
+            let vertical = self.scan([Scan::DOWN, Scan::UP], progress.renews());
+            let horizontal = self.scan([Scan::RIGHT, Scan::LEFT], progress.renews());
+            if progress.is_done::<R>(vertical.max(horizontal)) {
+                let Progress { iterations, residual, .. } = progress;
                 return Convergence { iterations, residual };
             }
         }
@@ -146,7 +145,9 @@ impl<'a, R: Real> RotatedScan<'a, R> {
             let front = Front { time: R::of(seed.time), curvature, whole: true };
             let time = &mut first.times[point];
             match first.curvatures.get_mut(point) {
-                Some(curvature) => (*time, *curvature) = accept(*time, *curvature, front, SEED),
+                Some(curvature) => {
+                    (*time, *curvature) = accept(*time, *curvature, front, SEED, false)
+                }
                 None => *time = time.min(front.time),
             }
             self.tiles.touch(seed.row, seed.col);
@@ -156,10 +157,11 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     }
 
     /// Runs two opposite scans; returns the largest change.
-    fn scan(&mut self, scans: [Scan; 2]) -> R::Bits {
+    fn scan(&mut self, scans: [Scan; 2], renews: bool) -> R::Bits {
         let grid = Grid { edges: self.edges, gaussian: self.gaussian };
         let (tiles, [first, second]) = (&self.tiles, &mut self.fronts);
-        let how = |scan| How { wavefront: self.wavefront, scan, instructions: self.instructions };
+        let (wavefront, instructions) = (self.wavefront, self.instructions);
+        let how = |scan| How { wavefront, scan, renews, instructions };
         let (a, b) = rayon::join(
             || first.scan(grid, tiles, how(scans[0])),
             || second.scan(grid, tiles, how(scans[1])),
@@ -331,9 +333,10 @@ fn merge_curved<R: Real>(a: [&mut [R]; 2], b: [&mut [R]; 2], scans: [Scan; 2]) {
     let ([a_times, a_curvatures], [b_times, b_curvatures]) = (a, b);
     let of_a = a_times.iter_mut().zip(a_curvatures);
     for ((a, a_bent), (b, b_bent)) in of_a.zip(b_times.iter_mut().zip(b_curvatures)) {
-        let (a_tag, b_tag) = (a_bent.tag(), b_bent.tag());
-        let b_first = (*b < *a) | ((*b == *a) & (a_tag != scans[0].0));
-        let b_wins = (a_tag == scans[1].0) | ((b_tag != scans[0].0) & b_first);
+        let (front_a, scan_a) = front(*a, *a_bent);
+        let (front_b, scan_b) = front(*b, *b_bent);
+        let b_first = (*b < *a) | ((*b == *a) & front_b.knows_better(front_a));
+        let b_wins = (scan_a == scans[1].0) | ((scan_b != scans[0].0) & b_first);
         (*a, *a_bent) = if b_wins { (*b, *b_bent) } else { (*a, *a_bent) };
         (*b, *b_bent) = (*a, *a_bent);
     }

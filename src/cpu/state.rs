@@ -1,5 +1,6 @@
 //! Arrival times in a bordered array, and the update of one point in it.
 
+use crate::constants::{CURVATURE_COUNTS, WHOLE};
 use crate::surface::EdgeSlot;
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
 use crate::update::{Bends, Front, Triangle, Wavefront, curved, planar, point_source};
@@ -125,25 +126,29 @@ impl<'a, R: Real> Fronts<'a, R> {
     /// Accepts a front at a point if it is the first; returns the change of the time.
     #[inline]
     pub(super) fn lower(&mut self, point: usize, front: Front<R>) -> R::Bits {
-        self.accept(point, front, SEED)
+        self.accept(point, front, SEED, false)
     }
 
     /// Accepts a front that one of the scans, numbered from 1, brings to a point (see [`accept`]);
     /// returns the change of the arrival time ([`Real::units_between`]).
     #[inline]
-    pub(super) fn accept(&mut self, point: usize, front: Front<R>, scan: u8) -> R::Bits {
+    pub(super) fn accept(
+        &mut self,
+        point: usize,
+        front: Front<R>,
+        scan: u8,
+        renews: bool,
+    ) -> R::Bits {
         let before = self.times[point];
-        let time = if let Some(curvature) = self.curvatures.get_mut(point) {
-            let time;
-            (time, *curvature) = accept(before, *curvature, front, scan);
-            time
-        } else if front.time < before {
-            front.time
-        } else {
-            before
+        let Some(curvature) = self.curvatures.get_mut(point) else {
+            let time = if front.time < before { front.time } else { before };
+            self.times[point] = time;
+            return before.units_between(time);
         };
-        self.times[point] = time;
-        before.units_between(time)
+        let bent_before = *curvature;
+        (self.times[point], *curvature) = accept(before, bent_before, front, scan, renews);
+        let bent = bent_before.units_between(*curvature);
+        before.units_between(self.times[point]).max(bent >> CURVATURE_COUNTS)
     }
 
     pub(super) fn finish(self, iterations: u32, residual: f64) -> Solution<R> {
@@ -154,18 +159,39 @@ impl<'a, R: Real> Fronts<'a, R> {
 /// The arrival time and the tagged curvature at a point after one of the scans, numbered from 1,
 /// has brought a front to it.
 ///
-/// The front is accepted if it is the first; between equally early ones a whole triangle knows
-/// better. It is accepted as well, earlier or later, if the same scan has brought the one before:
-/// that came from the same triangles, whose fronts have changed since. So nothing that was
-/// computed from a preliminary curvature stays, and the map does not depend on the order of
-/// updates.
+/// The front is accepted if it is the first, or equally early and preferred
+/// ([`Front::knows_better`]). If the scan `renews`, it is accepted as well, earlier or later, if it has
+/// brought the one before: that came from the same triangles, whose fronts have changed since. So
+/// nothing that was computed from a preliminary curvature stays.
 #[inline(always)]
-pub(super) fn accept<R: Real>(time: R, curvature: R, front: Front<R>, scan: u8) -> (R, R) {
-    let renewed = (scan != SEED) & (curvature.tag() == scan);
-    let preferred = front.whole & (front.time == time);
+pub(super) fn accept<R: Real>(
+    time: R,
+    curvature: R,
+    front: Front<R>,
+    scan: u8,
+    renews: bool,
+) -> (R, R) {
+    let (before, brought_by) = self::front(time, curvature);
+    let front = Front { curvature: tagged(front, scan), ..front };
+    let renewed = renews & (brought_by == scan);
+    let preferred = (front.time == time) & front.knows_better(before);
     let accepted = (front.time < time) | ((time < R::FAR) & (renewed | preferred));
-    let tagged = front.curvature.with_tag(scan);
-    (if accepted { front.time } else { time }, if accepted { tagged } else { curvature })
+    (if accepted { front.time } else { time }, if accepted { front.curvature } else { curvature })
+}
+
+/// A front's curvature, tagged with the scan that brings it and whether its triangle is whole.
+#[inline(always)]
+fn tagged<R: Real>(front: Front<R>, scan: u8) -> R {
+    let (whole, half) =
+        (front.curvature.with_tag(scan | WHOLE as u8), front.curvature.with_tag(scan));
+    if front.whole { whole } else { half }
+}
+
+/// The front that an arrival time and a tagged curvature stand for, and the scan that brought it.
+#[inline(always)]
+pub(super) fn front<R: Real>(time: R, curvature: R) -> (Front<R>, u8) {
+    let tag = curvature.tag();
+    (Front { time, curvature, whole: tag >= WHOLE as u8 }, tag & !(WHOLE as u8))
 }
 
 /// Where a triangle's two other corners and its edges lie, seen from its point x0.

@@ -84,6 +84,7 @@ impl Surface {
             (Err(SurfaceError::NoPoint), _) => Err(too_small()),
             (surface, _) => surface,
         }?;
+        let surface = surface.with_edge_rule(self.edge_rule());
         Ok(Coarsened { surface, fine, rows, cols })
     }
 }

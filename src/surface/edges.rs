@@ -110,9 +110,11 @@ impl<R: Real> EdgeLengths<R> {
         self.rule
     }
 
-    /// Bytes held.
+    /// Bytes held, with those of the Gaussian curvature once a curved wavefront has asked for it.
     pub fn bytes(&self) -> usize {
-        self.lengths.iter().map(|plane| std::mem::size_of_val(plane.as_slice())).sum()
+        let curvature = self.gaussian_curvature.get().map(Vec::as_slice);
+        let planes = self.lengths.iter().map(Vec::as_slice).chain(curvature);
+        planes.map(std::mem::size_of_val).sum()
     }
 
     #[inline]

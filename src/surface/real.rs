@@ -20,13 +20,13 @@ pub trait Real:
     const SOURCE: Self;
 
     /// Counts units in the last place.
-    type Bits: Copy + Ord + Default + Into<u64> + Send;
+    type Bits: Copy + Ord + Default + Into<u64> + std::ops::Shr<u32, Output = Self::Bits> + Send;
 
     /// How many numbers of this precision lie between two that are not negative: their relative
     /// difference in units of the precision, to within a factor of two, without a division.
     fn units_between(self, other: Self) -> Self::Bits;
 
-    /// The number with a tag from 0 to 7 in its last binary digits; zero becomes tiny.
+    /// The number with a tag from 0 to 15 in its last binary digits; zero becomes tiny.
     fn with_tag(self, tag: u8) -> Self;
 
     /// The tag in the last binary digits.
@@ -52,12 +52,12 @@ impl Real for f32 {
     #[inline(always)]
     fn with_tag(self, tag: u8) -> Self {
         let held = if self.abs() < FLAT as f32 { FLAT as f32 } else { self };
-        Self::from_bits(held.to_bits() & !7 | u32::from(tag))
+        Self::from_bits(held.to_bits() & !15 | u32::from(tag))
     }
 
     #[inline(always)]
     fn tag(self) -> u8 {
-        (self.to_bits() & 7) as u8
+        (self.to_bits() & 15) as u8
     }
 
     #[inline(always)]
@@ -84,12 +84,12 @@ impl Real for f64 {
     #[inline(always)]
     fn with_tag(self, tag: u8) -> Self {
         let held = if self.abs() < FLAT { FLAT } else { self };
-        Self::from_bits(held.to_bits() & !7 | u64::from(tag))
+        Self::from_bits(held.to_bits() & !15 | u64::from(tag))
     }
 
     #[inline(always)]
     fn tag(self) -> u8 {
-        (self.to_bits() & 7) as u8
+        (self.to_bits() & 15) as u8
     }
 
     #[inline(always)]

@@ -18,15 +18,24 @@ pub struct Front<R> {
 }
 
 impl<R: Real> Front<R> {
-    /// The earlier of two fronts; between equally early ones a whole triangle knows better.
+    /// The earlier of two fronts. Between equally early ones a whole triangle knows better, then
+    /// the one that sees the ray run straight on along their common edge, whose front is the
+    /// flatter: a choice that does not depend on the order in which triangles are visited.
     #[inline(always)]
     pub(crate) fn first(a: Self, b: Self) -> Self {
-        let second = (b.time < a.time) | (b.whole & (b.time == a.time));
+        let second = (b.time < a.time) | ((b.time == a.time) & b.knows_better(a));
         Self {
             time: if second { b.time } else { a.time },
             curvature: if second { b.curvature } else { a.curvature },
             whole: if second { b.whole } else { a.whole },
         }
+    }
+
+    /// Whether this one of two equally early fronts is preferred.
+    #[inline(always)]
+    pub(crate) fn knows_better(self, other: Self) -> bool {
+        let flatter = (self.whole == other.whole) & (self.curvature < other.curvature);
+        (self.whole & !other.whole) | flatter
     }
 }
 

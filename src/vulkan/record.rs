@@ -43,6 +43,7 @@ struct Line {
     line: i32,
     first: i32,
     count: i32,
+    renews: u32,
 }
 
 /// Brings new images into their layout, with no edge and no point reached.
@@ -155,12 +156,20 @@ pub fn warm_up(
 ) {
     for pipeline in scans.scans {
         bind(device, commands, pipelines, grid, pipeline, 0);
-        dispatch(device, commands, pipelines, &Line { line: 0, first: 0, count: 0 }, 1, 1);
+        dispatch(
+            device,
+            commands,
+            pipelines,
+            &Line { line: 0, first: 0, count: 0, renews: 0 },
+            1,
+            1,
+        );
         barrier::memory(device, commands, SHADER_WRITE, SHADER);
     }
 }
 
-/// Runs the steps of an iteration and leaves its residual in the host's buffer.
+/// Runs the steps of an iteration, which may renew curved fronts, and leaves its residual in the
+/// host's buffer.
 pub fn iterate(
     device: &ash::Device,
     commands: vk::CommandBuffer,
@@ -168,6 +177,7 @@ pub fn iterate(
     scans: &ScanPipelines,
     grid: &GridImages,
     steps: &[Step],
+    renews: bool,
 ) {
     barrier::memory(device, commands, COPY, CLEAR);
     // SAFETY: the buffer holds one word, and the barrier has ended its last copy.
@@ -188,6 +198,7 @@ pub fn iterate(
                     line: pass.line as i32,
                     first: pass.texels.start as i32,
                     count: count as i32,
+                    renews: renews.into(),
                 };
                 dispatch(device, commands, pipelines, &line, count, 1);
             }

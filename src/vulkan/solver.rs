@@ -12,8 +12,8 @@ use super::{
     requirements,
 };
 use crate::DeviceChoice;
-use crate::cpu::Stop;
-use crate::surface::{Chart, Seed, Surface, relative_change};
+use crate::cpu::{Progress, Stop};
+use crate::surface::{Chart, Seed, Surface};
 use crate::update::Wavefront;
 
 /// Turns the validation layers on in every [`Solver`], if set to anything but 0.
@@ -170,34 +170,34 @@ impl Solver {
         let places = texels.iter().map(|seed| (seed.texel[1] as u32, seed.texel[0] as u32));
         let everywhere = Reached::everywhere(images.texels);
         let bounds = Reached::around(places).unwrap_or_else(|| everywhere.clone());
-        let record = |mut reached: Reached, images: &GridImages| {
+        let record = |mut reached: Reached, renews: bool, images: &GridImages| {
             let steps = plan(images.texels, &mut reached);
             context.record(|device, commands| {
-                record::iterate(device, commands, pipelines, scans, images, &steps);
+                record::iterate(device, commands, pipelines, scans, images, &steps, renews);
             })
         };
-        let mut commands = record(bounds, images)?;
-        let mut iterations = 0;
+        let mut progress = Progress::new(stop);
+        let mut commands = record(bounds, progress.renews(), images)?;
         let start = Instant::now();
-        let residual = loop {
+        loop {
             commands.submit_and_wait()?;
-            iterations += 1;
             let residual = images.residual_on_host.mapped();
-            let units = *bytemuck::from_bytes::<u32>(&residual[..size_of::<u32>()]);
-            let residual = relative_change::<f32>(units);
-            if stop.done(iterations, residual) {
-                break residual;
+            let renews = progress.renews();
+            if progress.is_done::<f32>(*bytemuck::from_bytes(&residual[..size_of::<u32>()])) {
+                break;
             }
-            // One recording serves all iterations but the first, which may have reached all.
-            if iterations == 1 {
-                commands = record(everywhere.clone(), images)?;
+            // One recording serves all iterations but the first, which may have reached all, and
+            // those that no longer renew.
+            if progress.iterations == 1 || progress.renews() != renews {
+                commands = record(everywhere.clone(), progress.renews(), images)?;
             }
-        };
+        }
         let time = start.elapsed();
         drop(commands);
 
         let distances = self.read_back(images)?;
         context.check_validation()?;
+        let Progress { iterations, residual, .. } = progress;
         Ok(Solution { distances, iterations, residual, time })
     }
 

@@ -11,8 +11,8 @@ use clap::builder::{OsStringValueParser, TypedValueParser};
 use geosweep::io::{self, MapFormat, OutputFile, SurfaceFile};
 use geosweep::surface::builtin::Builtin;
 use geosweep::{
-    DEFAULT_TOLERANCE, DeviceChoice, DistanceMap, EdgeRule, Engine, ErrorEstimate, Options, Sources,
-    Spacing, Surface, Wavefront, distance_map, estimate_error,
+    DEFAULT_TOLERANCE, DeviceChoice, DistanceMap, EdgeRule, Engine, ErrorEstimate, Options,
+    Sources, Spacing, Surface, Wavefront, distance_map, estimate_error,
 };
 use indicatif::ProgressBar;
 use serde::Serialize;

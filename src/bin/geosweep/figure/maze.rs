@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use geosweep::cpu::{Stop, rotated_scan};
+use geosweep::cpu::{Stop, scan_in_turn};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::{DEFAULT_TOLERANCE, Sources, Surface, Wavefront};
@@ -89,7 +89,7 @@ fn stages(surface: &Surface, sources: &Sources) -> Result<Vec<Stage>, geosweep::
 impl Stage {
     fn after(iterations: u32, surface: &Surface, edges: &EdgeLengths<f32>, seeds: &[Seed]) -> Self {
         let stop = Stop { tolerance: DEFAULT_TOLERANCE, iterations };
-        let solution = rotated_scan(edges, seeds, Wavefront::PointSource, stop);
+        let solution = scan_in_turn(edges, seeds, Wavefront::PointSource, stop);
         let distances = solution.distances();
         Self {
             iterations: solution.iterations,

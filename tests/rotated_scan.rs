@@ -1,0 +1,119 @@
+//! The lanes, threads and memory of the CPU engine.
+
+mod measure;
+
+use geosweep::cpu::{Instructions, RotatedScan, Stop};
+use geosweep::surface::EdgeLengths;
+use geosweep::surface::builtin::Builtin;
+use geosweep::{Sources, Spacing, Surface, Wavefront};
+use measure::{CONVERGED, at, difference, directed, off_centre, rotated};
+
+/// Sizes around the width of a tile and of lanes, and lines of points.
+const SIZES: [[usize; 2]; 8] =
+    [[1, 40], [40, 1], [2, 2], [3, 5], [16, 16], [17, 33], [15, 100], [97, 31]];
+
+/// A wavy height field with holes.
+fn holed([rows, cols]: [usize; 2]) -> Surface {
+    let heights = (0..rows * cols).map(|i| (i as f64 * 0.7).sin() + (i % cols) as f64 * 0.1);
+    let surface =
+        Surface::from_heights(rows, cols, heights.collect(), Spacing::square(1.0)).unwrap();
+    let mask: Vec<_> = (0..rows * cols).map(|i| i % 13 != 7).collect();
+    surface.with_mask(&mask).unwrap()
+}
+
+#[test]
+fn every_set_of_instructions_gives_the_same_map_to_the_bit() {
+    println!("{:?}", Instructions::available());
+    for size in SIZES {
+        let surface = holed(size);
+        let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+        let seeds = at([0.0, 0.0]).seeds(&surface).unwrap();
+        for wavefront in Wavefront::ALL {
+            let solve = |instructions| {
+                let mut solver =
+                    RotatedScan::new(&edges, wavefront).with_instructions(instructions);
+                let convergence = solver.solve(&seeds, CONVERGED);
+                (solver.distances(), convergence)
+            };
+            let baseline = solve(Instructions::Baseline);
+            for instructions in Instructions::available() {
+                assert_eq!(solve(instructions), baseline, "{size:?} {wavefront} {instructions}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_number_of_threads_gives_the_same_map_to_the_bit() {
+    for builtin in [Builtin::Maze, Builtin::Peaks] {
+        let surface = builtin.surface(120, 90).unwrap();
+        for wavefront in Wavefront::ALL {
+            let with = |threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let source = off_centre(120, 90);
+                let source = if builtin == Builtin::Maze { [0.0, 0.0] } else { source };
+                pool.install(|| rotated::<f32>(&surface, &at(source), wavefront, CONVERGED))
+                    .distances()
+            };
+            let alone = with(1);
+            assert_eq!(with(2), alone, "{builtin} {wavefront}");
+            assert_eq!(with(5), alone, "{builtin} {wavefront}");
+        }
+    }
+}
+
+/// Skipping must not change the map: the directed scans visit every point every time.
+#[test]
+fn tiny_and_narrow_grids_agree_with_directed_scans() {
+    for size in SIZES {
+        let surface = holed(size);
+        for wavefront in Wavefront::ALL {
+            let rotated = rotated::<f64>(&surface, &at([0.0, 0.0]), wavefront, CONVERGED);
+            let directed = directed::<f64>(&surface, &at([0.0, 0.0]), wavefront, CONVERGED);
+            let difference = difference(&rotated.distances(), &directed.distances());
+            assert!(difference < 1e-6, "{size:?} {wavefront}: {difference:e}");
+        }
+    }
+}
+
+#[test]
+fn a_solver_forgets_the_map_before() {
+    let surface = Builtin::Torus.surface(70, 50).unwrap();
+    let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+    for wavefront in Wavefront::ALL {
+        let mut used = RotatedScan::new(&edges, wavefront);
+        for source in [[3.0, 4.0], [60.0, 44.0], [10.5, 30.25]] {
+            let seeds = at(source).seeds(&surface).unwrap();
+            let again = used.solve(&seeds, CONVERGED);
+            let mut fresh = RotatedScan::new(&edges, wavefront);
+            assert_eq!(fresh.solve(&seeds, CONVERGED), again);
+            assert_eq!(fresh.distances(), used.distances(), "{source:?} {wavefront}");
+        }
+    }
+}
+
+#[test]
+fn no_source_is_no_map_and_no_endless_loop() {
+    let edges = EdgeLengths::<f32>::new(&Builtin::Plane.surface(20, 20).unwrap()).unwrap();
+    let mut solver = RotatedScan::new(&edges, Wavefront::Planar);
+    let convergence = solver.solve(&[], Stop { tolerance: 0.0, iterations: 100 });
+    assert_eq!((convergence.iterations, convergence.residual), (1, 0.0));
+    assert!(solver.distances().iter().all(|distance| *distance == f32::INFINITY));
+}
+
+/// Beside the user's input: 16 bytes of edge lengths, two copies of times and curvatures, and the
+/// surface's own curvature.
+#[test]
+fn memory_is_at_most_forty_bytes_a_point() {
+    let points = 1200;
+    let surface = Builtin::Plane.surface(points, points).unwrap();
+    let seeds = Sources::point(0.0, 0.0).seeds(&surface).unwrap();
+    for wavefront in Wavefront::ALL {
+        let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+        let mut solver = RotatedScan::new(&edges, wavefront);
+        solver.solve(&seeds, Stop::after(1));
+        let bytes = (edges.bytes() + solver.bytes()) as f64 / (points * points) as f64;
+        println!("{wavefront}: {bytes:.1} bytes a point");
+        assert!(bytes < 40.0, "{wavefront}: {bytes}");
+    }
+}
