@@ -5,7 +5,8 @@
 use crate::Sources;
 use crate::surface::{Chart, Real};
 
-/// Errors of a map against exact distances, over the points that both reach.
+/// Errors of a map against exact distances, over the points that both reach. Points whose exact
+/// distance is NaN, not known, do not count.
 ///
 /// ```
 /// use geosweep::accuracy::Errors;
@@ -38,6 +39,9 @@ impl Errors {
         let mut reached_by_one = 0;
         for (found, &exact) in map.iter().map(|found| found.wide()).zip(exact) {
             assert!(!found.is_nan(), "a distance is NaN");
+            if exact.is_nan() {
+                continue;
+            }
             match (found.is_finite(), exact.is_finite()) {
                 (true, true) => {}
                 (false, false) => continue,
@@ -98,6 +102,12 @@ mod tests {
         approx::assert_relative_eq!(errors.mean_relative, 0.1, max_relative = 1e-12);
         approx::assert_relative_eq!(errors.rms_relative, 0.1, max_relative = 1e-12);
         approx::assert_relative_eq!(errors.max_of_largest, 0.1, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn points_whose_distance_is_not_known_do_not_count() {
+        let errors = Errors::of(&[0.0, 1.1, 7.0, f64::INFINITY], &[0.0, 1.0, f64::NAN, f64::NAN]);
+        assert_eq!(errors, Errors::of(&[0.0, 1.1], &[0.0, 1.0]));
     }
 
     #[test]
