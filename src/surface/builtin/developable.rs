@@ -2,19 +2,26 @@
 
 use std::f64::consts::PI;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
-pub(super) fn shear(degrees: f64, uv: DVec2) -> DVec2 {
-    DVec2::new(uv.x + uv.y * degrees.to_radians().tan(), uv.y)
+use super::jet::Smooth;
+
+pub(super) fn shear<T: Smooth>(degrees: f64, [u, v]: [T; 2]) -> [T; 3] {
+    [u + v * degrees.to_radians().tan(), v, T::from(0.0)]
+}
+
+pub(super) fn shear_distance(degrees: f64, a: DVec2, b: DVec2) -> f64 {
+    let [across, along, _] = shear(degrees, (b - a).to_array());
+    across.hypot(along)
 }
 
 /// Three quarters of a turn, the angle that cylinder and cone cover.
 const ANGLE: f64 = 1.5 * PI;
 const HEIGHT: f64 = 3.0;
 
-pub(super) fn cylinder(uv: DVec2) -> DVec3 {
-    let (sin, cos) = (ANGLE * uv.x).sin_cos();
-    DVec3::new(cos, sin, HEIGHT * uv.y)
+pub(super) fn cylinder<T: Smooth>([u, v]: [T; 2]) -> [T; 3] {
+    let (sin, cos) = (u * ANGLE).sin_cos();
+    [cos, sin, v * HEIGHT]
 }
 
 pub(super) fn cylinder_distance(a: DVec2, b: DVec2) -> f64 {
@@ -27,10 +34,10 @@ const SLOPE: f64 = 0.5;
 /// Slant height of the inner border.
 const INNER: f64 = 0.5;
 
-pub(super) fn cone(uv: DVec2) -> DVec3 {
-    let slant = INNER + uv.y;
-    let (sin, cos) = (ANGLE * uv.x).sin_cos();
-    slant * DVec3::new(SLOPE * cos, SLOPE * sin, (1.0 - SLOPE * SLOPE).sqrt())
+pub(super) fn cone<T: Smooth>([u, v]: [T; 2]) -> [T; 3] {
+    let slant = v + INNER;
+    let (sin, cos) = (u * ANGLE).sin_cos();
+    [slant * cos * SLOPE, slant * sin * SLOPE, slant * (1.0 - SLOPE * SLOPE).sqrt()]
 }
 
 pub(super) fn cone_distance(a: DVec2, b: DVec2) -> f64 {

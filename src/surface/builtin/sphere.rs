@@ -4,13 +4,16 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::{DVec2, DVec3};
 
-pub(super) fn position(uv: DVec2) -> DVec3 {
-    let tan = |x: f64| (FRAC_PI_2 * (x - 0.5)).tan();
-    DVec3::new(tan(uv.x), tan(uv.y), 1.0).normalize()
+use super::jet::Smooth;
+
+pub(super) fn position<T: Smooth>(uv: [T; 2]) -> [T; 3] {
+    let [x, y] = uv.map(|along| ((along - 0.5) * FRAC_PI_2).tan());
+    let shrink = (x.squared() + y.squared() + 1.0).recip_sqrt();
+    [x * shrink, y * shrink, shrink]
 }
 
 /// Along the great circle: good for near, orthogonal and opposite points alike.
 pub(super) fn distance(a: DVec2, b: DVec2) -> f64 {
-    let (a, b) = (position(a), position(b));
+    let [a, b] = [a, b].map(|uv| DVec3::from_array(position(uv.to_array())));
     a.cross(b).length().atan2(a.dot(b))
 }

@@ -1,0 +1,79 @@
+//! Upper bounds on distances, by which to end geodesics that are no shortest paths any more.
+//!
+//! Behind a summit geodesics turn chaotic, and following them is most of the work.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec2, USizeVec2};
+use rayon::prelude::*;
+
+use super::ray::{Frame, Position, Ray};
+use super::{MARGIN, is_followed};
+use crate::surface::builtin::jet::Jet;
+
+/// A bound for each cell of the domain and what is followed around it.
+pub(super) struct Bounds {
+    cells: Vec<f64>,
+}
+
+/// Cells a side.
+const CELLS: usize = 80;
+/// More than the rays' lengths here are off by, as they take long steps.
+const SLACK: f64 = 1.01;
+
+impl Bounds {
+    /// From some of the rays: wherever one comes to a cell, all places of the cell are at most
+    /// the cell's diameter further.
+    pub(super) fn new(
+        position: &impl Position,
+        ray: impl Fn(f64) -> Ray + Sync,
+        longest: f64,
+    ) -> Self {
+        const RAYS: usize = 1024;
+        const STEPS: usize = 128;
+        let step = longest / STEPS as f64;
+        let visits = |index: usize| {
+            let mut ray = ray(TAU * index as f64 / RAYS as f64);
+            let mut cells = Vec::new();
+            while cells.len() < STEPS && is_followed(&ray) {
+                cells.push(cell(ray.at));
+                ray = ray.advance(ray.derivative(position), step, position);
+            }
+            cells
+        };
+        let visited: Vec<_> = (0..RAYS).into_par_iter().map(visits).collect();
+        let mut first = vec![STEPS; CELLS * CELLS];
+        for cells in visited {
+            for (steps, cell) in cells.into_iter().enumerate() {
+                first[cell] = first[cell].min(steps);
+            }
+        }
+        let bound = |(cell, &steps): (usize, &usize)| {
+            let length = if steps < STEPS { steps as f64 * step } else { longest };
+            SLACK * (length + diameter(position, cell))
+        };
+        Self { cells: first.par_iter().enumerate().map(|pair| bound((pair.0, pair.1))).collect() }
+    }
+
+    /// Whether a ray is longer than the distance to where it is.
+    pub(super) fn exclude(&self, length: f64, at: DVec2) -> bool {
+        length > self.cells[cell(at)]
+    }
+}
+
+const WIDTH: f64 = (1.0 + 2.0 * MARGIN) / CELLS as f64;
+
+/// The cell of a place, or the nearest.
+fn cell(at: DVec2) -> usize {
+    let USizeVec2 { x, y } =
+        ((at + MARGIN) / WIDTH).as_usizevec2().min(USizeVec2::splat(CELLS - 1));
+    y * CELLS + x
+}
+
+/// A bound on distances in a cell: twice what its size is at its middle.
+fn diameter(position: &impl Position, cell: usize) -> f64 {
+    let index = DVec2::new((cell % CELLS) as f64, (cell / CELLS) as f64);
+    let middle = WIDTH * (index + 0.5) - MARGIN;
+    let frame = Frame::new(position(Jet::variables(middle)));
+    2.0 * WIDTH * (frame.length(DVec2::X) + frame.length(DVec2::Y))
+}

@@ -1,0 +1,167 @@
+//! Rays side by side, from the source to where the last of them ends.
+
+use glam::DVec2;
+
+use super::Fan;
+use super::arrivals::Arrivals;
+use super::patch::{self, Cosines, Knot, Patch, RAYS};
+use super::ray::{Position, Ray};
+
+/// The rays of an arc of directions, as a patch for each step.
+pub(super) struct Panel {
+    pub(super) patches: Vec<Patch>,
+    /// Length of a step.
+    step: f64,
+}
+
+/// Quadrangles across the rays that a patch is divided into for first guesses.
+const ACROSS: usize = 4;
+/// Of a patch's width: guesses are made this far beyond each triangle, which is flat while the
+/// patch is not.
+const BEYOND: f64 = 0.25;
+/// Of the domain's width: paths that stay this far from its border need no closer look.
+const FAR_FROM_BORDER: f64 = 0.01;
+
+impl Panel {
+    /// Shoots rays into an arc of directions; `None` if they part too fast for a polynomial.
+    pub(super) fn shoot(fan: &Fan<impl Position>, arc: [f64; 2]) -> Option<Self> {
+        let Fan { step, position, .. } = fan;
+        let cosines = Cosines::new();
+        let angle = |index| {
+            0.5 * (arc[0] + arc[1]) + 0.5 * (arc[1] - arc[0]) * patch::chebyshev_point(index)
+        };
+        let mut rays: [Ray; RAYS] = std::array::from_fn(|index| fan.ray(angle(index)));
+        let mut derivatives = rays.map(|ray| ray.derivative(position));
+        let mut ended = [false; RAYS];
+        let mut knots = interpolate(&rays, &derivatives, *step, &cosines);
+        let mut patches = Vec::new();
+        while patches.len() < fan.most_steps() && ended.contains(&false) {
+            for index in 0..RAYS {
+                rays[index] = rays[index].advance(derivatives[index], *step, position);
+                derivatives[index] = rays[index].derivative(position);
+                ended[index] |= fan.ends(&rays[index], patches.len() + 1);
+            }
+            let next = interpolate(&rays, &derivatives, *step, &cosines);
+            let tail = next[RAYS - 2].value.abs() + next[RAYS - 1].value.abs();
+            // Not where a ray has run into infinity either.
+            let resolved = tail.max_element() < fan.tolerance;
+            if !resolved {
+                return None;
+            }
+            let powers = |k: usize| patch::quintic(knots[k], next[k]);
+            patches.push(Patch { coefficients: std::array::from_fn(powers) });
+            knots = next;
+        }
+        Some(Self { patches, step: *step })
+    }
+
+    /// Enters what grid points the rays come by.
+    pub(super) fn arrive(&self, arrivals: &Arrivals) {
+        let mut clear = true;
+        for (index, patch) in self.patches.iter().enumerate() {
+            let along = parts_along(patch, index == 0);
+            let at = |[i, j]: [usize; 2]| {
+                let fraction = |k: usize, parts: usize| k as f64 / parts as f64;
+                DVec2::new(2.0 * fraction(i, ACROSS) - 1.0, fraction(j, along))
+            };
+            let corners: Vec<[DVec2; ACROSS + 1]> =
+                (0..=along).map(|j| std::array::from_fn(|i| patch.value(at([i, j])))).collect();
+            clear &= corners.as_flattened().iter().all(|&uv| is_inside(uv, FAR_FROM_BORDER));
+            for (i, j) in (0..ACROSS).flat_map(|i| (0..along).map(move |j| (i, j))) {
+                let [start, end] = [[i, j], [i + 1, j + 1]];
+                for triangle in [[start, [i + 1, j], end], [start, end, [i, j + 1]]] {
+                    let values = triangle.map(|[i, j]| corners[j][i]);
+                    for (point, weights) in arrivals.points_near(values, BEYOND) {
+                        let guess = (0..3).map(|k| weights[k] * at(triangle[k])).sum();
+                        self.arrive_at(point, index, guess, clear, arrivals);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Enters a grid point that may lie near a guess.
+    fn arrive_at(
+        &self,
+        point: usize,
+        index: usize,
+        guess: DVec2,
+        clear: bool,
+        arrivals: &Arrivals,
+    ) {
+        // A guess may be a step too late.
+        if self.step * (index as f64 + guess.y - 1.0) > arrivals.shortest(point) {
+            return;
+        }
+        if let Some((index, found)) = self.locate(arrivals.place(point), index, guess) {
+            let length = self.step * (index as f64 + found.y);
+            arrivals.enter(point, length, || clear || self.stays(index, found));
+        }
+    }
+
+    /// Which patch comes by a place, and where, from a guess.
+    fn locate(&self, place: DVec2, index: usize, guess: DVec2) -> Option<(usize, DVec2)> {
+        /// A guess can be wrong by a step or two: triangles are flat, and fronts are not.
+        const MOST_MOVES: usize = 4;
+        const ROUNDING: f64 = 1e-9;
+        let (mut index, mut guess) = (index, guess);
+        for _ in 0..MOST_MOVES {
+            let found = self.patches.get(index)?.find(place, guess)?;
+            if found.y < -ROUNDING {
+                index = index.checked_sub(1)?;
+                guess = found + DVec2::Y;
+            } else if found.y > 1.0 + ROUNDING {
+                index += 1;
+                guess = found - DVec2::Y;
+            } else {
+                return Some((index, found));
+            }
+        }
+        None
+    }
+
+    /// Whether the ray to a place in a patch stays in the domain on its way.
+    fn stays(&self, index: usize, end: DVec2) -> bool {
+        const ROUNDING: f64 = 1e-9;
+        /// Looks at a ray per step. A path that is outside in between only, along a border that
+        /// is bent inwards, is shorter than it may be by the cube of this part of a step.
+        const LOOKS: usize = 8;
+        let steps = (0..).map(|look| look as f64 / LOOKS as f64);
+        steps.take_while(|&steps| steps < index as f64 + end.y).all(|steps| {
+            let along = DVec2::new(end.x, steps.fract());
+            is_inside(self.patches[steps as usize].value(along), -ROUNDING)
+        })
+    }
+}
+
+/// Quadrangles along the rays, so many that their sides, which are straight, are off from the
+/// rays by a small part of their distance only: else a guess would be for the wrong rays.
+fn parts_along(patch: &Patch, from_source: bool) -> usize {
+    const SMALL: f64 = 0.02;
+    const MOST: f64 = 64.0;
+    let [start, middle, end] = [0.0, 0.5, 1.0].map(|y| patch.value(DVec2::new(0.0, y)));
+    let [first, last] = [-1.0, 1.0].map(|x| patch.value(DVec2::new(x, 0.5)));
+    let off = 4.0 * middle.distance(0.5 * (start + end)) / first.distance(last);
+    // By the square of the parts' number, but the rays' distance at the source is that too.
+    let parts = if from_source { off / SMALL } else { (off / SMALL).sqrt() };
+    parts.ceil().clamp(1.0, MOST) as usize
+}
+
+/// Whether a place lies in the unit square, at least some way from its border.
+pub(super) fn is_inside(uv: DVec2, from_border: f64) -> bool {
+    (uv - 0.5).abs().max_element() <= 0.5 - from_border
+}
+
+/// Position and its derivatives along the rays, as Chebyshev series across them.
+fn interpolate(
+    rays: &[Ray; RAYS],
+    derivatives: &[Ray; RAYS],
+    step: f64,
+    cosines: &Cosines,
+) -> [Knot; RAYS] {
+    let value = patch::coefficients(rays.map(|ray| ray.at), cosines);
+    let first = patch::coefficients(rays.map(|ray| step * ray.heading), cosines);
+    let second = derivatives.map(|derivative| step * step * derivative.heading);
+    let second = patch::coefficients(second, cosines);
+    std::array::from_fn(|k| Knot { value: value[k], first: first[k], second: second[k] })
+}
