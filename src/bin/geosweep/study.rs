@@ -8,17 +8,6 @@ use geosweep::surface::builtin::Builtin;
 use geosweep::{DistanceMap, Error, Options, Sources, Surface, Wavefront, distance_map};
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Exact or much more accurate distances from a source to all points of a built-in surface,
-/// row-major; `None` where nothing is known.
-pub fn reference(builtin: Builtin, rows: usize, cols: usize, source: [f64; 2]) -> Option<Vec<f64>> {
-    builtin.exact_distances(rows, cols, source)
-}
-
-/// Whether a built-in surface has a [`reference`].
-pub fn has_reference(builtin: Builtin) -> bool {
-    reference(builtin, 2, 2, [0.0; 2]).is_some()
-}
-
 /// A square grid on a built-in surface, with a source and the distances from it.
 pub struct Problem {
     pub surface: Surface,
@@ -28,13 +17,10 @@ pub struct Problem {
 
 impl Problem {
     /// The source lies at a fraction of the rows and of the columns, at the nearest point.
-    ///
-    /// # Panics
-    /// If the surface has no [`reference`].
     pub fn new(builtin: Builtin, points: usize, source: [f64; 2]) -> Result<Self, SurfaceError> {
         let surface = builtin.surface(points, points)?;
         let source = source.map(|fraction| (fraction * (points - 1) as f64).round());
-        let reference = reference(builtin, points, points, source).expect("a reference");
+        let reference = builtin.reference_distances(points, points, source);
         Ok(Self { surface, source, reference })
     }
 

@@ -1,6 +1,7 @@
 //! `geosweep accuracy`: how far maps are from exact distances, and what that costs.
 
 mod measure;
+mod peers;
 mod plots;
 mod report;
 
@@ -18,6 +19,7 @@ use crate::output_file::{output_file, png_output};
 use crate::study;
 use crate::{Outcome, print};
 use measure::Measurement;
+use peers::Peer;
 use report::Report;
 
 /// The arguments of `geosweep accuracy`.
@@ -28,8 +30,8 @@ pub struct Args {
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = study::size)]
     #[arg(default_values_t = [33, 65, 129, 257, 513, 1025])]
     sizes: Vec<usize>,
-    /// Built-in surfaces (default: all that have reference distances)
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = surface)]
+    /// Built-in surfaces (default: all)
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     surfaces: Vec<Builtin>,
     /// Wavefronts (default: all)
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = wavefront)]
@@ -43,6 +45,10 @@ pub struct Args {
     /// A folder for two plots: accuracy-size.png and accuracy-time.png
     #[arg(long, value_name = "FOLDER")]
     plots: Option<PathBuf>,
+    /// A table of what other solvers achieve, for plots and report: surface, size (points a
+    /// side), solver, seconds, mean_error (relative)
+    #[arg(long, value_name = "FILE.csv")]
+    peers: Option<PathBuf>,
     /// What the report says about the machine that the times come from
     #[arg(long, value_name = "TEXT")]
     machine: Option<String>,
@@ -66,9 +72,9 @@ Wavefronts: {}.
 
 Examples:
   geosweep accuracy
-  geosweep accuracy -o accuracy.md --plots .
+  geosweep accuracy -o docs/accuracy.md --plots docs/figures --peers docs/peers.csv
   geosweep accuracy --surfaces sphere,sheared-plane@72 --wavefronts point --sizes 65,129 --json",
-        referenced().iter().map(Builtin::to_string).collect::<Vec<_>>().join(", "),
+        Builtin::ALL.map(|builtin| builtin.to_string()).join(", "),
         wavefront_names()
     )
 }
@@ -82,16 +88,6 @@ enum EngineArg {
     Vulkan,
 }
 
-/// A surface that has a reference.
-fn surface(text: &str) -> Result<Builtin, String> {
-    let builtin: Builtin = text.trim().parse()?;
-    if study::has_reference(builtin) {
-        Ok(builtin)
-    } else {
-        Err(format!("{builtin} has no reference distances to measure against"))
-    }
-}
-
 fn wavefront(text: &str) -> Result<Wavefront, String> {
     let found = Wavefront::ALL.into_iter().find(|wavefront| wavefront.name() == text.trim());
     found.ok_or_else(|| format!("no wavefront is called `{text}`; there are {}", wavefront_names()))
@@ -101,14 +97,11 @@ fn wavefront_names() -> String {
     Wavefront::ALL.map(Wavefront::name).join(", ")
 }
 
-fn referenced() -> Vec<Builtin> {
-    Builtin::ALL.into_iter().filter(|&builtin| study::has_reference(builtin)).collect()
-}
-
 pub fn run(args: &Args) -> Outcome {
     let outputs = Outputs::new(args)?;
+    let peers = args.peers.as_deref().map_or(Ok(Vec::new()), peers::read)?;
     let sizes = study::ascending(&args.sizes);
-    let surfaces = or_else(&args.surfaces, referenced);
+    let surfaces = or_else(&args.surfaces, || Builtin::ALL.to_vec());
     let wavefronts = or_else(&args.wavefronts, || Wavefront::ALL.to_vec());
     let engine = match args.engine {
         EngineArg::Cpu => Engine::Cpu,
@@ -116,9 +109,10 @@ pub fn run(args: &Args) -> Outcome {
     };
     let measured = measure::all(&surfaces, &wavefronts, &sizes, &engine)?;
 
-    let report = Report { args, plots: outputs.plots_link(args), measured: &measured };
+    let report =
+        Report { args, plots: outputs.plots_link(args), measured: &measured, peers: &peers };
     let markdown = report.to_string();
-    outputs.write(&markdown, &measured)?;
+    outputs.write(&markdown, &measured, &peers)?;
     if args.json {
         let rows: Vec<_> = measured.iter().map(Measurement::row).collect();
         print(serde_json::to_string(&rows)?)?;
@@ -163,13 +157,19 @@ impl Outputs {
     }
 
     /// Writes all files, then gives them their names.
-    fn write(self, markdown: &str, measured: &[Measurement]) -> Result<(), Box<dyn Error>> {
+    fn write(
+        self,
+        markdown: &str,
+        measured: &[Measurement],
+        peers: &[Peer],
+    ) -> Result<(), Box<dyn Error>> {
         let mut staged = Vec::new();
         if let Some(report) = self.report {
             staged.push(report.stage(|writer| writer.write_all(markdown.as_bytes()))?);
         }
         if let Some([size, time]) = self.plots {
-            let (by_size, by_time) = (plots::by_size(measured), plots::by_time(measured));
+            let (by_size, by_time) =
+                (plots::by_size(measured, peers), plots::by_time(measured, peers));
             staged.push(size.stage(|writer| by_size.draw().write_png(writer))?);
             staged.push(time.stage(|writer| by_time.draw().write_png(writer))?);
         }

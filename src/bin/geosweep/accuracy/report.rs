@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 
 use super::measure::Measurement;
+use super::peers::Peer;
 use super::{Args, plots};
 
 /// What to say.
@@ -15,6 +16,8 @@ pub struct Report<'a> {
     pub plots: Option<PathBuf>,
     /// By surface, then wavefront, then size.
     pub measured: &'a [Measurement],
+    /// By solver, then surface, then size.
+    pub peers: &'a [Peer],
 }
 
 /// Below this the error is rounding in single precision, which has no order.
@@ -26,6 +29,7 @@ impl Display for Report<'_> {
         self.introduction(f)?;
         self.pictures(f)?;
         self.summary(f)?;
+        self.peers(f)?;
         let by_surface = self.measured.chunk_by(|a, b| a.builtin == b.builtin);
         by_surface.into_iter().try_for_each(|of_surface| table(f, of_surface))
     }
@@ -44,7 +48,9 @@ impl Report<'_> {
             f,
             "\
 Converged distance maps of the built-in surfaces, computed in single precision on
-{engine} by {schedule}s, against exact distances.
+{engine} by {schedule}s, against exact distances: closed forms, in the maze the
+shortest polygonal path, and on torus and peaks geodesics shot from the source in double
+precision (relative error below 1e-9).
 
 Errors are relative to the exact distance, over all points but the source, which lies near
 row 0.31, column 0.41 of the grid (in the maze, at the corner where its corridor begins).
@@ -55,7 +61,8 @@ it is left out where the error is below {ROUNDING:e}, which is rounding.
 Times are those of the solve alone, the shortest of up to five, and indicative only: the
 machine{machine} does other work too.
 
-To reproduce: `{}`.\n",
+To reproduce: `{}`. In a
+clone of the repository, `ci/figures` writes this report and draws all figures anew.\n",
             self.command()
         )
     }
@@ -63,7 +70,15 @@ To reproduce: `{}`.\n",
     fn command(&self) -> String {
         let sizes: Vec<_> = self.args.sizes.iter().map(usize::to_string).collect();
         let engine = self.args.engine.to_possible_value().expect("no engine is hidden");
-        format!("geosweep accuracy --sizes {} --engine {}", sizes.join(","), engine.get_name())
+        let mut command =
+            format!("geosweep accuracy --sizes {} --engine {}", sizes.join(","), engine.get_name());
+        let Args { output, plots, peers, .. } = self.args;
+        for (flag, path) in [("-o", output), ("--plots", plots), ("--peers", peers)] {
+            if let Some(path) = path {
+                command += &format!(" {flag} {}", path.display());
+            }
+        }
+        command
     }
 
     fn pictures(&self, f: &mut Formatter<'_>) -> fmt::Result {
@@ -79,17 +94,34 @@ To reproduce: `{}`.\n",
     fn summary(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Some(largest) = self.measured.iter().map(|m| m.points).max() else { return Ok(()) };
         writeln!(f, "## At {largest} x {largest} points\n")?;
-        writeln!(f, "| surface | wavefront | mean | largest | iterations | time, ms |")?;
-        writeln!(f, "|---|---|---:|---:|---:|---:|")?;
+        writeln!(f, "| surface | wavefront | mean | RMS | largest | iterations | time, ms |")?;
+        writeln!(f, "|---|---|---:|---:|---:|---:|---:|")?;
         for m in self.measured.iter().filter(|m| m.points == largest) {
             let Measurement { builtin, wavefront, errors, iterations, .. } = m;
             writeln!(
                 f,
-                "| {builtin} | {wavefront} | {:.1e} | {:.1e} | {iterations} | {} |",
+                "| {builtin} | {wavefront} | {:.1e} | {:.1e} | {:.1e} | {iterations} | {} |",
                 errors.mean_relative,
+                errors.rms_relative,
                 errors.max_relative,
-                milliseconds(m)
+                milliseconds(m.time.as_secs_f64())
             )?;
+        }
+        Ok(())
+    }
+
+    /// Other solvers on the same surfaces.
+    fn peers(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        if self.peers.is_empty() {
+            return Ok(());
+        }
+        writeln!(f, "\n## Other solvers\n")?;
+        writeln!(f, "Measured apart, on the same points from the same source.\n")?;
+        writeln!(f, "| surface | solver | points a side | mean | time, ms |")?;
+        writeln!(f, "|---|---|---:|---:|---:|")?;
+        for Peer { builtin, points, solver, seconds, mean } in self.peers {
+            let time = milliseconds(*seconds);
+            writeln!(f, "| {builtin} | {solver} | {points} | {mean:.2e} | {time} |")?;
         }
         Ok(())
     }
@@ -114,15 +146,15 @@ fn table(f: &mut Formatter<'_>, of_surface: &[Measurement]) -> fmt::Result {
             errors.mean_relative,
             errors.rms_relative,
             errors.max_relative,
-            milliseconds(m)
+            milliseconds(m.time.as_secs_f64())
         )?;
     }
     Ok(())
 }
 
 /// With two or more significant digits.
-fn milliseconds(measurement: &Measurement) -> String {
-    let milliseconds = 1e3 * measurement.time.as_secs_f64();
+fn milliseconds(seconds: f64) -> String {
+    let milliseconds = 1e3 * seconds;
     let decimals = if milliseconds < 1.0 { 2 } else { usize::from(milliseconds < 10.0) };
     format!("{milliseconds:.decimals$}")
 }
