@@ -1,0 +1,98 @@
+"""The grids that all solvers get: the same positions, and one triangulation of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+# Diagonals whose lengths differ by less than this fraction count as equal, so that rounding
+# does not scatter diagonals over a plane.
+TIE = 1e-4
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Positions (M, N, 3), NaN at holes, each representable in single precision."""
+
+    positions: np.ndarray
+
+    @staticmethod
+    def load(path: Path) -> Grid:
+        """Reads positions. Single precision is what some peers (MeshLib) store, so all get it."""
+        return Grid(np.load(path).astype(np.float32).astype(np.float64))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return self.positions.shape[:2]
+
+    @cached_property
+    def present(self) -> np.ndarray:
+        return np.isfinite(self.positions).all(axis=2)
+
+    @cached_property
+    def index(self) -> np.ndarray:
+        """The vertex at each grid point, -1 at holes: meshes want no vertex without a triangle."""
+        index = np.full(self.shape, -1, dtype=np.int64)
+        index[self.present] = np.arange(self.present.sum())
+        return index
+
+    @cached_property
+    def vertices(self) -> np.ndarray:
+        return np.ascontiguousarray(self.positions[self.present])
+
+    @cached_property
+    def faces(self) -> np.ndarray:
+        """Two triangles a cell along its shorter diagonal, north-west to south-east in a tie.
+
+        The kinder choice for solvers on meshes: the longer one makes obtuse triangles. A cell
+        with one hole keeps the triangle of its other corners.
+        """
+        nw, ne = self.index[:-1, :-1].ravel(), self.index[:-1, 1:].ravel()
+        sw, se = self.index[1:, :-1].ravel(), self.index[1:, 1:].ravel()
+        rising = self._rising()
+        falling = np.concatenate([np.stack([nw, sw, se], 1), np.stack([nw, se, ne], 1)])
+        other = np.concatenate([np.stack([nw, sw, ne], 1), np.stack([ne, sw, se], 1)])
+        faces = np.where(np.tile(rising, 2)[:, None], other, falling)
+        return np.ascontiguousarray(faces[(faces >= 0).all(axis=1)].astype(np.int32))
+
+    def _rising(self) -> np.ndarray:
+        """For each cell, whether it is cut from south-west to north-east."""
+        points, present = self.positions, self.present
+        falling = np.linalg.norm(points[:-1, :-1] - points[1:, 1:], axis=2)
+        rising = np.linalg.norm(points[1:, :-1] - points[:-1, 1:], axis=2)
+        whole_falling = present[:-1, :-1] & present[1:, 1:]
+        whole_rising = present[1:, :-1] & present[:-1, 1:]
+        shorter = rising < falling * (1 - TIE)
+        return np.where(whole_falling & whole_rising, shorter, whole_rising).ravel()
+
+    def to_map(self, values: np.ndarray) -> np.ndarray:
+        """Values of vertices as a map (M, N), infinite at holes."""
+        distances = np.full(self.shape, np.inf)
+        distances[self.present] = np.asarray(values, dtype=np.float64).reshape(-1)
+        return distances
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Relative to the exact distances, over all points but the source."""
+
+    mean: float
+    largest: float
+    signed: float
+    missing: int
+
+
+def errors(distances: np.ndarray, exact: np.ndarray) -> Errors:
+    """Compares where the exact distance is positive and finite; counts what was not reached."""
+    where = np.isfinite(exact) & (exact > 0)
+    reached = where & np.isfinite(distances)
+    difference = distances[reached] / exact[reached] - 1
+    return Errors(
+        mean=float(np.abs(difference).mean()),
+        largest=float(np.abs(difference).max()),
+        signed=float(difference.mean()),
+        missing=int(where.sum() - reached.sum()),
+    )
