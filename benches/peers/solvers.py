@@ -1,0 +1,304 @@
+"""One small class per peer: a name, the set-up, and a solve for one source.
+
+`seconds` is set by solvers that time themselves, where the call around them does more than
+solve; otherwise the clock around `solve` counts.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.util
+import json
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+from typing import Any, Callable
+
+import numpy as np
+
+from grids import Grid
+
+Place = tuple[int, int]
+
+# Everything, as a peer's longest distance.
+FAR = 1e9
+
+
+class Solver:
+    """What all solvers share. Without the modules that it `needs`, a solver is left out."""
+
+    name = ""
+    needs: tuple[str, ...] = ()
+    seconds: float | None = None
+    set_up_seconds: float | None = None
+    note = ""
+
+    def suits(self, surface: str) -> bool:
+        """Whether the method is meant for such a surface at all."""
+        return True
+
+    def prepare(self, grid: Grid) -> None:
+        """Everything that does not depend on the source."""
+        self.grid = grid
+
+    def solve(self, source: Place) -> np.ndarray:
+        """Distances (M, N) from a grid point, infinite where there are none."""
+        raise NotImplementedError
+
+    def vertex(self, source: Place) -> int:
+        return int(self.grid.index[source])
+
+
+class Geosweep(Solver):
+    """Our own tool, from a file of positions to a file of distances."""
+
+    def __init__(self, binary: Path, engine: str, wavefront: str, options: tuple[str, ...] = ()) -> None:
+        self.binary, self.options = binary, ("--engine", engine, "--wavefront", wavefront, *options)
+        self.name = f"geosweep {engine}, {wavefront}"
+
+    def prepare(self, grid: Grid) -> None:
+        super().prepare(grid)
+        self.folder = tempfile.TemporaryDirectory()
+        self.positions, self.map = (Path(self.folder.name) / f"{name}.npy" for name in ("positions", "map"))
+        np.save(self.positions, grid.positions)
+
+    def solve(self, source: Place) -> np.ndarray:
+        place = f"{source[0]},{source[1]}"
+        command = [self.binary, "distance", self.positions, "--source", place, "-o", self.map, "--json"]
+        start = time.perf_counter()
+        run = subprocess.run([*command, *self.options], check=True, capture_output=True, text=True)
+        whole = time.perf_counter() - start
+        report = json.loads(run.stdout)
+        self.seconds = report["solve_seconds"]
+        # All that the tool does besides: it does it anew in each run.
+        self.set_up_seconds = whole - self.seconds
+        self.note = f"{report['iterations']} iterations"
+        if not report["converged"]:
+            self.note += ", not converged"
+        return np.load(self.map).astype(np.float64)
+
+
+class MeshLib(Solver):
+    """Fast marching in single precision."""
+
+    name, needs = "MeshLib fast marching", ("meshlib.mrmeshpy", "meshlib.mrmeshnumpy")
+
+    def prepare(self, grid: Grid) -> None:
+        from meshlib import mrmeshnumpy
+
+        super().prepare(grid)
+        self.mesh = mrmeshnumpy.meshFromFacesVerts(grid.faces, grid.vertices)
+
+    def solve(self, source: Place) -> np.ndarray:
+        from meshlib import mrmeshpy
+
+        start = mrmeshpy.VertBitSet()
+        start.resize(len(self.grid.vertices))
+        start.set(mrmeshpy.VertId(self.vertex(source)), True)
+        clock = time.perf_counter()
+        distances = mrmeshpy.computeSurfaceDistances(self.mesh, start)
+        self.seconds = time.perf_counter() - clock
+        return self.grid.to_map(floats(distances.vec))
+
+
+def floats(vector: Any) -> np.ndarray:
+    """A C++ vector of floats, by its address: the binding hands out one at a time."""
+    if vector.element_type_byte_size == ctypes.sizeof(ctypes.c_float):
+        values = (ctypes.c_float * vector.size()).from_address(vector.data_pointer())
+        return np.ctypeslib.as_array(values).copy()
+    return np.fromiter(vector, dtype=np.float32)
+
+
+class GeometryCentralMarching(Solver):
+    """Kimmel and Sethian's fast marching."""
+
+    name, needs = "geometry-central fast marching", ("potpourri3d",)
+
+    def prepare(self, grid: Grid) -> None:
+        import potpourri3d
+
+        super().prepare(grid)
+        self.solver = potpourri3d.MeshFastMarchingDistanceSolver(grid.vertices, grid.faces)
+
+    def solve(self, source: Place) -> np.ndarray:
+        return self.grid.to_map(self.solver.compute_distance([[(self.vertex(source), [])]]))
+
+
+class GeometryCentralHeat(Solver):
+    """The heat method with geometry-central's defaults; the set-up factors two matrices."""
+
+    name, needs = "geometry-central heat method", ("potpourri3d",)
+
+    def prepare(self, grid: Grid) -> None:
+        import potpourri3d
+
+        super().prepare(grid)
+        self.solver = potpourri3d.MeshHeatMethodDistanceSolver(grid.vertices, grid.faces)
+
+    def solve(self, source: Place) -> np.ndarray:
+        return self.grid.to_map(self.solver.compute_distance(self.vertex(source)))
+
+
+class MeshLab(Solver):
+    """MeshLab's filter: not exact on curved surfaces, though exact on flat ones without walls."""
+
+    name, needs = "MeshLab geodesic distance", ("pymeshlab",)
+
+    def prepare(self, grid: Grid) -> None:
+        import pymeshlab
+
+        super().prepare(grid)
+        self.meshes = pymeshlab.MeshSet()
+        self.meshes.add_mesh(pymeshlab.Mesh(grid.vertices, grid.faces))
+
+    def solve(self, source: Place) -> np.ndarray:
+        import pymeshlab
+
+        start = self.grid.vertices[self.vertex(source)]
+        far = pymeshlab.PureValue(FAR)
+        clock = time.perf_counter()
+        self.meshes.compute_scalar_by_geodesic_distance_from_given_point_per_vertex(startpoint=start, maxdistance=far)
+        self.seconds = time.perf_counter() - clock
+        return self.grid.to_map(self.meshes.current_mesh().vertex_scalar_array())
+
+
+class Exact(Solver):
+    """Mitchell, Mount and Papadimitriou's exact distances on the triangulation, as Kirsanov wrote it."""
+
+    name, needs = "pygeodesic (exact on the mesh)", ("pygeodesic.geodesic",)
+
+    def prepare(self, grid: Grid) -> None:
+        from pygeodesic import geodesic
+
+        super().prepare(grid)
+        self.solver = geodesic.PyGeodesicAlgorithmExact(grid.vertices, grid.faces)
+
+    def solve(self, source: Place) -> np.ndarray:
+        return self.grid.to_map(self.solver.geodesicDistances(np.array([self.vertex(source)]), None)[0])
+
+
+class HamiltonFastMarching(Solver):
+    """Mirebeau's fast marching for metrics, of a higher order, the distance factored.
+
+    It wants the metric at each point: from cubic splines through the positions, so that it
+    sees the same numbers as the others. Factored within `radius` steps of the source, within
+    which it writes the distance as that of the source's metric times or plus a smooth rest.
+    """
+
+    needs = ("HFMpy.HFM_Riemann2", "agd.Eikonal", "scipy.interpolate")
+
+    def __init__(self, order: int, radius: float | None) -> None:
+        self.order, self.radius = order, radius
+        within = "everywhere" if radius is None else f"to {radius:.0f} steps"
+        self.name = f"HFM, order {order}, factored {within}"
+
+    def prepare(self, grid: Grid) -> None:
+        from agd import Eikonal, Metrics
+
+        super().prepare(grid)
+        clock = time.perf_counter()
+        self.input = Eikonal.dictIn(
+            {
+                "model": "Riemann2",
+                "metric": Metrics.Riemann(first_fundamental_form(grid)),
+                "dims": np.array(grid.shape),
+                "gridScale": 1.0,
+                "origin": np.array([-0.5, -0.5]),
+                "order": self.order,
+                "factoringRadius": self.radius or float(sum(grid.shape)),
+                "exportValues": 1.0,
+                "verbosity": 0,
+            }
+        )
+        if not grid.present.all():
+            self.input["walls"] = (~grid.present).astype(float)
+        self.metric_seconds = time.perf_counter() - clock
+
+    def solve(self, source: Place) -> np.ndarray:
+        self.input["seed"] = np.array(source, dtype=float)
+        clock = time.perf_counter()
+        with np.errstate(invalid="ignore"):  # agd divides by the length of a zero vector at the source.
+            output = self.input.Run()
+        whole = time.perf_counter() - clock
+        # Stencils depend on the metric alone, but are computed anew in each run.
+        self.seconds = float(output["FMCPUTime"])
+        self.set_up_seconds = self.metric_seconds + whole - self.seconds
+        return np.asarray(output["values"])
+
+
+def first_fundamental_form(grid: Grid) -> np.ndarray:
+    """The metric (2, 2, M, N) per step of a row and a column; holes get the mean of the rest."""
+    from scipy.interpolate import CubicSpline
+
+    points = filled(grid)
+    along = [CubicSpline(np.arange(n), points, axis=axis)(np.arange(n), 1) for axis, n in enumerate(grid.shape)]
+    return np.array([[np.einsum("ijk,ijk->ij", a, b) for b in along] for a in along])
+
+
+def filled(grid: Grid) -> np.ndarray:
+    """Positions without holes, by an affine fit: exact for flat grids, the only ones with holes here."""
+    if grid.present.all():
+        return grid.positions
+    rows, cols = np.indices(grid.shape)
+    terms = np.stack([np.ones(grid.shape), rows, cols], axis=2)
+    fit, *_ = np.linalg.lstsq(terms[grid.present], grid.positions[grid.present], rcond=None)
+    return np.where(grid.present[..., None], grid.positions, terms @ fit)
+
+
+class ScikitFmm(Solver):
+    """Second-order fast marching on a flat Cartesian grid, so for the plane and the maze only."""
+
+    name, needs = "scikit-fmm (flat grids only)", ("skfmm",)
+
+    def suits(self, surface: str) -> bool:
+        return surface in ("plane", "maze")
+
+    def prepare(self, grid: Grid) -> None:
+        super().prepare(grid)
+        there = grid.positions[grid.present]
+        self.spacing = (there[:, :2].max(axis=0) - there[:, :2].min(axis=0))[::-1] / (np.array(grid.shape) - 1)
+
+    def solve(self, source: Place) -> np.ndarray:
+        import skfmm
+
+        front = np.ones(self.grid.shape)
+        front[source] = 0
+        if not self.grid.present.all():
+            front = np.ma.MaskedArray(front, ~self.grid.present)
+        clock = time.perf_counter()
+        distances = skfmm.distance(front, dx=self.spacing)
+        self.seconds = time.perf_counter() - clock
+        return np.ma.filled(distances, np.inf)
+
+
+WAVEFRONTS = ("planar", "point", "curved")
+
+
+def geosweep_solvers(binary: Path, engines: tuple[str, ...]) -> dict[str, Callable[[], Solver]]:
+    """Our rows, by name: every front with every engine, so that one can be told from the other."""
+    pairs = [(engine, front) for engine in engines for front in WAVEFRONTS]
+    return {f"geosweep {e}, {w}": (lambda e=e, w=w: Geosweep(binary, e, w)) for e, w in pairs}
+
+
+def peers() -> dict[str, Callable[[], Solver]]:
+    """The peers, by name."""
+    makers: list[Callable[[], Solver]] = [
+        MeshLib,
+        GeometryCentralMarching,
+        GeometryCentralHeat,
+        MeshLab,
+        lambda: HamiltonFastMarching(2, 10),
+        lambda: HamiltonFastMarching(2, None),
+        lambda: HamiltonFastMarching(3, None),
+        ScikitFmm,
+        Exact,
+    ]
+    return {maker().name: maker for maker in makers}
+
+
+def lacks(solver: Solver) -> str | None:
+    """The first package that a solver needs and this Python has not, if any."""
+    # Found but not loaded: each peer is loaded in a process of its own.
+    packages = (module.partition(".")[0] for module in solver.needs)
+    return next((package for package in packages if importlib.util.find_spec(package) is None), None)
