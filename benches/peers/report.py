@@ -1,0 +1,155 @@
+"""Tables for people (Markdown) and for programs (CSV), and what they were measured on."""
+
+from __future__ import annotations
+
+import csv
+import os
+import platform
+import re
+import subprocess
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+
+PACKAGES = ("meshlib", "potpourri3d", "pymeshlab", "pygeodesic", "agd", "hfmpy", "scikit-fmm", "numpy", "scipy")
+
+
+COLUMNS = (
+    "surface",
+    "size",
+    "solver",
+    "seconds",
+    "mean_error",
+    "largest_error",
+    "set_up_seconds",
+    "missing",
+    "failure",
+)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One solver on one surface. Without a map, `failure` says why."""
+
+    surface: str
+    size: int
+    solver: str
+    set_up: float = float("nan")
+    seconds: float = float("nan")
+    mean_error: float = float("nan")
+    largest_error: float = float("nan")
+    missing: int = 0
+    failure: str = ""
+
+
+def markdown(rows: list[Row]) -> str:
+    """A table for each surface and size, in the order measured."""
+    tables = dict.fromkeys((row.surface, row.size) for row in rows)
+    return "\n\n".join(_table(*key, [row for row in rows if (row.surface, row.size) == key]) for key in tables)
+
+
+def _table(surface: str, size: int, rows: list[Row]) -> str:
+    head = [
+        f"### {surface}, {size} x {size} points",
+        "",
+        "| solver | set-up, s | solve, s | mean error | largest error |",
+        "|---|---:|---:|---:|---:|",
+    ]
+    return "\n".join(head + [_line(row) for row in rows])
+
+
+def _line(row: Row) -> str:
+    if row.failure:
+        return f"| {row.solver} | {row.failure} | | | |"
+    missing = f" ({row.missing} points not reached)" if row.missing else ""
+    numbers = f"{seconds(row.set_up)} | {seconds(row.seconds)} | {row.mean_error:.1e} | {row.largest_error:.1e}{missing}"
+    return f"| {row.solver} | {numbers} |"
+
+
+def seconds(time: float) -> str:
+    """Three digits, without an exponent."""
+    if time >= 10:
+        return f"{time:.1f}"
+    return f"{time:.2f}" if time >= 1 else f"{time:.4f}" if time < 0.01 else f"{time:.3f}"
+
+
+def write_csv(path: Path, rows: list[Row]) -> None:
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        for row in rows:
+            times = [f"{row.seconds:.6f}", f"{row.mean_error:.3e}", f"{row.largest_error:.3e}", f"{row.set_up:.6f}"]
+            values = [row.surface, row.size, row.solver, *times, row.missing, row.failure]
+            writer.writerow("" if value == "nan" else value for value in values)
+
+
+def read_csv(path: Path) -> list[Row]:
+    """What `write_csv` wrote; nothing where there is no such file."""
+    if not path.exists():
+        return []
+    with path.open(newline="") as file:
+        return [_row(line) for line in csv.DictReader(file)]
+
+
+def _row(line: dict[str, str]) -> Row:
+    number = {key: float(line[key] or "nan") for key in COLUMNS[3:7]}
+    return Row(
+        surface=line["surface"],
+        size=int(line["size"]),
+        solver=line["solver"],
+        set_up=number["set_up_seconds"],
+        seconds=number["seconds"],
+        mean_error=number["mean_error"],
+        largest_error=number["largest_error"],
+        missing=int(line["missing"]),
+        failure=line["failure"],
+    )
+
+
+def renewed(old: list[Row], new: list[Row]) -> list[Row]:
+    """Old rows with whole tables, of a surface at a size, replaced or added; by size, then surface."""
+    again = {(row.surface, row.size) for row in new}
+    kept = [row for row in old if (row.surface, row.size) not in again]
+    return sorted(kept + new, key=lambda row: (row.size, row.surface))
+
+
+def conditions(geosweep: Path) -> str:
+    """The machine and the versions, without names that say whose machine it is."""
+    version = subprocess.run([geosweep, "--version"], check=True, capture_output=True, text=True).stdout.strip()
+    cores = len(os.sched_getaffinity(0))
+    versions = ", ".join(f"{name} {found}" for name in PACKAGES if (found := _version(name)))
+    return (
+        f"Machine: {_cpu()}, {cores} cores, {platform.system()} on {platform.machine()}; "
+        f"Python {platform.python_version()}.\n\nVersions: {version}, {versions}."
+    )
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def _cpu() -> str:
+    """The processor's name, with the family and model that tell virtual ones apart."""
+    fields = dict(re.findall(r"^(model name|cpu family|model)\s*:\s*(.*)$", _read("/proc/cpuinfo"), re.M))
+    name = fields.get("model name") or platform.processor() or "unknown processor"
+    return f"{name} (family {fields['cpu family']}, model {fields['model']})" if "model" in fields else name
+
+
+def _read(path: str) -> str:
+    try:
+        return Path(path).read_text()
+    except OSError:
+        return ""
+
+
+def replace_between(page: Path, name: str, text: str) -> None:
+    """Puts text between `<!-- NAME -->` and `<!-- end NAME -->`, where the page must have them."""
+    begin, end = f"<!-- {name} -->", f"<!-- end {name} -->"
+    old = page.read_text()
+    if begin not in old or end not in old:
+        raise SystemExit(f"{page}: has no lines {begin} and {end} to write between")
+    before, rest = old.split(begin, 1)
+    page.write_text(f"{before}{begin}\n{text}\n{end}{rest.split(end, 1)[1]}")
