@@ -121,7 +121,7 @@ def chosen(surface: str, size: int, options: argparse.Namespace) -> dict:
 def renew(options: argparse.Namespace, rows: list[report.Row]) -> None:
     """Writes what was measured into the documentation."""
     page, figures = DOCS / "peers.md", DOCS / "peers.csv"
-    rows = report.renewed(report.read_csv(figures), rows)
+    rows = report.renewed(report.read_csv(figures), rows, SURFACES)
     report.write_csv(figures, rows)
     report.replace_between(page, "conditions", report.conditions(options.geosweep))
     report.replace_between(page, "surfaces", report.markdown(rows))

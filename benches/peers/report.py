@@ -106,11 +106,12 @@ def _row(line: dict[str, str]) -> Row:
     )
 
 
-def renewed(old: list[Row], new: list[Row]) -> list[Row]:
-    """Old rows with whole tables, of a surface at a size, replaced or added; by size, then surface."""
+def renewed(old: list[Row], new: list[Row], surfaces: tuple[str, ...]) -> list[Row]:
+    """Old rows with whole tables, of a surface at a size, replaced or added; in order of both."""
     again = {(row.surface, row.size) for row in new}
     kept = [row for row in old if (row.surface, row.size) not in again]
-    return sorted(kept + new, key=lambda row: (row.size, row.surface))
+    order = {surface: place for place, surface in enumerate(surfaces)}
+    return sorted(kept + new, key=lambda row: (row.size, order.get(row.surface, len(order))))
 
 
 def conditions(geosweep: Path) -> str:
