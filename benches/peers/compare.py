@@ -94,8 +94,19 @@ def compare(surface: str, size: int, options: argparse.Namespace, folder: Path) 
             rows.append(report.Row(surface, size, name, failure=result.reason))
         else:
             found = errors(result.distances, exact)
-            times = (result.set_up, result.solve)
-            rows.append(report.Row(surface, size, name, *times, found.mean, found.largest, found.missing))
+            rows.append(
+                report.Row(
+                    surface,
+                    size,
+                    name,
+                    set_up=result.set_up,
+                    seconds=result.solve,
+                    mean_error=found.mean,
+                    largest_error=found.largest,
+                    missing=found.missing,
+                    undisturbed=result.undisturbed,
+                )
+            )
     return rows
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import multiprocessing
 import os
+import resource
 import statistics
 import time
 import traceback
@@ -24,16 +25,23 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "TBB_NU
 # A solver is not asked again once its repeats have taken this long, in seconds.
 LONG = 15.0
 
+# A solve counts as undisturbed if it took at most this much longer than the processor worked on it:
+# else something else had the core meanwhile. Disturbed ones are tried again so many times over.
+STRETCH, SLACK = 1.1, 0.002
+TRIES = 3
+
 
 @dataclass(frozen=True)
 class Result:
-    """One solver on one grid: the map, and medians of its times in seconds."""
+    """One solver on one grid: the map, and medians of its times in seconds.
+
+    They are those of undisturbed solves, so many, or if there are none those of all solves.
+    """
 
     distances: np.ndarray
     set_up: float
     solve: float
-    repeats: int
-    note: str = ""
+    undisturbed: int
 
 
 @dataclass(frozen=True)
@@ -68,7 +76,7 @@ def _child(sender: Connection, make: Callable[[], Solver], positions: Path, sour
     try:
         if cores:
             _confine(cores)
-        sender.send(_measure(make(), Grid.load(positions), source, repeats))
+        sender.send(_measure(make(), Grid.load(positions), source, repeats, cores))
     except Exception as error:  # Whatever a peer raises is its result.
         traceback.print_exc()
         sender.send(Failure(f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"))
@@ -81,7 +89,7 @@ def _confine(cores: int) -> None:
     os.environ.update({name: str(cores) for name in THREADS})
 
 
-def _measure(solver: Solver, grid: Grid, source: Place, repeats: int) -> Result:
+def _measure(solver: Solver, grid: Grid, source: Place, repeats: int, cores: int) -> Result:
     # No part of anyone's set-up: the triangles, which are given to all, and loading of modules.
     grid.faces
     for module in solver.needs:
@@ -89,15 +97,25 @@ def _measure(solver: Solver, grid: Grid, source: Place, repeats: int) -> Result:
     clock = time.perf_counter()
     solver.prepare(grid)
     prepared = time.perf_counter() - clock
+    good: list[tuple[float, float]] = []
     times: list[tuple[float, float]] = []
     began = time.perf_counter()
-    for _ in range(repeats):
-        clock = time.perf_counter()
+    while len(good) < repeats and len(times) < TRIES * repeats:
+        clock, work = time.perf_counter(), _processor_time()
         distances = solver.solve(source)
-        around = time.perf_counter() - clock
+        around, work = time.perf_counter() - clock, _processor_time() - work
         solve = around if solver.seconds is None else solver.seconds
         times.append((prepared if solver.set_up_seconds is None else solver.set_up_seconds, solve))
+        # On several cores nothing can be told from the times' ratio.
+        if cores != 1 or around <= STRETCH * work + SLACK:
+            good.append(times[-1])
         if time.perf_counter() - began > LONG:
             break
-    set_up, solve = (statistics.median(column) for column in zip(*times))
-    return Result(distances, set_up, solve, len(times), solver.note)
+    set_up, solve = (statistics.median(column) for column in zip(*(good or times)))
+    return Result(distances, set_up, solve, len(good))
+
+
+def _processor_time() -> float:
+    """What this process and those it waited for have used so far."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime

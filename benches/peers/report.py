@@ -23,13 +23,17 @@ COLUMNS = (
     "largest_error",
     "set_up_seconds",
     "missing",
+    "undisturbed_solves",
     "failure",
 )
 
 
 @dataclass(frozen=True)
 class Row:
-    """One solver on one surface. Without a map, `failure` says why."""
+    """One solver on one surface. Without a map, `failure` says why.
+
+    Without an undisturbed solve the time is one that other work stretched.
+    """
 
     surface: str
     size: int
@@ -39,6 +43,7 @@ class Row:
     mean_error: float = float("nan")
     largest_error: float = float("nan")
     missing: int = 0
+    undisturbed: int = 1
     failure: str = ""
 
 
@@ -62,8 +67,9 @@ def _line(row: Row) -> str:
     if row.failure:
         return f"| {row.solver} | {row.failure} | | | |"
     missing = f" ({row.missing} points not reached)" if row.missing else ""
-    numbers = f"{seconds(row.set_up)} | {seconds(row.seconds)} | {row.mean_error:.1e} | {row.largest_error:.1e}{missing}"
-    return f"| {row.solver} | {numbers} |"
+    mark = "" if row.undisturbed else "*"
+    times = f"{seconds(row.set_up)} | {seconds(row.seconds)}{mark}"
+    return f"| {row.solver} | {times} | {row.mean_error:.1e} | {row.largest_error:.1e}{missing} |"
 
 
 def seconds(time: float) -> str:
@@ -79,7 +85,7 @@ def write_csv(path: Path, rows: list[Row]) -> None:
         writer.writerow(COLUMNS)
         for row in rows:
             times = [f"{row.seconds:.6f}", f"{row.mean_error:.3e}", f"{row.largest_error:.3e}", f"{row.set_up:.6f}"]
-            values = [row.surface, row.size, row.solver, *times, row.missing, row.failure]
+            values = [row.surface, row.size, row.solver, *times, row.missing, row.undisturbed, row.failure]
             writer.writerow("" if value == "nan" else value for value in values)
 
 
@@ -102,6 +108,7 @@ def _row(line: dict[str, str]) -> Row:
         mean_error=number["mean_error"],
         largest_error=number["largest_error"],
         missing=int(line["missing"]),
+        undisturbed=int(line["undisturbed_solves"]),
         failure=line["failure"],
     )
 

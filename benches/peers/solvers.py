@@ -32,7 +32,6 @@ class Solver:
     needs: tuple[str, ...] = ()
     seconds: float | None = None
     set_up_seconds: float | None = None
-    note = ""
 
     def suits(self, surface: str) -> bool:
         """Whether the method is meant for such a surface at all."""
@@ -73,9 +72,8 @@ class Geosweep(Solver):
         self.seconds = report["solve_seconds"]
         # All that the tool does besides: it does it anew in each run.
         self.set_up_seconds = whole - self.seconds
-        self.note = f"{report['iterations']} iterations"
-        if not report["converged"]:
-            self.note += ", not converged"
+        if not report["converged"] and report["engine"] != "fast-marching":
+            raise RuntimeError(f"not converged after {report['iterations']} iterations")
         return np.load(self.map).astype(np.float64)
 
 
