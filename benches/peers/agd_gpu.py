@@ -79,7 +79,9 @@ class Agd(Solver):
         self.seconds = float(output["FMCPUTime" if self.mode == "cpu" else "solverGPUTime"])
         self.set_up_seconds = whole - self.seconds
         values = output["values"]
-        return self.step * np.asarray(values.get() if self.mode == "gpu" else values, dtype=np.float64)
+        return self.step * np.asarray(
+            values.get() if self.mode == "gpu" else values, dtype=np.float64
+        )
 
     def input(self, source: Place) -> dict[str, Any]:
         from agd import Metrics
@@ -102,7 +104,9 @@ class Agd(Solver):
             entries["solver"] = self.setting.solver
         if not self.grid.present.all():
             walls = ~self.grid.present
-            entries["walls"] = walls.astype(float) if self.mode == "cpu" else self.array(walls).astype(bool)
+            entries["walls"] = (
+                walls.astype(float) if self.mode == "cpu" else self.array(walls).astype(bool)
+            )
         return entries
 
     def wait(self) -> None:
@@ -152,12 +156,20 @@ def main() -> None:
 
 
 def arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--geosweep", type=Path, required=True, help="the tool, built with --features cli")
-    parser.add_argument("--device", default="0", help="of geosweep: index or part of a name in `geosweep devices`")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--geosweep", type=Path, required=True, help="the tool, built with --features cli"
+    )
+    parser.add_argument(
+        "--device", default="0", help="of geosweep: index or part of a name in `geosweep devices`"
+    )
     parser.add_argument("--mode", choices=("gpu", "cpu"), default="gpu", help="where agd runs")
     parser.add_argument("--surfaces", type=words, default=("plane", "sphere", "cone", "maze"))
-    parser.add_argument("--sizes", type=numbers, default=[1200], help="points a side, e.g. 400,1200")
+    parser.add_argument(
+        "--sizes", type=numbers, default=[1200], help="points a side, e.g. 400,1200"
+    )
     parser.add_argument("--orders", type=numbers, default=[1, 2])
     parser.add_argument("--radii", type=numbers, default=[0, 10, 30], help="of factoring, in steps")
     parser.add_argument("--solvers", type=words, default=("AGSI", "FIM"), help="agd's schedules")
@@ -170,12 +182,17 @@ def arguments() -> argparse.Namespace:
 
 def compare(surface: str, size: int, options: argparse.Namespace, folder: Path) -> list[report.Row]:
     positions = folder / "positions.npy"
-    subprocess.run([options.geosweep, "builtin", f"{surface}:{size}x{size}", "-o", positions], check=True)
+    subprocess.run(
+        [options.geosweep, "builtin", f"{surface}:{size}x{size}", "-o", positions], check=True
+    )
     grid, source = Grid.load(positions), source_of(surface, size)
     exact = references.exact(surface, grid.present, source, None)
     if exact is None:
         return []
-    return [measured(surface, size, solver, grid, source, exact, options.repeats) for solver in solvers(options)]
+    return [
+        measured(surface, size, solver, grid, source, exact, options.repeats)
+        for solver in solvers(options)
+    ]
 
 
 def solvers(options: argparse.Namespace) -> list[Solver]:
@@ -187,7 +204,13 @@ def solvers(options: argparse.Namespace) -> list[Solver]:
 
 
 def measured(
-    surface: str, size: int, solver: Solver, grid: Grid, source: Place, exact: np.ndarray, repeats: int
+    surface: str,
+    size: int,
+    solver: Solver,
+    grid: Grid,
+    source: Place,
+    exact: np.ndarray,
+    repeats: int,
 ) -> report.Row:
     """In this process: a GPU's context is worth keeping. The first solve warms up."""
     try:
@@ -198,10 +221,14 @@ def measured(
             distances = solver.solve(source)
             times.append((solver.set_up_seconds or 0.0, solver.seconds or 0.0))
     except Exception as error:  # One setting that fails must not cost the others.
-        return report.Row(surface, size, solver.name, failure=f"{type(error).__name__}: {error}".splitlines()[0])
-    set_up, solve = (statistics.median(column) for column in zip(*times))
+        return report.Row(
+            surface, size, solver.name, failure=f"{type(error).__name__}: {error}".splitlines()[0]
+        )
+    set_up, solve = (statistics.median(column) for column in zip(*times, strict=True))
     found = errors(distances, exact)
-    return report.Row(surface, size, solver.name, set_up, solve, found.mean, found.largest, found.missing)
+    return report.Row(
+        surface, size, solver.name, set_up, solve, found.mean, found.largest, found.missing
+    )
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ import report
 import terrain
 from grids import Grid, errors
 from measure import Failure, measure
-from solvers import Exact, Geosweep, Place, geosweep_solvers, lacks, peers
+from solvers import Exact, Place, geosweep_solvers, lacks, peers
 
 SURFACES = ("plane", "sheared-plane@60", "sphere", "cylinder", "cone", "torus", "peaks", "maze")
 ENGINES = ("cpu", "vulkan", "fast-marching")
@@ -44,20 +44,46 @@ def main() -> None:
 
 
 def arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--geosweep", type=Path, required=True, help="the tool, built with --features cli")
-    parser.add_argument("--surfaces", type=words, default=SURFACES, help=f"default {','.join(SURFACES)}")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--geosweep", type=Path, required=True, help="the tool, built with --features cli"
+    )
+    parser.add_argument(
+        "--surfaces", type=words, default=SURFACES, help=f"default {','.join(SURFACES)}"
+    )
     parser.add_argument("--sizes", type=numbers, default=[400], help="points a side, e.g. 400,1200")
-    parser.add_argument("--solvers", type=words, default=(), help="only those whose name contains one of these")
-    parser.add_argument("--engines", type=words, default=ENGINES, help=f"of geosweep; default {','.join(ENGINES)}")
-    parser.add_argument("--all-cores", action="store_true", help="geosweep's CPU engine on all cores too")
+    parser.add_argument(
+        "--solvers", type=words, default=(), help="only those whose name contains one of these"
+    )
+    parser.add_argument(
+        "--engines", type=words, default=ENGINES, help=f"of geosweep; default {','.join(ENGINES)}"
+    )
+    parser.add_argument(
+        "--all-cores", action="store_true", help="geosweep's CPU engine on all cores too"
+    )
     parser.add_argument("--repeats", type=int, default=5, help="solves of which the median counts")
-    parser.add_argument("--limit", type=float, default=120.0, help="seconds after which a solver is stopped")
-    parser.add_argument("--exact-up-to", type=int, default=150, metavar="SIZE", help="run pygeodesic on grids up to this size (minutes beyond)")
-    parser.add_argument("--references", type=Path, help="folder with SURFACE-ROWSxCOLS.npy, exact distances")
+    parser.add_argument(
+        "--limit", type=float, default=120.0, help="seconds after which a solver is stopped"
+    )
+    parser.add_argument(
+        "--exact-up-to",
+        type=int,
+        default=150,
+        metavar="SIZE",
+        help="run pygeodesic on grids up to this size (minutes beyond)",
+    )
+    parser.add_argument(
+        "--references", type=Path, help="folder with SURFACE-ROWSxCOLS.npy, exact distances"
+    )
     parser.add_argument("--csv", type=Path, help="where to write the rows")
-    parser.add_argument("--docs", action="store_true", help="renew docs/peers.md and docs/peers.csv")
-    parser.add_argument("--no-terrain", action="store_true", help="keep the page's table of terrain (minutes)")
+    parser.add_argument(
+        "--docs", action="store_true", help="renew docs/peers.md and docs/peers.csv"
+    )
+    parser.add_argument(
+        "--no-terrain", action="store_true", help="keep the page's table of terrain (minutes)"
+    )
     options = parser.parse_args()
     options.geosweep = options.geosweep.resolve()
     return options
@@ -79,7 +105,9 @@ def source_of(surface: str, size: int) -> Place:
 def compare(surface: str, size: int, options: argparse.Namespace, folder: Path) -> list[report.Row]:
     """All solvers on one surface."""
     positions = folder / "positions.npy"
-    subprocess.run([options.geosweep, "builtin", f"{surface}:{size}x{size}", "-o", positions], check=True)
+    subprocess.run(
+        [options.geosweep, "builtin", f"{surface}:{size}x{size}", "-o", positions], check=True
+    )
     source = source_of(surface, size)
     exact = references.exact(surface, Grid.load(positions).present, source, options.references)
     if exact is None:

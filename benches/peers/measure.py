@@ -9,10 +9,10 @@ import resource
 import statistics
 import time
 import traceback
+from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Callable
 
 import numpy as np
 
@@ -20,7 +20,13 @@ from grids import Grid
 from solvers import Place, Solver
 
 # Libraries that would start threads read these when they are loaded.
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "TBB_NUM_THREADS", "RAYON_NUM_THREADS")
+THREADS = (
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "TBB_NUM_THREADS",
+    "RAYON_NUM_THREADS",
+)
 
 # A solver is not asked again once its repeats have taken this long, in seconds.
 LONG = 15.0
@@ -52,7 +58,12 @@ class Failure:
 
 
 def measure(
-    make: Callable[[], Solver], positions: Path, source: Place, repeats: int, limit: float, cores: int
+    make: Callable[[], Solver],
+    positions: Path,
+    source: Place,
+    repeats: int,
+    limit: float,
+    cores: int,
 ) -> Result | Failure:
     """Prepares once and solves up to `repeats` times, on so many cores (0: all of them)."""
     context = multiprocessing.get_context("fork")
@@ -72,14 +83,23 @@ def measure(
         child.join()
 
 
-def _child(sender: Connection, make: Callable[[], Solver], positions: Path, source: Place, repeats: int, cores: int) -> None:
+def _child(
+    sender: Connection,
+    make: Callable[[], Solver],
+    positions: Path,
+    source: Place,
+    repeats: int,
+    cores: int,
+) -> None:
     try:
         if cores:
             _confine(cores)
         sender.send(_measure(make(), Grid.load(positions), source, repeats, cores))
     except Exception as error:  # Whatever a peer raises is its result.
         traceback.print_exc()
-        sender.send(Failure(f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"))
+        sender.send(
+            Failure(f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}")
+        )
     sender.close()
 
 
@@ -91,7 +111,7 @@ def _confine(cores: int) -> None:
 
 def _measure(solver: Solver, grid: Grid, source: Place, repeats: int, cores: int) -> Result:
     # No part of anyone's set-up: the triangles, which are given to all, and loading of modules.
-    grid.faces
+    _ = grid.faces
     for module in solver.needs:
         importlib.import_module(module)
     clock = time.perf_counter()
@@ -111,7 +131,7 @@ def _measure(solver: Solver, grid: Grid, source: Place, repeats: int, cores: int
             good.append(times[-1])
         if time.perf_counter() - began > LONG:
             break
-    set_up, solve = (statistics.median(column) for column in zip(*(good or times)))
+    set_up, solve = (statistics.median(column) for column in zip(*(good or times), strict=True))
     return Result(distances, set_up, solve, len(good))
 
 

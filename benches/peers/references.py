@@ -15,7 +15,9 @@ CONE_SLOPE = 0.5
 CONE_INNER = 0.5
 
 
-def exact(surface: str, present: np.ndarray, source: Place, folder: Path | None) -> np.ndarray | None:
+def exact(
+    surface: str, present: np.ndarray, source: Place, folder: Path | None
+) -> np.ndarray | None:
     """Exact distances (M, N) from a grid point, or None where nobody knows them.
 
     `folder` may hold more of them, as SURFACE-ROWSxCOLS.npy: for surfaces without a closed form.
@@ -55,7 +57,9 @@ def cylinder(rows: int, cols: int, source: Place) -> np.ndarray:
 
 def sphere(rows: int, cols: int, source: Place) -> np.ndarray:
     u, v = unit_square(rows, cols)
-    cube = np.stack([np.tan(np.pi / 2 * (u - 0.5)), np.tan(np.pi / 2 * (v - 0.5)), np.ones_like(u)], 2)
+    cube = np.stack(
+        [np.tan(np.pi / 2 * (u - 0.5)), np.tan(np.pi / 2 * (v - 0.5)), np.ones_like(u)], 2
+    )
     points = cube / np.linalg.norm(cube, axis=2, keepdims=True)
     here = points[source]
     return np.arctan2(np.linalg.norm(np.cross(points, here), axis=2), points @ here)
@@ -81,8 +85,8 @@ def flat_paths(present: np.ndarray, source: Place) -> np.ndarray:
     """
     octagons = [Octagon(*rectangle) for rectangle in sorted(set(rectangles(~present)))]
     spacing = 1.0 / (np.array(present.shape) - 1)
-    corners = {c for o in octagons for c in o.corners() if inside(c, present)} - {tuple(source)}
-    anchors = dijkstra(tuple(source), sorted(corners), octagons, spacing)
+    corners = {c for o in octagons for c in o.corners() if inside(c, present)} - {source}
+    anchors = dijkstra(source, sorted(corners), octagons, spacing)
     places = np.argwhere(present).astype(float)
     best = np.full(len(places), np.inf)
     for anchor, start in sorted(anchors.items(), key=lambda item: item[1]):
@@ -100,8 +104,10 @@ def inside(corner: Place, present: np.ndarray) -> bool:
     return 0 <= row < present.shape[0] and 0 <= col < present.shape[1] and bool(present[corner])
 
 
-def dijkstra(source: Place, corners: list[Place], octagons: list, spacing: np.ndarray) -> dict[Place, float]:
-    """Distances from the source to the corners, by straight lines between those that see each other."""
+def dijkstra(
+    source: Place, corners: list[Place], octagons: list, spacing: np.ndarray
+) -> dict[Place, float]:
+    """Distances from the source to the corners, by straight lines that nothing blocks."""
     places = np.array(corners, dtype=float).reshape(-1, 2)
     best, done = np.full(len(corners), np.inf), np.zeros(len(corners), bool)
     anchors, here, start = {source: 0.0}, np.array(source, float), 0.0
@@ -158,7 +164,12 @@ class Octagon:
     def __init__(self, r0: int, r1: int, c0: int, c1: int) -> None:
         self.bounds = (r0, r1, c0, c1)
         sides = [(-1, 0, 1 - r0), (1, 0, r1 + 1), (0, -1, 1 - c0), (0, 1, c1 + 1)]
-        bevels = [(-1, -1, 1 - r0 - c0), (-1, 1, 1 - r0 + c1), (1, -1, r1 + 1 - c0), (1, 1, r1 + c1 + 1)]
+        bevels = [
+            (-1, -1, 1 - r0 - c0),
+            (-1, 1, 1 - r0 + c1),
+            (1, -1, r1 + 1 - c0),
+            (1, 1, r1 + c1 + 1),
+        ]
         self.half_planes = sides + bevels
 
     def corners(self) -> list[Place]:

@@ -11,7 +11,17 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
-PACKAGES = ("meshlib", "potpourri3d", "pymeshlab", "pygeodesic", "agd", "hfmpy", "scikit-fmm", "numpy", "scipy")
+PACKAGES = (
+    "meshlib",
+    "potpourri3d",
+    "pymeshlab",
+    "pygeodesic",
+    "agd",
+    "hfmpy",
+    "scikit-fmm",
+    "numpy",
+    "scipy",
+)
 
 
 COLUMNS = (
@@ -50,7 +60,9 @@ class Row:
 def markdown(rows: list[Row]) -> str:
     """A table for each surface and size, in the order measured."""
     tables = dict.fromkeys((row.surface, row.size) for row in rows)
-    return "\n\n".join(_table(*key, [row for row in rows if (row.surface, row.size) == key]) for key in tables)
+    return "\n\n".join(
+        _table(*key, [row for row in rows if (row.surface, row.size) == key]) for key in tables
+    )
 
 
 def _table(surface: str, size: int, rows: list[Row]) -> str:
@@ -84,8 +96,21 @@ def write_csv(path: Path, rows: list[Row]) -> None:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
         for row in rows:
-            times = [f"{row.seconds:.6f}", f"{row.mean_error:.3e}", f"{row.largest_error:.3e}", f"{row.set_up:.6f}"]
-            values = [row.surface, row.size, row.solver, *times, row.missing, row.undisturbed, row.failure]
+            times = [
+                f"{row.seconds:.6f}",
+                f"{row.mean_error:.3e}",
+                f"{row.largest_error:.3e}",
+                f"{row.set_up:.6f}",
+            ]
+            values = [
+                row.surface,
+                row.size,
+                row.solver,
+                *times,
+                row.missing,
+                row.undisturbed,
+                row.failure,
+            ]
             writer.writerow("" if value == "nan" else value for value in values)
 
 
@@ -123,7 +148,9 @@ def renewed(old: list[Row], new: list[Row], surfaces: tuple[str, ...]) -> list[R
 
 def conditions(geosweep: Path) -> str:
     """The machine and the versions, without names that say whose machine it is."""
-    version = subprocess.run([geosweep, "--version"], check=True, capture_output=True, text=True).stdout.strip()
+    version = subprocess.run(
+        [geosweep, "--version"], check=True, capture_output=True, text=True
+    ).stdout.strip()
     cores = len(os.sched_getaffinity(0))
     versions = ", ".join(f"{name} {found}" for name in PACKAGES if (found := _version(name)))
     return (
@@ -141,9 +168,15 @@ def _version(package: str) -> str | None:
 
 def _cpu() -> str:
     """The processor's name, with the family and model that tell virtual ones apart."""
-    fields = dict(re.findall(r"^(model name|cpu family|model)\s*:\s*(.*)$", _read("/proc/cpuinfo"), re.M))
+    fields = dict(
+        re.findall(r"^(model name|cpu family|model)\s*:\s*(.*)$", _read("/proc/cpuinfo"), re.M)
+    )
     name = fields.get("model name") or platform.processor() or "unknown processor"
-    return f"{name} (family {fields['cpu family']}, model {fields['model']})" if "model" in fields else name
+    return (
+        f"{name} (family {fields['cpu family']}, model {fields['model']})"
+        if "model" in fields
+        else name
+    )
 
 
 def _read(path: str) -> str:

@@ -12,8 +12,10 @@ import json
 import subprocess
 import tempfile
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any
 
 import numpy as np
 
@@ -52,21 +54,26 @@ class Solver:
 class Geosweep(Solver):
     """Our own tool, from a file of positions to a file of distances."""
 
-    def __init__(self, binary: Path, engine: str, wavefront: str, options: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self, binary: Path, engine: str, wavefront: str, options: tuple[str, ...] = ()
+    ) -> None:
         self.binary, self.options = binary, ("--engine", engine, "--wavefront", wavefront, *options)
         self.name = f"geosweep {engine}, {wavefront}"
 
     def prepare(self, grid: Grid) -> None:
         super().prepare(grid)
         self.folder = tempfile.TemporaryDirectory()
-        self.positions, self.map = (Path(self.folder.name) / f"{name}.npy" for name in ("positions", "map"))
+        self.positions, self.map = (
+            Path(self.folder.name) / f"{name}.npy" for name in ("positions", "map")
+        )
         np.save(self.positions, grid.positions)
 
     def solve(self, source: Place) -> np.ndarray:
         place = f"{source[0]},{source[1]}"
-        command = [self.binary, "distance", self.positions, "--source", place, "-o", self.map, "--json"]
+        command: list[str | Path] = [self.binary, "distance", self.positions, "--source", place]
+        command += ["-o", self.map, "--json", *self.options]
         start = time.perf_counter()
-        run = subprocess.run([*command, *self.options], check=True, capture_output=True, text=True)
+        run = subprocess.run(command, check=True, capture_output=True, text=True)
         whole = time.perf_counter() - start
         report = json.loads(run.stdout)
         self.seconds = report["solve_seconds"]
@@ -156,13 +163,15 @@ class MeshLab(Solver):
         start = self.grid.vertices[self.vertex(source)]
         far = pymeshlab.PureValue(FAR)
         clock = time.perf_counter()
-        self.meshes.compute_scalar_by_geodesic_distance_from_given_point_per_vertex(startpoint=start, maxdistance=far)
+        self.meshes.compute_scalar_by_geodesic_distance_from_given_point_per_vertex(
+            startpoint=start, maxdistance=far
+        )
         self.seconds = time.perf_counter() - clock
         return self.grid.to_map(self.meshes.current_mesh().vertex_scalar_array())
 
 
 class Exact(Solver):
-    """Mitchell, Mount and Papadimitriou's exact distances on the triangulation, as Kirsanov wrote it."""
+    """Mitchell, Mount and Papadimitriou's exact distances on the mesh, as Kirsanov wrote it."""
 
     name, needs = "pygeodesic (exact on the mesh)", ("pygeodesic.geodesic",)
 
@@ -173,7 +182,9 @@ class Exact(Solver):
         self.solver = geodesic.PyGeodesicAlgorithmExact(grid.vertices, grid.faces)
 
     def solve(self, source: Place) -> np.ndarray:
-        return self.grid.to_map(self.solver.geodesicDistances(np.array([self.vertex(source)]), None)[0])
+        return self.grid.to_map(
+            self.solver.geodesicDistances(np.array([self.vertex(source)]), None)[0]
+        )
 
 
 class HamiltonFastMarching(Solver):
@@ -216,7 +227,9 @@ class HamiltonFastMarching(Solver):
     def solve(self, source: Place) -> np.ndarray:
         self.input["seed"] = np.array(source, dtype=float)
         clock = time.perf_counter()
-        with np.errstate(invalid="ignore"):  # agd divides by the length of a zero vector at the source.
+        with np.errstate(
+            invalid="ignore"
+        ):  # agd divides by the length of a zero vector at the source.
             output = self.input.Run()
         whole = time.perf_counter() - clock
         # Stencils depend on the metric alone, but are computed anew in each run.
@@ -230,12 +243,15 @@ def first_fundamental_form(grid: Grid) -> np.ndarray:
     from scipy.interpolate import CubicSpline
 
     points = filled(grid)
-    along = [CubicSpline(np.arange(n), points, axis=axis)(np.arange(n), 1) for axis, n in enumerate(grid.shape)]
+    along = [
+        CubicSpline(np.arange(n), points, axis=axis)(np.arange(n), 1)
+        for axis, n in enumerate(grid.shape)
+    ]
     return np.array([[np.einsum("ijk,ijk->ij", a, b) for b in along] for a in along])
 
 
 def filled(grid: Grid) -> np.ndarray:
-    """Positions without holes, by an affine fit: exact for flat grids, the only ones with holes here."""
+    """Positions without holes, by an affine fit: only flat grids have holes here."""
     if grid.present.all():
         return grid.positions
     rows, cols = np.indices(grid.shape)
@@ -255,7 +271,9 @@ class ScikitFmm(Solver):
     def prepare(self, grid: Grid) -> None:
         super().prepare(grid)
         there = grid.positions[grid.present]
-        self.spacing = (there[:, :2].max(axis=0) - there[:, :2].min(axis=0))[::-1] / (np.array(grid.shape) - 1)
+        self.spacing = (there[:, :2].max(axis=0) - there[:, :2].min(axis=0))[::-1] / (
+            np.array(grid.shape) - 1
+        )
 
     def solve(self, source: Place) -> np.ndarray:
         import skfmm
@@ -275,8 +293,10 @@ WAVEFRONTS = ("planar", "point", "curved")
 
 def geosweep_solvers(binary: Path, engines: tuple[str, ...]) -> dict[str, Callable[[], Solver]]:
     """Our rows, by name: every front with every engine, so that one can be told from the other."""
-    pairs = [(engine, front) for engine in engines for front in WAVEFRONTS]
-    return {f"geosweep {e}, {w}": (lambda e=e, w=w: Geosweep(binary, e, w)) for e, w in pairs}
+    makers = [
+        partial(Geosweep, binary, engine, front) for engine in engines for front in WAVEFRONTS
+    ]
+    return {maker().name: maker for maker in makers}
 
 
 def peers() -> dict[str, Callable[[], Solver]]:
@@ -286,9 +306,9 @@ def peers() -> dict[str, Callable[[], Solver]]:
         GeometryCentralMarching,
         GeometryCentralHeat,
         MeshLab,
-        lambda: HamiltonFastMarching(2, 10),
-        lambda: HamiltonFastMarching(2, None),
-        lambda: HamiltonFastMarching(3, None),
+        partial(HamiltonFastMarching, 2, 10),
+        partial(HamiltonFastMarching, 2, None),
+        partial(HamiltonFastMarching, 3, None),
         ScikitFmm,
         Exact,
     ]
@@ -299,4 +319,6 @@ def lacks(solver: Solver) -> str | None:
     """The first package that a solver needs and this Python has not, if any."""
     # Found but not loaded: each peer is loaded in a process of its own.
     packages = (module.partition(".")[0] for module in solver.needs)
-    return next((package for package in packages if importlib.util.find_spec(package) is None), None)
+    return next(
+        (package for package in packages if importlib.util.find_spec(package) is None), None
+    )

@@ -14,9 +14,9 @@ from __future__ import annotations
 import argparse
 import statistics
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable
 
 import numpy as np
 
@@ -45,15 +45,22 @@ class Case:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--geosweep", type=Path, required=True, help="the tool, built with --features cli")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--geosweep", type=Path, required=True, help="the tool, built with --features cli"
+    )
     print(study(parser.parse_args().geosweep.resolve()))
 
 
 def study(binary: Path) -> str:
     """A Markdown table, a line for each solver."""
     makers = geosweep_solvers(binary, ("cpu",)) | peers()
-    lines = ["| solver | mean | largest of the means | signed mean | largest |", "|---|---:|---:|---:|---:|"]
+    lines = [
+        "| solver | mean | largest of the means | signed mean | largest |",
+        "|---|---:|---:|---:|---:|",
+    ]
     with tempfile.TemporaryDirectory() as folder:
         cases = [case for crop in CROPS for case in prepared(crop, Path(folder))]
         for name, make in makers.items():
@@ -70,7 +77,7 @@ def prepared(crop: Place, folder: Path) -> list[Case]:
     finer = Exact()
     finer.prepare(Grid(lifted(refined(heights), FINER)))
     maps = [finer.solve((FINER * row, FINER * col))[::FINER, ::FINER] for row, col in SOURCES]
-    return [Case(positions, source, exact) for source, exact in zip(SOURCES, maps)]
+    return [Case(positions, source, exact) for source, exact in zip(SOURCES, maps, strict=True)]
 
 
 def crop_of_heights(crop: Place) -> np.ndarray:
