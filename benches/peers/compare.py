@@ -132,7 +132,6 @@ def compare(surface: str, size: int, options: argparse.Namespace, folder: Path) 
                     mean_error=found.mean,
                     largest_error=found.largest,
                     missing=found.missing,
-                    undisturbed=result.undisturbed,
                 )
             )
     return rows

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -31,23 +32,14 @@ THREADS = (
 # A solver is not asked again once its repeats have taken this long, in seconds.
 LONG = 15.0
 
-# A solve counts as undisturbed if it took at most this much longer than the processor worked on it:
-# else something else had the core meanwhile. Disturbed ones are tried again so many times over.
-STRETCH, SLACK = 1.1, 0.002
-TRIES = 3
-
 
 @dataclass(frozen=True)
 class Result:
-    """One solver on one grid: the map, and medians of its times in seconds.
-
-    They are those of undisturbed solves, so many, or if there are none those of all solves.
-    """
+    """One solver on one grid: the map, and medians of its times in seconds."""
 
     distances: np.ndarray
     set_up: float
     solve: float
-    undisturbed: int
 
 
 @dataclass(frozen=True)
@@ -114,25 +106,31 @@ def _measure(solver: Solver, grid: Grid, source: Place, repeats: int, cores: int
     _ = grid.faces
     for module in solver.needs:
         importlib.import_module(module)
-    clock = time.perf_counter()
-    solver.prepare(grid)
-    prepared = time.perf_counter() - clock
-    good: list[tuple[float, float]] = []
+    _, prepared, share = _timed(lambda: solver.prepare(grid), cores)
+    prepared *= share
     times: list[tuple[float, float]] = []
     began = time.perf_counter()
-    while len(good) < repeats and len(times) < TRIES * repeats:
-        clock, work = time.perf_counter(), _processor_time()
-        distances = solver.solve(source)
-        around, work = time.perf_counter() - clock, _processor_time() - work
-        solve = around if solver.seconds is None else solver.seconds
-        times.append((prepared if solver.set_up_seconds is None else solver.set_up_seconds, solve))
-        # On several cores nothing can be told from the times' ratio.
-        if cores != 1 or around <= STRETCH * work + SLACK:
-            good.append(times[-1])
+    for _ in range(repeats):
+        distances, around, share = _timed(lambda: solver.solve(source), cores)
+        own_share = 1.0 if solver.tells_processor_time else share
+        set_up = prepared if solver.set_up_seconds is None else share * solver.set_up_seconds
+        times.append((set_up, own_share * (around if solver.seconds is None else solver.seconds)))
         if time.perf_counter() - began > LONG:
             break
-    set_up, solve = (statistics.median(column) for column in zip(*(good or times), strict=True))
-    return Result(distances, set_up, solve, len(good))
+    set_up, solve = (statistics.median(column) for column in zip(*times, strict=True))
+    return Result(distances, set_up, solve)
+
+
+def _timed(call: Callable[[], Any], cores: int) -> tuple[Any, float, float]:
+    """What a call gives, its time, and the share of it in which it had the core.
+
+    Times are multiplied by that share, so that other work on the machine does not count. On
+    several cores a share has no meaning and is 1.
+    """
+    clock, work = time.perf_counter(), _processor_time()
+    result = call()
+    around, work = time.perf_counter() - clock, _processor_time() - work
+    return result, around, min(1.0, work / around) if cores == 1 else 1.0
 
 
 def _processor_time() -> float:

@@ -33,17 +33,13 @@ COLUMNS = (
     "largest_error",
     "set_up_seconds",
     "missing",
-    "undisturbed_solves",
     "failure",
 )
 
 
 @dataclass(frozen=True)
 class Row:
-    """One solver on one surface. Without a map, `failure` says why.
-
-    Without an undisturbed solve the time is one that other work stretched.
-    """
+    """One solver on one surface. Without a map, `failure` says why."""
 
     surface: str
     size: int
@@ -53,7 +49,6 @@ class Row:
     mean_error: float = float("nan")
     largest_error: float = float("nan")
     missing: int = 0
-    undisturbed: int = 1
     failure: str = ""
 
 
@@ -79,8 +74,7 @@ def _line(row: Row) -> str:
     if row.failure:
         return f"| {row.solver} | {row.failure} | | | |"
     missing = f" ({row.missing} points not reached)" if row.missing else ""
-    mark = "" if row.undisturbed else "*"
-    times = f"{seconds(row.set_up)} | {seconds(row.seconds)}{mark}"
+    times = f"{seconds(row.set_up)} | {seconds(row.seconds)}"
     return f"| {row.solver} | {times} | {row.mean_error:.1e} | {row.largest_error:.1e}{missing} |"
 
 
@@ -108,7 +102,6 @@ def write_csv(path: Path, rows: list[Row]) -> None:
                 row.solver,
                 *times,
                 row.missing,
-                row.undisturbed,
                 row.failure,
             ]
             writer.writerow("" if value == "nan" else value for value in values)
@@ -133,7 +126,6 @@ def _row(line: dict[str, str]) -> Row:
         mean_error=number["mean_error"],
         largest_error=number["largest_error"],
         missing=int(line["missing"]),
-        undisturbed=int(line["undisturbed_solves"]),
         failure=line["failure"],
     )
 

@@ -34,6 +34,8 @@ class Solver:
     needs: tuple[str, ...] = ()
     seconds: float | None = None
     set_up_seconds: float | None = None
+    # Whether `seconds` is the processor's time already, not the clock's on the wall.
+    tells_processor_time = False
 
     def suits(self, surface: str) -> bool:
         """Whether the method is meant for such a surface at all."""
@@ -196,6 +198,7 @@ class HamiltonFastMarching(Solver):
     """
 
     needs = ("HFMpy.HFM_Riemann2", "agd.Eikonal", "scipy.interpolate")
+    tells_processor_time = True
 
     def __init__(self, order: int, radius: float | None) -> None:
         self.order, self.radius = order, radius
