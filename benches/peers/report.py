@@ -75,7 +75,13 @@ def _line(row: Row) -> str:
         return f"| {row.solver} | {row.failure} | | | |"
     missing = f" ({row.missing} points not reached)" if row.missing else ""
     times = f"{seconds(row.set_up)} | {seconds(row.seconds)}"
-    return f"| {row.solver} | {times} | {row.mean_error:.1e} | {row.largest_error:.1e}{missing} |"
+    errors = f"{fraction(row.mean_error)} | {fraction(row.largest_error)}{missing}"
+    return f"| {row.solver} | {times} | {errors} |"
+
+
+def fraction(error: float) -> str:
+    """Two digits: 1.2e-5."""
+    return f"{error:.1e}".replace("e-0", "e-")
 
 
 def seconds(time: float) -> str:

@@ -22,6 +22,7 @@ import numpy as np
 
 from grids import Errors, Grid, errors
 from measure import Failure, measure
+from report import fraction
 from solvers import Exact, Place, Solver, geosweep_solvers, lacks, peers
 
 ELEVATION = Path(__file__).resolve().parents[2] / "examples" / "data" / "jacksboro.png"
@@ -112,7 +113,9 @@ def line(make: Callable[[], Solver], cases: list[Case]) -> str:
     means = [each.mean for each in found]
     signed = statistics.mean(each.signed for each in found)
     largest = max(each.largest for each in found)
-    return f"{statistics.mean(means):.1e} | {max(means):.1e} | {signed:+.1e} | {largest:.1e}"
+    sign = "-" if signed < 0 else "+"
+    mean, worst = fraction(statistics.mean(means)), fraction(max(means))
+    return f"{mean} | {worst} | {sign}{fraction(abs(signed))} | {fraction(largest)}"
 
 
 if __name__ == "__main__":
