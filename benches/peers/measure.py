@@ -106,31 +106,29 @@ def _measure(solver: Solver, grid: Grid, source: Place, repeats: int, cores: int
     _ = grid.faces
     for module in solver.needs:
         importlib.import_module(module)
-    _, prepared, share = _timed(lambda: solver.prepare(grid), cores)
-    prepared *= share
+    _, prepared = _timed(lambda: solver.prepare(grid), cores)
     times: list[tuple[float, float]] = []
     began = time.perf_counter()
     for _ in range(repeats):
-        distances, around, share = _timed(lambda: solver.solve(source), cores)
-        own_share = 1.0 if solver.tells_processor_time else share
-        set_up = prepared if solver.set_up_seconds is None else share * solver.set_up_seconds
-        times.append((set_up, own_share * (around if solver.seconds is None else solver.seconds)))
+        distances, call = _timed(lambda: solver.solve(source), cores)
+        solve = call if solver.seconds is None else min(call, solver.seconds)
+        times.append((prepared + (call - solve if solver.sets_up_each_time else 0.0), solve))
         if time.perf_counter() - began > LONG:
             break
     set_up, solve = (statistics.median(column) for column in zip(*times, strict=True))
     return Result(distances, set_up, solve)
 
 
-def _timed(call: Callable[[], Any], cores: int) -> tuple[Any, float, float]:
-    """What a call gives, its time, and the share of it in which it had the core.
+def _timed(call: Callable[[], Any], cores: int) -> tuple[Any, float]:
+    """What a call gives, and its time without what other work had of its one core.
 
-    Times are multiplied by that share, so that other work on the machine does not count. On
-    several cores a share has no meaning and is 1.
+    That is the processor's time, so no less than the call needs. On several cores the processor's
+    time adds up over them, and the clock counts.
     """
-    clock, work = time.perf_counter(), _processor_time()
+    clock, processor = time.perf_counter(), _processor_time()
     result = call()
-    around, work = time.perf_counter() - clock, _processor_time() - work
-    return result, around, min(1.0, work / around) if cores == 1 else 1.0
+    clock, processor = time.perf_counter() - clock, _processor_time() - processor
+    return result, min(clock, processor) if cores == 1 else clock
 
 
 def _processor_time() -> float:
