@@ -19,8 +19,8 @@
 // Stands for a curvature of zero that carries a flag: devices may flush what is smaller.
 #define FLAT 1e-30
 // A change of a front's curvature counts as that of its arrival time, divided by two as often:
-// where fronts turn a thousandth of the curvature moves the time by a millionth or less.
-#define CURVATURE_COUNTS 10
+// where fronts meet, a hundredth of the curvature moves times by less than a millionth.
+#define CURVATURE_COUNTS 14
 // Tag of a front that came from a whole triangle, beside that of its scan.
 #define WHOLE 8
 // See curved.rs.

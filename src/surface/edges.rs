@@ -1,5 +1,6 @@
 //! Edge lengths: all that the solvers know of a surface.
 
+use std::ops::Range;
 use std::sync::OnceLock;
 
 use glam::DVec3;
@@ -16,6 +17,9 @@ pub const SHORTEST_EDGE: f64 = 1e-12;
 /// Longest length of an edge: squares and sums of such lengths stay within single precision
 /// and below [`super::FAR`].
 pub const LONGEST_EDGE: f64 = 1e12;
+
+/// Rows that are measured together, so that each row's points and bends serve the next.
+const BAND: usize = 32;
 
 /// The lengths of the edges from every grid point to its east, north, north-east and north-west
 /// neighbours; the other four are stored at the neighbour. An edge that does not exist (border,
@@ -70,17 +74,17 @@ impl<R: Real> EdgeLengths<R> {
         let rows = |plane| inner_rows(chart, plane);
         (rows(east), rows(north), rows(north_east), rows(north_west))
             .into_par_iter()
+            .chunks(BAND)
             .enumerate()
-            .try_for_each_init(
-            || vec![[R::FAR; 4]; chart.cols],
-            |line, (row, (east, north, north_east, north_west))| {
-                surface.measure_row(row, origin, line)?;
-                for (col, lengths) in line.iter().enumerate() {
-                    [east[col], north[col], north_east[col], north_west[col]] = *lengths;
-                }
-                Ok(())
-            },
-        )?;
+            .try_for_each(|(band, mut lines)| {
+                let first = band * BAND;
+                surface.measure_rows(first..first + lines.len(), origin, |row, lengths| {
+                    let (east, north, north_east, north_west) = &mut lines[row - first];
+                    for (col, lengths) in lengths.iter().enumerate() {
+                        [east[col], north[col], north_east[col], north_west[col]] = *lengths;
+                    }
+                })
+            })?;
         let rule = surface.edge_rule();
         Ok(Self { chart, lengths, rule, gaussian_curvature: OnceLock::new() })
     }
@@ -147,18 +151,20 @@ impl Surface {
     /// Whether all edges are of a length that the solvers can handle; see [`EdgeLengths::new`].
     pub fn check_edges(&self) -> Result<(), SurfaceError> {
         let origin = self.origin();
-        (0..self.rows()).into_par_iter().try_for_each_init(
-            || vec![[0.0f32; 4]; self.cols()],
-            |line, row| self.measure_row(row, origin, line),
-        )
+        let bands = self.rows().div_ceil(BAND);
+        (0..bands).into_par_iter().map(|band| band * BAND).try_for_each(|first| {
+            let rows = first..(first + BAND).min(self.rows());
+            self.measure_rows::<f32>(rows, origin, |_, _| ())
+        })
     }
 
-    /// Measures the edges stored at the points of a row. The twin of `glsl/edges.glsl`.
-    fn measure_row<R: Real>(
+    /// Measures the edges stored at the points of some rows, and gives them to `store` row by row.
+    /// The twin of `glsl/edges.glsl`.
+    fn measure_rows<R: Real>(
         &self,
-        row: usize,
+        rows: Range<usize>,
         origin: DVec3,
-        line: &mut [[R; 4]],
+        mut store: impl FnMut(usize, &[[R; 4]]),
     ) -> Result<(), SurfaceError> {
         let chart = self.chart();
         let points = |row: Option<usize>| match row.filter(|&row| row < chart.rows) {
@@ -167,29 +173,35 @@ impl Surface {
             }
             None => vec![[R::zero(); 4]; chart.cols],
         };
-        let (below, here) = (points(Some(row + 1)), points(Some(row)));
-        let (above, before) = (points(row.checked_sub(1)), points(row.checked_sub(2)));
-        let bends_here = self.bends([&above, &here, &below]);
-        let bends_above = self.bends([&before, &above, &here]);
-        for (col, lengths) in line.iter_mut().enumerate() {
-            for (index, (slot, to)) in lengths.iter_mut().zip(STORED).enumerate() {
-                *slot = R::FAR;
-                if !self.has_edge(row, col, to) {
-                    continue;
-                }
-                let (down, right) = to.step();
-                let (points, bends) =
-                    if down == 0 { (&here, &bends_here) } else { (&above, &bends_above) };
-                let other = col.wrapping_add_signed(right);
-                let (a, b) = (here[col], points[other]);
-                let length = self.separation(a, b, to.step());
-                let length = arc(length, bends_here[col][index], bends[other][index]);
-                *slot = R::of(0.5) * (a[3] + b[3]) * length;
-                let length = slot.wide();
-                if length != 0.0 && !(SHORTEST_EDGE..=LONGEST_EDGE).contains(&length) {
-                    return Err(SurfaceError::EdgeLength { row, col, direction: to, length });
+        let before = points(rows.start.checked_sub(2));
+        let (mut above, mut here) = (points(rows.start.checked_sub(1)), points(Some(rows.start)));
+        let mut bends_above = self.bends([&before, &above, &here]);
+        let mut line = vec![[R::FAR; 4]; chart.cols];
+        for row in rows {
+            let below = points(Some(row + 1));
+            let bends_here = self.bends([&above, &here, &below]);
+            for (col, lengths) in line.iter_mut().enumerate() {
+                for (index, (slot, to)) in lengths.iter_mut().zip(STORED).enumerate() {
+                    *slot = R::FAR;
+                    if !self.has_edge(row, col, to) {
+                        continue;
+                    }
+                    let (down, right) = to.step();
+                    let (points, bends) =
+                        if down == 0 { (&here, &bends_here) } else { (&above, &bends_above) };
+                    let other = col.wrapping_add_signed(right);
+                    let (a, b) = (here[col], points[other]);
+                    let length = self.separation(a, b, to.step());
+                    let length = arc(length, bends_here[col][index], bends[other][index]);
+                    *slot = R::of(0.5) * (a[3] + b[3]) * length;
+                    let length = slot.wide();
+                    if length != 0.0 && !(SHORTEST_EDGE..=LONGEST_EDGE).contains(&length) {
+                        return Err(SurfaceError::EdgeLength { row, col, direction: to, length });
+                    }
                 }
             }
+            store(row, &line);
+            (above, here, bends_above) = (here, below, bends_here);
         }
         Ok(())
     }

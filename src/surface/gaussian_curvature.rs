@@ -58,9 +58,10 @@ impl<R: Real> Work for Settled<'_, R> {
             Direction::ALL.map(|to| &fans[first.wrapping_add_signed(chart.offset(to))..][..cols]);
         let own = &fans[first..][..cols];
         for (col, curvature) in line.iter_mut().enumerate() {
-            let mut neighbours = around.map(|fans| fans[col]);
-            for (neighbour, lengths) in neighbours.iter_mut().zip(lengths) {
-                *neighbour = if lengths[col] < R::FAR { *neighbour } else { R::FAR };
+            let mut neighbours = [R::FAR; 8];
+            for to in 0..8 {
+                let neighbour = around[to][col];
+                neighbours[to] = if lengths[to][col] < R::FAR { neighbour } else { R::FAR };
             }
             *curvature = settled(own[col], neighbours);
         }
@@ -122,8 +123,11 @@ impl<R: Real> Work for Fans<'_, R> {
             .map(|to| edges.row(first, EdgeSlot::new(chart, chart.offset(to), to.base()), cols));
         let share = R::of(edges.rule().share_of_fan());
         for (col, curvature) in line.iter_mut().enumerate() {
-            let (edges, bases) = (fan.map(|edges| edges[col]), bases.map(|bases| bases[col]));
-            *curvature = defect_density(edges, bases, share);
+            let (mut edges, mut opposite) = ([R::FAR; 8], [R::FAR; 8]);
+            for to in 0..8 {
+                (edges[to], opposite[to]) = (fan[to][col], bases[to][col]);
+            }
+            *curvature = defect_density(edges, opposite, share);
         }
     }
 }
