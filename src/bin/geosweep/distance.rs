@@ -136,10 +136,11 @@ Examples:
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum WavefrontArg {
-    /// Point for point sources that start together, curved for others
+    /// Curved; but point on a surface with a slowness, for point sources that start together
     #[default]
     Auto,
-    /// Carries its curvature: the most accurate on smooth surfaces, around walls and from curves
+    /// Carries its curvature: the most accurate on smooth surfaces, around walls and from curves,
+    /// in about twice the time of point
     Curved,
     /// Circular: exact on developable surfaces but for the sampling, for point sources only
     Point,
