@@ -18,9 +18,9 @@
 #define LARGEST_DEFECT 0.5
 // Stands for a curvature of zero that carries a flag: devices may flush what is smaller.
 #define FLAT 1e-30
-// A change of a front's curvature counts as that of its arrival time, divided by two as often:
-// where fronts meet, a hundredth of the curvature moves times by less than a millionth.
-#define CURVATURE_COUNTS 14
+// What a change of a front's curvature counts in the residual, relative to 1 over its arrival
+// time, beside a relative change of that time.
+#define CURVATURE_COUNTS 1e-4
 // Tag of a front that came from a whole triangle, beside that of its scan.
 #define WHOLE 8
 // See curved.rs.

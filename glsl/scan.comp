@@ -71,6 +71,9 @@ vec4 first_line_old(ivec2 texel, int layer) {
                 first_line(imageLoad(old_fronts, at + side), ahead).x);
 }
 
+// Distance from 1 to the next number.
+const float PRECISION = 1.1920929e-7;
+
 // The scan's number, from 1 in the order of an iteration.
 const uint SCAN = AHEAD_Y != 0 ? (AHEAD_Y > 0 ? 1u : 2u) : (AHEAD_X > 0 ? 3u : 4u);
 
@@ -169,7 +172,9 @@ void main() {
 
     uint change = units_between(old, new);
     if (is_curved) {
-        change = max(change, units_between(old_curvature, new_curvature) >> CURVATURE_COUNTS);
+        vec4 bends = abs(new_curvature - old_curvature) * new;
+        float bend = max(max(bends.x, bends.y), max(bends.z, bends.w)) * CURVATURE_COUNTS;
+        change = max(change, uint(min(bend / PRECISION, 4e9)));
     }
     if (change > 0u) atomicMax(residual, change);
 }

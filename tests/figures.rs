@@ -8,7 +8,7 @@ use std::io::Cursor;
 
 use bench::{Bench, json, stderr};
 use geosweep::accuracy::{Errors, exact_disc};
-use geosweep::cpu::{Stop, raster_scan, rotated_scan};
+use geosweep::cpu::{Stop, raster_scan, scan_in_turn};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{DistanceMap, Engine, Options, Sources, Wavefront, distance_map};
@@ -121,7 +121,7 @@ fn the_maze_is_shown_iteration_by_iteration() {
     assert_eq!(stages.len(), 4);
     for (stage, iterations) in stages.iter().zip([1, 2, 3, 100]) {
         let stop = Stop { tolerance: 1e-6, iterations };
-        let solution = rotated_scan(&edges, &seeds, Wavefront::PointSource, stop);
+        let solution = scan_in_turn(&edges, &seeds, Wavefront::PointSource, stop);
         let reached = solution.distances().iter().filter(|d| d.is_finite()).count();
         assert_eq!(stage["iterations"], solution.iterations);
         assert_eq!(stage["reached"], reached);

@@ -166,7 +166,7 @@ impl Kernel for Curved {
         let after = &line.edges[2][start..][..points];
         let bases = &line.bases[start..][..points + 1];
         let line = Stretch { times, behind, before, middle, after, bases };
-        let (mut largest, mut bent) = (R::Bits::default(), R::Bits::default());
+        let [mut largest, mut bent, mut tagged] = [R::Bits::default(); 3];
         for i in 0..points {
             let left = Bends { fronts: [k[i], k[i + 1]], surface: [gaussian[i], g[i], g[i + 1]] };
             let right =
@@ -175,10 +175,14 @@ impl Kernel for Curved {
             let (time, curvature) = (line.times[i], curvatures[i]);
             (line.times[i], curvatures[i]) = accept(time, curvature, first, scan.0, scan.1);
             largest = largest.max(time.units_between(line.times[i]));
-            bent = bent.max(curvature.units_between(curvatures[i]));
+            // As whole numbers, whose maximum compilers find in lanes.
+            let bend = (curvatures[i] - curvature).abs() * line.times[i];
+            bent = bent.max(R::zero().units_between(bend));
+            tagged = tagged.max(curvature.units_between(curvatures[i]));
         }
-        let any = largest.max(bent) > R::Bits::default();
-        Change { any, largest: largest.max(bent >> CURVATURE_COUNTS) }
+        let any = largest.max(tagged) > R::Bits::default();
+        let bent = (R::from_zero(bent) * R::of(CURVATURE_COUNTS)).in_units();
+        Change { any, largest: largest.max(bent) }
     }
 }
 

@@ -130,7 +130,7 @@ impl<'a, R: Real> Fronts<'a, R> {
     }
 
     /// Accepts a front that one of the scans, numbered from 1, brings to a point (see [`accept`]);
-    /// returns the change of the arrival time ([`Real::units_between`]).
+    /// returns the change of the front, in units of its arrival time ([`Real::units_between`]).
     #[inline]
     pub(super) fn accept(
         &mut self,
@@ -147,8 +147,9 @@ impl<'a, R: Real> Fronts<'a, R> {
         };
         let bent_before = *curvature;
         (self.times[point], *curvature) = accept(before, bent_before, front, scan, renews);
-        let bent = bent_before.units_between(*curvature);
-        before.units_between(self.times[point]).max(bent >> CURVATURE_COUNTS)
+        let bend = (*curvature - bent_before).abs() * self.times[point];
+        let bend = (bend * R::of(CURVATURE_COUNTS)).in_units();
+        before.units_between(self.times[point]).max(bend)
     }
 
     pub(super) fn finish(self, iterations: u32, residual: f64) -> Solution<R> {

@@ -20,11 +20,17 @@ pub trait Real:
     const SOURCE: Self;
 
     /// Counts units in the last place.
-    type Bits: Copy + Ord + Default + Into<u64> + std::ops::Shr<u32, Output = Self::Bits> + Send;
+    type Bits: Copy + Ord + Default + Into<u64> + Send;
 
     /// How many numbers of this precision lie between two that are not negative: their relative
     /// difference in units of the precision, to within a factor of two, without a division.
     fn units_between(self, other: Self) -> Self::Bits;
+
+    /// The number that lies so many numbers of this precision above zero.
+    fn from_zero(units: Self::Bits) -> Self;
+
+    /// A relative change that is not negative in units of this precision.
+    fn in_units(self) -> Self::Bits;
 
     /// The number with a tag from 0 to 15 in its last binary digits; zero becomes tiny.
     fn with_tag(self, tag: u8) -> Self;
@@ -47,6 +53,16 @@ impl Real for f32 {
     #[inline(always)]
     fn units_between(self, other: Self) -> u32 {
         self.to_bits().abs_diff(other.to_bits())
+    }
+
+    #[inline(always)]
+    fn from_zero(units: u32) -> Self {
+        Self::from_bits(units)
+    }
+
+    #[inline(always)]
+    fn in_units(self) -> u32 {
+        (self / Self::EPSILON) as u32
     }
 
     #[inline(always)]
@@ -79,6 +95,16 @@ impl Real for f64 {
     #[inline(always)]
     fn units_between(self, other: Self) -> u64 {
         self.to_bits().abs_diff(other.to_bits())
+    }
+
+    #[inline(always)]
+    fn from_zero(units: u64) -> Self {
+        Self::from_bits(units)
+    }
+
+    #[inline(always)]
+    fn in_units(self) -> u64 {
+        (self / Self::EPSILON) as u64
     }
 
     #[inline(always)]
