@@ -25,7 +25,7 @@ need_rust() {
     local cure="install Rust with rustup (https://rustup.rs)"
     local have want sub
     want=$(sed -n 's/^rust-version *= *"\([0-9.]*\)".*/\1/p' Cargo.toml)
-    want=${want:-1.88}
+    want=${want:-1.89}
     command -v cargo >/dev/null || die "cargo is missing; $cure, then run this again"
     have=$(cargo --version 2>&1) || die "cargo does not work ($have); $cure, then run this again"
     have=$(cut -d ' ' -f 2 <<<"$have")

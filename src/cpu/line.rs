@@ -6,7 +6,7 @@ use super::state::accept;
 use super::tiles::TILE;
 use crate::constants::CURVATURE_COUNTS;
 use crate::lanes::Work;
-use crate::surface::Real;
+use crate::surface::{Real, min};
 use crate::update::{Bends, Front, Triangle, Wavefront, curved, planar, point_source};
 
 /// A stretch of n points of a row or column and what their update needs. Curvatures are empty
@@ -54,8 +54,8 @@ impl<R: Real> Work for Update<'_, R> {
     fn run(self) -> R::Bits {
         let Self { line, wavefront, scan, renews, changed } = self;
         match wavefront {
-            Wavefront::Planar => each_tile::<R, Planar>(line, (scan, renews), changed),
-            Wavefront::PointSource => each_tile::<R, PointSource>(line, (scan, renews), changed),
+            Wavefront::Planar => each_tile::<R, Straight<false>>(line, (scan, renews), changed),
+            Wavefront::PointSource => each_tile::<R, Straight<true>>(line, (scan, renews), changed),
             Wavefront::Curved => each_tile::<R, Curved>(line, (scan, renews), changed),
         }
     }
@@ -92,22 +92,17 @@ trait Kernel {
     ) -> Change<R>;
 }
 
-/// What an update has changed: anything at all, and how much.
+/// What an update has changed: anything at all, tags included, and how much
+/// ([`Real::units_between`]).
 struct Change<R: Real> {
     any: bool,
     largest: R::Bits,
 }
 
-impl<R: Real> Change<R> {
-    #[inline(always)]
-    fn of_times(largest: R::Bits) -> Self {
-        Self { any: largest > R::Bits::default(), largest }
-    }
-}
+/// Fronts that need no curvature: circular or straight.
+struct Straight<const CIRCULAR: bool>;
 
-struct Planar;
-
-impl Kernel for Planar {
+impl<const CIRCULAR: bool> Kernel for Straight<CIRCULAR> {
     #[inline(always)]
     fn update<R: Real>(
         line: &mut Line<R>,
@@ -118,30 +113,17 @@ impl Kernel for Planar {
         let line = line.stretch(start, points);
         let mut largest = R::Bits::default();
         for i in 0..points {
-            let (a, b) = (planar(line.left(i)), planar(line.right(i)));
-            largest = largest.max(lower(&mut line.times[i], a, b));
+            let (left, right) = (line.left(i), line.right(i));
+            let (a, b) = if CIRCULAR {
+                (point_source(left), point_source(right))
+            } else {
+                (planar(left), planar(right))
+            };
+            let old = line.times[i];
+            line.times[i] = min(old, min(a, b));
+            largest = largest.max(old.units_between(line.times[i]));
         }
-        Change::of_times(largest)
-    }
-}
-
-struct PointSource;
-
-impl Kernel for PointSource {
-    #[inline(always)]
-    fn update<R: Real>(
-        line: &mut Line<R>,
-        start: usize,
-        points: usize,
-        _: (u8, bool),
-    ) -> Change<R> {
-        let line = line.stretch(start, points);
-        let mut largest = R::Bits::default();
-        for i in 0..points {
-            let (a, b) = (point_source(line.left(i)), point_source(line.right(i)));
-            largest = largest.max(lower(&mut line.times[i], a, b));
-        }
-        Change::of_times(largest)
+        Change { any: largest > R::Bits::default(), largest }
     }
 }
 
@@ -184,15 +166,6 @@ impl Kernel for Curved {
         let bent = (R::from_zero(bent) * R::of(CURVATURE_COUNTS)).in_units();
         Change { any, largest: largest.max(bent) }
     }
-}
-
-/// Lowers an arrival time to that of two fronts; returns the change.
-#[inline(always)]
-fn lower<R: Real>(time: &mut R, a: R, b: R) -> R::Bits {
-    let old = *time;
-    let first = if b < a { b } else { a };
-    *time = if first < old { first } else { old };
-    old.units_between(*time)
 }
 
 /// Part of a line, cut so that the compiler sees that all indices are within bounds.

@@ -1,7 +1,12 @@
-//! The CPU engine: raster scans, rotated raster scans and fast marching for one map.
+//! The CPU engine: rotated raster scans in lanes, [`RotatedScan`]; and, point by point, the
+//! references it is held against: directed scans, the shader's twin and fast marching.
 //!
-//! All three share one update and one array layout (a border of points that are never reached),
-//! and converge to the same map. Single precision is for use, double precision for reference.
+//! All share one update and one array layout (a border of points that are never reached), and
+//! converge to the same map. Single precision is for use, double precision for reference.
+//!
+//! [`RotatedScan`] updates a row from the row behind it, sixteen points at once with AVX-512
+//! (`line.rs`); columns are rows of a transposed panel of sixteen (`panel.rs`); and a scan visits
+//! only tiles beside which something has changed since it passed (`tiles.rs`).
 
 mod connections;
 mod fast_marching;

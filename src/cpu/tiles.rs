@@ -130,10 +130,10 @@ impl Tiles {
 mod tests {
     use super::*;
 
-    fn runs(tiles: &Tiles, scan: Scan, band: usize, changed: &[bool]) -> Vec<Range<usize>> {
+    fn runs(tiles: &Tiles, scan: Scan, band: usize, changed: &[bool]) -> Vec<[usize; 2]> {
         let mut runs = Vec::new();
         tiles.runs(scan, band, changed, &mut runs);
-        runs
+        runs.into_iter().map(|run| [run.start, run.end]).collect()
     }
 
     #[test]
@@ -142,15 +142,15 @@ mod tests {
         tiles.touch(40, 100);
         let quiet = vec![false; tiles.len()];
         // The source lies in tile 2, 6.
-        assert_eq!(runs(&tiles, Scan::DOWN, 1, &quiet), []);
-        assert_eq!(runs(&tiles, Scan::DOWN, 2, &quiet), [5..8]);
-        assert_eq!(runs(&tiles, Scan::DOWN, 3, &quiet), [5..8]);
-        assert_eq!(runs(&tiles, Scan::UP, 1, &quiet), [5..8]);
-        assert_eq!(runs(&tiles, Scan::LEFT, 5, &quiet), [1..4]);
+        assert_eq!(runs(&tiles, Scan::DOWN, 1, &quiet), [[0; 2]; 0]);
+        assert_eq!(runs(&tiles, Scan::DOWN, 2, &quiet), [[5, 8]]);
+        assert_eq!(runs(&tiles, Scan::DOWN, 3, &quiet), [[5, 8]]);
+        assert_eq!(runs(&tiles, Scan::UP, 1, &quiet), [[5, 8]]);
+        assert_eq!(runs(&tiles, Scan::LEFT, 5, &quiet), [[1, 4]]);
         let mut changed = quiet.clone();
         changed[tiles.index(Scan::DOWN, 3, 1)] = true;
-        assert_eq!(runs(&tiles, Scan::DOWN, 4, &changed), [0..3]);
-        assert_eq!(runs(&tiles, Scan::DOWN, 3, &changed), [0..3, 5..8]);
+        assert_eq!(runs(&tiles, Scan::DOWN, 4, &changed), [[0, 3]]);
+        assert_eq!(runs(&tiles, Scan::DOWN, 3, &changed), [[0, 3], [5, 8]]);
     }
 
     #[test]
@@ -159,8 +159,8 @@ mod tests {
         tiles.touch(3, 3);
         let (quiet, down) = (vec![false; 3], vec![true, false, false]);
         tiles.passed([Scan::DOWN, Scan::UP], [&down, &quiet]);
-        assert_eq!(runs(&tiles, Scan::DOWN, 0, &quiet), []);
-        assert_eq!(runs(&tiles, Scan::UP, 0, &quiet), [0..2]);
-        assert_eq!(runs(&tiles, Scan::RIGHT, 0, &quiet), [0..1]);
+        assert_eq!(runs(&tiles, Scan::DOWN, 0, &quiet), [[0; 2]; 0]);
+        assert_eq!(runs(&tiles, Scan::UP, 0, &quiet), [[0, 2]]);
+        assert_eq!(runs(&tiles, Scan::RIGHT, 0, &quiet), [[0, 1]]);
     }
 }
