@@ -4,6 +4,7 @@ use std::error::Error;
 use std::path::Path;
 
 use geosweep::surface::builtin::Builtin;
+use serde::Deserialize;
 
 /// One map by another solver.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,9 +18,19 @@ pub struct Peer {
     pub mean: f64,
 }
 
-const HEADER: &str = "surface,size,solver,seconds,mean_error";
+/// A row of the table; other columns are left alone.
+#[derive(Deserialize)]
+struct Row {
+    surface: String,
+    size: String,
+    solver: String,
+    /// Empty if the solver did not finish.
+    seconds: Option<f64>,
+    mean_error: Option<f64>,
+}
 
-/// Reads a table with [`HEADER`] as its first line.
+/// Reads a CSV table with at least the columns surface, size, solver, seconds and mean_error. Rows
+/// of geosweep itself and of solvers that did not finish are left out.
 pub fn read(path: &Path) -> Result<Vec<Peer>, Box<dyn Error>> {
     let text =
         std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -28,51 +39,51 @@ pub fn read(path: &Path) -> Result<Vec<Peer>, Box<dyn Error>> {
 
 /// Rows by solver, then surface, then size.
 fn parse(text: &str) -> Result<Vec<Peer>, String> {
-    let mut lines = text.lines().map(str::trim).enumerate();
-    if lines.next().map(|(_, line)| line) != Some(HEADER) {
-        return Err(format!("the first line is not `{HEADER}`"));
+    let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+    let mut peers = Vec::new();
+    for (index, row) in table.deserialize::<Row>().enumerate() {
+        let row = row.map_err(|error| error.to_string())?;
+        let peer = peer(row).map_err(|problem| format!("row {}: {problem}", index + 1))?;
+        peers.extend(peer);
     }
-    let mut peers = lines
-        .filter(|(_, line)| !line.is_empty())
-        .map(|(index, line)| peer(line).map_err(|problem| format!("line {}: {problem}", index + 1)))
-        .collect::<Result<Vec<_>, _>>()?;
     let key = |peer: &Peer| (peer.solver.clone(), peer.builtin.to_string(), peer.points);
     peers.sort_by_key(key);
     Ok(peers)
 }
 
-fn peer(line: &str) -> Result<Peer, String> {
-    let cells: Vec<_> = line.split(',').map(str::trim).collect();
-    let [surface, size, solver, seconds, mean] = cells[..] else {
-        return Err(format!("{} cells instead of 5", cells.len()));
-    };
-    let positive = |cell: &str| match cell.parse::<f64>() {
-        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
-        _ => Err(format!("`{cell}` is no positive number")),
-    };
-    Ok(Peer {
-        builtin: surface.parse()?,
-        points: crate::study::size(size)?,
-        solver: solver.to_owned(),
-        seconds: positive(seconds)?,
-        mean: positive(mean)?,
-    })
+fn peer(row: Row) -> Result<Option<Peer>, String> {
+    let Row { surface, size, solver, seconds, mean_error } = row;
+    let (builtin, points) = (surface.parse()?, crate::study::size(&size)?);
+    let (Some(seconds), Some(mean)) = (seconds, mean_error) else { return Ok(None) };
+    for number in [seconds, mean] {
+        if !(number > 0.0 && number.is_finite()) {
+            return Err(format!("`{number}` is no positive number"));
+        }
+    }
+    let ours = solver.starts_with("geosweep");
+    Ok((!ours).then_some(Peer { builtin, points, solver, seconds, mean }))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const HEADER: &str = "surface,size,solver,seconds,mean_error,remark";
+
     #[test]
     fn rows_are_read_in_order_of_solver_and_size() {
-        let text =
-            format!("{HEADER}\nsphere,65,walker,0.5,1e-3\n\nsphere, 33, walker, 0.25, 2e-3\n");
-        let peers = parse(&text).unwrap();
+        let rows = [
+            r#"sphere,65,"walker, fast",0.5,1e-3,"#,
+            r#"sphere, 33,"walker, fast", 0.25, 2e-3,"#,
+            "sphere,33,sleeper,,,not done in 40 s",
+            r#"sphere,33,"geosweep cpu, planar",0.1,1e-3,"#,
+        ];
+        let peers = parse(&format!("{HEADER}\n{}\n", rows.join("\n"))).unwrap();
         assert_eq!(peers.iter().map(|peer| peer.points).collect::<Vec<_>>(), [33, 65]);
         let expected = Peer {
             builtin: Builtin::Sphere,
             points: 65,
-            solver: "walker".into(),
+            solver: "walker, fast".into(),
             seconds: 0.5,
             mean: 1e-3,
         };
@@ -81,15 +92,17 @@ mod tests {
 
     #[test]
     fn wrong_rows_say_where_and_what() {
-        for (row, part) in [
-            ("sphere,65,walker,0.5", "4 cells"),
-            ("teapot,65,walker,0.5,1e-3", "teapot"),
-            ("sphere,65.5,walker,0.5,1e-3", "`65.5`"),
-            ("sphere,65,walker,-1,1e-3", "`-1`"),
+        for (row, place, part) in [
+            ("sphere,65,walker,0.5", "line: 2", "4 fields"),
+            ("teapot,65,walker,0.5,1e-3,", "row 1", "teapot"),
+            ("sphere,65.5,walker,0.5,1e-3,", "row 1", "`65.5`"),
+            ("sphere,65,walker,-1,1e-3,", "row 1", "`-1`"),
+            ("sphere,65,walker,fast,1e-3,", "line: 2", "float"),
         ] {
             let problem = parse(&format!("{HEADER}\n{row}")).unwrap_err();
-            assert!(problem.contains("line 2") && problem.contains(part), "{problem}");
+            assert!(problem.contains(place) && problem.contains(part), "{problem}");
         }
-        assert!(parse("sphere,65,walker,0.5,1e-3").unwrap_err().contains(HEADER));
+        let headless = parse("sphere,65,walker\nsphere,65,walker").unwrap_err();
+        assert!(headless.contains("surface"), "{headless}");
     }
 }
