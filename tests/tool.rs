@@ -82,6 +82,27 @@ fn engines_and_fronts_can_be_chosen() {
     }
 }
 
+/// Along chords the way around a cylinder is short by a 24th of the squared angle between points.
+#[test]
+fn edges_can_be_arcs_or_chords() {
+    let bench = Bench::new();
+    let exact = Builtin::Cylinder.exact_distances(33, 33, [16.0, 16.0]).unwrap();
+    let errors = ["", "--edges arc", "--edges chord"].map(|edges| {
+        let words =
+            format!("distance builtin:cylinder:33x33 -s 16,16 --engine cpu -o map.npy {edges}");
+        assert!(bench.run(words.split_whitespace()).status.success(), "{words}");
+        let map = map(&bench.output("map.npy"));
+        let errors = map.iter().zip(&exact).map(|(distance, exact)| distance - exact);
+        errors.sum::<f64>() / exact.iter().sum::<f64>()
+    });
+    println!("{errors:?}");
+    assert_eq!(errors[0], errors[1], "arcs are the default");
+    assert!(errors[1].abs() < 0.1 * errors[2].abs() && errors[2] < -1e-4, "{errors:?}");
+    let words = "distance builtin:plane:9x9 -s 1,1 -o map.npy --edges round";
+    let wrong = bench.run(words.split_whitespace());
+    assert!(!wrong.status.success() && stderr(&wrong).contains("chord"), "{}", stderr(&wrong));
+}
+
 #[test]
 fn holes_masks_and_walls_are_respected() {
     let bench = Bench::new();
