@@ -268,6 +268,9 @@ fn one_iteration_does_not_reach_the_end_of_a_maze_and_more_do() {
             let once = solve(Stop::after(1));
             println!("{} {wavefront}, one iteration: {once}", engine.name);
             assert!(once.reached_by_one > surface.points() / 2, "{}", engine.name);
+            // What the CPU's scans reach side by side in one iteration is straight from the source;
+            // Vulkan's, one after another, also reach what is not right yet.
+            assert!(engine.name == "cpu" || once.max_of_largest > 0.01, "{}", engine.name);
             let converged = solve(CONVERGED);
             println!("{} {wavefront}, converged: {converged}", engine.name);
             assert_eq!(converged.reached_by_one, 0, "{}", engine.name);

@@ -3,14 +3,12 @@
 
 use std::ops::Range;
 
-use super::Instructions;
-use super::line::{Behind, Line, Update};
-use super::tiles::Scan;
+use super::line::{How, Line, Times, Update};
 use crate::surface::Real;
 use crate::update::Wavefront;
 
-/// Bordered arrays: point p of line l has index (l + 1) * `stride` + p + 1. Curvatures are empty
-/// unless the wavefront is curved.
+/// Bordered arrays: point p of line l has index l * `stride` + p + 1, with lines counted from the
+/// border and points from the first inside it. Curvatures are empty unless the wavefront is curved.
 pub(super) struct Field<'a, R> {
     pub stride: usize,
     pub times: &'a mut [R],
@@ -21,18 +19,8 @@ pub(super) struct Field<'a, R> {
     pub edges: [&'a [R]; 4],
 }
 
-/// How points are updated.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct How {
-    pub wavefront: Wavefront,
-    pub scan: Scan,
-    pub renews: bool,
-    pub instructions: Instructions,
-}
-
 impl<R: Real> Field<'_, R> {
-    /// Updates points of a line, counted from the border, from the line behind; see
-    /// [`Update`].
+    /// Updates points of a line from the line behind; see [`Update`].
     pub(super) fn update(
         &mut self,
         line: usize,
@@ -41,18 +29,18 @@ impl<R: Real> Field<'_, R> {
         changed: &mut [bool],
     ) -> R::Bits {
         let forward = how.scan.is_forward();
-        let behind = if forward { line - 1 } else { line + 1 };
+        let line_behind = if forward { line - 1 } else { line + 1 };
         let start = line * self.stride + points.start + 1;
         let here = start..start + points.len();
         // From the point before the first to the one after the last.
-        let first = behind * self.stride + points.start;
+        let first = line_behind * self.stride + points.start;
         let there = first..first + points.len() + 2;
 
         let curved = how.wavefront == Wavefront::Curved;
         let if_curved = |range: &Range<usize>| if curved { range.clone() } else { 0..0 };
         let (bent_here, bent_there) = (if_curved(&here), if_curved(&there));
-        let (times, behind_times) = here_and_there(self.times, here.clone(), there.clone());
-        let (curvatures, behind_curvatures) =
+        let (times, behind) = here_and_there(self.times, here.clone(), there.clone());
+        let (curvatures, curvatures_behind) =
             here_and_there(self.curvatures, bent_here.clone(), bent_there.clone());
 
         let [next, up, up_next, up_previous] = self.edges;
@@ -63,19 +51,18 @@ impl<R: Real> Field<'_, R> {
             [&up_next[shifted(0)], &up[shifted(1)], &up_previous[shifted(2)]]
         };
         let line = Line {
-            times,
+            times: Times {
+                here: times,
+                behind,
+                edges,
+                bases: &next[first..first + points.len() + 1],
+            },
             curvatures,
             gaussian: &self.gaussian[bent_here],
-            behind: Behind {
-                times: behind_times,
-                curvatures: behind_curvatures,
-                gaussian: &self.gaussian[bent_there],
-            },
-            edges,
-            bases: &next[first..first + points.len() + 1],
+            curvatures_behind,
+            gaussian_behind: &self.gaussian[bent_there],
         };
-        let How { wavefront, scan, renews, instructions } = how;
-        instructions.run(Update { line, wavefront, scan: scan.0, renews, changed })
+        how.instructions.run(Update { line, how, changed })
     }
 }
 

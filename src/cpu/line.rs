@@ -2,8 +2,9 @@
 //!
 //! The loop has no branch, so that the compiler turns points into lanes; see [`Work`].
 
+use super::Instructions;
 use super::state::accept;
-use super::tiles::TILE;
+use super::tiles::{Scan, TILE};
 use crate::constants::CURVATURE_COUNTS;
 use crate::lanes::Work;
 use crate::surface::{Real, min};
@@ -12,38 +13,43 @@ use crate::update::{Bends, Front, Triangle, Wavefront, curved, planar, point_sou
 /// A stretch of n points of a row or column and what their update needs. Curvatures are empty
 /// unless the wavefront is curved.
 pub(super) struct Line<'a, R> {
-    /// Arrival times, n of them.
-    pub times: &'a mut [R],
-    /// Curvature of the fronts.
+    pub times: Times<'a, R>,
+    /// Curvature of the fronts, n of them.
     pub curvatures: &'a mut [R],
     /// Gaussian curvature of the surface.
     pub gaussian: &'a [R],
-    /// The line that the scan has just passed.
-    pub behind: Behind<'a, R>,
+    /// Both at the points behind, n + 2 of them, as in [`Times`].
+    pub curvatures_behind: &'a [R],
+    pub gaussian_behind: &'a [R],
+}
+
+/// Arrival times along a line and behind it, and the triangles between them.
+pub(super) struct Times<'a, R> {
+    /// Arrival times, n of them.
+    pub here: &'a mut [R],
+    /// Those of the line that the scan has just passed, from the point before the first to the one
+    /// after the last: n + 2 of them.
+    pub behind: &'a [R],
     /// Lengths of the edges to the neighbours behind: the one before, this one, the one after.
     pub edges: [&'a [R]; 3],
     /// Lengths of the edges between the points behind, n + 1 of them.
     pub bases: &'a [R],
 }
 
-/// The points behind a line, from the one before its first to the one after its last.
-pub(super) struct Behind<'a, R> {
-    /// Arrival times, n + 2 of them.
-    pub times: &'a [R],
-    /// Curvature of the fronts.
-    pub curvatures: &'a [R],
-    /// Gaussian curvature of the surface.
-    pub gaussian: &'a [R],
+/// How points are updated: `renews` curved fronts that the scan has brought before, or not.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct How {
+    pub wavefront: Wavefront,
+    pub scan: Scan,
+    pub renews: bool,
+    pub instructions: Instructions,
 }
 
 /// The update of a line by a scan, and where to mark which stretches of [`TILE`] points it has
 /// changed. The output is the largest change ([`Real::units_between`]).
 pub(super) struct Update<'a, R> {
     pub line: Line<'a, R>,
-    pub wavefront: Wavefront,
-    pub scan: u8,
-    /// Whether curved fronts that the scan has brought before are renewed.
-    pub renews: bool,
+    pub how: How,
     pub changed: &'a mut [bool],
 }
 
@@ -52,11 +58,11 @@ impl<R: Real> Work for Update<'_, R> {
 
     #[inline(always)]
     fn run(self) -> R::Bits {
-        let Self { line, wavefront, scan, renews, changed } = self;
-        match wavefront {
-            Wavefront::Planar => each_tile::<R, Straight<false>>(line, (scan, renews), changed),
-            Wavefront::PointSource => each_tile::<R, Straight<true>>(line, (scan, renews), changed),
-            Wavefront::Curved => each_tile::<R, Curved>(line, (scan, renews), changed),
+        let Self { line, how, changed } = self;
+        match how.wavefront {
+            Wavefront::Planar => each_tile::<R, Straight<false>>(line, how, changed),
+            Wavefront::PointSource => each_tile::<R, Straight<true>>(line, how, changed),
+            Wavefront::Curved => each_tile::<R, Curved>(line, how, changed),
         }
     }
 }
@@ -64,17 +70,13 @@ impl<R: Real> Work for Update<'_, R> {
 /// Updates each stretch of [`TILE`] points; the last one overlaps the one before if the line has a
 /// remainder, which does no harm: what has been updated stays as it is.
 #[inline(always)]
-fn each_tile<R: Real, K: Kernel>(
-    mut line: Line<R>,
-    scan: (u8, bool),
-    changed: &mut [bool],
-) -> R::Bits {
-    let points = line.times.len();
+fn each_tile<R: Real, K: Kernel>(mut line: Line<R>, how: How, changed: &mut [bool]) -> R::Bits {
+    let points = line.times.here.len();
     let mut largest = R::Bits::default();
     for (tile, changed) in changed.iter_mut().enumerate() {
         let change = match points.checked_sub(TILE) {
-            Some(last) => K::update(&mut line, (tile * TILE).min(last), TILE, scan),
-            None => K::update(&mut line, 0, points, scan),
+            Some(last) => K::update(&mut line, (tile * TILE).min(last), TILE, how),
+            None => K::update(&mut line, 0, points, how),
         };
         *changed |= change.any;
         largest = largest.max(change.largest);
@@ -84,12 +86,7 @@ fn each_tile<R: Real, K: Kernel>(
 
 /// The update of a stretch of a line by a scan, which may renew fronts.
 trait Kernel {
-    fn update<R: Real>(
-        line: &mut Line<R>,
-        start: usize,
-        points: usize,
-        scan: (u8, bool),
-    ) -> Change<R>;
+    fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, how: How) -> Change<R>;
 }
 
 /// What an update has changed: anything at all, tags included, and how much
@@ -104,13 +101,8 @@ struct Straight<const CIRCULAR: bool>;
 
 impl<const CIRCULAR: bool> Kernel for Straight<CIRCULAR> {
     #[inline(always)]
-    fn update<R: Real>(
-        line: &mut Line<R>,
-        start: usize,
-        points: usize,
-        _: (u8, bool),
-    ) -> Change<R> {
-        let line = line.stretch(start, points);
+    fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, _: How) -> Change<R> {
+        let line = line.times.stretch(start, points);
         let mut largest = R::Bits::default();
         for i in 0..points {
             let (left, right) = (line.left(i), line.right(i));
@@ -131,23 +123,12 @@ struct Curved;
 
 impl Kernel for Curved {
     #[inline(always)]
-    fn update<R: Real>(
-        line: &mut Line<R>,
-        start: usize,
-        points: usize,
-        scan: (u8, bool),
-    ) -> Change<R> {
+    fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, how: How) -> Change<R> {
         let curvatures = &mut line.curvatures[start..][..points];
         let gaussian = &line.gaussian[start..][..points];
-        let k = &line.behind.curvatures[start..][..points + 2];
-        let g = &line.behind.gaussian[start..][..points + 2];
-        let times = &mut line.times[start..][..points];
-        let behind = &line.behind.times[start..][..points + 2];
-        let before = &line.edges[0][start..][..points];
-        let middle = &line.edges[1][start..][..points];
-        let after = &line.edges[2][start..][..points];
-        let bases = &line.bases[start..][..points + 1];
-        let line = Stretch { times, behind, before, middle, after, bases };
+        let k = &line.curvatures_behind[start..][..points + 2];
+        let g = &line.gaussian_behind[start..][..points + 2];
+        let line = line.times.stretch(start, points);
         let [mut largest, mut bent, mut tagged] = [R::Bits::default(); 3];
         for i in 0..points {
             let left = Bends { fronts: [k[i], k[i + 1]], surface: [gaussian[i], g[i], g[i + 1]] };
@@ -155,7 +136,7 @@ impl Kernel for Curved {
                 Bends { fronts: [k[i + 1], k[i + 2]], surface: [gaussian[i], g[i + 1], g[i + 2]] };
             let first = Front::first(curved(line.left(i), left), curved(line.right(i), right));
             let (time, curvature) = (line.times[i], curvatures[i]);
-            (line.times[i], curvatures[i]) = accept(time, curvature, first, scan.0, scan.1);
+            (line.times[i], curvatures[i]) = accept(time, curvature, first, how.scan.0, how.renews);
             largest = largest.max(time.units_between(line.times[i]));
             // As whole numbers, whose maximum compilers find in lanes.
             let bend = (curvatures[i] - curvature).abs() * line.times[i];
@@ -178,12 +159,12 @@ struct Stretch<'a, R> {
     bases: &'a [R],
 }
 
-impl<R: Real> Line<'_, R> {
+impl<R: Real> Times<'_, R> {
     #[inline(always)]
     fn stretch(&mut self, start: usize, points: usize) -> Stretch<'_, R> {
         Stretch {
-            times: &mut self.times[start..][..points],
-            behind: &self.behind.times[start..][..points + 2],
+            times: &mut self.here[start..][..points],
+            behind: &self.behind[start..][..points + 2],
             before: &self.edges[0][start..][..points],
             middle: &self.edges[1][start..][..points],
             after: &self.edges[2][start..][..points],

@@ -8,7 +8,7 @@ use crate::surface::{Real, relative_change};
 ///
 /// Fronts that are renewed settle in a few iterations where each depends on earlier ones alone.
 /// On rough surfaces, or where slowness jumps, triangles let two points depend on one another, and
-/// around corners their fronts can then take turns for ever: three of 56 random surfaces did.
+/// around corners their fronts can then take turns for ever: three of 48 random surfaces did.
 const PATIENCE: u32 = 50;
 
 /// How the iterations so far have gone.

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::field::{Field, How};
+use super::field::Field;
+use super::line::How;
 use super::panel::{Grid, Panel};
 use super::state::{SEED, Solution, accept, front};
 use super::tiles::{Scan, TILE, Tiles};
@@ -21,12 +22,12 @@ pub fn rotated_scan<R: Real>(
     stop: Stop,
 ) -> Solution<R> {
     let mut solver = RotatedScan::new(edges, wavefront);
-    let residual = solver.solve(seeds, stop);
+    let Convergence { iterations, residual } = solver.solve(seeds, stop);
     Solution {
         chart: edges.chart(),
         times: solver.fronts.into_iter().next().expect("there are two").times,
-        iterations: residual.iterations,
-        residual: residual.residual,
+        iterations,
+        residual,
     }
 }
 
@@ -64,7 +65,9 @@ struct Fronts<R> {
     /// The tiles that the scan has changed.
     changed: Vec<bool>,
     panel: Panel<R>,
+    /// The stretches of a band to visit, and the tiles of one of them that have changed.
     runs: Vec<Range<usize>>,
+    marks: Vec<bool>,
 }
 
 impl<'a, R: Real> RotatedScan<'a, R> {
@@ -80,6 +83,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
             changed: vec![false; tiles.len()],
             panel: Panel::new(chart, curved),
             runs: Vec::new(),
+            marks: Vec::new(),
         };
         Self {
             edges,
@@ -230,13 +234,14 @@ impl<R: Real> Fronts<R> {
         let arrays = [self.times.as_slice(), self.curvatures.as_slice()];
         panel.load(grid, arrays, &cols, rows.clone(), how.scan, how.instructions);
         let first = panel.line(cols.start + 1);
-        let mut changed = vec![false; run.len()];
+        self.marks.clear();
+        self.marks.resize(run.len(), false);
         let mut field = panel.field();
         let line = |col: usize| col - cols.start + first;
         let largest = in_order(cols.clone(), how.scan, |col| {
-            field.update(line(col), rows.clone(), how, &mut changed)
+            field.update(line(col), rows.clone(), how, &mut self.marks)
         });
-        for (place, _) in run.clone().zip(&changed).filter(|(_, changed)| **changed) {
+        for (place, _) in run.clone().zip(&self.marks).filter(|(_, marked)| **marked) {
             self.changed[tiles.index(how.scan, band, place)] = true;
             let arrays = [self.times.as_mut_slice(), self.curvatures.as_mut_slice()];
             let rows = points(place..place + 1, chart.rows);
