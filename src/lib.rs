@@ -28,6 +28,7 @@ mod constants;
 pub mod cpu;
 mod error;
 mod estimate;
+pub mod geometry;
 #[cfg(feature = "formats")]
 pub mod io;
 mod lanes;

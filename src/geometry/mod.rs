@@ -1,0 +1,5 @@
+//! What people do with a distance map.
+
+mod curve;
+
+pub use curve::Curve;
