@@ -8,7 +8,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use geosweep::cpu::{self, Stop};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::vulkan::Solver;
+use geosweep::vulkan::{Method, Solver};
 use geosweep::{DeviceChoice, Sources, Wavefront};
 
 const STOP: Stop = Stop { tolerance: 1e-6, iterations: 1000 };
@@ -38,10 +38,11 @@ fn distance_map(c: &mut Criterion) {
                 let Some(solver) = &mut solver else { continue };
                 let mut on_device = solver.upload(&surface).expect("the grid fits the device");
                 let id = BenchmarkId::new(format!("Vulkan on {}", solver.device_name()), wavefront);
+                let method = Method { wavefront, schedule: None, stop: STOP };
                 group.bench_function(id, |b| {
                     b.iter_custom(|runs| {
                         (0..runs)
-                            .map(|_| solver.solve(&mut on_device, &seeds, wavefront, STOP))
+                            .map(|_| solver.solve(&mut on_device, &seeds, method))
                             .map(|solution| solution.expect("the device works").time)
                             .sum::<Duration>()
                     });

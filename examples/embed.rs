@@ -3,7 +3,7 @@
 //! `cargo run --release --example embed`
 
 use geosweep::cpu::Stop;
-use geosweep::vulkan::Solver;
+use geosweep::vulkan::{Method, Solver};
 use geosweep::{DeviceChoice, Sources, Spacing, Surface, Wavefront};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -22,9 +22,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // ... and serve any number of maps.
     let stop = Stop { tolerance: 1e-6, iterations: 1000 };
+    let method = Method { wavefront: Wavefront::Curved, schedule: None, stop };
     for (row, col) in [(0.0, 0.0), (120.25, 160.5), (239.0, 319.0)] {
         let seeds = Sources::point(row, col).seeds(&surface)?;
-        let map = solver.solve(&mut on_device, &seeds, Wavefront::Curved, stop)?;
+        let map = solver.solve(&mut on_device, &seeds, method)?;
         let farthest = map.distances.iter().copied().fold(0.0, f32::max);
         println!(
             "from {row},{col}: up to {farthest:.2}, {} iterations in {:.1?}",

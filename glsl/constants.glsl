@@ -7,12 +7,11 @@
 // Invocations of a workgroup; 128 is the most that every Vulkan device offers, and a row or
 // column of texels is the whole dispatch, so small groups fill a device sooner.
 #define WORKGROUP 64
-// Layers of the images of fronts, each with 2 x 2 points a texel: arrival times, curvature of the
-// front, and Gaussian curvature of the surface (the same in both images).
+// Layers of the images of fronts, each with 2 x 2 points a texel: arrival times, and curvature of
+// the front.
 #define TIME 0
 #define CURVATURE 1
-#define GAUSSIAN 2
-#define LAYERS 3
+#define LAYERS 2
 // Rounding of an angle defect, and the largest one that counts; see gaussian_curvature.rs.
 #define DEFECT_NOISE 4e-7
 #define LARGEST_DEFECT 0.5
@@ -28,3 +27,10 @@
 #define FOCUS 0.1
 // Texels around the grid's own in every image, so that no neighbour needs a bounds test.
 #define BORDER 1
+// Iterations after the last in which a point was reached, from which on curved fronts are no
+// longer renewed; see progress.rs.
+#define PATIENCE 50
+// No change of a front but that from FAR is of so many units of the last place.
+#define FIRST_REACHED 167772160
+// Rounds of tiles in a recording, at most, and an even number of them.
+#define ROUNDS 128

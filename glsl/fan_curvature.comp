@@ -10,7 +10,7 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 0, binding = 1, rgba32f) uniform writeonly restrict image2DArray fronts_1;
+layout(set = 0, binding = 2, rgba32f) uniform writeonly restrict image2DArray fronts_1;
 
 layout(push_constant) uniform Size {
     ivec2 texels;       // columns and rows of texels, without the border

@@ -1,7 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Gaussian curvature of the surface, from that of its fans as far as neighbours agree, into both
-// images of fronts. One invocation is one texel.
+// Gaussian curvature of the surface, from that of its fans as far as neighbours agree. One invocation is one texel.
 // Twin: settled() in src/surface/gaussian_curvature.rs, where the formula is explained.
 
 #include "constants.glsl"
@@ -9,8 +8,8 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 0, binding = 1, rgba32f) uniform restrict image2DArray fronts_1;
-layout(set = 0, binding = 3, rgba32f) uniform writeonly restrict image2DArray fronts_0;
+layout(set = 0, binding = 1, rgba32f) uniform writeonly restrict image2D gaussians;
+layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts_1;
 
 layout(push_constant) uniform Size {
     ivec2 texels; // columns and rows of texels, without the border
@@ -64,6 +63,5 @@ void main() {
     for (int i = 0; i < 4; i++) {
         curvature[i] = settled(2 * texel + ivec2(i & 1, i >> 1));
     }
-    imageStore(fronts_0, ivec3(texel, GAUSSIAN), curvature);
-    imageStore(fronts_1, ivec3(texel, GAUSSIAN), curvature);
+    imageStore(gaussians, texel, curvature);
 }

@@ -1,9 +1,12 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Initial values of the sources. One invocation is one texel with sources in it.
+// Initial values of the sources, where they are earlier than what is there. One invocation is one
+// texel with sources in it. If tiles follow, those around the texel are put on the first list.
 // Twin: Fronts::start in src/cpu/state.rs.
 
 #include "constants.glsl"
+#include "progress.glsl"
+#include "tiles.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
@@ -14,18 +17,35 @@ struct SeedTexel {
     vec4 curvatures;
 };
 
-layout(set = 0, binding = 3, rgba32f) uniform writeonly restrict image2DArray fronts;
-layout(set = 0, binding = 5) readonly restrict buffer Seeds {
+layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray fronts;
+layout(set = 0, binding = 4, rgba32f) uniform writeonly image2DArray seeded_fronts;
+layout(set = 0, binding = 6) readonly restrict buffer Seeds {
     SeedTexel seeds[];
 };
 
 layout(push_constant) uniform Count {
+    ivec2 texels; // columns and rows of texels, without the border
     int count;
+    uint wakes;   // 1 if tiles follow
 };
 
 void main() {
     int index = int(gl_GlobalInvocationID.x);
     if (index >= count) return;
-    imageStore(fronts, ivec3(seeds[index].texel, TIME), seeds[index].times);
-    imageStore(fronts, ivec3(seeds[index].texel, CURVATURE), seeds[index].curvatures);
+    ivec2 texel = seeds[index].texel;
+    vec4 time = imageLoad(fronts, ivec3(texel, TIME));
+    vec4 curvature = imageLoad(fronts, ivec3(texel, CURVATURE));
+    bvec4 first = lessThan(seeds[index].times, time);
+    imageStore(seeded_fronts, ivec3(texel, TIME), mix(time, seeds[index].times, first));
+    imageStore(seeded_fronts, ivec3(texel, CURVATURE), mix(curvature, seeds[index].curvatures, first));
+    if (wakes == 0u) return;
+    ivec2 tile_grid = tiles_of(texels);
+    ivec2 low = max((texel - BORDER - 1), ivec2(0)) / TEXELS;
+    ivec2 high = min((texel - BORDER + 1) / TEXELS, tile_grid - 1);
+    for (int row = low.y; row <= high.y; row++) {
+        for (int col = low.x; col <= high.x; col++) {
+            uint tile = uint(row * tile_grid.x + col);
+            ENLIST(tile, 0u, uint(tile_grid.x * tile_grid.y));
+        }
+    }
 }

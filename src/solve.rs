@@ -179,13 +179,14 @@ impl<'a> Problem<'a> {
     fn solve_on_vulkan(&self, choice: &DeviceChoice) -> Result<DistanceMap, VulkanError> {
         let mut solver = vulkan::Solver::new(choice)?;
         let mut surface = solver.upload(self.surface)?;
-        let solution = solver.solve(&mut surface, &self.seeds, self.wavefront, self.stop)?;
+        let method = vulkan::Method { wavefront: self.wavefront, schedule: None, stop: self.stop };
+        let solution = solver.solve(&mut surface, &self.seeds, method)?;
         let report = Report {
             engine: "vulkan",
             device: Some(solver.device_name().to_owned()),
             iterations: solution.iterations,
             residual: solution.residual,
-            ..self.report("rotated-scan", solution.time)
+            ..self.report(solution.schedule.name(), solution.time)
         };
         Ok(self.finish(solution.distances, report))
     }

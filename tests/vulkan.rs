@@ -6,7 +6,7 @@ use common::*;
 use geosweep::cpu::{self, Stop};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::vulkan::{Solver, VulkanError};
+use geosweep::vulkan::{Method, Schedule, Solver, VulkanError};
 use geosweep::{
     DeviceChoice, EdgeRule, Engine, MetricTensor, Options, Sources, Spacing, Surface, Wavefront,
     distance_map,
@@ -115,6 +115,70 @@ fn engines_agree_far_from_the_origin() {
     assert_engines_agree(&mut solver, &far, &middle(&far), "far from the origin");
 }
 
+/// Every schedule leads to the same map, with the same points reached.
+#[test]
+fn schedules_agree() {
+    let mut solver = vulkan_solver();
+    let slowness = (0..60 * 70).map(|i| if i % 70 < 30 { 1.0 } else { 2.5 }).collect();
+    for (surface, what) in [
+        (Builtin::Sphere.surface(65, 80).unwrap(), "sphere"),
+        (Builtin::Maze.surface(61, 67).unwrap(), "maze"),
+        (rough(50, 37, 5), "holes"),
+        (rough(60, 70, 9).with_slowness(slowness).unwrap(), "slowness"),
+        (rough(3, 41, 0), "a strip"),
+        (rough(1, 1, 0), "a point"),
+    ] {
+        let seeds = middle(&surface).seeds(&surface).unwrap();
+        let mut on_device = solver.upload(&surface).unwrap();
+        for wavefront in WAVEFRONTS {
+            let cpu = on_cpu(&surface, &seeds, wavefront, CONVERGED);
+            for schedule in Schedule::ALL {
+                let method = Method { wavefront, schedule: Some(schedule), stop: CONVERGED };
+                let solution = solver.solve(&mut on_device, &seeds, method).unwrap();
+                let difference = relative_difference(&cpu, &solution.distances);
+                let what = format!("{what}, {wavefront}, {schedule}");
+                assert!(difference < AGREEMENT, "{what}: {difference}");
+                assert!(solution.residual <= CONVERGED.tolerance, "{what}");
+                let again = solver.solve(&mut on_device, &seeds, method).unwrap();
+                assert_eq!(again.distances, solution.distances, "{what}");
+            }
+        }
+    }
+}
+
+/// Sources added to a map lead to the map of all of them.
+#[test]
+fn sources_can_be_added_to_a_map() {
+    let mut solver = vulkan_solver();
+    let surface = rough(61, 84, 6);
+    let [first, second] = [seeds_at(&surface, some_point(&surface)), {
+        let index = surface.present().iter().position(|&present| present).unwrap();
+        seeds_at(&surface, surface.chart().position(index))
+    }];
+    let all = [first.clone(), second.clone()].concat();
+    let mut on_device = solver.upload(&surface).unwrap();
+    for wavefront in WAVEFRONTS {
+        let cpu = on_cpu(&surface, &all, wavefront, CONVERGED);
+        for schedule in Schedule::ALL {
+            let method = Method { wavefront, schedule: Some(schedule), stop: CONVERGED };
+            let one = solver.solve(&mut on_device, &first, method).unwrap();
+            let both = solver.add(&mut on_device, &second, method).unwrap();
+            assert_ne!(one.distances, both.distances);
+            let difference = relative_difference(&cpu, &both.distances);
+            assert!(difference < AGREEMENT, "{wavefront}, {schedule}: {difference}");
+        }
+    }
+}
+
+/// At most 48 bytes of device memory a point, beside the buffers for transfer.
+#[test]
+fn a_surface_takes_little_memory() {
+    let surface = rough(1000, 1000, 0);
+    let solver = vulkan_solver();
+    let bytes = solver.upload(&surface).unwrap().bytes();
+    assert!(bytes < 48 * 1_000_000, "{bytes}");
+}
+
 /// Iteration by iteration, not only in the limit: the scans are those of the twin.
 fn assert_twins(solver: &mut Solver, surface: &Surface, source: (usize, usize), iterations: u32) {
     let seeds = seeds_at(surface, source);
@@ -167,8 +231,10 @@ fn a_surface_on_the_device_serves_many_maps_and_repeats_them_to_the_bit() {
     let surface = rough(70, 50, 6);
     let mut on_device = solver.upload(&surface).unwrap();
     let seeds = seeds_at(&surface, some_point(&surface));
-    let mut solve =
-        |seeds: &[_], wavefront| solver.solve(&mut on_device, seeds, wavefront, CONVERGED).unwrap();
+    let mut solve = |seeds: &[_], wavefront| {
+        let method = Method { wavefront, schedule: None, stop: CONVERGED };
+        solver.solve(&mut on_device, seeds, method).unwrap()
+    };
     let first = solve(&seeds, Wavefront::PointSource);
     let other =
         solve(&Sources::point(0.5, 0.5).seeds(&rough(70, 50, 0)).unwrap(), Wavefront::Planar);
@@ -184,7 +250,10 @@ fn iterations_stop_at_the_given_count() {
     let surface = Builtin::Maze.surface(101, 101).unwrap();
     let seeds = seeds_at(&surface, (0, 0));
     let mut on_device = solver.upload(&surface).unwrap();
-    let mut solve = |stop| solver.solve(&mut on_device, &seeds, Wavefront::Planar, stop).unwrap();
+    let mut solve = |stop| {
+        let method = Method { wavefront: Wavefront::Planar, schedule: None, stop };
+        solver.solve(&mut on_device, &seeds, method).unwrap()
+    };
     let one = solve(Stop::after(1));
     assert_eq!((one.iterations, one.residual), (1, 1.0));
     let converged = solve(CONVERGED);

@@ -1,15 +1,13 @@
-//! When to stop iterating, and when to stop renewing curved fronts.
+//! When to stop iterating, and when to stop renewing curved fronts. The twin of
+//! `glsl/progress.comp`.
+//!
+//! Fronts that are renewed settle in a few iterations where each depends on earlier ones alone.
+//! On rough surfaces, or where slowness jumps, triangles let two points depend on one another, and
+//! around corners their fronts can then take turns for ever: three of 48 random surfaces did.
 
 use super::Stop;
+use crate::constants::{FIRST_REACHED, PATIENCE};
 use crate::surface::{Real, relative_change};
-
-/// Iterations after the last in which a point was reached, from which on curved fronts are no
-/// longer renewed.
-///
-/// Fronts that are renewed settle in a few iterations where each depends on earlier ones alone.
-/// On rough surfaces, or where slowness jumps, triangles let two points depend on one another, and
-/// around corners their fronts can then take turns for ever: three of 48 random surfaces did.
-const PATIENCE: u32 = 50;
 
 /// How the iterations so far have gone.
 #[derive(Clone, Copy, Debug)]
@@ -31,9 +29,9 @@ impl Progress {
     pub(crate) fn is_done<R: Real>(&mut self, change: R::Bits) -> bool {
         self.iterations += 1;
         self.residual = relative_change::<R>(change);
-        // No change but that from FAR covers so many powers of two.
         let units: u64 = change.into();
-        let reached = units as f64 * R::epsilon().wide() > 20.0;
+        let first_reached = f64::from(FIRST_REACHED) * f64::from(f32::EPSILON);
+        let reached = units as f64 * R::epsilon().wide() > first_reached;
         self.since_reached = if reached { 0 } else { self.since_reached + 1 };
         self.residual <= self.stop.tolerance || self.iterations >= self.stop.iterations
     }

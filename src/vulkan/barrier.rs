@@ -17,6 +17,18 @@ pub(crate) const SHADER: Access = (
         vk::AccessFlags::SHADER_READ.as_raw() | vk::AccessFlags::SHADER_WRITE.as_raw(),
     ),
 );
+/// A pass that may be dispatched indirectly.
+pub(crate) const PASS: Access = (
+    vk::PipelineStageFlags::from_raw(
+        vk::PipelineStageFlags::COMPUTE_SHADER.as_raw()
+            | vk::PipelineStageFlags::DRAW_INDIRECT.as_raw(),
+    ),
+    vk::AccessFlags::from_raw(
+        vk::AccessFlags::SHADER_READ.as_raw()
+            | vk::AccessFlags::SHADER_WRITE.as_raw()
+            | vk::AccessFlags::INDIRECT_COMMAND_READ.as_raw(),
+    ),
+);
 pub(crate) const HOST_READ: Access = (vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ);
 
 /// Makes what `before` has written visible to `after`.

@@ -6,6 +6,7 @@ use gpu_allocator::vulkan::Allocator;
 
 use super::memory::{Buffer, Image};
 use super::pipelines::{Pipelines, binding, descriptor_type};
+use super::progress::{DeviceProgress, Outcome};
 use super::record::HALO;
 use super::{TexelChart, VulkanError};
 use crate::constants::LAYERS;
@@ -18,17 +19,19 @@ const LEAST_UPLOAD_BYTES: usize = 64 << 10;
 /// Bytes of a point to upload, at most: position and slowness.
 pub(crate) const POINT_BYTES: usize = 16;
 
-/// The images of one surface: edge lengths (16 bytes a point) and two of fronts (12 bytes a point
-/// each: arrival time, curvature of the front, Gaussian curvature of the surface), with the buffers
-/// for upload and read-back (up to 16 MiB each).
+/// The images of one surface: edge lengths (16 bytes a point), Gaussian curvature (4) and two of
+/// fronts (8 each: arrival time and curvature), with the lists of tiles and the buffers for upload
+/// and read-back (up to 16 MiB each).
 #[derive(Debug)]
 pub struct GridImages {
     pub(crate) chart: Chart,
     pub(crate) texels: TexelChart,
     pub(crate) edges: Image,
+    pub(crate) gaussian: Image,
     pub(crate) fronts: [Image; 2],
-    pub(crate) residual: Buffer,
-    pub(crate) residual_on_host: Buffer,
+    pub(crate) progress: Buffer,
+    pub(crate) outcome: Buffer,
+    pub(crate) tiles: Buffer,
     pub(crate) upload: Buffer,
     pub(crate) download: Buffer,
     /// For each of the two images of fronts the descriptors of a pass that writes it and
@@ -53,6 +56,7 @@ impl GridImages {
         let created = (|| {
             for (name, extent, layers) in [
                 ("edge lengths", texels.edges_extent(), 1),
+                ("Gaussian curvature", texels.fronts_extent(), 1),
                 ("fronts 0", texels.fronts_extent(), LAYERS),
                 ("fronts 1", texels.fronts_extent(), LAYERS),
             ] {
@@ -62,8 +66,9 @@ impl GridImages {
             let upload = (upload * chart.cols * POINT_BYTES).max(LEAST_UPLOAD_BYTES);
             let download = band_rows(chart, size_of::<f32>()) * chart.cols * size_of::<f32>();
             for (name, size, location) in [
-                ("residual", 4, MemoryLocation::GpuOnly),
-                ("residual on the host", 4, MemoryLocation::GpuToCpu),
+                ("progress", size_of::<DeviceProgress>(), MemoryLocation::GpuOnly),
+                ("outcome", size_of::<Outcome>(), MemoryLocation::GpuToCpu),
+                ("tiles", tiles_bytes(texels, pipelines.tuning.tile), MemoryLocation::GpuOnly),
                 ("upload", upload, MemoryLocation::CpuToGpu),
                 ("read-back", download, MemoryLocation::GpuToCpu),
             ] {
@@ -79,16 +84,19 @@ impl GridImages {
                 return Err(error);
             }
         };
-        let [edges, fronts0, fronts1] = images.try_into().expect("three images were created");
-        let [residual, residual_on_host, upload, download] =
-            buffers.try_into().expect("four buffers were created");
+        let [edges, gaussian, fronts0, fronts1] =
+            images.try_into().expect("four images were created");
+        let [progress, outcome, tiles, upload, download] =
+            buffers.try_into().expect("five buffers were created");
         let mut new = Self {
             chart,
             texels,
             edges,
+            gaussian,
             fronts: [fronts0, fronts1],
-            residual,
-            residual_on_host,
+            progress,
+            outcome,
+            tiles,
             upload,
             download,
             sets: [vk::DescriptorSet::null(); 2],
@@ -116,6 +124,7 @@ impl GridImages {
             let (old, new) = (&self.fronts[1 - writes], &self.fronts[writes]);
             for (index, image) in [
                 (binding::EDGES, &self.edges),
+                (binding::GAUSSIAN, &self.gaussian),
                 (binding::OLD_FRONTS, old),
                 (binding::FRONTS_BEHIND, new),
                 (binding::NEW_FRONTS, new),
@@ -126,9 +135,10 @@ impl GridImages {
                 self.write(device, writes, index, |write| write.image_info(&info));
             }
             for (index, buffer) in [
-                (binding::RESIDUAL, &self.residual),
+                (binding::PROGRESS, &self.progress),
                 (binding::UPLOAD, &self.upload),
                 (binding::DOWNLOAD, &self.download),
+                (binding::TILES, &self.tiles),
             ] {
                 let info = [vk::DescriptorBufferInfo::default()
                     .buffer(buffer.buffer)
@@ -154,10 +164,15 @@ impl GridImages {
         unsafe { device.update_descriptor_sets(&[fill(write)], &[]) };
     }
 
+    /// How the iterations of the last recording have gone.
+    pub(crate) fn outcome(&mut self) -> Outcome {
+        *bytemuck::from_bytes(&self.outcome.mapped()[..size_of::<Outcome>()])
+    }
+
     /// Bytes of device and staging memory held.
     pub fn bytes(&self) -> u64 {
-        let images = [&self.edges, &self.fronts[0], &self.fronts[1]];
-        let buffers = [&self.residual, &self.residual_on_host, &self.upload, &self.download];
+        let images = [&self.edges, &self.gaussian, &self.fronts[0], &self.fronts[1]];
+        let buffers = [&self.progress, &self.outcome, &self.tiles, &self.upload, &self.download];
         images.iter().map(|image| image.bytes()).sum::<u64>()
             + buffers.iter().map(|buffer| buffer.bytes()).sum::<u64>()
     }
@@ -166,14 +181,21 @@ impl GridImages {
     pub fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
         // SAFETY: the caller has made sure that nothing uses the sets.
         unsafe { device.destroy_descriptor_pool(self.pool, None) };
-        self.edges.destroy(device, allocator);
-        self.fronts.iter_mut().for_each(|image| image.destroy(device, allocator));
-        for buffer in
-            [&mut self.residual, &mut self.residual_on_host, &mut self.upload, &mut self.download]
-        {
+        let [fronts0, fronts1] = &mut self.fronts;
+        for image in [&mut self.edges, &mut self.gaussian, fronts0, fronts1] {
+            image.destroy(device, allocator);
+        }
+        let Self { progress, outcome, tiles, upload, download, .. } = self;
+        for buffer in [progress, outcome, tiles, upload, download] {
             buffer.destroy(device, allocator);
         }
     }
+}
+
+/// For each tile its state, the round it waits for, and a place on two lists.
+fn tiles_bytes(texels: TexelChart, tile: u32) -> usize {
+    let [cols, rows] = texels.tiles(tile);
+    4 * size_of::<u32>() * cols as usize * rows as usize
 }
 
 /// Rows of a band: even, so that a texel lies in one band.

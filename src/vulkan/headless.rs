@@ -1,7 +1,7 @@
 //! An instance, a device and a queue of our own, for use without a renderer.
 
 use std::mem::ManuallyDrop;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
@@ -72,6 +72,7 @@ pub(crate) struct Context {
     pub(crate) device: ash::Device,
     pub(crate) info: DeviceInfo,
     pub(crate) physical_device: vk::PhysicalDevice,
+    pub(crate) properties: vk::PhysicalDeviceProperties,
     queue: vk::Queue,
     allocator: ManuallyDrop<Mutex<Allocator>>,
     pool: vk::CommandPool,
@@ -109,12 +110,15 @@ impl Context {
                 return Err(VulkanError::Allocation { what: "the allocator", source });
             }
         };
+        // SAFETY: the physical device is from this instance.
+        let properties = unsafe { instance.handle.get_physical_device_properties(physical_device) };
         // SAFETY: the family's first queue was created with the device.
         let queue = unsafe { device.get_device_queue(family, 0) };
         let mut new = Self {
             device,
             info,
             physical_device,
+            properties,
             queue,
             allocator,
             pool: vk::CommandPool::null(),
@@ -137,35 +141,14 @@ impl Context {
         self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Records a command buffer that can be submitted many times, one submission at a time.
-    pub(crate) fn record(
-        &self,
-        append: impl FnOnce(&ash::Device, vk::CommandBuffer),
-    ) -> Result<Commands<'_>, VulkanError> {
-        let info = vk::CommandBufferAllocateInfo::default()
-            .command_pool(self.pool)
-            .level(vk::CommandBufferLevel::PRIMARY)
-            .command_buffer_count(1);
-        // SAFETY: the pool is alive and used by one thread at a time, since it is not shared.
-        let buffer = unsafe { self.device.allocate_command_buffers(&info) }
-            .map_err(VulkanError::from_call("vkAllocateCommandBuffers"))?[0];
-        let commands = Commands { context: self, buffer };
-        // SAFETY: the buffer is new.
-        unsafe { self.device.begin_command_buffer(buffer, &vk::CommandBufferBeginInfo::default()) }
-            .map_err(VulkanError::from_call("vkBeginCommandBuffer"))?;
-        append(&self.device, buffer);
-        // SAFETY: the buffer is being recorded.
-        unsafe { self.device.end_command_buffer(buffer) }
-            .map_err(VulkanError::from_call("vkEndCommandBuffer"))?;
-        Ok(commands)
-    }
-
     /// Records, submits and waits.
     pub(crate) fn run(
-        &self,
+        self: &Arc<Self>,
         append: impl FnOnce(&ash::Device, vk::CommandBuffer),
     ) -> Result<(), VulkanError> {
-        self.record(append)?.submit_and_wait()
+        let commands = Commands::new(self)?;
+        commands.record(append)?;
+        commands.submit_and_wait()
     }
 
     /// An error if the validation layers have found anything.
@@ -189,15 +172,41 @@ impl Drop for Context {
     }
 }
 
-/// A recorded command buffer.
-pub(crate) struct Commands<'a> {
-    context: &'a Context,
+/// A command buffer that can be recorded anew and submitted many times, one submission at a time.
+pub(crate) struct Commands {
+    context: Arc<Context>,
     buffer: vk::CommandBuffer,
 }
 
-impl Commands<'_> {
+impl Commands {
+    pub(crate) fn new(context: &Arc<Context>) -> Result<Self, VulkanError> {
+        let info = vk::CommandBufferAllocateInfo::default()
+            .command_pool(context.pool)
+            .level(vk::CommandBufferLevel::PRIMARY)
+            .command_buffer_count(1);
+        // SAFETY: the pool is alive and used by one thread at a time, since it is not shared.
+        let buffers = unsafe { context.device.allocate_command_buffers(&info) }
+            .map_err(VulkanError::from_call("vkAllocateCommandBuffers"))?;
+        Ok(Self { context: Arc::clone(context), buffer: buffers[0] })
+    }
+
+    /// Records it, in place of what it held.
+    pub(crate) fn record(
+        &self,
+        append: impl FnOnce(&ash::Device, vk::CommandBuffer),
+    ) -> Result<(), VulkanError> {
+        let device = &self.context.device;
+        // SAFETY: submissions have been waited for, and its pool lets buffers be reset.
+        unsafe { device.begin_command_buffer(self.buffer, &vk::CommandBufferBeginInfo::default()) }
+            .map_err(VulkanError::from_call("vkBeginCommandBuffer"))?;
+        append(device, self.buffer);
+        // SAFETY: the buffer is being recorded.
+        unsafe { device.end_command_buffer(self.buffer) }
+            .map_err(VulkanError::from_call("vkEndCommandBuffer"))
+    }
+
     pub(crate) fn submit_and_wait(&self) -> Result<(), VulkanError> {
-        let Context { device, queue, fence, .. } = self.context;
+        let Context { device, queue, fence, .. } = &*self.context;
         let buffers = [self.buffer];
         let submit = vk::SubmitInfo::default().command_buffers(&buffers);
         // SAFETY: the buffer is recorded and not pending, and the fence is unsignalled.
@@ -211,7 +220,7 @@ impl Commands<'_> {
     }
 }
 
-impl Drop for Commands<'_> {
+impl Drop for Commands {
     fn drop(&mut self) {
         // SAFETY: submissions have been waited for; after a lost device nothing is pending.
         unsafe { self.context.device.free_command_buffers(self.context.pool, &[self.buffer]) };

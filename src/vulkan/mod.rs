@@ -1,11 +1,12 @@
 //! The Vulkan engine: the paper's section 5.3 on compute shaders.
 //!
 //! Arrival times are kept in two RGBA32F images with 2 x 2 grid points a texel, edge lengths in
-//! a third with one point a texel. A scan reads the times of one image and writes the other,
-//! line by line, with a barrier between lines; lines that cannot have been reached yet are
-//! skipped, and bounds within a line likewise, by arithmetic on where the sources are
-//! ([`plan`]). Nothing is read back to steer a scan; after each iteration of four scans the
-//! host reads one number, the residual.
+//! a third with one point a texel. A pass reads one image of times and writes the other. A
+//! [`Schedule`] says which points a pass visits: the raster schedule scans the grid block by block
+//! of lines, with a barrier between blocks, and skips by arithmetic on where the sources are what
+//! cannot have been reached; tiles are visited where something has changed beside them. Nothing is
+//! read back to steer: the device finds out that a map has converged, and passes recorded beyond
+//! that visit nothing.
 //!
 //! [`plan`] is a list of plain values. [`Pipelines`], [`GridImages`] and [`record`] work on a
 //! device, an allocator and a command buffer of the caller's. [`Solver`] brings its own of each.
@@ -20,8 +21,10 @@ mod headless;
 mod memory;
 mod pipelines;
 pub mod plan;
+mod progress;
 pub mod record;
 mod requirements;
+mod schedule;
 mod solver;
 mod texel_chart;
 mod upload;
@@ -30,8 +33,9 @@ mod validation;
 pub use devices::{DeviceInfo, devices};
 pub use error::VulkanError;
 pub use grid_images::GridImages;
-pub use pipelines::{Pipelines, ScanPipelines};
+pub use pipelines::{Pipelines, SchedulePipelines};
 pub use requirements::{API_VERSION, unmet_requirements};
-pub use solver::{Solution, Solver, SurfaceOnDevice};
+pub use schedule::{Schedule, Tuning};
+pub use solver::{Method, Solution, Solver, SurfaceOnDevice};
 pub use texel_chart::TexelChart;
 pub use validation::ValidationLog;

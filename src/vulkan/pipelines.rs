@@ -4,30 +4,44 @@ use std::io::Cursor;
 
 use ash::vk;
 
-use super::VulkanError;
 use super::plan::Scan;
+use super::{Schedule, Tuning, VulkanError};
 use crate::update::Wavefront;
 
 /// The bindings of every shader, and what is bound there.
 pub(crate) mod binding {
     pub(crate) const EDGES: u32 = 0;
-    pub(crate) const OLD_FRONTS: u32 = 1;
-    pub(crate) const FRONTS_BEHIND: u32 = 2;
-    pub(crate) const NEW_FRONTS: u32 = 3;
-    pub(crate) const RESIDUAL: u32 = 4;
-    pub(crate) const UPLOAD: u32 = 5;
-    pub(crate) const DOWNLOAD: u32 = 6;
+    pub(crate) const GAUSSIAN: u32 = 1;
+    pub(crate) const OLD_FRONTS: u32 = 2;
+    pub(crate) const FRONTS_BEHIND: u32 = 3;
+    pub(crate) const NEW_FRONTS: u32 = 4;
+    pub(crate) const PROGRESS: u32 = 5;
+    pub(crate) const UPLOAD: u32 = 6;
+    pub(crate) const DOWNLOAD: u32 = 7;
+    pub(crate) const TILES: u32 = 8;
     /// The bindings from 0 up to here are storage images, the rest storage buffers.
-    pub(crate) const IMAGES: u32 = 4;
-    pub(crate) const ALL: u32 = 7;
+    pub(crate) const IMAGES: u32 = 5;
+    pub(crate) const ALL: u32 = 9;
 }
 
 /// Room for the largest block of push constants; every device offers 128 bytes.
 const PUSH_CONSTANT_BYTES: u32 = 32;
 
+/// Specialization constants of the shaders.
+mod constant {
+    pub(super) const AHEAD_X: u32 = 0;
+    pub(super) const AHEAD_Y: u32 = 1;
+    pub(super) const WAVEFRONT: u32 = 2;
+    pub(super) const WIDTH: u32 = 3;
+    /// Lines of a block, or iterations inside a tile.
+    pub(super) const REPEATS: u32 = 4;
+    pub(super) const TILE: u32 = 5;
+}
+
 /// The layout common to all pipelines, and those that prepare and read a map.
 #[derive(Debug)]
 pub struct Pipelines {
+    pub(crate) tuning: Tuning,
     pub(crate) set_layout: vk::DescriptorSetLayout,
     pub(crate) layout: vk::PipelineLayout,
     pub(crate) edges_from_positions: vk::Pipeline,
@@ -36,13 +50,16 @@ pub struct Pipelines {
     pub(crate) fan_curvature: vk::Pipeline,
     pub(crate) gaussian_curvature: vk::Pipeline,
     pub(crate) seed: vk::Pipeline,
+    pub(crate) progress: vk::Pipeline,
+    pub(crate) settle: vk::Pipeline,
     pub(crate) unpack: vk::Pipeline,
 }
 
-/// The four rotated scans with one kind of wavefront, in the order of [`Scan::ALL`].
+/// The passes of one schedule with one kind of wavefront.
 #[derive(Debug)]
-pub struct ScanPipelines {
-    pub(crate) scans: [vk::Pipeline; 4],
+pub struct SchedulePipelines {
+    /// For the raster schedule the four rotated scans in the order of [`Scan::ALL`].
+    pub(crate) passes: Vec<vk::Pipeline>,
 }
 
 macro_rules! spirv {
@@ -53,8 +70,9 @@ macro_rules! spirv {
 
 impl Pipelines {
     /// Creates them. [`Pipelines::destroy`] must be called before the device is destroyed.
-    pub fn new(device: &ash::Device) -> Result<Self, VulkanError> {
+    pub fn new(device: &ash::Device, tuning: Tuning) -> Result<Self, VulkanError> {
         let mut new = Self {
+            tuning,
             set_layout: vk::DescriptorSetLayout::null(),
             layout: vk::PipelineLayout::null(),
             edges_from_positions: vk::Pipeline::null(),
@@ -63,6 +81,8 @@ impl Pipelines {
             fan_curvature: vk::Pipeline::null(),
             gaussian_curvature: vk::Pipeline::null(),
             seed: vk::Pipeline::null(),
+            progress: vk::Pipeline::null(),
+            settle: vk::Pipeline::null(),
             unpack: vk::Pipeline::null(),
         };
         match new.create(device) {
@@ -105,7 +125,11 @@ impl Pipelines {
         self.edges_from_metric = plain(spirv!("edges_from_metric"))?;
         self.fan_curvature = plain(spirv!("fan_curvature"))?;
         self.gaussian_curvature = plain(spirv!("gaussian_curvature"))?;
-        self.seed = plain(spirv!("seed"))?;
+        let tile = [(constant::TILE, self.tuning.tile as i32)];
+        let tiled = |spirv: &[u8]| compute_pipeline(device, self.layout, spirv, &tile);
+        self.seed = tiled(spirv!("seed"))?;
+        self.progress = plain(spirv!("progress"))?;
+        self.settle = tiled(spirv!("settle"))?;
         self.unpack = plain(spirv!("unpack"))?;
         Ok(())
     }
@@ -121,6 +145,8 @@ impl Pipelines {
                 self.fan_curvature,
                 self.gaussian_curvature,
                 self.seed,
+                self.progress,
+                self.settle,
                 self.unpack,
             ] {
                 device.destroy_pipeline(pipeline, None);
@@ -131,19 +157,37 @@ impl Pipelines {
     }
 }
 
-impl ScanPipelines {
-    /// Creates them. [`ScanPipelines::destroy`] must be called before the device is destroyed.
+impl SchedulePipelines {
+    /// Creates them. [`SchedulePipelines::destroy`] must be called before the device is destroyed.
     pub fn new(
         device: &ash::Device,
         pipelines: &Pipelines,
+        schedule: Schedule,
         wavefront: Wavefront,
     ) -> Result<Self, VulkanError> {
-        let mut new = Self { scans: [vk::Pipeline::null(); 4] };
-        for (slot, scan) in new.scans.iter_mut().zip(Scan::ALL) {
-            let (x, y) = scan.ahead();
-            let constants = [x, y, wavefront as i32];
-            match compute_pipeline(device, pipelines.layout, spirv!("scan"), &constants) {
-                Ok(pipeline) => *slot = pipeline,
+        use constant::*;
+        let Tuning { scan_width, scan_lines, tile, inner } = pipelines.tuning;
+        let wavefront = (WAVEFRONT, wavefront as i32);
+        let passes: Vec<(&[u8], Vec<(u32, i32)>)> = match schedule {
+            Schedule::Raster => Scan::ALL
+                .into_iter()
+                .map(|scan| {
+                    let (x, y) = scan.ahead();
+                    let size = [(WIDTH, scan_width as i32), (REPEATS, scan_lines as i32)];
+                    let constants = [vec![(AHEAD_X, x), (AHEAD_Y, y), wavefront], size.to_vec()];
+                    (spirv!("scan").as_slice(), constants.concat())
+                })
+                .collect(),
+            Schedule::AllPoints => vec![(spirv!("all_points").as_slice(), vec![wavefront])],
+            Schedule::Tiles => {
+                let size = [(WIDTH, tile as i32 / 2), (REPEATS, inner as i32), (TILE, tile as i32)];
+                vec![(spirv!("tiles").as_slice(), [vec![wavefront], size.to_vec()].concat())]
+            }
+        };
+        let mut new = Self { passes: Vec::new() };
+        for (spirv, constants) in passes {
+            match compute_pipeline(device, pipelines.layout, spirv, &constants) {
+                Ok(pipeline) => new.passes.push(pipeline),
                 Err(error) => {
                     new.destroy(device);
                     return Err(error);
@@ -155,7 +199,7 @@ impl ScanPipelines {
 
     /// Destroys them. No submitted work may still use them.
     pub fn destroy(&mut self, device: &ash::Device) {
-        for pipeline in self.scans {
+        for pipeline in self.passes.drain(..) {
             // SAFETY: the caller has made sure that nothing uses it; null handles are allowed.
             unsafe { device.destroy_pipeline(pipeline, None) };
         }
@@ -166,28 +210,27 @@ pub(crate) fn descriptor_type(is_image: bool) -> vk::DescriptorType {
     if is_image { vk::DescriptorType::STORAGE_IMAGE } else { vk::DescriptorType::STORAGE_BUFFER }
 }
 
-/// A compute pipeline from SPIR-V; constants are specialization constants 0, 1, ...
+/// A compute pipeline from SPIR-V, with specialization constants by their numbers.
 fn compute_pipeline(
     device: &ash::Device,
     layout: vk::PipelineLayout,
     spirv: &[u8],
-    constants: &[i32],
+    constants: &[(u32, i32)],
 ) -> Result<vk::Pipeline, VulkanError> {
     let code = ash::util::read_spv(&mut Cursor::new(spirv)).expect("build.rs embeds SPIR-V");
     let info = vk::ShaderModuleCreateInfo::default().code(&code);
     // SAFETY: the code is valid SPIR-V for Vulkan 1.1.
     let module = unsafe { device.create_shader_module(&info, None) }
         .map_err(VulkanError::from_call("vkCreateShaderModule"))?;
-    let entries: Vec<_> = (0..constants.len())
-        .map(|index| vk::SpecializationMapEntry {
-            constant_id: index as u32,
-            offset: (index * size_of::<i32>()) as u32,
-            size: size_of::<i32>(),
-        })
-        .collect();
-    let specialization = vk::SpecializationInfo::default()
-        .map_entries(&entries)
-        .data(bytemuck::cast_slice(constants));
+    let (ids, values): (Vec<u32>, Vec<i32>) = constants.iter().copied().unzip();
+    let entry = |(index, &constant_id): (usize, &u32)| vk::SpecializationMapEntry {
+        constant_id,
+        offset: (index * size_of::<i32>()) as u32,
+        size: size_of::<i32>(),
+    };
+    let entries: Vec<_> = ids.iter().enumerate().map(entry).collect();
+    let specialization =
+        vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
     let stage = vk::PipelineShaderStageCreateInfo::default()
         .stage(vk::ShaderStageFlags::COMPUTE)
         .module(module)

@@ -1,13 +1,15 @@
-//! The list of passes of an iteration, as plain values that need no device.
+//! The list of passes of a recording, as plain values that need no device.
 //!
-//! An iteration is four rotated scans; a scan is one dispatch for each line (row or column) of
-//! texels, each followed by a barrier. Bounds play the part of the paper's scissor test: what
-//! lies outside the box that the fronts can have reached is infinite before and after, and is
-//! not visited.
+//! An iteration of the raster schedule is four rotated scans; a scan is one dispatch for each
+//! block of lines (rows or columns) of texels, each followed by a barrier. In the first iteration
+//! bounds play the part of the paper's scissor test: what lies outside the box that the fronts can
+//! have reached is infinite before and after, and is not visited. All further passes are
+//! dispatched indirectly, and visit nothing once the map has converged.
 
 use std::ops::Range;
 
-use super::TexelChart;
+use super::{Schedule, TexelChart};
+use crate::constants::ROUNDS;
 
 /// The four rotated raster scans (paper, figure 3, second row), in the order of an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -47,24 +49,46 @@ impl Scan {
     }
 }
 
-/// One line of texels of a scan. Rows and columns of texels count the images' border.
+/// A block of lines of texels of a scan. Rows and columns of texels count the images' border.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ScanPass {
     /// The scan.
     pub scan: Scan,
-    /// The row (down, up) or column (right, left) of texels.
+    /// The first row (down, up) or column (right, left) of texels, in the order of the scan.
     pub line: u32,
-    /// The texels visited in it.
+    /// How many of them.
+    pub lines: u32,
+    /// The texels visited in each.
     pub texels: Range<u32>,
-    /// Which of the two images of arrival times the scan writes; it reads the other.
+    /// Which of the two images of fronts the scan writes; it reads the other.
     pub writes: usize,
+    /// Whether the pass is dispatched in any case, as in the first iteration, or only while the map
+    /// has not converged.
+    pub always: bool,
 }
 
 /// A step of a recording.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Step {
-    /// A dispatch.
-    Pass(ScanPass),
+    /// A block of lines of a scan.
+    Scan(ScanPass),
+    /// All points at once.
+    AllPoints {
+        /// Which of the two images of fronts is written; the other is read.
+        writes: usize,
+    },
+    /// The tiles on the list of a round.
+    Tiles {
+        /// Counted from 0 in the recording.
+        round: u32,
+    },
+    /// Brings all tiles back to image 0, and decides whether more rounds follow.
+    Settle {
+        /// In the recording.
+        rounds: u32,
+    },
+    /// Decides whether another iteration follows.
+    Count,
     /// What the passes before have written is visible to those that follow, and what they have
     /// read may be overwritten.
     Barrier,
@@ -95,32 +119,86 @@ impl Reached {
     }
 }
 
-/// The steps of one iteration, which starts and ends in image 0 of the arrival times; `reached`
-/// grows to the box that can have been reached after it.
+/// Iterations of four scans in a recording, at most.
+const SCAN_ITERATIONS: u32 = 4;
+/// Iterations of two updates of all points in a recording, at most.
+const ALL_POINTS_ITERATIONS: u32 = 32;
+
+/// The steps of a recording: as many iterations (or rounds of tiles) as are worth submitting
+/// together, and no more than `most`. Before and after it, all fronts are in image 0.
+///
+/// If the map has just been started, `reached` is the box around its sources. `lines` is
+/// [`super::Tuning::scan_lines`], `tile` the number of points on a side of a tile.
 ///
 /// ```
 /// use geosweep::surface::Chart;
-/// use geosweep::vulkan::{TexelChart, plan};
+/// use geosweep::vulkan::{Schedule, TexelChart, plan};
 /// let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
-/// let mut reached = plan::Reached { rows: 1..2, cols: 1..2 };
-/// let steps = plan::iteration(texels, &mut reached);
-/// assert_eq!(reached, plan::Reached::everywhere(texels));
+/// let source = plan::Reached { rows: 1..2, cols: 1..2 };
+/// let portions = plan::Portions { lines: 1, tile: 16 };
+/// let steps = plan::recording(Schedule::Raster, texels, portions, Some(source), 100);
 /// // From a corner, the first scan visits about half of the texels.
-/// assert!(plan::texels_visited(&steps[..64]) < 32 * 32 * 6 / 10);
+/// assert!(plan::texels_scanned(&steps[..64]) < 32 * 32 * 6 / 10);
 /// ```
-pub fn iteration(texels: TexelChart, reached: &mut Reached) -> Vec<Step> {
-    let passes = Scan::ALL
-        .into_iter()
-        .enumerate()
-        .flat_map(|(index, scan)| scan_passes(texels, scan, 1 - index % 2, reached));
-    passes.flat_map(|pass| [Step::Pass(pass), Step::Barrier]).collect()
+pub fn recording(
+    schedule: Schedule,
+    texels: TexelChart,
+    portions: Portions,
+    reached: Option<Reached>,
+    most: u32,
+) -> Vec<Step> {
+    let mut steps = Vec::new();
+    match schedule {
+        Schedule::Raster => {
+            let mut always = reached.is_some();
+            let mut reached = reached.unwrap_or_else(|| Reached::everywhere(texels));
+            for _ in 0..most.min(SCAN_ITERATIONS) {
+                for (index, scan) in Scan::ALL.into_iter().enumerate() {
+                    let passes = scan_passes(texels, scan, portions.lines, &mut reached);
+                    for pass in passes {
+                        let writes = 1 - index % 2;
+                        let pass = ScanPass { always, writes, ..pass };
+                        steps.extend([Step::Scan(pass), Step::Barrier]);
+                    }
+                }
+                steps.extend([Step::Count, Step::Barrier]);
+                (always, reached) = (false, Reached::everywhere(texels));
+            }
+        }
+        Schedule::AllPoints => {
+            for _ in 0..most.min(ALL_POINTS_ITERATIONS) {
+                for writes in [1, 0] {
+                    steps.extend([Step::AllPoints { writes }, Step::Barrier]);
+                }
+                steps.extend([Step::Count, Step::Barrier]);
+            }
+        }
+        Schedule::Tiles => {
+            let across: u32 = texels.tiles(portions.tile).iter().sum();
+            let rounds = across.clamp(8, ROUNDS).next_multiple_of(2).min(most);
+            for round in 0..rounds {
+                steps.extend([Step::Tiles { round }, Step::Barrier]);
+            }
+            steps.extend([Step::Settle { rounds }, Step::Barrier]);
+        }
+    }
+    steps
 }
 
-/// Number of texels that the passes among the steps visit.
-pub fn texels_visited(steps: &[Step]) -> u64 {
+/// In how large portions the grid is visited; see [`super::Tuning`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Portions {
+    /// Lines of texels in a dispatch of a scan.
+    pub lines: u32,
+    /// Points on a side of a tile.
+    pub tile: u32,
+}
+
+/// Number of texels that the scans among the steps visit, as far as they are dispatched.
+pub fn texels_scanned(steps: &[Step]) -> u64 {
     let visited = |step: &Step| match step {
-        Step::Pass(pass) => u64::from(pass.texels.end - pass.texels.start),
-        Step::Barrier => 0,
+        Step::Scan(pass) => u64::from(pass.lines) * pass.texels.len() as u64,
+        _ => 0,
     };
     steps.iter().map(visited).sum()
 }
@@ -129,29 +207,27 @@ pub fn texels_visited(steps: &[Step]) -> u64 {
 ///
 /// A line of texels is two of points, and a front advances by one point along a line for each
 /// line of points that the scan passes: one texel for each line of texels.
-fn scan_passes(
-    texels: TexelChart,
-    scan: Scan,
-    writes: usize,
-    reached: &mut Reached,
-) -> Vec<ScanPass> {
+fn scan_passes(texels: TexelChart, scan: Scan, block: u32, reached: &mut Reached) -> Vec<ScanPass> {
     let (inner_rows, inner_cols) = (texels.inner_rows(), texels.inner_cols());
     let (lines, inner_lines, along, inner_along) = match scan {
         Scan::Down | Scan::Up => (&mut reached.rows, inner_rows, &mut reached.cols, inner_cols),
         Scan::Right | Scan::Left => (&mut reached.cols, inner_cols, &mut reached.rows, inner_rows),
     };
-    let visited: Vec<u32> = match scan {
-        Scan::Down | Scan::Right => (lines.start..inner_lines.end).collect(),
-        Scan::Up | Scan::Left => (inner_lines.start..lines.end).rev().collect(),
-    };
-    let mut passes = Vec::with_capacity(visited.len());
-    for line in visited {
-        along.start = along.start.saturating_sub(1).max(inner_along.start);
-        along.end = (along.end + 1).min(inner_along.end);
-        lines.start = lines.start.min(line);
-        lines.end = lines.end.max(line + 1);
-        passes.push(ScanPass { scan, line, texels: along.clone(), writes });
+    let forward = matches!(scan, Scan::Down | Scan::Right);
+    let visited = if forward { lines.start..inner_lines.end } else { inner_lines.start..lines.end };
+    let mut passes = Vec::with_capacity(visited.len().div_ceil(block as usize));
+    let mut passed = 0;
+    while passed < visited.len() as u32 {
+        let count = block.min(visited.len() as u32 - passed);
+        along.start = along.start.saturating_sub(count).max(inner_along.start);
+        along.end = (along.end + count).min(inner_along.end);
+        let line = if forward { visited.start + passed } else { visited.end - 1 - passed };
+        let texels = along.clone();
+        passes.push(ScanPass { scan, line, lines: count, texels, writes: 1, always: true });
+        passed += count;
     }
+    lines.start = lines.start.min(visited.start);
+    lines.end = lines.end.max(visited.end);
     passes
 }
 
@@ -164,37 +240,58 @@ mod tests {
         TexelChart::new(Chart { rows, cols }).unwrap()
     }
 
+    const POINTS: Portions = Portions { lines: 1, tile: 16 };
+
+    fn scans(steps: &[Step]) -> impl Iterator<Item = &ScanPass> {
+        steps.iter().filter_map(|step| if let Step::Scan(pass) = step { Some(pass) } else { None })
+    }
+
+    fn raster(texels: TexelChart, lines: u32, reached: Option<Reached>) -> Vec<Step> {
+        recording(Schedule::Raster, texels, Portions { lines, ..POINTS }, reached, 1)
+    }
+
     #[test]
     fn an_iteration_without_bounds_visits_every_texel_four_times() {
-        let texels = texels(7, 10);
-        let steps = iteration(texels, &mut Reached::everywhere(texels));
-        assert_eq!(texels_visited(&steps), 4 * 4 * 5);
+        for lines in [1, 3, 8] {
+            assert_eq!(texels_scanned(&raster(texels(7, 10), lines, None)), 4 * 4 * 5);
+        }
     }
 
     #[test]
     fn bounds_widen_by_a_texel_a_line() {
-        let mut reached = Reached { rows: 3..4, cols: 5..6 };
-        let steps = iteration(texels(12, 20), &mut reached);
-        let Step::Pass(first) = &steps[0] else { panic!("an iteration starts with a pass") };
-        assert_eq!((first.line, first.texels.clone()), (3, 4..7));
-        let Step::Pass(second) = &steps[2] else { panic!("passes and barriers take turns") };
-        assert_eq!((second.line, second.texels.clone()), (4, 3..8));
+        let reached = Reached { rows: 3..4, cols: 5..6 };
+        let steps = raster(texels(12, 20), 1, Some(reached.clone()));
+        let passes: Vec<_> = scans(&steps).take(2).collect();
+        assert_eq!((passes[0].line, passes[0].texels.clone()), (3, 4..7));
+        assert_eq!((passes[1].line, passes[1].texels.clone()), (4, 3..8));
+        let steps = raster(texels(12, 20), 3, Some(reached));
+        let first = scans(&steps).next().unwrap();
+        assert_eq!((first.line, first.lines, first.texels.clone()), (3, 3, 2..9));
     }
 
     #[test]
-    fn every_pass_is_followed_by_a_barrier_and_scans_take_turns_between_the_images() {
-        let texels = texels(5, 6);
-        let steps = iteration(texels, &mut Reached::everywhere(texels));
-        assert!(steps.chunks(2).all(|pair| matches!(pair, [Step::Pass(_), Step::Barrier])));
-        let mut writes: Vec<_> = steps
-            .iter()
-            .filter_map(|step| match step {
-                Step::Pass(pass) => Some((pass.scan, pass.writes)),
-                Step::Barrier => None,
-            })
-            .collect();
+    fn every_pass_is_followed_by_a_barrier_and_fronts_end_in_image_0() {
+        for schedule in Schedule::ALL {
+            let steps = recording(schedule, texels(5, 6), POINTS, None, 3);
+            assert!(
+                steps.chunks(2).all(|pair| pair[0] != Step::Barrier && pair[1] == Step::Barrier)
+            );
+        }
+        let steps = raster(texels(5, 6), 2, None);
+        let mut writes: Vec<_> = scans(&steps).map(|pass| (pass.scan, pass.writes)).collect();
         writes.dedup();
         assert_eq!(writes, [(Scan::Down, 1), (Scan::Up, 0), (Scan::Right, 1), (Scan::Left, 0)]);
+    }
+
+    #[test]
+    fn no_more_is_recorded_than_asked_for() {
+        let count = |schedule, wanted: fn(&Step) -> bool| {
+            let steps = recording(schedule, texels(500, 600), POINTS, None, 3);
+            steps.iter().filter(|step| wanted(step)).count()
+        };
+        assert_eq!(count(Schedule::Raster, |step| *step == Step::Count), 3);
+        assert_eq!(count(Schedule::AllPoints, |step| *step == Step::Count), 3);
+        assert_eq!(count(Schedule::Tiles, |step| matches!(step, Step::Tiles { .. })), 3);
     }
 
     /// Marks what a front can reach, point by point, by the scans' own neighbourhoods.
@@ -202,18 +299,19 @@ mod tests {
     fn nothing_outside_the_bounds_can_be_reached() {
         let (rows, cols) = (13usize, 18usize);
         let texels = texels(rows, cols);
-        for source in [(0, 0), (6, 9), (12, 17), (3, 16)] {
+        let sources = [(0, 0), (6, 9), (12, 17), (3, 16)];
+        for (source, lines) in sources.into_iter().flat_map(|source| [(source, 1), (source, 4)]) {
             let (row, col, _) = TexelChart::texel_of(source.0, source.1);
-            let mut reached = Reached::around([(row, col)]).unwrap();
+            let reached = Reached::around([(row, col)]);
             let mut points = vec![vec![false; cols]; rows];
             points[source.0][source.1] = true;
-            for step in iteration(texels, &mut reached) {
-                let Step::Pass(pass) = step else { continue };
+            for pass in scans(&raster(texels, lines, reached)) {
                 let (dx, dy) = pass.scan.ahead();
                 let forward = dx + dy > 0;
                 // All points of the line's two rows or columns, in bounds or not.
-                for half in if forward { [0, 1] } else { [1, 0] } {
-                    let line = 2 * (pass.line as usize - 1) + half;
+                for half in 0..2 * pass.lines as usize {
+                    let first = 2 * (pass.line as usize - 1);
+                    let line = if forward { first + half } else { first + 1 - half };
                     let length = if dy != 0 { cols } else { rows };
                     for k in 0..length {
                         let (row, col) = if dy != 0 { (line, k) } else { (k, line) };

@@ -1,14 +1,31 @@
 //! Recording: each function appends commands to a command buffer that the caller has begun, and
 //! ends with a barrier after which the next function may be recorded. None submits or waits.
 
+use std::ops::Range;
+
 use ash::vk;
 use bytemuck::{NoUninit, bytes_of};
 
-use super::barrier::{self, CLEAR, COPY, HOST_READ, SHADER, SHADER_WRITE};
-use super::plan::{Scan, Step};
-use super::{GridImages, Pipelines, ScanPipelines};
-use crate::constants::{CURVATURE, FAR, GAUSSIAN, TIME, WORKGROUP};
+use super::barrier::{self, CLEAR, COPY, HOST_READ, PASS, SHADER, SHADER_WRITE};
+use super::plan::{Scan, ScanPass, Step};
+use super::progress::{DeviceProgress, Outcome, offset};
+use super::{GridImages, Pipelines, SchedulePipelines};
+use crate::constants::{CURVATURE, FAR, TIME, WORKGROUP};
+use crate::cpu::Stop;
 use crate::surface::{Chart, EdgeRule, Geometry, Spacing, Surface};
+
+/// A command buffer that is being recorded for one surface.
+#[derive(Clone, Copy)]
+pub struct Recorder<'a> {
+    /// The device of everything else.
+    pub device: &'a ash::Device,
+    /// Begun, on a queue family for compute, outside a render pass.
+    pub commands: vk::CommandBuffer,
+    /// Alive until the commands have run.
+    pub pipelines: &'a Pipelines,
+    /// The surface's.
+    pub grid: &'a GridImages,
+}
 
 #[derive(Clone, Copy, NoUninit)]
 #[repr(C)]
@@ -39,30 +56,33 @@ struct UnpackBand {
 
 #[derive(Clone, Copy, NoUninit)]
 #[repr(C)]
-struct Line {
-    line: i32,
-    first: i32,
-    count: i32,
-    renews: u32,
+struct SeedCount {
+    texels: [u32; 2],
+    count: u32,
+    wakes: u32,
 }
 
-/// Brings new images into their layout, with no edge and no point reached.
-pub fn prepare(device: &ash::Device, commands: vk::CommandBuffer, grid: &GridImages) {
-    for image in [&grid.edges, &grid.fronts[0], &grid.fronts[1]] {
-        barrier::into_general(device, commands, image.image, CLEAR);
-    }
-    clear(device, commands, grid.edges.image, 0, FAR);
-    for image in &grid.fronts {
-        clear(device, commands, image.image, TIME, FAR);
-        clear(device, commands, image.image, CURVATURE, 0.0);
-        clear(device, commands, image.image, GAUSSIAN, 0.0);
-    }
-    barrier::memory(device, commands, CLEAR, SHADER);
+#[derive(Clone, Copy, NoUninit)]
+#[repr(C)]
+struct Block {
+    line: u32,
+    lines: u32,
+    first: u32,
+    count: u32,
+    last: u32,
+}
+
+/// Of a round its number, of a recording how many.
+#[derive(Clone, Copy, NoUninit)]
+#[repr(C)]
+struct Round {
+    texels: [u32; 2],
+    round: u32,
 }
 
 /// The rows whose points are needed to measure the edges of a band: two before, since an edge to
 /// the north also depends on how the surface bends at its other end, and one after.
-pub fn rows_around(band: &std::ops::Range<usize>, chart: Chart) -> std::ops::Range<usize> {
+pub fn rows_around(band: &Range<usize>, chart: Chart) -> Range<usize> {
     band.start.saturating_sub(BEFORE)..(band.end + AFTER).min(chart.rows)
 }
 
@@ -71,229 +91,283 @@ const AFTER: usize = 1;
 /// Rows around a band, at most.
 pub(crate) const HALO: usize = BEFORE + AFTER;
 
-/// Measures the edges of a band of rows; the points of [`rows_around`] it are in the upload buffer.
-pub fn measure_edges(
-    device: &ash::Device,
-    commands: vk::CommandBuffer,
-    pipelines: &Pipelines,
-    grid: &GridImages,
-    surface: &Surface,
-    rows: std::ops::Range<usize>,
-) {
-    let (pipeline, spacing) = match surface.geometry() {
-        Geometry::Positions(_) => (pipelines.edges_from_positions, Spacing::square(1.0)),
-        Geometry::Heights { spacing, .. } => (pipelines.edges_from_heights, *spacing),
-        Geometry::Metric(_) => (pipelines.edges_from_metric, Spacing::square(1.0)),
-    };
-    let band = EdgesBand {
-        grid: [grid.chart.cols as i32, grid.chart.rows as i32],
-        first_row: rows.start as i32,
-        band_rows: rows.len() as i32,
-        buffer_row: rows_around(&rows, grid.chart).start as i32,
-        dx: spacing.dx as f32,
-        dy: spacing.dy as f32,
-        arcs: (surface.edge_rule() == EdgeRule::Arc).into(),
-    };
-    bind(device, commands, pipelines, grid, pipeline, 0);
-    dispatch(device, commands, pipelines, &band, grid.chart.cols as u32, rows.len() as u32);
-    barrier::memory(device, commands, SHADER_WRITE, SHADER);
-}
-
-/// Computes the surface's Gaussian curvature, once all edges are measured by the rule.
-pub fn bend(
-    device: &ash::Device,
-    commands: vk::CommandBuffer,
-    pipelines: &Pipelines,
-    grid: &GridImages,
-    rule: EdgeRule,
-) {
-    let size = FanSize {
-        texels: [grid.texels.inner_cols().len() as u32, grid.texels.inner_rows().len() as u32],
-        share_of_fan: rule.share_of_fan() as f32,
-    };
-    for pipeline in [pipelines.fan_curvature, pipelines.gaussian_curvature] {
-        bind(device, commands, pipelines, grid, pipeline, 0);
-        dispatch(device, commands, pipelines, &size, size.texels[0], size.texels[1]);
-        barrier::memory(device, commands, SHADER_WRITE, SHADER);
+impl Recorder<'_> {
+    /// Brings new images into their layout, with no edge and no point reached.
+    pub fn prepare(&self) {
+        let grid = self.grid;
+        for image in [&grid.edges, &grid.gaussian, &grid.fronts[0], &grid.fronts[1]] {
+            barrier::into_general(self.device, self.commands, image.image, CLEAR);
+        }
+        self.clear(grid.edges.image, 0, FAR);
+        self.clear(grid.gaussian.image, 0, 0.0);
+        self.clear_fronts();
+        self.barrier(CLEAR, SHADER);
     }
-    // What the first pass has left for the second.
-    barrier::memory(device, commands, SHADER, CLEAR);
-    clear(device, commands, grid.fronts[1].image, CURVATURE, 0.0);
-    barrier::memory(device, commands, CLEAR, SHADER);
-}
 
-/// Forgets the map: no point is reached in either image.
-pub fn forget(device: &ash::Device, commands: vk::CommandBuffer, grid: &GridImages) {
-    barrier::memory(device, commands, SHADER, CLEAR);
-    for image in &grid.fronts {
-        clear(device, commands, image.image, TIME, FAR);
-        clear(device, commands, image.image, CURVATURE, 0.0);
+    /// Measures the edges of a band of rows; the points of [`rows_around`] it are in the upload
+    /// buffer.
+    pub fn measure_edges(&self, surface: &Surface, rows: Range<usize>) {
+        let (pipelines, chart) = (self.pipelines, self.grid.chart);
+        let (pipeline, spacing) = match surface.geometry() {
+            Geometry::Positions(_) => (pipelines.edges_from_positions, Spacing::square(1.0)),
+            Geometry::Heights { spacing, .. } => (pipelines.edges_from_heights, *spacing),
+            Geometry::Metric(_) => (pipelines.edges_from_metric, Spacing::square(1.0)),
+        };
+        let band = EdgesBand {
+            grid: [chart.cols as i32, chart.rows as i32],
+            first_row: rows.start as i32,
+            band_rows: rows.len() as i32,
+            buffer_row: rows_around(&rows, chart).start as i32,
+            dx: spacing.dx as f32,
+            dy: spacing.dy as f32,
+            arcs: (surface.edge_rule() == EdgeRule::Arc).into(),
+        };
+        self.bind(pipeline, 0);
+        self.dispatch(&band, chart.cols as u32, rows.len() as u32);
+        self.barrier(SHADER_WRITE, SHADER);
     }
-    barrier::memory(device, commands, CLEAR, SHADER);
-}
 
-/// Sets the texels with sources, `count` of which are in the upload buffer, in image 0.
-pub fn seed(
-    device: &ash::Device,
-    commands: vk::CommandBuffer,
-    pipelines: &Pipelines,
-    grid: &GridImages,
-    count: u32,
-) {
-    bind(device, commands, pipelines, grid, pipelines.seed, 0);
-    dispatch(device, commands, pipelines, &count, count, 1);
-    barrier::memory(device, commands, SHADER_WRITE, SHADER);
-}
-
-/// Dispatches every scan over no texel, since drivers may compile a pipeline at its first
-/// dispatch.
-pub fn warm_up(
-    device: &ash::Device,
-    commands: vk::CommandBuffer,
-    pipelines: &Pipelines,
-    scans: &ScanPipelines,
-    grid: &GridImages,
-) {
-    for pipeline in scans.scans {
-        bind(device, commands, pipelines, grid, pipeline, 0);
-        dispatch(
-            device,
-            commands,
-            pipelines,
-            &Line { line: 0, first: 0, count: 0, renews: 0 },
-            1,
-            1,
-        );
-        barrier::memory(device, commands, SHADER_WRITE, SHADER);
-    }
-}
-
-/// Runs the steps of an iteration, which may renew curved fronts, and leaves its residual in the
-/// host's buffer.
-pub fn iterate(
-    device: &ash::Device,
-    commands: vk::CommandBuffer,
-    pipelines: &Pipelines,
-    scans: &ScanPipelines,
-    grid: &GridImages,
-    steps: &[Step],
-    renews: bool,
-) {
-    barrier::memory(device, commands, COPY, CLEAR);
-    // SAFETY: the buffer holds one word, and the barrier has ended its last copy.
-    unsafe { device.cmd_fill_buffer(commands, grid.residual.buffer, 0, vk::WHOLE_SIZE, 0) };
-    barrier::memory(device, commands, CLEAR, SHADER);
-
-    let mut bound = None;
-    for step in steps {
-        match step {
-            Step::Pass(pass) => {
-                if bound != Some(pass.scan) {
-                    let pipeline = scans.scans[pipeline_index(pass.scan)];
-                    bind(device, commands, pipelines, grid, pipeline, pass.writes);
-                    bound = Some(pass.scan);
-                }
-                let count = pass.texels.end - pass.texels.start;
-                let line = Line {
-                    line: pass.line as i32,
-                    first: pass.texels.start as i32,
-                    count: count as i32,
-                    renews: renews.into(),
-                };
-                dispatch(device, commands, pipelines, &line, count, 1);
-            }
-            Step::Barrier => barrier::memory(device, commands, SHADER_WRITE, SHADER),
+    /// Computes the surface's Gaussian curvature, once all edges are measured by the rule.
+    pub fn bend(&self, rule: EdgeRule) {
+        let texels = self.grid.texels.inner();
+        let size = FanSize { texels, share_of_fan: rule.share_of_fan() as f32 };
+        for pipeline in [self.pipelines.fan_curvature, self.pipelines.gaussian_curvature] {
+            self.bind(pipeline, 0);
+            self.dispatch(&size, texels[0], texels[1]);
+            self.barrier(SHADER_WRITE, SHADER);
         }
     }
 
-    barrier::memory(device, commands, SHADER_WRITE, COPY);
-    let copy = [vk::BufferCopy::default().size(size_of::<u32>() as u64)];
-    // SAFETY: both buffers hold one word.
-    unsafe {
-        device.cmd_copy_buffer(commands, grid.residual.buffer, grid.residual_on_host.buffer, &copy);
+    /// Forgets the map: no point is reached in either image.
+    pub fn forget(&self) {
+        self.barrier(SHADER, CLEAR);
+        self.clear_fronts();
+        self.barrier(CLEAR, SHADER);
     }
-    barrier::memory(device, commands, CLEAR, HOST_READ);
-}
 
-/// Unpacks the arrival times in image 0, a band of rows, into the read-back buffer.
-pub fn unpack(
-    device: &ash::Device,
-    commands: vk::CommandBuffer,
-    pipelines: &Pipelines,
-    grid: &GridImages,
-    rows: std::ops::Range<usize>,
-) {
-    let band = UnpackBand {
-        grid: [grid.chart.cols as i32, grid.chart.rows as i32],
-        first_row: rows.start as i32,
-        band_rows: rows.len() as i32,
-    };
-    // The set that writes image 1 reads image 0.
-    bind(device, commands, pipelines, grid, pipelines.unpack, 1);
-    let (width, height) = (grid.chart.cols.div_ceil(2), rows.len().div_ceil(2));
-    dispatch(device, commands, pipelines, &band, width as u32, height as u32);
-    barrier::memory(device, commands, SHADER_WRITE, HOST_READ);
+    /// Before the seeds of a map, or of what is added to one: no iteration is done.
+    pub fn start(&self, stop: Stop) {
+        let texels = self.grid.texels.inner();
+        let tuning = self.pipelines.tuning;
+        let [row, col] = texels.map(|texels| texels.div_ceil(tuning.scan_texels()));
+        let grid = [texels[0].div_ceil(WORKGROUP), texels[1]];
+        let progress = DeviceProgress::start(stop, row, col, grid);
+        self.barrier(COPY, CLEAR);
+        self.barrier(PASS, CLEAR);
+        self.write(0, bytes_of(&progress));
+        self.fill(self.grid.tiles.buffer, 0, vk::WHOLE_SIZE);
+        self.barrier(CLEAR, PASS);
+    }
+
+    /// Before more iterations of a map, by a recording as long as the last. For rounds of tiles,
+    /// the list that the last have left is the first.
+    pub fn go_on(&self, steps: &[Step]) {
+        let rounds = steps.iter().filter(|step| matches!(step, Step::Tiles { .. })).count() as u32;
+        if rounds == 0 {
+            return;
+        }
+        let progress = &self.grid.progress;
+        self.barrier(PASS, COPY);
+        let copy = [vk::BufferCopy::default()
+            .src_offset(offset::round(rounds))
+            .dst_offset(offset::round(0))
+            .size(size_of::<u32>() as u64)];
+        // SAFETY: the buffer has room for all rounds, and the two slots are apart.
+        unsafe {
+            self.device.cmd_copy_buffer(self.commands, progress.buffer, progress.buffer, &copy);
+        }
+        self.barrier(COPY, CLEAR);
+        self.write(offset::round(1), &DeviceProgress::later_rounds());
+        // Where tiles wait; their states are zero after they have settled, and the lists stay.
+        let [cols, rows] = self.grid.texels.tiles(self.pipelines.tuning.tile);
+        let bytes = u64::from(cols) * u64::from(rows) * size_of::<u32>() as u64;
+        self.fill(self.grid.tiles.buffer, bytes, bytes);
+        self.barrier(CLEAR, PASS);
+    }
+
+    /// Dispatches no group of every pass of a map, since drivers may compile a pipeline at its first
+    /// dispatch.
+    pub fn warm_up(&self, passes: &SchedulePipelines) {
+        let Pipelines { seed, progress, settle, unpack, .. } = *self.pipelines;
+        for &pipeline in passes.passes.iter().chain(&[seed, progress, settle, unpack]) {
+            self.bind(pipeline, 0);
+            self.dispatch_groups(&[0u32; 8], 0);
+            self.barrier(PASS, PASS);
+        }
+    }
+
+    /// Sets the texels with sources, `count` of which are in the upload buffer, in image 0, and
+    /// puts the tiles around them on the first list if tiles follow.
+    pub fn seed(&self, count: u32, tiles_follow: bool) {
+        let texels = self.grid.texels.inner();
+        self.bind(self.pipelines.seed, 0);
+        self.dispatch(&SeedCount { texels, count, wakes: tiles_follow.into() }, count, 1);
+        self.barrier(SHADER_WRITE, PASS);
+    }
+
+    /// Runs the steps of a plan.
+    pub fn steps(&self, passes: &SchedulePipelines, steps: &[Step]) {
+        let mut bound = None;
+        let texels = self.grid.texels.inner();
+        for step in steps {
+            let (pipeline, writes) = match *step {
+                Step::Scan(ref pass) => (passes.passes[pipeline_index(pass.scan)], pass.writes),
+                Step::AllPoints { writes } => (passes.passes[0], writes),
+                Step::Tiles { .. } => (passes.passes[0], 0),
+                Step::Settle { .. } => (self.pipelines.settle, 0),
+                Step::Count => (self.pipelines.progress, 0),
+                Step::Barrier => {
+                    self.barrier(PASS, PASS);
+                    continue;
+                }
+            };
+            if bound != Some((pipeline, writes)) {
+                self.bind(pipeline, writes);
+                bound = Some((pipeline, writes));
+            }
+            match *step {
+                Step::Scan(ref pass) => self.scan(pass),
+                Step::AllPoints { .. } => self.dispatch_while(&texels, offset::GRID_GROUPS),
+                Step::Tiles { round } => {
+                    self.dispatch_while(&Round { texels, round }, offset::round(round));
+                }
+                Step::Settle { rounds } => {
+                    let [cols, rows] = self.grid.texels.tiles(self.pipelines.tuning.tile);
+                    self.dispatch_groups(&Round { texels, round: rounds }, cols * rows);
+                }
+                Step::Count => self.dispatch_groups(&0u32, 1),
+                Step::Barrier => {}
+            }
+        }
+    }
+
+    /// Copies how the iterations have gone to where the host reads it.
+    pub fn outcome(&self) {
+        self.barrier(PASS, COPY);
+        let copy = [vk::BufferCopy::default().size(size_of::<Outcome>() as u64)];
+        let (from, to) = (self.grid.progress.buffer, self.grid.outcome.buffer);
+        // SAFETY: both buffers hold so much.
+        unsafe { self.device.cmd_copy_buffer(self.commands, from, to, &copy) };
+        self.barrier(CLEAR, HOST_READ);
+    }
+
+    /// Unpacks the arrival times in image 0, a band of rows, into the read-back buffer.
+    pub fn unpack(&self, rows: Range<usize>) {
+        let chart = self.grid.chart;
+        let band = UnpackBand {
+            grid: [chart.cols as i32, chart.rows as i32],
+            first_row: rows.start as i32,
+            band_rows: rows.len() as i32,
+        };
+        // The set that writes image 1 reads image 0.
+        self.bind(self.pipelines.unpack, 1);
+        let (width, height) = (chart.cols.div_ceil(2), rows.len().div_ceil(2));
+        self.dispatch(&band, width as u32, height as u32);
+        self.barrier(SHADER_WRITE, HOST_READ);
+    }
+
+    fn scan(&self, pass: &ScanPass) {
+        let texels = self.grid.texels;
+        let by_rows = matches!(pass.scan, Scan::Down | Scan::Up);
+        let count = pass.texels.len() as u32;
+        let line = Block {
+            line: pass.line,
+            lines: pass.lines,
+            first: pass.texels.start,
+            count,
+            last: if by_rows { texels.inner_cols() } else { texels.inner_rows() }.end - 1,
+        };
+        if pass.always {
+            self.dispatch_groups(&line, count.div_ceil(self.pipelines.tuning.scan_texels()));
+        } else {
+            self.dispatch_while(
+                &line,
+                if by_rows { offset::ROW_GROUPS } else { offset::COL_GROUPS },
+            );
+        }
+    }
+
+    fn barrier(&self, before: barrier::Access, after: barrier::Access) {
+        barrier::memory(self.device, self.commands, before, after);
+    }
+
+    fn clear_fronts(&self) {
+        for image in &self.grid.fronts {
+            self.clear(image.image, TIME, FAR);
+            self.clear(image.image, CURVATURE, 0.0);
+        }
+    }
+
+    /// Fills a layer of an image.
+    fn clear(&self, image: vk::Image, layer: u32, value: f64) {
+        let value = vk::ClearColorValue { float32: [value as f32; 4] };
+        let range =
+            vk::ImageSubresourceRange { base_array_layer: layer, layer_count: 1, ..barrier::COLOR };
+        // SAFETY: the image has the layer, is in this layout, and the layer is used by nothing else
+        // until the next barrier.
+        unsafe {
+            let layout = vk::ImageLayout::GENERAL;
+            self.device.cmd_clear_color_image(self.commands, image, layout, &value, &[range]);
+        }
+    }
+
+    /// Zeroes part of a buffer.
+    fn fill(&self, buffer: vk::Buffer, offset: u64, size: u64) {
+        // SAFETY: the part lies in the buffer, which nothing else uses until the next barrier.
+        unsafe { self.device.cmd_fill_buffer(self.commands, buffer, offset, size, 0) };
+    }
+
+    /// Writes part of the progress.
+    fn write(&self, offset: u64, bytes: &[u8]) {
+        let buffer = self.grid.progress.buffer;
+        // SAFETY: the part lies in the buffer, which nothing else uses until the next barrier, and
+        // is far smaller than what may be written so.
+        unsafe { self.device.cmd_update_buffer(self.commands, buffer, offset, bytes) };
+    }
+
+    fn bind(&self, pipeline: vk::Pipeline, writes: usize) {
+        let compute = vk::PipelineBindPoint::COMPUTE;
+        let (layout, sets) = (self.pipelines.layout, [self.grid.sets[writes]]);
+        // SAFETY: pipeline, layout and set belong together and are alive.
+        unsafe {
+            self.device.cmd_bind_pipeline(self.commands, compute, pipeline);
+            self.device.cmd_bind_descriptor_sets(self.commands, compute, layout, 0, &sets, &[]);
+        }
+    }
+
+    /// Dispatches `width` x `height` invocations, in groups along the width.
+    fn dispatch(&self, constants: &impl NoUninit, width: u32, height: u32) {
+        self.push(constants);
+        // SAFETY: a pipeline with the common layout is bound.
+        unsafe {
+            self.device.cmd_dispatch(self.commands, width.div_ceil(WORKGROUP), height, 1);
+        }
+    }
+
+    fn dispatch_groups(&self, constants: &impl NoUninit, groups: u32) {
+        self.push(constants);
+        // SAFETY: a pipeline with the common layout is bound.
+        unsafe { self.device.cmd_dispatch(self.commands, groups, 1, 1) };
+    }
+
+    /// Dispatches as many groups as the progress says here.
+    fn dispatch_while(&self, constants: &impl NoUninit, offset: u64) {
+        self.push(constants);
+        // SAFETY: a pipeline with the common layout is bound, and three numbers are at the offset.
+        unsafe {
+            self.device.cmd_dispatch_indirect(self.commands, self.grid.progress.buffer, offset);
+        }
+    }
+
+    fn push(&self, constants: &impl NoUninit) {
+        let (layout, stages) = (self.pipelines.layout, vk::ShaderStageFlags::COMPUTE);
+        // SAFETY: the layout has room for the constants of every pass.
+        unsafe {
+            self.device.cmd_push_constants(self.commands, layout, stages, 0, bytes_of(constants));
+        }
+    }
 }
 
 fn pipeline_index(scan: Scan) -> usize {
     Scan::ALL.iter().position(|&other| other == scan).expect("all scans are listed")
-}
-
-/// Fills a layer of an image.
-fn clear(
-    device: &ash::Device,
-    commands: vk::CommandBuffer,
-    image: vk::Image,
-    layer: u32,
-    value: f64,
-) {
-    let value = vk::ClearColorValue { float32: [value as f32; 4] };
-    let range =
-        vk::ImageSubresourceRange { base_array_layer: layer, layer_count: 1, ..barrier::COLOR };
-    // SAFETY: the image has the layer, is in this layout, and the layer is used by nothing else
-    // until the next barrier.
-    unsafe {
-        let layout = vk::ImageLayout::GENERAL;
-        device.cmd_clear_color_image(commands, image, layout, &value, &[range]);
-    }
-}
-
-fn bind(
-    device: &ash::Device,
-    commands: vk::CommandBuffer,
-    pipelines: &Pipelines,
-    grid: &GridImages,
-    pipeline: vk::Pipeline,
-    writes: usize,
-) {
-    let compute = vk::PipelineBindPoint::COMPUTE;
-    // SAFETY: pipeline, layout and set belong together and are alive.
-    unsafe {
-        device.cmd_bind_pipeline(commands, compute, pipeline);
-        device.cmd_bind_descriptor_sets(
-            commands,
-            compute,
-            pipelines.layout,
-            0,
-            &[grid.sets[writes]],
-            &[],
-        );
-    }
-}
-
-/// Dispatches `width` x `height` invocations, in groups along the width.
-fn dispatch(
-    device: &ash::Device,
-    commands: vk::CommandBuffer,
-    pipelines: &Pipelines,
-    constants: &impl NoUninit,
-    width: u32,
-    height: u32,
-) {
-    let stages = vk::ShaderStageFlags::COMPUTE;
-    // SAFETY: a pipeline with this layout is bound, and the constants fit its range.
-    unsafe {
-        device.cmd_push_constants(commands, pipelines.layout, stages, 0, bytes_of(constants));
-        device.cmd_dispatch(commands, width.div_ceil(WORKGROUP), height, 1);
-    }
 }

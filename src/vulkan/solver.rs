@@ -4,15 +4,16 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::grid_images::{POINT_BYTES, band_rows};
-use super::headless::Context;
-use super::plan::{self, Reached, Step};
+use super::headless::{Commands, Context};
+use super::plan::{self, Portions, Reached, Step};
+use super::record::{Recorder, rows_around};
 use super::upload::{SeedTexel, seed_texels, write_points};
 use super::{
-    GridImages, Pipelines, ScanPipelines, TexelChart, ValidationLog, VulkanError, record,
-    requirements,
+    GridImages, Pipelines, Schedule, SchedulePipelines, TexelChart, Tuning, ValidationLog,
+    VulkanError, requirements, schedule,
 };
 use crate::DeviceChoice;
-use crate::cpu::{Progress, Stop};
+use crate::cpu::Stop;
 use crate::surface::{Chart, Seed, Surface};
 use crate::update::Wavefront;
 
@@ -22,23 +23,37 @@ const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 /// A Vulkan device with the pipelines, for use without a renderer.
 ///
 /// ```no_run
-/// use geosweep::{DeviceChoice, Sources, Spacing, Surface, Wavefront, cpu::Stop, vulkan::Solver};
+/// use geosweep::cpu::Stop;
+/// use geosweep::vulkan::{Method, Solver};
+/// use geosweep::{DeviceChoice, Sources, Spacing, Surface, Wavefront};
 /// let surface = Surface::from_heights(2, 2, vec![0.0; 4], Spacing::square(1.0))?;
 /// let mut solver = Solver::new(&DeviceChoice::Any)?;
 /// let mut on_device = solver.upload(&surface)?;
+/// let stop = Stop { tolerance: 1e-6, iterations: 100 };
+/// let method = Method { wavefront: Wavefront::PointSource, schedule: None, stop };
 /// for row in 0..2 {
 ///     let seeds = Sources::point(row as f64, 0.0).seeds(&surface)?;
-///     let stop = Stop { tolerance: 1e-6, iterations: 100 };
-///     let solution = solver.solve(&mut on_device, &seeds, Wavefront::PointSource, stop)?;
+///     let solution = solver.solve(&mut on_device, &seeds, method)?;
 ///     println!("{:?} after {:?}", solution.distances, solution.time);
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Solver {
     pipelines: Pipelines,
-    /// Made when a wavefront is first used.
-    scans: [Option<ScanPipelines>; Wavefront::ALL.len()],
+    /// By schedule and wavefront, made when they are first used.
+    passes: [[Option<SchedulePipelines>; Wavefront::ALL.len()]; Schedule::ALL.len()],
     context: Arc<Context>,
+}
+
+/// How a device computes a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Method {
+    /// The front assumed inside a triangle.
+    pub wavefront: Wavefront,
+    /// The order of updates; by default raster scans.
+    pub schedule: Option<Schedule>,
+    /// When to stop; an iteration is one of the schedule's.
+    pub stop: Stop,
 }
 
 /// A surface's edge lengths on a device, ready for any number of maps.
@@ -46,6 +61,11 @@ pub struct Solver {
 /// Must not outlive its solver's last use of it; memory is freed when it is dropped.
 pub struct SurfaceOnDevice {
     images: GridImages,
+    /// Starts a map.
+    first: Commands,
+    /// Goes on with one, as recorded for this wavefront and these steps.
+    further: Commands,
+    goes_on: Option<(Wavefront, Vec<Step>)>,
     context: Arc<Context>,
 }
 
@@ -54,11 +74,13 @@ pub struct SurfaceOnDevice {
 pub struct Solution {
     /// Distances, row-major, +infinity where the sources do not reach.
     pub distances: Vec<f32>,
-    /// Iterations of four scans.
+    /// The order of updates.
+    pub schedule: Schedule,
+    /// Iterations of four scans, of two updates of all points, or rounds of tiles.
     pub iterations: u32,
-    /// Largest relative change of an arrival time in the last iteration.
+    /// Largest relative change of a front in the last iteration.
     pub residual: f64,
-    /// From the first submission of an iteration to the end of the last.
+    /// From the first submission, which forgets the map before, to the end of the last.
     pub time: Duration,
 }
 
@@ -78,8 +100,8 @@ impl Solver {
 
     fn open(choice: &DeviceChoice, validate: bool) -> Result<Self, VulkanError> {
         let context = Arc::new(Context::new(choice, validate)?);
-        let pipelines = Pipelines::new(&context.device)?;
-        Ok(Self { pipelines, scans: [const { None }; Wavefront::ALL.len()], context })
+        let pipelines = Pipelines::new(&context.device, Tuning::of(&context.properties))?;
+        Ok(Self { pipelines, passes: Default::default(), context })
     }
 
     /// The device's name.
@@ -102,6 +124,7 @@ impl Solver {
         let chart = surface.chart();
         let texels = self.check_size(chart)?;
         let context = Arc::clone(&self.context);
+        let (first, further) = (Commands::new(&context)?, Commands::new(&context)?);
         let images = GridImages::new(
             &context.device,
             &mut context.allocator(),
@@ -109,20 +132,15 @@ impl Solver {
             chart,
             texels,
         )?;
-        let mut on_device = SurfaceOnDevice { images, context };
+        let mut on_device = SurfaceOnDevice { images, first, further, goes_on: None, context };
         let images = &mut on_device.images;
-        self.context.run(|device, commands| record::prepare(device, commands, images))?;
+        self.run(images, |recorder| recorder.prepare())?;
         let origin = surface.origin();
         for rows in bands(chart, POINT_BYTES) {
-            let around = record::rows_around(&rows, chart);
-            write_points(surface, around, origin, images.upload.mapped());
-            self.context.run(|device, commands| {
-                record::measure_edges(device, commands, &self.pipelines, images, surface, rows);
-            })?;
+            write_points(surface, rows_around(&rows, chart), origin, images.upload.mapped());
+            self.run(images, |recorder| recorder.measure_edges(surface, rows))?;
         }
-        self.context.run(|device, commands| {
-            record::bend(device, commands, &self.pipelines, images, surface.edge_rule());
-        })?;
+        self.run(images, |recorder| recorder.bend(surface.edge_rule()))?;
         self.context.check_validation()?;
         Ok(on_device)
     }
@@ -132,81 +150,130 @@ impl Solver {
         &mut self,
         surface: &mut SurfaceOnDevice,
         seeds: &[Seed],
-        wavefront: Wavefront,
-        stop: Stop,
+        method: Method,
     ) -> Result<Solution, VulkanError> {
-        self.solve_planned(surface, seeds, wavefront, stop, plan::iteration)
+        self.solve_planned(surface, seeds, method, Start::Fresh, |_| {})
+    }
+
+    /// Adds seeds to the last map of the surface, which has converged with the same wavefront.
+    pub fn add(
+        &mut self,
+        surface: &mut SurfaceOnDevice,
+        seeds: &[Seed],
+        method: Method,
+    ) -> Result<Solution, VulkanError> {
+        self.solve_planned(surface, seeds, method, Start::FromLast, |_| {})
     }
 
     fn solve_planned(
         &mut self,
         surface: &mut SurfaceOnDevice,
         seeds: &[Seed],
-        wavefront: Wavefront,
-        stop: Stop,
-        plan: impl Fn(TexelChart, &mut Reached) -> Vec<Step>,
+        method: Method,
+        start: Start,
+        edit: impl Fn(&mut Vec<Step>),
     ) -> Result<Solution, VulkanError> {
-        let context = Arc::clone(&self.context);
-        let scans = match &mut self.scans[wavefront as usize] {
-            Some(scans) => scans,
-            empty => empty.insert(ScanPipelines::new(&context.device, &self.pipelines, wavefront)?),
+        let Method { wavefront, stop, .. } = method;
+        let schedule = method.schedule.unwrap_or(schedule::DEFAULT);
+        self.make_passes(&surface.images, schedule, wavefront)?;
+        let passes = self.passes[schedule as usize][wavefront as usize].as_ref();
+        let passes = passes.expect("they were made above");
+        let SurfaceOnDevice { images, first, further, goes_on, .. } = surface;
+        let Tuning { scan_lines: lines, tile, .. } = self.pipelines.tuning;
+        let plan = |texels, reached, most| {
+            let mut steps =
+                plan::recording(schedule, texels, Portions { lines, tile }, reached, most);
+            edit(&mut steps);
+            steps
         };
-        let (pipelines, images) = (&self.pipelines, &mut surface.images);
 
-        context.run(|device, commands| {
-            record::forget(device, commands, images);
-            record::warm_up(device, commands, pipelines, scans, images);
+        let begin = Instant::now();
+        let seeds = seed_texels(seeds);
+        first.record(|device, commands| {
+            let recorder = self.recorder(device, commands, images);
+            if start == Start::Fresh {
+                recorder.forget();
+            }
+            recorder.start(stop);
         })?;
-        let texels = seed_texels(seeds);
-        for part in texels.chunks(images.upload.mapped().len() / size_of::<SeedTexel>()) {
+        first.submit_and_wait()?;
+        for part in seeds.chunks(images.upload.mapped().len() / size_of::<SeedTexel>()) {
             let bytes = bytemuck::cast_slice(part);
             images.upload.mapped()[..bytes.len()].copy_from_slice(bytes);
             let count = part.len() as u32;
-            context.run(|device, commands| {
-                record::seed(device, commands, pipelines, images, count);
-            })?;
+            self.run(images, |recorder| recorder.seed(count, schedule == Schedule::Tiles))?;
         }
-
-        let places = texels.iter().map(|seed| (seed.texel[1] as u32, seed.texel[0] as u32));
-        let everywhere = Reached::everywhere(images.texels);
-        let bounds = Reached::around(places).unwrap_or_else(|| everywhere.clone());
-        let record = |mut reached: Reached, renews: bool, images: &GridImages| {
-            let steps = plan(images.texels, &mut reached);
-            context.record(|device, commands| {
-                record::iterate(device, commands, pipelines, scans, images, &steps, renews);
-            })
-        };
-        let mut progress = Progress::new(stop);
-        let mut commands = record(bounds, progress.renews(), images)?;
-        let start = Instant::now();
-        loop {
-            commands.submit_and_wait()?;
-            let residual = images.residual_on_host.mapped();
-            let renews = progress.renews();
-            if progress.is_done::<f32>(*bytemuck::from_bytes(&residual[..size_of::<u32>()])) {
-                break;
+        let places = seeds.iter().map(|seed| (seed.texel[1] as u32, seed.texel[0] as u32));
+        let reached = Reached::around(places).filter(|_| start == Start::Fresh);
+        let steps = plan(images.texels, reached, stop.iterations);
+        first.record(|device, commands| {
+            let recorder = self.recorder(device, commands, images);
+            recorder.steps(passes, &steps);
+            recorder.outcome();
+        })?;
+        first.submit_and_wait()?;
+        let mut outcome = images.outcome();
+        while !outcome.is_done() {
+            // One recording serves all but the last iterations, of which fewer may be left.
+            let steps = plan(images.texels, None, stop.iterations - outcome.iterations);
+            let wanted = (wavefront, steps);
+            if goes_on.as_ref() != Some(&wanted) {
+                further.record(|device, commands| {
+                    let recorder = self.recorder(device, commands, images);
+                    recorder.go_on(&wanted.1);
+                    recorder.steps(passes, &wanted.1);
+                    recorder.outcome();
+                })?;
+                *goes_on = Some(wanted);
             }
-            // One recording serves all iterations but the first, which may have reached all, and
-            // those that no longer renew.
-            if progress.iterations == 1 || progress.renews() != renews {
-                commands = record(everywhere.clone(), progress.renews(), images)?;
-            }
+            further.submit_and_wait()?;
+            outcome = images.outcome();
         }
-        let time = start.elapsed();
-        drop(commands);
+        let time = begin.elapsed();
 
         let distances = self.read_back(images)?;
-        context.check_validation()?;
-        let Progress { iterations, residual, .. } = progress;
-        Ok(Solution { distances, iterations, residual, time })
+        self.context.check_validation()?;
+        let (iterations, residual) = (outcome.iterations, outcome.residual());
+        Ok(Solution { distances, schedule, iterations, residual, time })
+    }
+
+    /// Makes the passes of a schedule and a wavefront unless they are there.
+    fn make_passes(
+        &mut self,
+        images: &GridImages,
+        schedule: Schedule,
+        wavefront: Wavefront,
+    ) -> Result<(), VulkanError> {
+        if self.passes[schedule as usize][wavefront as usize].is_some() {
+            return Ok(());
+        }
+        let device = &self.context.device;
+        let passes = SchedulePipelines::new(device, &self.pipelines, schedule, wavefront)?;
+        let passes = self.passes[schedule as usize][wavefront as usize].insert(passes);
+        self.context.run(|device, commands| {
+            let pipelines = &self.pipelines;
+            Recorder { device, commands, pipelines, grid: images }.warm_up(passes);
+        })
+    }
+
+    fn recorder<'a>(
+        &'a self,
+        device: &'a ash::Device,
+        commands: ash::vk::CommandBuffer,
+        grid: &'a GridImages,
+    ) -> Recorder<'a> {
+        Recorder { device, commands, pipelines: &self.pipelines, grid }
+    }
+
+    /// Records, submits and waits.
+    fn run(&self, grid: &GridImages, append: impl FnOnce(Recorder)) -> Result<(), VulkanError> {
+        self.context.run(|device, commands| append(self.recorder(device, commands, grid)))
     }
 
     fn read_back(&self, images: &mut GridImages) -> Result<Vec<f32>, VulkanError> {
         let mut distances = vec![0.0f32; images.chart.points()];
         for rows in bands(images.chart, size_of::<f32>()) {
-            self.context.run(|device, commands| {
-                record::unpack(device, commands, &self.pipelines, images, rows.clone());
-            })?;
+            self.run(images, |recorder| recorder.unpack(rows.clone()))?;
             let part =
                 &mut distances[images.chart.index(rows.start, 0)..images.chart.index(rows.end, 0)];
             let bytes: &mut [u8] = bytemuck::cast_slice_mut(part);
@@ -234,11 +301,12 @@ impl Solver {
             |extent: ash::vk::Extent3D| u64::from(extent.width) * u64::from(extent.height) * 16;
         let edges = bytes(texels.edges_extent());
         let fronts = u64::from(crate::constants::LAYERS) * bytes(texels.fronts_extent());
+        let gaussian = bytes(texels.fronts_extent());
         // SAFETY: the physical device is from this instance.
         let memory =
             unsafe { instance.handle.get_physical_device_memory_properties(*physical_device) };
         let heap = memory.memory_heaps_as_slice().iter().map(|heap| heap.size).max().unwrap_or(0);
-        let needed = edges + 2 * fronts;
+        let needed = edges + gaussian + 2 * fronts;
         // Not all drivers refuse what does not fit: on some the system ends the process instead.
         if needed > heap || edges > largest_image {
             let available =
@@ -257,8 +325,8 @@ impl Solver {
 
 impl Drop for Solver {
     fn drop(&mut self) {
-        for scans in self.scans.iter_mut().flatten() {
-            scans.destroy(&self.context.device);
+        for passes in self.passes.iter_mut().flatten().flatten() {
+            passes.destroy(&self.context.device);
         }
         self.pipelines.destroy(&self.context.device);
     }
@@ -275,6 +343,15 @@ impl Drop for SurfaceOnDevice {
     fn drop(&mut self) {
         self.images.destroy(&self.context.device, &mut self.context.allocator());
     }
+}
+
+/// What is there before the seeds.
+#[derive(Clone, Copy, PartialEq)]
+enum Start {
+    /// Nothing.
+    Fresh,
+    /// The last map.
+    FromLast,
 }
 
 /// The grid's rows in bands that fit the transfer buffers.
@@ -304,6 +381,10 @@ mod tests {
         Surface::from_heights(40, 30, heights, Spacing::square(1.0)).unwrap()
     }
 
+    fn method(wavefront: Wavefront, schedule: Schedule) -> Method {
+        Method { wavefront, schedule: Some(schedule), stop: STOP }
+    }
+
     fn seeds(surface: &Surface) -> Vec<Seed> {
         Sources::point(3.0, 20.5).seeds(surface).unwrap()
     }
@@ -312,21 +393,19 @@ mod tests {
     #[test]
     fn a_missing_barrier_is_reported() {
         let surface = hill();
-        let mut solver = solver();
-        let mut on_device = solver.upload(&surface).unwrap();
         let seeds = seeds(&surface);
-        let leaky = |texels, reached: &mut Reached| {
-            let mut steps = plan::iteration(texels, reached);
-            let barrier = steps.iter().position(|step| *step == Step::Barrier).unwrap();
-            steps.remove(barrier);
-            steps
-        };
-        let result = solver.solve_planned(&mut on_device, &seeds, Wavefront::Planar, STOP, leaky);
-        let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
-        assert!(
-            messages.iter().any(|m| m.contains("SYNC-HAZARD-READ-AFTER-WRITE")),
-            "{messages:?}"
-        );
+        for schedule in Schedule::ALL {
+            let mut solver = self::solver();
+            let mut on_device = solver.upload(&surface).unwrap();
+            let leaky = |steps: &mut Vec<Step>| {
+                let barrier = steps.iter().position(|step| *step == Step::Barrier).unwrap();
+                steps.remove(barrier);
+            };
+            let method = method(Wavefront::Planar, schedule);
+            let result = solver.solve_planned(&mut on_device, &seeds, method, Start::Fresh, leaky);
+            let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
+            assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-")), "{messages:?}");
+        }
     }
 
     #[test]
@@ -336,7 +415,11 @@ mod tests {
         let mut on_device = solver.upload(&surface).unwrap();
         let log = solver.validation_log().unwrap().clone();
         for wavefront in Wavefront::ALL {
-            solver.solve(&mut on_device, &seeds(&surface), wavefront, STOP).unwrap();
+            for schedule in Schedule::ALL {
+                let method = method(wavefront, schedule);
+                solver.solve(&mut on_device, &seeds(&surface), method).unwrap();
+                solver.add(&mut on_device, &seeds(&surface), method).unwrap();
+            }
         }
         drop((on_device, solver));
         assert_eq!(log.messages(), Vec::<String>::new());

@@ -43,6 +43,16 @@ impl TexelChart {
         (row as u32 / 2 + BORDER, col as u32 / 2 + BORDER, 2 * (row % 2) + col % 2)
     }
 
+    /// Columns and rows of texels with grid points in them.
+    pub(crate) fn inner(self) -> [u32; 2] {
+        [self.cols - 2 * BORDER, self.rows - 2 * BORDER]
+    }
+
+    /// Columns and rows of tiles with so many points on a side.
+    pub(crate) fn tiles(self, points: u32) -> [u32; 2] {
+        self.inner().map(|texels| (2 * texels).div_ceil(points))
+    }
+
     /// Extent of an image with one texel for 2 x 2 points.
     pub fn fronts_extent(self) -> vk::Extent3D {
         vk::Extent3D { width: self.cols, height: self.rows, depth: 1 }

@@ -4,7 +4,7 @@
 
 use geosweep::cpu::{self, Stop};
 use geosweep::surface::{EdgeLengths, Seed};
-use geosweep::vulkan::Solver;
+use geosweep::vulkan::{Method, Solver};
 use geosweep::{DeviceChoice, Sources, Spacing, Surface, Wavefront};
 
 /// Until f32 converges.
@@ -33,7 +33,8 @@ pub fn on_vulkan(
     stop: Stop,
 ) -> Vec<f32> {
     let mut on_device = solver.upload(surface).unwrap();
-    solver.solve(&mut on_device, seeds, wavefront, stop).unwrap().distances
+    let method = Method { wavefront, schedule: None, stop };
+    solver.solve(&mut on_device, seeds, method).unwrap().distances
 }
 
 /// Largest difference of two maps over the largest distance; the maps must reach the same points.

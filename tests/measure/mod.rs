@@ -7,7 +7,7 @@ use geosweep::accuracy::Errors;
 use geosweep::cpu::{self, Solution, Stop};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::vulkan::Solver;
+use geosweep::vulkan::{Method, Solver};
 use geosweep::{DeviceChoice, Sources, Surface, Wavefront};
 
 /// A way to compute a map; every accuracy test runs over all of [`ENGINES`].
@@ -39,7 +39,8 @@ fn on_vulkan(surface: &Surface, sources: &Sources, wavefront: Wavefront, stop: S
     });
     let mut on_device = solver.upload(surface).unwrap();
     let seeds = sources.seeds(surface).unwrap();
-    solver.solve(&mut on_device, &seeds, wavefront, stop).unwrap().distances
+    let method = Method { wavefront, schedule: None, stop };
+    solver.solve(&mut on_device, &seeds, method).unwrap().distances
 }
 
 /// Stops when nothing changes beyond rounding, and never before.

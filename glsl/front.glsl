@@ -1,0 +1,45 @@
+// Which front a point keeps. Include after update.glsl. Twin: accept() in src/cpu/state.rs.
+
+// Distance from 1 to the next number.
+const float PRECISION = 1.1920929e-7;
+
+vec4 with_tags(vec4 values, uvec4 tags) {
+    return vec4(with_tag(values.x, tags.x), with_tag(values.y, tags.y),
+                with_tag(values.z, tags.z), with_tag(values.w, tags.w));
+}
+
+// Accepts fronts, brought by a scan numbered from 1, that are the first to arrive. Between equally
+// early ones whole triangles know better, then the flatter front; and those that this scan has
+// brought before may be renewed, earlier or later.
+void accept(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 curvature) {
+    bvec4 first = lessThan(fronts.time, time);
+    if (WAVEFRONT == 2) {
+        vec4 tagged = with_tags(fronts.curvature, mix(uvec4(scan), uvec4(scan | WHOLE), fronts.whole));
+        uvec4 tag_before = floatBitsToUint(curvature) & 15u;
+        bvec4 whole_before = greaterThanEqual(tag_before, uvec4(WHOLE));
+        bvec4 alike = equal(uvec4(fronts.whole), uvec4(whole_before));
+        bvec4 flatter = both(alike, lessThan(tagged, curvature));
+        bvec4 knows = either(both(fronts.whole, not(whole_before)), flatter);
+        bvec4 preferred = both(equal(fronts.time, time), knows);
+        bvec4 renewed = both(bvec4(renews), equal(tag_before & 7u, uvec4(scan)));
+        first = either(first, both(lessThan(time, vec4(FAR)), either(renewed, preferred)));
+        curvature = mix(curvature, tagged, first);
+    }
+    time = mix(time, fronts.time, first);
+}
+
+uint largest(uvec4 values) {
+    return max(max(values.x, values.y), max(values.z, values.w));
+}
+
+// How much fronts have changed: the largest difference of arrival times in units of the last
+// place, or what a change of curvature counts beside it.
+uint change_of(vec4 old_time, vec4 time, vec4 old_curvature, vec4 curvature) {
+    uvec4 old_bits = floatBitsToUint(old_time);
+    uvec4 bits = floatBitsToUint(time);
+    uvec4 units = max(old_bits, bits) - min(old_bits, bits);
+    if (WAVEFRONT != 2) return largest(units);
+    vec4 bends = abs(curvature - old_curvature) * time;
+    float bend = max(max(bends.x, bends.y), max(bends.z, bends.w)) * (CURVATURE_COUNTS / PRECISION);
+    return max(largest(units), uint(min(bend, 4e9)));
+}

@@ -1,0 +1,19 @@
+// How a map's iterations go, kept on the device so that no readback steers them.
+
+layout(set = 0, binding = 5) restrict buffer Progress {
+    uint residual;      // largest change of a front in this iteration, in units of the last place
+    uint renews;        // 1 while curved fronts may be renewed
+    uint iterations;    // done so far: of four scans, of updates of all points, or rounds of tiles
+    uint last_residual; // that of the last iteration done
+    uint since_reached; // iterations since a point was first reached
+    uint done;          // 1 once the map has converged, or iterations have run out
+    uint tolerance;     // residual at which a map has converged
+    uint most;          // iterations, at most
+    // What the dispatches of further iterations read, zero groups once the map is done.
+    uint row_groups[3];    // of a row of texels
+    uint col_groups[3];    // of a column
+    uint grid_groups[3];   // of the grid
+    uint rounds[3 * (ROUNDS + 1)]; // of the tiles to visit in each round
+    uint unsettled[ROUNDS]; // largest change of a round that another one has to pass on
+    uint reached;           // 1 once a round has reached a point
+};

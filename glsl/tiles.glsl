@@ -1,0 +1,29 @@
+// Tiles of TILE x TILE points, of which those are visited whose surroundings have changed.
+
+// Points on a side of a tile.
+layout(constant_id = 5) const int TILE = 16;
+
+layout(set = 0, binding = 8) restrict buffer Tiles {
+    uint tiles[]; // for each tile its state, then the round it waits for, then two lists of tiles
+};
+
+// Texels on a side of a tile.
+const int TEXELS = TILE / 2;
+
+// The tiles of a grid, in columns and rows, whose texels these are.
+ivec2 tiles_of(ivec2 texels) {
+    return (texels + TEXELS - 1) / TEXELS;
+}
+
+// The state of a tile is twice the last round that visited it, counted from 1, plus one if its
+// fronts are in image 1 after it. During a round both states of a tile that is visited tell a
+// neighbour the same: where its fronts were before.
+uint image_before(uint state, uint round) {
+    uint image = state & 1u;
+    return (state >> 1) == round + 1u ? 1u - image : image;
+}
+
+// Puts a tile on the list for a round unless it is there.
+#define ENLIST(tile, for_round, count) \
+    if (atomicExchange(tiles[(count) + (tile)], (for_round) + 1u) != (for_round) + 1u) \
+        tiles[(2u + ((for_round) & 1u)) * (count) + atomicAdd(rounds[3u * (for_round)], 1u)] = (tile)

@@ -1,0 +1,95 @@
+//! How a map's iterations go, as the device keeps it. The twin of `glsl/progress.glsl`.
+
+use bytemuck::{AnyBitPattern, NoUninit};
+
+use crate::constants::ROUNDS;
+use crate::cpu::Stop;
+
+const SLOTS: usize = 3 * (ROUNDS as usize + 1);
+
+/// What the host reads.
+#[derive(Clone, Copy, Debug, AnyBitPattern, NoUninit)]
+#[repr(C)]
+pub(crate) struct Outcome {
+    residual: u32,
+    renews: u32,
+    /// Of four scans, of updates of all points, or rounds of tiles.
+    pub(crate) iterations: u32,
+    /// Of the last iteration, in units of the last place.
+    pub(crate) last_residual: u32,
+    since_reached: u32,
+    done: u32,
+    tolerance: u32,
+    most: u32,
+}
+
+/// All of it.
+#[derive(Clone, Copy, Debug, NoUninit)]
+#[repr(C)]
+pub(crate) struct DeviceProgress {
+    outcome: Outcome,
+    row_groups: [u32; 3],
+    col_groups: [u32; 3],
+    grid_groups: [u32; 3],
+    rounds: [u32; SLOTS],
+    unsettled: [u32; ROUNDS as usize],
+    reached: u32,
+}
+
+impl Outcome {
+    pub(crate) fn is_done(&self) -> bool {
+        self.done != 0
+    }
+
+    /// Largest relative change in the last iteration.
+    pub(crate) fn residual(&self) -> f64 {
+        crate::surface::relative_change::<f32>(self.last_residual)
+    }
+}
+
+/// Where the parts lie, in bytes.
+pub(crate) mod offset {
+    use super::*;
+
+    pub(crate) const ROW_GROUPS: u64 = size_of::<Outcome>() as u64;
+    pub(crate) const COL_GROUPS: u64 = ROW_GROUPS + 12;
+    pub(crate) const GRID_GROUPS: u64 = COL_GROUPS + 12;
+
+    /// The tiles of a round.
+    pub(crate) const fn round(round: u32) -> u64 {
+        GRID_GROUPS + 12 + 12 * round as u64
+    }
+}
+
+impl DeviceProgress {
+    /// Before the first iteration; a row and a column of texels take so many groups, and so does
+    /// the whole grid.
+    pub(crate) fn start(stop: Stop, row: u32, col: u32, grid: [u32; 2]) -> Self {
+        let mut rounds = [1; SLOTS];
+        rounds.iter_mut().step_by(3).for_each(|tiles| *tiles = 0);
+        Self {
+            outcome: Outcome {
+                residual: 0,
+                renews: 1,
+                iterations: 0,
+                last_residual: u32::MAX,
+                since_reached: 0,
+                done: 0,
+                tolerance: (stop.tolerance / f64::from(f32::EPSILON)) as u32,
+                most: stop.iterations,
+            },
+            row_groups: [row, 1, 1],
+            col_groups: [col, 1, 1],
+            grid_groups: [grid[0], grid[1], 1],
+            rounds,
+            unsettled: [0; ROUNDS as usize],
+            reached: 0,
+        }
+    }
+
+    /// Before more rounds of tiles: all slots but the first, and what follows them.
+    pub(crate) fn later_rounds() -> Vec<u8> {
+        let start = Self::start(Stop::after(1), 0, 0, [0; 2]);
+        bytemuck::bytes_of(&start)[offset::round(1) as usize..].to_vec()
+    }
+}
