@@ -12,7 +12,7 @@ struct Point {
     float slowness;
 };
 
-layout(set = 0, binding = 6) readonly restrict buffer Points {
+layout(set = 0, binding = 7) readonly restrict buffer Points {
     vec2 points[]; // height and slowness, row-major
 };
 

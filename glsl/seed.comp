@@ -19,7 +19,7 @@ struct SeedTexel {
 
 layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray fronts;
 layout(set = 0, binding = 4, rgba32f) uniform writeonly image2DArray seeded_fronts;
-layout(set = 0, binding = 6) readonly restrict buffer Seeds {
+layout(set = 0, binding = 7) readonly restrict buffer Seeds {
     SeedTexel seeds[];
 };
 

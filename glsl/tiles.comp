@@ -21,8 +21,11 @@ layout(constant_id = 4) const int INNER = 4;
 
 layout(set = 0, binding = 0, rgba32f) uniform readonly restrict image2D edges;
 layout(set = 0, binding = 1, rgba32f) uniform readonly restrict image2D gaussians;
-layout(set = 0, binding = 2, rgba32f) uniform restrict image2DArray fronts_1;
-layout(set = 0, binding = 4, rgba32f) uniform restrict image2DArray fronts_0;
+// Each image is bound twice, so that reads and writes can be told apart.
+layout(set = 0, binding = 2, rgba32f) uniform readonly image2DArray fronts_1;
+layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray fronts_0;
+layout(set = 0, binding = 4, rgba32f) uniform writeonly image2DArray new_fronts_0;
+layout(set = 0, binding = 5, rgba32f) uniform writeonly image2DArray new_fronts_1;
 
 layout(push_constant) uniform Round {
     ivec2 texels; // columns and rows of texels, without the border
@@ -260,11 +263,11 @@ void main() {
         ivec2 texel = TEXELS * tile + BORDER + in_tile;
         if (any(greaterThanEqual(texel - BORDER, texels))) continue;
         if ((state & 1u) == 0u) {
-            imageStore(fronts_1, ivec3(texel, TIME), time[k]);
-            if (IS_CURVED) imageStore(fronts_1, ivec3(texel, CURVATURE), curvature[k]);
+            imageStore(new_fronts_1, ivec3(texel, TIME), time[k]);
+            if (IS_CURVED) imageStore(new_fronts_1, ivec3(texel, CURVATURE), curvature[k]);
         } else {
-            imageStore(fronts_0, ivec3(texel, TIME), time[k]);
-            if (IS_CURVED) imageStore(fronts_0, ivec3(texel, CURVATURE), curvature[k]);
+            imageStore(new_fronts_0, ivec3(texel, TIME), time[k]);
+            if (IS_CURVED) imageStore(new_fronts_0, ivec3(texel, CURVATURE), curvature[k]);
         }
         for (int j = 0; j < 4; j++) {
             has_reached = has_reached || (time_before[k][j] >= FAR && time[k][j] < FAR);

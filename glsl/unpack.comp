@@ -8,7 +8,7 @@
 layout(local_size_x = WORKGROUP) in;
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts;
-layout(set = 0, binding = 7) writeonly restrict buffer Distances {
+layout(set = 0, binding = 8) writeonly restrict buffer Distances {
     uint distances[]; // bits of floats, row-major: GLSL does not promise infinities
 };
 

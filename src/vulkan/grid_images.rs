@@ -128,6 +128,7 @@ impl GridImages {
                 (binding::OLD_FRONTS, old),
                 (binding::FRONTS_BEHIND, new),
                 (binding::NEW_FRONTS, new),
+                (binding::OTHER_FRONTS, old),
             ] {
                 let info = [vk::DescriptorImageInfo::default()
                     .image_view(image.view)

@@ -15,13 +15,15 @@ pub(crate) mod binding {
     pub(crate) const OLD_FRONTS: u32 = 2;
     pub(crate) const FRONTS_BEHIND: u32 = 3;
     pub(crate) const NEW_FRONTS: u32 = 4;
-    pub(crate) const PROGRESS: u32 = 5;
-    pub(crate) const UPLOAD: u32 = 6;
-    pub(crate) const DOWNLOAD: u32 = 7;
-    pub(crate) const TILES: u32 = 8;
+    /// The image of [`OLD_FRONTS`], for passes that write both.
+    pub(crate) const OTHER_FRONTS: u32 = 5;
+    pub(crate) const PROGRESS: u32 = 6;
+    pub(crate) const UPLOAD: u32 = 7;
+    pub(crate) const DOWNLOAD: u32 = 8;
+    pub(crate) const TILES: u32 = 9;
     /// The bindings from 0 up to here are storage images, the rest storage buffers.
-    pub(crate) const IMAGES: u32 = 5;
-    pub(crate) const ALL: u32 = 9;
+    pub(crate) const IMAGES: u32 = 6;
+    pub(crate) const ALL: u32 = 10;
 }
 
 /// Room for the largest block of push constants; every device offers 128 bytes.

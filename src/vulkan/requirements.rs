@@ -3,6 +3,7 @@
 use ash::vk;
 
 use super::memory::{FORMAT, IMAGE_USAGE};
+use super::pipelines::binding;
 use crate::constants::WORKGROUP;
 
 /// The Vulkan version needed; instances should be created for it or a later one.
@@ -24,6 +25,11 @@ pub fn unmet_requirements(
     if properties.limits.max_compute_work_group_invocations < WORKGROUP {
         let offered = properties.limits.max_compute_work_group_invocations;
         unmet.push(format!("workgroups hold {offered} invocations, and {WORKGROUP} are needed"));
+    }
+    let images = properties.limits.max_per_stage_descriptor_storage_images;
+    if images < binding::IMAGES {
+        let needed = binding::IMAGES;
+        unmet.push(format!("shaders see {images} storage images, and {needed} are needed"));
     }
     if compute_queue_family(instance, physical_device).is_none() {
         unmet.push("it has no queue for compute".into());
