@@ -5,6 +5,7 @@
 //! whole surface it is cut from.
 
 mod developable;
+mod face;
 mod flat_paths;
 mod jet;
 mod maze;
@@ -65,11 +66,16 @@ pub enum Builtin {
     /// to three turns, fewer on small grids, none below 21 rows or columns. Exact: the shortest
     /// polygonal path around the walls, by a visibility graph.
     Maze,
+    /// A face as a range scanner sees it, in millimetres: brow, eyes, nose, lips and chin as
+    /// bumps on a rounded head 160 wide and 200 high, cut out along an oval, x rightwards, y
+    /// downwards, z towards the scanner. 183 x 155 points leave about 21 775, as many as the
+    /// surface of the paper's figure 7 has. No known distances.
+    Face,
 }
 
 impl Builtin {
     /// One of each, with the default shear.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Plane,
         Self::ShearedPlane { degrees: Self::DEFAULT_SHEAR },
         Self::Sphere,
@@ -78,7 +84,13 @@ impl Builtin {
         Self::Torus,
         Self::Peaks,
         Self::Maze,
+        Self::Face,
     ];
+
+    /// Those with [distances to hold a solver against](Self::reference_distances).
+    pub fn measurable() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(|&builtin| builtin != Self::Face)
+    }
 
     /// Shear of `sheared-plane` without `@degrees`.
     pub const DEFAULT_SHEAR: f64 = 60.0;
@@ -94,6 +106,7 @@ impl Builtin {
             Self::Torus => "torus",
             Self::Peaks => "peaks",
             Self::Maze => "maze",
+            Self::Face => "face",
         }
     }
 
@@ -137,6 +150,7 @@ impl Builtin {
         let surface = Surface::from_positions(rows, cols, positions)?;
         match self {
             Self::Maze => surface.with_mask(&maze::floor(rows, cols)),
+            Self::Face => surface.with_mask(&face::oval(rows, cols)),
             _ => Ok(surface),
         }
     }
@@ -174,8 +188,12 @@ impl Builtin {
     /// Geodesic distances from a place, as fractional row and column, to all points of the
     /// surface sampled at rows x cols points, row-major: [exact](Self::exact_distances) ones, or
     /// else by shooting geodesics, with a relative error below 1e-9. Infinite at points in walls,
-    /// NaN where the distance is not known: where the shortest path would leave the patch.
+    /// NaN where the distance is not known: where the shortest path would leave the patch, and
+    /// on all of the face.
     pub fn reference_distances(self, rows: usize, cols: usize, from: [f64; 2]) -> Vec<f64> {
+        if self == Self::Face {
+            return vec![f64::NAN; rows * cols];
+        }
         self.exact_distances(rows, cols, from).unwrap_or_else(|| {
             let position = |uv: [Jet; 2]| self.position(uv);
             shooting::distances(position, rows, cols, unit_square(rows, cols, from))
@@ -192,6 +210,7 @@ impl Builtin {
             Self::Cone => developable::cone([u, v]),
             Self::Torus => torus::position([u, v]),
             Self::Peaks => peaks::position([u, v]),
+            Self::Face => face::position([u, v]),
         }
     }
 
@@ -203,7 +222,7 @@ impl Builtin {
             Self::Sphere => Some(sphere::distance(a, b)),
             Self::Cylinder => Some(developable::cylinder_distance(a, b)),
             Self::Cone => Some(developable::cone_distance(a, b)),
-            Self::Torus | Self::Peaks | Self::Maze => None,
+            Self::Torus | Self::Peaks | Self::Maze | Self::Face => None,
         }
     }
 }
@@ -260,7 +279,8 @@ mod tests {
         for builtin in Builtin::ALL {
             for (rows, cols) in [(1, 1), (1, 7), (6, 1), (2, 2), (21, 30), (90, 23)] {
                 let surface = builtin.surface(rows, cols).unwrap();
-                assert!(surface.has(0, 0), "{builtin}");
+                let middle = surface.has(rows / 2, cols / 2);
+                assert!(middle || builtin == Builtin::Maze && surface.has(0, 0), "{builtin}");
                 let to = [(rows - 1) as f64, (cols - 1) as f64];
                 if let Some(distance) = builtin.exact_distance(rows, cols, [0.0, 0.0], to) {
                     let chord = surface.position(0, 0).unwrap().distance(

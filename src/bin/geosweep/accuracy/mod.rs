@@ -31,7 +31,7 @@ pub struct Args {
     #[arg(default_values_t = [33, 65, 129, 257, 513, 1025])]
     sizes: Vec<usize>,
     /// Built-in surfaces (default: all)
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = measurable)]
     surfaces: Vec<Builtin>,
     /// Wavefronts (default: all)
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = wavefront)]
@@ -74,7 +74,7 @@ Examples:
   geosweep accuracy
   geosweep accuracy -o docs/accuracy.md --plots docs/figures --peers docs/peers.csv
   geosweep accuracy --surfaces sphere,sheared-plane@72 --wavefronts point --sizes 65,129 --json",
-        Builtin::ALL.map(|builtin| builtin.to_string()).join(", "),
+        Builtin::measurable().map(|b| b.to_string()).collect::<Vec<_>>().join(", "),
         wavefront_names()
     )
 }
@@ -86,6 +86,14 @@ enum EngineArg {
     Cpu,
     /// The first usable Vulkan device
     Vulkan,
+}
+
+fn measurable(text: &str) -> Result<Builtin, String> {
+    let builtin = Builtin::parse(text)?;
+    if Builtin::measurable().all(|known| known.name() != builtin.name()) {
+        return Err(format!("no distances are known on {builtin} to hold a solver against"));
+    }
+    Ok(builtin)
 }
 
 fn wavefront(text: &str) -> Result<Wavefront, String> {
@@ -101,7 +109,7 @@ pub fn run(args: &Args) -> Outcome {
     let outputs = Outputs::new(args)?;
     let peers = args.peers.as_deref().map_or(Ok(Vec::new()), peers::read)?;
     let sizes = study::ascending(&args.sizes);
-    let surfaces = or_else(&args.surfaces, || Builtin::ALL.to_vec());
+    let surfaces = or_else(&args.surfaces, || Builtin::measurable().collect());
     let wavefronts = or_else(&args.wavefronts, || Wavefront::ALL.to_vec());
     let engine = match args.engine {
         EngineArg::Cpu => Engine::Cpu,
