@@ -8,6 +8,8 @@ mod distance;
 mod figure;
 mod output_file;
 mod picture;
+mod problem;
+mod spinner;
 mod study;
 mod surface_arg;
 

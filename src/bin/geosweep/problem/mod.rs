@@ -1,0 +1,64 @@
+//! The arguments that all commands on a distance map share: the surface, the sources and the
+//! solver; and the map they give.
+
+mod outputs;
+mod solver;
+mod sources;
+mod surface;
+
+use std::path::Path;
+
+use geosweep::Report;
+use geosweep::surface::builtin::Builtin;
+
+pub use outputs::check_outputs;
+pub use solver::SolverArgs;
+pub use sources::SourceArgs;
+pub use surface::{Scene, SurfaceArgs};
+
+use crate::say;
+
+/// Finite numbers with commas between them.
+pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
+    let number = |text: &str| match text.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(format!("`{text}` is not a finite number")),
+    };
+    text.split(',').map(number).collect()
+}
+
+/// A sentence on the built-in surfaces for the end of a command's help.
+pub fn builtin_names() -> String {
+    format!("Built-in surfaces:\n  {}; sheared-plane@DEGREES says by what angle.", Builtin::names())
+}
+
+/// All files that are read.
+pub fn inputs<'a>(
+    surface: &'a SurfaceArgs,
+    sources: &'a SourceArgs,
+) -> impl Iterator<Item = &'a Path> {
+    surface.inputs().chain(&sources.source_curve).map(AsRef::as_ref)
+}
+
+/// What the user should know though the map is there.
+pub fn comment(report: &Report, solver: &SolverArgs) {
+    if let Some(reason) = &report.fallback {
+        say("note", format_args!("computed on the CPU, since Vulkan cannot be used: {reason}"));
+    }
+    if !report.converged {
+        let (iterations, residual) = (report.iterations, report.residual);
+        say(
+            "warning",
+            format_args!(
+                "not converged after {iterations} iterations: the last changed a distance by a \
+                 fraction of {residual:.1e}, the tolerance is {:.1e}; give more --iterations",
+                solver.tolerance
+            ),
+        );
+    }
+    let unreached = report.points - report.reached;
+    if unreached > 0 {
+        let points = report.points;
+        say("note", format_args!("{unreached} of {points} points cannot be reached"));
+    }
+}

@@ -1,0 +1,83 @@
+//! How to solve: the options of every command that computes a map.
+
+use clap::ValueEnum;
+use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Options, Wavefront};
+
+#[derive(clap::Args)]
+pub struct SolverArgs {
+    /// The front assumed between points
+    #[arg(long, value_enum, default_value_t, help_heading = "Solver")]
+    wavefront: WavefrontArg,
+    /// What computes the map
+    #[arg(long, value_enum, default_value_t, help_heading = "Solver")]
+    engine: EngineArg,
+    /// The Vulkan device: its index in `geosweep devices`, or a part of its name; implies
+    /// --engine vulkan
+    #[arg(long, value_name = "NAME|INDEX", help_heading = "Solver")]
+    device: Option<String>,
+    /// Stop after this many iterations of four scans (default: 10 for each row and column)
+    #[arg(long, value_name = "N", help_heading = "Solver")]
+    iterations: Option<u32>,
+    /// Stop when no distance falls by more than this fraction in an iteration
+    #[arg(long, value_name = "T", default_value_t = DEFAULT_TOLERANCE, help_heading = "Solver")]
+    #[arg(allow_hyphen_values = true)]
+    pub tolerance: f64,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum WavefrontArg {
+    /// Curved; but point on a surface with a slowness, for point sources that start together
+    #[default]
+    Auto,
+    /// Carries its curvature: the most accurate on smooth surfaces, around walls and from curves,
+    /// in about twice the time of point
+    Curved,
+    /// Circular: exact on developable surfaces but for the sampling, for point sources only
+    Point,
+    /// Straight: first-order accurate, as in the paper
+    Planar,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum EngineArg {
+    /// The first usable Vulkan device, else the CPU
+    #[default]
+    Auto,
+    /// A Vulkan device, or an error
+    Vulkan,
+    /// Raster scans on the CPU
+    Cpu,
+    /// Fast marching on the CPU, the sequential reference
+    FastMarching,
+}
+
+impl SolverArgs {
+    pub fn options(&self) -> Result<Options, String> {
+        Ok(Options {
+            engine: self.engine()?,
+            wavefront: match self.wavefront {
+                WavefrontArg::Auto => None,
+                WavefrontArg::Curved => Some(Wavefront::Curved),
+                WavefrontArg::Point => Some(Wavefront::PointSource),
+                WavefrontArg::Planar => Some(Wavefront::Planar),
+            },
+            tolerance: self.tolerance,
+            iterations: self.iterations,
+        })
+    }
+
+    fn engine(&self) -> Result<Engine, String> {
+        let device = self.device.as_ref().map(|device| match device.parse() {
+            Ok(index) => DeviceChoice::Index(index),
+            Err(_) => DeviceChoice::Name(device.clone()),
+        });
+        match (self.engine, device) {
+            (EngineArg::Auto | EngineArg::Vulkan, Some(device)) => Ok(Engine::Vulkan(device)),
+            (_, Some(_)) => Err("--device is for --engine vulkan; leave one of them out".into()),
+            (EngineArg::Auto, None) => Ok(Engine::Auto),
+            (EngineArg::Vulkan, None) => Ok(Engine::Vulkan(DeviceChoice::Any)),
+            (EngineArg::Cpu, None) => Ok(Engine::Cpu),
+            (EngineArg::FastMarching, None) => Ok(Engine::FastMarching),
+        }
+    }
+}

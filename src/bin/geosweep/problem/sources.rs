@@ -1,0 +1,41 @@
+//! Where distances start.
+
+use std::path::PathBuf;
+
+use geosweep::Sources;
+use geosweep::io::{IoError, read_curve};
+
+use super::numbers;
+
+#[derive(clap::Args)]
+#[command(group = clap::ArgGroup::new("sources").required(true).multiple(true))]
+pub struct SourceArgs {
+    /// A point source: row and column, which may be fractional, and the distance it starts with
+    /// (default 0); repeatable
+    #[arg(short, long, value_name = "R,C[,T0]", group = "sources", help_heading = "Sources")]
+    #[arg(value_parser = point, allow_hyphen_values = true)]
+    source: Vec<[f64; 3]>,
+    /// A curve, every point of which is a source: an .npy array (K, 2) of rows and columns, or a
+    /// text file with a line `row,col` per vertex; repeatable
+    #[arg(long, value_name = "FILE", group = "sources", help_heading = "Sources")]
+    pub source_curve: Vec<PathBuf>,
+}
+
+fn point(text: &str) -> Result<[f64; 3], String> {
+    match numbers(text)?[..] {
+        [row, col] => Ok([row, col, 0.0]),
+        [row, col, start] => Ok([row, col, start]),
+        _ => Err("a source is a row and a column, and perhaps a start value: R,C[,T0]".into()),
+    }
+}
+
+impl SourceArgs {
+    pub fn sources(&self) -> Result<Sources, IoError> {
+        let points = self.source.iter().fold(Sources::default(), |sources, &[row, col, start]| {
+            sources.and_point(row, col, start)
+        });
+        self.source_curve
+            .iter()
+            .try_fold(points, |sources, path| Ok(sources.and_curve(read_curve(path)?, 0.0)))
+    }
+}

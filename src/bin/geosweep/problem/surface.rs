@@ -1,0 +1,152 @@
+//! What surface distances are measured on.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use clap::builder::{OsStringValueParser, TypedValueParser};
+use geosweep::io::{self, SurfaceFile};
+use geosweep::{EdgeRule, Spacing, Surface};
+
+use super::numbers;
+use crate::say;
+use crate::spinner::Spinner;
+use crate::surface_arg::SurfaceArg;
+
+#[derive(clap::Args)]
+pub struct SurfaceArgs {
+    /// A file, or builtin:NAME:ROWSxCOLS. Files: .npy with positions (M, N, 3), heights (M, N) or a
+    /// metric (M, N, 2, 2); .png with heights, grey, 8 or 16 bits; .tif with heights; .exr with
+    /// positions in channels X, Y, Z or R, G, B, or heights in a single channel. NaN marks holes
+    #[arg(value_parser = OsStringValueParser::new().try_map(SurfaceArg::parse))]
+    surface: SurfaceArg,
+
+    /// Distance between columns and rows of heights, in the unit of the heights (default: what a
+    /// projected GeoTIFF says, else 1)
+    #[arg(long, value_name = "DX[,DY]", help_heading = "Surface", value_parser = spacing)]
+    #[arg(allow_hyphen_values = true)]
+    spacing: Option<Spacing>,
+    /// Where the surface is (non-zero) and where it has holes (zero): .npy (M, N) of bool or uint8,
+    /// or an 8-bit grey .png
+    #[arg(long, value_name = "FILE", help_heading = "Surface")]
+    mask: Option<PathBuf>,
+    /// Weight of lengths at each point, the reciprocal of a speed, so that distances become travel
+    /// times: .npy (M, N), positive
+    #[arg(long, value_name = "FILE", help_heading = "Surface")]
+    slowness: Option<PathBuf>,
+    /// Lengths from this metric in place of SURFACE's, whose positions are still used for the
+    /// picture: .npy (M, N, 2, 2), symmetric and positive definite, per step of one row (axis 0)
+    /// and one column (axis 1)
+    #[arg(long, value_name = "FILE", help_heading = "Surface")]
+    metric: Option<PathBuf>,
+    /// How long the surface is between neighbouring points; a metric has its own lengths
+    #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
+    edges: EdgesArg,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum EdgesArg {
+    /// Along the surface where it bends alike at both ends, else the chord
+    #[default]
+    Arc,
+    /// Straight: the surface is the polyhedron of its points
+    Chord,
+}
+
+fn spacing(text: &str) -> Result<Spacing, String> {
+    let spacing = match numbers(text)?[..] {
+        [both] => Spacing::square(both),
+        [dx, dy] => Spacing { dx, dy },
+        _ => return Err("a spacing is one number, or one for columns and one for rows".into()),
+    };
+    if spacing.dx > 0.0 && spacing.dy > 0.0 {
+        Ok(spacing)
+    } else {
+        Err("a spacing must be positive".into())
+    }
+}
+
+/// The surface that is solved for, and the one that is drawn.
+pub struct Scene {
+    pub surface: Surface,
+    /// Where lengths come from a metric of their own, the surface that has positions.
+    shape: Option<Surface>,
+}
+
+impl Scene {
+    fn read(args: &SurfaceArgs) -> Result<Self, Box<dyn Error>> {
+        let given = args.read_surface()?;
+        let (rows, cols) = (given.rows(), given.cols());
+        let (mut surface, shape) = match &args.metric {
+            None => (given, None),
+            Some(path) => {
+                let metric = io::read_metric(path)?.fit(path, rows, cols)?;
+                let surface = Surface::from_metric(rows, cols, metric)
+                    .and_then(|surface| surface.with_mask(given.present()))
+                    .map_err(|error| format!("{}: {error}", path.display()))?;
+                (surface, Some(given))
+            }
+        };
+        if let Some(path) = &args.mask {
+            let mask = io::read_mask(path)?.fit(path, rows, cols)?;
+            surface = surface.with_mask(&mask).map_err(|e| format!("{}: {e}", path.display()))?;
+        }
+        if let Some(path) = &args.slowness {
+            let slowness = io::read_slowness(path)?.fit(path, rows, cols)?;
+            surface =
+                surface.with_slowness(slowness).map_err(|e| format!("{}: {e}", path.display()))?;
+        }
+        let surface = surface.with_edge_rule(match args.edges {
+            EdgesArg::Arc => EdgeRule::Arc,
+            EdgesArg::Chord => EdgeRule::Chord,
+        });
+        Ok(Self { surface, shape })
+    }
+
+    pub fn shape(&self) -> &Surface {
+        self.shape.as_ref().unwrap_or(&self.surface)
+    }
+}
+
+impl SurfaceArgs {
+    pub fn read(&self) -> Result<Scene, Box<dyn Error>> {
+        Scene::read(self)
+    }
+
+    /// The files that are read.
+    pub fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
+        let surface = match &self.surface {
+            SurfaceArg::File(path) => Some(path),
+            SurfaceArg::Builtin(_) => None,
+        };
+        let optional = [surface, self.mask.as_ref(), self.slowness.as_ref(), self.metric.as_ref()];
+        optional.into_iter().flatten()
+    }
+
+    fn read_surface(&self) -> Result<Surface, Box<dyn Error>> {
+        match &self.surface {
+            SurfaceArg::Builtin(builtin) => {
+                if self.spacing.is_some() {
+                    return Err("--spacing is for heights from a file; a built-in surface has \
+                                its own size, leave it out"
+                        .into());
+                }
+                Ok(builtin.surface()?)
+            }
+            SurfaceArg::File(path) => {
+                let _spinner = Spinner::new("reading");
+                let file = SurfaceFile::read(path)?;
+                if file.lacks_spacing() && self.spacing.is_none() {
+                    let name = path.display();
+                    say(
+                        "note",
+                        format_args!(
+                            "{name}: heights are taken as 1 apart; --spacing says otherwise"
+                        ),
+                    );
+                }
+                Ok(file.into_surface(self.spacing)?)
+            }
+        }
+    }
+}
