@@ -1,4 +1,9 @@
-//! Curves in the parameter domain.
+//! Curves in the parameter domain, and what they are on the surface.
+
+use glam::{DVec2, DVec3};
+
+use crate::Surface;
+use crate::surface::{Sample, grid_crossings};
 
 /// A polyline in the parameter domain, its vertices anywhere between grid points.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -7,4 +12,115 @@ pub struct Curve {
     pub vertices: Vec<[f64; 2]>,
     /// Whether the last vertex is joined to the first, which is not repeated.
     pub closed: bool,
+}
+
+/// Why a curve cannot be taken to the surface.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CurveError {
+    /// The surface has no positions.
+    #[error("the surface is known only by its metric, so that its points have no place in space")]
+    NoPositions,
+    /// A vertex or a part of the curve lies off the surface.
+    #[error("row {row}, column {col} is off the surface: outside the grid or in a hole")]
+    Off {
+        /// Row of the place.
+        row: f64,
+        /// Column of the place.
+        col: f64,
+    },
+}
+
+impl Curve {
+    /// The vertices with the first repeated at the end of a closed curve.
+    pub fn points(&self) -> impl Iterator<Item = [f64; 2]> {
+        let first = self.vertices.first().filter(|_| self.closed);
+        self.vertices.iter().chain(first).copied()
+    }
+
+    /// Each vertex in space: bilinear between the four grid points around it, linear between
+    /// three beside a hole.
+    ///
+    /// # Errors
+    /// If the surface has no positions, or not at a vertex.
+    ///
+    /// ```
+    /// use geosweep::{Spacing, Surface, geometry::Curve};
+    /// let ramp = (0..20).map(|i| f64::from(i % 5)).collect();
+    /// let surface = Surface::from_heights(4, 5, ramp, Spacing::square(2.0))?;
+    /// let curve = Curve { vertices: vec![[0.5, 0.5], [2.5, 3.5]], closed: false };
+    /// assert_eq!(curve.lift(&surface)?[1].to_array(), [7.0, 5.0, 3.5]);
+    /// assert!((curve.length(&surface)? - 61f64.sqrt()).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn lift(&self, surface: &Surface) -> Result<Vec<DVec3>, CurveError> {
+        let place = |&vertex: &[f64; 2]| match sample(surface, vertex.into())? {
+            Sample::Position(position) => Ok(position),
+            Sample::Metric { .. } => Err(CurveError::NoPositions),
+        };
+        self.vertices.iter().map(place).collect()
+    }
+
+    /// Length on the surface, in its unit, without any slowness: of the straight steps between
+    /// the places where the curve crosses the grid's lines.
+    ///
+    /// # Errors
+    /// If a part of the curve lies off the surface.
+    pub fn length(&self, surface: &Surface) -> Result<f64, CurveError> {
+        let points: Vec<DVec2> = self.points().map(DVec2::from).collect();
+        let mut length = 0.0;
+        for ends in points.windows(2) {
+            let places = grid_crossings(ends[0], ends[1])
+                .into_iter()
+                .map(|cut| sample(surface, ends[0].lerp(ends[1], cut)))
+                .collect::<Result<Vec<_>, _>>()?;
+            length += places.windows(2).map(|step| step[0].length_to(step[1])).sum::<f64>();
+        }
+        Ok(length)
+    }
+}
+
+fn sample(surface: &Surface, at: DVec2) -> Result<Sample, CurveError> {
+    surface.place(at).ok_or(CurveError::Off { row: at.x, col: at.y })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::builtin::Builtin;
+    use crate::{MetricTensor, Spacing};
+
+    #[test]
+    fn a_circle_of_latitude_is_as_long_as_it_should_be() {
+        // Around the cylinder of radius 1, over three quarters of a turn, half-way up a cell.
+        let surface = Builtin::Cylinder.surface(33, 129).unwrap();
+        let curve = Curve { vertices: vec![[8.5, 0.0], [8.5, 128.0]], closed: false };
+        let exact = 1.5 * std::f64::consts::PI;
+        // 128 chords are short by the 24th of a squared 128th of the angle.
+        let chords = exact * (1.0 - (exact / 128.0).powi(2) / 24.0);
+        let length = curve.length(&surface).unwrap();
+        approx::assert_relative_eq!(length, chords, max_relative = 1e-7);
+    }
+
+    #[test]
+    fn a_metric_has_lengths_and_no_places() {
+        let metric = MetricTensor { rr: 4.0, rc: 0.0, cc: 9.0 };
+        let surface = Surface::from_metric(4, 4, vec![metric; 16]).unwrap();
+        let square = vec![[0.5, 0.5], [2.5, 0.5], [2.5, 2.5], [0.5, 2.5]];
+        let curve = Curve { vertices: square, closed: true };
+        approx::assert_relative_eq!(curve.length(&surface).unwrap(), 20.0, max_relative = 1e-12);
+        assert_eq!(curve.lift(&surface), Err(CurveError::NoPositions));
+    }
+
+    #[test]
+    fn what_lies_off_the_surface_is_said() {
+        let mut heights = vec![0.0; 25];
+        heights[12] = f64::NAN;
+        let surface = Surface::from_heights(5, 5, heights, Spacing::square(1.0)).unwrap();
+        let through = Curve { vertices: vec![[0.0, 2.0], [4.0, 2.0]], closed: false };
+        assert!(through.lift(&surface).is_ok());
+        assert_eq!(through.length(&surface), Err(CurveError::Off { row: 2.0, col: 2.0 }));
+        let outside = Curve { vertices: vec![[0.0, 4.5]], closed: false };
+        assert_eq!(outside.lift(&surface), Err(CurveError::Off { row: 0.0, col: 4.5 }));
+    }
 }

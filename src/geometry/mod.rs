@@ -1,5 +1,10 @@
 //! What people do with a distance map.
 
+mod arrivals;
+mod chains;
+mod contours;
 mod curve;
+mod triangles;
 
-pub use curve::Curve;
+pub use contours::{Contour, LevelError, Levels, MOST_LEVELS, contours};
+pub use curve::{Curve, CurveError};

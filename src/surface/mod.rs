@@ -22,9 +22,11 @@ pub use coarsen::Coarsened;
 pub(crate) use edges::EdgeSlot;
 pub use edges::{EdgeLengths, LONGEST_EDGE, SHORTEST_EDGE};
 pub(crate) use gaussian_curvature::DIFFRACTS;
+pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing};
 pub use real::{FAR, Real};
 pub(crate) use real::{max, min, relative_change};
+pub(crate) use sources::grid_crossings;
 pub use sources::{Seed, Source, SourceError, Sources};
 
 use glam::DVec3;

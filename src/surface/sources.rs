@@ -169,7 +169,7 @@ impl Sources {
     }
 
     /// The smallest initial value.
-    pub(crate) fn start(&self) -> f64 {
+    pub fn start(&self) -> f64 {
         let initial = |source: &Source| match source {
             Source::Point { initial, .. } | Source::Curve { initial, .. } => *initial,
         };
@@ -351,7 +351,7 @@ fn check_inside(surface: &Surface, at: DVec2) -> Result<(), SourceError> {
 }
 
 /// Where a segment crosses the grid's rows and columns: parameters from 0 to 1, ends included.
-fn grid_crossings(from: DVec2, to: DVec2) -> Vec<f64> {
+pub(crate) fn grid_crossings(from: DVec2, to: DVec2) -> Vec<f64> {
     let mut cuts = vec![0.0, 1.0];
     for axis in 0..2 {
         let (a, b) = (from[axis], to[axis]);
@@ -493,7 +493,7 @@ impl Surface {
     }
 
     /// The geometry between grid points; `None` in a hole.
-    fn place(&self, at: DVec2) -> Option<Sample> {
+    pub(crate) fn place(&self, at: DVec2) -> Option<Sample> {
         check_inside(self, at).ok()?;
         cells_around(self, at).into_iter().find_map(|cell| cell.sample(self, at))
     }

@@ -1,0 +1,194 @@
+//! Curves of equal distance, by marching triangles in the parameter domain (paper, section 6.3).
+
+use rayon::prelude::*;
+
+use super::Curve;
+use super::arrivals::Arrivals;
+use super::chains::{Segment, join};
+use super::triangles::{Edge, corners, triangles};
+use crate::{DistanceMap, Sources};
+
+/// Where contours are wanted.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Levels {
+    /// At these distances.
+    List(Vec<f64>),
+    /// So many, equally spaced between the start and the largest distance.
+    Count(usize),
+    /// At all multiples of a distance beyond the start.
+    Spacing(f64),
+}
+
+/// Why there are no such levels.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LevelError {
+    /// A level is NaN or infinite.
+    #[error("contour level {0} is not finite")]
+    NotFinite(f64),
+    /// A spacing is zero, negative or not finite.
+    #[error("contours {0} apart cannot be drawn; the spacing must be positive and finite")]
+    Spacing(f64),
+    /// Too many levels.
+    #[error("{0:.0} contour levels are too many; the limit is {MOST_LEVELS}")]
+    TooMany(f64),
+}
+
+/// The most levels of one call.
+pub const MOST_LEVELS: usize = 65_535;
+
+impl Levels {
+    /// The levels on a map from some sources, ascending, each once.
+    ///
+    /// # Errors
+    /// If a level or the spacing makes no sense, or there would be more than [`MOST_LEVELS`].
+    pub fn on(&self, map: &DistanceMap, sources: &Sources) -> Result<Vec<f64>, LevelError> {
+        let (low, high) = (sources.start(), f64::from(map.report.max_distance));
+        let too_many = |count: f64| {
+            if count > MOST_LEVELS as f64 { Err(LevelError::TooMany(count)) } else { Ok(()) }
+        };
+        let mut levels = match self {
+            Self::List(levels) => {
+                if let Some(level) = levels.iter().find(|level| !level.is_finite()) {
+                    return Err(LevelError::NotFinite(*level));
+                }
+                too_many(levels.len() as f64)?;
+                levels.clone()
+            }
+            Self::Count(count) => {
+                too_many(*count as f64)?;
+                let step = (high - low) / (*count as f64 + 1.0);
+                (1..=*count).map(|k| low + k as f64 * step).collect()
+            }
+            Self::Spacing(step) => {
+                if !(*step > 0.0 && step.is_finite()) {
+                    return Err(LevelError::Spacing(*step));
+                }
+                let (first, last) = ((low / step).floor() + 1.0, (high / step).floor());
+                too_many(last - first + 1.0)?;
+                (first as i64..=last as i64).map(|k| k as f64 * step).collect()
+            }
+        };
+        levels.sort_by(f64::total_cmp);
+        levels.dedup();
+        Ok(levels)
+    }
+}
+
+/// The points at some distance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contour {
+    /// The distance.
+    pub level: f64,
+    /// Closed curves, and open ones that end at the surface's border, at holes or where the map
+    /// ends. Nearer points lie to the left of each as seen in a picture of the grid, rows
+    /// downwards: curves around the source run counter-clockwise.
+    pub curves: Vec<Curve>,
+}
+
+/// The contours of a map at some levels, in their order; see [`Levels::on`]. A level that the map
+/// does not have, below its start or above its largest distance, has no curves.
+///
+/// Vertices lie on the grid's lines and cells' diagonals, where a cubic of the squared distance
+/// through four points in line takes the level: exactly on circles in the plane, however near the
+/// source. Where fronts meet, the curve's corner is cut inside a triangle. A contour that passes
+/// between grid points without separating any, around a source inside a cell for example, is not
+/// found.
+///
+/// ```
+/// use geosweep::geometry::{Levels, contours};
+/// use geosweep::{Options, Sources, Spacing, Surface, distance_map};
+///
+/// let surface = Surface::from_heights(65, 65, vec![0.0; 65 * 65], Spacing::square(1.0))?;
+/// let sources = Sources::point(32.0, 32.0);
+/// let map = distance_map(&surface, &sources, &Options::default())?;
+/// let levels = Levels::Spacing(10.0).on(&map, &sources)?;
+/// let circles = contours(&map, &sources, &levels);
+/// assert_eq!((circles.len(), circles[1].level, circles[1].curves.len()), (4, 20.0, 1));
+/// for vertex in &circles[1].curves[0].vertices {
+///     assert!(((vertex[0] - 32.0).hypot(vertex[1] - 32.0) - 20.0).abs() < 1e-3);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn contours(map: &DistanceMap, sources: &Sources, levels: &[f64]) -> Vec<Contour> {
+    let mut ascending = levels.to_vec();
+    ascending.sort_by(f64::total_cmp);
+    ascending.dedup();
+    let arrivals = Arrivals::new(map, sources.start());
+    let segments = march(&arrivals, &ascending);
+    let curves = join(segments, |level, node| {
+        let (first, to) = Edge::from_number(node).ends(map.chart);
+        let s = arrivals.crossing(first, to, ascending[level as usize]);
+        let (down, right) = to.step();
+        [first.0 as f64 + s * down as f64, first.1 as f64 + s * right as f64]
+    });
+    let mut by_level = vec![Vec::new(); ascending.len()];
+    for (level, curve) in curves {
+        by_level[level as usize].push(curve);
+    }
+    let of_level = |&level: &f64| {
+        let found = ascending.binary_search_by(|other| other.total_cmp(&level));
+        let curves = found.map(|index| by_level[index].clone()).unwrap_or_default();
+        Contour { level, curves }
+    };
+    levels.iter().map(of_level).collect()
+}
+
+/// The segments of all levels in all triangles, keyed by the level's index.
+fn march(arrivals: &Arrivals, levels: &[f64]) -> Vec<Segment<u32>> {
+    const MISSING: u32 = u32::MAX;
+    let chart = arrivals.chart;
+    // How many levels a point has passed: the distance there is at least as large.
+    let passed = |index: usize| {
+        let time = f64::from(arrivals.time(index));
+        if !time.is_finite() {
+            return MISSING;
+        }
+        levels.partition_point(|&level| level <= time) as u32
+    };
+    let passed: Vec<u32> =
+        (0..chart.points()).into_par_iter().with_min_len(4096).map(passed).collect();
+    let row_of_cells = |row: usize| {
+        let mut segments = Vec::new();
+        for col in 0..chart.cols.saturating_sub(1) {
+            let corners = corners(chart, row, col);
+            let counts = corners.map(|index| passed[index]);
+            if counts == [counts[0]; 4] {
+                continue;
+            }
+            let there = counts.map(|count| count != MISSING);
+            let times = corners.map(|index| arrivals.time(index));
+            // Along the diagonal that the map rises on, so that curves cross it.
+            let falling = (times[0] - times[3]).abs() >= (times[1] - times[2]).abs();
+            for triangle in triangles(there, falling) {
+                march_triangle(triangle, &counts, |level, out, back| {
+                    let edge =
+                        |[a, b]: [usize; 2]| Edge::between(chart, corners[a], corners[b]).number();
+                    segments.push(Segment { key: level, from: edge(out), to: edge(back) });
+                });
+            }
+        }
+        segments
+    };
+    (0..chart.rows.saturating_sub(1)).into_par_iter().flat_map_iter(row_of_cells).collect()
+}
+
+/// Calls `found` with each level that passes through a triangle, and the edges on which the way
+/// around it leaves the nearer part and comes back.
+fn march_triangle(
+    triangle: &[usize; 3],
+    counts: &[u32; 4],
+    mut found: impl FnMut(u32, [usize; 2], [usize; 2]),
+) {
+    let [a, b, c] = triangle.map(|corner| counts[corner]);
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    for level in low..high {
+        let nearer = |corner: usize| counts[corner] <= level;
+        let edges = [0, 1, 2].map(|k| [triangle[k], triangle[(k + 1) % 3]]);
+        let find =
+            |from: bool| edges.into_iter().find(|[p, q]| nearer(*p) == from && nearer(*q) != from);
+        if let (Some(out), Some(back)) = (find(true), find(false)) {
+            found(level, out, back);
+        }
+    }
+}
