@@ -1,0 +1,131 @@
+//! Contours against circles: in the plane, on the unrolled cylinder and on the sphere.
+
+use geosweep::geometry::{LevelError, Levels, contours};
+use geosweep::surface::builtin::Builtin;
+use geosweep::{DistanceMap, Engine, Options, Sources, Spacing, Surface, distance_map};
+
+fn solve(surface: &Surface, sources: &Sources) -> DistanceMap {
+    let options = Options { engine: Engine::Cpu, ..Options::default() };
+    distance_map(surface, sources, &options).unwrap()
+}
+
+fn flat(rows: usize, cols: usize) -> Surface {
+    Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
+}
+
+/// The issue asks for a tenth of a cell, in the middle of each piece too. From sources at and
+/// between grid points, and from one beside the border.
+#[test]
+fn contours_lie_within_a_tenth_of_a_cell_of_the_exact_curve() {
+    const POINTS: usize = 129;
+    for builtin in [Builtin::Plane, Builtin::Cylinder, Builtin::Sphere] {
+        let surface = builtin.surface(POINTS, POINTS).unwrap();
+        for source in [[40.0, 70.0], [40.3, 70.6], [0.0, 0.0], [2.5, 127.0]] {
+            let sources = Sources::point(source[0], source[1]);
+            let map = solve(&surface, &sources);
+            let levels = Levels::Count(40).on(&map, &sources).unwrap();
+            let exact = |at| builtin.exact_distance(POINTS, POINTS, source, at).unwrap();
+            let (mut worst, mut vertices) = (0.0f64, 0);
+            for contour in contours(&map, &sources, &levels) {
+                for curve in &contour.curves {
+                    let points: Vec<_> = curve.points().collect();
+                    for ends in points.windows(2) {
+                        let middle = [0, 1].map(|k| 0.5 * (ends[0][k] + ends[1][k]));
+                        for at in [ends[0], middle] {
+                            // In cells: by how much the distance changes over one, across.
+                            let change = |step: [f64; 2]| {
+                                let there = [0, 1].map(|k| (at[k] + step[k]).min(128.0));
+                                let back = [0, 1].map(|k| there[k] - step[k]);
+                                exact(there) - exact(back)
+                            };
+                            let slope = change([1.0, 0.0]).hypot(change([0.0, 1.0]));
+                            worst = worst.max((exact(at) - contour.level).abs() / slope);
+                            vertices += 1;
+                        }
+                    }
+                }
+            }
+            println!("{builtin} {source:?}: {worst:.4} cells, {vertices} places");
+            assert!(vertices > 5000 && worst < 0.1, "{builtin} {source:?}: {worst} cells");
+        }
+    }
+}
+
+#[test]
+fn curves_are_closed_around_the_source_and_run_counter_clockwise() {
+    let sources = Sources::point(20.0, 22.0);
+    let map = solve(&flat(41, 45), &sources);
+    for contour in contours(&map, &sources, &[0.4, 5.0, 17.5]) {
+        let [curve] = &contour.curves[..] else { panic!("{contour:?}") };
+        assert!(curve.closed);
+        let points: Vec<_> = curve.points().collect();
+        // Rows count downwards: twice the area, positive if counter-clockwise in a picture.
+        let twice = |ends: &[[f64; 2]]| ends[0][0] * ends[1][1] - ends[1][0] * ends[0][1];
+        let area = 0.5 * points.windows(2).map(twice).sum::<f64>();
+        // Inscribed polygons are smaller than the circle, octagons by a tenth.
+        let exact = std::f64::consts::PI * contour.level.powi(2);
+        assert!((0.85 * exact..exact * 1.0001).contains(&area), "{area} {exact}");
+    }
+}
+
+#[test]
+fn levels_that_the_map_does_not_have_give_no_curve() {
+    let sources = Sources::point(4.0, 4.0);
+    let map = solve(&flat(9, 9), &sources);
+    for contour in contours(&map, &sources, &[-3.0, 0.0, 5.7, 1e9]) {
+        assert!(contour.curves.is_empty(), "{contour:?}");
+    }
+    assert!(contours(&map, &sources, &[]).is_empty());
+}
+
+#[test]
+fn levels_are_listed_counted_or_spaced() {
+    let sources = Sources::default().and_point(0.0, 0.0, 10.0);
+    let map = solve(&flat(2, 11), &Sources::default().and_point(0.0, 0.0, 10.0));
+    let on = |levels: Levels| levels.on(&map, &sources);
+    assert_eq!(on(Levels::List(vec![12.0, 11.0, 12.0])), Ok(vec![11.0, 12.0]));
+    assert_eq!(on(Levels::Spacing(4.0)), Ok(vec![12.0, 16.0, 20.0]));
+    assert_eq!(on(Levels::Count(3)).unwrap().len(), 3);
+    assert_eq!(on(Levels::Count(0)), Ok(vec![]));
+    for levels in [Levels::Spacing(0.0), Levels::Spacing(f64::NAN)] {
+        assert!(matches!(on(levels), Err(LevelError::Spacing(_))));
+    }
+    assert!(matches!(on(Levels::List(vec![f64::NAN])), Err(LevelError::NotFinite(_))));
+    assert!(matches!(on(Levels::Spacing(1e-9)), Err(LevelError::TooMany(_))));
+}
+
+#[test]
+fn contours_end_at_holes_and_never_enter_what_is_not_reached() {
+    // A wall with a gap at its northern end, and a column that is cut off.
+    let (rows, cols) = (15, 21);
+    let kept = |i: usize| !(i % cols == 8 && i / cols > 0) && i % cols != 18;
+    let mask: Vec<bool> = (0..rows * cols).map(kept).collect();
+    let surface = flat(rows, cols).with_mask(&mask).unwrap();
+    let sources = Sources::point(10.0, 3.0);
+    let map = solve(&surface, &sources);
+    let levels = Levels::Spacing(1.0).on(&map, &sources).unwrap();
+    let mut curves = 0;
+    for contour in contours(&map, &sources, &levels) {
+        for curve in &contour.curves {
+            curves += 1;
+            // Only what is on the surface has a length.
+            curve.length(&surface).unwrap();
+            assert!(curve.vertices.iter().all(|at| at[1] <= 17.0), "{curve:?}");
+        }
+    }
+    assert!(curves > levels.len(), "some levels lie on both sides of the wall");
+}
+
+#[test]
+fn two_rows_a_plateau_and_a_single_row() {
+    let sources = Sources::point(0.0, 0.0);
+    let found = contours(&solve(&flat(2, 9), &sources), &sources, &[3.5]);
+    assert_eq!(found[0].curves[0].vertices.len(), 3);
+    // All points lie at the same place: everything is a plateau.
+    let points = vec![geosweep::glam::DVec3::ONE; 12];
+    let plateau = Surface::from_positions(3, 4, points).unwrap();
+    let map = solve(&plateau, &sources);
+    assert!(contours(&map, &sources, &[-1.0, 0.0, 1.0]).iter().all(|c| c.curves.is_empty()));
+    let line = solve(&flat(1, 9), &sources);
+    assert!(contours(&line, &sources, &[3.5])[0].curves.is_empty());
+}
