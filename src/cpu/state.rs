@@ -113,13 +113,8 @@ impl<'a, R: Real> Fronts<'a, R> {
     ) -> Front<R> {
         let x1 = point.wrapping_add_signed(slots.x1);
         let x2 = point.wrapping_add_signed(slots.x2);
-        let triangle = Triangle {
-            t1: time(x1),
-            t2: time(x2),
-            l1: self.edges.at(point, slots.l1),
-            l2: self.edges.at(point, slots.l2),
-            c: self.edges.at(point, slots.c),
-        };
+        let [l1, l2, c] = slots.lengths(self.edges, point);
+        let triangle = Triangle { t1: time(x1), t2: time(x2), l1, l2, c };
         self.arrival(point, x1, x2, triangle)
     }
 
@@ -220,5 +215,10 @@ impl TriangleSlots {
             l2: EdgeSlot::new(chart, 0, second),
             c: EdgeSlot::new(chart, chart.offset(first), base),
         }
+    }
+    /// Lengths of x0 x1, x0 x2 and x1 x2.
+    #[inline]
+    pub(super) fn lengths<R: Real>(&self, edges: &EdgeLengths<R>, point: usize) -> [R; 3] {
+        [self.l1, self.l2, self.c].map(|slot| edges.at(point, slot))
     }
 }

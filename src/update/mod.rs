@@ -106,6 +106,46 @@ impl<R: Real> Shape<R> {
     }
 }
 
+/// What two edges at x0 and their base are, for coefficients that are computed once: the same
+/// distinctions as in [`Shape`], in double precision and in the surface's units.
+pub(crate) enum Corner {
+    /// A triangle with an area.
+    Triangle {
+        /// From x1 to the foot of x0 on the base.
+        foot: f64,
+        /// Height of x0 over the base.
+        height: f64,
+        /// Length of the base.
+        base: f64,
+    },
+    /// Two edges that span no triangle.
+    Edges,
+    /// A single edge, of this length.
+    Edge(f32),
+    /// No edge.
+    Nothing,
+}
+
+impl Corner {
+    pub(crate) fn new(l1: f32, l2: f32, c: f32) -> Self {
+        let there = |length: f32| length < f32::FAR;
+        match (there(l1), there(l2)) {
+            (false, false) => return Self::Nothing,
+            (true, false) => return Self::Edge(l1),
+            (false, true) => return Self::Edge(l2),
+            (true, true) => {}
+        }
+        let base = f64::from(c);
+        let shape = Shape::new(f64::from(l1), f64::from(l2), base);
+        if there(c) && shape.whole {
+            let height = base * shape.height_squared.sqrt();
+            Self::Triangle { foot: base * shape.foot, height, base }
+        } else {
+            Self::Edges
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,0 +1,68 @@
+//! The curved wavefront in lanes: the update of single maps, with the surface's part shared.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::kernel::{Changes, Fan, How, Kernel, LANES, Lanes};
+use crate::constants::CURVATURE_COUNTS;
+use crate::cpu::state::{SEED, accept};
+use crate::surface::{Real, Seed};
+use crate::update::{Bends, Front, Triangle, curved};
+
+pub(super) struct Curved;
+
+/// Arrival times, and curvatures of the fronts, tagged with the scans that brought them.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct Fronts {
+    times: Lanes,
+    curvatures: Lanes,
+}
+
+impl Kernel for Curved {
+    type State = Fronts;
+    type Coefficients = Fan;
+
+    const UNREACHED: Fronts = Fronts { times: Lanes::all(f32::FAR), curvatures: Lanes::all(0.0) };
+    const BENDS: bool = true;
+
+    fn coefficients(fan: Fan) -> Fan {
+        fan
+    }
+
+    fn start(state: &mut Fronts, lane: usize, seed: Seed) {
+        let front =
+            Front { time: seed.time as f32, curvature: seed.curvature as f32, whole: true };
+        let (time, curvature) = (&mut state.times.0[lane], &mut state.curvatures.0[lane]);
+        (*time, *curvature) = accept(*time, *curvature, front, SEED, false);
+    }
+
+    #[inline(always)]
+    fn update<const TRACKS: bool>(
+        here: &mut Fronts,
+        behind: [&Fronts; 3],
+        fan: &Fan,
+        how: How,
+        changes: &mut Changes,
+    ) {
+        let Fan { edges, bases, gaussian } = fan;
+        for lane in 0..LANES {
+            let [a, b, c] = behind.map(|fronts| (fronts.times.0[lane], fronts.curvatures.0[lane]));
+            let side = |near: (f32, f32), far: (f32, f32), k: usize| {
+                let triangle =
+                    Triangle { t1: near.0, t2: far.0, l1: edges[k], l2: edges[k + 1], c: bases[k] };
+                let surface = [gaussian[0], gaussian[k + 1], gaussian[k + 2]];
+                curved(triangle, Bends { fronts: [near.1, far.1], surface })
+            };
+            let first = Front::first(side(a, b, 0), side(b, c, 1));
+            let (time, curvature) = (here.times.0[lane], here.curvatures.0[lane]);
+            let (new, bent) = accept(time, curvature, first, how.scan.0, how.renews);
+            (here.times.0[lane], here.curvatures.0[lane]) = (new, bent);
+            if TRACKS {
+                let bend = ((bent - curvature).abs() * new * f32::of(CURVATURE_COUNTS)).in_units();
+                let change = time.units_between(new).max(bend);
+                changes.largest[lane] = changes.largest[lane].max(change);
+                changes.any[lane] = changes.any[lane].max(curvature.units_between(bent));
+            }
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! All pairs: the maps of neighbouring sources in the lanes of one instruction stream (paper,
+//! section 5.1, Algorithm 4).
+
+mod curved;
+mod kernel;
+mod pending;
+mod planar;
+mod point_source;
+mod scans;
+
+use super::{Convergence, Instructions, Stop};
+use crate::surface::{Chart, EdgeLengths};
+use crate::update::Wavefront;
+use curved::Curved;
+use kernel::LANES;
+use planar::Planar;
+use point_source::PointSource;
+use scans::{Known, Scans};
+
+/// Solves for batches of maps of one surface, from any number of threads.
+///
+/// The maps of a batch lie side by side in memory, point by point, and are updated together with
+/// coefficients that all share, computed once for a surface. The scans are those of
+/// [`super::scan_in_turn`], in the same order. A scan visits only lines beside which a map of the
+/// batch has changed since it passed, so sources in a batch should be neighbours.
+pub struct PairwiseScan {
+    chart: Chart,
+    fronts: Fronts,
+    instructions: Instructions,
+}
+
+enum Fronts {
+    Planar(Scans<Planar>),
+    PointSource(Scans<PointSource>),
+    Curved(Scans<Curved>),
+}
+
+impl PairwiseScan {
+    /// Number of maps in a batch.
+    pub const LANES: usize = LANES;
+
+    /// Computes the coefficients of a surface, on the best instructions there are.
+    pub fn new(edges: &EdgeLengths<f32>, wavefront: Wavefront) -> Self {
+        let fronts = match wavefront {
+            Wavefront::Planar => Fronts::Planar(Scans::new(edges)),
+            Wavefront::PointSource => Fronts::PointSource(Scans::new(edges)),
+            Wavefront::Curved => Fronts::Curved(Scans::new(edges)),
+        };
+        Self { chart: edges.chart(), fronts, instructions: Instructions::best() }
+    }
+
+    /// Chooses the instructions; the maps do not depend on them.
+    ///
+    /// # Panics
+    /// If this machine does not have them; see [`Instructions::available`].
+    pub fn with_instructions(mut self, instructions: Instructions) -> Self {
+        assert!(Instructions::available().contains(&instructions), "no {instructions} here");
+        self.instructions = instructions;
+        self
+    }
+
+    /// Bytes that a solver holds for a grid of some size: for itself, and for each batch that is
+    /// computed at the same time.
+    pub fn bytes(chart: Chart, wavefront: Wavefront) -> (usize, usize) {
+        match wavefront {
+            Wavefront::Planar => Scans::<Planar>::bytes(chart),
+            Wavefront::PointSource => Scans::<PointSource>::bytes(chart),
+            Wavefront::Curved => Scans::<Curved>::bytes(chart),
+        }
+    }
+
+    /// Computes the distances from at most [`Self::LANES`] grid points, given by their index, to
+    /// all points: a row of `into` for each, +infinity where a source does not reach. `None` is no
+    /// source and leaves a row of +infinity.
+    ///
+    /// # Panics
+    /// If there are more sources, or `into` does not have as many rows of as many points.
+    pub fn solve(&self, sources: &[Option<usize>], stop: Stop, into: &mut [f32]) -> Convergence {
+        self.solve_from(sources, Known::NOTHING, stop, into)
+    }
+
+    fn solve_from(
+        &self,
+        sources: &[Option<usize>],
+        known: Known,
+        stop: Stop,
+        into: &mut [f32],
+    ) -> Convergence {
+        assert!(sources.len() <= LANES, "a batch has at most {LANES} sources");
+        assert_eq!(into.len(), sources.len() * self.chart.points(), "a row for each source");
+        let instructions = self.instructions;
+        match &self.fronts {
+            Fronts::Planar(scans) => scans.solve(sources, known, stop, instructions, into),
+            Fronts::PointSource(scans) => scans.solve(sources, known, stop, instructions, into),
+            Fronts::Curved(scans) => scans.solve(sources, known, stop, instructions, into),
+        }
+    }
+}

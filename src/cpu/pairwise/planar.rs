@@ -1,0 +1,92 @@
+//! The planar wavefront in lanes, from coefficients that all maps share.
+
+use super::kernel::{Changes, Fan, How, Kernel, LANES, Lanes};
+use crate::surface::{Real, Seed, max, min};
+use crate::update::Corner;
+
+pub(super) struct Planar;
+
+/// What the planar update needs of a triangle (paper, eqs. 10 and 15, solved for t0).
+///
+/// With d = t2 - t1 the front arrives at t0 = t1 + w d + sqrt(alpha - beta d^2) where d is between
+/// `low` and `high`. Beyond them the ray runs along an edge, which is what the same formula gives
+/// at the nearer one of them: the coefficients make the Dijkstra step (16) without a comparison.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triangle {
+    low: f32,
+    high: f32,
+    w: f32,
+    alpha: f32,
+    beta: f32,
+}
+
+impl Triangle {
+    fn new(l1: f32, l2: f32, c: f32) -> Self {
+        let along_edges = |alpha, low| Self { low, high: f32::FAR, w: 0.0, alpha, beta: 0.0 };
+        match Corner::new(l1, l2, c) {
+            Corner::Triangle { foot, height, base } => {
+                let (l1, l2) = (f64::from(l1), f64::from(l2));
+                let [low, high] = [base * (foot - base) / l2, base * foot / l1];
+                let slope = height / base;
+                Self {
+                    low: low as f32,
+                    high: high as f32,
+                    w: (foot / base) as f32,
+                    alpha: (height * height) as f32,
+                    beta: (slope * slope) as f32,
+                }
+            }
+            Corner::Edges => along_edges(l1 * l1, l1 - l2),
+            // The other corner is a hole, which no front reaches.
+            Corner::Edge(length) => along_edges(length * length, 0.0),
+            Corner::Nothing => along_edges(f32::INFINITY, 0.0),
+        }
+    }
+
+    #[inline(always)]
+    fn arrival(&self, t1: f32, t2: f32) -> f32 {
+        let t1 = min(t1, t2 - self.low);
+        let d = min(t2 - t1, self.high);
+        let across = max(self.alpha - self.beta * d * d, 0.0);
+        t1 + (self.w * d + across.sqrt())
+    }
+}
+
+impl Kernel for Planar {
+    type State = Lanes;
+    type Coefficients = [Triangle; 2];
+
+    const UNREACHED: Lanes = Lanes::all(f32::FAR);
+
+    fn coefficients(fan: Fan) -> [Triangle; 2] {
+        let [before, beside, after] = fan.edges;
+        let [first, second] = fan.bases;
+        [Triangle::new(before, beside, first), Triangle::new(beside, after, second)]
+    }
+
+    fn start(times: &mut Lanes, lane: usize, seed: Seed) {
+        times.0[lane] = seed.time as f32;
+    }
+
+    #[inline(always)]
+    fn update<const TRACKS: bool>(
+        here: &mut Lanes,
+        [before, beside, after]: [&Lanes; 3],
+        [left, right]: &[Triangle; 2],
+        _: How,
+        changes: &mut Changes,
+    ) {
+        for lane in 0..LANES {
+            let (a, b) = (
+                left.arrival(before.0[lane], beside.0[lane]),
+                right.arrival(beside.0[lane], after.0[lane]),
+            );
+            let old = here.0[lane];
+            let new = min(old, min(a, b));
+            here.0[lane] = new;
+            if TRACKS {
+                changes.largest[lane] = changes.largest[lane].max(old.units_between(new));
+            }
+        }
+    }
+}

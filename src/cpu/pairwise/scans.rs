@@ -1,0 +1,253 @@
+//! Raster scans over the maps of a batch.
+
+use std::sync::Mutex;
+
+use super::kernel::{Changes, FanSlots, How, Kernel, LANES};
+use super::pending::{Change, Pending, SCANS, Span};
+use crate::cpu::tiles::Scan;
+use crate::cpu::transpose::{Block, transpose};
+use crate::cpu::{Convergence, Instructions, Progress, Stop};
+use crate::lanes::Work;
+use crate::surface::{Chart, EdgeLengths, Real, Seed};
+
+/// The coefficients of a surface for one kind of front, and work space for as many batches as
+/// have been computed at once.
+pub(super) struct Scans<K: Kernel> {
+    chart: Chart,
+    /// For each scan the coefficients of all points, in the order in which it passes them.
+    coefficients: [Vec<K::Coefficients>; 4],
+    spare: Mutex<Vec<Maps<K>>>,
+}
+
+/// The maps of a batch: bordered arrays of points, a lane of each for one of the maps.
+struct Maps<K: Kernel> {
+    points: Vec<K::State>,
+    pending: Pending,
+}
+
+/// What a batch starts from: the rows of the distance matrix above its own, or nothing.
+#[derive(Clone, Copy)]
+pub(super) struct Known<'a> {
+    /// Rows of the matrix, one after another.
+    pub rows: &'a [f32],
+    /// How many of them are taken over (eq. 20), for as many points, row-major.
+    pub count: usize,
+}
+
+impl Known<'_> {
+    pub(super) const NOTHING: Self = Self { rows: &[], count: 0 };
+}
+
+impl<K: Kernel> Scans<K> {
+    pub(super) fn new(edges: &EdgeLengths<f32>) -> Self {
+        let chart = edges.chart();
+        let gaussian = if K::BENDS { edges.gaussian_curvature() } else { &[] };
+        let coefficients = SCANS.map(|scan| {
+            let slots = FanSlots::new(chart, scan);
+            let at = |row, col| {
+                K::coefficients(slots.fan(edges, gaussian, chart.bordered(row, col)))
+            };
+            if scan.by_rows() {
+                (0..chart.points()).map(|k| at(k / chart.cols, k % chart.cols)).collect()
+            } else {
+                (0..chart.points()).map(|k| at(k % chart.rows, k / chart.rows)).collect()
+            }
+        });
+        Self { chart, coefficients, spare: Mutex::default() }
+    }
+
+    /// Bytes of the coefficients, and of the work space of one batch.
+    pub(super) fn bytes(chart: Chart) -> (usize, usize) {
+        let coefficients = 4 * chart.points() * size_of::<K::Coefficients>();
+        let pending = 2 * (chart.rows + chart.cols) * size_of::<Span>();
+        (coefficients, chart.bordered_points() * size_of::<K::State>() + pending)
+    }
+
+    /// Computes the maps of at most [`LANES`] sources, into a row of `into` for each.
+    pub(super) fn solve(
+        &self,
+        sources: &[Option<usize>],
+        known: Known,
+        stop: Stop,
+        instructions: Instructions,
+        into: &mut [f32],
+    ) -> Convergence {
+        let spare = self.spare.lock().expect("nothing panics while it is held").pop();
+        let mut maps = spare.unwrap_or_else(|| Maps::new(self.chart));
+        maps.start(self.chart, sources, known);
+        let convergence = if stop.iterations == 1 {
+            // Whatever a single iteration changes, it was the last.
+            self.iterate::<false>(&mut maps, stop, instructions)
+        } else {
+            self.iterate::<true>(&mut maps, stop, instructions)
+        };
+        maps.store(self.chart, sources.len(), instructions, into);
+        self.spare.lock().expect("nothing panics while it is held").push(maps);
+        convergence
+    }
+
+    fn iterate<const TRACKS: bool>(
+        &self,
+        maps: &mut Maps<K>,
+        stop: Stop,
+        instructions: Instructions,
+    ) -> Convergence {
+        let mut progress = Progress::new(stop);
+        // Changes below the tolerance are kept but wake nobody.
+        let wakes = (stop.tolerance / f64::from(f32::EPSILON)) as u32;
+        loop {
+            let mut largest = 0;
+            for scan in SCANS {
+                let how = How { scan, renews: progress.renews() };
+                largest = largest.max(self.scan::<TRACKS>(maps, how, wakes, instructions));
+            }
+            if !TRACKS {
+                largest = u32::MAX;
+            }
+            if progress.is_done::<f32>(largest) {
+                let Progress { iterations, residual, .. } = progress;
+                return Convergence { iterations, residual };
+            }
+        }
+    }
+
+    /// One scan over the pending points; returns the largest change.
+    fn scan<const TRACKS: bool>(
+        &self,
+        maps: &mut Maps<K>,
+        how: How,
+        wakes: u32,
+        instructions: Instructions,
+    ) -> u32 {
+        let Maps { points, pending } = maps;
+        let scan = how.scan;
+        let (lines, stride) = (pending.lines(scan), self.chart.stride());
+        let (step, across) = if scan.by_rows() { (1, stride) } else { (stride, 1) };
+        let behind = if scan.is_forward() { -(across as isize) } else { across as isize };
+        let coefficients = &self.coefficients[usize::from(scan.0) - 1];
+        let on_line = coefficients.len() / lines;
+        let mut whole = Change::NONE;
+        let mut largest = 0;
+        for passed in 0..lines {
+            let line = if scan.is_forward() { passed } else { lines - 1 - passed };
+            let span = pending.take(scan, line);
+            if span.is_empty() {
+                continue;
+            }
+            let change = instructions.run(Line::<K, TRACKS> {
+                points,
+                first: (line + 1) * across + (span.start + 1) * step,
+                step,
+                behind,
+                coefficients: &coefficients[line * on_line..][span.start..span.end],
+                how,
+            });
+            largest = largest.max(change.largest);
+            if change.any > wakes {
+                pending.changed(scan, Change { lines: Span::one(line), points: span });
+                whole.lines.join(Span::one(line));
+                whole.points.join(span);
+            }
+        }
+        let turned = if scan.by_rows() { Scan::RIGHT } else { Scan::DOWN };
+        pending.changed(turned, Change { lines: whole.points, points: whole.lines });
+        largest
+    }
+}
+
+impl<K: Kernel> Maps<K> {
+    fn new(chart: Chart) -> Self {
+        let points = vec![K::UNREACHED; chart.bordered_points()];
+        Self { points, pending: Pending::new(chart) }
+    }
+
+    /// No point reached but the sources and what is known.
+    fn start(&mut self, chart: Chart, sources: &[Option<usize>], known: Known) {
+        self.points.fill(K::UNREACHED);
+        self.pending.start(known.count);
+        if let Some(first) = sources.first().copied().flatten().filter(|_| known.count > 0) {
+            for (point, row) in known.rows.chunks_exact(chart.points()).enumerate() {
+                let (at, col) = chart.position(point);
+                let lanes: &mut [f32] =
+                    bytemuck::cast_slice_mut(&mut self.points[chart.bordered(at, col)..][..1]);
+                let found = &row[first..][..sources.len()];
+                for (lane, distance) in lanes.iter_mut().zip(found) {
+                    *lane = distance.min(f32::FAR);
+                }
+            }
+        }
+        for (lane, source) in sources.iter().enumerate() {
+            let Some((row, col)) = source.map(|point| chart.position(point)) else { continue };
+            let seed = Seed::at_source(row, col, 0.0);
+            K::start(&mut self.points[chart.bordered(row, col)], lane, seed);
+            self.pending.touch(row, col);
+        }
+    }
+
+    /// Writes a row of distances for each map.
+    fn store(
+        &mut self,
+        chart: Chart,
+        maps: usize,
+        instructions: Instructions,
+        into: &mut [f32],
+    ) {
+        let stride = size_of::<K::State>() / size_of::<f32>();
+        for row in 0..chart.rows {
+            let points = &mut self.points[chart.bordered(row, 0)..][..chart.cols];
+            let numbers: &mut [f32] = bytemuck::cast_slice_mut(points);
+            numbers.iter_mut().for_each(|n| *n = if *n < f32::FAR { *n } else { f32::INFINITY });
+            let block = Block {
+                from: 0,
+                from_stride: stride,
+                to: chart.index(row, 0),
+                to_stride: chart.points(),
+                rows: chart.cols,
+                cols: maps,
+            };
+            transpose(numbers, into, block, instructions);
+        }
+    }
+}
+
+/// The update of points of a line from the line behind.
+struct Line<'a, K: Kernel, const TRACKS: bool> {
+    points: &'a mut [K::State],
+    /// The first point of the bordered array, from there to the next, and to the neighbour behind.
+    first: usize,
+    step: usize,
+    behind: isize,
+    coefficients: &'a [K::Coefficients],
+    how: How,
+}
+
+/// The largest change on a line; see [`Changes`].
+struct LineChange {
+    largest: u32,
+    any: u32,
+}
+
+impl<K: Kernel, const TRACKS: bool> Work for Line<'_, K, TRACKS> {
+    type Output = LineChange;
+
+    #[inline(always)]
+    fn run(self) -> LineChange {
+        let Self { points, first, step, behind, coefficients, how } = self;
+        let mut changes = Changes::default();
+        let mut here = first;
+        for coefficients in coefficients {
+            let beside = here.wrapping_add_signed(behind);
+            let [state, before, beside, after] = points
+                .get_disjoint_mut([here, beside - step, beside, beside + step])
+                .expect("four points of a bordered array");
+            K::update::<TRACKS>(state, [before, beside, after], coefficients, how, &mut changes);
+            here += step;
+        }
+        if !TRACKS {
+            return LineChange { largest: u32::MAX, any: u32::MAX };
+        }
+        let most = |lanes: [u32; LANES]| lanes.into_iter().max().unwrap_or_default();
+        let largest = most(changes.largest);
+        LineChange { largest, any: largest.max(most(changes.any)) }
+    }
+}
