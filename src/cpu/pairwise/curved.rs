@@ -30,8 +30,7 @@ impl Kernel for Curved {
     }
 
     fn start(state: &mut Fronts, lane: usize, seed: Seed) {
-        let front =
-            Front { time: seed.time as f32, curvature: seed.curvature as f32, whole: true };
+        let front = Front { time: seed.time as f32, curvature: seed.curvature as f32, whole: true };
         let (time, curvature) = (&mut state.times.0[lane], &mut state.curvatures.0[lane]);
         (*time, *curvature) = accept(*time, *curvature, front, SEED, false);
     }

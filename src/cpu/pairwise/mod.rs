@@ -71,12 +71,37 @@ impl PairwiseScan {
 
     /// Computes the distances from at most [`Self::LANES`] grid points, given by their index, to
     /// all points: a row of `into` for each, +infinity where a source does not reach. `None` is no
-    /// source and leaves a row of +infinity.
+    /// source and leaves a row of +infinity: give it for holes.
     ///
     /// # Panics
     /// If there are more sources, or `into` does not have as many rows of as many points.
     pub fn solve(&self, sources: &[Option<usize>], stop: Stop, into: &mut [f32]) -> Convergence {
         self.solve_from(sources, Known::NOTHING, stop, into)
+    }
+
+    /// The same for sources that follow one another from `first` on, with the symmetric
+    /// initialisation (paper, eq. 20): distances from them to the points before `first` are taken
+    /// from `rows`, the distances from those points, and are not computed again. The planar and the
+    /// point-source front only, since a curved one would need curvatures there too.
+    ///
+    /// # Panics
+    /// As [`Self::solve`]; if `rows` are not `first` rows of as many points; and with the curved
+    /// wavefront.
+    pub fn solve_below(
+        &self,
+        rows: &[f32],
+        first: usize,
+        sources: &[Option<usize>],
+        stop: Stop,
+        into: &mut [f32],
+    ) -> Convergence {
+        assert!(!matches!(self.fronts, Fronts::Curved(_)), "curvatures are not known");
+        assert_eq!(rows.len(), first * self.chart.points(), "a row for each point before");
+        let follow = |(lane, source): (usize, &Option<usize>)| {
+            source.is_none_or(|source| source == first + lane)
+        };
+        assert!(sources.iter().enumerate().all(follow), "sources follow one another");
+        self.solve_from(sources, Known { rows, count: first }, stop, into)
     }
 
     fn solve_from(

@@ -44,9 +44,8 @@ impl<K: Kernel> Scans<K> {
         let gaussian = if K::BENDS { edges.gaussian_curvature() } else { &[] };
         let coefficients = SCANS.map(|scan| {
             let slots = FanSlots::new(chart, scan);
-            let at = |row, col| {
-                K::coefficients(slots.fan(edges, gaussian, chart.bordered(row, col)))
-            };
+            let at =
+                |row, col| K::coefficients(slots.fan(edges, gaussian, chart.bordered(row, col)));
             if scan.by_rows() {
                 (0..chart.points()).map(|k| at(k / chart.cols, k % chart.cols)).collect()
             } else {
@@ -165,15 +164,13 @@ impl<K: Kernel> Maps<K> {
     fn start(&mut self, chart: Chart, sources: &[Option<usize>], known: Known) {
         self.points.fill(K::UNREACHED);
         self.pending.start(known.count);
-        if let Some(first) = sources.first().copied().flatten().filter(|_| known.count > 0) {
-            for (point, row) in known.rows.chunks_exact(chart.points()).enumerate() {
-                let (at, col) = chart.position(point);
-                let lanes: &mut [f32] =
-                    bytemuck::cast_slice_mut(&mut self.points[chart.bordered(at, col)..][..1]);
-                let found = &row[first..][..sources.len()];
-                for (lane, distance) in lanes.iter_mut().zip(found) {
-                    *lane = distance.min(f32::FAR);
-                }
+        for (point, row) in known.rows.chunks_exact(chart.points()).enumerate() {
+            let (at, col) = chart.position(point);
+            let numbers: &mut [f32] =
+                bytemuck::cast_slice_mut(&mut self.points[chart.bordered(at, col)..][..1]);
+            let found = &row[known.count..][..sources.len()];
+            for (time, distance) in numbers.iter_mut().zip(found) {
+                *time = distance.min(f32::FAR);
             }
         }
         for (lane, source) in sources.iter().enumerate() {
@@ -185,13 +182,7 @@ impl<K: Kernel> Maps<K> {
     }
 
     /// Writes a row of distances for each map.
-    fn store(
-        &mut self,
-        chart: Chart,
-        maps: usize,
-        instructions: Instructions,
-        into: &mut [f32],
-    ) {
+    fn store(&mut self, chart: Chart, maps: usize, instructions: Instructions, into: &mut [f32]) {
         let stride = size_of::<K::State>() / size_of::<f32>();
         for row in 0..chart.rows {
             let points = &mut self.points[chart.bordered(row, 0)..][..chart.cols];
