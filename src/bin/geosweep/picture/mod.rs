@@ -9,6 +9,7 @@ mod panels;
 pub mod plot;
 mod raster;
 mod relief;
+pub mod scene;
 mod text;
 
 use geosweep::glam::{DVec2, Vec2};
