@@ -1,6 +1,8 @@
 //! What people do with a distance map.
 
 mod arrivals;
+#[cfg(feature = "canonical")]
+pub mod canonical;
 mod chains;
 mod contours;
 mod curve;

@@ -1,0 +1,75 @@
+//! How far two forms of the same points differ.
+
+use nalgebra::DMatrix;
+
+/// The rigid motion that takes one set of points nearest to another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alignment {
+    /// The moved points, row-major.
+    pub moved: Vec<f64>,
+    /// The root mean square of the distances between corresponding points, over the root mean
+    /// square of the fixed points' distances from their mean: 0 for congruent forms, at most 1.
+    pub deviation: f64,
+}
+
+/// Moves points onto fixed ones in the same order by the rotation or reflection and the
+/// translation that leave the least sum of squared distances (W. Kabsch 1976; orthogonal
+/// Procrustes analysis, P. H. Schönemann 1966). Reflections are allowed, since distances do not
+/// tell a form from its mirror image.
+///
+/// # Panics
+/// If the arrays differ in length, or hold no whole number of points.
+pub fn align(moving: &[f64], fixed: &[f64], dimensions: usize) -> Alignment {
+    assert_eq!(moving.len(), fixed.len(), "as many points in both forms");
+    assert_eq!(fixed.len() % dimensions, 0, "a whole number of points");
+    let points = fixed.len() / dimensions;
+    let centred = |coordinates: &[f64]| {
+        let mut form = DMatrix::from_row_slice(points, dimensions, coordinates);
+        let mean = form.row_mean();
+        form.row_iter_mut().for_each(|mut point| point -= &mean);
+        (form, mean)
+    };
+    let ((moving, _), (fixed, middle)) = (centred(moving), centred(fixed));
+    let decomposition = moving.tr_mul(&fixed).svd(true, true);
+    let (left, right) = (decomposition.u, decomposition.v_t);
+    let turn = left
+        .zip(right)
+        .map_or_else(|| DMatrix::identity(dimensions, dimensions), |(left, right)| left * right);
+    let mut moved = moving * turn;
+    let deviation = (&moved - &fixed).norm() / fixed.norm().max(f64::MIN_POSITIVE);
+    moved.row_iter_mut().for_each(|mut point| point += &middle);
+    Alignment { moved: moved.transpose().as_slice().to_vec(), deviation }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points without symmetry.
+    fn form() -> Vec<f64> {
+        (0..30).map(|k| f64::from(k * k % 17) + 0.1 * f64::from(k)).collect()
+    }
+
+    #[test]
+    fn a_turned_and_mirrored_copy_is_brought_back() {
+        let fixed = form();
+        let (sin, cos) = 0.7f64.sin_cos();
+        let copy =
+            fixed.as_chunks().0.iter().flat_map(|&[x, y, z]| {
+                [7.0 - (cos * x - sin * y), 2.0 + sin * x + cos * y, z - 3.0]
+            });
+        let copy: Vec<f64> = copy.collect();
+        let Alignment { moved, deviation } = align(&copy, &fixed, 3);
+        assert!(deviation < 1e-14, "{deviation}");
+        for (moved, fixed) in moved.iter().zip(&fixed) {
+            approx::assert_abs_diff_eq!(moved, fixed, epsilon = 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_form_twice_as_large_is_as_far_as_half_its_size() {
+        let fixed = form();
+        let half: Vec<f64> = fixed.iter().map(|coordinate| 0.5 * coordinate).collect();
+        approx::assert_relative_eq!(align(&half, &fixed, 3).deviation, 0.5, max_relative = 1e-12);
+    }
+}

@@ -1,0 +1,255 @@
+//! The matrix of all pairwise distances, checked.
+
+use std::ops::RangeInclusive;
+
+use rayon::prelude::*;
+
+use super::CanonicalError;
+
+/// How far the two distances between the same points may differ, as a fraction of the largest
+/// distance of the matrix. The planar wavefront's are off by up to a few hundredths on coarse
+/// grids; what differs more is no matrix of distances.
+pub const ASYMMETRY: f32 = 0.05;
+
+/// The range of the largest distance: squares stay within single precision.
+pub const EXTENT: RangeInclusive<f32> = 1e-15..=1e15;
+
+/// The distances between all pairs of n points: an n x n matrix, symmetric, with zeros on its
+/// diagonal and finite values everywhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Distances {
+    points: usize,
+    values: Vec<f32>,
+}
+
+impl Distances {
+    /// Checks a matrix, row-major, and replaces both distances between two points by their mean.
+    ///
+    /// # Errors
+    /// If the matrix is not square; if a distance is NaN, negative, infinite (one point cannot be
+    /// reached from another), or not zero on the diagonal; if the largest one is zero or outside
+    /// [`EXTENT`]; or if the two distances between the same points differ by more than
+    /// [`ASYMMETRY`] of the largest one.
+    pub fn new(points: usize, values: Vec<f32>) -> Result<Self, CanonicalError> {
+        if points.checked_mul(points) != Some(values.len()) {
+            return Err(CanonicalError::NotSquare { values: values.len(), points });
+        }
+        let largest = check(points, &values)?;
+        let mut distances = Self { points, values };
+        distances.symmetrise(ASYMMETRY * largest)?;
+        Ok(distances)
+    }
+
+    /// The distances within the largest set of points that reach each other, and which points
+    /// these are, in order. Others, be they holes or separate pieces of a surface, have rows of
+    /// +infinity and are left out, since nothing says where to place them.
+    ///
+    /// # Errors
+    /// As [`Distances::new`].
+    pub fn of_largest_piece(
+        points: usize,
+        values: Vec<f32>,
+    ) -> Result<(Self, Vec<usize>), CanonicalError> {
+        if points.checked_mul(points) != Some(values.len()) {
+            return Err(CanonicalError::NotSquare { values: values.len(), points });
+        }
+        let kept = largest_piece(points, &values);
+        if kept.len() == points {
+            return Ok((Self::new(points, values)?, kept));
+        }
+        let rows = kept.par_iter().flat_map_iter(|&from| {
+            let row = &values[from * points..][..points];
+            kept.iter().map(|&to| row[to])
+        });
+        let piece = Self::new(kept.len(), rows.collect());
+        Ok((piece.map_err(|error| error.renumbered(&kept))?, kept))
+    }
+
+    /// Number of points, n.
+    pub fn points(&self) -> usize {
+        self.points
+    }
+
+    /// The distances from a point to all points.
+    ///
+    /// # Panics
+    /// If there is no such point.
+    pub fn row(&self, point: usize) -> &[f32] {
+        &self.values[point * self.points..][..self.points]
+    }
+
+    /// Takes the mean of both triangles of the matrix, tile by tile, so that rows and columns
+    /// stay in the cache.
+    fn symmetrise(&mut self, tolerance: f32) -> Result<(), CanonicalError> {
+        const TILE: usize = 64;
+        let points = self.points;
+        let tiles = || (0..points).step_by(TILE).map(|start| start..(start + TILE).min(points));
+        for rows in tiles() {
+            for cols in tiles().take_while(|cols| cols.start <= rows.start) {
+                for row in rows.clone() {
+                    for col in cols.start..cols.end.min(row) {
+                        let (there, back) =
+                            (self.values[col * points + row], self.values[row * points + col]);
+                        if (there - back).abs() > tolerance {
+                            return Err(CanonicalError::Asymmetric {
+                                from: col,
+                                to: row,
+                                there,
+                                back,
+                            });
+                        }
+                        let mean = 0.5 * (there + back);
+                        self.values[col * points + row] = mean;
+                        self.values[row * points + col] = mean;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The largest distance, if all are usable.
+fn check(points: usize, values: &[f32]) -> Result<f32, CanonicalError> {
+    let row = |(from, row): (usize, &[f32])| {
+        let mut largest = 0.0f32;
+        for (to, &distance) in row.iter().enumerate() {
+            if distance.is_nan() {
+                return Err(CanonicalError::NotANumber { from, to });
+            }
+            if distance < 0.0 {
+                return Err(CanonicalError::Negative { from, to, distance });
+            }
+            if from == to && distance != 0.0 {
+                return Err(CanonicalError::Diagonal { point: from, distance });
+            }
+            if distance == f32::INFINITY {
+                return Err(CanonicalError::Unreachable { from, to });
+            }
+            largest = largest.max(distance);
+        }
+        Ok(largest)
+    };
+    let rows = values.par_chunks(points.max(1)).enumerate().map(row);
+    // The first error in row-major order, whatever the threads do.
+    let rows: Vec<_> = rows.collect();
+    let largest = rows.into_iter().try_fold(0.0f32, |largest, row| row.map(|row| largest.max(row)));
+    match largest? {
+        0.0 => Err(CanonicalError::NoExtent),
+        largest if !EXTENT.contains(&largest) => Err(CanonicalError::Extent { largest }),
+        largest => Ok(largest),
+    }
+}
+
+/// The points of the largest set within which all reach each other; of sets of one size, the one
+/// with the first point.
+fn largest_piece(points: usize, values: &[f32]) -> Vec<usize> {
+    let mut left: Vec<usize> = (0..points).collect();
+    let mut largest = Vec::new();
+    while let Some(&first) = left.first() {
+        let row = &values[first * points..][..points];
+        // Reaching each other is transitive in any matrix of path lengths; where it is not, the
+        // checks of the piece find it. Not-a-number is left for them too.
+        let reached = |&to: &usize| to == first || row[to] != f32::INFINITY;
+        let (piece, others): (Vec<_>, Vec<_>) = left.into_iter().partition(reached);
+        if piece.len() > largest.len() {
+            largest = piece;
+        }
+        left = others;
+    }
+    // A hole reaches nothing, not even itself.
+    if let [only] = largest[..] {
+        largest.retain(|_| values[only * points + only] != f32::INFINITY);
+    }
+    largest
+}
+
+impl CanonicalError {
+    /// With the numbers that points have in the whole matrix.
+    fn renumbered(self, kept: &[usize]) -> Self {
+        match self {
+            Self::NotANumber { from, to } => Self::NotANumber { from: kept[from], to: kept[to] },
+            Self::Negative { from, to, distance } => {
+                Self::Negative { from: kept[from], to: kept[to], distance }
+            }
+            Self::Diagonal { point, distance } => Self::Diagonal { point: kept[point], distance },
+            Self::Asymmetric { from, to, there, back } => {
+                Self::Asymmetric { from: kept[from], to: kept[to], there, back }
+            }
+            Self::Unreachable { from, to } => Self::Unreachable { from: kept[from], to: kept[to] },
+            other => other,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FAR: f32 = f32::INFINITY;
+
+    #[test]
+    fn both_ways_are_averaged() {
+        let distances = Distances::new(2, vec![0.0, 10.1, 9.9, 0.0]).unwrap();
+        assert_eq!(distances.row(0), [0.0, 10.0]);
+        assert_eq!(distances.row(1), [10.0, 0.0]);
+    }
+
+    #[test]
+    fn what_is_no_matrix_of_distances_is_refused() {
+        let refused = |values: &[f32]| Distances::new(2, values.to_vec()).unwrap_err();
+        assert_eq!(refused(&[0.0; 3]), CanonicalError::NotSquare { values: 3, points: 2 });
+        assert!(matches!(
+            refused(&[0.0, f32::NAN, 1.0, 0.0]),
+            CanonicalError::NotANumber { from: 0, to: 1 }
+        ));
+        let negative = refused(&[0.0, 1.0, -1.0, 0.0]);
+        assert_eq!(negative, CanonicalError::Negative { from: 1, to: 0, distance: -1.0 });
+        let diagonal = refused(&[0.0, 1.0, 1.0, 0.5]);
+        assert_eq!(diagonal, CanonicalError::Diagonal { point: 1, distance: 0.5 });
+        assert_eq!(refused(&[0.0, FAR, FAR, 0.0]), CanonicalError::Unreachable { from: 0, to: 1 });
+        let asymmetric = CanonicalError::Asymmetric { from: 0, to: 1, there: 1.0, back: 1.1 };
+        assert_eq!(refused(&[0.0, 1.0, 1.1, 0.0]), asymmetric);
+        assert_eq!(refused(&[0.0; 4]), CanonicalError::NoExtent);
+    }
+
+    #[test]
+    fn tiles_cover_the_whole_matrix() {
+        let points = 150;
+        let values: Vec<f32> = (0..points * points)
+            .map(|index| {
+                let (row, col) = (index / points, index % points);
+                let skew = if row < col { 0.5 } else { -0.5 };
+                if row == col { 0.0 } else { 100.0 + row.abs_diff(col) as f32 + skew }
+            })
+            .collect();
+        let distances = Distances::new(points, values).unwrap();
+        for row in 0..points {
+            for (col, &found) in distances.row(row).iter().enumerate() {
+                let expected = if row == col { 0.0 } else { 100.0 + row.abs_diff(col) as f32 };
+                assert_eq!(found, expected, "{row} {col}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_largest_piece_keeps_its_points_numbers() {
+        // A hole at 1, a point alone at 3, and three points that reach each other.
+        #[rustfmt::skip]
+        let values = vec![
+            0.0, FAR, 2.0, FAR, 4.0,
+            FAR, FAR, FAR, FAR, FAR,
+            2.0, FAR, 0.0, FAR, 3.0,
+            FAR, FAR, FAR, 0.0, FAR,
+            4.0, FAR, 3.0, FAR, 0.0,
+        ];
+        let (piece, kept) = Distances::of_largest_piece(5, values.clone()).unwrap();
+        assert_eq!(kept, [0, 2, 4]);
+        assert_eq!(piece.values, [0.0, 2.0, 4.0, 2.0, 0.0, 3.0, 4.0, 3.0, 0.0]);
+
+        let mut bad = values;
+        bad[2 * 5 + 4] = 30.0;
+        let error = Distances::of_largest_piece(5, bad).unwrap_err();
+        assert!(matches!(error, CanonicalError::Asymmetric { from: 2, to: 4, .. }), "{error}");
+    }
+}

@@ -1,0 +1,125 @@
+//! What can go wrong, said so that the message tells what to do.
+
+/// Why there is no canonical form.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CanonicalError {
+    /// The array is no square matrix.
+    #[error(
+        "{values} values are no matrix of {points} x {points} distances, which has {}",
+        .points * .points
+    )]
+    NotSquare {
+        /// Number of values given.
+        values: usize,
+        /// Number of points said.
+        points: usize,
+    },
+    /// A distance is not a number.
+    #[error(
+        "the distance from point {from} to point {to} is NaN; mark unreachable points by +infinity"
+    )]
+    NotANumber {
+        /// Row of the matrix.
+        from: usize,
+        /// Column of the matrix.
+        to: usize,
+    },
+    /// A distance is negative.
+    #[error("the distance from point {from} to point {to} is negative: {distance}")]
+    Negative {
+        /// Row of the matrix.
+        from: usize,
+        /// Column of the matrix.
+        to: usize,
+        /// The distance.
+        distance: f32,
+    },
+    /// A point is away from itself.
+    #[error(
+        "the distance from point {point} to itself is {distance}, not 0: this is no matrix of distances"
+    )]
+    Diagonal {
+        /// The point.
+        point: usize,
+        /// The distance.
+        distance: f32,
+    },
+    /// Both directions differ by more than a solver's error.
+    #[error(
+        "the distance from point {from} to point {to} is {there}, and {back} back; a matrix of \
+         distances is symmetric but for errors below {} of the largest, so symmetrise it if this \
+         is meant",
+        super::ASYMMETRY
+    )]
+    Asymmetric {
+        /// Row of the matrix.
+        from: usize,
+        /// Column of the matrix.
+        to: usize,
+        /// One distance.
+        there: f32,
+        /// The other.
+        back: f32,
+    },
+    /// No path leads from one point to another.
+    #[error(
+        "point {to} cannot be reached from point {from}: how far apart to place them is not known; \
+         leave out all but one piece"
+    )]
+    Unreachable {
+        /// Row of the matrix.
+        from: usize,
+        /// Column of the matrix.
+        to: usize,
+    },
+    /// There is nothing to embed in so many dimensions.
+    #[error("{points} points do not span {dimensions} dimensions; at least {} are needed", .dimensions + 1)]
+    TooFewPoints {
+        /// Number of points.
+        points: usize,
+        /// Dimensions asked for.
+        dimensions: usize,
+    },
+    /// All distances are zero.
+    #[error("all distances are zero: there is no form")]
+    NoExtent,
+    /// Squares of the distances leave the range of single precision.
+    #[error(
+        "the largest distance is {largest:e}; choose a unit of length in which it lies between \
+         {:e} and {:e}",
+        super::EXTENT.start(),
+        super::EXTENT.end()
+    )]
+    Extent {
+        /// The largest distance.
+        largest: f32,
+    },
+    /// The start has another size than the form.
+    #[error(
+        "the start has {found} coordinates; {points} points in {dimensions} dimensions have {}",
+        .points * .dimensions
+    )]
+    StartSize {
+        /// Number of coordinates given.
+        found: usize,
+        /// Number of points.
+        points: usize,
+        /// Dimensions asked for.
+        dimensions: usize,
+    },
+    /// A coordinate of the start is NaN or infinite.
+    #[error("the start's coordinate {axis} of point {point} is not finite")]
+    StartNotFinite {
+        /// The point.
+        point: usize,
+        /// The coordinate, from 0 on.
+        axis: usize,
+    },
+    /// An option is out of its range.
+    #[error("{0}")]
+    Options(String),
+    /// A point to start from is not on the surface, or an edge has no usable length.
+    #[error(transparent)]
+    Surface(#[from] crate::surface::SurfaceError),
+}

@@ -1,0 +1,97 @@
+//! Extrapolation of a fixed-point iteration from its last steps.
+
+use std::collections::VecDeque;
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+/// Steps that are remembered.
+const MEMORY: usize = 8;
+/// Added to the diagonal of the normal equations, relative to its largest entry: steps that are
+/// nearly parallel must not get huge coefficients of opposite signs.
+const REGULARISATION: f64 = 1e-10;
+
+/// Anderson's acceleration (1965; Walker and Ni, "Anderson acceleration for fixed-point
+/// iterations", 2011), which for linear iterations is what reduced-rank extrapolation does in
+/// cycles (Rosman, Bronstein, Bronstein, Sidi and Kimmel, "Fast multidimensional scaling using
+/// vector extrapolation", 2008, for SMACOF), renewed at every step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Extrapolation {
+    /// Changes of residual and of image from one accepted iterate to the next, oldest first.
+    steps: VecDeque<[DVector<f64>; 2]>,
+}
+
+/// A place and where the iteration takes it.
+#[derive(Clone, Debug)]
+pub(super) struct Iterate {
+    pub image: DVector<f64>,
+    /// Image less place.
+    pub residual: DVector<f64>,
+}
+
+impl Iterate {
+    pub fn new(place: &[f64], image: Vec<f64>) -> Self {
+        let image = DVector::from_vec(image);
+        let residual = DVector::from_fn(place.len(), |index, _| image[index] - place[index]);
+        Self { image, residual }
+    }
+}
+
+impl Extrapolation {
+    /// Takes note of a step.
+    pub fn note(&mut self, from: &Iterate, to: &Iterate) {
+        if self.steps.len() == MEMORY {
+            self.steps.pop_front();
+        }
+        self.steps.push_back([&to.residual - &from.residual, &to.image - &from.image]);
+    }
+
+    pub fn forget(&mut self) {
+        self.steps.clear();
+    }
+
+    /// The place where the residual would vanish if it were as linear as the steps so far say, in
+    /// the sense of least squares; `None` if nothing is known.
+    pub fn from(&self, iterate: &Iterate) -> Option<DVector<f64>> {
+        let count = self.steps.len();
+        let residual = |k: usize| &self.steps[k][0];
+        let mut normal = DMatrix::from_fn(count, count, |i, j| residual(i).dot(residual(j)));
+        let largest = (0..count).map(|k| normal[(k, k)]).fold(0.0, f64::max);
+        if largest == 0.0 {
+            return None;
+        }
+        (0..count).for_each(|k| normal[(k, k)] += REGULARISATION * largest);
+        let right = DVector::from_fn(count, |k, _| residual(k).dot(&iterate.residual));
+        let weights = Cholesky::new(normal)?.solve(&right);
+        let mut place = iterate.image.clone();
+        for ([_, image], weight) in self.steps.iter().zip(weights.iter()) {
+            place.axpy(-weight, image, 1.0);
+        }
+        Some(place)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_linear_iteration_is_solved_in_as_many_steps_as_it_has_dimensions() {
+        // x -> A x + b with eigenvalues up to 0.99: a thousand plain steps for four digits.
+        let rates = [0.99, 0.9, 0.5, -0.3];
+        let fixed = [1.0, -2.0, 3.0, 4.0];
+        let image = |x: &[f64]| {
+            let along = |k: usize| fixed[k] + rates[k] * (x[k] - fixed[k]);
+            Iterate::new(x, (0..4).map(along).collect())
+        };
+        let mut extrapolation = Extrapolation::default();
+        let mut here = image(&[0.0; 4]);
+        for _ in 0..5 {
+            let place = extrapolation.from(&here).unwrap_or_else(|| here.image.clone());
+            let next = image(place.as_slice());
+            extrapolation.note(&here, &next);
+            here = next;
+        }
+        // But for the regularisation.
+        assert!((&here.image - DVector::from_row_slice(&fixed)).amax() < 1e-5, "{}", here.image);
+    }
+}

@@ -1,0 +1,54 @@
+//! Canonical forms: surfaces placed in Euclidean space so that straight distances are as near as
+//! possible to the geodesic ones.
+//!
+//! A bending changes no geodesic distance, so that all bendings of a surface share one canonical
+//! form, up to rotation, reflection and translation: an isometry-invariant signature (A. Elad and
+//! R. Kimmel, "On bending invariant signatures for surfaces", IEEE PAMI 25(10), 2003; the paper,
+//! section 6.4 and figure 8).
+//!
+//! [`canonical_form`] minimises the raw stress, the sum over all pairs i < j of
+//! (|x_i - x_j| - delta_ij)^2, by scaling by majorisation of a complicated function (SMACOF; J. de
+//! Leeuw and W. J. Heiser 1980): each Guttman transform lowers it. It starts from classical
+//! scaling and extrapolates from step to step.
+//!
+//! ```
+//! use geosweep::cpu::Stop;
+//! use geosweep::geometry::canonical::{Distances, FormOptions, align, canonical_form, geodesic_distances};
+//! use geosweep::surface::builtin::Builtin;
+//! use geosweep::{Surface, Wavefront};
+//!
+//! // Three quarters of a cylinder unroll.
+//! let cylinder = Builtin::Cylinder.surface(13, 17)?;
+//! let points: Vec<usize> = (0..13 * 17).collect();
+//! let stop = Stop { tolerance: 1e-6, iterations: 100 };
+//! let matrix = geodesic_distances(&cylinder, &points, Wavefront::PointSource, stop, |_| ())?;
+//! let distances = Distances::new(points.len(), matrix)?;
+//! let form = canonical_form(&distances, &FormOptions { dimensions: 2, ..FormOptions::default() })?;
+//!
+//! let (width, height) = (1.5 * std::f64::consts::PI, 3.0);
+//! let flat: Vec<f64> = (0..13)
+//!     .flat_map(|row| (0..17).map(move |col| (row, col)))
+//!     .flat_map(|(row, col)| [width * col as f64 / 16.0, height * row as f64 / 12.0])
+//!     .collect();
+//! assert!(align(&form.coordinates, &flat, 2).deviation < 1e-4);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod alignment;
+mod classical;
+mod distances;
+mod error;
+mod extrapolation;
+mod form;
+mod geodesic;
+mod guttman;
+mod smacof;
+
+pub use alignment::{Alignment, align};
+pub use distances::{ASYMMETRY, Distances, EXTENT};
+pub use error::CanonicalError;
+pub use form::CanonicalForm;
+pub use geodesic::geodesic_distances;
+pub use smacof::{
+    DEFAULT_TOLERANCE, FormOptions, Start, Step, canonical_form, canonical_form_with,
+};
