@@ -13,6 +13,7 @@ mod error;
 mod exr;
 mod map_file;
 mod npy;
+mod ply;
 mod png;
 mod surface_file;
 mod tiff;
@@ -22,6 +23,7 @@ pub use atomic::{OutputFile, StagedFile};
 pub use error::IoError;
 pub use map_file::{MapFormat, read_map};
 pub use npy::write_npy;
+pub use ply::write_ply;
 pub use surface_file::SurfaceFile;
 
 use std::fs;

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod builtin;
+mod canonical;
 mod compare;
 mod devices;
 mod distance;
@@ -45,6 +46,8 @@ Examples:
 enum Command {
     /// Compute the distance from sources to every point of a surface
     Distance(Box<distance::Args>),
+    /// Place a surface in space so that straight distances are like those along it
+    Canonical(canonical::Args),
     /// List the Vulkan devices, and why one cannot be used
     Devices(devices::Args),
     /// Compare two distance maps
@@ -70,6 +73,7 @@ fn main() -> ExitCode {
     };
     let outcome = match tool.command {
         Command::Distance(args) => distance::run(&args),
+        Command::Canonical(args) => canonical::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Builtin(args) => builtin::run(&args),

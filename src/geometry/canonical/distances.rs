@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn tiles_cover_the_whole_matrix() {
-        let points = 150;
+        let points: usize = 150;
         let values: Vec<f32> = (0..points * points)
             .map(|index| {
                 let (row, col) = (index / points, index % points);

@@ -3,6 +3,7 @@
 
 mod canvas;
 mod colors;
+mod form;
 mod isolines;
 mod legend;
 mod panels;
@@ -18,6 +19,7 @@ use geosweep::{DistanceMap, Sources, Surface};
 
 use canvas::Canvas;
 use colors::Scale;
+pub use form::FormPicture;
 use isolines::{Isolines, MOST_LINES};
 use legend::Legend;
 pub use panels::{Panel, Panels};

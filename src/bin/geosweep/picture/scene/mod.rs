@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::canvas::{Canvas, Color};
 use band::Band;
-pub use mesh::Mesh;
+pub use mesh::{Mesh, grid_triangles};
 pub use view::View;
 
 /// A mesh and what is drawn on it.

@@ -12,7 +12,7 @@ pub struct View {
     /// What is shown in the middle of the picture.
     center: DVec3,
     /// Pixels per unit of length.
-    pub scale: f64,
+    scale: f64,
     pub width: usize,
     pub height: usize,
 }
@@ -45,11 +45,6 @@ impl View {
         let middle = 0.5 * (low + high);
         let center = middle.x * right + middle.y * up + middle.z * toward;
         Self { right, up, toward, center, scale, width, height }
-    }
-
-    /// With another scale, so that several views show the same lengths alike.
-    pub fn with_scale(self, scale: f64) -> Self {
-        Self { scale, ..self }
     }
 
     /// The pixel (x, y) of a point, and how far it is before the middle, all in pixels.
