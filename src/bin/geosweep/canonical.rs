@@ -38,7 +38,7 @@ pub struct Args {
     matrix: bool,
     /// Use at most this many points of a grid: every second row and column, or every third, and so
     /// on. The distances between them are still those on the whole grid
-    #[arg(long, value_name = "N", default_value_t = 4096, value_parser = points)]
+    #[arg(long, value_name = "N", default_value_t = 5000, value_parser = points)]
     #[arg(help_heading = "Surface")]
     points: usize,
 
@@ -313,7 +313,7 @@ impl Outputs {
         let mut staged = vec![form];
         if let Some(output) = self.picture {
             let _spinner = Spinner::new("drawing");
-            let picture = FormPicture { positions: &positions, chart: placed.chart }.draw();
+            let picture = FormPicture::new(&positions, placed.chart).draw();
             staged.push(output.stage(|writer| picture.write_png(writer))?);
         }
         Ok(staged.into_iter().try_for_each(StagedFile::commit)?)

@@ -75,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_linear_iteration_is_solved_in_as_many_steps_as_it_has_dimensions() {
+    fn a_linear_iteration_is_solved_in_a_few_steps() {
         // x -> A x + b with eigenvalues up to 0.99: a thousand plain steps for four digits.
         let rates = [0.99, 0.9, 0.5, -0.3];
         let fixed = [1.0, -2.0, 3.0, 4.0];
@@ -85,13 +85,12 @@ mod tests {
         };
         let mut extrapolation = Extrapolation::default();
         let mut here = image(&[0.0; 4]);
-        for _ in 0..5 {
+        for _ in 0..10 {
             let place = extrapolation.from(&here).unwrap_or_else(|| here.image.clone());
             let next = image(place.as_slice());
             extrapolation.note(&here, &next);
             here = next;
         }
-        // But for the regularisation.
-        assert!((&here.image - DVector::from_row_slice(&fixed)).amax() < 1e-5, "{}", here.image);
+        assert!((&here.image - DVector::from_row_slice(&fixed)).amax() < 1e-6, "{}", here.image);
     }
 }

@@ -7,31 +7,41 @@ use super::canvas::Canvas;
 use super::colors::{INK, PAPER, Scale};
 use super::scene::{Mesh, Scene, Stroke, View};
 
-/// A form of a grid or of single points, seen in space.
+/// A grid or single points, seen in space.
 pub struct FormPicture<'a> {
     /// NaN where a point is missing.
     pub positions: &'a [DVec3],
     /// The grid that the points are of, if they are.
     pub chart: Option<Chart>,
+    /// The direction towards the viewer, and what is upwards.
+    pub toward: DVec3,
+    pub up: DVec3,
+    /// Width and height, in pixels.
+    pub size: [usize; 2],
 }
 
-const WIDTH: usize = 1200;
-const HEIGHT: usize = 900;
+const SIZE: [usize; 2] = [1200, 900];
 /// Lines along rows and along columns, about.
 const LINES: usize = 16;
 /// Half the width of the grid's lines, and of single points, in pixels.
 const LINE: f32 = 0.8;
 const POINT: f32 = 4.0;
 
-impl FormPicture<'_> {
-    pub fn draw(&self) -> Canvas {
-        let flat = self.positions.iter().all(|at| !at.is_finite() || at.z == 0.0);
+impl<'a> FormPicture<'a> {
+    /// A form along its principal axes: from above its widest one, or as flat as it is.
+    pub fn new(positions: &'a [DVec3], chart: Option<Chart>) -> Self {
+        let flat = positions.iter().all(|at| !at.is_finite() || at.z == 0.0);
         let (toward, up) = match flat {
             true => (DVec3::Z, DVec3::Y),
             false => (DVec3::new(0.35, -1.0, 0.9), DVec3::Z),
         };
+        Self { positions, chart, toward, up, size: SIZE }
+    }
+
+    pub fn draw(&self) -> Canvas {
         let mesh = self.mesh();
-        let view = View::fit(toward, up, mesh.present(), WIDTH, HEIGHT);
+        let [width, height] = self.size;
+        let view = View::fit(self.toward, self.up, mesh.present(), width, height);
         let strokes = match self.chart {
             Some(chart) => grid_lines(chart, self.positions),
             None => self.discs(&mesh, &view),

@@ -4,6 +4,7 @@
 mod canvas;
 mod colors;
 mod form;
+mod gallery;
 mod isolines;
 mod legend;
 mod panels;
@@ -20,6 +21,7 @@ use geosweep::{DistanceMap, Sources, Surface};
 use canvas::Canvas;
 use colors::Scale;
 pub use form::FormPicture;
+pub use gallery::{Exhibit, Gallery};
 use isolines::{Isolines, MOST_LINES};
 use legend::Legend;
 pub use panels::{Panel, Panels};
