@@ -65,7 +65,8 @@ struct Study {
     form: Vec<DVec3>,
     stress_1: f64,
     deviation: Option<f64>,
-    toward: DVec3,
+    /// The directions to the viewer of surface and form.
+    toward: [DVec3; 2],
     up: DVec3,
 }
 
@@ -83,7 +84,7 @@ pub fn run(args: &Args) -> Outcome {
     let face = Builtin::Face.surface(args.size * 5 / 4, args.size)?;
     bar.set_message("face");
     let mut studies = vec![Study::new("a face", face, None)?];
-    studies[0].toward = DVec3::new(0.5, -0.35, 1.0);
+    studies[0].toward = [DVec3::new(0.5, -0.35, 1.0); 2];
     studies[0].up = -DVec3::Y;
     for (degrees, title) in BENDINGS {
         bar.inc(1);
@@ -156,24 +157,25 @@ impl Study {
             form: placed,
             stress_1: form.stress_1(),
             deviation: onto.map(|_| aligned.deviation),
-            toward: DVec3::new(1.0, -0.5, 0.55),
+            toward: [DVec3::new(1.0, -0.5, 0.55), DVec3::new(-1.0, 0.5, 0.55)],
             up: DVec3::Z,
         })
     }
 
     fn exhibit(&self) -> Exhibit<'_> {
         let Self { toward, up, .. } = *self;
+        let [surface, form] = toward;
         let chart = Some(self.surface.chart());
-        let picture = |positions| FormPicture { positions, chart, toward, up, size: PANEL };
+        let picture = |positions, toward| FormPicture { positions, chart, toward, up, size: PANEL };
         let subtitle = match self.deviation {
             None => "its canonical form".into(),
             Some(deviation) => format!("its form, {:.3} % away", 100.0 * deviation),
         };
         Exhibit {
             title: self.title.into(),
-            surface: picture(&self.positions),
+            surface: picture(&self.positions, surface),
             subtitle,
-            form: picture(&self.form),
+            form: picture(&self.form, form),
         }
     }
 }
