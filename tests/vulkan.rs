@@ -170,13 +170,14 @@ fn sources_can_be_added_to_a_map() {
     }
 }
 
-/// At most 48 bytes of device memory a point, beside the buffers for transfer.
+/// At most 48 bytes of device memory a point, beside two buffers for transfer of at most 16 MiB
+/// each, and the rows of points around what one of them holds.
 #[test]
 fn a_surface_takes_little_memory() {
     let surface = rough(1000, 1000, 0);
     let solver = vulkan_solver();
     let bytes = solver.upload(&surface).unwrap().bytes();
-    assert!(bytes < 48 * 1_000_000, "{bytes}");
+    assert!(bytes < 48 * 1_000_000 + (33 << 20), "{bytes}");
 }
 
 /// Iteration by iteration, not only in the limit: the scans are those of the twin.

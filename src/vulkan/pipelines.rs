@@ -159,6 +159,9 @@ impl Pipelines {
     }
 }
 
+/// SPIR-V with the specialization constants of a pass.
+type Pass<'a> = (&'a [u8], Vec<(u32, i32)>);
+
 impl SchedulePipelines {
     /// Creates them. [`SchedulePipelines::destroy`] must be called before the device is destroyed.
     pub fn new(
@@ -170,7 +173,7 @@ impl SchedulePipelines {
         use constant::*;
         let Tuning { scan_width, scan_lines, tile, inner } = pipelines.tuning;
         let wavefront = (WAVEFRONT, wavefront as i32);
-        let passes: Vec<(&[u8], Vec<(u32, i32)>)> = match schedule {
+        let passes: Vec<Pass> = match schedule {
             Schedule::Raster => Scan::ALL
                 .into_iter()
                 .map(|scan| {
