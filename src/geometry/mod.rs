@@ -6,7 +6,9 @@ pub mod canonical;
 mod chains;
 mod contours;
 mod curve;
+mod paths;
 mod triangles;
 
 pub use contours::{Contour, LevelError, Levels, MOST_LEVELS, contours};
 pub use curve::{Curve, CurveError};
+pub use paths::{Path, PathError, Paths};

@@ -26,8 +26,8 @@ pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing};
 pub use real::{FAR, Real};
 pub(crate) use real::{max, min, relative_change};
-pub(crate) use sources::grid_crossings;
 pub use sources::{Seed, Source, SourceError, Sources};
+pub(crate) use sources::{corner_weights, grid_crossings};
 
 use glam::DVec3;
 

@@ -415,39 +415,43 @@ impl Cell {
     }
 
     /// The geometry at a place of the cell, interpolated between its corners; `None` in a hole.
-    ///
-    /// With a corner missing, the half of the cell opposite to it still belongs to the surface.
     fn sample(self, surface: &Surface, at: DVec2) -> Option<Sample> {
-        // A place on the cell's border may lie a rounding error outside.
-        let v = (at.x - self.rows.0 as f64).clamp(0.0, 1.0);
-        let u = (at.y - self.cols.0 as f64).clamp(0.0, 1.0);
-        let mut corners = [
-            (1.0 - v, 1.0 - u, self.rows.0, self.cols.0),
-            (1.0 - v, u, self.rows.0, self.cols.1),
-            (v, 1.0 - u, self.rows.1, self.cols.0),
-            (v, u, self.rows.1, self.cols.1),
-        ]
-        .map(|(v, u, row, col)| (v * u, row, col));
-        let missing: Vec<usize> =
-            (0..4).filter(|&k| !surface.has(corners[k].1, corners[k].2)).collect();
-        if let [hole] = missing[..] {
-            // Weights over the triangle of the other three: the affine function with value one
-            // at a corner beside the hole is one minus that corner's opposite coordinate.
-            let (v, u) =
-                (if hole < 2 { v } else { 1.0 - v }, if hole % 2 == 0 { u } else { 1.0 - u });
-            corners[hole ^ 1].0 = 1.0 - v;
-            corners[hole ^ 2].0 = 1.0 - u;
-            corners[hole ^ 3].0 = v + u - 1.0;
-            corners[hole].0 = 0.0;
-        }
-        let used: Vec<_> = corners.into_iter().filter(|corner| corner.0.abs() > 1e-12).collect();
-        if used.iter().any(|&(weight, row, col)| weight < 0.0 || !surface.has(row, col)) {
-            return None;
-        }
+        let corners = [
+            (self.rows.0, self.cols.0),
+            (self.rows.0, self.cols.1),
+            (self.rows.1, self.cols.0),
+            (self.rows.1, self.cols.1),
+        ];
+        let there = corners.map(|(row, col)| surface.has(row, col));
+        let weights = corner_weights(there, at.x - self.rows.0 as f64, at.y - self.cols.0 as f64)?;
+        let used = weights.into_iter().zip(corners).filter(|(weight, _)| *weight > 0.0);
         let sample =
-            |(weight, row, col)| (weight, surface.geometry().sample(surface.chart(), row, col));
-        Some(Sample::interpolate(&used.into_iter().map(sample).collect::<Vec<_>>()))
+            |(weight, (row, col))| (weight, surface.geometry().sample(surface.chart(), row, col));
+        Some(Sample::interpolate(&used.map(sample).collect::<Vec<_>>()))
     }
+}
+
+/// Weights of a cell's corners, north-west, north-east, south-west and south-east, some of which
+/// may be missing, at a place so many rows and columns from the first; `None` in a hole.
+///
+/// With a corner missing, the half of the cell opposite to it still belongs to the surface.
+pub(crate) fn corner_weights(there: [bool; 4], rows: f64, cols: f64) -> Option<[f64; 4]> {
+    // A place on the cell's border may lie a rounding error outside.
+    let (v, u) = (rows.clamp(0.0, 1.0), cols.clamp(0.0, 1.0));
+    let mut weights = [(1.0 - v) * (1.0 - u), (1.0 - v) * u, v * (1.0 - u), v * u];
+    let mut missing = (0..4).filter(|&corner| !there[corner]);
+    if let (Some(hole), None) = (missing.next(), missing.next()) {
+        // Weights over the triangle of the other three: the affine function with value one
+        // at a corner beside the hole is one minus that corner's opposite coordinate.
+        let (v, u) = (if hole < 2 { v } else { 1.0 - v }, if hole % 2 == 0 { u } else { 1.0 - u });
+        weights[hole ^ 1] = 1.0 - v;
+        weights[hole ^ 2] = 1.0 - u;
+        weights[hole ^ 3] = v + u - 1.0;
+        weights[hole] = 0.0;
+    }
+    let weights = weights.map(|weight| if weight.abs() > 1e-12 { weight } else { 0.0 });
+    let usable = |(weight, there): (&f64, bool)| *weight == 0.0 || (*weight > 0.0 && there);
+    weights.iter().zip(there).all(usable).then_some(weights)
 }
 
 impl Surface {
@@ -490,6 +494,11 @@ impl Surface {
         // The front spreads on the outer side of the bend. On the curve itself it goes both ways.
         let side = (point - place).normalize_or_zero().dot(bend);
         -side / (1.0 - side * distance).max(0.1)
+    }
+
+    /// Whether a place, as fractional row and column, is on the grid and in no hole.
+    pub(crate) fn contains(&self, at: DVec2) -> bool {
+        self.place(at).is_some()
     }
 
     /// The geometry between grid points; `None` in a hole.

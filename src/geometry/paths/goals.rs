@@ -1,0 +1,132 @@
+//! Where paths end: the sources, cell by cell.
+
+use std::collections::HashMap;
+
+use glam::DVec2;
+
+use super::cell::{Cell, Weights};
+use crate::surface::{Chart, Source, Sources, corner_weights, grid_crossings};
+
+/// The part of a source that lies in one cell: a straight segment, or a point.
+#[derive(Clone, Debug)]
+struct Goal {
+    source: usize,
+    initial: f64,
+    /// Rows and columns of its ends, and their weights.
+    ends: [DVec2; 2],
+    weights: [Weights; 2],
+}
+
+/// The nearest place of a source in a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Nearest {
+    /// Which source.
+    pub source: usize,
+    /// Row and column.
+    pub at: DVec2,
+    /// Arrival time at the source.
+    pub time: f64,
+    pub distance: f64,
+}
+
+/// The sources, by the cells they touch.
+#[derive(Clone, Debug)]
+pub(super) struct Goals {
+    /// For each cell, by its north-western corner in a bordered array.
+    touched: Vec<bool>,
+    by_cell: HashMap<usize, Vec<Goal>>,
+}
+
+/// Places closer than this to a grid line, in cells, lie on it.
+const ON_LINE: f64 = 1e-9;
+
+impl Goals {
+    /// `there` tells which points of the bordered array are points of the surface.
+    pub(super) fn new(chart: Chart, sources: &Sources, there: impl Fn(usize) -> bool) -> Self {
+        let mut goals =
+            Self { touched: vec![false; chart.bordered_points()], by_cell: HashMap::new() };
+        for (index, source) in sources.iter().enumerate() {
+            let (vertices, initial) = match source {
+                Source::Point { at, initial } => (std::slice::from_ref(at), *initial),
+                Source::Curve { vertices, initial } => (vertices.as_slice(), *initial),
+            };
+            let mut add = |ends| goals.add(chart, index, initial, ends, &there);
+            if let [single] = vertices {
+                add([*single; 2]);
+            }
+            for ends in vertices.windows(2) {
+                let cuts = grid_crossings(ends[0], ends[1]);
+                for cut in cuts.windows(2) {
+                    add([ends[0].lerp(ends[1], cut[0]), ends[0].lerp(ends[1], cut[1])]);
+                }
+            }
+        }
+        goals
+    }
+
+    fn add(
+        &mut self,
+        chart: Chart,
+        source: usize,
+        initial: f64,
+        ends: [DVec2; 2],
+        there: impl Fn(usize) -> bool,
+    ) {
+        let middle = 0.5 * (ends[0] + ends[1]);
+        for row in before(middle.x) {
+            for col in before(middle.y) {
+                let north_west = (row + 1.0) as usize * chart.stride() + (col + 1.0) as usize;
+                let corners = super::cell::corners(chart, north_west);
+                let weights =
+                    ends.map(|end| corner_weights(corners.map(&there), end.x - row, end.y - col));
+                let [Some(first), Some(last)] = weights else { continue };
+                let goal = Goal { source, initial, ends, weights: [first, last] };
+                self.by_cell.entry(north_west).or_default().push(goal);
+                self.touched[north_west] = true;
+            }
+        }
+    }
+
+    /// The place of a source in a cell from which the front arrives first at a place there, over
+    /// a straight line.
+    pub(super) fn nearest(
+        &self,
+        north_west: usize,
+        cell: &Cell,
+        place: &Weights,
+    ) -> Option<Nearest> {
+        if !self.touched[north_west] {
+            return None;
+        }
+        let goals = self.by_cell.get(&north_west)?.iter();
+        let nearest = goals.map(|goal| goal.nearest(cell, place));
+        nearest.min_by(|a, b| (a.time + a.distance).total_cmp(&(b.time + b.distance)))
+    }
+}
+
+impl Goal {
+    fn nearest(&self, cell: &Cell, place: &Weights) -> Nearest {
+        let [first, last] = self.weights.map(|end| cell.square(place, &end));
+        let along = cell.square(&self.weights[0], &self.weights[1]);
+        let foot =
+            if along > 0.0 { (0.5 + 0.5 * (first - last) / along).clamp(0.0, 1.0) } else { 0.0 };
+        let square = first + foot * (last - first - (1.0 - foot) * along);
+        Nearest {
+            source: self.source,
+            at: self.ends[0].lerp(self.ends[1], foot),
+            time: self.initial,
+            distance: square.max(0.0).sqrt(),
+        }
+    }
+}
+
+/// The grid line before a coordinate, or the two cells' beside the line that it lies on.
+fn before(x: f64) -> impl Iterator<Item = f64> {
+    let line = x.round();
+    let lines = if (x - line).abs() < ON_LINE {
+        [Some(line - 1.0), Some(line)]
+    } else {
+        [Some(x.floor()), None]
+    };
+    lines.into_iter().flatten()
+}

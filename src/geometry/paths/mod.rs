@@ -1,0 +1,193 @@
+//! Geodesic paths: shortest paths from any place back to the source (paper, section 6.3).
+//!
+//! A path follows the direction in which the arrival time falls fastest, -G^-1 grad t (eq. 21).
+//! Plain gradients mix both sides where fronts meet, and know nothing near a source or a corner
+//! of a hole. So each step asks for what the gradient stands for, as the solvers do: of all
+//! straight lines across the cell, in the cell's own lengths, the one on which the front arrives
+//! first (the Hopf-Lax form of eq. 5). Arrival times along the cell's sides come from cubics
+//! through the squares of the map's values. The steps are as long as the cells, which bounds their
+//! error to second order; lines end at grid points where a path bends around the corner of a hole,
+//! and at the source where it lies in the cell.
+
+mod cell;
+mod goals;
+mod profile;
+mod trace;
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::Curve;
+use crate::surface::{Chart, EdgeLengths, SourceError, Sources, Surface};
+use goals::Goals;
+use trace::{Field, Stuck, Trace};
+
+/// A shortest path from a place to a source.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Path {
+    /// From the start to the source, both exact; a single vertex if the start is at the source.
+    /// Vertices lie on the grid's edges, between which the path is straight.
+    pub curve: Curve,
+    /// The map's value at the start: at a grid point that of the map, elsewhere the earliest
+    /// arrival over a straight line across the cell.
+    pub distance: f64,
+    /// The path's own length, measured as the map measures, so that together with the source's
+    /// initial value it is `distance` but for the error of both: in the surface's unit of length,
+    /// along arcs ([`crate::EdgeRule`]), times the slowness if there is one.
+    pub length: f64,
+    /// Which of the sources, in the order given.
+    pub source: usize,
+}
+
+/// Why there is no path.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PathError {
+    /// A source does not lie on the surface.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// The distances are not those of the surface's points.
+    #[error("{found} distances do not fill a grid of {rows} x {cols} points")]
+    Shape {
+        /// How many there are.
+        found: usize,
+        /// Rows of the grid.
+        rows: usize,
+        /// Columns of the grid.
+        cols: usize,
+    },
+    /// The start lies off the grid.
+    #[error(
+        "start {row},{col} lies outside the grid: rows run from 0 to {last_row}, columns from 0 to {last_col}"
+    )]
+    Outside {
+        /// Row of the start.
+        row: f64,
+        /// Column of the start.
+        col: f64,
+        /// The grid's last row.
+        last_row: usize,
+        /// The grid's last column.
+        last_col: usize,
+    },
+    /// The start lies in a hole.
+    #[error(
+        "start {row},{col} lies in a hole of the surface (NaN or masked out); move it to a point of the surface"
+    )]
+    Hole {
+        /// Row of the start.
+        row: f64,
+        /// Column of the start.
+        col: f64,
+    },
+    /// No front reaches the start.
+    #[error("start {row},{col} cannot be reached from any source: holes lie between them")]
+    Unreachable {
+        /// Row of the start.
+        row: f64,
+        /// Column of the start.
+        col: f64,
+    },
+    /// The map does not lead to a source.
+    #[error(
+        "the path from {row},{col} gets lost at {lost_row},{lost_col}, where the map does not lead on to a source; it must be the converged map of these sources on this surface"
+    )]
+    Lost {
+        /// Row of the start.
+        row: f64,
+        /// Column of the start.
+        col: f64,
+        /// Row where the path ends.
+        lost_row: f64,
+        /// Column where the path ends.
+        lost_col: f64,
+    },
+}
+
+/// A distance map, ready for tracing paths.
+///
+/// ```
+/// use geosweep::geometry::Paths;
+/// use geosweep::surface::{EdgeLengths, builtin::Builtin};
+/// use geosweep::{Engine, Options, Sources, distance_map};
+///
+/// let surface = Builtin::Maze.surface(101, 101)?;
+/// let sources = Sources::point(0.0, 0.0);
+/// let options = Options { engine: Engine::Cpu, ..Options::default() };
+/// let map = distance_map(&surface, &sources, &options)?;
+///
+/// let edges = EdgeLengths::new(&surface)?;
+/// let paths = Paths::new(&surface, &edges, &sources, &map.distances)?;
+/// let path = paths.trace([50.5, 48.25])?;
+/// assert_eq!(path.curve.vertices.last(), Some(&[0.0, 0.0]));
+/// let exact = Builtin::Maze.exact_distance(101, 101, [50.5, 48.25], [0.0, 0.0]).unwrap();
+/// assert!((path.length - exact).abs() < 1e-3 * exact);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Paths<'a> {
+    surface: &'a Surface,
+    field: Field<'a>,
+}
+
+impl<'a> Paths<'a> {
+    /// `distances` is the map of these sources on this surface, row-major, as in
+    /// [`crate::DistanceMap::distances`]. The `edges` are the surface's.
+    ///
+    /// # Errors
+    /// [`PathError::Shape`] and [`PathError::Source`].
+    pub fn new(
+        surface: &'a Surface,
+        edges: &'a EdgeLengths<f32>,
+        sources: &Sources,
+        distances: &[f32],
+    ) -> Result<Self, PathError> {
+        let chart = surface.chart();
+        let Chart { rows, cols } = chart;
+        for found in [distances.len(), edges.chart().points()] {
+            if found != chart.points() {
+                return Err(PathError::Shape { found, rows, cols });
+            }
+        }
+        sources.seeds(surface)?;
+        let mut times = vec![f32::INFINITY; chart.bordered_points()];
+        for (row, distances) in distances.chunks(cols).enumerate() {
+            times[chart.bordered(row, 0)..][..cols].copy_from_slice(distances);
+        }
+        let goals = Goals::new(chart, sources, |point| times[point] < f32::INFINITY);
+        Ok(Self { surface, field: Field { edges, times, start: sources.start(), goals } })
+    }
+
+    /// The path from a place, as fractional row and column, to its source.
+    ///
+    /// # Errors
+    /// If the place is outside the grid, in a hole or not reached by any source, or the map is not
+    /// that of the sources ([`PathError::Lost`]).
+    pub fn trace(&self, start: [f64; 2]) -> Result<Path, PathError> {
+        let [row, col] = start;
+        let (last_row, last_col) = (self.surface.rows() - 1, self.surface.cols() - 1);
+        let inside =
+            (0.0..=last_row as f64).contains(&row) && (0.0..=last_col as f64).contains(&col);
+        if !inside {
+            return Err(PathError::Outside { row, col, last_row, last_col });
+        }
+        let start = DVec2::new(row, col);
+        if !self.surface.contains(start) {
+            return Err(PathError::Hole { row, col });
+        }
+        if !self.field.reaches(start) {
+            return Err(PathError::Unreachable { row, col });
+        }
+        let Trace { vertices, time, length, source } = self
+            .field
+            .trace(start)
+            .map_err(|Stuck(at)| PathError::Lost { row, col, lost_row: at.x, lost_col: at.y })?;
+        let vertices = vertices.into_iter().map(|at| at.to_array()).collect();
+        Ok(Path { curve: Curve { vertices, closed: false }, distance: time, length, source })
+    }
+
+    /// The paths from many places, in their order, traced in parallel.
+    pub fn trace_all(&self, starts: &[[f64; 2]]) -> Vec<Result<Path, PathError>> {
+        starts.par_iter().map(|&start| self.trace(start)).collect()
+    }
+}

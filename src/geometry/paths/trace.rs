@@ -1,0 +1,394 @@
+//! From cell to cell down the arrival times.
+
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
+
+use glam::DVec2;
+
+use super::cell::{Cell, SIDES, Weights};
+use super::goals::{Goals, Nearest};
+use super::profile::Profile;
+use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, FAR, corner_weights};
+
+/// What a tracer knows.
+#[derive(Clone, Debug)]
+pub(super) struct Field<'a> {
+    pub edges: &'a EdgeLengths<f32>,
+    /// Arrival times in a bordered array, infinite where no front arrives.
+    pub times: Vec<f32>,
+    /// The smallest initial value.
+    pub start: f64,
+    pub goals: Goals,
+}
+
+/// A path's trace: its vertices from the start to the source.
+pub(super) struct Trace {
+    pub vertices: Vec<DVec2>,
+    /// Arrival time at its start.
+    pub time: f64,
+    pub length: f64,
+    pub source: usize,
+}
+
+/// Where a path cannot go on.
+pub(super) struct Stuck(pub DVec2);
+
+/// Where a path is.
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    /// At a point of the bordered array.
+    Point(usize),
+    /// On the edge to the next point or to the next row's, at a share of its length.
+    Edge { first: usize, step: usize, share: f64 },
+    /// In a cell.
+    Inside { north_west: usize, weights: Weights },
+}
+
+/// One straight line of a path.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    end: End,
+    /// Arrival time at its end.
+    time: f64,
+    length: f64,
+    /// The cell that it crosses.
+    cell: usize,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum End {
+    Place(Place),
+    Source(usize, DVec2),
+}
+
+impl Line {
+    fn arrival(&self) -> f64 {
+        self.time + self.length
+    }
+}
+
+/// A line that ends nearer than this to a grid point, in shares of the edge, ends there.
+const AT_POINT: f64 = 1e-4;
+/// A straight line to the source in sight is preferred to others by this part of its length; and a
+/// line that fits the arrival time as well needs no other to be compared with.
+const FITS: f64 = 1e-3;
+/// Squares of lengths of edges that do not exist are larger.
+const NO_EDGE: f64 = FAR * FAR * 1e-20;
+/// Areas whose square is a smaller part of the fourth power of a side are no triangles.
+const FLAT: f64 = 1e-14;
+
+impl Field<'_> {
+    fn chart(&self) -> Chart {
+        self.edges.chart()
+    }
+
+    fn time(&self, point: usize) -> f64 {
+        self.times[point].into()
+    }
+
+    fn is_reached(&self, point: usize) -> bool {
+        self.times[point] < f32::INFINITY
+    }
+
+    /// Whether the surface is there and a front arrives; rows and columns inside the grid.
+    pub(super) fn reaches(&self, at: DVec2) -> bool {
+        self.place(at).is_some()
+    }
+
+    /// The place at a row and column, if it has been reached.
+    fn place(&self, at: DVec2) -> Option<Place> {
+        let (row, col) = (at.x as usize, at.y as usize);
+        let (v, u) = (at.x.fract(), at.y.fract());
+        let north_west = self.chart().bordered(row, col);
+        let reached = |point: usize| self.is_reached(point).then_some(point);
+        let edge = |step, share| {
+            let first = reached(north_west)?;
+            reached(north_west + step)?;
+            Some(Place::Edge { first, step, share })
+        };
+        match (v > 0.0, u > 0.0) {
+            (false, false) => Some(Place::Point(reached(north_west)?)),
+            (false, true) => edge(1, u),
+            (true, false) => edge(self.chart().stride(), v),
+            (true, true) => {
+                let corners = super::cell::corners(self.chart(), north_west);
+                let weights = corner_weights(corners.map(|c| self.is_reached(c)), v, u)?;
+                Some(Place::Inside { north_west, weights })
+            }
+        }
+    }
+
+    fn position(&self, place: Place) -> DVec2 {
+        let at = |point: usize| {
+            let stride = self.chart().stride();
+            DVec2::new((point / stride) as f64 - 1.0, (point % stride) as f64 - 1.0)
+        };
+        match place {
+            Place::Point(point) => at(point),
+            Place::Edge { first, step: 1, share } => at(first) + DVec2::new(0.0, share),
+            Place::Edge { first, share, .. } => at(first) + DVec2::new(share, 0.0),
+            Place::Inside { north_west, weights: [_, ne, sw, se] } => {
+                at(north_west) + DVec2::new(sw + se, ne + se)
+            }
+        }
+    }
+
+    /// The cells that a place lies in, and its weights there.
+    fn cells(&self, place: Place) -> ([(usize, Weights); 4], usize) {
+        let stride = self.chart().stride();
+        let none = (0, [0.0; 4]);
+        match place {
+            Place::Point(point) => {
+                let cells = [
+                    (point, [1.0, 0.0, 0.0, 0.0]),
+                    (point - 1, [0.0, 1.0, 0.0, 0.0]),
+                    (point - stride, [0.0, 0.0, 1.0, 0.0]),
+                    (point - stride - 1, [0.0, 0.0, 0.0, 1.0]),
+                ];
+                (cells, 4)
+            }
+            Place::Edge { first, step: 1, share } => {
+                let rest = 1.0 - share;
+                let (south, north) = ([rest, share, 0.0, 0.0], [0.0, 0.0, rest, share]);
+                ([(first, south), (first - stride, north), none, none], 2)
+            }
+            Place::Edge { first, share, .. } => {
+                let rest = 1.0 - share;
+                let (east, west) = ([rest, 0.0, share, 0.0], [0.0, rest, 0.0, share]);
+                ([(first, east), (first - 1, west), none, none], 2)
+            }
+            Place::Inside { north_west, weights } => ([(north_west, weights), none, none, none], 1),
+        }
+    }
+
+    /// The path from a place to its source.
+    ///
+    /// Squares of times are smooth at a source if they count from its own initial value, which is
+    /// known once a path has found it.
+    pub(super) fn trace(&self, start: DVec2) -> Result<Trace, Stuck> {
+        let (trace, initial) = self.trace_since(self.start, start)?;
+        if initial == self.start {
+            return Ok(trace);
+        }
+        match self.trace_since(initial, start) {
+            Ok((again, _)) if again.source == trace.source => Ok(again),
+            _ => Ok(trace),
+        }
+    }
+
+    /// The path and its source's initial value, from squares of times since some moment.
+    fn trace_since(&self, moment: f64, start: DVec2) -> Result<(Trace, f64), Stuck> {
+        let mut place = self.place(start).ok_or(Stuck(start))?;
+        let mut time = match place {
+            Place::Point(point) => self.time(point),
+            _ => f64::INFINITY,
+        };
+        let mut trace = Trace { vertices: vec![start], time, length: 0.0, source: 0 };
+        let mut from = usize::MAX;
+        // Of the grid points passed, and left, not for a later one.
+        let mut lowest = f64::INFINITY;
+        // Every step falls, so that none can be taken twice; a path that takes more steps than
+        // there are edges falls by less and less.
+        for _ in 0..4 * self.chart().points() + 64 {
+            if let Place::Point(point) = place {
+                lowest = lowest.min(self.time(point));
+            }
+            let Some(line) = self.line(moment, place, time, from) else {
+                let stuck = || Stuck(self.position(place));
+                let point = self.lower_end(place);
+                let detour = self.detour(point, lowest).ok_or_else(stuck)?;
+                if let Place::Edge { first, step, share } = place {
+                    let length = self.length(first, first + step);
+                    trace.length += length * if point == first { share } else { 1.0 - share };
+                    trace.vertices.push(self.position(Place::Point(point)));
+                }
+                let ends = detour.windows(2);
+                trace.length += ends.map(|ends| self.length(ends[0], ends[1])).sum::<f64>();
+                trace.vertices.extend(detour[1..].iter().map(|&p| self.position(Place::Point(p))));
+                let end = detour.last().copied().unwrap_or(point);
+                (place, time) = (Place::Point(end), self.time(end));
+                continue;
+            };
+            if trace.time == f64::INFINITY {
+                trace.time = line.arrival();
+            }
+            trace.length += line.length;
+            match line.end {
+                End::Source(source, at) => {
+                    // A path that starts at its source is a single place.
+                    if trace.vertices.last() != Some(&at) {
+                        trace.vertices.push(at);
+                    }
+                    return Ok((Trace { source, ..trace }, line.time));
+                }
+                End::Place(next) => {
+                    trace.vertices.push(self.position(next));
+                    (place, time, from) = (next, line.time, line.cell);
+                }
+            }
+        }
+        Err(Stuck(self.position(place)))
+    }
+
+    /// The straight line across a cell, ending lower than `below`, on which the front arrives
+    /// first; the cell beside the one the path comes `from` is tried first.
+    fn line(&self, moment: f64, place: Place, below: f64, from: usize) -> Option<Line> {
+        let (mut cells, count) = self.cells(place);
+        if cells[0].0 == from {
+            cells[..count].rotate_left(1);
+        }
+        let (mut best, mut source): (Option<Line>, Option<Nearest>) = (None, None);
+        for (north_west, weights) in &cells[..count] {
+            let cell = Cell::new(self.edges, *north_west);
+            self.cross(moment, *north_west, &cell, weights, below, &mut best);
+            let nearest = self.goals.nearest(*north_west, &cell, weights);
+            source = match (source, nearest) {
+                (Some(a), Some(b)) if a.time + a.distance <= b.time + b.distance => Some(a),
+                (a, b) => b.or(a),
+            };
+            let fits = best.is_some_and(|line| {
+                below < f64::INFINITY && line.arrival() <= below + FITS * line.length
+            });
+            if count == 2 && fits && source.is_none() {
+                break;
+            }
+        }
+        let line = |Nearest { source, at, time, distance }| Line {
+            end: End::Source(source, at),
+            time,
+            length: distance,
+            cell: usize::MAX,
+        };
+        let in_sight = source.map(line).filter(|line| match best {
+            Some(best) => line.time + (1.0 - FITS) * line.length <= best.arrival(),
+            None => line.time <= below,
+        });
+        in_sight.or(best)
+    }
+
+    /// Looks for a better line through a cell.
+    fn cross(
+        &self,
+        moment: f64,
+        north_west: usize,
+        cell: &Cell,
+        weights: &Weights,
+        below: f64,
+        best: &mut Option<Line>,
+    ) {
+        let squares = cell.from(weights);
+        let reached = cell.corners.map(|corner| self.is_reached(corner));
+        let support = weights.iter().filter(|weight| **weight > 0.0).count();
+        let mut offer = |end: Place, time: f64, length: f64| {
+            let better = best.is_none_or(|best| time + length < best.arrival());
+            if better && time < below {
+                *best = Some(Line { end: End::Place(end), time, length, cell: north_west });
+            }
+        };
+        for side in SIDES {
+            let [a, b] = side;
+            // The place's own edge, or an edge that ends there.
+            let own = weights[a] + weights[b];
+            if if support == 1 { own > 0.0 } else { own >= 1.0 } {
+                continue;
+            }
+            let points = side.map(|corner| cell.corners[corner]);
+            let (ends, base) = (side.map(|corner| squares[corner]), cell.between(side));
+            let skew = ends[1] - ends[0] - base;
+            let whole = reached[a]
+                && reached[b]
+                && ends[0].max(ends[1]) < NO_EDGE
+                && 4.0 * ends[0] * base - skew * skew > FLAT * base * base;
+            if whole {
+                let profile = self.profile(moment, points, base);
+                let crossing = profile.crossing(ends, base);
+                let step = points[1] - points[0];
+                let at_end = if crossing.share < AT_POINT {
+                    Some(0)
+                } else if crossing.share > 1.0 - AT_POINT {
+                    Some(1)
+                } else {
+                    None
+                };
+                match at_end {
+                    Some(end) => {
+                        let length = ends[end].max(0.0).sqrt();
+                        offer(Place::Point(points[end]), self.time(points[end]), length);
+                    }
+                    None => {
+                        let place = Place::Edge { first: points[0], step, share: crossing.share };
+                        offer(place, crossing.time, crossing.distance);
+                    }
+                }
+                continue;
+            }
+            // Without a triangle paths run along edges.
+            for (end, corner) in side.into_iter().enumerate() {
+                let along = support == 1 || weights[corner] > 0.0 || support > 2;
+                if reached[corner] && along && ends[end] < NO_EDGE {
+                    let length = ends[end].max(0.0).sqrt();
+                    offer(Place::Point(points[end]), self.time(points[end]), length);
+                }
+            }
+        }
+    }
+
+    /// The arrival times along the edge between two points.
+    fn profile(&self, moment: f64, [first, last]: [usize; 2], length_squared: f64) -> Profile {
+        let step = last - first;
+        let points = [first - step, first, last, last + step];
+        Profile::new(moment, points.map(|point| self.time(point)), length_squared)
+    }
+
+    fn length(&self, a: usize, b: usize) -> f64 {
+        let to = Direction::ALL
+            .into_iter()
+            .find(|&to| a.wrapping_add_signed(self.chart().offset(to)) == b)
+            .expect("the points are neighbours");
+        self.edges.at(a, EdgeSlot::new(self.chart(), 0, to)).into()
+    }
+
+    /// The earliest of a place's own grid points.
+    fn lower_end(&self, place: Place) -> usize {
+        let (cells, _) = self.cells(place);
+        let (north_west, weights) = cells[0];
+        let corners = super::cell::corners(self.chart(), north_west);
+        let own = corners.into_iter().zip(weights).filter(|(_, weight)| *weight > 0.0);
+        own.map(|(corner, _)| corner)
+            .min_by(|&a, &b| self.times[a].total_cmp(&self.times[b]))
+            .expect("a place has weights")
+    }
+
+    /// The way along edges from a point to one where the front has arrived earlier than `below`,
+    /// or that has a source beside it, over no later points than needed: across points that
+    /// coincide, as at a pole, and out of pits that rounding leaves between long triangles.
+    fn detour(&self, from: usize, below: f64) -> Option<Vec<usize>> {
+        let Chart { rows, cols } = self.chart();
+        let mut back = HashMap::from([(from, from)]);
+        let mut open = BinaryHeap::from([Reverse((self.times[from].to_bits(), from))]);
+        for _ in 0..8 * (rows + cols) + 64 {
+            let Reverse((_, point)) = open.pop()?;
+            if self.time(point) < below {
+                let mut way = vec![point];
+                while let Some(&before) = way.last().and_then(|point| back.get(point)) {
+                    if Some(&before) == way.last() {
+                        break;
+                    }
+                    way.push(before);
+                }
+                way.reverse();
+                return Some(way);
+            }
+            for to in Direction::ALL {
+                let there = point.wrapping_add_signed(self.chart().offset(to));
+                let slot = EdgeSlot::new(self.chart(), 0, to);
+                let is_edge = f64::from(self.edges.at(point, slot)) < 0.5 * FAR;
+                if is_edge && self.is_reached(there) && !back.contains_key(&there) {
+                    back.insert(there, point);
+                    open.push(Reverse((self.times[there].to_bits(), there)));
+                }
+            }
+        }
+        None
+    }
+}
