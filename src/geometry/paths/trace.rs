@@ -184,6 +184,8 @@ impl Field<'_> {
             _ => f64::INFINITY,
         };
         let mut trace = Trace { vertices: vec![start], time, length: 0.0, source: 0 };
+        // From the start to each vertex.
+        let mut lengths = vec![0.0];
         let mut from = usize::MAX;
         // Of the grid points passed, and left, not for a later one.
         let mut lowest = f64::INFINITY;
@@ -197,14 +199,23 @@ impl Field<'_> {
                 let stuck = || Stuck(self.position(place));
                 let point = self.lower_end(place);
                 let detour = self.detour(point, lowest).ok_or_else(stuck)?;
-                if let Place::Edge { first, step, share } = place {
+                let at = self.position(Place::Point(point));
+                // Back at a point that it has passed, a path goes on from there without the loop.
+                if let Some(passed) = trace.vertices.iter().position(|vertex| *vertex == at) {
+                    trace.vertices.truncate(passed + 1);
+                    lengths.truncate(passed + 1);
+                    trace.length = lengths[passed];
+                } else if let Place::Edge { first, step, share } = place {
                     let length = self.length(first, first + step);
                     trace.length += length * if point == first { share } else { 1.0 - share };
-                    trace.vertices.push(self.position(Place::Point(point)));
+                    trace.vertices.push(at);
                 }
-                let ends = detour.windows(2);
-                trace.length += ends.map(|ends| self.length(ends[0], ends[1])).sum::<f64>();
-                trace.vertices.extend(detour[1..].iter().map(|&p| self.position(Place::Point(p))));
+                lengths.resize(trace.vertices.len(), trace.length);
+                for ends in detour.windows(2) {
+                    trace.length += self.length(ends[0], ends[1]);
+                    trace.vertices.push(self.position(Place::Point(ends[1])));
+                    lengths.push(trace.length);
+                }
                 let end = detour.last().copied().unwrap_or(point);
                 (place, time) = (Place::Point(end), self.time(end));
                 continue;
@@ -223,6 +234,7 @@ impl Field<'_> {
                 }
                 End::Place(next) => {
                     trace.vertices.push(self.position(next));
+                    lengths.push(trace.length);
                     (place, time, from) = (next, line.time, line.cell);
                 }
             }
