@@ -2,23 +2,21 @@
 //! plain and extrapolated. The distances are computed outside the measured time.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use geosweep::Wavefront;
-use geosweep::cpu::Stop;
-use geosweep::geometry::canonical::{Distances, FormOptions, canonical_form, geodesic_distances};
+use geosweep::geometry::canonical::{Distances, FormOptions, canonical_form};
+use geosweep::pairwise::Pairwise;
 use geosweep::surface::builtin::Builtin;
-
-const STOP: Stop = Stop { tolerance: 1e-6, iterations: 1000 };
+use geosweep::{Options, Wavefront};
 
 fn canonical(c: &mut Criterion) {
     for builtin in [Builtin::Sphere, Builtin::Torus, Builtin::Peaks] {
         for side in [32, 64] {
             let surface = builtin.surface(side, side).expect("built-in surfaces fit");
-            let points: Vec<usize> = (0..side * side).collect();
-            let matrix =
-                geodesic_distances(&surface, &points, Wavefront::PointSource, STOP, |_| ())
-                    .expect("built-in surfaces fit");
-            let distances = Distances::new(points.len(), matrix).expect("all is reached");
-            let mut group = c.benchmark_group(format!("{builtin}/{}", points.len()));
+            let options =
+                Options { wavefront: Some(Wavefront::PointSource), ..Options::default() };
+            let mut pairwise = Pairwise::new(&surface, &options).expect("built-in surfaces fit");
+            let (matrix, _) = pairwise.matrix(|_| ()).expect("it fits memory");
+            let distances = Distances::new(side * side, matrix).expect("all is reached");
+            let mut group = c.benchmark_group(format!("{builtin}/{}", side * side));
             group.sample_size(10);
             let full = FormOptions::default();
             let start = FormOptions { iterations: 0, ..FormOptions::default() };

@@ -16,6 +16,18 @@ pub enum Error {
     /// The Vulkan engine was asked for and cannot run.
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
+    /// Distances do not fit memory.
+    #[error(
+        "{rows} rows of {points} distances need {} MiB of memory, which cannot be had; compute \
+         fewer rows at a time",
+        .rows.saturating_mul(*.points).saturating_mul(size_of::<f32>()) >> 20
+    )]
+    Memory {
+        /// Number of rows.
+        rows: usize,
+        /// Distances of a row.
+        points: usize,
+    },
     /// An option is out of its range.
     #[error("{0}")]
     Options(String),

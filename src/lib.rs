@@ -20,8 +20,8 @@
 //! ```
 //!
 //! Dependence runs one way: [`surface`] (lengths and sources), [`update`] (one triangle),
-//! the engines [`cpu`] and [`vulkan`], then [`distance_map`], then [`estimate_error`] and
-//! [`accuracy`], file formats and the tool.
+//! the engines [`cpu`] and [`vulkan`], then [`distance_map`] and [`pairwise`], then
+//! [`estimate_error`], [`accuracy`] and [`geometry`], file formats and the tool.
 
 pub mod accuracy;
 mod constants;
@@ -33,6 +33,7 @@ pub mod geometry;
 pub mod io;
 mod lanes;
 mod map;
+pub mod pairwise;
 mod solve;
 pub mod surface;
 pub mod update;

@@ -66,7 +66,7 @@ impl Default for Options {
 }
 
 impl Options {
-    fn stop(&self, surface: &Surface) -> Result<Stop, Error> {
+    pub(crate) fn stop(&self, surface: &Surface) -> Result<Stop, Error> {
         if !(self.tolerance >= 0.0 && self.tolerance < 1.0) {
             let message = format!("tolerance {} is not in the range from 0 to 1", self.tolerance);
             return Err(Error::Options(message));
@@ -79,10 +79,19 @@ impl Options {
         Ok(Stop { tolerance: self.tolerance, iterations })
     }
 
+    /// The wavefront from a single point.
+    pub(crate) fn wavefront_from_a_point(&self, surface: &Surface) -> Wavefront {
+        let or_else = || match surface.slowness() {
+            Some(_) => Wavefront::PointSource,
+            None => Wavefront::Curved,
+        };
+        self.wavefront.unwrap_or_else(or_else)
+    }
+
     fn wavefront(&self, surface: &Surface, sources: &Sources) -> Result<Wavefront, Error> {
         let circular = sources.are_points() && sources.start_together();
         match self.wavefront {
-            None if surface.slowness().is_some() && circular => Ok(Wavefront::PointSource),
+            None if circular => Ok(self.wavefront_from_a_point(surface)),
             None => Ok(Wavefront::Curved),
             Some(Wavefront::PointSource) if !sources.are_points() => Err(Error::Options(
                 "the point-source wavefront needs point sources; use the curved or the planar one \

@@ -3,12 +3,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use geosweep::cpu::Stop;
 use geosweep::geometry::canonical::{
-    CanonicalError, Distances, FormOptions, Start, align, canonical_form, geodesic_distances,
+    CanonicalError, Distances, FormOptions, Start, align, canonical_form,
 };
 use geosweep::glam::DVec3;
-use geosweep::{Surface, Wavefront};
+use geosweep::pairwise::Pairwise;
+use geosweep::{Options, Surface, Wavefront};
 
 /// Straight distances between points, row-major coordinates.
 fn straight(points: &[f64], dimensions: usize) -> Distances {
@@ -152,10 +152,9 @@ fn surface(position: impl Fn(f64, f64) -> DVec3) -> Surface {
 }
 
 fn form_of(surface: &Surface) -> Vec<f64> {
-    let points: Vec<usize> = (0..surface.chart().points()).collect();
-    let stop = Stop { tolerance: 1e-6, iterations: 1000 };
-    let matrix = geodesic_distances(surface, &points, Wavefront::Curved, stop, |_| ()).unwrap();
-    let distances = Distances::new(points.len(), matrix).unwrap();
+    let options = Options { wavefront: Some(Wavefront::Curved), ..Options::default() };
+    let (matrix, _) = Pairwise::new(surface, &options).unwrap().matrix(|_| ()).unwrap();
+    let distances = Distances::new(surface.chart().points(), matrix).unwrap();
     let options = FormOptions { tolerance: 1e-7, ..FormOptions::default() };
     canonical_form(&distances, &options).unwrap().coordinates
 }

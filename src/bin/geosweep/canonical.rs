@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use geosweep::cpu::Stop;
 use geosweep::geometry::canonical::{
-    self, CanonicalForm, Distances, FormOptions, canonical_form_with, geodesic_distances,
+    self, CanonicalForm, Distances, FormOptions, canonical_form_with,
 };
 use geosweep::glam::DVec3;
 use geosweep::io::{OutputFile, StagedFile, read_map, write_npy, write_ply};
+use geosweep::pairwise::Pairwise;
 use geosweep::surface::Chart;
-use geosweep::{DEFAULT_TOLERANCE, Surface, Wavefront};
+use geosweep::{Options, Surface, Wavefront};
 use serde::Serialize;
 
 use crate::output_file::png_output;
@@ -212,15 +212,13 @@ impl Problem {
                 ),
             );
         }
-        let stop = Stop {
-            tolerance: DEFAULT_TOLERANCE,
-            iterations: 10 * (surface.rows() + surface.cols()) as u32,
-        };
+        let options = Options { wavefront: Some(args.wavefront), ..Options::default() };
+        let mut pairwise = Pairwise::new(surface, &options)?;
         let bar = study::progress(points.len()).with_message("computing distances");
-        let matrix = geodesic_distances(surface, &points, args.wavefront, stop, |_| bar.inc(1));
+        let (matrix, _) = pairwise.among(&points, |rows| bar.inc(rows as u64))?;
         bar.finish_and_clear();
         let given = points.iter().filter(|&&point| surface.present()[point]).count();
-        Ok(Self { chart: Some(chart), points: points.len(), matrix: matrix?, given })
+        Ok(Self { chart: Some(chart), points: points.len(), matrix, given })
     }
 }
 

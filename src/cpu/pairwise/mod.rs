@@ -80,13 +80,13 @@ impl PairwiseScan {
     }
 
     /// The same for sources that follow one another from `first` on, with the symmetric
-    /// initialisation (paper, eq. 20): distances from them to the points before `first` are taken
-    /// from `rows`, the distances from those points, and are not computed again. The planar and the
+    /// initialisation (paper, eq. 20): distances from them to the first points are taken from
+    /// `rows`, the distances from those points, and are not computed again. The planar and the
     /// point-source front only, since a curved one would need curvatures there too.
     ///
     /// # Panics
-    /// As [`Self::solve`]; if `rows` are not `first` rows of as many points; and with the curved
-    /// wavefront.
+    /// As [`Self::solve`]; if `rows` are not whole rows of the matrix's first `first` ones; and with
+    /// the curved wavefront.
     pub fn solve_below(
         &self,
         rows: &[f32],
@@ -96,12 +96,13 @@ impl PairwiseScan {
         into: &mut [f32],
     ) -> Convergence {
         assert!(!matches!(self.fronts, Fronts::Curved(_)), "curvatures are not known");
-        assert_eq!(rows.len(), first * self.chart.points(), "a row for each point before");
+        let count = rows.len() / self.chart.points();
+        assert!(rows.len().is_multiple_of(self.chart.points()) && count <= first, "rows before");
         let follow = |(lane, source): (usize, &Option<usize>)| {
             source.is_none_or(|source| source == first + lane)
         };
         assert!(sources.iter().enumerate().all(follow), "sources follow one another");
-        self.solve_from(sources, Known { rows, count: first }, stop, into)
+        self.solve_from(sources, Known { rows, count, column: first }, stop, into)
     }
 
     fn solve_from(

@@ -32,10 +32,12 @@ pub(super) struct Known<'a> {
     pub rows: &'a [f32],
     /// How many of them are taken over (eq. 20), for as many points, row-major.
     pub count: usize,
+    /// The first source of the batch.
+    pub column: usize,
 }
 
 impl Known<'_> {
-    pub(super) const NOTHING: Self = Self { rows: &[], count: 0 };
+    pub(super) const NOTHING: Self = Self { rows: &[], count: 0, column: 0 };
 }
 
 impl<K: Kernel> Scans<K> {
@@ -168,7 +170,7 @@ impl<K: Kernel> Maps<K> {
             let (at, col) = chart.position(point);
             let numbers: &mut [f32] =
                 bytemuck::cast_slice_mut(&mut self.points[chart.bordered(at, col)..][..1]);
-            let found = &row[known.count..][..sources.len()];
+            let found = &row[known.column..][..sources.len()];
             for (time, distance) in numbers.iter_mut().zip(found) {
                 *time = distance.min(f32::FAR);
             }

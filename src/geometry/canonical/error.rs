@@ -119,7 +119,4 @@ pub enum CanonicalError {
     /// An option is out of its range.
     #[error("{0}")]
     Options(String),
-    /// A point to start from is not on the surface, or an edge has no usable length.
-    #[error(transparent)]
-    Surface(#[from] crate::surface::SurfaceError),
 }

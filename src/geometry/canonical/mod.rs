@@ -12,17 +12,16 @@
 //! scaling and extrapolates from step to step.
 //!
 //! ```
-//! use geosweep::cpu::Stop;
-//! use geosweep::geometry::canonical::{Distances, FormOptions, align, canonical_form, geodesic_distances};
+//! use geosweep::geometry::canonical::{Distances, FormOptions, align, canonical_form};
+//! use geosweep::pairwise::Pairwise;
 //! use geosweep::surface::builtin::Builtin;
-//! use geosweep::{Surface, Wavefront};
+//! use geosweep::{Options, Wavefront};
 //!
 //! // Three quarters of a cylinder unroll.
 //! let cylinder = Builtin::Cylinder.surface(13, 17)?;
-//! let points: Vec<usize> = (0..13 * 17).collect();
-//! let stop = Stop { tolerance: 1e-6, iterations: 100 };
-//! let matrix = geodesic_distances(&cylinder, &points, Wavefront::PointSource, stop, |_| ())?;
-//! let distances = Distances::new(points.len(), matrix)?;
+//! let options = Options { wavefront: Some(Wavefront::PointSource), ..Options::default() };
+//! let (matrix, _) = Pairwise::new(&cylinder, &options)?.matrix(|_| ())?;
+//! let distances = Distances::new(13 * 17, matrix)?;
 //! let form = canonical_form(&distances, &FormOptions { dimensions: 2, ..FormOptions::default() })?;
 //!
 //! let (width, height) = (1.5 * std::f64::consts::PI, 3.0);
@@ -41,7 +40,6 @@ mod distances;
 mod error;
 mod extrapolation;
 mod form;
-mod geodesic;
 mod guttman;
 mod smacof;
 
@@ -49,7 +47,6 @@ pub use alignment::{Alignment, align};
 pub use distances::{ASYMMETRY, Distances, EXTENT};
 pub use error::CanonicalError;
 pub use form::CanonicalForm;
-pub use geodesic::geodesic_distances;
 pub use smacof::{
     DEFAULT_TOLERANCE, FormOptions, Start, Step, canonical_form, canonical_form_with,
 };

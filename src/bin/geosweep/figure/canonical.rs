@@ -5,13 +5,11 @@ use std::f64::consts::PI;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use geosweep::cpu::Stop;
-use geosweep::geometry::canonical::{
-    Distances, FormOptions, align, canonical_form, geodesic_distances,
-};
+use geosweep::geometry::canonical::{Distances, FormOptions, align, canonical_form};
 use geosweep::glam::DVec3;
+use geosweep::pairwise::Pairwise;
 use geosweep::surface::builtin::Builtin;
-use geosweep::{DEFAULT_TOLERANCE, Surface, Wavefront};
+use geosweep::{Options, Surface, Wavefront};
 use serde::Serialize;
 
 use crate::output_file::png_output;
@@ -138,8 +136,8 @@ impl Study {
                 surface.position(row, col).unwrap_or(DVec3::NAN)
             })
             .collect();
-        let stop = Stop { tolerance: DEFAULT_TOLERANCE, iterations: 1000 };
-        let matrix = geodesic_distances(&surface, &all, Wavefront::Curved, stop, |_| ())?;
+        let options = Options { wavefront: Some(Wavefront::Curved), ..Options::default() };
+        let (matrix, _) = Pairwise::new(&surface, &options)?.matrix(|_| ())?;
         let (distances, kept) = Distances::of_largest_piece(all.len(), matrix)?;
         let options = FormOptions { tolerance: 1e-6, ..FormOptions::default() };
         let form = canonical_form(&distances, &options)?;

@@ -1,0 +1,196 @@
+//! All pairs: the matrix of the geodesic distances between the points of a surface (paper,
+//! sections 5.1 and 6.1), whole or row by row.
+//!
+//! ```
+//! use geosweep::pairwise::Pairwise;
+//! use geosweep::{Options, Spacing, Surface, Wavefront};
+//!
+//! // A flat square of 5 x 5 points.
+//! let surface = Surface::from_heights(5, 5, vec![0.0; 25], Spacing::square(1.0))?;
+//! let options = Options { wavefront: Some(Wavefront::PointSource), ..Options::default() };
+//! let mut pairwise = Pairwise::new(&surface, &options)?;
+//! let (matrix, report) = pairwise.matrix(|_| ())?;
+//! assert!(report.converged());
+//! assert!((matrix[24] - 32f32.sqrt()).abs() < 1e-5); // from the first point to the last
+//!
+//! // Rows as they are done: together they need not fit memory.
+//! let mut farthest = Vec::new();
+//! pairwise.rows(&[3, 12], |rows| {
+//!     farthest.extend(rows.iter().map(|(_, row)| row.iter().copied().fold(0.0, f32::max)));
+//!     Ok::<_, geosweep::Error>(())
+//! })?;
+//! assert!((farthest[1] - 8f32.sqrt()).abs() < 1e-6); // from the middle to a corner
+//! # Ok::<(), geosweep::Error>(())
+//! ```
+
+mod batches;
+mod engine;
+mod lanes;
+mod report;
+mod rows;
+
+use std::time::{Duration, Instant};
+
+use crate::cpu::Stop;
+use crate::surface::Surface;
+use crate::{Error, Options, Wavefront};
+use engine::RowEngine;
+pub use report::PairwiseReport;
+use report::Tally;
+pub use rows::Rows;
+
+/// Computes rows of the distance matrix of a surface, with everything that they share ready.
+///
+/// The matrix has a row and a column for each grid point, in row-major order of the grid. A hole's
+/// row and column are +infinity, as is every distance between points that no path joins. The two
+/// distances between two points are computed apart, and differ by the solver's error.
+pub struct Pairwise<'a> {
+    surface: &'a Surface,
+    engine: RowEngine<'a>,
+    wavefront: Wavefront,
+    stop: Stop,
+}
+
+impl<'a> Pairwise<'a> {
+    /// Prepares a surface. Options mean what they mean for a single map, but for
+    /// [`Engine::Auto`](crate::Engine::Auto), which is the CPU here. That computes sixteen maps at
+    /// once in the lanes of one instruction stream ([`PairwiseScan`](crate::cpu::PairwiseScan)),
+    /// curved wavefronts map by map ([`RotatedScan`](crate::cpu::RotatedScan)), on all of rayon's
+    /// threads.
+    ///
+    /// # Errors
+    /// If an option is out of range, an edge of the surface is too long or too short for single
+    /// precision, or the Vulkan device asked for cannot be used.
+    pub fn new(surface: &'a Surface, options: &Options) -> Result<Self, Error> {
+        let stop = options.stop(surface)?;
+        let wavefront = options.wavefront_from_a_point(surface);
+        let engine = RowEngine::new(surface, wavefront, &options.engine)?;
+        Ok(Self { surface, engine, wavefront, stop })
+    }
+
+    /// Number of grid points: of the matrix's rows and of its columns.
+    pub fn points(&self) -> usize {
+        self.surface.chart().points()
+    }
+
+    /// Bytes held while rows are computed, beside the surface and a matrix in memory.
+    pub fn bytes(&self) -> usize {
+        let held = self.engine.bytes(rayon::current_num_threads());
+        held + 2 * self.wave() * self.points() * size_of::<f32>()
+    }
+
+    /// Computes the whole matrix, row-major. `done` is told how many rows have been added, from
+    /// any thread.
+    ///
+    /// # Errors
+    /// If memory does not suffice, or the Vulkan device fails.
+    pub fn matrix(
+        &mut self,
+        done: impl Fn(usize) + Sync,
+    ) -> Result<(Vec<f32>, PairwiseReport), Error> {
+        let sources: Vec<usize> = (0..self.points()).collect();
+        let mut matrix = self.room_for_a_matrix()?;
+        let (start, mut tally) = (Instant::now(), Tally::default());
+        tally.add(self.engine.solve(&sources, self.stop, &mut matrix, &done)?);
+        Ok((matrix, self.report(sources.len(), tally, start.elapsed())))
+    }
+
+    /// The same with the symmetric initialisation (paper, eq. 20): rows are computed in
+    /// generations, and distances to the points of earlier ones are those back from them. So the
+    /// matrix is symmetric but for the blocks of a generation on its diagonal.
+    ///
+    /// # Errors
+    /// As [`Self::matrix`]; and if the wavefront is curved, which would need curvatures there too,
+    /// or the engine has no such start.
+    pub fn matrix_by_symmetry(
+        &mut self,
+        done: impl Fn(usize) + Sync,
+    ) -> Result<(Vec<f32>, PairwiseReport), Error> {
+        let Some(lanes) = self.engine.lanes() else {
+            return Err(Error::Options(
+                "the symmetric initialisation is for the planar and the point-source wavefront on \
+                 the CPU; choose these, or leave it out"
+                    .into(),
+            ));
+        };
+        let mut matrix = self.room_for_a_matrix()?;
+        let start = Instant::now();
+        let tally = lanes.solve_by_symmetry(self.stop, &mut matrix, &done);
+        Ok((matrix, self.report(self.points(), tally, start.elapsed())))
+    }
+
+    /// Computes the distances between some points alone, given by the index of their grid point: a
+    /// k x k matrix for k points, row-major. `done` is told how many rows have been added.
+    ///
+    /// # Errors
+    /// As [`Self::rows`].
+    pub fn among(
+        &mut self,
+        points: &[usize],
+        done: impl Fn(usize) + Sync,
+    ) -> Result<(Vec<f32>, PairwiseReport), Error> {
+        let mut matrix = rows::room(points.len(), points.len())?;
+        let mut left = matrix.as_mut_slice();
+        let report = self.rows(points, |rows| {
+            for (_, distances) in rows.iter() {
+                let row = left.split_off_mut(..points.len()).expect("a row for each point");
+                row.iter_mut().zip(points).for_each(|(to, &point)| *to = distances[point]);
+            }
+            done(rows.sources.len());
+            Ok::<_, Error>(())
+        })?;
+        Ok((matrix, report))
+    }
+
+    /// Computes the rows of some sources, given by the index of their grid point, and hands them
+    /// over in that order, some at a time, while the next are computed. An error of `sink` ends
+    /// the work.
+    ///
+    /// On the CPU a row of sources that follow one another is, to the bit, the row of the whole
+    /// matrix.
+    ///
+    /// # Errors
+    /// Those of `sink`; if a source is outside the grid, memory does not suffice or the Vulkan
+    /// device fails.
+    pub fn rows<E: From<Error> + Send>(
+        &mut self,
+        sources: &[usize],
+        sink: impl FnMut(Rows) -> Result<(), E> + Send,
+    ) -> Result<PairwiseReport, E> {
+        let points = self.points();
+        if let Some(&outside) = sources.iter().find(|&&source| source >= points) {
+            let message = format!("there is no point {outside}; the grid has points 0 to {}", points - 1);
+            return Err(Error::Options(message).into());
+        }
+        let (wave, stop, engine) = (self.wave(), self.stop, &mut self.engine);
+        let (tally, time) = rows::stream(engine, sources, points, wave, stop, sink)?;
+        Ok(self.report(sources.len(), tally, time))
+    }
+
+    /// Rows that are computed before they are handed over: enough to keep all threads at work.
+    fn wave(&self) -> usize {
+        const BYTES: usize = 16 << 20;
+        let row = self.points() * size_of::<f32>();
+        let least = self.engine.rows_at_once(rayon::current_num_threads());
+        (BYTES / row).clamp(least, 4 * least)
+    }
+
+    fn room_for_a_matrix(&self) -> Result<Vec<f32>, Error> {
+        let points = self.points();
+        rows::room(points, points)
+    }
+
+    fn report(&self, rows: usize, tally: Tally, solve_time: Duration) -> PairwiseReport {
+        PairwiseReport {
+            engine: self.engine.name(),
+            device: self.engine.device().map(Into::into),
+            wavefront: self.wavefront,
+            rows,
+            points: self.points(),
+            iterations: tally.iterations,
+            residual: tally.residual,
+            tolerance: self.stop.tolerance,
+            solve_time,
+        }
+    }
+}

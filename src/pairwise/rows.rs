@@ -1,0 +1,63 @@
+//! Rows handed over as they are done.
+
+use std::time::{Duration, Instant};
+
+use super::engine::RowEngine;
+use super::report::Tally;
+use crate::Error;
+use crate::cpu::Stop;
+
+/// Rows of the matrix that have just been computed.
+#[derive(Clone, Copy, Debug)]
+pub struct Rows<'a> {
+    /// Their sources, by the index of the grid point.
+    pub sources: &'a [usize],
+    /// The distances, a row for each source.
+    pub distances: &'a [f32],
+}
+
+impl<'a> Rows<'a> {
+    /// Each source with its row.
+    pub fn iter(&self) -> impl Iterator<Item = (usize, &'a [f32])> + use<'a> {
+        let points = self.distances.len() / self.sources.len().max(1);
+        self.sources.iter().copied().zip(self.distances.chunks_exact(points.max(1)))
+    }
+}
+
+/// Room for rows of a matrix.
+pub(super) fn room(rows: usize, points: usize) -> Result<Vec<f32>, Error> {
+    let mut room = Vec::new();
+    let count = rows.checked_mul(points).filter(|&count| room.try_reserve_exact(count).is_ok());
+    let Some(count) = count else { return Err(Error::Memory { rows, points }) };
+    room.resize(count, f32::INFINITY);
+    Ok(room)
+}
+
+/// Computes rows, `wave` at a time, and hands each wave over while the next is computed.
+pub(super) fn stream<E: From<Error> + Send>(
+    engine: &mut RowEngine,
+    sources: &[usize],
+    points: usize,
+    wave: usize,
+    stop: Stop,
+    mut sink: impl FnMut(Rows) -> Result<(), E> + Send,
+) -> Result<(Tally, Duration), E> {
+    let wave = wave.min(sources.len());
+    let (mut ready, mut next) = (room(wave, points)?, room(wave, points)?);
+    let (mut tally, start) = (Tally::default(), Instant::now());
+    let (mut before, mut rest): (&[usize], _) = (&[], sources);
+    while !(before.is_empty() && rest.is_empty()) {
+        let (now, after) = rest.split_at(engine.whole_batches(rest, wave));
+        let done = Rows { sources: before, distances: &ready[..before.len() * points] };
+        let into = &mut next[..now.len() * points];
+        let (handed_over, solved) = rayon::join(
+            || if done.sources.is_empty() { Ok(()) } else { sink(done) },
+            || engine.solve(now, stop, into, &|_| ()),
+        );
+        handed_over?;
+        tally.add(solved?);
+        std::mem::swap(&mut ready, &mut next);
+        (before, rest) = (now, after);
+    }
+    Ok((tally, start.elapsed()))
+}
