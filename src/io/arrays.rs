@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::npy::{Dtype, NpyArray, shape_text};
 use super::{IoError, checked_points, extension, png, read_bytes};
-use crate::surface::MetricTensor;
+use crate::surface::{Chart, MetricTensor};
 
 /// One value per grid point, row-major.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,15 +94,53 @@ pub fn read_curve(path: &Path) -> Result<Vec<[f64; 2]>, IoError> {
         }
         array.values.as_chunks().0.to_vec()
     } else {
-        let bytes = read_bytes(path)?;
-        let text = std::str::from_utf8(&bytes)
-            .map_err(|_| IoError::content(path, "is no text; give lines of row,col or an .npy"))?;
-        curve_text(text).map_err(|reason| IoError::content(path, reason))?
+        read_curve_text(path)?
     };
     if vertices.is_empty() {
         return Err(IoError::content(path, "holds no vertex; give at least one row,col"));
     }
     Ok(vertices)
+}
+
+/// Reads grid points, as row-major indices of a grid: an `.npy` array (K,) of such indices or
+/// (K, 2) of rows and columns, or a text file as for [`read_curve`]. All are whole numbers.
+pub fn read_points(path: &Path, chart: Chart) -> Result<Vec<usize>, IoError> {
+    let Chart { rows, cols } = chart;
+    let content = |reason: String| IoError::content(path, reason);
+    let whole = |value: f64, end: usize, what: &str| {
+        let fits = value.fract() == 0.0 && (0.0..end as f64).contains(&value);
+        fits.then_some(value as usize).ok_or_else(|| {
+            content(format!("{what} {value} is none of the grid's, which are 0 to {}", end - 1))
+        })
+    };
+    let place = |[row, col]: [f64; 2]| {
+        Ok(chart.index(whole(row, rows, "row")?, whole(col, cols, "column")?))
+    };
+    let points: Result<Vec<_>, _> = if extension(path) == "npy" {
+        let array = read_npy(path)?;
+        match array.shape[..] {
+            [_] => array.values.iter().map(|&v| whole(v, chart.points(), "point")).collect(),
+            [_, 2] => array.values.as_chunks().0.iter().copied().map(place).collect(),
+            _ => {
+                let shapes = "grid points have shape (K,), or (K, 2): row, column";
+                return Err(wrong_shape(path, &array, shapes));
+            }
+        }
+    } else {
+        read_curve_text(path)?.into_iter().map(place).collect()
+    };
+    let points = points?;
+    if points.is_empty() {
+        return Err(content("holds no point; give at least one".into()));
+    }
+    Ok(points)
+}
+
+fn read_curve_text(path: &Path) -> Result<Vec<[f64; 2]>, IoError> {
+    let bytes = read_bytes(path)?;
+    let text = std::str::from_utf8(&bytes)
+        .map_err(|_| IoError::content(path, "is no text; give lines of row,col or an .npy"))?;
+    curve_text(text).map_err(|reason| IoError::content(path, reason))
 }
 
 fn curve_text(text: &str) -> Result<Vec<[f64; 2]>, String> {

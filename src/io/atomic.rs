@@ -72,6 +72,11 @@ impl OutputFile {
         &self.path
     }
 
+    /// Where links lead.
+    pub(super) fn target(&self) -> &Path {
+        &self.target
+    }
+
     /// Whether another output would take this one's place, under the same name or another.
     pub fn is_same(&self, other: &Self) -> bool {
         let place = |output: &Self| {

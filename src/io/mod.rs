@@ -1,4 +1,4 @@
-//! Files: surfaces, masks, slowness, metrics and curves in; distance maps out.
+//! Files: surfaces, masks, slowness, metrics and curves in; distance maps and matrices out.
 //!
 //! Arrays are NumPy `.npy` files, row first; heights also come from grey PNG and from (Geo)TIFF,
 //! geometry images and heights from EXR. NaN means "no surface here". A format is chosen by the
@@ -12,16 +12,20 @@ mod atomic;
 mod error;
 mod exr;
 mod map_file;
+mod matrix_file;
 mod npy;
 mod ply;
 mod png;
 mod surface_file;
 mod tiff;
 
-pub use arrays::{Grid, read_curve, read_mask, read_metric, read_slowness};
+pub use arrays::{Grid, read_curve, read_mask, read_metric, read_points, read_slowness};
 pub use atomic::{OutputFile, StagedFile};
 pub use error::IoError;
 pub use map_file::{MapFormat, read_map};
+pub use matrix_file::{
+    Element, MatrixFile, MatrixLayout, Provenance, SquareMatrix, read_matrix, surface_checksum,
+};
 pub use npy::write_npy;
 pub use ply::write_ply;
 pub use surface_file::SurfaceFile;
@@ -45,14 +49,21 @@ pub fn checked_points(rows: usize, cols: usize) -> Result<usize, String> {
     }
 }
 
-/// A file's bytes. Only regular files: devices and pipes may never end.
-fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
+/// Checks that there is a regular file: devices and pipes may never end. Returns its size.
+fn check_regular(path: &Path) -> Result<u64, IoError> {
     let read_error = |source| IoError::Read { path: path.to_owned(), source };
     let metadata = fs::metadata(path).map_err(read_error)?;
     if !metadata.is_file() {
         let what = if metadata.is_dir() { "a folder" } else { "not a regular file" };
         return Err(IoError::content(path, format!("is {what}; give a file")));
     }
+    Ok(metadata.len())
+}
+
+/// A file's bytes.
+fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
+    check_regular(path)?;
+    let read_error = |source| IoError::Read { path: path.to_owned(), source };
     let bytes = fs::read(path).map_err(read_error)?;
     if bytes.is_empty() {
         return Err(IoError::content(path, "the file is empty"));

@@ -3,7 +3,9 @@
 //! The header is a Python dictionary of exactly three entries, so a scanner for those does, and
 //! nothing in a file can make it recurse or allocate.
 
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
+
+use half::f16;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
@@ -24,28 +26,20 @@ pub(super) struct Dtype {
     big_endian: bool,
 }
 
-struct Header {
-    dtype: Dtype,
-    fortran_order: bool,
-    shape: Vec<usize>,
+/// What an array is, from the beginning of its file.
+pub(super) struct Header {
+    pub dtype: Dtype,
+    pub fortran_order: bool,
+    pub shape: Vec<usize>,
 }
 
 impl NpyArray {
     /// Decodes a whole file.
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
-        let (text, data) = split_header(bytes)?;
-        let Header { dtype, fortran_order, shape } = Header::parse(text)?;
-        let count = shape.iter().try_fold(1usize, |count, &n| count.checked_mul(n));
-        let needed = count.and_then(|count| count.checked_mul(dtype.bytes));
-        let shape_text = shape_text(&shape);
-        let Some(data) = needed.and_then(|needed| data.get(..needed)) else {
-            let needed = needed.map_or("too many".into(), |needed| needed.to_string());
-            return Err(format!(
-                "the data is cut short: shape {shape_text} of {}-byte numbers needs {needed} bytes, {} are there",
-                dtype.bytes,
-                data.len()
-            ));
-        };
+        let mut data = bytes;
+        let header = Header::read(&mut data)?;
+        let data = &data[..header.check_size(data.len() as u64)?];
+        let Header { dtype, fortran_order, shape } = header;
         let values = dtype.decode(data);
         let values = if fortran_order { c_order(&shape, &values) } else { values };
         Ok(Self { shape, dtype, values })
@@ -58,22 +52,43 @@ pub(super) fn shape_text(shape: &[usize]) -> String {
     format!("({})", sizes.join(", "))
 }
 
-fn split_header(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
-    let rest = bytes.strip_prefix(MAGIC).ok_or("is no NumPy .npy file: its first bytes differ")?;
-    let cut = || "the .npy header is cut short".to_string();
-    let (version, rest) = rest.split_at_checked(2).ok_or_else(cut)?;
-    let (length, rest) = match version[0] {
-        1 => rest.split_first_chunk().map(|(n, rest)| (u16::from_le_bytes(*n) as usize, rest)),
-        2 | 3 => rest.split_first_chunk().map(|(n, rest)| (u32::from_le_bytes(*n) as usize, rest)),
-        major => return Err(format!("version {major} of the .npy format is not known")),
-    }
-    .ok_or_else(cut)?;
-    let (text, data) = rest.split_at_checked(length).ok_or_else(cut)?;
-    let text = std::str::from_utf8(text).map_err(|_| "the .npy header is no text")?;
-    Ok((text, data))
-}
-
 impl Header {
+    /// Reads a file up to its data.
+    pub fn read(reader: &mut impl Read) -> Result<Self, String> {
+        let mut magic = [0; MAGIC.len()];
+        if reader.read_exact(&mut magic).is_err() || magic != MAGIC {
+            return Err("is no NumPy .npy file: its first bytes differ".into());
+        }
+        let cut = |_| "the .npy header is cut short".to_string();
+        let [major, _] = take(reader).map_err(cut)?;
+        let length = match major {
+            1 => take(reader).map(|bytes| u16::from_le_bytes(bytes).into()),
+            2 | 3 => take(reader).map(u32::from_le_bytes),
+            major => return Err(format!("version {major} of the .npy format is not known")),
+        };
+        let length = u64::from(length.map_err(cut)?);
+        let mut text = Vec::new();
+        reader.take(length).read_to_end(&mut text).map_err(cut)?;
+        if (text.len() as u64) < length {
+            return Err("the .npy header is cut short".into());
+        }
+        Self::parse(std::str::from_utf8(&text).map_err(|_| "the .npy header is no text")?)
+    }
+
+    /// Bytes of the data, if as many are there.
+    pub fn check_size(&self, there: u64) -> Result<usize, String> {
+        let count = self.shape.iter().try_fold(1usize, |count, &n| count.checked_mul(n));
+        let needed = count.and_then(|count| count.checked_mul(self.dtype.bytes));
+        needed.filter(|&needed| needed as u64 <= there).ok_or_else(|| {
+            let needed = needed.map_or("too many".into(), |needed| needed.to_string());
+            format!(
+                "the data is cut short: shape {} of {}-byte numbers needs {needed} bytes, {there} are there",
+                shape_text(&self.shape),
+                self.dtype.bytes,
+            )
+        })
+    }
+
     fn parse(text: &str) -> Result<Self, String> {
         let value = |key: &str| {
             let quoted = [format!("'{key}'"), format!("\"{key}\"")];
@@ -97,6 +112,11 @@ impl Header {
     }
 }
 
+fn take<const N: usize>(reader: &mut impl Read) -> io::Result<[u8; N]> {
+    let mut bytes = [0; N];
+    reader.read_exact(&mut bytes).map(|()| bytes)
+}
+
 fn parse_shape(text: &str) -> Result<Vec<usize>, String> {
     let inside = text.strip_prefix('(').and_then(|text| text.split_once(')'));
     let (sizes, _) = inside.ok_or("the .npy header's 'shape' is no tuple")?;
@@ -118,7 +138,7 @@ impl Dtype {
         let unknown = |name: &str| {
             format!(
                 "elements of type {name} are not supported; \
-                 use booleans, integers, float32 or float64, e.g. array.astype('float32')"
+                 use booleans, integers, float16, float32 or float64, e.g. array.astype('float32')"
             )
         };
         let (name, _) = inside.ok_or_else(|| unknown("structured"))?;
@@ -129,7 +149,7 @@ impl Dtype {
         let known = match kind {
             b'b' => bytes == 1,
             b'i' | b'u' => matches!(bytes, 1 | 2 | 4 | 8),
-            b'f' => matches!(bytes, 4 | 8),
+            b'f' => matches!(bytes, 2 | 4 | 8),
             _ => false,
         };
         if !known || !b"<>|=".contains(&order) {
@@ -138,7 +158,8 @@ impl Dtype {
         Ok(Self { kind, bytes, big_endian: order == b'>' })
     }
 
-    fn decode(self, data: &[u8]) -> Vec<f64> {
+    /// The numbers in some bytes.
+    pub fn decode(self, data: &[u8]) -> Vec<f64> {
         macro_rules! decode {
             ($type:ty) => {{
                 let from =
@@ -148,6 +169,10 @@ impl Dtype {
             }};
         }
         match (self.kind, self.bytes) {
+            (b'f', 2) => {
+                let from = if self.big_endian { f16::from_be_bytes } else { f16::from_le_bytes };
+                data.as_chunks().0.iter().map(|bytes| from(*bytes).to_f64()).collect()
+            }
             (b'f', 4) => decode!(f32),
             (b'f', _) => decode!(f64),
             (b'i', 1) => decode!(i8),
@@ -188,21 +213,23 @@ pub fn write_npy<T: NpyElement>(
     values: &[T],
 ) -> io::Result<()> {
     debug_assert_eq!(shape.iter().product::<usize>(), values.len());
+    writer.write_all(&header(T::DESCR, shape))?;
+    writer.write_all(bytemuck::cast_slice(values))
+}
+
+/// What comes before the data of an array in C order.
+pub(super) fn header(descr: &str, shape: &[usize]) -> Vec<u8> {
     let shape = match *shape {
         [size] => format!("({size},)"),
         _ => shape_text(shape),
     };
-    let dict = format!("{{'descr': '{}', 'fortran_order': False, 'shape': {shape}, }}", T::DESCR);
+    let dict = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}");
     // NumPy aligns the data to 64 bytes.
     let unpadded = MAGIC.len() + 4 + dict.len() + 1;
     let padding = " ".repeat(unpadded.next_multiple_of(64) - unpadded);
-    let header = format!("{dict}{padding}\n");
-    let length = u16::try_from(header.len()).map_err(io::Error::other)?;
-    writer.write_all(MAGIC)?;
-    writer.write_all(&[1, 0])?;
-    writer.write_all(&length.to_le_bytes())?;
-    writer.write_all(header.as_bytes())?;
-    writer.write_all(bytemuck::cast_slice(values))
+    let text = format!("{dict}{padding}\n");
+    let length = u16::try_from(text.len()).expect("a few sizes are short");
+    [MAGIC, &[1, 0], &length.to_le_bytes(), text.as_bytes()].concat()
 }
 
 /// A type that [`write_npy`] writes.

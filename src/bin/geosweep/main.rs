@@ -8,6 +8,7 @@ mod devices;
 mod distance;
 mod figure;
 mod output_file;
+mod pairwise;
 mod picture;
 mod problem;
 mod spinner;
@@ -46,6 +47,8 @@ Examples:
 enum Command {
     /// Compute the distance from sources to every point of a surface
     Distance(Box<distance::Args>),
+    /// Compute the distances between all points of a surface
+    Pairwise(Box<pairwise::Args>),
     /// Place a surface in space so that straight distances are like those along it
     Canonical(canonical::Args),
     /// List the Vulkan devices, and why one cannot be used
@@ -73,6 +76,7 @@ fn main() -> ExitCode {
     };
     let outcome = match tool.command {
         Command::Distance(args) => distance::run(&args),
+        Command::Pairwise(args) => pairwise::run(&args),
         Command::Canonical(args) => canonical::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),

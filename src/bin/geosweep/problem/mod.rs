@@ -46,19 +46,21 @@ pub fn comment(report: &Report, solver: &SolverArgs) {
         say("note", format_args!("computed on the CPU, since Vulkan cannot be used: {reason}"));
     }
     if !report.converged {
-        let (iterations, residual) = (report.iterations, report.residual);
-        say(
-            "warning",
-            format_args!(
-                "not converged after {iterations} iterations: the last changed a distance by a \
-                 fraction of {residual:.1e}, the tolerance is {:.1e}; give more --iterations",
-                solver.tolerance
-            ),
-        );
+        warn_of_no_convergence(report.iterations, report.residual, solver.tolerance);
     }
     let unreached = report.points - report.reached;
     if unreached > 0 {
         let points = report.points;
         say("note", format_args!("{unreached} of {points} points cannot be reached"));
     }
+}
+
+pub fn warn_of_no_convergence(iterations: u32, residual: f64, tolerance: f64) {
+    say(
+        "warning",
+        format_args!(
+            "not converged after {iterations} iterations: the last changed a distance by a \
+             fraction of {residual:.1e}, the tolerance is {tolerance:.1e}; give more --iterations"
+        ),
+    );
 }

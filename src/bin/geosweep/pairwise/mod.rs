@@ -1,0 +1,333 @@
+//! `geosweep pairwise`: the distances between all points of a surface.
+
+mod sources;
+
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use clap::ValueEnum;
+use geosweep::io::{
+    Element, IoError, MatrixFile, MatrixLayout, OutputFile, Provenance, surface_checksum,
+};
+use geosweep::pairwise::{Pairwise, PairwiseReport, Rows};
+use geosweep::{Engine, Surface};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+
+use crate::output_file::output_file;
+use crate::problem::{
+    SolverArgs, SurfaceArgs, builtin_names, check_outputs, warn_of_no_convergence,
+};
+use crate::spinner::Spinner;
+use crate::{Outcome, print, say};
+use sources::RowsOf;
+
+/// The arguments of `geosweep pairwise`.
+#[derive(clap::Args)]
+#[command(after_help = examples())]
+pub struct Args {
+    #[command(flatten)]
+    surface: SurfaceArgs,
+    /// Where to write the distances: .npy, float32, (n, n) for the n points of the grid in row-major
+    /// order, +infinity where no path leads and throughout for a hole
+    #[arg(short, long, value_name = "D.npy")]
+    output: PathBuf,
+    /// Only the rows of these points, (k, n): a range A..B of rows of the matrix, without B; or a
+    /// file: .npy, integers, (k,) for rows of the matrix or (k, 2) for rows and columns of the grid,
+    /// or text with a line `row,col` per point
+    #[arg(long, value_name = "A..B|FILE", help_heading = "Matrix")]
+    sources: Option<RowsOf>,
+    /// Type of the numbers
+    #[arg(long, value_enum, default_value_t, help_heading = "Matrix")]
+    numbers: NumbersArg,
+    /// Only what lies above the diagonal, row after row: (n (n - 1) / 2,), as SciPy's squareform has
+    /// it
+    #[arg(long, conflicts_with = "sources", help_heading = "Matrix")]
+    upper: bool,
+    /// Replace both distances between two points by their mean. Needs the disk space of a whole
+    /// float32 matrix more
+    #[arg(long, conflicts_with = "sources", help_heading = "Matrix")]
+    symmetrize: bool,
+    /// Start rows from the distances back to points that earlier rows know (eq. 20 of the paper),
+    /// and do not compute these again. Needs the matrix in memory; for the planar and the point
+    /// wavefront on the CPU
+    #[arg(long, conflicts_with_all = ["sources", "resume"], help_heading = "Solver")]
+    from_symmetry: bool,
+    #[command(flatten)]
+    solver: SolverArgs,
+    /// Go on with D.npy.part, which an interrupted command has left: the same bytes as without the
+    /// interruption. Begins if there is none
+    #[arg(long)]
+    resume: bool,
+    /// Print one JSON object: rows, points, engine, device, wavefront, iterations (of the slowest
+    /// map), converged, residual, solve_seconds, distances_per_second, resumed_rows, memory_bytes
+    /// (beside the surface), disk_bytes
+    #[arg(long, help_heading = "Reports")]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum NumbersArg {
+    /// What the solvers compute
+    #[default]
+    Float32,
+    /// Half the space: a relative error of up to 5e-4, and no distance above 65504
+    Float16,
+}
+
+fn examples() -> String {
+    format!(
+        "\
+Rows are written as they are done, so that the matrix may be larger than memory. It
+lies in D.npy.part until it is finished. The curved wavefront is the most accurate; point
+computes sixteen maps at once, many times faster, and is about as accurate on surfaces
+that are not much curved. The distance from one point to another and that back are
+computed apart and differ by the solver's error; --symmetrize takes their mean.
+
+{}
+
+Examples:
+  geosweep pairwise face.npy -o distances.npy --wavefront point
+  geosweep pairwise dem.tif -o rows.npy --sources 4096..8192 --resume
+  geosweep pairwise builtin:torus:64x64 -o d.npy --upper --numbers float16 --symmetrize --json",
+        builtin_names()
+    )
+}
+
+/// Whether the user has asked to stop.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Why rows stopped coming.
+#[derive(Debug, thiserror::Error)]
+enum Stopped {
+    #[error(transparent)]
+    Solver(#[from] geosweep::Error),
+    #[error(transparent)]
+    Output(#[from] IoError),
+    #[error("interrupted")]
+    Interrupted,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let output = args.output()?;
+    let scene = args.surface.read()?;
+    let surface = &scene.surface;
+    let sources = args.sources(surface)?;
+    let mut pairwise = Pairwise::new(surface, &args.solver.options()?)?;
+    let points = pairwise.points();
+    let layout = MatrixLayout {
+        rows: sources.len(),
+        cols: points,
+        element: match args.numbers {
+            NumbersArg::Float32 => Element::Float32,
+            NumbersArg::Float16 => Element::Float16,
+        },
+        upper: args.upper,
+        symmetric: args.symmetrize,
+    };
+    let held = if args.from_symmetry { points * points * size_of::<f32>() } else { 0 };
+    let memory_bytes = held + pairwise.bytes();
+    say("note", needs(layout, memory_bytes));
+
+    let made_from = args.provenance(surface, &sources)?;
+    let mut file = if args.resume {
+        MatrixFile::resume(output, layout, made_from)?
+    } else {
+        MatrixFile::begin(output, layout, made_from)?
+    };
+    let resumed_rows = file.rows();
+    if resumed_rows > 0 {
+        say("note", format_args!("goes on after row {resumed_rows} of {}", layout.rows));
+    }
+    // A second interruption ends the program as it would have without this.
+    ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::SeqCst) {
+            std::process::exit(130);
+        }
+    })?;
+    let bar = progress(layout.rows, resumed_rows);
+    let solved = if args.from_symmetry {
+        by_symmetry(&mut pairwise, &mut file, &bar)
+    } else {
+        row_by_row(&mut pairwise, &mut file, &sources[resumed_rows..], &bar)
+    };
+    bar.finish_and_clear();
+    let report = match solved {
+        Ok(report) => report,
+        Err(Stopped::Interrupted) => {
+            let rows = file.rows();
+            file.pause()?;
+            let all = layout.rows;
+            return Err(format!(
+                "interrupted after {rows} of {all} rows; the same command with --resume goes on"
+            )
+            .into());
+        }
+        Err(stopped) => {
+            // What is there is good, whatever has failed since.
+            let _ = file.pause();
+            return Err(stopped.into());
+        }
+    };
+    {
+        let _spinner = Spinner::new(if args.symmetrize { "symmetrizing" } else { "writing" });
+        file.finish()?;
+    }
+    if !report.converged() {
+        warn_of_no_convergence(report.iterations, report.residual, report.tolerance);
+    }
+    if args.json {
+        let summary = Summary::new(&report, resumed_rows, memory_bytes, layout.bytes());
+        print(serde_json::to_string(&summary)?)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+impl Args {
+    fn output(&self) -> Result<OutputFile, Box<dyn Error>> {
+        let output = output_file(&self.output, "a matrix is", "npy")?;
+        let files = self.sources.iter().filter_map(RowsOf::file);
+        let inputs = self.surface.inputs().chain(files).map(AsRef::as_ref);
+        check_outputs(&[&output], inputs)?;
+        Ok(output)
+    }
+
+    fn sources(&self, surface: &Surface) -> Result<Vec<usize>, Box<dyn Error>> {
+        let chart = surface.chart();
+        let Some(rows) = &self.sources else { return Ok((0..chart.points()).collect()) };
+        let sources = rows.points(chart)?;
+        let holes = sources.iter().filter(|&&source| !surface.present()[source]).count();
+        if holes > 0 && rows.file().is_some() {
+            say(
+                "note",
+                format_args!("{holes} of the sources are holes; their rows are +infinity"),
+            );
+        }
+        Ok(sources)
+    }
+
+    /// All that the bytes of the matrix depend on.
+    fn provenance(
+        &self,
+        surface: &Surface,
+        sources: &[usize],
+    ) -> Result<Provenance, Box<dyn Error>> {
+        let options = self.solver.options()?;
+        let wavefront = options.wavefront.map_or("auto", |wavefront| wavefront.name());
+        let engine = match &options.engine {
+            Engine::Auto | Engine::Cpu => "cpu".into(),
+            Engine::FastMarching => "fast-marching".into(),
+            Engine::Vulkan(device) => format!("vulkan {device:?}"),
+        };
+        let sources = match sources {
+            [first, .., last] if last - first + 1 == sources.len() && sources.is_sorted() => {
+                format!("{first}..{}", last + 1)
+            }
+            _ => format!("{sources:?}"),
+        };
+        Ok(Provenance::new()
+            .with("surface", surface_checksum(surface)?)
+            .with("sources", sources)
+            .with("wavefront", wavefront)
+            .with("engine", engine)
+            .with("tolerance", options.tolerance)
+            .with("iterations", options.iterations.map_or("default".into(), |n| n.to_string()))
+            .with("from symmetry", self.from_symmetry))
+    }
+}
+
+/// Computes rows and writes them.
+fn row_by_row(
+    pairwise: &mut Pairwise,
+    file: &mut MatrixFile,
+    sources: &[usize],
+    bar: &ProgressBar,
+) -> Result<PairwiseReport, Stopped> {
+    pairwise.rows(sources, |rows: Rows| {
+        file.append(rows.distances)?;
+        bar.inc(rows.sources.len() as u64);
+        if INTERRUPTED.load(Ordering::SeqCst) { Err(Stopped::Interrupted) } else { Ok(()) }
+    })
+}
+
+/// Computes the matrix in memory, and writes it.
+fn by_symmetry(
+    pairwise: &mut Pairwise,
+    file: &mut MatrixFile,
+    bar: &ProgressBar,
+) -> Result<PairwiseReport, Stopped> {
+    let (matrix, report) = pairwise.matrix_by_symmetry(|rows| bar.inc(rows as u64))?;
+    file.append(&matrix)?;
+    Ok(report)
+}
+
+/// What will be taken, before anything is.
+fn needs(layout: MatrixLayout, memory: usize) -> String {
+    let sizes: Vec<_> = layout.shape().iter().map(usize::to_string).collect();
+    let mib = |bytes: u64| bytes.div_ceil(1 << 20);
+    format!(
+        "{} distances of {}: {} MiB on disk, {} MiB of memory",
+        sizes.join(" x "),
+        layout.element.name(),
+        mib(layout.bytes()),
+        mib(memory as u64)
+    )
+}
+
+/// A bar with the time left on a terminal, and nothing elsewhere.
+fn progress(rows: usize, done: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template(
+        "computing distances {bar:30} {human_pos}/{human_len} rows, {eta} left",
+    )
+    .expect("the template is part of the program");
+    let bar = ProgressBar::new(rows as u64).with_style(style);
+    bar.set_position(done as u64);
+    bar.reset_eta();
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    rows: usize,
+    points: usize,
+    engine: &'static str,
+    device: Option<&'a str>,
+    wavefront: &'static str,
+    iterations: u32,
+    converged: bool,
+    residual: f64,
+    solve_seconds: f64,
+    distances_per_second: f64,
+    resumed_rows: usize,
+    memory_bytes: usize,
+    disk_bytes: u64,
+}
+
+impl<'a> Summary<'a> {
+    fn new(
+        report: &'a PairwiseReport,
+        resumed_rows: usize,
+        memory_bytes: usize,
+        disk_bytes: u64,
+    ) -> Self {
+        Self {
+            rows: resumed_rows + report.rows,
+            points: report.points,
+            engine: report.engine,
+            device: report.device.as_deref(),
+            wavefront: report.wavefront.name(),
+            iterations: report.iterations,
+            converged: report.converged(),
+            residual: report.residual,
+            solve_seconds: report.solve_time.as_secs_f64(),
+            distances_per_second: report.distances_per_second(),
+            resumed_rows,
+            memory_bytes,
+            disk_bytes,
+        }
+    }
+}

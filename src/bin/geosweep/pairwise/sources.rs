@@ -1,0 +1,51 @@
+//! Which rows of the matrix.
+
+use std::ops::Range;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use geosweep::io::read_points;
+use geosweep::surface::Chart;
+
+/// Rows of the matrix, as given.
+#[derive(Clone, Debug)]
+pub enum RowsOf {
+    Range(Range<usize>),
+    File(PathBuf),
+}
+
+impl FromStr for RowsOf {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let ends = text.split_once("..").map(|(first, end)| (first.parse(), end.parse()));
+        match ends {
+            Some((Ok(first), Ok(end))) if first < end => Ok(Self::Range(first..end)),
+            Some((Ok(first), Ok(end))) => {
+                Err(format!("{first}..{end} is an empty range; it goes from A to before B"))
+            }
+            _ => Ok(Self::File(text.into())),
+        }
+    }
+}
+
+impl RowsOf {
+    pub fn file(&self) -> Option<&PathBuf> {
+        match self {
+            Self::Range(_) => None,
+            Self::File(path) => Some(path),
+        }
+    }
+
+    /// Their grid points, by row-major index.
+    pub fn points(&self, chart: Chart) -> Result<Vec<usize>, String> {
+        match self {
+            Self::Range(range) if range.end <= chart.points() => Ok(range.clone().collect()),
+            Self::Range(Range { start, end }) => Err(format!(
+                "--sources {start}..{end} goes beyond the grid, which has {} points",
+                chart.points()
+            )),
+            Self::File(path) => read_points(path, chart).map_err(|error| error.to_string()),
+        }
+    }
+}

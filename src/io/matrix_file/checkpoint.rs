@@ -1,0 +1,122 @@
+//! What an unfinished matrix is made from, and how far it is.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::{MatrixLayout, with_suffix};
+use crate::io::npy::shape_text;
+use crate::io::{IoError, OutputFile};
+use crate::surface::{EdgeLengths, Surface, SurfaceError};
+
+/// Everything that the numbers of a matrix depend on, as names and values for people: an
+/// unfinished matrix is resumed only by what would give the same bytes.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Provenance(BTreeMap<String, String>);
+
+impl Provenance {
+    /// Nothing yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds something.
+    pub fn with(mut self, name: &str, value: impl ToString) -> Self {
+        self.0.insert(name.into(), value.to_string());
+        self
+    }
+}
+
+/// A checksum of all that the solvers see of a surface, its edge lengths, against a mistaken
+/// resumption.
+///
+/// # Errors
+/// If an edge is too long or too short for single precision.
+pub fn surface_checksum(surface: &Surface) -> Result<String, SurfaceError> {
+    let edges = EdgeLengths::<f32>::new(surface)?;
+    let mut checksum = crc32fast::Hasher::new();
+    for plane in edges.planes() {
+        checksum.update(bytemuck::cast_slice(plane));
+    }
+    Ok(format!("{:08x}", checksum.finalize()))
+}
+
+/// The content of the file beside an unfinished matrix.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Checkpoint {
+    geosweep: String,
+    made_from: Provenance,
+    /// Rows that are safely there.
+    pub rows: usize,
+}
+
+impl Checkpoint {
+    pub fn new(made_from: Provenance, layout: MatrixLayout) -> Self {
+        let geosweep = env!("CARGO_PKG_VERSION").into();
+        Self { geosweep, made_from: described(made_from, layout), rows: 0 }
+    }
+
+    pub fn read(part: &Path) -> Result<Self, IoError> {
+        let path = path(part);
+        let text =
+            fs::read(&path).map_err(|source| IoError::Read { path: path.clone(), source })?;
+        serde_json::from_slice(&text)
+            .map_err(|error| IoError::content(&path, format!("is no checkpoint: {error}")))
+    }
+
+    /// Checks that the matrix is the one that is wanted.
+    pub fn check(
+        &self,
+        part: &Path,
+        made_from: &Provenance,
+        layout: MatrixLayout,
+    ) -> Result<(), IoError> {
+        let wanted = Self::new(made_from.clone(), layout);
+        let refuse = |what: &str, found: &str, wanted: &str| {
+            let reason = format!(
+                "was begun with {what} {found}, not {wanted}; go on with the same, or remove it to \
+                 begin anew"
+            );
+            Err(IoError::content(part, reason))
+        };
+        if self.geosweep != wanted.geosweep {
+            return refuse("geosweep", &self.geosweep, &wanted.geosweep);
+        }
+        let [found, wanted] = [&self.made_from.0, &wanted.made_from.0];
+        let none = String::from("none");
+        for what in found.keys().chain(wanted.keys()) {
+            let [found, wanted] = [found, wanted].map(|all| all.get(what).unwrap_or(&none));
+            if found != wanted {
+                return refuse(what, found, wanted);
+            }
+        }
+        Ok(())
+    }
+
+    pub fn write(&self, part: &Path) -> Result<(), IoError> {
+        let output = OutputFile::new(&path(part))?;
+        let text = serde_json::to_vec_pretty(self).expect("names and numbers are JSON");
+        output.stage(|writer| writer.write_all(&text))?.commit()
+    }
+
+    /// Removes the file; failing that, it does no harm.
+    pub fn remove(part: &Path) {
+        let _ = fs::remove_file(path(part));
+    }
+}
+
+fn path(part: &Path) -> PathBuf {
+    with_suffix(part, ".json")
+}
+
+fn described(made_from: Provenance, layout: MatrixLayout) -> Provenance {
+    let MatrixLayout { rows, cols, element, upper, .. } = layout;
+    made_from
+        .with("shape", shape_text(&[rows, cols]))
+        .with("numbers", element.name())
+        .with("part", if upper { "upper triangle" } else { "whole" })
+}

@@ -1,0 +1,247 @@
+//! Matrices of distances larger than memory: `.npy` files that grow row by row.
+//!
+//! An unfinished matrix lies beside its place, under its name with `.part` after it; its checkpoint,
+//! `.part.json`, says from what it is computed and how many rows are safely there. The last step
+//! gives it its name.
+
+mod checkpoint;
+mod layout;
+mod read;
+mod symmetric;
+
+use std::fs::{self, File, TryLockError};
+use std::io::{self, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use super::{IoError, OutputFile};
+use checkpoint::Checkpoint;
+pub use checkpoint::{Provenance, surface_checksum};
+pub use layout::{Element, MatrixLayout};
+pub use read::{SquareMatrix, read_matrix};
+use symmetric::write_means;
+
+/// Rows since the last checkpoint are computed again after an interruption.
+const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(5);
+
+/// A matrix that is being written.
+///
+/// ```
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path().join("distances.npy");
+/// use geosweep::io::{Element, MatrixFile, MatrixLayout, OutputFile, Provenance, read_matrix};
+/// let layout = MatrixLayout {
+///     rows: 3,
+///     cols: 3,
+///     element: Element::Float32,
+///     upper: false,
+///     symmetric: false,
+/// };
+/// let made_from = || Provenance::new().with("surface", "a triangle");
+/// let mut file = MatrixFile::begin(OutputFile::new(&path)?, layout, made_from())?;
+/// file.append(&[0.0, 3.0, 4.0])?;
+/// file.pause()?; // or the machine is switched off
+/// assert!(!path.exists());
+///
+/// let mut file = MatrixFile::resume(OutputFile::new(&path)?, layout, made_from())?;
+/// assert_eq!(file.rows(), 1);
+/// file.append(&[3.0, 0.0, 5.0, 4.0, 5.0, 0.0])?;
+/// file.finish()?;
+/// assert_eq!(read_matrix(&path)?.distances[5], 5.0);
+/// # Ok::<(), geosweep::io::IoError>(())
+/// ```
+#[derive(Debug)]
+pub struct MatrixFile {
+    output: OutputFile,
+    layout: MatrixLayout,
+    /// How it lies in the unfinished file.
+    part_layout: MatrixLayout,
+    part: PathBuf,
+    /// Locked, so that no other process writes to it.
+    file: File,
+    checkpoint: Checkpoint,
+    rows: usize,
+    saved: Instant,
+    buffer: Vec<u8>,
+}
+
+impl MatrixFile {
+    /// Begins a matrix.
+    ///
+    /// # Errors
+    /// If an unfinished one is there already, which is not thrown away lightly; or the disk has too
+    /// little space, or no file can be created.
+    pub fn begin(
+        output: OutputFile,
+        layout: MatrixLayout,
+        made_from: Provenance,
+    ) -> Result<Self, IoError> {
+        let part = part_path(&output);
+        layout.check_space(&part, layout.bytes())?;
+        let file = File::options().read(true).write(true).create_new(true).open(&part);
+        let file = file.map_err(|source| match source.kind() {
+            io::ErrorKind::AlreadyExists => IoError::write(
+                output.path(),
+                format!(
+                    "{} holds an unfinished matrix; --resume goes on with it, or remove it",
+                    part.display()
+                ),
+            ),
+            _ => IoError::write(&part, source),
+        })?;
+        lock(&file, &part)?;
+        let checkpoint = Checkpoint::new(made_from, layout.of_rows());
+        let mut matrix = Self::new(output, layout, file, checkpoint);
+        let header = matrix.part_layout.header();
+        matrix.file.write_all(&header).map_err(|source| IoError::write(&matrix.part, source))?;
+        matrix.save()?;
+        Ok(matrix)
+    }
+
+    /// Goes on with a matrix where it was interrupted; begins it if nothing is there.
+    ///
+    /// # Errors
+    /// If the unfinished matrix was made from something else, another process is at work on it, or
+    /// it has lost data; or the disk has too little space.
+    pub fn resume(
+        output: OutputFile,
+        layout: MatrixLayout,
+        made_from: Provenance,
+    ) -> Result<Self, IoError> {
+        let part = part_path(&output);
+        if !part.exists() {
+            return Self::begin(output, layout, made_from);
+        }
+        let error = |source: io::Error| IoError::write(&part, source);
+        let mut file = File::options().read(true).write(true).open(&part).map_err(error)?;
+        lock(&file, &part)?;
+        let checkpoint = Checkpoint::read(&part)?;
+        checkpoint.check(&part, &made_from, layout.of_rows())?;
+        let kept = layout.of_rows().bytes_of_rows(checkpoint.rows);
+        let found = file.metadata().map_err(error)?.len();
+        if found < kept {
+            let reason = format!(
+                "holds {found} bytes, and its checkpoint speaks of {kept}; remove it to begin anew"
+            );
+            return Err(IoError::content(&part, reason));
+        }
+        layout.check_space(&part, layout.bytes() - kept)?;
+        file.set_len(kept).map_err(error)?;
+        file.seek(SeekFrom::End(0)).map_err(error)?;
+        Ok(Self::new(output, layout, file, checkpoint))
+    }
+
+    fn new(output: OutputFile, layout: MatrixLayout, file: File, checkpoint: Checkpoint) -> Self {
+        Self {
+            part: part_path(&output),
+            rows: checkpoint.rows,
+            output,
+            layout,
+            part_layout: layout.of_rows(),
+            file,
+            checkpoint,
+            saved: Instant::now(),
+            buffer: Vec::new(),
+        }
+    }
+
+    /// Number of rows that are there.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Adds whole rows, and saves what is there from time to time.
+    ///
+    /// # Errors
+    /// If the disk is full or fails; what is there by then can be resumed. If a distance is too
+    /// large for the elements, no row is written, and nothing is left behind.
+    ///
+    /// # Panics
+    /// If these are no whole rows, or more than are missing.
+    pub fn append(&mut self, distances: &[f32]) -> Result<(), IoError> {
+        let count = distances.len() / self.layout.cols;
+        assert_eq!(distances.len(), count * self.layout.cols, "whole rows");
+        assert!(self.rows + count <= self.layout.rows, "no more rows than the matrix has");
+        let bytes = match self.part_layout.encode(self.rows, distances, &mut self.buffer) {
+            Ok(bytes) => bytes,
+            Err(reason) => {
+                self.discard();
+                return Err(IoError::write(self.output.path(), reason));
+            }
+        };
+        self.file.write_all(bytes).map_err(|source| IoError::write(&self.part, source))?;
+        self.rows += count;
+        if self.saved.elapsed() > BETWEEN_CHECKPOINTS {
+            self.save()?;
+        }
+        Ok(())
+    }
+
+    /// Saves what is there, to be resumed.
+    ///
+    /// # Errors
+    /// If the disk is full or fails.
+    pub fn pause(mut self) -> Result<(), IoError> {
+        self.save()
+    }
+
+    /// Gives the matrix its name, after it is made symmetric if it is to be.
+    ///
+    /// # Errors
+    /// If the disk is full or fails, or the folder has changed in the meantime; if a mean is too
+    /// large for the elements.
+    ///
+    /// # Panics
+    /// If rows are missing.
+    pub fn finish(mut self) -> Result<(), IoError> {
+        assert_eq!(self.rows, self.layout.rows, "all rows are there");
+        self.save()?;
+        if self.layout.symmetric {
+            let (output, layout) = (self.output.clone(), self.layout);
+            let file = &mut self.file;
+            output.stage(|writer| write_means(file, layout, writer))?.commit()?;
+            self.discard();
+            return Ok(());
+        }
+        let error = |source: io::Error| IoError::write(self.output.path(), source);
+        fs::rename(&self.part, self.output.target()).map_err(error)?;
+        Checkpoint::remove(&self.part);
+        Ok(())
+    }
+
+    fn save(&mut self) -> Result<(), IoError> {
+        self.file.sync_data().map_err(|source| IoError::write(&self.part, source))?;
+        self.checkpoint.rows = self.rows;
+        self.saved = Instant::now();
+        self.checkpoint.write(&self.part)
+    }
+
+    /// Removes what is there; failing that, the user can.
+    fn discard(&self) {
+        let _ = fs::remove_file(&self.part);
+        Checkpoint::remove(&self.part);
+    }
+}
+
+/// Where a matrix lies until it is finished.
+fn part_path(output: &OutputFile) -> PathBuf {
+    with_suffix(output.target(), ".part")
+}
+
+fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(suffix);
+    name.into()
+}
+
+fn lock(file: &File, part: &Path) -> Result<(), IoError> {
+    match file.try_lock() {
+        Ok(()) => Ok(()),
+        Err(TryLockError::WouldBlock) => {
+            Err(IoError::write(part, "another process is at work on it"))
+        }
+        // Some network file systems have no locks.
+        Err(TryLockError::Error(source)) if source.kind() == io::ErrorKind::Unsupported => Ok(()),
+        Err(TryLockError::Error(source)) => Err(IoError::write(part, source)),
+    }
+}
