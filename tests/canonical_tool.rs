@@ -70,14 +70,29 @@ fn a_matrix_of_distances_is_taken() {
         .flat_map(|a| numbers.map(|b| a.zip(b)))
         .map(|pair| pair.map_or(f64::INFINITY, |(a, b)| distance(places[a], places[b])))
         .collect();
+    let above = (0..6).flat_map(|row| (row + 1..6).map(move |col| row * 6 + col));
+    let above: Vec<f64> = above.map(|index| matrix[index]).collect();
     let matrix = bench.array("distances.npy", &[6, 6], &matrix);
-    let args = ["canonical", &matrix, "--matrix", "--dimensions", "2", "-o", "form.npy"];
-    assert!(bench.run(args.into_iter().chain(["--picture", "form.png"])).status.success());
-    let form = geosweep::io::read_map(&bench.output("form.npy")).unwrap();
-    assert_eq!((form.rows, form.cols), (6, 2));
-    assert!(form.values[4..6].iter().all(|coordinate| coordinate.is_nan()));
-    let found: Vec<f64> = form.values.into_iter().filter(|c| !c.is_nan()).collect();
-    assert!(align(&found, places.as_flattened(), 2).deviation < 1e-5);
+    let above = bench.array("above.npy", &[15], &above);
+    // Said or found out.
+    for (matrix, said) in [(&matrix, true), (&matrix, false), (&above, false)] {
+        let args = ["canonical", matrix, "--dimensions", "2", "-o", "form.npy"].into_iter();
+        let output = bench.run(args.chain(said.then_some("--matrix")));
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert_eq!(stderr(&output).contains("taken as a matrix"), !said, "{}", stderr(&output));
+        let form = geosweep::io::read_map(&bench.output("form.npy")).unwrap();
+        assert_eq!((form.rows, form.cols), (6, 2));
+        assert!(form.values[4..6].iter().all(|coordinate| coordinate.is_nan()));
+        let found: Vec<f64> = form.values.into_iter().filter(|c| !c.is_nan()).collect();
+        assert!(align(&found, places.as_flattened(), 2).deviation < 1e-5);
+    }
+    let args = ["canonical", &matrix, "--dimensions", "2", "-o", "f.npy", "--picture", "f.png"];
+    assert!(bench.run(args).status.success() && bench.output("f.png").exists());
+    // A square of heights stays one.
+    let heights: Vec<f64> = (0..36).map(|i| f64::from(i % 7) * 0.1 + 1.0).collect();
+    let heights = bench.array("heights.npy", &[6, 6], &heights);
+    let output = bench.run(["canonical", &heights, "--spacing", "1", "-o", "form.npy", "--json"]);
+    assert_eq!(json(&output)["rows"], 6);
 }
 
 #[test]
@@ -88,7 +103,7 @@ fn bad_input_is_refused_and_nothing_written() {
         let args = ["canonical", &matrix, "--matrix", "-o", "form.npy", "--dimensions", "1"];
         bench.refuses(&bench.run(args), parts);
     };
-    refused("wide.npy", &[2, 3], &[0.0; 6], &["square", "2 x 3"]);
+    refused("wide.npy", &[2, 3], &[0.0; 6], &["square", "(2, 3)"]);
     refused("nan.npy", &[2, 2], &[0.0, f64::NAN, 1.0, 0.0], &["point 0 to point 1 is NaN"]);
     refused("negative.npy", &[2, 2], &[0.0, 1.0, -1.0, 0.0], &["is negative: -1"]);
     refused("asymmetric.npy", &[2, 2], &[0.0, 1.0, 2.0, 0.0], &["and 2 back"]);

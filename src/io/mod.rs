@@ -24,7 +24,8 @@ pub use atomic::{OutputFile, StagedFile};
 pub use error::IoError;
 pub use map_file::{MapFormat, read_map};
 pub use matrix_file::{
-    Element, MatrixFile, MatrixLayout, Provenance, SquareMatrix, read_matrix, surface_checksum,
+    Element, MatrixFile, MatrixLayout, Provenance, SquareMatrix, is_distance_matrix, read_matrix,
+    surface_checksum,
 };
 pub use npy::write_npy;
 pub use ply::write_ply;

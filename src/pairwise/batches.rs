@@ -73,8 +73,10 @@ mod tests {
     #[test]
     fn any_list_is_computed_in_its_order() {
         let list: Vec<usize> = (0..40).map(|k| k * 11 % 42).chain([3, 3, 15, 16, 17]).collect();
-        let computed: Vec<usize> =
-            split(&list).into_iter().flat_map(|batch| batch.sources[batch.wanted].to_vec()).collect();
+        let computed: Vec<usize> = split(&list)
+            .into_iter()
+            .flat_map(|batch| batch.sources[batch.wanted].to_vec())
+            .collect();
         assert_eq!(computed, list);
         assert!(split(&[]).is_empty());
     }

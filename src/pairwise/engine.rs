@@ -31,11 +31,7 @@ enum Kind<'a> {
 pub(super) type Done<'a> = &'a (dyn Fn(usize) + Sync);
 
 impl<'a> RowEngine<'a> {
-    pub fn new(
-        surface: &'a Surface,
-        wavefront: Wavefront,
-        engine: &Engine,
-    ) -> Result<Self, Error> {
+    pub fn new(surface: &'a Surface, wavefront: Wavefront, engine: &Engine) -> Result<Self, Error> {
         let kind = match engine {
             Engine::Auto | Engine::Cpu => {
                 let edges = EdgeLengths::new(surface)?;

@@ -159,7 +159,8 @@ impl<'a> Pairwise<'a> {
     ) -> Result<PairwiseReport, E> {
         let points = self.points();
         if let Some(&outside) = sources.iter().find(|&&source| source >= points) {
-            let message = format!("there is no point {outside}; the grid has points 0 to {}", points - 1);
+            let message =
+                format!("there is no point {outside}; the grid has points 0 to {}", points - 1);
             return Err(Error::Options(message).into());
         }
         let (wave, stop, engine) = (self.wave(), self.stop, &mut self.engine);

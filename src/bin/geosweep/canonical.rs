@@ -1,7 +1,7 @@
 //! `geosweep canonical`: from a surface or a matrix of distances to its canonical form.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -9,7 +9,9 @@ use geosweep::geometry::canonical::{
     self, CanonicalForm, Distances, FormOptions, canonical_form_with,
 };
 use geosweep::glam::DVec3;
-use geosweep::io::{OutputFile, StagedFile, read_map, write_npy, write_ply};
+use geosweep::io::{
+    OutputFile, SquareMatrix, StagedFile, is_distance_matrix, read_matrix, write_npy, write_ply,
+};
 use geosweep::pairwise::Pairwise;
 use geosweep::surface::Chart;
 use geosweep::{Options, Surface, Wavefront};
@@ -32,8 +34,9 @@ pub struct Args {
     /// points left out; or .ply, with triangles for a grid, in two or three dimensions
     #[arg(short, long, value_name = "FORM")]
     output: PathBuf,
-    /// SURFACE is an .npy array (n, n) of the distances between n points, +infinity where there is
-    /// no path
+    /// SURFACE is an .npy array of the distances between n points, (n, n) or, as SciPy's squareform
+    /// has it, (n (n - 1) / 2,); +infinity where there is no path. An array that can be nothing
+    /// else is taken as one anyhow
     #[arg(long, help_heading = "Surface")]
     matrix: bool,
     /// Use at most this many points of a grid: every second row and column, or every third, and so
@@ -81,7 +84,7 @@ the surface are left out.
 Examples:
   geosweep canonical builtin:torus:65x65 -o form.npy --picture form.png
   geosweep canonical face.npy --mask face.png --points 3000 -o form.ply --json
-  geosweep canonical distances.npy --matrix --dimensions 2 -o form.npy",
+  geosweep canonical distances.npy --dimensions 2 -o form.npy",
         builtin_names()
     )
 }
@@ -178,24 +181,23 @@ struct Problem {
 
 impl Problem {
     fn read(args: &Args) -> Result<Self, Box<dyn Error>> {
-        if args.matrix { Self::from_matrix(args) } else { Self::from_surface(args) }
+        let file = args.surface.file();
+        if args.matrix {
+            let path = file.ok_or("--matrix is for a file, not for a built-in surface")?;
+            return Self::from_matrix(path);
+        }
+        if let Some(path) = file.filter(|path| is_distance_matrix(path)) {
+            let name = path.display();
+            say("note", format_args!("{name}: taken as a matrix of distances"));
+            return Self::from_matrix(path);
+        }
+        Self::from_surface(args)
     }
 
-    fn from_matrix(args: &Args) -> Result<Self, Box<dyn Error>> {
-        let path = args.surface.inputs().next();
-        let path = path.ok_or("--matrix is for a file, not for a built-in surface")?;
+    fn from_matrix(path: &Path) -> Result<Self, Box<dyn Error>> {
         let _spinner = Spinner::new("reading");
-        let grid = read_map(path)?;
-        let points = grid.rows;
-        if grid.cols != points {
-            let (name, cols) = (path.display(), grid.cols);
-            return Err(format!(
-                "{name}: a matrix of distances is square; this one has {points} x {cols} values"
-            )
-            .into());
-        }
-        let matrix = grid.values.into_iter().map(|distance| distance as f32).collect();
-        Ok(Self { chart: None, points, matrix, given: points })
+        let SquareMatrix { points, distances } = read_matrix(path)?;
+        Ok(Self { chart: None, points, matrix: distances, given: points })
     }
 
     fn from_surface(args: &Args) -> Result<Self, Box<dyn Error>> {

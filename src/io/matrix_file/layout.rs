@@ -178,13 +178,25 @@ mod tests {
             }
             assert_eq!(bytes.len() as u64, layout.bytes());
         }
-        let upper = MatrixLayout { rows: 4, cols: 4, element: Element::Float32, upper: true, symmetric: false };
+        let upper = MatrixLayout {
+            rows: 4,
+            cols: 4,
+            element: Element::Float32,
+            upper: true,
+            symmetric: false,
+        };
         assert_eq!(upper.shape(), [6]);
     }
 
     #[test]
     fn what_half_precision_cannot_hold_is_refused() {
-        let layout = MatrixLayout { rows: 1, cols: 3, element: Element::Float16, upper: false, symmetric: false };
+        let layout = MatrixLayout {
+            rows: 1,
+            cols: 3,
+            element: Element::Float16,
+            upper: false,
+            symmetric: false,
+        };
         let mut buffer = Vec::new();
         let bytes = layout.encode(0, &[0.0, 65504.0, f32::INFINITY], &mut buffer).unwrap();
         assert_eq!(bytes, [0, 0, 0xff, 0x7b, 0, 0x7c]);

@@ -18,7 +18,7 @@ use super::{IoError, OutputFile};
 use checkpoint::Checkpoint;
 pub use checkpoint::{Provenance, surface_checksum};
 pub use layout::{Element, MatrixLayout};
-pub use read::{SquareMatrix, read_matrix};
+pub use read::{SquareMatrix, is_distance_matrix, read_matrix};
 use symmetric::write_means;
 
 /// Rows since the last checkpoint are computed again after an interruption.
@@ -177,12 +177,16 @@ impl MatrixFile {
         Ok(())
     }
 
-    /// Saves what is there, to be resumed.
+    /// Saves what is there, to be resumed; nothing is left of a matrix without rows.
     ///
     /// # Errors
     /// If the disk is full or fails.
     pub fn pause(mut self) -> Result<(), IoError> {
-        self.save()
+        if self.rows > 0 {
+            return self.save();
+        }
+        self.discard();
+        Ok(())
     }
 
     /// Gives the matrix its name, after it is made symmetric if it is to be.

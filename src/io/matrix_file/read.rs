@@ -50,11 +50,47 @@ pub fn read_matrix(path: &Path) -> Result<SquareMatrix, IoError> {
     Ok(SquareMatrix { points, distances })
 }
 
+/// Whether a file is an `.npy` array that can be a matrix of distances and, in all likelihood,
+/// nothing else: the upper triangle of one, or a square array with nothing but 0 and, for holes,
+/// +infinity on its diagonal, and something else in its first row.
+pub fn is_distance_matrix(path: &Path) -> bool {
+    let is = || {
+        check_regular(path).ok()?;
+        let mut file = BufReader::new(File::open(path).ok()?);
+        let header = Header::read(&mut file).ok()?;
+        let points = match header.shape[..] {
+            [_] => return Some(true),
+            [rows, cols] if rows == cols && header.dtype.kind == b'f' => rows,
+            _ => return None,
+        };
+        let size = header.dtype.bytes;
+        let mut row = vec![0; points.checked_mul(size)?];
+        file.read_exact(&mut row).ok()?;
+        let first = header.dtype.decode(&row);
+        let is_zero = |distance: f64| distance == 0.0 || distance == f64::INFINITY;
+        let mut diagonal = is_zero(first[0]);
+        for row_number in 1..points {
+            // From the end of row 0, or of the number before on the diagonal.
+            let skipped = if row_number == 1 { size } else { row.len() };
+            file.seek_relative(i64::try_from(skipped).ok()?).ok()?;
+            file.read_exact(&mut row[..size]).ok()?;
+            diagonal &= is_zero(header.dtype.decode(&row[..size])[0]);
+        }
+        Some(diagonal && first.iter().any(|distance| *distance > 0.0))
+    };
+    extension(path) == "npy" && is().unwrap_or(false)
+}
+
 /// Which distances the numbers of a file are.
 enum Place {
-    Square { points: usize, transposed: bool },
+    Square {
+        points: usize,
+        transposed: bool,
+    },
     /// Above the diagonal, with the number at which each row begins.
-    Condensed { begins: Vec<usize> },
+    Condensed {
+        begins: Vec<usize>,
+    },
 }
 
 impl Place {

@@ -3,6 +3,7 @@
 mod canonical;
 mod convergence;
 mod maze;
+mod table_1;
 
 use clap::Subcommand;
 
@@ -20,7 +21,8 @@ const EXAMPLES: &str = "\
 Examples:
   geosweep figure canonical -o canonical.png
   geosweep figure convergence -o convergence.png --csv convergence.csv
-  geosweep figure maze -o maze.png";
+  geosweep figure maze -o maze.png
+  geosweep figure table-1 -o table-1.md";
 
 #[derive(Subcommand)]
 enum Figure {
@@ -30,6 +32,9 @@ enum Figure {
     Convergence(convergence::Args),
     /// Figure 6: the distance map on a maze, iteration by iteration
     Maze(maze::Args),
+    /// Table 1: times of all pairs, by raster scans in lanes and by fast marching
+    #[command(name = "table-1")]
+    Table1(table_1::Args),
 }
 
 pub fn run(args: &Args) -> Outcome {
@@ -37,5 +42,6 @@ pub fn run(args: &Args) -> Outcome {
         Figure::Canonical(args) => canonical::run(args),
         Figure::Convergence(args) => convergence::run(args),
         Figure::Maze(args) => maze::run(args),
+        Figure::Table1(args) => table_1::run(args),
     }
 }

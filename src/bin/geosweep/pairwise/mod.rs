@@ -201,10 +201,7 @@ impl Args {
         let sources = rows.points(chart)?;
         let holes = sources.iter().filter(|&&source| !surface.present()[source]).count();
         if holes > 0 && rows.file().is_some() {
-            say(
-                "note",
-                format_args!("{holes} of the sources are holes; their rows are +infinity"),
-            );
+            say("note", format_args!("{holes} of the sources are holes; their rows are +infinity"));
         }
         Ok(sources)
     }

@@ -113,13 +113,18 @@ impl SurfaceArgs {
         Scene::read(self)
     }
 
-    /// The files that are read.
-    pub fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
-        let surface = match &self.surface {
+    /// The surface's file, if it comes from one.
+    pub fn file(&self) -> Option<&PathBuf> {
+        match &self.surface {
             SurfaceArg::File(path) => Some(path),
             SurfaceArg::Builtin(_) => None,
-        };
-        let optional = [surface, self.mask.as_ref(), self.slowness.as_ref(), self.metric.as_ref()];
+        }
+    }
+
+    /// The files that are read.
+    pub fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
+        let optional =
+            [self.file(), self.mask.as_ref(), self.slowness.as_ref(), self.metric.as_ref()];
         optional.into_iter().flatten()
     }
 
