@@ -5,13 +5,14 @@ use std::time::{Duration, Instant};
 use crate::cpu::{self, Connections, Stop};
 use crate::surface::{EdgeLengths, Seed, Sources, Surface};
 use crate::update::Wavefront;
-use crate::vulkan::{self, VulkanError};
+use crate::vulkan::{self, Schedule, VulkanError};
 use crate::{DistanceMap, Error, Report};
 
 /// Which engine computes a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Engine {
-    /// The first usable Vulkan device, else the CPU; the report says which, and why.
+    /// The first usable Vulkan device, else the CPU; the report says which, and why. With a
+    /// [`Options::schedule`] only Vulkan will do.
     #[default]
     Auto,
     /// A Vulkan device, or an error.
@@ -47,6 +48,9 @@ pub struct Options {
     /// but circular for point sources that start together on a surface with a slowness, which may
     /// jump from point to point. A curved map takes about twice the time of a circular one.
     pub wavefront: Option<Wavefront>,
+    /// The order of updates on a Vulkan device, which makes no difference to the map; by default
+    /// [`Schedule::best_on`] the device. The CPU's engines have one order each.
+    pub schedule: Option<Schedule>,
     /// Stop when no arrival time falls by more than this fraction in an iteration.
     pub tolerance: f64,
     /// Stop after this many iterations of four scans; by default after more than any surface
@@ -59,6 +63,7 @@ impl Default for Options {
         Self {
             engine: Engine::Auto,
             wavefront: None,
+            schedule: None,
             tolerance: DEFAULT_TOLERANCE,
             iterations: None,
         }
@@ -125,6 +130,7 @@ pub(crate) struct Problem<'a> {
     seeds: Vec<Seed>,
     start: f64,
     wavefront: Wavefront,
+    schedule: Option<Schedule>,
     stop: Stop,
 }
 
@@ -144,11 +150,17 @@ impl<'a> Problem<'a> {
         let stop = options.stop(surface)?;
         let start = sources.start();
         seeds.iter_mut().for_each(|seed| seed.time -= start);
-        Ok(Self { surface, seeds, start, wavefront, stop })
+        Ok(Self { surface, seeds, start, wavefront, schedule: options.schedule, stop })
     }
 
     pub(crate) fn solve(&self, engine: &Engine) -> Result<DistanceMap, Error> {
         match engine {
+            Engine::Cpu | Engine::FastMarching if self.schedule.is_some() => {
+                Err(Error::Options("a schedule is for a Vulkan device, not for the CPU".into()))
+            }
+            Engine::Auto if self.schedule.is_some() => {
+                Ok(self.solve_on_vulkan(&DeviceChoice::Any)?)
+            }
             Engine::Cpu => self.solve_on_cpu(None),
             Engine::FastMarching => self.solve_by_fast_marching(),
             Engine::Vulkan(choice) => Ok(self.solve_on_vulkan(choice)?),
@@ -188,7 +200,8 @@ impl<'a> Problem<'a> {
     fn solve_on_vulkan(&self, choice: &DeviceChoice) -> Result<DistanceMap, VulkanError> {
         let mut solver = vulkan::Solver::new(choice)?;
         let mut surface = solver.upload(self.surface)?;
-        let method = vulkan::Method { wavefront: self.wavefront, schedule: None, stop: self.stop };
+        let method =
+            vulkan::Method { wavefront: self.wavefront, schedule: self.schedule, stop: self.stop };
         let solution = solver.solve(&mut surface, &self.seeds, method)?;
         let report = Report {
             engine: "vulkan",

@@ -4,6 +4,8 @@ use std::fmt;
 
 use ash::vk;
 
+use crate::surface::Chart;
+
 /// The order of updates on the device. All lead to the same map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Schedule {
@@ -29,6 +31,14 @@ impl Schedule {
             Self::AllPoints => "all-points",
             Self::Tiles => "tiles",
         }
+    }
+
+    /// The best schedule on a kind of device for a grid, as far as it is known.
+    pub fn best_on(kind: vk::PhysicalDeviceType, chart: Chart) -> Self {
+        let side = chart.rows.max(chart.cols);
+        let on_cpu = kind == vk::PhysicalDeviceType::CPU;
+        let choice = CHOICES.iter().find(|choice| choice.on_cpu == on_cpu && side <= choice.side);
+        choice.map_or(Self::Raster, |choice| choice.schedule)
     }
 }
 
@@ -86,6 +96,29 @@ impl Tuning {
     }
 }
 
-/// The schedule when none is asked for: on lavapipe tiles take some forty times as long as raster
-/// scans on 1200 x 1200 points, and no GPU has been at hand to measure on.
-pub(crate) const DEFAULT: Schedule = Schedule::Raster;
+/// Where a schedule is the best one.
+struct Choice {
+    on_cpu: bool,
+    /// Most rows and columns of the grid.
+    side: usize,
+    schedule: Schedule,
+}
+
+/// Which schedule where; the first entry that applies counts.
+const CHOICES: [Choice; 3] = [
+    // Measured on lavapipe (Mesa 22.3, two cores), planar and curved, tiles over raster scans: 9
+    // to 25 points a side 0.3 to 0.7 of the time, but for one map 1.2; 33 points 0.4 to 1.7.
+    // A dispatch costs more than a tile's work there. All points at once took twice as long at 9
+    // points, where they did best.
+    Choice { on_cpu: true, side: 32, schedule: Schedule::Tiles },
+    // Measured as above: from 49 points on tiles take 2 to 20 times as long on a sphere, since
+    // barriers inside shaders are dear there. In a maze of 129 to 257 points, where each round
+    // visits few tiles, they take 0.4 to 0.9 of the time; at 513 points three times as long.
+    Choice { on_cpu: true, side: usize::MAX, schedule: Schedule::Raster },
+    // Reasoned, not measured, for want of a GPU. At 1200 points a side a scan is 75 dispatches of
+    // eight lines each, a converged map some thousand dispatches with their barriers of a few
+    // microseconds; tiles take a hundred rounds and more of up to 64 lines each, with a barrier
+    // of the workgroup after each line. Neither is clearly ahead, and raster scans need no
+    // atomics, which GPUs differ in most.
+    Choice { on_cpu: false, side: usize::MAX, schedule: Schedule::Raster },
+];

@@ -10,7 +10,7 @@ use super::record::{Recorder, rows_around};
 use super::upload::{SeedTexel, seed_texels, write_points};
 use super::{
     GridImages, Pipelines, Schedule, SchedulePipelines, TexelChart, Tuning, ValidationLog,
-    VulkanError, requirements, schedule,
+    VulkanError, requirements,
 };
 use crate::DeviceChoice;
 use crate::cpu::Stop;
@@ -50,7 +50,7 @@ pub struct Solver {
 pub struct Method {
     /// The front assumed inside a triangle.
     pub wavefront: Wavefront,
-    /// The order of updates; by default raster scans.
+    /// The order of updates; by default [`Schedule::best_on`] the device.
     pub schedule: Option<Schedule>,
     /// When to stop; an iteration is one of the schedule's.
     pub stop: Stop,
@@ -174,7 +174,8 @@ impl Solver {
         edit: impl Fn(&mut Vec<Step>),
     ) -> Result<Solution, VulkanError> {
         let Method { wavefront, stop, .. } = method;
-        let schedule = method.schedule.unwrap_or(schedule::DEFAULT);
+        let (kind, chart) = (self.context.properties.device_type, surface.images.chart);
+        let schedule = method.schedule.unwrap_or_else(|| Schedule::best_on(kind, chart));
         self.make_passes(&surface.images, schedule, wavefront)?;
         let passes = self.passes[schedule as usize][wavefront as usize].as_ref();
         let passes = passes.expect("they were made above");

@@ -1,6 +1,7 @@
 //! How to solve: the options of every command that computes a map.
 
 use clap::ValueEnum;
+use geosweep::vulkan::Schedule;
 use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Options, Wavefront};
 
 #[derive(clap::Args)]
@@ -15,7 +16,12 @@ pub struct SolverArgs {
     /// --engine vulkan
     #[arg(long, value_name = "NAME|INDEX", help_heading = "Solver")]
     device: Option<String>,
-    /// Stop after this many iterations of four scans (default: 10 for each row and column)
+    /// The order of updates on a Vulkan device, the same map from each; any but auto implies
+    /// --engine vulkan
+    #[arg(long, value_enum, default_value_t, help_heading = "Solver")]
+    schedule: ScheduleArg,
+    /// Stop after this many iterations: of four scans, of two updates of all points, or rounds of
+    /// tiles (default: 10 for each row and column)
     #[arg(long, value_name = "N", help_heading = "Solver")]
     iterations: Option<u32>,
     /// Stop when no distance falls by more than this fraction in an iteration
@@ -51,10 +57,24 @@ enum EngineArg {
     FastMarching,
 }
 
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum ScheduleArg {
+    /// What is best on the device
+    #[default]
+    Auto,
+    /// Scans over rows and columns, as in the paper
+    Raster,
+    /// All points at once: for tiny grids, and for comparison
+    AllPoints,
+    /// Tiles in the device's shared memory, where something has changed
+    Tiles,
+}
+
 impl SolverArgs {
     pub fn options(&self) -> Result<Options, String> {
         Ok(Options {
             engine: self.engine()?,
+            schedule: self.schedule()?,
             wavefront: match self.wavefront {
                 WavefrontArg::Auto => None,
                 WavefrontArg::Curved => Some(Wavefront::Curved),
@@ -64,6 +84,21 @@ impl SolverArgs {
             tolerance: self.tolerance,
             iterations: self.iterations,
         })
+    }
+
+    fn schedule(&self) -> Result<Option<Schedule>, String> {
+        let schedule = match self.schedule {
+            ScheduleArg::Auto => return Ok(None),
+            ScheduleArg::Raster => Schedule::Raster,
+            ScheduleArg::AllPoints => Schedule::AllPoints,
+            ScheduleArg::Tiles => Schedule::Tiles,
+        };
+        match self.engine {
+            EngineArg::Auto | EngineArg::Vulkan => Ok(Some(schedule)),
+            EngineArg::Cpu | EngineArg::FastMarching => {
+                Err("--schedule is for --engine vulkan; leave one of them out".into())
+            }
+        }
     }
 
     fn engine(&self) -> Result<Engine, String> {
