@@ -93,7 +93,11 @@ impl Options {
         self.wavefront.unwrap_or_else(or_else)
     }
 
-    fn wavefront(&self, surface: &Surface, sources: &Sources) -> Result<Wavefront, Error> {
+    pub(crate) fn wavefront(
+        &self,
+        surface: &Surface,
+        sources: &Sources,
+    ) -> Result<Wavefront, Error> {
         let circular = sources.are_points() && sources.start_together();
         match self.wavefront {
             None if circular => Ok(self.wavefront_from_a_point(surface)),

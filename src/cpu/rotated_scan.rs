@@ -107,7 +107,39 @@ impl<'a, R: Real> RotatedScan<'a, R> {
 
     /// Computes the map of some sources.
     pub fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
-        self.start(seeds);
+        self.forget();
+        self.add(seeds, stop)
+    }
+
+    /// Adds sources to the last map, as [`crate::vulkan::Solver::add`] does on a device. Only tiles
+    /// that their fronts reach first are visited, so that a source among many costs what its own
+    /// region does.
+    ///
+    /// If the last map has converged, so has this one, of all sources. With the planar wavefront it
+    /// is the one that [`Self::solve`] finds from all of them, within the tolerance, whose updates
+    /// have a single fixed point. The others' have not in theory; on smooth and on rough surfaces
+    /// with holes both ways agree to rounding all the same (`tests/sampling.rs`), but where curved
+    /// fronts do not settle. Times fall, but a curved front that is renewed may come later by its
+    /// error. Seeds that lie behind the map change nothing. On a new solver this is `solve`.
+    ///
+    /// ```
+    /// use geosweep::cpu::{RotatedScan, Stop};
+    /// use geosweep::surface::{EdgeLengths, Seed, builtin::Builtin};
+    /// use geosweep::Wavefront;
+    ///
+    /// let edges = EdgeLengths::<f32>::new(&Builtin::Plane.surface(101, 101)?)?;
+    /// let stop = Stop { tolerance: 1e-6, iterations: 1000 };
+    /// let mut solver = RotatedScan::new(&edges, Wavefront::PointSource);
+    /// solver.solve(&[Seed::at_source(0, 0, 0.0)], stop);
+    /// let before = solver.distances();
+    /// solver.add(&[Seed::at_source(100, 100, 0.0)], stop);
+    /// let after = solver.distances();
+    /// assert!(after[0] == 0.0 && after[101 * 101 - 1] == 0.0);
+    /// assert!(after.iter().zip(&before).all(|(after, before)| after <= before));
+    /// # Ok::<(), geosweep::surface::SurfaceError>(())
+    /// ```
+    pub fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        self.seed(seeds);
         let mut progress = Progress::new(stop);
         loop {
             let vertical = self.scan([Scan::DOWN, Scan::UP], progress.renews());
@@ -136,28 +168,43 @@ impl<'a, R: Real> RotatedScan<'a, R> {
         self.fronts.iter().map(of).sum::<usize>() + self.tiles.len()
     }
 
-    /// No point reached but the seeds.
-    fn start(&mut self, seeds: &[Seed]) {
+    /// The arrival times along a row, [`Real::FAR`] or later where no source reaches.
+    pub(crate) fn row(&self, row: usize) -> &[R] {
         let chart = self.edges.chart();
-        let [first, second] = &mut self.fronts;
-        first.times.fill(R::FAR);
-        first.curvatures.fill(R::zero());
+        &self.fronts[0].times[chart.bordered(row, 0)..][..chart.cols]
+    }
+
+    /// No point reached.
+    fn forget(&mut self) {
+        for Fronts { times, curvatures, .. } in &mut self.fronts {
+            times.fill(R::FAR);
+            curvatures.fill(R::zero());
+        }
         self.tiles.reset();
+    }
+
+    /// Starts from seeds that arrive before the map.
+    fn seed(&mut self, seeds: &[Seed]) {
+        let chart = self.edges.chart();
         for seed in seeds {
             let point = chart.bordered(seed.row, seed.col);
             let curvature = R::of(seed.curvature);
             let front = Front { time: R::of(seed.time), curvature, whole: true };
-            let time = &mut first.times[point];
-            match first.curvatures.get_mut(point) {
-                Some(curvature) => {
-                    (*time, *curvature) = accept(*time, *curvature, front, SEED, false)
+            let mut changed = false;
+            for Fronts { times, curvatures, .. } in &mut self.fronts {
+                let time = &mut times[point];
+                changed |= front.time < *time;
+                match curvatures.get_mut(point) {
+                    Some(curvature) => {
+                        (*time, *curvature) = accept(*time, *curvature, front, SEED, false)
+                    }
+                    None => *time = time.min(front.time),
                 }
-                None => *time = time.min(front.time),
             }
-            self.tiles.touch(seed.row, seed.col);
+            if changed {
+                self.tiles.touch(seed.row, seed.col);
+            }
         }
-        second.times.copy_from_slice(&first.times);
-        second.curvatures.copy_from_slice(&first.curvatures);
     }
 
     /// Runs two opposite scans; returns the largest change.

@@ -1,0 +1,166 @@
+//! The farthest point, and samples that cover a surface evenly: each the farthest point from all
+//! before (Eldar, Lindenbaum, Porat and Zeevi, "The farthest point strategy for progressive image
+//! sampling", IEEE Transactions on Image Processing 6(9), 1997).
+
+use rayon::prelude::*;
+
+use crate::cpu::{RotatedScan, Stop};
+use crate::surface::{Chart, EdgeLengths, Real, Seed};
+use crate::{Error, Options, Sources, Surface};
+
+/// A grid point that lies farthest from all sources.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Farthest {
+    /// Its row.
+    pub row: usize,
+    /// Its column.
+    pub col: usize,
+    /// Its distance; +infinity if no source reaches it.
+    pub distance: f32,
+}
+
+/// The farthest of the points that a map reaches, the first in row-major order of several;
+/// from a single source its distance is the eccentricity of the source. `None` if no distance is
+/// finite.
+///
+/// # Panics
+/// If the distances do not fill the grid.
+///
+/// ```
+/// use geosweep::geometry::farthest;
+/// use geosweep::{Options, Sources, Spacing, Surface, distance_map};
+///
+/// let surface = Surface::from_heights(31, 41, vec![0.0; 31 * 41], Spacing::square(1.0))?;
+/// let map = distance_map(&surface, &Sources::point(30.0, 0.0), &Options::default())?;
+/// let farthest = farthest(map.chart, &map.distances).unwrap();
+/// assert_eq!((farthest.row, farthest.col, farthest.distance), (0, 40, 50.0));
+/// # Ok::<(), geosweep::Error>(())
+/// ```
+pub fn farthest(chart: Chart, distances: &[f32]) -> Option<Farthest> {
+    assert_eq!(distances.len(), chart.points(), "a distance for each grid point");
+    let row = |row: usize| &distances[chart.index(row, 0)..][..chart.cols];
+    farthest_where(chart, row, |_, distance| distance.is_finite())
+}
+
+/// The farthest of the points that `counts` tells by their index and distance.
+fn farthest_where<'a>(
+    chart: Chart,
+    distances: impl Fn(usize) -> &'a [f32] + Sync,
+    counts: impl Fn(usize, f32) -> bool + Sync,
+) -> Option<Farthest> {
+    let later = |a: Farthest, b: Farthest| if b.distance > a.distance { b } else { a };
+    let in_row = |row: usize| {
+        let points = distances(row).iter().enumerate();
+        let points = points.filter(|&(col, &distance)| counts(chart.index(row, col), distance));
+        points.map(|(col, &distance)| Farthest { row, col, distance }).reduce(later)
+    };
+    (0..chart.rows).into_par_iter().filter_map(in_row).reduce_with(later)
+}
+
+/// Farthest-point sampling: an endless iterator that takes the farthest grid point as the next
+/// sample, until every point is one. Each sample updates the map only where it is the nearest
+/// one.
+///
+/// While there are points that no sample reaches, the next sample is the first of them in
+/// row-major order, so that every part of the surface has a sample before any has two.
+///
+/// ```
+/// use geosweep::geometry::{Farthest, FarthestPoints};
+/// use geosweep::surface::EdgeLengths;
+/// use geosweep::{Sources, Spacing, Surface};
+///
+/// let surface = Surface::from_heights(41, 41, vec![0.0; 41 * 41], Spacing::square(1.0))?;
+/// let edges = EdgeLengths::new(&surface)?;
+/// let mut points = FarthestPoints::new(&surface, &edges, &Sources::point(0.0, 0.0))?;
+/// let samples: Vec<Farthest> = points.by_ref().take(3).collect();
+/// assert_eq!((samples[0].row, samples[0].col), (40, 40));
+/// assert!((points.radius() - 800f32.sqrt()).abs() < 1e-3);
+/// assert_eq!(points.sources().iter().count(), 4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct FarthestPoints<'a> {
+    surface: &'a Surface,
+    solver: RotatedScan<'a, f32>,
+    sources: Sources,
+    /// The smallest initial value, from which the solver counts.
+    start: f64,
+    stop: Stop,
+}
+
+impl<'a> FarthestPoints<'a> {
+    /// Starts from the map of some sources, which count as samples, as [`Options::default`] has it
+    /// on the CPU. The `edges` are the surface's.
+    ///
+    /// # Errors
+    /// If a source lies off the surface, or there is none.
+    ///
+    /// # Panics
+    /// If the edges are those of a surface of another size.
+    pub fn new(
+        surface: &'a Surface,
+        edges: &'a EdgeLengths<f32>,
+        first: &Sources,
+    ) -> Result<Self, Error> {
+        let chart = surface.chart();
+        assert_eq!(edges.chart(), chart, "the edges are another surface's");
+        let mut seeds = first.seeds(surface)?;
+        let start = first.start();
+        seeds.iter_mut().for_each(|seed| seed.time -= start);
+        let options = Options::default();
+        let stop = options.stop(surface)?;
+        let mut solver = RotatedScan::new(edges, options.wavefront(surface, first)?);
+        solver.solve(&seeds, stop);
+        Ok(Self { surface, solver, sources: first.clone(), start, stop })
+    }
+
+    /// The farthest point, which is the next sample: of those that no sample reaches the first.
+    /// `None` once no point lies away from all samples.
+    pub fn farthest(&self) -> Option<Farthest> {
+        let (chart, present) = (self.surface.chart(), self.surface.present());
+        let times = |row: usize| self.solver.row(row);
+        let unreached = |row: usize| {
+            let mut points = times(row).iter().zip(&present[chart.index(row, 0)..]);
+            let col = points.position(|(time, present)| *present && *time >= f32::FAR)?;
+            Some(Farthest { row, col, distance: f32::INFINITY })
+        };
+        let away = |index: usize, time: f32| present[index] && time > 0.0;
+        (0..chart.rows).into_par_iter().find_map_first(unreached).or_else(|| {
+            let farthest = farthest_where(chart, times, away)?;
+            Some(Farthest { distance: farthest.distance + self.start as f32, ..farthest })
+        })
+    }
+
+    /// The covering radius: no point is farther from all samples. +infinity while there are points
+    /// that none reaches.
+    pub fn radius(&self) -> f32 {
+        self.farthest().map_or(self.start as f32, |farthest| farthest.distance)
+    }
+
+    /// All samples, in order, after the sources that were given.
+    pub fn sources(&self) -> &Sources {
+        &self.sources
+    }
+
+    /// The distance of each grid point from the nearest sample, row-major; +infinity at holes and
+    /// where no sample reaches.
+    pub fn distances(&self) -> Vec<f32> {
+        let mut distances = self.solver.distances();
+        distances.iter_mut().for_each(|distance| *distance += self.start as f32);
+        distances
+    }
+}
+
+impl Iterator for FarthestPoints<'_> {
+    type Item = Farthest;
+
+    /// Takes the farthest point as a sample; its distance is the covering radius before.
+    fn next(&mut self) -> Option<Farthest> {
+        let farthest = self.farthest()?;
+        let Farthest { row, col, .. } = farthest;
+        self.solver.add(&[Seed::at_source(row, col, 0.0)], self.stop);
+        let sources = std::mem::take(&mut self.sources);
+        self.sources = sources.and_point(row as f64, col as f64, self.start);
+        Some(farthest)
+    }
+}
