@@ -51,3 +51,34 @@ fn a_schedule_is_for_vulkan_alone() {
     let error = geosweep::distance_map(&surface, &source, &options).unwrap_err();
     assert!(error.to_string().contains("schedule"), "{error}");
 }
+
+#[test]
+fn devices_are_measured() {
+    let bench = Bench::new();
+    let measured = json(&run(&bench, "devices --measure --json"));
+    let positive = |ceilings: &serde_json::Value, names: &[&str]| {
+        for name in names {
+            assert!(ceilings[name].as_f64().unwrap() > 0.0, "{name}: {ceilings}");
+        }
+        for wavefront in geosweep::Wavefront::ALL {
+            let rate = ceilings["triangles"][wavefront.name()].as_f64().unwrap();
+            assert!(rate > 0.0, "{wavefront}: {ceilings}");
+        }
+    };
+    let usable: Vec<_> = measured["devices"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|device| device["unmet"].as_array().unwrap().is_empty())
+        .collect();
+    assert!(!usable.is_empty());
+    for device in usable {
+        let times = ["dispatch", "skipped_dispatch", "barrier", "submission"];
+        positive(&device["ceilings"], &[&times[..], &["copy", "read_back"]].concat());
+    }
+    let cpu = measured["cpu"].as_array().unwrap();
+    assert_eq!(cpu[0]["threads"], 1);
+    cpu.iter().for_each(|ceilings| positive(ceilings, &["copy"]));
+    let text = run(&bench, "devices --measure");
+    assert!(String::from_utf8_lossy(&text.stdout).contains("triangles a second"));
+}

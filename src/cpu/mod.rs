@@ -8,6 +8,7 @@
 //! (`line.rs`); columns are rows of a transposed panel of sixteen (`panel.rs`); and a scan visits
 //! only tiles beside which something has changed since it passed (`tiles.rs`).
 
+mod ceilings;
 mod connections;
 mod fast_marching;
 mod field;
@@ -23,6 +24,7 @@ mod tiles;
 mod transpose;
 
 pub use crate::lanes::Instructions;
+pub use ceilings::Ceilings;
 pub use connections::Connections;
 pub use fast_marching::{fast_marching, fast_marching_with};
 pub use pairwise::PairwiseScan;

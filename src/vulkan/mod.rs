@@ -14,6 +14,7 @@
 //! Needs Vulkan 1.1 and no extension or feature.
 
 mod barrier;
+mod ceilings;
 mod devices;
 mod error;
 mod grid_images;
@@ -30,6 +31,7 @@ mod texel_chart;
 mod upload;
 mod validation;
 
+pub use ceilings::Ceilings;
 pub use devices::{DeviceInfo, devices};
 pub use error::VulkanError;
 pub use grid_images::GridImages;

@@ -30,10 +30,10 @@ pub(crate) mod binding {
 const PUSH_CONSTANT_BYTES: u32 = 32;
 
 /// Specialization constants of the shaders.
-mod constant {
+pub(super) mod constant {
     pub(super) const AHEAD_X: u32 = 0;
     pub(super) const AHEAD_Y: u32 = 1;
-    pub(super) const WAVEFRONT: u32 = 2;
+    pub(in crate::vulkan) const WAVEFRONT: u32 = 2;
     pub(super) const WIDTH: u32 = 3;
     /// Lines of a block, or iterations inside a tile.
     pub(super) const REPEATS: u32 = 4;
@@ -69,6 +69,7 @@ macro_rules! spirv {
         include_bytes!(concat!(env!("OUT_DIR"), "/", $name, ".spv"))
     };
 }
+pub(super) use spirv;
 
 impl Pipelines {
     /// Creates them. [`Pipelines::destroy`] must be called before the device is destroyed.
@@ -216,7 +217,7 @@ pub(crate) fn descriptor_type(is_image: bool) -> vk::DescriptorType {
 }
 
 /// A compute pipeline from SPIR-V, with specialization constants by their numbers.
-fn compute_pipeline(
+pub(super) fn compute_pipeline(
     device: &ash::Device,
     layout: vk::PipelineLayout,
     spirv: &[u8],

@@ -1,0 +1,32 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Updates from four triangles again and again, all in registers: how fast a pass can be that only
+// computes. One invocation is one texel, which is written at the end, or nothing happens at all.
+
+#include "constants.glsl"
+#include "update.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+layout(set = 0, binding = 4, rgba32f) uniform writeonly restrict image2DArray new_fronts;
+
+layout(push_constant) uniform Work {
+    ivec2 texels; // columns and rows of texels
+    uint repeats; // updates from four triangles
+};
+
+void main() {
+    ivec2 place = ivec2(gl_GlobalInvocationID.xy);
+    if (place.x >= texels.x) return;
+    vec4 gaussian = vec4(0.01);
+    Ends front = Ends(1.0 + vec4(0.0, 0.3, 0.6, 0.9) + 1e-4 * place.x, vec4(0.5), gaussian);
+    vec4 lengths = vec4(1.0, 1.1, 1.2, 1.3);
+    for (uint i = 0u; i < repeats; i++) {
+        Ends beside = Ends(front.time.yzwx, front.curvature.yzwx, gaussian);
+        Fronts found = update(front, beside, gaussian, lengths, lengths.yzwx, lengths.zwxy);
+        front = Ends(found.time, found.curvature, gaussian);
+        // So that no triangle's shape is known before the loop.
+        lengths += 1e-9 * found.time;
+    }
+    imageStore(new_fronts, ivec3(place + BORDER, TIME), front.time + front.curvature);
+}

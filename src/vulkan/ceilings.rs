@@ -1,0 +1,294 @@
+//! What a device can do at best, measured: against these ceilings a map's time tells what bounds
+//! it. Solvers do not use them.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use ash::vk;
+use bytemuck::{NoUninit, bytes_of};
+use gpu_allocator::MemoryLocation;
+
+use super::barrier::{self, CLEAR, COPY, HOST_READ, PASS};
+use super::headless::{Commands, Context};
+use super::memory::Buffer;
+use super::pipelines::{compute_pipeline, constant, spirv};
+use super::record::Recorder;
+use super::{GridImages, Pipelines, TexelChart, Tuning, VulkanError};
+use crate::DeviceChoice;
+use crate::constants::{LAYERS, WORKGROUP};
+use crate::surface::Chart;
+use crate::update::Wavefront;
+
+/// What a device can do at best, by the clock of the host.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ceilings {
+    /// Bytes a second, read plus written, of a pass that copies one image to another (64 MiB of
+    /// them, which may fit a large cache).
+    pub copy: f64,
+    /// Updates from one triangle a second, by wavefront ([`Wavefront::ALL`]), with everything in
+    /// registers.
+    pub triangles: [f64; Wavefront::ALL.len()],
+    /// An empty dispatch of one workgroup with the barrier after it.
+    pub dispatch: Duration,
+    /// An indirect dispatch of no workgroup with the barrier after it: what a pass costs that is
+    /// recorded beyond convergence.
+    pub skipped_dispatch: Duration,
+    /// A barrier alone.
+    pub barrier: Duration,
+    /// An empty submission, until the host knows that it has ended.
+    pub submission: Duration,
+    /// Bytes a second from the device's memory into an array of the host's.
+    pub read_back: f64,
+}
+
+/// Points on a side of the grid whose fronts are copied; each image takes half of the bytes.
+const SIDE: usize = 2048;
+/// Texels on a side of the grid that is computed on.
+const COMPUTED: u32 = 512;
+/// Bytes read back.
+const READ_BACK: usize = 16 << 20;
+/// Recordings are lengthened until they take so long.
+const LONG_ENOUGH: Duration = Duration::from_millis(20);
+/// But to no more than so many of what is measured; lavapipe ends loops after 65 535 turns.
+const MOST: u32 = 1 << 14;
+/// Each recording is submitted so many times, and the shortest counts: other work only adds.
+const TRIES: usize = 5;
+
+impl Ceilings {
+    /// Measures a device, in about a second.
+    ///
+    /// # Errors
+    /// If there is no such device, or it fails.
+    pub fn measure(choice: &DeviceChoice) -> Result<Self, VulkanError> {
+        let context = Arc::new(Context::new(choice, false)?);
+        let mut probe = Probe::new(&context)?;
+        probe.measure()
+    }
+}
+
+/// What is measured with; freed when it is dropped.
+struct Probe<'a> {
+    context: &'a Arc<Context>,
+    pipelines: Pipelines,
+    images: Option<GridImages>,
+    /// Memory of the device's and memory that the host reads.
+    buffers: Vec<Buffer>,
+    copy: vk::Pipeline,
+    /// By wavefront.
+    updates: Vec<vk::Pipeline>,
+    commands: Commands,
+}
+
+#[derive(Clone, Copy, NoUninit)]
+#[repr(C)]
+struct Work {
+    texels: [u32; 2],
+    repeats: u32,
+}
+
+impl<'a> Probe<'a> {
+    fn new(context: &'a Arc<Context>) -> Result<Self, VulkanError> {
+        let device = &context.device;
+        let mut new = Self {
+            context,
+            pipelines: Pipelines::new(device, Tuning::of(&context.properties))?,
+            images: None,
+            buffers: Vec::new(),
+            copy: vk::Pipeline::null(),
+            updates: Vec::new(),
+            commands: Commands::new(context)?,
+        };
+        let chart = Chart { rows: SIDE, cols: SIDE };
+        let texels = TexelChart::new(chart).expect("every device has images of this size");
+        let allocator = &mut context.allocator();
+        new.images = Some(GridImages::new(device, allocator, &new.pipelines, chart, texels)?);
+        for (name, location) in
+            [("copied", MemoryLocation::GpuOnly), ("read", MemoryLocation::GpuToCpu)]
+        {
+            new.buffers.push(Buffer::new(device, allocator, name, READ_BACK as u64, location)?);
+        }
+        let layout = new.pipelines.layout;
+        new.copy = compute_pipeline(device, layout, spirv!("ceiling_copy"), &[])?;
+        for wavefront in Wavefront::ALL {
+            let constants = [(constant::WAVEFRONT, wavefront as i32)];
+            let spirv = spirv!("ceiling_updates");
+            new.updates.push(compute_pipeline(device, layout, spirv, &constants)?);
+        }
+        Ok(new)
+    }
+
+    fn measure(&mut self) -> Result<Ceilings, VulkanError> {
+        self.prepare()?;
+        let texels = [SIDE as u32 / 2; 2];
+        let copied = 2 * texels[0] * texels[1] * LAYERS * 16;
+        let copy = self.each(|probe, commands| {
+            probe.dispatch(commands, probe.copy, Work { texels, repeats: 0 });
+            probe.barrier(commands);
+        })?;
+        let mut triangles = [0.0; Wavefront::ALL.len()];
+        for (wavefront, triangles) in Wavefront::ALL.into_iter().zip(&mut triangles) {
+            let repeated = self.repeated(|probe, commands, repeats| {
+                let work = Work { texels: [COMPUTED; 2], repeats };
+                probe.dispatch(commands, probe.updates[wavefront as usize], work);
+            })?;
+            *triangles = f64::from(4 * COMPUTED * COMPUTED) / repeated.as_secs_f64();
+        }
+        let nothing = Work { texels: [0, 1], repeats: 0 };
+        Ok(Ceilings {
+            copy: f64::from(copied) / copy.as_secs_f64(),
+            triangles,
+            dispatch: self.each(|probe, commands| {
+                probe.dispatch(commands, probe.copy, Work { texels: [1, 1], ..nothing });
+                probe.barrier(commands);
+            })?,
+            skipped_dispatch: self.each(|probe, commands| {
+                probe.skip(commands, nothing);
+                probe.barrier(commands);
+            })?,
+            barrier: self.each(Self::barrier)?,
+            submission: self.time(|_, _| {})?,
+            read_back: self.read_back()?,
+        })
+    }
+
+    /// Brings images into their layout, no group into a buffer of group counts, and shaders through
+    /// the driver's compiler.
+    fn prepare(&self) -> Result<(), VulkanError> {
+        let grid = self.grid();
+        self.context.run(|device, commands| {
+            Recorder { device, commands, pipelines: &self.pipelines, grid }.prepare();
+            let groups = self.buffers[0].buffer;
+            // SAFETY: the buffer is this probe's, and nothing else uses it.
+            unsafe { device.cmd_fill_buffer(commands, groups, 0, vk::WHOLE_SIZE, 0) };
+            barrier::memory(device, commands, CLEAR, PASS);
+            for &pipeline in self.updates.iter().chain([&self.copy]) {
+                self.dispatch(commands, pipeline, Work { texels: [1, 1], repeats: 1 });
+                self.barrier(commands);
+            }
+        })
+    }
+
+    fn grid(&self) -> &GridImages {
+        self.images.as_ref().expect("they are there from the start")
+    }
+
+    /// The time of one of many.
+    fn each(&self, one: impl Fn(&Self, vk::CommandBuffer)) -> Result<Duration, VulkanError> {
+        self.repeated(|probe, commands, count| (0..count).for_each(|_| one(probe, commands)))
+    }
+
+    /// How much longer a recording takes by one more repetition.
+    fn repeated(
+        &self,
+        record: impl Fn(&Self, vk::CommandBuffer, u32),
+    ) -> Result<Duration, VulkanError> {
+        let time = |count| self.time(|probe, commands| record(probe, commands, count));
+        let (mut count, mut shorter) = (1, time(1)?);
+        loop {
+            let longer = time(2 * count)?;
+            if longer >= LONG_ENOUGH || 2 * count >= MOST {
+                return Ok(longer.saturating_sub(shorter).max(Duration::from_nanos(1)) / count);
+            }
+            (count, shorter) = (2 * count, longer);
+        }
+    }
+
+    /// The shortest time of a recording.
+    fn time(&self, record: impl Fn(&Self, vk::CommandBuffer)) -> Result<Duration, VulkanError> {
+        self.commands.record(|_, commands| record(self, commands))?;
+        let mut shortest = Duration::MAX;
+        for _ in 0..TRIES {
+            let start = Instant::now();
+            self.commands.submit_and_wait()?;
+            shortest = shortest.min(start.elapsed());
+        }
+        Ok(shortest)
+    }
+
+    /// Bytes a second.
+    fn read_back(&mut self) -> Result<f64, VulkanError> {
+        let (from, to) = (self.buffers[0].buffer, self.buffers[1].buffer);
+        self.commands.record(|device, commands| {
+            let copy = [vk::BufferCopy::default().size(READ_BACK as u64)];
+            barrier::memory(device, commands, PASS, COPY);
+            // SAFETY: both buffers hold so much, and nothing else uses them.
+            unsafe { device.cmd_copy_buffer(commands, from, to, &copy) };
+            barrier::memory(device, commands, CLEAR, HOST_READ);
+        })?;
+        let (mut shortest, mut array) = (Duration::MAX, vec![0; READ_BACK]);
+        for _ in 0..TRIES {
+            let start = Instant::now();
+            self.commands.submit_and_wait()?;
+            array.copy_from_slice(&self.buffers[1].mapped()[..READ_BACK]);
+            shortest = shortest.min(start.elapsed());
+        }
+        std::hint::black_box(&array);
+        Ok(READ_BACK as f64 / shortest.as_secs_f64())
+    }
+
+    fn barrier(&self, commands: vk::CommandBuffer) {
+        barrier::memory(&self.context.device, commands, PASS, PASS);
+    }
+
+    /// One invocation for each texel.
+    fn dispatch(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, work: Work) {
+        self.bind(commands, pipeline, work);
+        let [width, height] = work.texels;
+        // SAFETY: a pipeline with the common layout is bound, and the texels are the grid's.
+        unsafe { self.context.device.cmd_dispatch(commands, width.div_ceil(WORKGROUP), height, 1) };
+    }
+
+    /// An indirect dispatch of no workgroup.
+    fn skip(&self, commands: vk::CommandBuffer, work: Work) {
+        self.bind(commands, self.copy, work);
+        // SAFETY: a pipeline with the common layout is bound; the buffer holds zeros.
+        unsafe { self.context.device.cmd_dispatch_indirect(commands, self.buffers[0].buffer, 0) };
+    }
+
+    fn bind(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, work: Work) {
+        let (device, layout) = (&self.context.device, self.pipelines.layout);
+        let (compute, sets) = (vk::PipelineBindPoint::COMPUTE, [self.grid().sets[1]]);
+        // SAFETY: pipeline, layout and set belong together and are alive, and the layout has room
+        // for the constants.
+        unsafe {
+            device.cmd_bind_pipeline(commands, compute, pipeline);
+            device.cmd_bind_descriptor_sets(commands, compute, layout, 0, &sets, &[]);
+            let stages = vk::ShaderStageFlags::COMPUTE;
+            device.cmd_push_constants(commands, layout, stages, 0, bytes_of(&work));
+        }
+    }
+}
+
+impl Drop for Probe<'_> {
+    fn drop(&mut self) {
+        let (device, allocator) = (&self.context.device, &mut self.context.allocator());
+        for &pipeline in self.updates.iter().chain([&self.copy]) {
+            // SAFETY: all submissions have been waited for; null handles are allowed.
+            unsafe { device.destroy_pipeline(pipeline, None) };
+        }
+        self.images.iter_mut().for_each(|images| images.destroy(device, allocator));
+        self.buffers.iter_mut().for_each(|buffer| buffer.destroy(device, allocator));
+        self.pipelines.destroy(device);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ceilings_are_measured_without_a_message_and_are_those_of_some_device() {
+        let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
+        let context = Arc::new(Context::new(&DeviceChoice::Name(device), true).unwrap());
+        let ceilings = Probe::new(&context).unwrap().measure().unwrap();
+        context.check_validation().unwrap();
+        // Wide enough for any device, and narrow enough to find a wrong unit.
+        for rate in [&ceilings.triangles[..], &[ceilings.copy, ceilings.read_back]].concat() {
+            assert!((1e6..1e14).contains(&rate), "{ceilings:?}");
+        }
+        let Ceilings { dispatch, skipped_dispatch, barrier, submission, .. } = ceilings;
+        for time in [dispatch, skipped_dispatch, barrier, submission] {
+            assert!(time < Duration::from_millis(100), "{ceilings:?}");
+        }
+    }
+}
