@@ -34,3 +34,8 @@
 #define FIRST_REACHED 167772160
 // Rounds of tiles in a recording, at most, and an even number of them.
 #define ROUNDS 128
+// Sources that one dispatch looks at, of which each looks at all others.
+#define SOURCES_TOGETHER 256
+// Longest length of an edge: squares and sums of such lengths stay within single precision and below
+// FAR. A coordinate beyond it in memory of a renderer's marks a hole, as NaN does.
+#define LONGEST_EDGE 1e12

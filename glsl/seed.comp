@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Initial values of the sources, where they are earlier than what is there. One invocation is one
-// texel with sources in it. If tiles follow, those around the texel are put on the first list.
+// texel with sources in it, or nothing if its column is negative. If tiles follow, those around the
+// texel are put on the first list.
 // Twin: Fronts::start in src/cpu/state.rs.
 
 #include "constants.glsl"
@@ -33,6 +34,7 @@ void main() {
     int index = int(gl_GlobalInvocationID.x);
     if (index >= count) return;
     ivec2 texel = seeds[index].texel;
+    if (texel.x < 0) return;
     vec4 time = imageLoad(fronts, ivec3(texel, TIME));
     vec4 curvature = imageLoad(fronts, ivec3(texel, CURVATURE));
     bvec4 first = lessThan(seeds[index].times, time);

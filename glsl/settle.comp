@@ -28,6 +28,8 @@ void count_rounds() {
     if (since_reached >= PATIENCE) renews = 0u;
     if (visited < count || rounds[3 * count] == 0u) done = 1u;
     if (iterations >= most) done = 1u;
+    // A recording that goes on takes its first list from here.
+    if (done != 0u) rounds[3 * count] = 0u;
 }
 
 void main() {

@@ -16,7 +16,7 @@ use super::{Surface, SurfaceError};
 pub const SHORTEST_EDGE: f64 = 1e-12;
 /// Longest length of an edge: squares and sums of such lengths stay within single precision
 /// and below [`super::FAR`].
-pub const LONGEST_EDGE: f64 = 1e12;
+pub const LONGEST_EDGE: f64 = crate::constants::LONGEST_EDGE;
 
 /// Rows that are measured together, so that each row's points and bends serve the next.
 const BAND: usize = 32;

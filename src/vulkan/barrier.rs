@@ -9,6 +9,13 @@ pub(crate) const NOTHING: Access = (vk::PipelineStageFlags::TOP_OF_PIPE, vk::Acc
 pub(crate) const CLEAR: Access =
     (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_WRITE);
 pub(crate) const COPY: Access = (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_READ);
+/// Clears, copies and updates.
+pub(crate) const TRANSFER: Access = (
+    vk::PipelineStageFlags::TRANSFER,
+    vk::AccessFlags::from_raw(
+        vk::AccessFlags::TRANSFER_READ.as_raw() | vk::AccessFlags::TRANSFER_WRITE.as_raw(),
+    ),
+);
 pub(crate) const SHADER_WRITE: Access =
     (vk::PipelineStageFlags::COMPUTE_SHADER, vk::AccessFlags::SHADER_WRITE);
 pub(crate) const SHADER: Access = (
@@ -53,18 +60,20 @@ pub(crate) fn memory(
     }
 }
 
-/// Brings a new image into the layout in which it stays, before `after`.
-pub(crate) fn into_general(
+/// Brings an image from one layout into another, between `before` and `after`.
+pub(crate) fn image(
     device: &ash::Device,
     commands: vk::CommandBuffer,
     image: vk::Image,
+    before: Access,
     after: Access,
+    (old_layout, new_layout): (vk::ImageLayout, vk::ImageLayout),
 ) {
     let barrier = vk::ImageMemoryBarrier::default()
-        .src_access_mask(NOTHING.1)
+        .src_access_mask(before.1)
         .dst_access_mask(after.1)
-        .old_layout(vk::ImageLayout::UNDEFINED)
-        .new_layout(vk::ImageLayout::GENERAL)
+        .old_layout(old_layout)
+        .new_layout(new_layout)
         .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
         .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
         .image(image)
@@ -73,7 +82,7 @@ pub(crate) fn into_general(
     unsafe {
         device.cmd_pipeline_barrier(
             commands,
-            NOTHING.0,
+            before.0,
             after.0,
             vk::DependencyFlags::empty(),
             &[],

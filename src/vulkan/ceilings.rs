@@ -9,11 +9,12 @@ use bytemuck::{NoUninit, bytes_of};
 use gpu_allocator::MemoryLocation;
 
 use super::barrier::{self, CLEAR, COPY, HOST_READ, PASS};
+use super::grid_images::{GridImages, Purpose};
 use super::headless::{Commands, Context};
-use super::memory::Buffer;
+use super::memory::{Buffer, BufferInfo};
 use super::pipelines::{compute_pipeline, constant, spirv};
 use super::record::Recorder;
-use super::{GridImages, Pipelines, TexelChart, Tuning, VulkanError};
+use super::{VulkanError, embed};
 use crate::DeviceChoice;
 use crate::constants::{LAYERS, WORKGROUP};
 use crate::surface::Chart;
@@ -69,7 +70,7 @@ impl Ceilings {
 /// What is measured with; freed when it is dropped.
 struct Probe<'a> {
     context: &'a Arc<Context>,
-    pipelines: Pipelines,
+    solver: embed::Solver,
     images: Option<GridImages>,
     /// Memory of the device's and memory that the host reads.
     buffers: Vec<Buffer>,
@@ -88,10 +89,10 @@ struct Work {
 
 impl<'a> Probe<'a> {
     fn new(context: &'a Arc<Context>) -> Result<Self, VulkanError> {
-        let device = &context.device;
+        let (instance, device) = (&context.instance.handle, &context.device);
         let mut new = Self {
             context,
-            pipelines: Pipelines::new(device, Tuning::of(&context.properties))?,
+            solver: embed::Solver::new(instance, context.physical_device, device, &[])?,
             images: None,
             buffers: Vec::new(),
             copy: vk::Pipeline::null(),
@@ -99,15 +100,18 @@ impl<'a> Probe<'a> {
             commands: Commands::new(context)?,
         };
         let chart = Chart { rows: SIDE, cols: SIDE };
-        let texels = TexelChart::new(chart).expect("every device has images of this size");
+        let sizes = (chart, new.solver.limits.texels(chart)?);
+        let pipelines = &new.solver.pipelines;
         let allocator = &mut context.allocator();
-        new.images = Some(GridImages::new(device, allocator, &new.pipelines, chart, texels)?);
+        let images = GridImages::new(device, allocator, pipelines, sizes, Purpose::Headless)?;
+        new.images = Some(images);
         for (name, location) in
             [("copied", MemoryLocation::GpuOnly), ("read", MemoryLocation::GpuToCpu)]
         {
-            new.buffers.push(Buffer::new(device, allocator, name, READ_BACK as u64, location)?);
+            let info = BufferInfo { name, size: READ_BACK as u64, location };
+            new.buffers.push(Buffer::new(device, allocator, info)?);
         }
-        let layout = new.pipelines.layout;
+        let layout = pipelines.layout;
         new.copy = compute_pipeline(device, layout, spirv!("ceiling_copy"), &[])?;
         for wavefront in Wavefront::ALL {
             let constants = [(constant::WAVEFRONT, wavefront as i32)];
@@ -156,7 +160,7 @@ impl<'a> Probe<'a> {
     fn prepare(&self) -> Result<(), VulkanError> {
         let grid = self.grid();
         self.context.run(|device, commands| {
-            Recorder { device, commands, pipelines: &self.pipelines, grid }.prepare();
+            Recorder { device, commands, pipelines: &self.solver.pipelines, grid }.prepare();
             let groups = self.buffers[0].buffer;
             // SAFETY: the buffer is this probe's, and nothing else uses it.
             unsafe { device.cmd_fill_buffer(commands, groups, 0, vk::WHOLE_SIZE, 0) };
@@ -246,7 +250,7 @@ impl<'a> Probe<'a> {
     }
 
     fn bind(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, work: Work) {
-        let (device, layout) = (&self.context.device, self.pipelines.layout);
+        let (device, layout) = (&self.context.device, self.solver.pipelines.layout);
         let (compute, sets) = (vk::PipelineBindPoint::COMPUTE, [self.grid().sets[1]]);
         // SAFETY: pipeline, layout and set belong together and are alive, and the layout has room
         // for the constants.
@@ -268,7 +272,7 @@ impl Drop for Probe<'_> {
         }
         self.images.iter_mut().for_each(|images| images.destroy(device, allocator));
         self.buffers.iter_mut().for_each(|buffer| buffer.destroy(device, allocator));
-        self.pipelines.destroy(device);
+        self.solver.destroy(device);
     }
 }
 

@@ -4,9 +4,9 @@ use std::ffi::CStr;
 
 use ash::vk;
 
+use super::VulkanError;
 use super::headless::Instance;
-use super::requirements::{unmet_requirements, version_text};
-use super::{API_VERSION, VulkanError};
+use super::requirements::{API_VERSION, unmet, version_text};
 use crate::DeviceChoice;
 
 /// A Vulkan device of this machine.
@@ -112,7 +112,7 @@ fn describe(instance: &ash::Instance, index: usize, device: vk::PhysicalDevice) 
         },
         api_version: version_text(properties.api_version),
         driver: driver(instance, device, properties.api_version),
-        unmet: unmet_requirements(instance, device),
+        unmet: unmet(instance, device),
     }
 }
 

@@ -2,7 +2,9 @@
 
 use ash::vk;
 
-use crate::surface::SurfaceError;
+use super::Schedule;
+use crate::surface::{SourceError, SurfaceError};
+use crate::update::Wavefront;
 
 /// Why the Vulkan engine cannot run.
 #[derive(Debug, thiserror::Error)]
@@ -96,6 +98,48 @@ pub enum VulkanError {
     /// The validation layers found something.
     #[error("the Vulkan validation layers report {} message(s), the first: {}", .0.len(), .0[0])]
     Validation(Vec<String>),
+    /// A plan was asked for without the pipelines that it needs.
+    #[error(
+        "the solver was not made for {schedule} with {wavefront} fronts: name both to Solver::new or add_passes"
+    )]
+    NoPasses {
+        /// The schedule asked for.
+        schedule: Schedule,
+        /// The wavefront asked for.
+        wavefront: Wavefront,
+    },
+    /// A buffer or image of the host's cannot be used as described.
+    #[error("the host's memory for {what} cannot be used: {reason}")]
+    HostBuffer {
+        /// What it holds.
+        what: &'static str,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A surface has no buffer or image with this number.
+    #[error("the surface has {count} {what}, counted from 0, and number {number} was asked for")]
+    NoSuch {
+        /// Of which kind.
+        what: &'static str,
+        /// The number asked for.
+        number: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A plan was made for a grid of another size.
+    #[error("the plan was made for a grid of another size than the surface's")]
+    OtherGrid,
+    /// More sources than a recording can bring with it.
+    #[error("{given} sources are more than the {most} that a recording can hold: use a buffer")]
+    TooManySources {
+        /// How many were given.
+        given: usize,
+        /// How many are taken.
+        most: usize,
+    },
+    /// A source cannot be used.
+    #[error(transparent)]
+    Source(#[from] SourceError),
     /// The surface cannot be used.
     #[error(transparent)]
     Surface(#[from] SurfaceError),

@@ -1,38 +1,57 @@
 //! What a surface and its map occupy on the device.
 
+use std::ops::Range;
+
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocator;
 
-use super::memory::{Buffer, Image};
+use super::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo, RESULT_FORMAT};
 use super::pipelines::{Pipelines, binding, descriptor_type};
 use super::progress::{DeviceProgress, Outcome};
 use super::record::HALO;
-use super::{TexelChart, VulkanError};
+use super::upload::SOURCE_BYTES;
+use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;
 use crate::surface::Chart;
 
 /// Points are uploaded, and distances read back, in bands of rows of at most this many bytes.
-pub(crate) const BAND_BYTES: usize = 16 << 20;
+const BAND_BYTES: usize = 16 << 20;
 /// The smallest upload buffer: room for the sources on a small grid.
 const LEAST_UPLOAD_BYTES: usize = 64 << 10;
 /// Bytes of a point to upload, at most: position and slowness.
 pub(crate) const POINT_BYTES: usize = 16;
 
+/// Sources that a recording brings with it, at most.
+pub(crate) const INLINE_SOURCES: usize = 1024;
+
+/// What a grid's images serve.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Purpose<'a> {
+    /// Points and sources come from the program's memory, and distances go back there, through
+    /// buffers of up to 16 MiB each.
+    Headless,
+    /// All stays on the device, and there are so many images of distances, used by these queue
+    /// families.
+    Embedded { results: usize, families: &'a [u32] },
+}
+
 /// The images of one surface: edge lengths (16 bytes a point), Gaussian curvature (4) and two of
-/// fronts (8 each: arrival time and curvature), with the lists of tiles and the buffers for upload
-/// and read-back (up to 16 MiB each).
+/// fronts (8 each: arrival time and curvature), with the lists of tiles, a buffer of points (up to
+/// 16 MiB), and a buffer for read-back or images of distances.
 #[derive(Debug)]
-pub struct GridImages {
+pub(crate) struct GridImages {
     pub(crate) chart: Chart,
     pub(crate) texels: TexelChart,
     pub(crate) edges: Image,
     pub(crate) gaussian: Image,
     pub(crate) fronts: [Image; 2],
+    pub(crate) results: Vec<Image>,
     pub(crate) progress: Buffer,
     pub(crate) outcome: Buffer,
     pub(crate) tiles: Buffer,
     pub(crate) upload: Buffer,
+    /// Distances to read back, or sources that a recording brings with it.
     pub(crate) download: Buffer,
     /// For each of the two images of fronts the descriptors of a pass that writes it and
     /// reads the other.
@@ -44,35 +63,21 @@ impl GridImages {
     /// Allocates them. The caller has checked the size against the device's limits.
     ///
     /// [`GridImages::destroy`] must be called before device or allocator go.
-    pub fn new(
+    pub(crate) fn new(
         device: &ash::Device,
         allocator: &mut Allocator,
         pipelines: &Pipelines,
-        chart: Chart,
-        texels: TexelChart,
+        (chart, texels): (Chart, TexelChart),
+        purpose: Purpose,
     ) -> Result<Self, VulkanError> {
         let mut images = Vec::new();
         let mut buffers = Vec::new();
         let created = (|| {
-            for (name, extent, layers) in [
-                ("edge lengths", texels.edges_extent(), 1),
-                ("Gaussian curvature", texels.fronts_extent(), 1),
-                ("fronts 0", texels.fronts_extent(), LAYERS),
-                ("fronts 1", texels.fronts_extent(), LAYERS),
-            ] {
-                images.push(Image::new(device, allocator, name, extent, layers)?);
+            for info in image_infos(chart, texels, purpose) {
+                images.push(Image::new(device, allocator, info)?);
             }
-            let upload = band_rows(chart, POINT_BYTES) + HALO;
-            let upload = (upload * chart.cols * POINT_BYTES).max(LEAST_UPLOAD_BYTES);
-            let download = band_rows(chart, size_of::<f32>()) * chart.cols * size_of::<f32>();
-            for (name, size, location) in [
-                ("progress", size_of::<DeviceProgress>(), MemoryLocation::GpuOnly),
-                ("outcome", size_of::<Outcome>(), MemoryLocation::GpuToCpu),
-                ("tiles", tiles_bytes(texels, pipelines.tuning.tile), MemoryLocation::GpuOnly),
-                ("upload", upload, MemoryLocation::CpuToGpu),
-                ("read-back", download, MemoryLocation::GpuToCpu),
-            ] {
-                buffers.push(Buffer::new(device, allocator, name, size as u64, location)?);
+            for info in buffer_infos(chart, texels, pipelines.tuning, purpose) {
+                buffers.push(Buffer::new(device, allocator, info)?);
             }
             descriptor_pool(device)
         })();
@@ -84,8 +89,9 @@ impl GridImages {
                 return Err(error);
             }
         };
+        let results = images.split_off(4);
         let [edges, gaussian, fronts0, fronts1] =
-            images.try_into().expect("four images were created");
+            images.try_into().expect("four images come before the results");
         let [progress, outcome, tiles, upload, download] =
             buffers.try_into().expect("five buffers were created");
         let mut new = Self {
@@ -94,6 +100,7 @@ impl GridImages {
             edges,
             gaussian,
             fronts: [fronts0, fronts1],
+            results,
             progress,
             outcome,
             tiles,
@@ -109,6 +116,23 @@ impl GridImages {
                 Err(error)
             }
         }
+    }
+
+    /// Bytes that [`GridImages::new`] would take from the allocator.
+    pub(crate) fn bytes_for(
+        device: &ash::Device,
+        tuning: Tuning,
+        (chart, texels): (Chart, TexelChart),
+        purpose: Purpose,
+    ) -> Result<u64, VulkanError> {
+        let mut bytes = 0;
+        for info in image_infos(chart, texels, purpose) {
+            bytes += info.bytes(device)?;
+        }
+        for info in buffer_infos(chart, texels, tuning, purpose) {
+            bytes += info.bytes(device)?;
+        }
+        Ok(bytes)
     }
 
     fn describe(&mut self, device: &ash::Device, pipelines: &Pipelines) -> Result<(), VulkanError> {
@@ -165,25 +189,29 @@ impl GridImages {
         unsafe { device.update_descriptor_sets(&[fill(write)], &[]) };
     }
 
-    /// How the iterations of the last recording have gone.
-    pub(crate) fn outcome(&mut self) -> Outcome {
-        *bytemuck::from_bytes(&self.outcome.mapped()[..size_of::<Outcome>()])
+    /// How the iterations of the last recording with this number have gone.
+    pub(crate) fn outcome(&self, number: usize) -> Outcome {
+        let bytes = &self.outcome.read()[number * size_of::<Outcome>()..];
+        *bytemuck::from_bytes(&bytes[..size_of::<Outcome>()])
     }
 
     /// Bytes of device and staging memory held.
-    pub fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         let images = [&self.edges, &self.gaussian, &self.fronts[0], &self.fronts[1]];
+        let images = images.into_iter().chain(&self.results);
         let buffers = [&self.progress, &self.outcome, &self.tiles, &self.upload, &self.download];
-        images.iter().map(|image| image.bytes()).sum::<u64>()
+        images.map(|image| image.bytes()).sum::<u64>()
             + buffers.iter().map(|buffer| buffer.bytes()).sum::<u64>()
     }
 
     /// Frees everything. No submitted work may still use it.
-    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+    pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
         // SAFETY: the caller has made sure that nothing uses the sets.
         unsafe { device.destroy_descriptor_pool(self.pool, None) };
+        self.pool = vk::DescriptorPool::null();
         let [fronts0, fronts1] = &mut self.fronts;
-        for image in [&mut self.edges, &mut self.gaussian, fronts0, fronts1] {
+        let images = [&mut self.edges, &mut self.gaussian, fronts0, fronts1];
+        for image in images.into_iter().chain(&mut self.results) {
             image.destroy(device, allocator);
         }
         let Self { progress, outcome, tiles, upload, download, .. } = self;
@@ -193,6 +221,58 @@ impl GridImages {
     }
 }
 
+fn image_infos(
+    chart: Chart,
+    texels: TexelChart,
+    purpose: Purpose<'_>,
+) -> impl Iterator<Item = ImageInfo<'_>> {
+    let grid =
+        |name, extent, layers| ImageInfo { name, format: FORMAT, extent, layers, families: &[] };
+    let (results, families) = match purpose {
+        Purpose::Headless => (0, &[][..]),
+        Purpose::Embedded { results, families } => (results, families),
+    };
+    let extent = vk::Extent3D { width: chart.cols as u32, height: chart.rows as u32, depth: 1 };
+    let result =
+        ImageInfo { name: "distances", format: RESULT_FORMAT, extent, layers: 1, families };
+    [
+        grid("edge lengths", texels.edges_extent(), 1),
+        grid("Gaussian curvature", texels.fronts_extent(), 1),
+        ImageInfo { families, ..grid("fronts 0", texels.fronts_extent(), LAYERS) },
+        grid("fronts 1", texels.fronts_extent(), LAYERS),
+    ]
+    .into_iter()
+    .chain(std::iter::repeat_n(result, results))
+}
+
+fn buffer_infos(
+    chart: Chart,
+    texels: TexelChart,
+    tuning: Tuning,
+    purpose: Purpose,
+) -> [BufferInfo; 5] {
+    use MemoryLocation::{CpuToGpu, GpuOnly, GpuToCpu};
+    let upload = (band_rows(chart, POINT_BYTES) + HALO) * chart.cols * POINT_BYTES;
+    let upload = upload.max(LEAST_UPLOAD_BYTES);
+    let (upload_location, outcomes, last) = match purpose {
+        Purpose::Headless => {
+            let bytes = band_rows(chart, size_of::<f32>()) * chart.cols * size_of::<f32>();
+            (CpuToGpu, 1, ("read-back", bytes, GpuToCpu))
+        }
+        Purpose::Embedded { results, .. } => {
+            (GpuOnly, results.max(1), ("sources", INLINE_SOURCES * SOURCE_BYTES, GpuOnly))
+        }
+    };
+    [
+        ("progress", size_of::<DeviceProgress>(), GpuOnly),
+        ("outcome", outcomes * size_of::<Outcome>(), GpuToCpu),
+        ("tiles", tiles_bytes(texels, tuning.tile), GpuOnly),
+        ("upload", upload, upload_location),
+        last,
+    ]
+    .map(|(name, size, location)| BufferInfo { name, size: size as u64, location })
+}
+
 /// For each tile its state, the round it waits for, and a place on two lists.
 fn tiles_bytes(texels: TexelChart, tile: u32) -> usize {
     let [cols, rows] = texels.tiles(tile);
@@ -200,9 +280,15 @@ fn tiles_bytes(texels: TexelChart, tile: u32) -> usize {
 }
 
 /// Rows of a band: even, so that a texel lies in one band.
-pub(crate) fn band_rows(chart: Chart, point_bytes: usize) -> usize {
+fn band_rows(chart: Chart, point_bytes: usize) -> usize {
     let rows = BAND_BYTES / (chart.cols * point_bytes);
     (rows / 2 * 2).clamp(2, chart.rows.next_multiple_of(2))
+}
+
+/// The grid's rows in bands that fit the transfer buffers.
+pub(crate) fn bands(chart: Chart, point_bytes: usize) -> impl Iterator<Item = Range<usize>> {
+    let step = band_rows(chart, point_bytes);
+    (0..chart.rows).step_by(step).map(move |row| row..(row + step).min(chart.rows))
 }
 
 fn descriptor_pool(device: &ash::Device) -> Result<vk::DescriptorPool, VulkanError> {
@@ -214,4 +300,19 @@ fn descriptor_pool(device: &ash::Device) -> Result<vk::DescriptorPool, VulkanErr
     // SAFETY: nothing is borrowed beyond the call.
     unsafe { device.create_descriptor_pool(&info, None) }
         .map_err(VulkanError::from_call("vkCreateDescriptorPool"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_cover_every_row_once() {
+        let chart = Chart { rows: 4099, cols: 3000 };
+        let bands: Vec<_> = bands(chart, POINT_BYTES).collect();
+        assert!(bands.len() > 2);
+        assert!(bands.iter().all(|band| band.start.is_multiple_of(2)));
+        assert_eq!(bands.iter().map(|band| band.len()).sum::<usize>(), chart.rows);
+        assert!(bands.windows(2).all(|pair| pair[0].end == pair[1].start));
+    }
 }

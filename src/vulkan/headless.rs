@@ -6,8 +6,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
+use super::requirements::API_VERSION;
 use super::validation::{self, Messenger, ValidationLog};
-use super::{API_VERSION, DeviceInfo, VulkanError, devices, requirements};
+use super::{DeviceInfo, VulkanError, devices, requirements};
 use crate::DeviceChoice;
 
 /// The loader and an instance, with the validation layers if asked for.
@@ -72,7 +73,6 @@ pub(crate) struct Context {
     pub(crate) device: ash::Device,
     pub(crate) info: DeviceInfo,
     pub(crate) physical_device: vk::PhysicalDevice,
-    pub(crate) properties: vk::PhysicalDeviceProperties,
     queue: vk::Queue,
     allocator: ManuallyDrop<Mutex<Allocator>>,
     pool: vk::CommandPool,
@@ -110,15 +110,12 @@ impl Context {
                 return Err(VulkanError::Allocation { what: "the allocator", source });
             }
         };
-        // SAFETY: the physical device is from this instance.
-        let properties = unsafe { instance.handle.get_physical_device_properties(physical_device) };
         // SAFETY: the family's first queue was created with the device.
         let queue = unsafe { device.get_device_queue(family, 0) };
         let mut new = Self {
             device,
             info,
             physical_device,
-            properties,
             queue,
             allocator,
             pool: vk::CommandPool::null(),

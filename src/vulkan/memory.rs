@@ -6,11 +6,36 @@ use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, 
 
 use super::{VulkanError, barrier};
 
-/// The format of every image: 2 x 2 points, or the four edges of one point, a texel.
+/// The format of a grid's images: 2 x 2 points, or the four edges of one point, a texel.
 pub(crate) const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+/// The format of images of distances.
+pub(crate) const RESULT_FORMAT: vk::Format = vk::Format::R32_SFLOAT;
+/// Of both kinds: hosts sample them, and copy from them.
 pub(crate) const IMAGE_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
-    vk::ImageUsageFlags::STORAGE.as_raw() | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
+    vk::ImageUsageFlags::STORAGE.as_raw()
+        | vk::ImageUsageFlags::SAMPLED.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_SRC.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
 );
+
+/// An image to create.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ImageInfo<'a> {
+    pub(crate) name: &'static str,
+    pub(crate) format: vk::Format,
+    pub(crate) extent: vk::Extent3D,
+    pub(crate) layers: u32,
+    /// Queue families that use it at once, if there is more than one.
+    pub(crate) families: &'a [u32],
+}
+
+/// A buffer to create.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BufferInfo {
+    pub(crate) name: &'static str,
+    pub(crate) size: u64,
+    pub(crate) location: MemoryLocation,
+}
 
 /// A storage image in device memory with its view.
 #[derive(Debug)]
@@ -31,26 +56,11 @@ impl Image {
     pub(crate) fn new(
         device: &ash::Device,
         allocator: &mut Allocator,
-        name: &'static str,
-        extent: vk::Extent3D,
-        layers: u32,
+        info: ImageInfo,
     ) -> Result<Self, VulkanError> {
-        let info = vk::ImageCreateInfo::default()
-            .image_type(vk::ImageType::TYPE_2D)
-            .format(FORMAT)
-            .extent(extent)
-            .mip_levels(1)
-            .array_layers(layers)
-            .samples(vk::SampleCountFlags::TYPE_1)
-            .tiling(vk::ImageTiling::OPTIMAL)
-            .usage(IMAGE_USAGE);
-        // SAFETY: the extent lies within the device's limits, which the caller has checked.
-        let image = unsafe { device.create_image(&info, None) }
-            .map_err(VulkanError::from_call("vkCreateImage"))?;
+        let image = info.create(device)?;
         let mut new = Self { image, view: vk::ImageView::null(), allocation: None };
-        let kind =
-            if layers > 1 { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
-        match new.back(device, allocator, name, kind) {
+        match new.back(device, allocator, info) {
             Ok(()) => Ok(new),
             Err(error) => {
                 new.destroy(device, allocator);
@@ -63,8 +73,7 @@ impl Image {
         &mut self,
         device: &ash::Device,
         allocator: &mut Allocator,
-        name: &'static str,
-        kind: vk::ImageViewType,
+        ImageInfo { name, format, layers, .. }: ImageInfo,
     ) -> Result<(), VulkanError> {
         // SAFETY: the image is from this device.
         let requirements = unsafe { device.get_image_memory_requirements(self.image) };
@@ -76,10 +85,12 @@ impl Image {
         };
         self.allocation = Some(allocation);
         bound.map_err(VulkanError::from_call("vkBindImageMemory"))?;
+        let kind =
+            if layers > 1 { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
         let info = vk::ImageViewCreateInfo::default()
             .image(self.image)
             .view_type(kind)
-            .format(FORMAT)
+            .format(format)
             .subresource_range(barrier::COLOR);
         // SAFETY: the image is bound to memory and has this format.
         self.view = unsafe { device.create_image_view(&info, None) }
@@ -98,7 +109,63 @@ impl Image {
             device.destroy_image_view(self.view, None);
             device.destroy_image(self.image, None);
         }
+        (self.view, self.image) = (vk::ImageView::null(), vk::Image::null());
         free(allocator, self.allocation.take());
+    }
+}
+
+impl ImageInfo<'_> {
+    fn create(&self, device: &ash::Device) -> Result<vk::Image, VulkanError> {
+        let mut info = vk::ImageCreateInfo::default()
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(self.format)
+            .extent(self.extent)
+            .mip_levels(1)
+            .array_layers(self.layers)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .tiling(vk::ImageTiling::OPTIMAL)
+            .usage(IMAGE_USAGE);
+        if self.families.len() > 1 {
+            info =
+                info.sharing_mode(vk::SharingMode::CONCURRENT).queue_family_indices(self.families);
+        }
+        // SAFETY: the extent lies within the device's limits, which the caller has checked.
+        unsafe { device.create_image(&info, None) }.map_err(VulkanError::from_call("vkCreateImage"))
+    }
+
+    /// Bytes that the image will take.
+    pub(crate) fn bytes(&self, device: &ash::Device) -> Result<u64, VulkanError> {
+        let image = self.create(device)?;
+        // SAFETY: the image is from this device, and nothing has used it.
+        unsafe {
+            let requirements = device.get_image_memory_requirements(image);
+            device.destroy_image(image, None);
+            Ok(requirements.size)
+        }
+    }
+}
+
+impl BufferInfo {
+    fn create(&self, device: &ash::Device) -> Result<vk::Buffer, VulkanError> {
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::INDIRECT_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_SRC
+            | vk::BufferUsageFlags::TRANSFER_DST;
+        let info = vk::BufferCreateInfo::default().size(self.size).usage(usage);
+        // SAFETY: the size is positive.
+        unsafe { device.create_buffer(&info, None) }
+            .map_err(VulkanError::from_call("vkCreateBuffer"))
+    }
+
+    /// Bytes that the buffer will take.
+    pub(crate) fn bytes(&self, device: &ash::Device) -> Result<u64, VulkanError> {
+        let buffer = self.create(device)?;
+        // SAFETY: the buffer is from this device, and nothing has used it.
+        unsafe {
+            let requirements = device.get_buffer_memory_requirements(buffer);
+            device.destroy_buffer(buffer, None);
+            Ok(requirements.size)
+        }
     }
 }
 
@@ -106,20 +173,10 @@ impl Buffer {
     pub(crate) fn new(
         device: &ash::Device,
         allocator: &mut Allocator,
-        name: &'static str,
-        size: u64,
-        location: MemoryLocation,
+        info: BufferInfo,
     ) -> Result<Self, VulkanError> {
-        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
-            | vk::BufferUsageFlags::INDIRECT_BUFFER
-            | vk::BufferUsageFlags::TRANSFER_SRC
-            | vk::BufferUsageFlags::TRANSFER_DST;
-        let info = vk::BufferCreateInfo::default().size(size).usage(usage);
-        // SAFETY: the size is positive.
-        let buffer = unsafe { device.create_buffer(&info, None) }
-            .map_err(VulkanError::from_call("vkCreateBuffer"))?;
-        let mut new = Self { buffer, allocation: None };
-        match new.back(device, allocator, name, location) {
+        let mut new = Self { buffer: info.create(device)?, allocation: None };
+        match new.back(device, allocator, info) {
             Ok(()) => Ok(new),
             Err(error) => {
                 new.destroy(device, allocator);
@@ -132,8 +189,7 @@ impl Buffer {
         &mut self,
         device: &ash::Device,
         allocator: &mut Allocator,
-        name: &'static str,
-        location: MemoryLocation,
+        BufferInfo { name, location, .. }: BufferInfo,
     ) -> Result<(), VulkanError> {
         // SAFETY: the buffer is from this device.
         let requirements = unsafe { device.get_buffer_memory_requirements(self.buffer) };
@@ -150,6 +206,12 @@ impl Buffer {
         self.allocation.as_ref().map_or(0, Allocation::size)
     }
 
+    /// The buffer's memory, to read; it must be host-visible.
+    pub(crate) fn read(&self) -> &[u8] {
+        let allocation = self.allocation.as_ref().and_then(Allocation::mapped_slice);
+        allocation.expect("only buffers made host-visible are mapped")
+    }
+
     /// The buffer's memory; it must be host-visible.
     pub(crate) fn mapped(&mut self) -> &mut [u8] {
         let allocation = self.allocation.as_mut().and_then(Allocation::mapped_slice_mut);
@@ -159,6 +221,7 @@ impl Buffer {
     pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
         // SAFETY: the caller has made sure that no submitted work uses the buffer.
         unsafe { device.destroy_buffer(self.buffer, None) };
+        self.buffer = vk::Buffer::null();
         free(allocator, self.allocation.take());
     }
 }

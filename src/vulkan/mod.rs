@@ -8,23 +8,24 @@
 //! read back to steer: the device finds out that a map has converged, and passes recorded beyond
 //! that visit nothing.
 //!
-//! [`plan`] is a list of plain values. [`Pipelines`], [`GridImages`] and [`record`] work on a
-//! device, an allocator and a command buffer of the caller's. [`Solver`] brings its own of each.
-//!
-//! Needs Vulkan 1.1 and no extension or feature.
+//! [`plan`] is a list of plain values. [`embed`] records it into a renderer's own command buffer,
+//! on its device and with its allocator. [`Solver`] brings its own of each. What a device must offer
+//! is in [`requirements`]: Vulkan 1.1, and no extension or feature.
 
 mod barrier;
 mod ceilings;
 mod devices;
+pub mod embed;
 mod error;
 mod grid_images;
 mod headless;
+mod limits;
 mod memory;
 mod pipelines;
 pub mod plan;
 mod progress;
-pub mod record;
-mod requirements;
+mod record;
+pub mod requirements;
 mod schedule;
 mod solver;
 mod texel_chart;
@@ -34,9 +35,6 @@ mod validation;
 pub use ceilings::Ceilings;
 pub use devices::{DeviceInfo, devices};
 pub use error::VulkanError;
-pub use grid_images::GridImages;
-pub use pipelines::{Pipelines, SchedulePipelines};
-pub use requirements::{API_VERSION, unmet_requirements};
 pub use schedule::{Schedule, Tuning};
 pub use solver::{Method, Solution, Solver, SurfaceOnDevice};
 pub use texel_chart::TexelChart;

@@ -26,8 +26,28 @@ pub(crate) mod binding {
     pub(crate) const ALL: u32 = 10;
 }
 
+/// The bindings of the set that holds the host's own images and buffers, and images of distances.
+/// A pass sees one or two of them, and the others are left empty.
+pub(crate) mod host {
+    pub(crate) const INPUT: u32 = 0;
+    pub(crate) const OUTPUT: u32 = 1;
+    pub(crate) const TEXTURE: u32 = 2;
+    pub(crate) const RESULT: u32 = 3;
+    pub(crate) const ALL: u32 = 4;
+    pub(crate) const BUFFERS: u32 = 2;
+    pub(crate) const IMAGES: u32 = 1;
+
+    pub(crate) fn kind(index: u32) -> ash::vk::DescriptorType {
+        match index {
+            TEXTURE => ash::vk::DescriptorType::SAMPLED_IMAGE,
+            RESULT => ash::vk::DescriptorType::STORAGE_IMAGE,
+            _ => ash::vk::DescriptorType::STORAGE_BUFFER,
+        }
+    }
+}
+
 /// Room for the largest block of push constants; every device offers 128 bytes.
-const PUSH_CONSTANT_BYTES: u32 = 32;
+pub(crate) const PUSH_CONSTANT_BYTES: u32 = 32;
 
 /// Specialization constants of the shaders.
 pub(super) mod constant {
@@ -40,9 +60,9 @@ pub(super) mod constant {
     pub(super) const TILE: u32 = 5;
 }
 
-/// The layout common to all pipelines, and those that prepare and read a map.
+/// The layouts common to all pipelines, and those that prepare and read a map.
 #[derive(Debug)]
-pub struct Pipelines {
+pub(crate) struct Pipelines {
     pub(crate) tuning: Tuning,
     pub(crate) set_layout: vk::DescriptorSetLayout,
     pub(crate) layout: vk::PipelineLayout,
@@ -55,11 +75,19 @@ pub struct Pipelines {
     pub(crate) progress: vk::Pipeline,
     pub(crate) settle: vk::Pipeline,
     pub(crate) unpack: vk::Pipeline,
+    /// Passes that see the host's images and buffers have a layout of their own.
+    pub(crate) host_set_layout: vk::DescriptorSetLayout,
+    pub(crate) host_layout: vk::PipelineLayout,
+    pub(crate) points_from_buffer: vk::Pipeline,
+    pub(crate) points_from_image: vk::Pipeline,
+    pub(crate) sources: vk::Pipeline,
+    pub(crate) result: vk::Pipeline,
+    pub(crate) lookup: vk::Pipeline,
 }
 
 /// The passes of one schedule with one kind of wavefront.
 #[derive(Debug)]
-pub struct SchedulePipelines {
+pub(crate) struct SchedulePipelines {
     /// For the raster schedule the four rotated scans in the order of [`Scan::ALL`].
     pub(crate) passes: Vec<vk::Pipeline>,
 }
@@ -73,7 +101,7 @@ pub(super) use spirv;
 
 impl Pipelines {
     /// Creates them. [`Pipelines::destroy`] must be called before the device is destroyed.
-    pub fn new(device: &ash::Device, tuning: Tuning) -> Result<Self, VulkanError> {
+    pub(crate) fn new(device: &ash::Device, tuning: Tuning) -> Result<Self, VulkanError> {
         let mut new = Self {
             tuning,
             set_layout: vk::DescriptorSetLayout::null(),
@@ -87,6 +115,13 @@ impl Pipelines {
             progress: vk::Pipeline::null(),
             settle: vk::Pipeline::null(),
             unpack: vk::Pipeline::null(),
+            host_set_layout: vk::DescriptorSetLayout::null(),
+            host_layout: vk::PipelineLayout::null(),
+            points_from_buffer: vk::Pipeline::null(),
+            points_from_image: vk::Pipeline::null(),
+            sources: vk::Pipeline::null(),
+            result: vk::Pipeline::null(),
+            lookup: vk::Pipeline::null(),
         };
         match new.create(device) {
             Ok(()) => Ok(new),
@@ -98,30 +133,11 @@ impl Pipelines {
     }
 
     fn create(&mut self, device: &ash::Device) -> Result<(), VulkanError> {
-        let bindings: Vec<_> = (0..binding::ALL)
-            .map(|index| {
-                let is_image = index < binding::IMAGES;
-                vk::DescriptorSetLayoutBinding::default()
-                    .binding(index)
-                    .descriptor_type(descriptor_type(is_image))
-                    .descriptor_count(1)
-                    .stage_flags(vk::ShaderStageFlags::COMPUTE)
-            })
-            .collect();
-        let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-        // SAFETY: the bindings are within what every Vulkan device offers.
-        self.set_layout = unsafe { device.create_descriptor_set_layout(&info, None) }
-            .map_err(VulkanError::from_call("vkCreateDescriptorSetLayout"))?;
-        let ranges = [vk::PushConstantRange::default()
-            .stage_flags(vk::ShaderStageFlags::COMPUTE)
-            .size(PUSH_CONSTANT_BYTES)];
-        let set_layouts = [self.set_layout];
-        let info = vk::PipelineLayoutCreateInfo::default()
-            .set_layouts(&set_layouts)
-            .push_constant_ranges(&ranges);
-        // SAFETY: the set layout was created above.
-        self.layout = unsafe { device.create_pipeline_layout(&info, None) }
-            .map_err(VulkanError::from_call("vkCreatePipelineLayout"))?;
+        let kind = |index| descriptor_type(index < binding::IMAGES);
+        self.set_layout = set_layout(device, (0..binding::ALL).map(kind))?;
+        self.host_set_layout = set_layout(device, (0..host::ALL).map(host::kind))?;
+        self.layout = pipeline_layout(device, &[self.set_layout])?;
+        self.host_layout = pipeline_layout(device, &[self.set_layout, self.host_set_layout])?;
         let plain = |spirv: &[u8]| compute_pipeline(device, self.layout, spirv, &[]);
         self.edges_from_positions = plain(spirv!("edges_from_positions"))?;
         self.edges_from_heights = plain(spirv!("edges_from_heights"))?;
@@ -134,11 +150,17 @@ impl Pipelines {
         self.progress = plain(spirv!("progress"))?;
         self.settle = tiled(spirv!("settle"))?;
         self.unpack = plain(spirv!("unpack"))?;
+        let hosted = |spirv: &[u8]| compute_pipeline(device, self.host_layout, spirv, &[]);
+        self.points_from_buffer = hosted(spirv!("points_from_buffer"))?;
+        self.points_from_image = hosted(spirv!("points_from_image"))?;
+        self.sources = hosted(spirv!("sources"))?;
+        self.result = hosted(spirv!("result"))?;
+        self.lookup = hosted(spirv!("lookup"))?;
         Ok(())
     }
 
     /// Destroys them. No submitted work may still use them.
-    pub fn destroy(&mut self, device: &ash::Device) {
+    pub(crate) fn destroy(&mut self, device: &ash::Device) {
         // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
         unsafe {
             for pipeline in [
@@ -151,11 +173,20 @@ impl Pipelines {
                 self.progress,
                 self.settle,
                 self.unpack,
+                self.points_from_buffer,
+                self.points_from_image,
+                self.sources,
+                self.result,
+                self.lookup,
             ] {
                 device.destroy_pipeline(pipeline, None);
             }
-            device.destroy_pipeline_layout(self.layout, None);
-            device.destroy_descriptor_set_layout(self.set_layout, None);
+            for layout in [self.layout, self.host_layout] {
+                device.destroy_pipeline_layout(layout, None);
+            }
+            for layout in [self.set_layout, self.host_set_layout] {
+                device.destroy_descriptor_set_layout(layout, None);
+            }
         }
     }
 }
@@ -165,7 +196,7 @@ type Pass<'a> = (&'a [u8], Vec<(u32, i32)>);
 
 impl SchedulePipelines {
     /// Creates them. [`SchedulePipelines::destroy`] must be called before the device is destroyed.
-    pub fn new(
+    pub(crate) fn new(
         device: &ash::Device,
         pipelines: &Pipelines,
         schedule: Schedule,
@@ -204,7 +235,7 @@ impl SchedulePipelines {
     }
 
     /// Destroys them. No submitted work may still use them.
-    pub fn destroy(&mut self, device: &ash::Device) {
+    pub(crate) fn destroy(&mut self, device: &ash::Device) {
         for pipeline in self.passes.drain(..) {
             // SAFETY: the caller has made sure that nothing uses it; null handles are allowed.
             unsafe { device.destroy_pipeline(pipeline, None) };
@@ -214,6 +245,40 @@ impl SchedulePipelines {
 
 pub(crate) fn descriptor_type(is_image: bool) -> vk::DescriptorType {
     if is_image { vk::DescriptorType::STORAGE_IMAGE } else { vk::DescriptorType::STORAGE_BUFFER }
+}
+
+/// The layout of a set with one descriptor of each of these kinds.
+fn set_layout(
+    device: &ash::Device,
+    kinds: impl Iterator<Item = vk::DescriptorType>,
+) -> Result<vk::DescriptorSetLayout, VulkanError> {
+    let binding = |(index, kind)| {
+        vk::DescriptorSetLayoutBinding::default()
+            .binding(index)
+            .descriptor_type(kind)
+            .descriptor_count(1)
+            .stage_flags(vk::ShaderStageFlags::COMPUTE)
+    };
+    let bindings: Vec<_> = (0..).zip(kinds).map(binding).collect();
+    let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+    // SAFETY: the bindings are within what every usable device offers.
+    unsafe { device.create_descriptor_set_layout(&info, None) }
+        .map_err(VulkanError::from_call("vkCreateDescriptorSetLayout"))
+}
+
+fn pipeline_layout(
+    device: &ash::Device,
+    set_layouts: &[vk::DescriptorSetLayout],
+) -> Result<vk::PipelineLayout, VulkanError> {
+    let ranges = [vk::PushConstantRange::default()
+        .stage_flags(vk::ShaderStageFlags::COMPUTE)
+        .size(PUSH_CONSTANT_BYTES)];
+    let info = vk::PipelineLayoutCreateInfo::default()
+        .set_layouts(set_layouts)
+        .push_constant_ranges(&ranges);
+    // SAFETY: the set layouts are alive.
+    unsafe { device.create_pipeline_layout(&info, None) }
+        .map_err(VulkanError::from_call("vkCreatePipelineLayout"))
 }
 
 /// A compute pipeline from SPIR-V, with specialization constants by their numbers.

@@ -194,6 +194,12 @@ pub struct Portions {
     pub tile: u32,
 }
 
+/// Number of iterations, or rounds of tiles, that the steps make.
+pub fn iterations(steps: &[Step]) -> u32 {
+    let counts = |step: &&Step| matches!(step, Step::Count | Step::Tiles { .. });
+    steps.iter().filter(counts).count() as u32
+}
+
 /// Number of texels that the scans among the steps visit, as far as they are dispatched.
 pub fn texels_scanned(steps: &[Step]) -> u64 {
     let visited = |step: &Step| match step {

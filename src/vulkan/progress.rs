@@ -41,6 +41,11 @@ impl Outcome {
         self.done != 0
     }
 
+    /// Whether it is done because nothing changes any more.
+    pub(crate) fn has_converged(&self) -> bool {
+        self.is_done() && self.last_residual <= self.tolerance
+    }
+
     /// Largest relative change in the last iteration.
     pub(crate) fn residual(&self) -> f64 {
         crate::surface::relative_change::<f32>(self.last_residual)
@@ -87,9 +92,9 @@ impl DeviceProgress {
         }
     }
 
-    /// Before more rounds of tiles: all slots but the first, and what follows them.
-    pub(crate) fn later_rounds() -> Vec<u8> {
-        let start = Self::start(Stop::after(1), 0, 0, [0; 2]);
-        bytemuck::bytes_of(&start)[offset::round(1) as usize..].to_vec()
+    /// Before more rounds of tiles: all slots but the first, and what follows them, are to be
+    /// written.
+    pub(crate) fn before_rounds() -> Self {
+        Self::start(Stop::after(1), 0, 0, [0; 2])
     }
 }

@@ -6,25 +6,34 @@ use std::ops::Range;
 use ash::vk;
 use bytemuck::{NoUninit, bytes_of};
 
-use super::barrier::{self, CLEAR, COPY, HOST_READ, PASS, SHADER, SHADER_WRITE};
+use super::barrier::{self, CLEAR, COPY, HOST_READ, NOTHING, PASS, SHADER, SHADER_WRITE, TRANSFER};
+use super::grid_images::GridImages;
+use super::pipelines::{Pipelines, SchedulePipelines};
 use super::plan::{Scan, ScanPass, Step};
 use super::progress::{DeviceProgress, Outcome, offset};
-use super::{GridImages, Pipelines, SchedulePipelines};
 use crate::constants::{CURVATURE, FAR, TIME, WORKGROUP};
 use crate::cpu::Stop;
-use crate::surface::{Chart, EdgeRule, Geometry, Spacing, Surface};
+use crate::surface::{Chart, EdgeRule, Spacing};
 
 /// A command buffer that is being recorded for one surface.
 #[derive(Clone, Copy)]
-pub struct Recorder<'a> {
+pub(crate) struct Recorder<'a> {
     /// The device of everything else.
-    pub device: &'a ash::Device,
+    pub(crate) device: &'a ash::Device,
     /// Begun, on a queue family for compute, outside a render pass.
-    pub commands: vk::CommandBuffer,
+    pub(crate) commands: vk::CommandBuffer,
     /// Alive until the commands have run.
-    pub pipelines: &'a Pipelines,
+    pub(crate) pipelines: &'a Pipelines,
     /// The surface's.
-    pub grid: &'a GridImages,
+    pub(crate) grid: &'a GridImages,
+}
+
+/// What edges are measured from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum EdgeSource {
+    Positions,
+    Heights,
+    Metric,
 }
 
 #[derive(Clone, Copy, NoUninit)]
@@ -82,7 +91,7 @@ struct Round {
 
 /// The rows whose points are needed to measure the edges of a band: two before, since an edge to
 /// the north also depends on how the surface bends at its other end, and one after.
-pub fn rows_around(band: &Range<usize>, chart: Chart) -> Range<usize> {
+pub(crate) fn rows_around(band: &Range<usize>, chart: Chart) -> Range<usize> {
     band.start.saturating_sub(BEFORE)..(band.end + AFTER).min(chart.rows)
 }
 
@@ -93,10 +102,11 @@ pub(crate) const HALO: usize = BEFORE + AFTER;
 
 impl Recorder<'_> {
     /// Brings new images into their layout, with no edge and no point reached.
-    pub fn prepare(&self) {
+    pub(crate) fn prepare(&self) {
         let grid = self.grid;
+        let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL);
         for image in [&grid.edges, &grid.gaussian, &grid.fronts[0], &grid.fronts[1]] {
-            barrier::into_general(self.device, self.commands, image.image, CLEAR);
+            self.image_barrier(image.image, NOTHING, CLEAR, layouts);
         }
         self.clear(grid.edges.image, 0, FAR);
         self.clear(grid.gaussian.image, 0, 0.0);
@@ -106,12 +116,18 @@ impl Recorder<'_> {
 
     /// Measures the edges of a band of rows; the points of [`rows_around`] it are in the upload
     /// buffer.
-    pub fn measure_edges(&self, surface: &Surface, rows: Range<usize>) {
+    pub(crate) fn measure(
+        &self,
+        source: EdgeSource,
+        spacing: Spacing,
+        arcs: bool,
+        rows: Range<usize>,
+    ) {
         let (pipelines, chart) = (self.pipelines, self.grid.chart);
-        let (pipeline, spacing) = match surface.geometry() {
-            Geometry::Positions(_) => (pipelines.edges_from_positions, Spacing::square(1.0)),
-            Geometry::Heights { spacing, .. } => (pipelines.edges_from_heights, *spacing),
-            Geometry::Metric(_) => (pipelines.edges_from_metric, Spacing::square(1.0)),
+        let pipeline = match source {
+            EdgeSource::Positions => pipelines.edges_from_positions,
+            EdgeSource::Heights => pipelines.edges_from_heights,
+            EdgeSource::Metric => pipelines.edges_from_metric,
         };
         let band = EdgesBand {
             grid: [chart.cols as i32, chart.rows as i32],
@@ -120,7 +136,7 @@ impl Recorder<'_> {
             buffer_row: rows_around(&rows, chart).start as i32,
             dx: spacing.dx as f32,
             dy: spacing.dy as f32,
-            arcs: (surface.edge_rule() == EdgeRule::Arc).into(),
+            arcs: arcs.into(),
         };
         self.bind(pipeline, 0);
         self.dispatch(&band, chart.cols as u32, rows.len() as u32);
@@ -128,7 +144,7 @@ impl Recorder<'_> {
     }
 
     /// Computes the surface's Gaussian curvature, once all edges are measured by the rule.
-    pub fn bend(&self, rule: EdgeRule) {
+    pub(crate) fn bend(&self, rule: EdgeRule) {
         let texels = self.grid.texels.inner();
         let size = FanSize { texels, share_of_fan: rule.share_of_fan() as f32 };
         for pipeline in [self.pipelines.fan_curvature, self.pipelines.gaussian_curvature] {
@@ -139,14 +155,14 @@ impl Recorder<'_> {
     }
 
     /// Forgets the map: no point is reached in either image.
-    pub fn forget(&self) {
+    pub(crate) fn forget(&self) {
         self.barrier(SHADER, CLEAR);
         self.clear_fronts();
         self.barrier(CLEAR, SHADER);
     }
 
     /// Before the seeds of a map, or of what is added to one: no iteration is done.
-    pub fn start(&self, stop: Stop) {
+    pub(crate) fn start(&self, stop: Stop) {
         let texels = self.grid.texels.inner();
         let tuning = self.pipelines.tuning;
         let [row, col] = texels.map(|texels| texels.div_ceil(tuning.scan_texels()));
@@ -161,13 +177,14 @@ impl Recorder<'_> {
 
     /// Before more iterations of a map, by a recording as long as the last. For rounds of tiles,
     /// the list that the last have left is the first.
-    pub fn go_on(&self, steps: &[Step]) {
-        let rounds = steps.iter().filter(|step| matches!(step, Step::Tiles { .. })).count() as u32;
+    pub(crate) fn go_on(&self, steps: &[Step]) {
+        let is_round = |step: &&Step| matches!(step, Step::Tiles { .. });
+        let rounds = steps.iter().filter(is_round).count() as u32;
         if rounds == 0 {
             return;
         }
         let progress = &self.grid.progress;
-        self.barrier(PASS, COPY);
+        self.barrier(PASS, TRANSFER);
         let copy = [vk::BufferCopy::default()
             .src_offset(offset::round(rounds))
             .dst_offset(offset::round(0))
@@ -177,7 +194,8 @@ impl Recorder<'_> {
             self.device.cmd_copy_buffer(self.commands, progress.buffer, progress.buffer, &copy);
         }
         self.barrier(COPY, CLEAR);
-        self.write(offset::round(1), &DeviceProgress::later_rounds());
+        let later = DeviceProgress::before_rounds();
+        self.write(offset::round(1), &bytes_of(&later)[offset::round(1) as usize..]);
         // Where tiles wait; their states are zero after they have settled, and the lists stay.
         let [cols, rows] = self.grid.texels.tiles(self.pipelines.tuning.tile);
         let bytes = u64::from(cols) * u64::from(rows) * size_of::<u32>() as u64;
@@ -187,9 +205,9 @@ impl Recorder<'_> {
 
     /// Dispatches no group of every pass of a map, since drivers may compile a pipeline at its first
     /// dispatch.
-    pub fn warm_up(&self, passes: &SchedulePipelines) {
-        let Pipelines { seed, progress, settle, unpack, .. } = *self.pipelines;
-        for &pipeline in passes.passes.iter().chain(&[seed, progress, settle, unpack]) {
+    pub(crate) fn warm_up(&self, passes: &SchedulePipelines) {
+        let Pipelines { seed, progress, settle, .. } = *self.pipelines;
+        for &pipeline in passes.passes.iter().chain(&[seed, progress, settle]) {
             self.bind(pipeline, 0);
             self.dispatch_groups(&[0u32; 8], 0);
             self.barrier(PASS, PASS);
@@ -198,7 +216,7 @@ impl Recorder<'_> {
 
     /// Sets the texels with sources, `count` of which are in the upload buffer, in image 0, and
     /// puts the tiles around them on the first list if tiles follow.
-    pub fn seed(&self, count: u32, tiles_follow: bool) {
+    pub(crate) fn seed(&self, count: u32, tiles_follow: bool) {
         let texels = self.grid.texels.inner();
         self.bind(self.pipelines.seed, 0);
         self.dispatch(&SeedCount { texels, count, wakes: tiles_follow.into() }, count, 1);
@@ -206,7 +224,7 @@ impl Recorder<'_> {
     }
 
     /// Runs the steps of a plan.
-    pub fn steps(&self, passes: &SchedulePipelines, steps: &[Step]) {
+    pub(crate) fn steps(&self, passes: &SchedulePipelines, steps: &[Step]) {
         let mut bound = None;
         let texels = self.grid.texels.inner();
         for step in steps {
@@ -241,18 +259,71 @@ impl Recorder<'_> {
         }
     }
 
-    /// Copies how the iterations have gone to where the host reads it.
-    pub fn outcome(&self) {
-        self.barrier(PASS, COPY);
-        let copy = [vk::BufferCopy::default().size(size_of::<Outcome>() as u64)];
-        let (from, to) = (self.grid.progress.buffer, self.grid.outcome.buffer);
-        // SAFETY: both buffers hold so much.
-        unsafe { self.device.cmd_copy_buffer(self.commands, from, to, &copy) };
+    /// Copies how the iterations have gone to one of the records that the host reads.
+    pub(crate) fn outcome(&self, number: usize) {
+        let offset = (number * size_of::<Outcome>()) as u64;
+        self.outcome_to(self.grid.outcome.buffer, offset);
         self.barrier(CLEAR, HOST_READ);
     }
 
+    /// Copies how the iterations have gone to a buffer that has room for it there.
+    pub(crate) fn outcome_to(&self, to: vk::Buffer, offset: u64) {
+        self.barrier(PASS, COPY);
+        let size = size_of::<Outcome>() as u64;
+        let copy = [vk::BufferCopy::default().dst_offset(offset).size(size)];
+        // SAFETY: both buffers hold so much.
+        unsafe {
+            self.device.cmd_copy_buffer(self.commands, self.grid.progress.buffer, to, &copy);
+        }
+    }
+
+    /// Writes sources into the buffer from which `sources.comp` reads them.
+    pub(crate) fn write_sources(&self, bytes: &[u8]) {
+        if bytes.is_empty() {
+            return;
+        }
+        self.barrier(SHADER, CLEAR);
+        let buffer = self.grid.download.buffer;
+        // SAFETY: the buffer has room for them, and they are no more than what may be written so.
+        unsafe { self.device.cmd_update_buffer(self.commands, buffer, 0, bytes) };
+        self.barrier(CLEAR, SHADER);
+    }
+
+    /// Runs a pass that also sees something of the host's: so many invocations wide and high.
+    pub(crate) fn host_pass(
+        &self,
+        pipeline: vk::Pipeline,
+        set: vk::DescriptorSet,
+        constants: &impl NoUninit,
+        [width, height]: [u32; 2],
+    ) {
+        let (compute, stages) = (vk::PipelineBindPoint::COMPUTE, vk::ShaderStageFlags::COMPUTE);
+        // The set that writes image 1 reads image 0.
+        let (layout, sets) = (self.pipelines.host_layout, [self.grid.sets[1], set]);
+        // SAFETY: pipeline, layout and sets belong together and are alive, and the layout has
+        // room for the constants.
+        unsafe {
+            self.device.cmd_bind_pipeline(self.commands, compute, pipeline);
+            self.device.cmd_bind_descriptor_sets(self.commands, compute, layout, 0, &sets, &[]);
+            let constants = bytes_of(constants);
+            self.device.cmd_push_constants(self.commands, layout, stages, 0, constants);
+            self.device.cmd_dispatch(self.commands, width.div_ceil(WORKGROUP), height, 1);
+        }
+    }
+
+    /// Brings an image from one layout into another between two kinds of access.
+    pub(crate) fn image_barrier(
+        &self,
+        image: vk::Image,
+        before: barrier::Access,
+        after: barrier::Access,
+        layouts: (vk::ImageLayout, vk::ImageLayout),
+    ) {
+        barrier::image(self.device, self.commands, image, before, after, layouts);
+    }
+
     /// Unpacks the arrival times in image 0, a band of rows, into the read-back buffer.
-    pub fn unpack(&self, rows: Range<usize>) {
+    pub(crate) fn unpack(&self, rows: Range<usize>) {
         let chart = self.grid.chart;
         let band = UnpackBand {
             grid: [chart.cols as i32, chart.rows as i32],
@@ -287,7 +358,7 @@ impl Recorder<'_> {
         }
     }
 
-    fn barrier(&self, before: barrier::Access, after: barrier::Access) {
+    pub(crate) fn barrier(&self, before: barrier::Access, after: barrier::Access) {
         barrier::memory(self.device, self.commands, before, after);
     }
 

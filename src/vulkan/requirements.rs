@@ -1,20 +1,44 @@
-//! What a device must offer.
+//! What a device must offer: to be known before it is created.
+//!
+//! An instance for Vulkan 1.1 or later, a device with a queue family for compute, and nothing
+//! else: no extension and no feature needs to be enabled. [`unmet`] names what a physical device
+//! lacks. [`API_VERSION`], [`DEVICE_EXTENSIONS`] and [`features`] exist so that a program can merge
+//! them with its own wishes and stay right if they ever grow.
+//!
+//! ```no_run
+//! # use geosweep::ash::{self, vk};
+//! # fn pick(instance: &ash::Instance) -> Result<vk::PhysicalDevice, Box<dyn std::error::Error>> {
+//! use geosweep::vulkan::requirements;
+//! for physical_device in unsafe { instance.enumerate_physical_devices() }? {
+//!     match requirements::unmet(instance, physical_device).as_slice() {
+//!         [] => return Ok(physical_device),
+//!         lacking => eprintln!("not this one: {}", lacking.join("; ")),
+//!     }
+//! }
+//! # Err("none".into()) }
+//! ```
+
+use std::ffi::CStr;
 
 use ash::vk;
 
-use super::memory::{FORMAT, IMAGE_USAGE};
-use super::pipelines::binding;
+use super::memory::{FORMAT, IMAGE_USAGE, RESULT_FORMAT};
+use super::pipelines::{PUSH_CONSTANT_BYTES, binding, host};
 use crate::constants::WORKGROUP;
 
 /// The Vulkan version needed; instances should be created for it or a later one.
 pub const API_VERSION: u32 = vk::API_VERSION_1_1;
 
-/// Names what a device lacks; an empty list means that the engine runs on it. No device
-/// extension and no feature is needed.
-pub fn unmet_requirements(
-    instance: &ash::Instance,
-    physical_device: vk::PhysicalDevice,
-) -> Vec<String> {
+/// The device extensions needed: none.
+pub const DEVICE_EXTENSIONS: &[&CStr] = &[];
+
+/// The device features needed: none.
+pub fn features() -> vk::PhysicalDeviceFeatures {
+    vk::PhysicalDeviceFeatures::default()
+}
+
+/// Names what a device lacks; an empty list means that the engine runs on it.
+pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> Vec<String> {
     // SAFETY: the physical device is from this instance.
     let properties = unsafe { instance.get_physical_device_properties(physical_device) };
     let mut unmet = Vec::new();
@@ -22,14 +46,29 @@ pub fn unmet_requirements(
         let version = version_text(properties.api_version);
         unmet.push(format!("it supports Vulkan {version}, and 1.1 is needed"));
     }
-    if properties.limits.max_compute_work_group_invocations < WORKGROUP {
-        let offered = properties.limits.max_compute_work_group_invocations;
-        unmet.push(format!("workgroups hold {offered} invocations, and {WORKGROUP} are needed"));
-    }
-    let images = properties.limits.max_per_stage_descriptor_storage_images;
-    if images < binding::IMAGES {
-        let needed = binding::IMAGES;
-        unmet.push(format!("shaders see {images} storage images, and {needed} are needed"));
+    let limits = properties.limits;
+    for (what, offered, needed) in [
+        ("workgroups hold # invocations", limits.max_compute_work_group_invocations, WORKGROUP),
+        (
+            "shaders see # storage images",
+            limits.max_per_stage_descriptor_storage_images,
+            binding::IMAGES + host::IMAGES,
+        ),
+        (
+            "shaders see # storage buffers",
+            limits.max_per_stage_descriptor_storage_buffers,
+            binding::ALL - binding::IMAGES + host::BUFFERS,
+        ),
+        (
+            "there are # bytes of push constants",
+            limits.max_push_constants_size,
+            PUSH_CONSTANT_BYTES,
+        ),
+    ] {
+        if offered < needed {
+            let what = what.replace('#', &offered.to_string());
+            unmet.push(format!("{what}, and {needed} are needed"));
+        }
     }
     if compute_queue_family(instance, physical_device).is_none() {
         unmet.push("it has no queue for compute".into());
@@ -37,11 +76,14 @@ pub fn unmet_requirements(
     if largest_side(instance, physical_device).is_none() {
         unmet.push("it has no storage images of four 32-bit floats".into());
     }
+    if largest(instance, physical_device, RESULT_FORMAT).is_none() {
+        unmet.push("it has no storage images of one 32-bit float".into());
+    }
     unmet
 }
 
 /// A queue family for compute, rather without graphics: on large GPUs that is the async one.
-pub(crate) fn compute_queue_family(
+pub fn compute_queue_family(
     instance: &ash::Instance,
     physical_device: vk::PhysicalDevice,
 ) -> Option<u32> {
@@ -57,16 +99,24 @@ pub(crate) fn compute_queue_family(
         .map(|index| index as u32)
 }
 
-/// The largest image side and the largest image size in bytes.
+/// The largest side of a grid's images and their largest size in bytes.
 pub(crate) fn largest_side(
     instance: &ash::Instance,
     physical_device: vk::PhysicalDevice,
+) -> Option<(u32, u64)> {
+    largest(instance, physical_device, FORMAT)
+}
+
+fn largest(
+    instance: &ash::Instance,
+    physical_device: vk::PhysicalDevice,
+    format: vk::Format,
 ) -> Option<(u32, u64)> {
     // SAFETY: the physical device is from this instance.
     let properties = unsafe {
         instance.get_physical_device_image_format_properties(
             physical_device,
-            FORMAT,
+            format,
             vk::ImageType::TYPE_2D,
             vk::ImageTiling::OPTIMAL,
             IMAGE_USAGE,

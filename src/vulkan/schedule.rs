@@ -4,6 +4,7 @@ use std::fmt;
 
 use ash::vk;
 
+use super::plan::Portions;
 use crate::surface::Chart;
 
 /// The order of updates on the device. All lead to the same map.
@@ -88,6 +89,11 @@ impl Tuning {
     /// copies of the fronts at its points and those around it.
     fn tile_bytes(tile: u32) -> u32 {
         (tile + 2).pow(2) * (16 + 4 + 4 * 8) + 16
+    }
+
+    /// What a plan needs to know of them.
+    pub(crate) fn portions(&self) -> Portions {
+        Portions { lines: self.scan_lines, tile: self.tile }
     }
 
     /// Texels of a line that a workgroup of a raster scan writes.

@@ -3,18 +3,15 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::grid_images::{POINT_BYTES, band_rows};
+use super::grid_images::{GridImages, POINT_BYTES, Purpose, bands};
 use super::headless::{Commands, Context};
-use super::plan::{self, Portions, Reached, Step};
-use super::record::{Recorder, rows_around};
+use super::plan::{self, Reached, Step};
+use super::record::{EdgeSource, Recorder, rows_around};
 use super::upload::{SeedTexel, seed_texels, write_points};
-use super::{
-    GridImages, Pipelines, Schedule, SchedulePipelines, TexelChart, Tuning, ValidationLog,
-    VulkanError, requirements,
-};
+use super::{Schedule, ValidationLog, VulkanError, embed};
 use crate::DeviceChoice;
 use crate::cpu::Stop;
-use crate::surface::{Chart, Seed, Surface};
+use crate::surface::{EdgeRule, Geometry, Seed, Spacing, Surface};
 use crate::update::Wavefront;
 
 /// Turns the validation layers on in every [`Solver`], if set to anything but 0.
@@ -39,9 +36,8 @@ const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Solver {
-    pipelines: Pipelines,
-    /// By schedule and wavefront, made when they are first used.
-    passes: [[Option<SchedulePipelines>; Wavefront::ALL.len()]; Schedule::ALL.len()],
+    /// With the passes of the schedules and wavefronts that were used so far.
+    pipelines: embed::Solver,
     context: Arc<Context>,
 }
 
@@ -100,8 +96,9 @@ impl Solver {
 
     fn open(choice: &DeviceChoice, validate: bool) -> Result<Self, VulkanError> {
         let context = Arc::new(Context::new(choice, validate)?);
-        let pipelines = Pipelines::new(&context.device, Tuning::of(&context.properties))?;
-        Ok(Self { pipelines, passes: Default::default(), context })
+        let (instance, device) = (&context.instance.handle, &context.device);
+        let pipelines = embed::Solver::new(instance, context.physical_device, device, &[])?;
+        Ok(Self { pipelines, context })
     }
 
     /// The device's name.
@@ -122,23 +119,29 @@ impl Solver {
     pub fn upload(&self, surface: &Surface) -> Result<SurfaceOnDevice, VulkanError> {
         surface.check_edges()?;
         let chart = surface.chart();
-        let texels = self.check_size(chart)?;
+        let size = (chart, self.pipelines.limits.texels(chart)?);
         let context = Arc::clone(&self.context);
         let (first, further) = (Commands::new(&context)?, Commands::new(&context)?);
         let images = GridImages::new(
             &context.device,
             &mut context.allocator(),
-            &self.pipelines,
-            chart,
-            texels,
+            &self.pipelines.pipelines,
+            size,
+            Purpose::Headless,
         )?;
         let mut on_device = SurfaceOnDevice { images, first, further, goes_on: None, context };
         let images = &mut on_device.images;
         self.run(images, |recorder| recorder.prepare())?;
         let origin = surface.origin();
+        let (source, spacing) = match surface.geometry() {
+            Geometry::Positions(_) => (EdgeSource::Positions, Spacing::square(1.0)),
+            Geometry::Heights { spacing, .. } => (EdgeSource::Heights, *spacing),
+            Geometry::Metric(_) => (EdgeSource::Metric, Spacing::square(1.0)),
+        };
+        let arcs = surface.edge_rule() == EdgeRule::Arc;
         for rows in bands(chart, POINT_BYTES) {
             write_points(surface, rows_around(&rows, chart), origin, images.upload.mapped());
-            self.run(images, |recorder| recorder.measure_edges(surface, rows))?;
+            self.run(images, |recorder| recorder.measure(source, spacing, arcs, rows))?;
         }
         self.run(images, |recorder| recorder.bend(surface.edge_rule()))?;
         self.context.check_validation()?;
@@ -174,16 +177,14 @@ impl Solver {
         edit: impl Fn(&mut Vec<Step>),
     ) -> Result<Solution, VulkanError> {
         let Method { wavefront, stop, .. } = method;
-        let (kind, chart) = (self.context.properties.device_type, surface.images.chart);
+        let (kind, chart) = (self.pipelines.limits.kind, surface.images.chart);
         let schedule = method.schedule.unwrap_or_else(|| Schedule::best_on(kind, chart));
         self.make_passes(&surface.images, schedule, wavefront)?;
-        let passes = self.passes[schedule as usize][wavefront as usize].as_ref();
-        let passes = passes.expect("they were made above");
+        let passes = self.pipelines.passes(schedule, wavefront).expect("they were made above");
         let SurfaceOnDevice { images, first, further, goes_on, .. } = surface;
-        let Tuning { scan_lines: lines, tile, .. } = self.pipelines.tuning;
+        let portions = self.pipelines.pipelines.tuning.portions();
         let plan = |texels, reached, most| {
-            let mut steps =
-                plan::recording(schedule, texels, Portions { lines, tile }, reached, most);
+            let mut steps = plan::recording(schedule, texels, portions, reached, most);
             edit(&mut steps);
             steps
         };
@@ -210,10 +211,10 @@ impl Solver {
         first.record(|device, commands| {
             let recorder = self.recorder(device, commands, images);
             recorder.steps(passes, &steps);
-            recorder.outcome();
+            recorder.outcome(0);
         })?;
         first.submit_and_wait()?;
-        let mut outcome = images.outcome();
+        let mut outcome = images.outcome(0);
         while !outcome.is_done() {
             // One recording serves all but the last iterations, of which fewer may be left.
             let steps = plan(images.texels, None, stop.iterations - outcome.iterations);
@@ -223,12 +224,12 @@ impl Solver {
                     let recorder = self.recorder(device, commands, images);
                     recorder.go_on(&wanted.1);
                     recorder.steps(passes, &wanted.1);
-                    recorder.outcome();
+                    recorder.outcome(0);
                 })?;
                 *goes_on = Some(wanted);
             }
             further.submit_and_wait()?;
-            outcome = images.outcome();
+            outcome = images.outcome(0);
         }
         let time = begin.elapsed();
 
@@ -245,16 +246,12 @@ impl Solver {
         schedule: Schedule,
         wavefront: Wavefront,
     ) -> Result<(), VulkanError> {
-        if self.passes[schedule as usize][wavefront as usize].is_some() {
+        if self.pipelines.passes(schedule, wavefront).is_some() {
             return Ok(());
         }
-        let device = &self.context.device;
-        let passes = SchedulePipelines::new(device, &self.pipelines, schedule, wavefront)?;
-        let passes = self.passes[schedule as usize][wavefront as usize].insert(passes);
-        self.context.run(|device, commands| {
-            let pipelines = &self.pipelines;
-            Recorder { device, commands, pipelines, grid: images }.warm_up(passes);
-        })
+        self.pipelines.add_passes(&self.context.device, schedule, wavefront)?;
+        let passes = self.pipelines.passes(schedule, wavefront).expect("they were made above");
+        self.run(images, |recorder| recorder.warm_up(passes))
     }
 
     fn recorder<'a>(
@@ -263,7 +260,7 @@ impl Solver {
         commands: ash::vk::CommandBuffer,
         grid: &'a GridImages,
     ) -> Recorder<'a> {
-        Recorder { device, commands, pipelines: &self.pipelines, grid }
+        Recorder { device, commands, pipelines: &self.pipelines.pipelines, grid }
     }
 
     /// Records, submits and waits.
@@ -282,53 +279,10 @@ impl Solver {
         }
         Ok(distances)
     }
-
-    /// The texels of a grid that fits the device.
-    fn check_size(&self, chart: Chart) -> Result<TexelChart, VulkanError> {
-        let Context { instance, info, physical_device, .. } = &*self.context;
-        let (rows, cols, device) = (chart.rows, chart.cols, info.name.clone());
-        let (side, largest_image) = requirements::largest_side(&instance.handle, *physical_device)
-            .expect("a chosen device meets the requirements");
-        let texels = TexelChart::new(chart).filter(|texels| {
-            let extent = texels.edges_extent();
-            extent.width <= side && extent.height <= side
-        });
-        let border = 4 * crate::constants::BORDER;
-        let Some(texels) = texels else {
-            let limit = side.saturating_sub(border) as usize;
-            return Err(VulkanError::TooLarge { rows, cols, device, limit });
-        };
-        let bytes =
-            |extent: ash::vk::Extent3D| u64::from(extent.width) * u64::from(extent.height) * 16;
-        let edges = bytes(texels.edges_extent());
-        let fronts = u64::from(crate::constants::LAYERS) * bytes(texels.fronts_extent());
-        let gaussian = bytes(texels.fronts_extent());
-        // SAFETY: the physical device is from this instance.
-        let memory =
-            unsafe { instance.handle.get_physical_device_memory_properties(*physical_device) };
-        let heap = memory.memory_heaps_as_slice().iter().map(|heap| heap.size).max().unwrap_or(0);
-        let needed = edges + gaussian + 2 * fronts;
-        // Not all drivers refuse what does not fit: on some the system ends the process instead.
-        if needed > heap || edges > largest_image {
-            let available =
-                heap.min(if edges > largest_image { largest_image } else { heap }) >> 20;
-            return Err(VulkanError::TooMuchMemory {
-                rows,
-                cols,
-                device,
-                needed: needed >> 20,
-                available,
-            });
-        }
-        Ok(texels)
-    }
 }
 
 impl Drop for Solver {
     fn drop(&mut self) {
-        for passes in self.passes.iter_mut().flatten().flatten() {
-            passes.destroy(&self.context.device);
-        }
         self.pipelines.destroy(&self.context.device);
     }
 }
@@ -353,12 +307,6 @@ enum Start {
     Fresh,
     /// The last map.
     FromLast,
-}
-
-/// The grid's rows in bands that fit the transfer buffers.
-fn bands(chart: Chart, point_bytes: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
-    let step = band_rows(chart, point_bytes);
-    (0..chart.rows).step_by(step).map(move |row| row..(row + step).min(chart.rows))
 }
 
 #[cfg(test)]
@@ -471,15 +419,5 @@ mod tests {
             let call = call.to_str().unwrap();
             assert!(error.to_string().starts_with(&format!("{call} failed")), "{error}");
         }
-    }
-
-    #[test]
-    fn bands_cover_every_row_once() {
-        let chart = Chart { rows: 4099, cols: 3000 };
-        let bands: Vec<_> = bands(chart, POINT_BYTES).collect();
-        assert!(bands.len() > 2);
-        assert!(bands.iter().all(|band| band.start.is_multiple_of(2)));
-        assert_eq!(bands.iter().map(|band| band.len()).sum::<usize>(), chart.rows);
-        assert!(bands.windows(2).all(|pair| pair[0].end == pair[1].start));
     }
 }

@@ -34,6 +34,9 @@ fn write<T: NoUninit>(buffer: &mut [u8], indices: Range<usize>, point: impl Fn(u
     }
 }
 
+/// Bytes of a source as `glsl/sources.comp` reads it.
+pub(crate) const SOURCE_BYTES: usize = 16;
+
 /// The sources in one texel, as seed.comp reads them.
 #[derive(Clone, Copy, Debug, PartialEq, NoUninit)]
 #[repr(C)]

@@ -1,0 +1,50 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Distances at some places, bilinear between grid points. One invocation is one place.
+
+#include "constants.glsl"
+#include "cell.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts;
+layout(set = 1, binding = 0) readonly restrict buffer Input {
+    float words[]; // row and column of a place
+};
+layout(set = 1, binding = 1) writeonly restrict buffer Output {
+    float distances[];
+};
+
+layout(push_constant) uniform Places {
+    ivec2 grid;           // columns and rows of the whole grid
+    int count;
+    int first_word;       // of the places
+    int first_distance;
+    float unreached;      // what stands for places that are not reached, or not on the grid
+};
+
+float time_at(ivec2 point) {
+    point = min(point, grid - 1);
+    ivec2 texel = point / 2 + BORDER;
+    return imageLoad(fronts, ivec3(texel, TIME))[(point.x & 1) + 2 * (point.y & 1)];
+}
+
+void main() {
+    int index = int(gl_GlobalInvocationID.x);
+    if (index >= count) return;
+    vec2 place = vec2(words[first_word + 2 * index + 1], words[first_word + 2 * index]);
+    float found = unreached;
+    if (is_on_grid(place, grid)) {
+        ivec2 first = ivec2(place);
+        vec4 times = vec4(time_at(first), time_at(first + ivec2(1, 0)), time_at(first + ivec2(0, 1)),
+                          time_at(first + ivec2(1, 1)));
+        vec4 weights;
+        if (corner_weights(lessThan(times, vec4(FAR)), place - vec2(first), weights)) {
+            found = 0.0;
+            for (int i = 0; i < 4; i++) {
+                if (weights[i] > 0.0) found += weights[i] * times[i];
+            }
+        }
+    }
+    distances[first_distance + index] = found;
+}

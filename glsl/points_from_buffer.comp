@@ -1,0 +1,18 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Takes positions or heights from a buffer of the host's, such as a vertex buffer. One invocation
+// is one grid point.
+
+#include "constants.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+layout(set = 1, binding = 0) readonly restrict buffer Input {
+    float words[];
+};
+
+#include "points.glsl"
+
+float component(ivec2 at, int index) {
+    return words[first_word + (at.y * grid.x + at.x) * stride + index];
+}

@@ -1,0 +1,218 @@
+//! Descriptors of the host's images and buffers, and of images of distances.
+
+use ash::vk;
+
+use super::inputs::{Lookup, PointMemory, Points, SourceBuffer};
+use crate::surface::Chart;
+use crate::vulkan::VulkanError;
+use crate::vulkan::grid_images::{GridImages, INLINE_SOURCES};
+use crate::vulkan::limits::Limits;
+use crate::vulkan::pipelines::{Pipelines, host};
+use crate::vulkan::upload::SOURCE_BYTES;
+
+/// The alignment of a storage buffer's offset that satisfies every device.
+const ALIGNMENT: u64 = 256;
+const WORD: u64 = size_of::<f32>() as u64;
+
+/// A part of a buffer: what its descriptor covers, and where its first word is in that.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    buffer: vk::Buffer,
+    start: u64,
+    range: u64,
+    first_word: i32,
+}
+
+impl Part {
+    fn new(
+        limits: &Limits,
+        what: &'static str,
+        buffer: vk::Buffer,
+        offset: u64,
+        bytes: u64,
+    ) -> Result<Self, VulkanError> {
+        let refuse = |reason: String| VulkanError::HostBuffer { what, reason };
+        if buffer == vk::Buffer::null() {
+            return Err(refuse("it is the null handle".into()));
+        }
+        if !offset.is_multiple_of(WORD) {
+            return Err(refuse(format!("its offset {offset} is no multiple of 4 bytes")));
+        }
+        if bytes == 0 {
+            return Err(refuse("it holds nothing".into()));
+        }
+        let start = offset / ALIGNMENT * ALIGNMENT;
+        let range = offset - start + bytes;
+        let most = limits.storage_range.min(i32::MAX as u64);
+        if range > most {
+            return Err(refuse(format!("it spans {bytes} bytes, and shaders see {most} at most")));
+        }
+        Ok(Self { buffer, start, range, first_word: ((offset - start) / WORD) as i32 })
+    }
+
+    fn info(&self) -> vk::DescriptorBufferInfo {
+        vk::DescriptorBufferInfo { buffer: self.buffer, offset: self.start, range: self.range }
+    }
+}
+
+/// A set, and where in its buffers the first word is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct HostSet {
+    pub(super) set: vk::DescriptorSet,
+    pub(super) first_word: i32,
+    pub(super) first_output: i32,
+}
+
+/// The sets of a surface.
+#[derive(Debug)]
+pub(super) struct HostSets {
+    pool: vk::DescriptorPool,
+    pub(super) results: Vec<HostSet>,
+    pub(super) inline_sources: HostSet,
+    pub(super) points: Vec<HostSet>,
+    pub(super) sources: Vec<HostSet>,
+    pub(super) lookups: Vec<HostSet>,
+}
+
+/// What a set is made of.
+enum Content {
+    Result(vk::ImageView),
+    Texture(vk::ImageView, vk::ImageLayout),
+    Input(Part),
+    InputAndOutput(Part, Part),
+}
+
+impl HostSets {
+    pub(super) fn new(
+        device: &ash::Device,
+        pipelines: &Pipelines,
+        limits: &Limits,
+        grid: &GridImages,
+        (points, sources, lookups): (&[Points], &[SourceBuffer], &[Lookup]),
+    ) -> Result<Self, VulkanError> {
+        let inline = (INLINE_SOURCES * SOURCE_BYTES) as u64;
+        let inline = Part::new(limits, "the inline sources", grid.download.buffer, 0, inline)?;
+        let mut contents: Vec<_> =
+            grid.results.iter().map(|image| Content::Result(image.view)).collect();
+        contents.push(Content::Input(inline));
+        for points in points {
+            contents.push(points_content(limits, points, grid.chart)?);
+        }
+        for sources in sources {
+            let bytes = u64::from(sources.count) * SOURCE_BYTES as u64;
+            let SourceBuffer { buffer, offset, .. } = *sources;
+            contents.push(Content::Input(Part::new(limits, "sources", buffer, offset, bytes)?));
+        }
+        for lookup in lookups {
+            let count = u64::from(lookup.count);
+            let Lookup { places, places_offset, distances, distances_offset, .. } = *lookup;
+            contents.push(Content::InputAndOutput(
+                Part::new(limits, "places", places, places_offset, 2 * WORD * count)?,
+                Part::new(limits, "distances", distances, distances_offset, WORD * count)?,
+            ));
+        }
+        let pool = pool(device, contents.len() as u32)?;
+        let mut new = Self {
+            pool,
+            results: Vec::new(),
+            inline_sources: HostSet::default(),
+            points: Vec::new(),
+            sources: Vec::new(),
+            lookups: Vec::new(),
+        };
+        let layouts = vec![pipelines.host_set_layout; contents.len()];
+        let info =
+            vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+        // SAFETY: the pool has room for these sets.
+        let sets = match unsafe { device.allocate_descriptor_sets(&info) } {
+            Ok(sets) => sets,
+            Err(result) => {
+                new.destroy(device);
+                return Err(VulkanError::Call { call: "vkAllocateDescriptorSets", result });
+            }
+        };
+        let mut filled =
+            sets.into_iter().zip(contents).map(|(set, content)| fill(device, set, content));
+        new.results = filled.by_ref().take(grid.results.len()).collect();
+        new.inline_sources = filled.next().expect("every surface has this set");
+        new.points = filled.by_ref().take(points.len()).collect();
+        new.sources = filled.by_ref().take(sources.len()).collect();
+        new.lookups = filled.collect();
+        Ok(new)
+    }
+
+    pub(super) fn destroy(&mut self, device: &ash::Device) {
+        // SAFETY: the caller has made sure that nothing uses the sets; null handles are allowed.
+        unsafe { device.destroy_descriptor_pool(self.pool, None) };
+        self.pool = vk::DescriptorPool::null();
+    }
+}
+
+fn points_content(limits: &Limits, points: &Points, chart: Chart) -> Result<Content, VulkanError> {
+    let refuse = |reason: String| Err(VulkanError::HostBuffer { what: "points", reason });
+    match points.memory {
+        PointMemory::Image { .. } if points.floats() > 4 => {
+            refuse("an image has four components, and the slowness is beyond them".into())
+        }
+        PointMemory::Image { view, .. } if view == vk::ImageView::null() => {
+            refuse("the view is the null handle".into())
+        }
+        PointMemory::Image { view, layout } => Ok(Content::Texture(view, layout)),
+        PointMemory::Buffer { buffer, offset, stride } => {
+            let bytes = WORD * points.floats();
+            if !stride.is_multiple_of(WORD) || stride == 0 {
+                return refuse(format!("a stride of {stride} bytes is no positive multiple of 4"));
+            }
+            let bytes = (chart.points() as u64 - 1).saturating_mul(stride).saturating_add(bytes);
+            Ok(Content::Input(Part::new(limits, "points", buffer, offset, bytes)?))
+        }
+    }
+}
+
+fn fill(device: &ash::Device, set: vk::DescriptorSet, content: Content) -> HostSet {
+    let image = |index, view, layout| {
+        let info = [vk::DescriptorImageInfo::default().image_view(view).image_layout(layout)];
+        write(device, set, index, |write| write.image_info(&info));
+    };
+    let buffer = |index, part: Part| {
+        let info = [part.info()];
+        write(device, set, index, |write| write.buffer_info(&info));
+        part.first_word
+    };
+    let empty = HostSet { set, ..HostSet::default() };
+    match content {
+        Content::Result(view) => image(host::RESULT, view, vk::ImageLayout::GENERAL),
+        Content::Texture(view, layout) => image(host::TEXTURE, view, layout),
+        Content::Input(part) => return HostSet { first_word: buffer(host::INPUT, part), ..empty },
+        Content::InputAndOutput(input, output) => {
+            let first_word = buffer(host::INPUT, input);
+            return HostSet { set, first_word, first_output: buffer(host::OUTPUT, output) };
+        }
+    }
+    empty
+}
+
+fn write<'a>(
+    device: &ash::Device,
+    set: vk::DescriptorSet,
+    index: u32,
+    fill: impl FnOnce(vk::WriteDescriptorSet<'a>) -> vk::WriteDescriptorSet<'a>,
+) {
+    let write = vk::WriteDescriptorSet::default()
+        .dst_set(set)
+        .dst_binding(index)
+        .descriptor_type(host::kind(index));
+    // SAFETY: set, view and buffer are alive, and no submitted work uses the set.
+    unsafe { device.update_descriptor_sets(&[fill(write)], &[]) };
+}
+
+/// A pool for so many sets, of which each may use any binding.
+fn pool(device: &ash::Device, sets: u32) -> Result<vk::DescriptorPool, VulkanError> {
+    let sizes: Vec<_> = (0..host::ALL)
+        .map(|index| vk::DescriptorPoolSize::default().ty(host::kind(index)).descriptor_count(sets))
+        .collect();
+    let info = vk::DescriptorPoolCreateInfo::default().max_sets(sets).pool_sizes(&sizes);
+    // SAFETY: nothing is borrowed beyond the call.
+    unsafe { device.create_descriptor_pool(&info, None) }
+        .map_err(VulkanError::from_call("vkCreateDescriptorPool"))
+}

@@ -1,0 +1,67 @@
+//! Distance maps inside a renderer: recorded into its command buffers, the result stays on the
+//! device.
+//!
+//! The host owns instance, device, queues, frames and synchronization. A [`Solver`] holds the
+//! pipelines, a [`Surface`] the images of one grid, both made up front; [`Recording`] appends
+//! passes and barriers to a command buffer of the host's and does nothing else. How iterations go
+//! is decided on the device. `docs/embedding.md` tells the rest: barriers, frames in flight,
+//! deforming surfaces, costs.
+//!
+//! ```no_run
+//! # use geosweep::ash::{self, vk};
+//! # use geosweep::gpu_allocator::vulkan::Allocator;
+//! # fn host(instance: &ash::Instance, physical_device: vk::PhysicalDevice, device: &ash::Device,
+//! #     allocator: &mut Allocator, vertices: vk::Buffer, load_commands: vk::CommandBuffer,
+//! #     commands: vk::CommandBuffer, frame_in_flight: usize,
+//! # ) -> Result<(), geosweep::vulkan::VulkanError> {
+//! use geosweep::cpu::Stop;
+//! use geosweep::surface::Chart;
+//! use geosweep::vulkan::embed::{self, Access, Frame, PointSource, Points, Reader, SourceInput};
+//! use geosweep::vulkan::{Method, Schedule};
+//! use geosweep::Wavefront;
+//!
+//! // Once: pipelines, a surface of 256 x 256 points in the host's vertex buffer, a plan.
+//! let passes = [(Schedule::Raster, Wavefront::Curved)];
+//! let solver = embed::Solver::new(instance, physical_device, device, &passes)?;
+//! let chart = Chart { rows: 256, cols: 256 };
+//! let points = [Points::positions(vertices, 32)];
+//! let info = embed::SurfaceInfo { slots: 2, points: &points, ..embed::SurfaceInfo::new(chart) };
+//! let mut surface = solver.surface(device, allocator, &info)?;
+//! let stop = Stop { tolerance: 1e-4, iterations: 100 };
+//! let method = Method { wavefront: Wavefront::Curved, schedule: None, stop };
+//! let plan = solver.plan(chart, method, 8)?;
+//! solver.record(device, load_commands, &surface).prepare();
+//!
+//! // Every frame, between the pass that moves the vertices and the one that draws:
+//! let distances = solver.record(device, commands, &surface).frame(&Frame {
+//!     before: Access::COMPUTE_WRITE,
+//!     points: Some(0),
+//!     sources: SourceInput::Inline(&[PointSource::at(120.5, 80.25)]),
+//!     plan: &plan,
+//!     slot: frame_in_flight,
+//!     reader: Reader::FRAGMENT,
+//!     unreached: -1.0,
+//! })?;
+//! // `distances.view` is in `distances.layout`, for fragment shaders to sample.
+//!
+//! // At the end, once no frame is in flight:
+//! surface.destroy(device, allocator);
+//! # let mut solver = solver;
+//! solver.destroy(device);
+//! # Ok(()) }
+//! ```
+
+mod access;
+mod host_sets;
+mod inputs;
+mod plan;
+mod recording;
+mod solver;
+mod surface;
+
+pub use access::{Access, Reader};
+pub use inputs::{Lookup, PointKind, PointMemory, PointSource, Points, SourceBuffer, SourceInput};
+pub use plan::Plan;
+pub use recording::{Frame, Recording};
+pub use solver::Solver;
+pub use surface::{Outcome, PackedTimes, ResultImage, Surface, SurfaceInfo};

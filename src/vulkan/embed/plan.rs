@@ -1,0 +1,52 @@
+//! The passes of a recording, made once for many frames.
+
+use crate::cpu::Stop;
+use crate::update::Wavefront;
+use crate::vulkan::plan::{self, Portions, Step};
+use crate::vulkan::{Method, Schedule, TexelChart};
+
+/// The passes of a recording, for any surface with a grid of one size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    pub(super) texels: TexelChart,
+    pub(super) schedule: Schedule,
+    pub(super) wavefront: Wavefront,
+    pub(super) stop: Stop,
+    steps: Vec<Step>,
+    iterations: u32,
+}
+
+impl Plan {
+    pub(super) fn new(
+        portions: Portions,
+        texels: TexelChart,
+        schedule: Schedule,
+        method: Method,
+        iterations: u32,
+    ) -> Self {
+        let Method { wavefront, stop, .. } = method;
+        let mut steps = Vec::new();
+        let mut planned = 0;
+        let iterations = iterations.clamp(1, stop.iterations.max(1));
+        loop {
+            let more = plan::recording(schedule, texels, portions, None, iterations - planned);
+            planned += plan::iterations(&more);
+            steps.extend(more);
+            // The list of tiles that rounds leave has a place in the recording.
+            if planned >= iterations || schedule == Schedule::Tiles {
+                break;
+            }
+        }
+        Self { texels, schedule, wavefront, stop, steps, iterations: planned }
+    }
+
+    /// The passes, to look at.
+    pub fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
+    /// Iterations, or rounds of tiles, in a recording: those beyond convergence visit nothing.
+    pub fn iterations(&self) -> u32 {
+        self.iterations
+    }
+}

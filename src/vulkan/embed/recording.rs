@@ -1,0 +1,380 @@
+//! Recording into the host's command buffer.
+
+use ash::vk;
+use bytemuck::NoUninit;
+
+use super::access::{Access, Reader};
+use super::host_sets::HostSet;
+use super::inputs::{PointKind, PointMemory, SourceInput};
+use super::plan::Plan;
+use super::solver::Solver;
+use super::surface::{ResultImage, Surface};
+use crate::constants::SOURCES_TOGETHER;
+use crate::surface::{Chart, EdgeRule, Spacing};
+use crate::vulkan::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE, TRANSFER};
+use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands};
+use crate::vulkan::pipelines::SchedulePipelines;
+use crate::vulkan::record::{EdgeSource, Recorder, rows_around};
+use crate::vulkan::{Schedule, VulkanError};
+
+/// Appends commands for a surface to a command buffer of the host's.
+///
+/// No call submits, waits, maps, or allocates, on the device or the heap. Where a call returns an
+/// error, it has recorded nothing. Recordings of one surface are to run one after another, in the
+/// order in which they are recorded: on one queue, or with semaphores between queues.
+#[derive(Clone, Copy)]
+pub struct Recording<'a> {
+    recorder: Recorder<'a>,
+    solver: &'a Solver,
+    surface: &'a Surface,
+}
+
+/// What one frame takes: [`Recording::frame`].
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// How the host has written points and sources since the frame before.
+    pub before: Access,
+    /// The surface's points to measure; `None` if they have not changed since the last frame.
+    pub points: Option<usize>,
+    /// Where the fronts start.
+    pub sources: SourceInput<'a>,
+    /// The passes.
+    pub plan: &'a Plan,
+    /// Which image of distances is written.
+    pub slot: usize,
+    /// Who reads it.
+    pub reader: Reader,
+    /// What stands in it for points that are not reached; +infinity, which filters would turn to
+    /// NaN beside such points, or what suits the reader.
+    pub unreached: f32,
+}
+
+#[derive(Clone, Copy, NoUninit)]
+#[repr(C)]
+struct PointsBand {
+    grid: [i32; 2],
+    first_row: i32,
+    band_rows: i32,
+    heights: i32,
+    slowness: i32,
+    first_word: i32,
+    stride: i32,
+}
+
+#[derive(Clone, Copy, NoUninit)]
+#[repr(C)]
+struct SourcePortion {
+    grid: [i32; 2],
+    first_word: i32,
+    count: i32,
+}
+
+#[derive(Clone, Copy, NoUninit)]
+#[repr(C)]
+struct ResultSize {
+    grid: [i32; 2],
+    unreached: f32,
+}
+
+#[derive(Clone, Copy, NoUninit)]
+#[repr(C)]
+struct Places {
+    grid: [i32; 2],
+    count: i32,
+    first_word: i32,
+    first_distance: i32,
+    unreached: f32,
+}
+
+impl<'a> Recording<'a> {
+    pub(super) fn new(
+        device: &'a ash::Device,
+        commands: vk::CommandBuffer,
+        solver: &'a Solver,
+        surface: &'a Surface,
+    ) -> Self {
+        let recorder =
+            Recorder { device, commands, pipelines: &solver.pipelines, grid: &surface.grid };
+        Self { recorder, solver, surface }
+    }
+
+    /// Brings the new surface's images into their layouts. To be recorded once, before anything
+    /// else, and again after passes were added to the solver, if at all: it also dispatches
+    /// nothing of every pass, since drivers may compile a pipeline at its first dispatch.
+    pub fn prepare(&self) {
+        let Self { recorder, solver, surface } = self;
+        recorder.prepare();
+        for passes in solver.all_passes() {
+            recorder.warm_up(passes);
+        }
+        let (pipelines, sets) = (&solver.pipelines, &surface.sets);
+        let points = surface.points.iter().zip(&sets.points);
+        let points = points.map(|(points, set)| (self.points_pipeline(points.memory), set));
+        let lookups = sets.lookups.iter().map(|set| (pipelines.lookup, set));
+        let sources = std::iter::once((pipelines.sources, &sets.inline_sources));
+        for (pipeline, set) in points.chain(lookups).chain(sources) {
+            recorder.host_pass(pipeline, set.set, &[0u32; 8], [0, 0]);
+        }
+        recorder.barrier(PASS, PASS);
+    }
+
+    /// All of a usual frame: [`Recording::begin`], [`Recording::measure`] if there are new points,
+    /// [`Recording::solve`], [`Recording::outcome`] and [`Recording::result`].
+    ///
+    /// # Errors
+    /// As these, and then nothing is recorded.
+    pub fn frame(&self, frame: &Frame) -> Result<ResultImage, VulkanError> {
+        if let Some(points) = frame.points {
+            self.points(points)?;
+        }
+        self.check(frame.plan)?;
+        self.check_sources(frame.sources)?;
+        let result = self.surface.result(frame.slot, frame.reader.layout)?;
+        self.begin(frame.before);
+        if let Some(points) = frame.points {
+            self.measure(points)?;
+        }
+        self.solve(frame.sources, frame.plan)?;
+        self.outcome(frame.slot)?;
+        self.result(frame.slot, frame.reader, frame.unreached)?;
+        Ok(result)
+    }
+
+    /// Waits for what the host has written, and for recordings of this surface before.
+    pub fn begin(&self, before: Access) {
+        let (stages, access) = (PASS.0 | TRANSFER.0, PASS.1 | TRANSFER.1);
+        let (host_stages, host_access) = before.side();
+        self.recorder.barrier((stages | host_stages, access | host_access), (stages, access));
+    }
+
+    /// Lets the host read the packed times, or overwrite what was read, after everything so far.
+    pub fn end(&self, after: Access) {
+        self.recorder.barrier((PASS.0 | TRANSFER.0, PASS.1 | TRANSFER.1), after.side());
+    }
+
+    /// Measures the surface's edges, and its curvature if a wavefront of the solver needs it, from
+    /// points in the host's memory. The map is lost: [`Recording::solve`] comes next.
+    ///
+    /// Edges must be shorter than 1e12 units, and those between distinct points longer than 1e-12.
+    ///
+    /// # Errors
+    /// If the surface has no such points.
+    pub fn measure(&self, points: usize) -> Result<(), VulkanError> {
+        let (set, info) = self.points(points)?;
+        let Self { recorder, surface, solver } = self;
+        let chart = surface.grid.chart;
+        let (source, spacing, heights) = match info.kind {
+            PointKind::Positions => (EdgeSource::Positions, Spacing::square(1.0), 0),
+            PointKind::Heights(spacing) => (EdgeSource::Heights, spacing, 1),
+        };
+        let stride = match info.memory {
+            PointMemory::Buffer { stride, .. } => stride as i32 / size_of::<f32>() as i32,
+            PointMemory::Image { .. } => 0,
+        };
+        for rows in bands(chart, POINT_BYTES) {
+            let around = rows_around(&rows, chart);
+            let band = PointsBand {
+                grid: grid_size(chart),
+                first_row: around.start as i32,
+                band_rows: around.len() as i32,
+                heights,
+                slowness: info.slowness.map_or(-1, |index| index as i32),
+                first_word: set.first_word,
+                stride,
+            };
+            let pipeline = self.points_pipeline(info.memory);
+            recorder.host_pass(pipeline, set.set, &band, [chart.cols as u32, around.len() as u32]);
+            recorder.barrier(SHADER_WRITE, SHADER);
+            recorder.measure(source, spacing, surface.edge_rule == EdgeRule::Arc, rows);
+        }
+        if solver.is_curved() {
+            recorder.bend(surface.edge_rule);
+        }
+        Ok(())
+    }
+
+    /// Computes a map: as many iterations as the plan holds, less those after convergence.
+    ///
+    /// # Errors
+    /// If the plan or the sources do not fit the surface.
+    pub fn solve(&self, sources: SourceInput, plan: &Plan) -> Result<(), VulkanError> {
+        self.check(plan)?;
+        self.check_sources(sources)?;
+        self.recorder.forget();
+        self.start(sources, plan)
+    }
+
+    /// Adds sources to the map, which has converged with the same wavefront.
+    ///
+    /// # Errors
+    /// If the plan or the sources do not fit the surface.
+    pub fn add(&self, sources: SourceInput, plan: &Plan) -> Result<(), VulkanError> {
+        self.check(plan)?;
+        self.check_sources(sources)?;
+        self.start(sources, plan)
+    }
+
+    /// Goes on with a map that may not have converged, by as many iterations again. In a later
+    /// command buffer or the same; with the plan that it was started with. Visits nothing if
+    /// the map has converged.
+    ///
+    /// # Errors
+    /// If the plan does not fit the surface.
+    pub fn resume(&self, plan: &Plan) -> Result<(), VulkanError> {
+        let passes = self.check(plan)?;
+        self.recorder.go_on(plan.steps());
+        self.recorder.steps(passes, plan.steps());
+        Ok(())
+    }
+
+    /// Copies how the iterations have gone to the slot's record, for [`Surface::outcome`].
+    ///
+    /// # Errors
+    /// If there is no such slot.
+    pub fn outcome(&self, slot: usize) -> Result<(), VulkanError> {
+        self.surface.check_slot(slot)?;
+        self.recorder.outcome(slot);
+        Ok(())
+    }
+
+    /// Copies how the iterations have gone, [`super::Outcome::BYTES`] bytes for
+    /// [`super::Outcome::from_bytes`], into a buffer of the host's with usage `TRANSFER_DST`;
+    /// `offset` is a multiple of 4. Shaders find the number of iterations in the third 32-bit
+    /// number.
+    pub fn outcome_to(&self, buffer: vk::Buffer, offset: u64, after: Access) {
+        self.recorder.outcome_to(buffer, offset);
+        self.recorder.barrier(CLEAR, after.side());
+    }
+
+    /// Unpacks the map into the slot's image of distances. The commands wait until the `reader` of
+    /// commands before has done with that image, and the reader of commands after waits for them.
+    ///
+    /// # Errors
+    /// If there is no such slot.
+    pub fn result(
+        &self,
+        slot: usize,
+        reader: Reader,
+        unreached: f32,
+    ) -> Result<ResultImage, VulkanError> {
+        let result = self.surface.result(slot, reader.layout)?;
+        let Self { recorder, surface, solver } = self;
+        let chart = surface.grid.chart;
+        // Writers of the same slot in commands before are waited for as well.
+        let (stages, access) = reader.access.side();
+        let before = (stages | SHADER_WRITE.0, access | SHADER_WRITE.1);
+        let general = vk::ImageLayout::GENERAL;
+        let layouts = (vk::ImageLayout::UNDEFINED, general);
+        recorder.image_barrier(result.image, before, SHADER_WRITE, layouts);
+        let size = ResultSize { grid: grid_size(chart), unreached };
+        let [width, height] = surface.grid.texels.inner();
+        let set = surface.sets.results[slot].set;
+        recorder.host_pass(solver.pipelines.result, set, &size, [width, height]);
+        let layouts = (general, reader.layout);
+        recorder.image_barrier(result.image, SHADER_WRITE, reader.access.side(), layouts);
+        Ok(result)
+    }
+
+    /// Looks distances up at the places in a buffer of the host's, bilinear between grid points.
+    /// What is not reached, or not on the grid, is `unreached`. The commands wait for what `before`
+    /// has written.
+    ///
+    /// # Errors
+    /// If the surface has no such lookup.
+    pub fn lookup(
+        &self,
+        number: usize,
+        unreached: f32,
+        before: Access,
+        after: Access,
+    ) -> Result<(), VulkanError> {
+        let Self { recorder, surface, solver } = self;
+        let set = nth(&surface.sets.lookups, "lookups", number)?;
+        let count = surface.lookup_counts[number];
+        recorder.barrier(before.side(), SHADER);
+        let places = Places {
+            grid: grid_size(surface.grid.chart),
+            count: count as i32,
+            first_word: set.first_word,
+            first_distance: set.first_output,
+            unreached,
+        };
+        recorder.host_pass(solver.pipelines.lookup, set.set, &places, [count, 1]);
+        recorder.barrier(SHADER_WRITE, after.side());
+        Ok(())
+    }
+
+    fn check(&self, plan: &Plan) -> Result<&'a SchedulePipelines, VulkanError> {
+        if plan.texels != self.surface.grid.texels {
+            return Err(VulkanError::OtherGrid);
+        }
+        let (schedule, wavefront) = (plan.schedule, plan.wavefront);
+        self.solver.passes(schedule, wavefront).ok_or(VulkanError::NoPasses { schedule, wavefront })
+    }
+
+    fn check_sources(&self, sources: SourceInput) -> Result<(), VulkanError> {
+        match sources {
+            SourceInput::Inline(sources) if sources.len() > INLINE_SOURCES => {
+                let (given, most) = (sources.len(), INLINE_SOURCES);
+                Err(VulkanError::TooManySources { given, most })
+            }
+            SourceInput::Inline(sources) => {
+                let chart = self.surface.grid.chart;
+                Ok(sources.iter().try_for_each(|source| source.check(chart))?)
+            }
+            SourceInput::Buffer(number) => {
+                nth(&self.surface.sets.sources, "source buffers", number).map(drop)
+            }
+        }
+    }
+
+    /// Starts a map on what is there, and runs the plan's steps.
+    fn start(&self, sources: SourceInput, plan: &Plan) -> Result<(), VulkanError> {
+        let passes = self.check(plan)?;
+        let Self { recorder, surface, .. } = self;
+        recorder.start(plan.stop);
+        let (set, count) = match sources {
+            SourceInput::Inline(sources) => {
+                recorder.write_sources(bytemuck::cast_slice(sources));
+                (surface.sets.inline_sources, sources.len() as u32)
+            }
+            SourceInput::Buffer(number) => {
+                (surface.sets.sources[number], surface.source_counts[number])
+            }
+        };
+        for first in (0..count).step_by(SOURCES_TOGETHER as usize) {
+            let together = (count - first).min(SOURCES_TOGETHER);
+            let portion = SourcePortion {
+                grid: grid_size(surface.grid.chart),
+                first_word: set.first_word + 4 * first as i32,
+                count: together as i32,
+            };
+            let pipeline = self.solver.pipelines.sources;
+            recorder.host_pass(pipeline, set.set, &portion, [4 * together, 1]);
+            recorder.barrier(SHADER_WRITE, SHADER);
+            recorder.seed(4 * together, plan.schedule == Schedule::Tiles);
+        }
+        recorder.steps(passes, plan.steps());
+        Ok(())
+    }
+
+    fn points(&self, number: usize) -> Result<(HostSet, super::Points), VulkanError> {
+        let set = nth(&self.surface.sets.points, "point inputs", number)?;
+        Ok((set, self.surface.points[number]))
+    }
+
+    fn points_pipeline(&self, memory: PointMemory) -> vk::Pipeline {
+        match memory {
+            PointMemory::Buffer { .. } => self.solver.pipelines.points_from_buffer,
+            PointMemory::Image { .. } => self.solver.pipelines.points_from_image,
+        }
+    }
+}
+
+fn nth(sets: &[HostSet], what: &'static str, number: usize) -> Result<HostSet, VulkanError> {
+    sets.get(number).copied().ok_or(VulkanError::NoSuch { what, number, count: sets.len() })
+}
+
+fn grid_size(chart: Chart) -> [i32; 2] {
+    [chart.cols as i32, chart.rows as i32]
+}

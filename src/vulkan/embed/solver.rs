@@ -1,0 +1,148 @@
+//! The pipelines of a device, shared by all its surfaces.
+
+use ash::vk;
+use gpu_allocator::vulkan::Allocator;
+
+use super::plan::Plan;
+use super::recording::Recording;
+use super::surface::{Surface, SurfaceInfo};
+use crate::surface::Chart;
+use crate::update::Wavefront;
+use crate::vulkan::limits::Limits;
+use crate::vulkan::pipelines::{Pipelines, SchedulePipelines};
+use crate::vulkan::{Method, Schedule, Tuning, VulkanError, requirements};
+
+/// The pipelines of a device of the host's.
+///
+/// It keeps no reference to the device: the host passes it in, and calls [`Solver::destroy`] before
+/// the device goes.
+#[derive(Debug)]
+pub struct Solver {
+    pub(crate) pipelines: Pipelines,
+    /// By schedule and wavefront.
+    passes: [[Option<SchedulePipelines>; Wavefront::ALL.len()]; Schedule::ALL.len()],
+    pub(crate) limits: Limits,
+}
+
+impl Solver {
+    /// Creates the pipelines for these schedules and wavefronts; others can be added later with
+    /// [`Solver::add_passes`].
+    ///
+    /// # Errors
+    /// [`VulkanError::Unusable`] with all that the device lacks, or a call of Vulkan's that fails.
+    pub fn new(
+        instance: &ash::Instance,
+        physical_device: vk::PhysicalDevice,
+        device: &ash::Device,
+        passes: &[(Schedule, Wavefront)],
+    ) -> Result<Self, VulkanError> {
+        // SAFETY: the physical device is from this instance.
+        let properties = unsafe { instance.get_physical_device_properties(physical_device) };
+        let unmet = requirements::unmet(instance, physical_device);
+        if !unmet.is_empty() {
+            let name = properties.device_name_as_c_str().unwrap_or(c"unnamed");
+            let device = name.to_string_lossy().into_owned();
+            return Err(VulkanError::Unusable { device, unmet: unmet.join("; ") });
+        }
+        let pipelines = Pipelines::new(device, Tuning::of(&properties))?;
+        let limits = Limits::of(instance, physical_device);
+        let mut new = Self { pipelines, passes: Default::default(), limits };
+        for &(schedule, wavefront) in passes {
+            if let Err(error) = new.add_passes(device, schedule, wavefront) {
+                new.destroy(device);
+                return Err(error);
+            }
+        }
+        Ok(new)
+    }
+
+    /// Creates the pipelines of one more schedule and wavefront, unless they are there.
+    pub fn add_passes(
+        &mut self,
+        device: &ash::Device,
+        schedule: Schedule,
+        wavefront: Wavefront,
+    ) -> Result<(), VulkanError> {
+        let passes = &mut self.passes[schedule as usize][wavefront as usize];
+        if passes.is_none() {
+            let new = SchedulePipelines::new(device, &self.pipelines, schedule, wavefront)?;
+            *passes = Some(new);
+        }
+        Ok(())
+    }
+
+    pub(crate) fn passes(
+        &self,
+        schedule: Schedule,
+        wavefront: Wavefront,
+    ) -> Option<&SchedulePipelines> {
+        self.passes[schedule as usize][wavefront as usize].as_ref()
+    }
+
+    pub(super) fn all_passes(&self) -> impl Iterator<Item = &SchedulePipelines> {
+        self.passes.iter().flatten().flatten()
+    }
+
+    /// Whether some wavefront needs the surface's Gaussian curvature.
+    pub(super) fn is_curved(&self) -> bool {
+        self.passes.iter().any(|by_wavefront| by_wavefront[Wavefront::Curved as usize].is_some())
+    }
+
+    /// The passes of a map on a grid of this size, with this many iterations (or rounds of tiles) a
+    /// recording: at most 128 for tiles, and no more than [`Method::stop`] allows in all. More
+    /// than one recording goes on where the last has left off: [`Recording::resume`].
+    ///
+    /// # Errors
+    /// If the solver was not made for the method's schedule and wavefront, or the grid is too large.
+    pub fn plan(&self, chart: Chart, method: Method, iterations: u32) -> Result<Plan, VulkanError> {
+        let best = || Schedule::best_on(self.limits.kind, chart);
+        let schedule = method.schedule.unwrap_or_else(best);
+        if self.passes(schedule, method.wavefront).is_none() {
+            return Err(VulkanError::NoPasses { schedule, wavefront: method.wavefront });
+        }
+        let texels = self.limits.texels(chart)?;
+        Ok(Plan::new(self.pipelines.tuning.portions(), texels, schedule, method, iterations))
+    }
+
+    /// Bytes that a surface takes from the allocator's memory blocks on this device, before it is
+    /// made.
+    pub fn bytes_for(&self, device: &ash::Device, info: &SurfaceInfo) -> Result<u64, VulkanError> {
+        Surface::bytes_for(device, self, info)
+    }
+
+    /// Makes a surface: the one call that allocates.
+    ///
+    /// # Errors
+    /// If the grid is too large for the device, memory runs out, or a buffer of the host's cannot
+    /// be used as described. Nothing is left behind then.
+    pub fn surface(
+        &self,
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        info: &SurfaceInfo,
+    ) -> Result<Surface, VulkanError> {
+        Surface::new(device, allocator, self, info)
+    }
+
+    /// Records for a surface into a command buffer that the host has begun, on a queue family for
+    /// compute and outside a render pass. Costs nothing by itself.
+    pub fn record<'a>(
+        &'a self,
+        device: &'a ash::Device,
+        commands: vk::CommandBuffer,
+        surface: &'a Surface,
+    ) -> Recording<'a> {
+        Recording::new(device, commands, self, surface)
+    }
+
+    /// Destroys the pipelines. No submitted work may still use them; the solver is of no use
+    /// afterwards.
+    pub fn destroy(&mut self, device: &ash::Device) {
+        for passes in self.passes.iter_mut().flatten() {
+            if let Some(mut passes) = passes.take() {
+                passes.destroy(device);
+            }
+        }
+        self.pipelines.destroy(device);
+    }
+}

@@ -1,0 +1,233 @@
+//! A surface in a renderer: its images, and the host's memory that it reads.
+
+use ash::vk;
+use gpu_allocator::vulkan::Allocator;
+
+use super::host_sets::HostSets;
+use super::inputs::{Lookup, Points, SourceBuffer};
+use super::solver::Solver;
+use crate::constants::{BORDER, TIME};
+use crate::surface::{Chart, EdgeRule, SurfaceError};
+use crate::vulkan::VulkanError;
+use crate::vulkan::grid_images::{GridImages, Purpose};
+use crate::vulkan::memory::{FORMAT, RESULT_FORMAT};
+
+/// What a surface is made for. The host's images and buffers stay the host's: they must be alive
+/// whenever a recording that reads them runs, and their contents may change from frame to frame.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceInfo<'a> {
+    /// Size of the grid.
+    pub chart: Chart,
+    /// How edges are measured.
+    pub edge_rule: EdgeRule,
+    /// How many frames are in flight: so many images of distances, and records of how iterations
+    /// went, are there to be written in turn. At least 1.
+    pub slots: usize,
+    /// Queue families that use the images of distances, if there is more than one: ours and
+    /// those of the readers. No ownership needs to be transferred then.
+    pub queue_families: &'a [u32],
+    /// Where points may come from, by number: one for each frame in flight, say.
+    pub points: &'a [Points],
+    /// Buffers that sources may come from, by number.
+    pub sources: &'a [SourceBuffer],
+    /// Buffers for lookups, by number.
+    pub lookups: &'a [Lookup],
+}
+
+impl SurfaceInfo<'_> {
+    /// A grid with one slot, and none of the host's memory.
+    pub fn new(chart: Chart) -> Self {
+        Self {
+            chart,
+            edge_rule: EdgeRule::default(),
+            slots: 1,
+            queue_families: &[],
+            points: &[],
+            sources: &[],
+            lookups: &[],
+        }
+    }
+
+    fn purpose(&self) -> Purpose<'_> {
+        Purpose::Embedded { results: self.slots.max(1), families: self.queue_families }
+    }
+
+    fn check(&self) -> Result<(), SurfaceError> {
+        let Chart { rows, cols } = self.chart;
+        if rows == 0 || cols == 0 { Err(SurfaceError::Empty { rows, cols }) } else { Ok(()) }
+    }
+}
+
+/// A surface on the host's device: edge lengths, curvature and fronts, which all recordings share,
+/// and an image of distances for each slot.
+///
+/// Dropping it frees nothing: the host calls [`Surface::destroy`], once no submitted work uses it.
+#[derive(Debug)]
+pub struct Surface {
+    pub(super) grid: GridImages,
+    pub(super) sets: HostSets,
+    pub(super) points: Vec<Points>,
+    pub(super) source_counts: Vec<u32>,
+    pub(super) lookup_counts: Vec<u32>,
+    pub(super) edge_rule: EdgeRule,
+}
+
+/// An image that holds distances, made with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ResultImage {
+    /// The image.
+    pub image: vk::Image,
+    /// A view of all of it.
+    pub view: vk::ImageView,
+    /// R32_SFLOAT, which all devices sample but some without filtering; or R32G32B32A32_SFLOAT.
+    pub format: vk::Format,
+    /// Width and height in texels.
+    pub extent: vk::Extent2D,
+    /// The layout that it has after the recording.
+    pub layout: vk::ImageLayout,
+}
+
+/// The arrival times as the passes keep them: 2 x 2 grid points a texel, in a border of texels
+/// that are never reached. Not for filtering.
+///
+/// The point at row r and column c is component 2 (r mod 2) + c mod 2 of texel
+/// (c / 2 + border, r / 2 + border), in layer `layer`. What is not reached is 1e30 or more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PackedTimes {
+    /// The image, always in the layout `GENERAL`. The view is an array; other layers are not times.
+    pub image: ResultImage,
+    /// Of the view.
+    pub layer: u32,
+    /// Texels around the grid's.
+    pub border: u32,
+}
+
+/// How the iterations of a recording went.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// Iterations since the start of the map, or rounds of tiles.
+    pub iterations: u32,
+    /// Largest relative change of a front in the last of them.
+    pub residual: f64,
+    /// Whether the map has converged. If it has not, it takes [`super::Recording::resume`].
+    pub converged: bool,
+}
+
+impl Surface {
+    pub(super) fn new(
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        solver: &Solver,
+        info: &SurfaceInfo,
+    ) -> Result<Self, VulkanError> {
+        info.check()?;
+        let size = (info.chart, solver.limits.texels(info.chart)?);
+        let pipelines = &solver.pipelines;
+        let mut grid = GridImages::new(device, allocator, pipelines, size, info.purpose())?;
+        let host = (info.points, info.sources, info.lookups);
+        match HostSets::new(device, pipelines, &solver.limits, &grid, host) {
+            Ok(sets) => Ok(Self {
+                grid,
+                sets,
+                points: info.points.to_vec(),
+                source_counts: info.sources.iter().map(|sources| sources.count).collect(),
+                lookup_counts: info.lookups.iter().map(|lookup| lookup.count).collect(),
+                edge_rule: info.edge_rule,
+            }),
+            Err(error) => {
+                grid.destroy(device, allocator);
+                Err(error)
+            }
+        }
+    }
+
+    pub(super) fn bytes_for(
+        device: &ash::Device,
+        solver: &Solver,
+        info: &SurfaceInfo,
+    ) -> Result<u64, VulkanError> {
+        info.check()?;
+        let size = (info.chart, solver.limits.texels(info.chart)?);
+        GridImages::bytes_for(device, solver.pipelines.tuning, size, info.purpose())
+    }
+
+    /// The grid's size.
+    pub fn chart(&self) -> Chart {
+        self.grid.chart
+    }
+
+    /// Bytes taken from the allocator's memory blocks.
+    pub fn bytes(&self) -> u64 {
+        self.grid.bytes()
+    }
+
+    /// How many images of distances there are.
+    pub fn slots(&self) -> usize {
+        self.grid.results.len()
+    }
+
+    /// The image of distances of a slot, one texel a grid point: column to the right, row down.
+    /// `layout` is that of the [`super::Reader`] it was last recorded for.
+    pub fn result(&self, slot: usize, layout: vk::ImageLayout) -> Result<ResultImage, VulkanError> {
+        let images = &self.grid.results;
+        let image = images.get(slot).ok_or(VulkanError::NoSuch {
+            what: "slots",
+            number: slot,
+            count: images.len(),
+        })?;
+        let Chart { rows, cols } = self.grid.chart;
+        let extent = vk::Extent2D { width: cols as u32, height: rows as u32 };
+        let format = RESULT_FORMAT;
+        Ok(ResultImage { image: image.image, view: image.view, format, extent, layout })
+    }
+
+    /// The packed arrival times that all slots share: valid after a recording until the next one.
+    pub fn packed(&self) -> PackedTimes {
+        let (image, extent) = (&self.grid.fronts[0], self.grid.texels.fronts_extent());
+        let image = ResultImage {
+            image: image.image,
+            view: image.view,
+            format: FORMAT,
+            extent: vk::Extent2D { width: extent.width, height: extent.height },
+            layout: vk::ImageLayout::GENERAL,
+        };
+        PackedTimes { image, layer: TIME, border: BORDER }
+    }
+
+    /// How the iterations of the last recording for a slot went. To be called after the fence of
+    /// its submission.
+    pub fn outcome(&self, slot: usize) -> Result<Outcome, VulkanError> {
+        self.check_slot(slot)?;
+        Ok(Outcome::of(self.grid.outcome(slot)))
+    }
+
+    pub(super) fn check_slot(&self, slot: usize) -> Result<(), VulkanError> {
+        self.result(slot, vk::ImageLayout::UNDEFINED).map(drop)
+    }
+
+    /// Frees everything, with the device and the allocator that it was made with. No submitted work
+    /// may still use the surface: in a renderer, wait for the fences of the frames in flight, or put
+    /// it on the list of what is freed so many frames later. A second call does nothing.
+    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+        self.sets.destroy(device);
+        self.grid.destroy(device, allocator);
+    }
+}
+
+impl Outcome {
+    /// From what [`super::Recording::outcome_to`] copies.
+    pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
+        Self::of(bytemuck::pod_read_unaligned(bytes))
+    }
+
+    /// Bytes of the record that [`super::Recording::outcome_to`] copies.
+    pub const BYTES: usize = size_of::<crate::vulkan::progress::Outcome>();
+
+    fn of(outcome: crate::vulkan::progress::Outcome) -> Self {
+        Self {
+            iterations: outcome.iterations,
+            residual: outcome.residual(),
+            converged: outcome.has_converged(),
+        }
+    }
+}
