@@ -90,14 +90,17 @@ impl Solver {
 
     /// The passes of a map on a grid of this size, with this many iterations (or rounds of tiles) a
     /// recording: at most 128 for tiles, and no more than [`Method::stop`] allows in all. More
-    /// than one recording goes on where the last has left off: [`Recording::resume`].
+    /// than one recording goes on where the last has left off: [`Recording::resume`]. Without a
+    /// schedule it is [`Schedule::best_on`] the device if the solver was made for it, else another.
     ///
     /// # Errors
     /// If the solver was not made for the method's schedule and wavefront, or the grid is too large.
     pub fn plan(&self, chart: Chart, method: Method, iterations: u32) -> Result<Plan, VulkanError> {
-        let best = || Schedule::best_on(self.limits.kind, chart);
-        let schedule = method.schedule.unwrap_or_else(best);
-        if self.passes(schedule, method.wavefront).is_none() {
+        let best = Schedule::best_on(self.limits.kind, chart);
+        let made = |schedule: &Schedule| self.passes(*schedule, method.wavefront).is_some();
+        let or_else = || [best].into_iter().chain(Schedule::ALL).find(made).unwrap_or(best);
+        let schedule = method.schedule.unwrap_or_else(or_else);
+        if !made(&schedule) {
             return Err(VulkanError::NoPasses { schedule, wavefront: method.wavefront });
         }
         let texels = self.limits.texels(chart)?;
