@@ -1,16 +1,24 @@
 //! What people do with a distance map.
 
+mod area;
 mod arrivals;
 #[cfg(feature = "canonical")]
 pub mod canonical;
 mod chains;
 mod contours;
 mod curve;
+mod map_error;
+mod order;
 mod paths;
 mod sampling;
+mod spokes;
 mod triangles;
+mod voronoi;
 
+pub use area::area;
 pub use contours::{Contour, LevelError, Levels, MOST_LEVELS, contours};
 pub use curve::{Curve, CurveError};
+pub use map_error::MapError;
 pub use paths::{Path, PathError, Paths};
 pub use sampling::{Farthest, FarthestPoints, farthest};
+pub use voronoi::{Border, NO_REGION, Voronoi};

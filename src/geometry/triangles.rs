@@ -29,13 +29,18 @@ impl Edge {
         (chart.position((self.0 / 4) as usize), FORWARD[(self.0 % 4) as usize])
     }
 
-    /// A number for each edge of the grid.
+    /// A number for each edge of the grid; larger ones are free.
     pub(super) fn number(self) -> u64 {
         self.0
     }
 
     pub(super) fn from_number(number: u64) -> Self {
         Self(number)
+    }
+
+    /// Above the numbers of all edges of the grid.
+    pub(super) fn end(chart: Chart) -> u64 {
+        4 * chart.points() as u64
     }
 }
 
@@ -80,7 +85,7 @@ mod tests {
                     let edge = Edge::between(chart, other, index);
                     assert_eq!(edge, Edge::between(chart, index, other));
                     assert_eq!(edge.ends(chart), ((row, col), to));
-                    assert!(seen.insert(edge));
+                    assert!(seen.insert(edge) && edge.number() < Edge::end(chart));
                 }
             }
         }

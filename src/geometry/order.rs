@@ -1,0 +1,90 @@
+//! The points of a map in the order in which its fronts reach them.
+
+use rayon::prelude::*;
+
+use super::MapError;
+use crate::surface::{Chart, Real};
+
+/// A map as a bordered array, in which points that are not reached have [`Real::FAR`].
+///
+/// # Errors
+/// If there is not a distance for each grid point.
+pub(super) fn bordered(chart: Chart, distances: &[f32]) -> Result<Vec<f32>, MapError> {
+    let Chart { rows, cols } = chart;
+    if distances.len() != chart.points() {
+        return Err(MapError::Shape { found: distances.len(), rows, cols });
+    }
+    let mut times = vec![f32::FAR; chart.bordered_points()];
+    let lines = times.par_chunks_mut(chart.stride()).skip(1).zip(distances.par_chunks(cols));
+    lines.for_each(|(line, distances)| {
+        for (time, &distance) in line[1..].iter_mut().zip(distances) {
+            *time = if distance.is_finite() { distance } else { f32::FAR };
+        }
+    });
+    Ok(times)
+}
+
+/// The indices of all points that are reached, the earliest first; of equally early ones that with
+/// the smaller index.
+///
+/// Into many buckets first: times are spread evenly enough for each to stay short.
+pub(super) fn by_arrival(times: &[f32]) -> Vec<u32> {
+    const IN_BUCKET: usize = 16;
+    let is_reached = |time: f32| time < f32::FAR;
+    let reached = || times.par_iter().copied().filter(|&time| is_reached(time));
+    let first = reached().reduce(|| f32::FAR, f32::min);
+    let last = reached().reduce(|| first, f32::max);
+    let buckets = times.len() / IN_BUCKET + 1;
+    let per_time = if last > first { (buckets - 1) as f32 / (last - first) } else { 0.0 };
+    // Rounding keeps the order, and a number that is too large saturates.
+    let bucket = |time: f32| (((time - first) * per_time) as usize).min(buckets - 1);
+    let mut ends = vec![0u32; buckets];
+    for &time in times.iter().filter(|&&time| is_reached(time)) {
+        ends[bucket(time)] += 1;
+    }
+    let mut count = 0;
+    for end in &mut ends {
+        (*end, count) = (count, count + *end);
+    }
+    let mut order = vec![0u32; count as usize];
+    for (point, &time) in times.iter().enumerate().filter(|&(_, &time)| is_reached(time)) {
+        let place = &mut ends[bucket(time)];
+        order[*place as usize] = point as u32;
+        *place += 1;
+    }
+    let time = |point: u32| times[point as usize];
+    // Now each knows its end.
+    let mut rest = order.as_mut_slice();
+    let mut parts = Vec::new();
+    let mut start = 0;
+    for ends in ends.chunks(256) {
+        let end = ends[ends.len() - 1];
+        let (part, after) = rest.split_at_mut((end - start) as usize);
+        (rest, start) = (after, end);
+        parts.push(part);
+    }
+    parts.into_par_iter().for_each(|part| {
+        let same = |a: &u32, b: &u32| bucket(time(*a)) == bucket(time(*b));
+        for bucket in part.chunk_by_mut(same) {
+            bucket.sort_unstable_by(|&a, &b| time(a).total_cmp(&time(b)).then(a.cmp(&b)));
+        }
+    });
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_come_in_the_order_of_their_times() {
+        for spread in [1.0, 0.0, 1e-30, 1e30] {
+            let time = |k: u32| if k % 7 == 3 { f32::FAR } else { (k * 37 % 101) as f32 * spread };
+            let times: Vec<f32> = (0..5000).map(time).collect();
+            let mut expected: Vec<u32> = (0..5000).filter(|&k| time(k) < f32::FAR).collect();
+            expected.sort_by(|&a, &b| time(a).total_cmp(&time(b)));
+            assert_eq!(by_arrival(&times), expected);
+        }
+        assert!(by_arrival(&[f32::FAR; 9]).is_empty());
+    }
+}

@@ -1,0 +1,177 @@
+//! Borders between regions, by marching triangles.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::fronts::Fronts;
+use super::{Border, NO_REGION};
+use crate::geometry::chains::{Segment, join};
+use crate::geometry::triangles::{Edge, corners, triangles};
+
+/// A triangle with several regions, and what part of it each has.
+#[derive(Clone, Debug)]
+pub(super) struct Split {
+    pub points: [usize; 3],
+    pub parts: Vec<(u32, f64)>,
+}
+
+/// A triangle whose corners have several labels.
+struct Mixed<'a, 'b> {
+    fronts: &'a Fronts<'b>,
+    points: [usize; 3],
+    labels: [u32; 3],
+    /// The node of the junction in it, should it have one.
+    junction: u64,
+}
+
+/// Borders and split triangles.
+pub(super) fn march(fronts: &Fronts, labels: &[u32]) -> (Vec<Border>, Vec<Split>) {
+    let chart = fronts.chart();
+    // Junctions are nodes beyond all edges, two to a cell.
+    let junctions = Edge::end(chart);
+    let of_cell = |row: usize, col: usize| {
+        let corners = corners(chart, row, col);
+        let found = corners.map(|index| labels[index]);
+        let of_triangle = move |(number, triangle): (usize, &[usize; 3])| Mixed {
+            fronts,
+            points: triangle.map(|corner| corners[corner]),
+            labels: triangle.map(|corner| found[corner]),
+            junction: junctions + 2 * corners[0] as u64 + number as u64,
+        };
+        let triangles = triangles(found.map(|label| label != NO_REGION), true);
+        triangles.iter().enumerate().map(of_triangle)
+    };
+    let of_row = |row: usize| {
+        let mut mixed = Vec::new();
+        let (above, below) = (&labels[chart.index(row, 0)..], &labels[chart.index(row + 1, 0)..]);
+        for col in 0..chart.cols.saturating_sub(1) {
+            let same = above[col] == above[col + 1] && below[col] == below[col + 1];
+            if !(same && above[col] == below[col]) {
+                mixed.extend(of_cell(row, col).filter(Mixed::is_mixed));
+            }
+        }
+        mixed
+    };
+    let rows = (0..chart.rows.saturating_sub(1)).into_par_iter();
+    let mixed: Vec<Mixed> = rows.flat_map_iter(of_row).collect();
+    let segments = mixed.iter().flat_map(Mixed::segments).collect();
+    let curves = join(segments, |regions, node| {
+        if node >= junctions {
+            let place = (node - junctions) as usize;
+            let (row, col) = chart.position(place / 2);
+            let triangle = of_cell(row, col).nth(place % 2).expect("it has a junction");
+            return triangle.junction_place().to_array();
+        }
+        edge_place(fronts, labels, Edge::from_number(node), regions).to_array()
+    });
+    let borders = curves.into_iter().map(|(regions, curve)| Border { regions, curve });
+    (borders.collect(), mixed.iter().map(Mixed::split).collect())
+}
+
+/// Where a border crosses an edge.
+fn edge_place(fronts: &Fronts, labels: &[u32], edge: Edge, regions: [u32; 2]) -> DVec2 {
+    let chart = fronts.chart();
+    let ((row, col), to) = edge.ends(chart);
+    let (down, right) = to.step();
+    let (first, from) = (chart.index(row, col), DVec2::new(row as f64, col as f64));
+    let step = DVec2::new(down as f64, right as f64);
+    let last = chart.index(row.wrapping_add_signed(down), col.wrapping_add_signed(right));
+    let [a, b] = regions;
+    let regions = if labels[first] == a { [a, b] } else { [b, a] };
+    from + fronts.meeting([first, last], regions) * step
+}
+
+impl Mixed<'_, '_> {
+    fn is_mixed(&self) -> bool {
+        let [a, b, c] = self.labels;
+        a != b || b != c
+    }
+
+    fn has_junction(&self) -> bool {
+        let [a, b, c] = self.labels;
+        a != b && b != c && c != a
+    }
+
+    /// Its edges between regions, counter-clockwise, with the labels before and after.
+    fn crossed(&self) -> impl Iterator<Item = (Edge, [u32; 2])> {
+        (0..3).filter_map(|k| {
+            let (first, last) = (k, (k + 1) % 3);
+            let labels = [self.labels[first], self.labels[last]];
+            let edge = Edge::between(self.fronts.chart(), self.points[first], self.points[last]);
+            (labels[0] != labels[1]).then_some((edge, labels))
+        })
+    }
+
+    /// Each with the region of the smaller number to its left: it begins where the way around the
+    /// triangle leaves that region.
+    fn segments(&self) -> Vec<Segment<[u32; 2]>> {
+        let crossed: Vec<_> =
+            self.crossed().map(|(edge, labels)| (edge.number(), labels)).collect();
+        if self.has_junction() {
+            let to_junction = |&(edge, [a, b]): &(u64, [u32; 2])| {
+                let (from, to) = if a < b { (edge, self.junction) } else { (self.junction, edge) };
+                Segment { key: [a.min(b), a.max(b)], from, to }
+            };
+            return crossed.iter().map(to_junction).collect();
+        }
+        let [(first, [a, b]), (second, _)] = crossed[..] else { return Vec::new() };
+        let (from, to) = if a < b { (first, second) } else { (second, first) };
+        vec![Segment { key: [a.min(b), a.max(b)], from, to }]
+    }
+
+    /// Where three regions meet: where three fronts arrive at once, the differences of
+    /// their squared times linear between the corners.
+    fn junction_place(&self) -> DVec2 {
+        let squares = self.labels.map(|label| {
+            let at = |k: usize| self.fronts.squared(self.points[k], label);
+            Some(DVec3::new(at(0)?, at(1)?, at(2)?))
+        });
+        let weights = match squares {
+            [Some(a), Some(b), Some(c)] => (b - a).cross(c - a),
+            _ => DVec3::ONE,
+        };
+        // Where one region reaches between the corners of the two others it lies outside.
+        let weights = (weights / weights.element_sum()).max(DVec3::ZERO);
+        let weights = if weights.is_finite() { weights } else { DVec3::ONE };
+        let weights = weights / weights.element_sum();
+        (0..3).map(|k| weights[k] * self.place(k)).sum()
+    }
+
+    fn place(&self, k: usize) -> DVec2 {
+        let (row, col) = self.fronts.chart().position(self.points[k]);
+        DVec2::new(row as f64, col as f64)
+    }
+
+    fn split(&self) -> Split {
+        let cut = |j: usize, k: usize| {
+            let (points, labels) = ([j, k].map(|k| self.points[k]), [j, k].map(|k| self.labels[k]));
+            let share = self.fronts.meeting(points, labels);
+            self.place(j).lerp(self.place(k), share)
+        };
+        let whole = signed_area(&[0, 1, 2].map(|k| self.place(k)));
+        let part = |polygon: &[DVec2]| signed_area(polygon) / whole;
+        let parts = if self.has_junction() {
+            let junction = self.junction_place();
+            let of_corner = |k: usize| {
+                let [next, previous] = [(k + 1) % 3, (k + 2) % 3];
+                let polygon = [self.place(k), cut(k, next), junction, cut(k, previous)];
+                (self.labels[k], part(&polygon))
+            };
+            [0, 1, 2].map(of_corner).to_vec()
+        } else {
+            // The corner that is alone.
+            let alone = (0..3).find(|k| self.labels[(k + 1) % 3] == self.labels[(k + 2) % 3]);
+            let k = alone.unwrap_or(0);
+            let [next, previous] = [(k + 1) % 3, (k + 2) % 3];
+            let part = part(&[self.place(k), cut(k, next), cut(k, previous)]);
+            vec![(self.labels[k], part), (self.labels[next], 1.0 - part)]
+        };
+        Split { points: self.points, parts }
+    }
+}
+
+/// Twice, by the shoelace formula.
+fn signed_area(places: &[DVec2]) -> f64 {
+    let next = places.iter().cycle().skip(1);
+    places.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum()
+}

@@ -1,0 +1,297 @@
+//! Which source's front reaches a point first, and when the next ones do.
+//!
+//! Labels that are handed from neighbour to neighbour drift along the grid's directions where a
+//! border runs almost along the fronts' way, as behind a close pair of sources; and a converged map
+//! itself mixes both fronts there, since updates at the border start from points on either side.
+//! So near borders each source's front is followed by itself, across the border and beyond it
+//! until it is late by two edges: enough for both ends of an edge that crosses the border to know
+//! both fronts. Elsewhere a point's label is that of all its earlier neighbours, and its time is
+//! the map's.
+
+use rayon::prelude::*;
+
+use super::NO_REGION;
+use crate::geometry::MapError;
+use crate::geometry::order::{bordered, by_arrival};
+use crate::geometry::spokes::Spokes;
+use crate::surface::{Chart, EdgeLengths, Real, Source, Sources, Surface};
+use crate::update::{Triangle, planar, point_source};
+
+/// No further front, and the label of a point that has not been visited.
+const NONE: u32 = NO_REGION;
+/// Set in the label of a point that several fronts reach.
+const SEVERAL: u32 = 1 << 31;
+
+/// A front that reaches a point near a border.
+#[derive(Clone, Copy, Debug)]
+struct Arrival {
+    label: u32,
+    time: f64,
+    /// The next one at the same point.
+    next: u32,
+}
+
+/// How the front of a source is continued.
+#[derive(Clone, Copy, Debug)]
+struct Origin {
+    circular: bool,
+    initial: f64,
+}
+
+/// The fronts at all points of a bordered array.
+pub(super) struct Fronts<'a> {
+    spokes: Spokes<'a>,
+    origins: Vec<Origin>,
+    start: f64,
+    /// The map's.
+    times: Vec<f32>,
+    /// The label of each point, or with [`SEVERAL`] the first of its arrivals.
+    labels: Vec<u32>,
+    arrivals: Vec<Arrival>,
+    /// Fronts whose arrival at a point its neighbours have yet to hear of.
+    news: Vec<(u32, u32)>,
+}
+
+impl<'a> Fronts<'a> {
+    pub(super) fn new(
+        surface: &Surface,
+        edges: &'a EdgeLengths<f32>,
+        sources: &Sources,
+        distances: &[f32],
+    ) -> Result<Self, MapError> {
+        let times = bordered(edges.chart(), distances)?;
+        let order = by_arrival(&times);
+        let mut fronts = Self {
+            spokes: Spokes::new(edges),
+            origins: sources.iter().map(Origin::of).collect(),
+            start: sources.start(),
+            labels: vec![NONE; times.len()],
+            times,
+            arrivals: Vec::new(),
+            news: Vec::new(),
+        };
+        fronts.start(surface, sources)?;
+        for point in order {
+            fronts.visit(point as usize);
+        }
+        Ok(fronts)
+    }
+
+    /// Arrivals at the points that sources seed. Of two sources that are the same the second has
+    /// none.
+    fn start(&mut self, surface: &Surface, sources: &Sources) -> Result<(), MapError> {
+        let all: Vec<&Source> = sources.iter().collect();
+        for (label, source) in all.iter().enumerate() {
+            let seeds = Sources::from_iter([(*source).clone()]).seeds(surface)?;
+            if all[..label].contains(source) {
+                continue;
+            }
+            for seed in seeds {
+                let point = self.spokes.chart().bordered(seed.row, seed.col);
+                self.insert(point, label as u32, seed.time);
+            }
+        }
+        Ok(())
+    }
+
+    /// Labels a point whose earlier neighbours have all been visited.
+    fn visit(&mut self, point: usize) {
+        let here = self.labels[point];
+        if here == NONE {
+            let mut common = NONE;
+            let agree = (0..8).all(|to| {
+                let label = self.labels[self.spokes.neighbour(point, to)];
+                if common == NONE {
+                    common = label;
+                }
+                label == NONE || label == common && label & SEVERAL == 0
+            });
+            if agree && common != NONE {
+                self.labels[point] = common;
+                return;
+            }
+        }
+        // All fronts that neighbours have, and those of sources beside the point.
+        let mut found: Vec<(u32, f64)> = self.arrivals_at(point).collect();
+        for to in 0..8 {
+            let neighbour = self.spokes.neighbour(point, to);
+            if self.spokes.length(point, to) >= f64::FAR {
+                continue;
+            }
+            for (label, _) in self.arrivals_at(neighbour).collect::<Vec<_>>() {
+                if !found.iter().any(|(other, _)| *other == label) {
+                    found.push((label, f64::FAR));
+                }
+            }
+        }
+        for (label, time) in &mut found {
+            *time = time.min(self.through(point, *label, 0..8));
+        }
+        let first = found.iter().map(|(_, time)| *time).fold(f64::FAR, f64::min);
+        let latest = self.latest(point, first);
+        found.retain(|(_, time)| *time <= latest && *time < f64::FAR);
+        match found[..] {
+            [] => return,
+            [(label, _)] => self.labels[point] = label,
+            _ => {
+                self.labels[point] = NONE;
+                for &(label, time) in &found {
+                    self.insert(point, label, time);
+                }
+            }
+        }
+        self.news.extend(found.iter().map(|(label, _)| (point as u32, *label)));
+        while let Some((point, label)) = self.news.pop() {
+            self.tell(point as usize, label);
+        }
+    }
+
+    /// Tells a point's neighbours of a front that has reached it.
+    fn tell(&mut self, point: usize, label: u32) {
+        let time = self.time(point, label);
+        for to in 0..8 {
+            let neighbour = self.spokes.neighbour(point, to);
+            if !self.is_visited(neighbour) || self.spokes.length(point, to) >= f64::FAR {
+                continue;
+            }
+            let before = self.time(neighbour, label);
+            let latest = self.latest(neighbour, self.first(neighbour).1);
+            if time >= before.min(latest) {
+                continue;
+            }
+            // Through the two triangles on either side of the edge between them.
+            let back = (to + 4) % 8;
+            let arrival = self.through(neighbour, label, [(back + 7) % 8, back]);
+            if arrival <= latest && arrival < before * (1.0 - 1e-9) {
+                self.insert(neighbour, label, arrival);
+                self.news.push((neighbour as u32, label));
+            }
+        }
+    }
+
+    fn is_visited(&self, point: usize) -> bool {
+        self.labels[point] != NONE && self.times[point] < f32::FAR
+    }
+
+    /// Up to when fronts count at a point, given when the first arrives. Over an edge from one
+    /// region to another each front comes by the length of that edge after the other one's, at
+    /// most, and is known there that much later.
+    fn latest(&self, point: usize, first: f64) -> f64 {
+        first + 2.0 * self.spokes.longest(point) * (1.0 + 1e-6)
+    }
+
+    /// The arrival of a front at a point through some of the triangles that begin at each of its
+    /// neighbours.
+    fn through(&self, point: usize, label: u32, triangles: impl IntoIterator<Item = usize>) -> f64 {
+        let Origin { circular, initial } = self.origins[label as usize];
+        let since = |to: usize| {
+            let time = self.time(self.spokes.neighbour(point, to), label);
+            if time < f64::FAR { (time - initial).max(0.0) } else { f64::FAR }
+        };
+        let arrival = |to: usize| {
+            let next = (to + 1) % 8;
+            let (t1, t2) = (since(to), since(next));
+            if t1.min(t2) >= f64::FAR {
+                return f64::FAR;
+            }
+            let [l1, l2] = [to, next].map(|to| self.spokes.length(point, to));
+            let triangle = Triangle { t1, t2, l1, l2, c: self.spokes.base(point, to) };
+            if circular { point_source(triangle) } else { planar(triangle) }
+        };
+        let first = triangles.into_iter().map(arrival).fold(f64::FAR, f64::min);
+        if first < f64::FAR { initial + first } else { f64::FAR }
+    }
+
+    /// When a front arrives at a point, [`Real::FAR`] if that is not known.
+    fn time(&self, point: usize, label: u32) -> f64 {
+        let here = self.arrivals_at(point).find(|(other, _)| *other == label);
+        here.map_or(f64::FAR, |(_, time)| time)
+    }
+
+    /// The fronts known at a point.
+    fn arrivals_at(&self, point: usize) -> impl Iterator<Item = (u32, f64)> {
+        let here = self.labels[point];
+        let several = here != NONE && here & SEVERAL != 0;
+        let single = (here & SEVERAL == 0).then(|| (here, f64::from(self.times[point])));
+        let mut next = if several { here & !SEVERAL } else { NONE };
+        let listed = std::iter::from_fn(move || {
+            let Arrival { label, time, next: following } = *self.arrivals.get(next as usize)?;
+            next = following;
+            Some((label, time))
+        });
+        single.into_iter().chain(listed)
+    }
+
+    /// Adds a front to those at a point, or makes it earlier.
+    fn insert(&mut self, point: usize, label: u32, time: f64) {
+        let here = self.labels[point];
+        if here != NONE && here & SEVERAL == 0 {
+            self.labels[point] = NONE;
+            self.insert(point, here, f64::from(self.times[point]));
+        }
+        let first = self.labels[point];
+        let mut next = if first == NONE { NONE } else { first & !SEVERAL };
+        while let Some(arrival) = self.arrivals.get_mut(next as usize) {
+            if arrival.label == label {
+                arrival.time = arrival.time.min(time);
+                return;
+            }
+            next = arrival.next;
+        }
+        let next = if first == NONE { NONE } else { first & !SEVERAL };
+        self.labels[point] = SEVERAL | self.arrivals.len() as u32;
+        self.arrivals.push(Arrival { label, time, next });
+    }
+
+    /// The first front at a point, of equally early ones that of the first source.
+    fn first(&self, point: usize) -> (u32, f64) {
+        let earlier = |a: (u32, f64), b: (u32, f64)| {
+            if (b.1, b.0) < (a.1, a.0) { b } else { a }
+        };
+        self.arrivals_at(point).reduce(earlier).unwrap_or((NO_REGION, f64::FAR))
+    }
+
+    /// The label of each grid point, row-major.
+    pub(super) fn labels(&self) -> Vec<u32> {
+        let chart = self.chart();
+        let label = |index: usize| {
+            let (row, col) = chart.position(index);
+            let point = chart.bordered(row, col);
+            let several = self.labels[point] != NONE && self.labels[point] & SEVERAL != 0;
+            if several { self.first(point).0 } else { self.labels[point] }
+        };
+        (0..chart.points()).into_par_iter().map(label).collect()
+    }
+
+    pub(super) fn chart(&self) -> Chart {
+        self.spokes.chart()
+    }
+
+    /// The square of the time at which a front arrives at a point of the grid, since the first
+    /// start, if it is known there. Differences of squares are linear in the plane.
+    pub(super) fn squared(&self, index: usize, label: u32) -> Option<f64> {
+        let (row, col) = self.chart().position(index);
+        let time = self.time(self.chart().bordered(row, col), label);
+        (time < f64::FAR).then(|| (time - self.start).powi(2))
+    }
+
+    /// Where on the edge between two points of different regions both fronts arrive at once: from
+    /// the first (0) to the second (1).
+    pub(super) fn meeting(&self, points: [usize; 2], labels: [u32; 2]) -> f64 {
+        let lead =
+            |point: usize| Some(self.squared(point, labels[1])? - self.squared(point, labels[0])?);
+        match points.map(lead) {
+            [Some(here), Some(there)] if here > there => (here / (here - there)).clamp(0.0, 1.0),
+            _ => 0.5,
+        }
+    }
+}
+
+impl Origin {
+    fn of(source: &Source) -> Self {
+        match source {
+            Source::Point { initial, .. } => Self { circular: true, initial: *initial },
+            Source::Curve { initial, .. } => Self { circular: false, initial: *initial },
+        }
+    }
+}

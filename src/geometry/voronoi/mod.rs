@@ -1,0 +1,138 @@
+//! Geodesic Voronoi regions: what is nearest to which source (paper, section 6.3).
+
+mod borders;
+mod fronts;
+
+use std::collections::BTreeSet;
+
+use rayon::prelude::*;
+
+use super::area::{of_triangles, rows, triangle_area};
+use super::{Curve, MapError};
+use crate::Surface;
+use crate::surface::{EdgeLengths, Sources};
+use borders::Split;
+use fronts::Fronts;
+
+/// The label of points that belong to no region: holes, and what no source reaches.
+pub const NO_REGION: u32 = u32::MAX;
+
+/// The regions of the points nearest to each of several sources, and the borders between them.
+#[derive(Clone, Debug)]
+pub struct Voronoi {
+    /// For each grid point, row-major, the number of its nearest source in the order in which they
+    /// were given, counting from 0, or [`NO_REGION`].
+    pub labels: Vec<u32>,
+    /// The borders, from junction to junction.
+    pub borders: Vec<Border>,
+    /// What the triangles on borders have of each region.
+    splits: Vec<Split>,
+    regions: usize,
+}
+
+/// A border between two regions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Border {
+    /// The regions on its left and on its right, as seen in a picture of the grid, rows
+    /// downwards; the smaller number first.
+    pub regions: [u32; 2],
+    /// The border itself.
+    pub curve: Curve,
+}
+
+impl Voronoi {
+    /// The Voronoi regions of sources: `distances` is their converged map on this surface, of any
+    /// engine, row-major, as in [`crate::DistanceMap::distances`]. The `edges` are the surface's.
+    ///
+    /// A point as far from two sources belongs to the first of them, and so does everything of two
+    /// sources that are the same. A region without a grid point is empty.
+    ///
+    /// Near borders the fronts of both sources are followed across the border, circular ones from
+    /// points and straight ones from curves, and the border is where they arrive at once, linear
+    /// between grid points; so it is as exact for sources side by side as for distant ones. On
+    /// plane, cylinder and sphere of 129 x 129 points it lies within 0.07 of a cell of the exact
+    /// bisector of two points, a cell apart or many. A junction of three regions lies in a triangle
+    /// with a corner in each, within a cell of where it should be.
+    ///
+    /// # Errors
+    /// If a source lies off the surface, or the distances are not as many as the grid has points.
+    ///
+    /// # Panics
+    /// If the edges are those of a surface of another size.
+    ///
+    /// ```
+    /// use geosweep::geometry::Voronoi;
+    /// use geosweep::surface::EdgeLengths;
+    /// use geosweep::{Options, Sources, Spacing, Surface, distance_map};
+    ///
+    /// let surface = Surface::from_heights(33, 41, vec![0.0; 33 * 41], Spacing::square(1.0))?;
+    /// let sources = Sources::point(16.0, 10.0).and_point(16.0, 31.0, 0.0);
+    /// let map = distance_map(&surface, &sources, &Options::default())?;
+    /// let edges = EdgeLengths::new(&surface)?;
+    /// let regions = Voronoi::new(&surface, &edges, &sources, &map.distances)?;
+    /// assert_eq!(regions.neighbours(), [[0, 1]]);
+    /// let border = &regions.borders[0].curve;
+    /// assert!(border.vertices.iter().all(|at| (at[1] - 20.5).abs() < 1e-3));
+    /// assert!((regions.areas(&surface)[0] - 32.0 * 20.5).abs() < 1e-2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new(
+        surface: &Surface,
+        edges: &EdgeLengths<f32>,
+        sources: &Sources,
+        distances: &[f32],
+    ) -> Result<Self, MapError> {
+        assert_eq!(edges.chart(), surface.chart(), "the edges are another surface's");
+        let fronts = Fronts::new(surface, edges, sources, distances)?;
+        let labels = fronts.labels();
+        let (borders, splits) = borders::march(&fronts, &labels);
+        Ok(Self { labels, borders, splits, regions: sources.iter().count() })
+    }
+
+    /// The number of regions, one for each source, empty ones included.
+    pub fn regions(&self) -> usize {
+        self.regions
+    }
+
+    /// The Delaunay graph: all pairs of regions with a common border, each with the smaller number
+    /// first, in order.
+    pub fn neighbours(&self) -> Vec<[u32; 2]> {
+        let pairs: BTreeSet<_> = self.borders.iter().map(|border| border.regions).collect();
+        pairs.into_iter().collect()
+    }
+
+    /// The area of each region on the surface, in its unit squared, without any slowness: of the
+    /// triangles that cells are cut into, those on borders shared out along the border. The sum is
+    /// the area of the surface as far as the sources reach: [`super::area`] if they reach all of
+    /// it.
+    ///
+    /// # Panics
+    /// If the surface has another size than that of the regions.
+    pub fn areas(&self, surface: &Surface) -> Vec<f64> {
+        assert_eq!(surface.chart().points(), self.labels.len(), "the surface has another size");
+        let inside = |index: usize| self.labels[index] != NO_REGION;
+        let of_row = |row: usize| {
+            let mut areas = vec![0.0; self.regions];
+            for (points, area) in of_triangles(surface, row, inside) {
+                let [a, b, c] = points.map(|index| self.labels[index]);
+                if a == b && b == c {
+                    areas[a as usize] += area;
+                }
+            }
+            areas
+        };
+        // In order, so that the sums do not depend on the number of threads.
+        let rows: Vec<Vec<f64>> = rows(surface).map(of_row).collect();
+        let mut areas = vec![0.0; self.regions];
+        for row in rows {
+            areas.iter_mut().zip(row).for_each(|(sum, area)| *sum += area);
+        }
+        for Split { points, parts } in &self.splits {
+            let area = triangle_area(surface, *points);
+            for (label, part) in parts {
+                areas[*label as usize] += part * area;
+            }
+        }
+        areas
+    }
+}
