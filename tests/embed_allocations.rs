@@ -123,6 +123,7 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
             recording.end(Access::TRANSFER_READ);
             assert_eq!(allocations() - before, 0, "{schedule}, frame {number}");
             assert_eq!(DEVICE_CALLS.load(Ordering::Relaxed), 0, "{schedule}, frame {number}");
+            host.end(commands);
             host.submit(commands, vk::Fence::null());
             unsafe { device.queue_wait_idle(host.queue) }.unwrap();
         }

@@ -381,6 +381,7 @@ fn threads_record_at_once_for_surfaces_of_their_own() {
         threads.into_iter().map(|thread| thread.join().unwrap()).collect()
     });
     for commands in recorded {
+        host.end(commands);
         host.submit(commands, vk::Fence::null());
     }
     unsafe { device.device_wait_idle() }.unwrap();

@@ -191,6 +191,7 @@ fn a_deforming_surface_is_drawn_for_200_frames_without_a_message() {
         unsafe { device.reset_fences(&[fence]) }.unwrap();
         renderer.host.begin(commands);
         renderer.record(commands, number, slot, Reader::COMPUTE);
+        renderer.host.end(commands);
         renderer.host.submit(commands, fence);
     }
     assert_eq!(compared, 20);
@@ -241,4 +242,51 @@ fn a_reader_that_is_not_named_is_reported() {
     let layout = Reader::COMPUTE.layout;
     let messages = messages_of_two_frames(Reader { access: Access::TRANSFER_READ, layout });
     assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-READ-AFTER-WRITE")), "{messages:?}");
+}
+
+/// As on two queues: we signal a semaphore, and the submission that draws waits for it.
+#[test]
+fn a_reader_on_another_queue_waits_for_a_semaphore() {
+    let renderer = Renderer::new();
+    let Renderer { host, solver, surface, plan, .. } = &renderer;
+    let InFlight { deform, draw, picture, commands, fence, .. } = &renderer.frames[0];
+    let (device, groups) = (&host.device, CHART.points().div_ceil(64) as u32);
+    let drawing = host.commands();
+    host.begin(drawing);
+    host.dispatch(drawing, draw, groups);
+    host.barrier(drawing, Access::COMPUTE_WRITE, Access::HOST_READ);
+    host.end(drawing);
+    host.begin(*commands);
+    host.dispatch(*commands, deform, groups);
+    let frame = Frame {
+        before: Access::COMPUTE_WRITE,
+        points: Some(0),
+        sources: SourceInput::Inline(&[PointSource::at(20.0, 20.0)]),
+        plan,
+        slot: 0,
+        reader: Reader::OTHER_QUEUE,
+        unreached: -1.0,
+    };
+    solver.record(device, *commands, surface).frame(&frame).unwrap();
+    host.end(*commands);
+    unsafe {
+        let semaphore = device.create_semaphore(&Default::default(), None).unwrap();
+        let (ours, theirs, semaphores) = ([*commands], [drawing], [semaphore]);
+        let stages = [vk::PipelineStageFlags::COMPUTE_SHADER];
+        device.reset_fences(&[*fence]).unwrap();
+        let submissions = [
+            vk::SubmitInfo::default().command_buffers(&ours).signal_semaphores(&semaphores),
+            vk::SubmitInfo::default()
+                .command_buffers(&theirs)
+                .wait_semaphores(&semaphores)
+                .wait_dst_stage_mask(&stages),
+        ];
+        device.queue_submit(host.queue, &submissions, *fence).unwrap();
+        device.wait_for_fences(&[*fence], true, u64::MAX).unwrap();
+        device.destroy_semaphore(semaphore, None);
+    }
+    let map = &picture.floats()[..CHART.points()];
+    assert_eq!(map[CHART.index(20, 20)], 0.0);
+    assert!(map.iter().all(|&distance| distance >= 0.0));
+    assert_eq!(renderer.end(), Vec::<String>::new());
 }

@@ -163,9 +163,12 @@ impl Host {
         unsafe { self.device.begin_command_buffer(commands, &info) }.unwrap();
     }
 
+    pub fn end(&self, commands: vk::CommandBuffer) {
+        unsafe { self.device.end_command_buffer(commands) }.unwrap();
+    }
+
     pub fn submit(&self, commands: vk::CommandBuffer, fence: vk::Fence) {
         unsafe {
-            self.device.end_command_buffer(commands).unwrap();
             let commands = [commands];
             let info = vk::SubmitInfo::default().command_buffers(&commands);
             self.device.queue_submit(self.queue, &[info], fence).unwrap();
@@ -177,6 +180,7 @@ impl Host {
         let commands = self.commands();
         self.begin(commands);
         let result = record(commands);
+        self.end(commands);
         self.submit(commands, vk::Fence::null());
         unsafe {
             self.device.queue_wait_idle(self.queue).unwrap();

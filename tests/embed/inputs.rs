@@ -264,6 +264,51 @@ fn every_schedule_can_be_split_and_added_to() {
     stage.end([points]);
 }
 
+/// A command buffer that is recorded once is submitted for other points and sources, which it finds
+/// in buffers.
+#[test]
+fn a_recording_can_be_submitted_again() {
+    let mut solver = vulkan_solver();
+    let mut host = Host::new();
+    let mut points = host.buffer_of(&vertices(CHART, 0.0));
+    let mut sources = host.buffer_of(&[0.0; 4]);
+    let info = SurfaceInfo {
+        points: &[Points::positions(points.handle, 32)],
+        sources: &[SourceBuffer { buffer: sources.handle, offset: 0, count: 1 }],
+        ..SurfaceInfo::new(CHART)
+    };
+    let stage = Stage::new(host, &RASTER, &info);
+    let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 10);
+    let commands = stage.host.commands();
+    stage.host.begin(commands);
+    let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);
+    let frame = Frame {
+        before: Access::NONE,
+        points: Some(0),
+        sources: SourceInput::Buffer(0),
+        plan: &plan,
+        slot: 0,
+        reader: Reader::COPY,
+        unreached: f32::INFINITY,
+    };
+    recording.frame(&frame).unwrap();
+    stage.host.end(commands);
+    for (phase, row, col) in [(0.5, 3.0, 40.0), (2.5, 20.0, 8.0)] {
+        let vertices = vertices(CHART, phase);
+        points.floats_mut()[..vertices.len()].copy_from_slice(&vertices);
+        sources.floats_mut()[..4].copy_from_slice(bytemuck::cast_slice(&source(row, col)));
+        stage.host.submit(commands, vk::Fence::null());
+        unsafe { stage.host.device.queue_wait_idle(stage.host.queue) }.unwrap();
+        assert!(stage.surface.outcome(0).unwrap().converged);
+        stage.run(|_| stage.surface.result(0, Reader::COPY.layout));
+        let place = Sources::point(row.into(), col.into());
+        let map = headless(&mut solver, &positions(&vertices), &place, Wavefront::Curved);
+        let difference = relative_difference(&map, &stage.read());
+        assert!(difference < SAME, "{phase}: {difference}");
+    }
+    stage.end([points, sources]);
+}
+
 /// Iterations end where the method says, and that is not convergence.
 #[test]
 fn iterations_run_out_without_convergence() {

@@ -79,6 +79,10 @@ impl Reader {
     pub const COPY: Self =
         Self { access: Access::TRANSFER_READ, layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL };
 
+    /// Sampled on another queue, after a semaphore: nothing on ours waits for it. The stages of the
+    /// readers may be none that our queue has.
+    pub const OTHER_QUEUE: Self = Self::sampled(Access::NONE);
+
     /// Sampled in these stages.
     pub const fn sampled(access: Access) -> Self {
         Self { access, layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL }
