@@ -13,7 +13,7 @@ use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{self, Access, Frame, PointSource, Points, Reader, SourceInput};
 use geosweep::vulkan::{Method, Schedule, requirements};
 
-pub fn main() -> Result<(), Box<dyn Error>> {
+pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     // ---- A renderer has these: an instance, a device, a queue, an allocator, command buffers ----
     let entry = unsafe { ash::Entry::load()? };
     let application = vk::ApplicationInfo::default().api_version(requirements::API_VERSION);
@@ -70,7 +70,10 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     let stop = Stop { tolerance: 1e-5, iterations: 100 };
     let method = Method { wavefront: Wavefront::Curved, schedule: None, stop };
     let plan = solver.plan(chart, method, 6)?;
-    submit(&mut || Ok(solver.record(&device, commands, &surface).prepare()))?;
+    submit(&mut || {
+        solver.record(&device, commands, &surface).prepare();
+        Ok(())
+    })?;
 
     for frame in 0..30 {
         // ---- The renderer moves its vertices; in a compute shader, say ----
