@@ -12,7 +12,7 @@ use geosweep::vulkan::embed::{
 use geosweep::vulkan::{Method, Schedule, VulkanError, requirements};
 use geosweep::{Spacing, Wavefront};
 
-use crate::host::Host;
+use crate::host::{self, Host};
 use crate::stage::{RASTER, STOP, Stage, source, vertices};
 
 const CHART: Chart = Chart { rows: 9, cols: 13 };
@@ -344,7 +344,7 @@ fn threads_record_at_once_for_surfaces_of_their_own() {
     let method = Method { wavefront: Wavefront::PointSource, schedule: None, stop: STOP };
     let plan = solver.plan(CHART, method, 4).unwrap();
     // A command pool belongs to one thread at a time.
-    let family = requirements::compute_queue_family(&host.instance, host.physical_device).unwrap();
+    let family = host::family(&host.instance, host.physical_device);
     let info = vk::CommandPoolCreateInfo::default().queue_family_index(family);
     let pools = [0, 1].map(|_| unsafe { device.create_command_pool(&info, None) }.unwrap());
     let recorded: Vec<_> = std::thread::scope(|scope| {

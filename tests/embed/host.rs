@@ -48,7 +48,14 @@ pub struct Target {
     extent: vk::Extent2D,
 }
 
-/// A compute pass of the host's over some storage buffers and, at the last binding, an image.
+/// A picture with depths, and the render pass that draws it.
+pub struct Canvas {
+    target: Target,
+    picture: HostImage,
+    depths: HostImage,
+}
+
+/// A pass of the host's over some storage buffers and, at the last binding, an image.
 pub struct HostPass {
     pipeline: vk::Pipeline,
     layout: vk::PipelineLayout,
@@ -102,7 +109,7 @@ impl Host {
                     && requirements::unmet(&instance, device).is_empty()
             })
             .expect("the tests need a Vulkan device; ci/setup installs lavapipe");
-        let family = requirements::compute_queue_family(&instance, physical_device).unwrap();
+        let family = family(&instance, physical_device);
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(family)
             .queue_priorities(&[1.0])];
@@ -243,36 +250,16 @@ impl Host {
             4 => vk::Format::R32G32B32A32_SFLOAT,
             _ => panic!("no such format here"),
         };
-        let extent = vk::Extent3D { width, height, depth: 1 };
-        let info = vk::ImageCreateInfo::default()
-            .image_type(vk::ImageType::TYPE_2D)
-            .format(format)
-            .extent(extent)
-            .mip_levels(1)
-            .array_layers(1)
-            .samples(vk::SampleCountFlags::TYPE_1)
-            .usage(
-                vk::ImageUsageFlags::SAMPLED
-                    | vk::ImageUsageFlags::TRANSFER_DST
-                    | vk::ImageUsageFlags::COLOR_ATTACHMENT,
-            );
-        let image = unsafe { self.device.create_image(&info, None) }.unwrap();
-        let requirements = unsafe { self.device.get_image_memory_requirements(image) };
-        let allocation = self.allocate(requirements, MemoryLocation::GpuOnly, false);
-        unsafe {
-            let (memory, offset) = (allocation.memory(), allocation.offset());
-            self.device.bind_image_memory(image, memory, offset).unwrap();
-        }
+        let extent = vk::Extent2D { width, height };
+        let usage = vk::ImageUsageFlags::SAMPLED
+            | vk::ImageUsageFlags::TRANSFER_DST
+            | vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        let new = self.image(extent, format, usage, vk::ImageAspectFlags::COLOR);
+        let image = new.image;
         let range = vk::ImageSubresourceRange::default()
             .aspect_mask(vk::ImageAspectFlags::COLOR)
             .level_count(1)
             .layer_count(1);
-        let info = vk::ImageViewCreateInfo::default()
-            .image(image)
-            .view_type(vk::ImageViewType::TYPE_2D)
-            .format(format)
-            .subresource_range(range);
-        let view = unsafe { self.device.create_image_view(&info, None) }.unwrap();
         let staging = self.buffer_of(contents);
         self.run(|commands| unsafe {
             let barrier = vk::ImageMemoryBarrier::default()
@@ -287,12 +274,46 @@ impl Host {
             let layers = vk::ImageSubresourceLayers::default()
                 .aspect_mask(vk::ImageAspectFlags::COLOR)
                 .layer_count(1);
-            let copy =
-                vk::BufferImageCopy::default().image_subresource(layers).image_extent(extent);
+            let copy = vk::BufferImageCopy::default()
+                .image_subresource(layers)
+                .image_extent(extent.into());
             let layout = vk::ImageLayout::GENERAL;
             self.device.cmd_copy_buffer_to_image(commands, staging.handle, image, layout, &[copy]);
         });
         self.free(staging);
+        new
+    }
+
+    fn image(
+        &mut self,
+        extent: vk::Extent2D,
+        format: vk::Format,
+        usage: vk::ImageUsageFlags,
+        aspect: vk::ImageAspectFlags,
+    ) -> HostImage {
+        let info = vk::ImageCreateInfo::default()
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(format)
+            .extent(extent.into())
+            .mip_levels(1)
+            .array_layers(1)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .usage(usage);
+        let image = unsafe { self.device.create_image(&info, None) }.unwrap();
+        let requirements = unsafe { self.device.get_image_memory_requirements(image) };
+        let allocation = self.allocate(requirements, MemoryLocation::GpuOnly, false);
+        unsafe {
+            let (memory, offset) = (allocation.memory(), allocation.offset());
+            self.device.bind_image_memory(image, memory, offset).unwrap();
+        }
+        let range =
+            vk::ImageSubresourceRange::default().aspect_mask(aspect).level_count(1).layer_count(1);
+        let info = vk::ImageViewCreateInfo::default()
+            .image(image)
+            .view_type(vk::ImageViewType::TYPE_2D)
+            .format(format)
+            .subresource_range(range);
+        let view = unsafe { self.device.create_image_view(&info, None) }.unwrap();
         HostImage { image, view, allocation }
     }
 
@@ -338,15 +359,23 @@ impl Host {
         let subpass = [vk::SubpassDescription::default().color_attachments(&reference)];
         let info = vk::RenderPassCreateInfo::default().attachments(&attachment).subpasses(&subpass);
         let pass = unsafe { self.device.create_render_pass(&info, None) }.unwrap();
-        let views = [image.view];
+        let extent = vk::Extent2D { width, height };
+        Target { pass, framebuffer: self.framebuffer(pass, &[image.view], extent), extent }
+    }
+
+    fn framebuffer(
+        &self,
+        pass: vk::RenderPass,
+        views: &[vk::ImageView],
+        extent: vk::Extent2D,
+    ) -> vk::Framebuffer {
         let info = vk::FramebufferCreateInfo::default()
             .render_pass(pass)
-            .attachments(&views)
-            .width(width)
-            .height(height)
+            .attachments(views)
+            .width(extent.width)
+            .height(extent.height)
             .layers(1);
-        let framebuffer = unsafe { self.device.create_framebuffer(&info, None) }.unwrap();
-        Target { pass, framebuffer, extent: vk::Extent2D { width, height } }
+        unsafe { self.device.create_framebuffer(&info, None) }.unwrap()
     }
 
     /// Renders nothing on a clear target.
@@ -377,6 +406,94 @@ impl Host {
         buffers: &[vk::Buffer],
         texture: Option<vk::ImageView>,
     ) -> HostPass {
+        let mut pass = self.without_pipeline(vk::ShaderStageFlags::COMPUTE, buffers, texture);
+        let device = &self.device;
+        let module = self.module(wgsl);
+        let stage = vk::PipelineShaderStageCreateInfo::default()
+            .stage(vk::ShaderStageFlags::COMPUTE)
+            .module(module)
+            .name(c"main");
+        let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(pass.layout);
+        let cache = vk::PipelineCache::null();
+        unsafe {
+            pass.pipeline = device.create_compute_pipelines(cache, &[info], None).unwrap()[0];
+            device.destroy_shader_module(module, None);
+        }
+        pass
+    }
+
+    /// A pass that draws triangles, from WGSL with the entry points `vertex` and `fragment`.
+    pub fn draw_pass(
+        &self,
+        wgsl: &str,
+        buffers: &[vk::Buffer],
+        texture: vk::ImageView,
+        canvas: &Canvas,
+    ) -> HostPass {
+        use vk::ShaderStageFlags as Stage;
+        let mut pass =
+            self.without_pipeline(Stage::VERTEX | Stage::FRAGMENT, buffers, Some(texture));
+        let module = self.module(wgsl);
+        let stage = |stage, name| {
+            vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(name)
+        };
+        let stages = [stage(Stage::VERTEX, c"vertex"), stage(Stage::FRAGMENT, c"fragment")];
+        let vertices = vk::PipelineVertexInputStateCreateInfo::default();
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
+            .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let scissors = [vk::Rect2D::from(canvas.target.extent)];
+        let viewports = [vk::Viewport {
+            width: canvas.target.extent.width as f32,
+            height: canvas.target.extent.height as f32,
+            max_depth: 1.0,
+            ..Default::default()
+        }];
+        let viewport = vk::PipelineViewportStateCreateInfo::default()
+            .viewports(&viewports)
+            .scissors(&scissors);
+        let raster = vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0);
+        let samples = vk::PipelineMultisampleStateCreateInfo::default()
+            .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let depth = vk::PipelineDepthStencilStateCreateInfo::default()
+            .depth_test_enable(true)
+            .depth_write_enable(true)
+            .depth_compare_op(vk::CompareOp::LESS);
+        let all = [vk::PipelineColorBlendAttachmentState::default()
+            .color_write_mask(vk::ColorComponentFlags::RGBA)];
+        let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&all);
+        let info = vk::GraphicsPipelineCreateInfo::default()
+            .stages(&stages)
+            .vertex_input_state(&vertices)
+            .input_assembly_state(&assembly)
+            .viewport_state(&viewport)
+            .rasterization_state(&raster)
+            .multisample_state(&samples)
+            .depth_stencil_state(&depth)
+            .color_blend_state(&blend)
+            .layout(pass.layout)
+            .render_pass(canvas.target.pass);
+        let cache = vk::PipelineCache::null();
+        unsafe {
+            let pipelines = self.device.create_graphics_pipelines(cache, &[info], None);
+            pass.pipeline = pipelines.unwrap()[0];
+            self.device.destroy_shader_module(module, None);
+        }
+        pass
+    }
+
+    fn module(&self, wgsl: &str) -> vk::ShaderModule {
+        let code = spirv(wgsl);
+        let info = vk::ShaderModuleCreateInfo::default().code(&code);
+        unsafe { self.device.create_shader_module(&info, None) }.unwrap()
+    }
+
+    /// The layout and the descriptors of a pass.
+    fn without_pipeline(
+        &self,
+        stages: vk::ShaderStageFlags,
+        buffers: &[vk::Buffer],
+        texture: Option<vk::ImageView>,
+    ) -> HostPass {
         let kinds = buffers
             .iter()
             .map(|_| vk::DescriptorType::STORAGE_BUFFER)
@@ -388,7 +505,13 @@ impl Host {
                     .binding(binding)
                     .descriptor_type(kind)
                     .descriptor_count(1)
-                    .stage_flags(vk::ShaderStageFlags::COMPUTE)
+                    .stage_flags(stages)
+            })
+            .collect();
+        let sizes: Vec<_> = bindings
+            .iter()
+            .map(|binding| {
+                vk::DescriptorPoolSize::default().ty(binding.descriptor_type).descriptor_count(1)
             })
             .collect();
         let device = &self.device;
@@ -398,25 +521,6 @@ impl Host {
             let set_layouts = [set_layout];
             let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts);
             let layout = device.create_pipeline_layout(&info, None).unwrap();
-            let code = spirv(wgsl);
-            let info = vk::ShaderModuleCreateInfo::default().code(&code);
-            let module = device.create_shader_module(&info, None).unwrap();
-            let stage = vk::PipelineShaderStageCreateInfo::default()
-                .stage(vk::ShaderStageFlags::COMPUTE)
-                .module(module)
-                .name(c"main");
-            let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout);
-            let cache = vk::PipelineCache::null();
-            let pipeline = device.create_compute_pipelines(cache, &[info], None).unwrap()[0];
-            device.destroy_shader_module(module, None);
-            let sizes: Vec<_> = bindings
-                .iter()
-                .map(|binding| {
-                    vk::DescriptorPoolSize::default()
-                        .ty(binding.descriptor_type)
-                        .descriptor_count(1)
-                })
-                .collect();
             let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
             let descriptors = device.create_descriptor_pool(&info, None).unwrap();
             let info = vk::DescriptorSetAllocateInfo::default()
@@ -444,8 +548,107 @@ impl Host {
                     .image_info(&info);
                 device.update_descriptor_sets(&[write], &[]);
             }
+            let pipeline = vk::Pipeline::null();
             HostPass { pipeline, layout, set_layout, descriptors, set }
         }
+    }
+
+    /// Draws so many vertices on a clear canvas.
+    pub fn draw(
+        &self,
+        commands: vk::CommandBuffer,
+        pass: &HostPass,
+        canvas: &Canvas,
+        vertices: u32,
+        background: [f32; 4],
+    ) {
+        let clear = [
+            vk::ClearValue { color: vk::ClearColorValue { float32: background } },
+            vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 } },
+        ];
+        let info = vk::RenderPassBeginInfo::default()
+            .render_pass(canvas.target.pass)
+            .framebuffer(canvas.target.framebuffer)
+            .render_area(canvas.target.extent.into())
+            .clear_values(&clear);
+        let graphics = vk::PipelineBindPoint::GRAPHICS;
+        unsafe {
+            self.device.cmd_begin_render_pass(commands, &info, vk::SubpassContents::INLINE);
+            self.device.cmd_bind_pipeline(commands, graphics, pass.pipeline);
+            let sets = [pass.set];
+            self.device.cmd_bind_descriptor_sets(commands, graphics, pass.layout, 0, &sets, &[]);
+            self.device.cmd_draw(commands, vertices, 1, 0, 0);
+            self.device.cmd_end_render_pass(commands);
+        }
+    }
+
+    /// A picture and its depths, to draw on.
+    pub fn canvas(&mut self, size: vk::Extent2D, format: vk::Format, depth: vk::Format) -> Canvas {
+        use vk::ImageUsageFlags as Usage;
+        let usage = Usage::COLOR_ATTACHMENT | Usage::TRANSFER_SRC;
+        let picture = self.image(size, format, usage, vk::ImageAspectFlags::COLOR);
+        let usage = Usage::DEPTH_STENCIL_ATTACHMENT;
+        let depths = self.image(size, depth, usage, vk::ImageAspectFlags::DEPTH);
+        let attachment = |format, store, layout| {
+            vk::AttachmentDescription::default()
+                .format(format)
+                .samples(vk::SampleCountFlags::TYPE_1)
+                .load_op(vk::AttachmentLoadOp::CLEAR)
+                .store_op(store)
+                .stencil_load_op(vk::AttachmentLoadOp::DONT_CARE)
+                .stencil_store_op(vk::AttachmentStoreOp::DONT_CARE)
+                .final_layout(layout)
+        };
+        let depth_layout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+        let (store, forget) = (vk::AttachmentStoreOp::STORE, vk::AttachmentStoreOp::DONT_CARE);
+        let attachments = [
+            attachment(format, store, vk::ImageLayout::TRANSFER_SRC_OPTIMAL),
+            attachment(depth, forget, depth_layout),
+        ];
+        let colors =
+            [vk::AttachmentReference::default().layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)];
+        let reference = vk::AttachmentReference::default().attachment(1).layout(depth_layout);
+        let subpasses = [vk::SubpassDescription::default()
+            .color_attachments(&colors)
+            .depth_stencil_attachment(&reference)];
+        // The copy that follows waits.
+        let dependencies = [vk::SubpassDependency::default()
+            .dst_subpass(vk::SUBPASS_EXTERNAL)
+            .src_stage_mask(vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT)
+            .src_access_mask(vk::AccessFlags::COLOR_ATTACHMENT_WRITE)
+            .dst_stage_mask(vk::PipelineStageFlags::TRANSFER)
+            .dst_access_mask(vk::AccessFlags::TRANSFER_READ)];
+        let info = vk::RenderPassCreateInfo::default()
+            .attachments(&attachments)
+            .subpasses(&subpasses)
+            .dependencies(&dependencies);
+        let pass = unsafe { self.device.create_render_pass(&info, None) }.unwrap();
+        let views = [picture.view, depths.view];
+        let target =
+            Target { pass, framebuffer: self.framebuffer(pass, &views, size), extent: size };
+        Canvas { target, picture, depths }
+    }
+
+    pub fn copy_canvas(&self, commands: vk::CommandBuffer, canvas: &Canvas, to: &HostBuffer) {
+        let layers = vk::ImageSubresourceLayers::default()
+            .aspect_mask(vk::ImageAspectFlags::COLOR)
+            .layer_count(1);
+        let copy = vk::BufferImageCopy::default()
+            .image_subresource(layers)
+            .image_extent(canvas.target.extent.into());
+        let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+        let image = canvas.picture.image;
+        unsafe {
+            self.device.cmd_copy_image_to_buffer(commands, image, layout, to.handle, &[copy]);
+        }
+        use geosweep::vulkan::embed::Access;
+        self.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
+    }
+
+    pub fn free_canvas(&mut self, canvas: Canvas) {
+        self.free_target(canvas.target);
+        self.free_image(canvas.picture);
+        self.free_image(canvas.depths);
     }
 
     /// Dispatches so many workgroups of a pass.
@@ -529,7 +732,15 @@ impl HostBuffer {
     }
 }
 
-fn spirv(wgsl: &str) -> Vec<u32> {
+/// A queue family for compute and graphics.
+pub fn family(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> u32 {
+    let both = vk::QueueFlags::COMPUTE | vk::QueueFlags::GRAPHICS;
+    let families = unsafe { instance.get_physical_device_queue_family_properties(physical_device) };
+    families.iter().position(|family| family.queue_flags.contains(both)).unwrap() as u32
+}
+
+/// SPIR-V from WGSL.
+pub fn spirv(wgsl: &str) -> Vec<u32> {
     use naga::back::spv;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 

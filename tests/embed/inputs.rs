@@ -264,6 +264,45 @@ fn every_schedule_can_be_split_and_added_to() {
     stage.end([points]);
 }
 
+/// More rows than are measured at once, from heights: every point has its own edges.
+#[test]
+fn all_rows_of_a_large_surface_are_measured() {
+    let chart = Chart { rows: 141, cols: 8001 };
+    let height = |index: usize| {
+        let (row, col) = chart.position(index);
+        (0.3 * row as f32).sin() * (0.2 * col as f32).cos()
+    };
+    let heights: Vec<_> = (0..chart.points()).map(height).collect();
+    let spacing = Spacing { dx: 0.5, dy: 1.0 };
+    let surface = {
+        let heights = heights.iter().map(|&height| height.into()).collect();
+        Surface::from_heights(chart.rows, chart.cols, heights, spacing).unwrap()
+    };
+    let mut host = Host::new();
+    let points = host.buffer_of(&heights);
+    let memory = PointMemory::Buffer { buffer: points.handle, offset: 0, stride: 4 };
+    let kind = PointKind::Heights(spacing);
+    let inputs = [Points { memory, kind, slowness: None }];
+    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(chart) };
+    let stage = Stage::new(host, &[(Schedule::Raster, Wavefront::PointSource)], &info);
+    let stop = Stop::after(1);
+    let method = Method { wavefront: Wavefront::PointSource, schedule: None, stop };
+    let plan = stage.solver.plan(chart, method, 1).unwrap();
+    stage.run(|recording| {
+        recording.begin(Access::NONE);
+        recording.measure(0).unwrap();
+        recording.solve(SourceInput::Inline(&source(70.0, 4000.0)), &plan).unwrap();
+        recording.result(0, Reader::COPY, f32::INFINITY)
+    });
+    let mut solver = vulkan_solver();
+    let mut on_device = solver.upload(&surface).unwrap();
+    let seeds = Sources::point(70.0, 4000.0).seeds(&surface).unwrap();
+    let map = solver.solve(&mut on_device, &seeds, method).unwrap();
+    let difference = relative_difference(&map.distances, &stage.read());
+    assert!(difference < SAME, "{difference}");
+    stage.end([points]);
+}
+
 /// A command buffer that is recorded once is submitted for other points and sources, which it finds
 /// in buffers.
 #[test]
