@@ -1,4 +1,4 @@
-//! Files: surfaces, masks, slowness, metrics and curves in; distance maps and matrices out.
+//! Files: surfaces, masks, slowness, metrics and curves in; distance maps, matrices and curves out.
 //!
 //! Arrays are NumPy `.npy` files, row first; heights also come from grey PNG and from (Geo)TIFF,
 //! geometry images and heights from EXR. NaN means "no surface here". A format is chosen by the
@@ -9,8 +9,11 @@
 
 mod arrays;
 mod atomic;
+mod curves;
 mod error;
 mod exr;
+mod georeference;
+mod geotiff;
 mod map_file;
 mod matrix_file;
 mod npy;
@@ -21,7 +24,9 @@ mod tiff;
 
 pub use arrays::{Grid, read_curve, read_mask, read_metric, read_points, read_slowness};
 pub use atomic::{OutputFile, StagedFile};
+pub use curves::{Attribute, CurveFormat, Drawing, Polyline};
 pub use error::IoError;
+pub use georeference::{CoordinateSystem, Georeference};
 pub use map_file::{MapFormat, read_map};
 pub use matrix_file::{
     Element, MatrixFile, MatrixLayout, Provenance, SquareMatrix, is_distance_matrix, read_matrix,

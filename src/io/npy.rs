@@ -203,7 +203,7 @@ fn c_order(shape: &[usize], values: &[f64]) -> Vec<f64> {
     (0..values.len()).map(|index| values[fortran_index(index)]).collect()
 }
 
-/// Writes an array in C order, little-endian, with elements of four (`f32`) or eight bytes.
+/// Writes an array in C order, little-endian.
 ///
 /// # Errors
 /// Those of the writer.
@@ -240,6 +240,10 @@ pub trait NpyElement: bytemuck::Pod {
 
 impl NpyElement for f32 {
     const DESCR: &'static str = if cfg!(target_endian = "little") { "<f4" } else { ">f4" };
+}
+
+impl NpyElement for i32 {
+    const DESCR: &'static str = if cfg!(target_endian = "little") { "<i4" } else { ">i4" };
 }
 
 impl NpyElement for f64 {

@@ -23,16 +23,14 @@ pub fn write_ply(
             number
         })
         .collect();
-    let faces = triangles.len();
-    write!(
+    write_header(
         writer,
-        "ply\nformat binary_little_endian 1.0\nelement vertex {count}\nproperty float x\n\
-         property float y\nproperty float z\nelement face {faces}\n\
-         property list uchar int vertex_indices\nend_header\n"
+        &[
+            ("vertex", count as usize, "float x,float y,float z"),
+            ("face", triangles.len(), "list uchar int vertex_indices"),
+        ],
     )?;
-    for coordinate in points.iter().filter(present).flatten() {
-        writer.write_all(&(*coordinate as f32).to_le_bytes())?;
-    }
+    points.iter().filter(present).try_for_each(|point| write_point(writer, *point))?;
     for triangle in triangles {
         writer.write_all(&[3])?;
         for &corner in triangle {
@@ -40,6 +38,29 @@ pub fn write_ply(
             let number = number.ok_or_else(|| io::Error::other("a triangle at a missing point"))?;
             writer.write_all(&number.to_le_bytes())?;
         }
+    }
+    Ok(())
+}
+
+/// The header for elements with their names, counts and properties, which commas separate.
+pub(super) fn write_header(
+    writer: &mut impl Write,
+    elements: &[(&str, usize, &str)],
+) -> io::Result<()> {
+    writeln!(writer, "ply\nformat binary_little_endian 1.0")?;
+    for (name, count, properties) in elements {
+        writeln!(writer, "element {name} {count}")?;
+        for property in properties.split(',') {
+            writeln!(writer, "property {property}")?;
+        }
+    }
+    writeln!(writer, "end_header")
+}
+
+/// A vertex's place in single precision.
+pub(super) fn write_point(writer: &mut impl Write, point: [f64; 3]) -> io::Result<()> {
+    for coordinate in point {
+        writer.write_all(&(coordinate as f32).to_le_bytes())?;
     }
     Ok(())
 }

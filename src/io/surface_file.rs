@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::arrays::{matrix, metric, read_npy, wrong_shape};
-use super::{Grid, IoError, checked_points, exr, extension, png, read_bytes, tiff};
+use super::{Georeference, Grid, IoError, checked_points, exr, extension, png, read_bytes, tiff};
 use crate::surface::{MetricTensor, Spacing, Surface, SurfaceError};
 
 /// A surface file that has been read: positions, heights or a metric.
@@ -22,6 +22,7 @@ use crate::surface::{MetricTensor, Spacing, Surface, SurfaceError};
 pub struct SurfaceFile {
     path: PathBuf,
     content: Content,
+    georeference: Result<Georeference, String>,
 }
 
 #[derive(Clone, Debug)]
@@ -49,11 +50,13 @@ impl SurfaceFile {
     /// If it cannot be read, or is not one of the formats above.
     pub fn read(path: &Path) -> Result<Self, IoError> {
         let reason = |reason| IoError::content(path, reason);
+        let mut georeference = Err("only a GeoTIFF (.tif) says where it lies on the Earth".into());
         let content = match extension(path).as_str() {
             "npy" => npy(path)?,
             "png" => heights(png_heights(&read_bytes(path)?).map_err(reason)?),
             "tif" | "tiff" => {
                 let raster = tiff::decode(&read_bytes(path)?).map_err(reason)?;
+                georeference = raster.georeference;
                 Content::Heights(raster.grid, raster.spacing)
             }
             "exr" => match exr::decode(&read_bytes(path)?).map_err(reason)? {
@@ -62,12 +65,25 @@ impl SurfaceFile {
             },
             _ => return Err(IoError::extension(path, "a surface", ".npy, .png, .tif or .exr")),
         };
-        Ok(Self { path: path.to_owned(), content })
+        Ok(Self { path: path.to_owned(), content, georeference })
     }
 
     /// Whether the file holds heights and says nothing about the distance between its points.
     pub fn lacks_spacing(&self) -> bool {
         matches!(self.content, Content::Heights(_, FileSpacing::Unknown))
+    }
+
+    /// Where on the Earth the grid's points lie.
+    ///
+    /// # Errors
+    /// If the file does not say so, with what is missing.
+    pub fn georeference(&self) -> Result<Georeference, IoError> {
+        self.georeference.clone().map_err(|reason| IoError::content(&self.path, reason))
+    }
+
+    /// The unit of lengths, if the file says it: `m` for projected GeoTIFFs in metres.
+    pub fn unit(&self) -> Option<&'static str> {
+        matches!(self.content, Content::Heights(_, FileSpacing::Known(_))).then_some("m")
     }
 
     /// The surface. Heights take the given spacing, else the file's, else 1.
@@ -76,7 +92,7 @@ impl SurfaceFile {
     /// If the values make no surface; if a spacing is given and the file holds no heights; if
     /// the file has a spacing that cannot be used and none is given.
     pub fn into_surface(self, spacing: Option<Spacing>) -> Result<Surface, IoError> {
-        let Self { path, content } = self;
+        let Self { path, content, .. } = self;
         let no_spacing_for = |what| match spacing {
             None => Ok(()),
             Some(_) => Err(IoError::content(

@@ -5,24 +5,18 @@ use std::io::{self, Cursor, Seek, Write};
 use ::tiff::decoder::{Decoder, DecodingResult, Limits};
 use ::tiff::encoder::{TiffEncoder, colortype::Gray32Float};
 use ::tiff::tags::Tag;
-use ::tiff::{ColorType, TiffError, TiffResult};
+use ::tiff::{ColorType, TiffError};
 
+use super::geotiff::GeoTags;
 use super::surface_file::FileSpacing;
-use super::{Grid, MAX_POINTS, checked_points};
-use crate::surface::Spacing;
+use super::{Georeference, Grid, MAX_POINTS, checked_points};
 
 /// Heights, NaN where the file says "no data".
 pub(super) struct Raster {
     pub grid: Grid<f64>,
     pub spacing: FileSpacing,
-}
-
-/// Keys and values of GeoTIFF's GeoKeyDirectory.
-mod geo_key {
-    pub const MODEL_TYPE: u16 = 1024;
-    pub const PROJECTED: u16 = 1;
-    pub const PROJECTED_LINEAR_UNITS: u16 = 3076;
-    pub const METRE: u16 = 9001;
+    /// Where its points lie on the Earth, or what the file does not say about it.
+    pub georeference: Result<Georeference, String>,
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Raster, String> {
@@ -36,13 +30,17 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Raster, String> {
         return Err(format!("is a picture of type {color:?}; heights are a single grey channel"));
     }
     let no_data = no_data(&mut decoder)?;
-    let spacing = spacing(&mut decoder).map_err(malformed)?;
+    let geo_tags = GeoTags::read(&mut decoder).map_err(malformed)?;
     let samples = decoder.read_image().map_err(malformed)?;
     let values = heights(samples, no_data)?;
     if values.len() != points {
         return Err(format!("holds {} values for {rows} x {cols} points", values.len()));
     }
-    Ok(Raster { grid: Grid { rows, cols, values }, spacing })
+    Ok(Raster {
+        grid: Grid { rows, cols, values },
+        spacing: geo_tags.spacing(),
+        georeference: geo_tags.georeference(),
+    })
 }
 
 fn limits() -> Limits {
@@ -52,7 +50,7 @@ fn limits() -> Limits {
     limits
 }
 
-type TiffDecoder<'a> = Decoder<Cursor<&'a [u8]>>;
+pub(super) type TiffDecoder<'a> = Decoder<Cursor<&'a [u8]>>;
 
 /// GDAL's value for "no data", written as text.
 fn no_data(decoder: &mut TiffDecoder) -> Result<Option<f64>, String> {
@@ -93,41 +91,6 @@ fn heights(samples: DecodingResult, no_data: Option<f64>) -> Result<Vec<f64>, St
                         float32 or float64, e.g. gdal_translate -ot Float32"
                 .into());
         }
-    })
-}
-
-/// The distance between pixels, if the file says it in a unit of length.
-fn spacing(decoder: &mut TiffDecoder) -> TiffResult<FileSpacing> {
-    let Some(scale) = decoder.find_tag(Tag::ModelPixelScaleTag)? else {
-        let turned = decoder.find_tag(Tag::ModelTransformationTag)?.is_some();
-        return Ok(if turned {
-            FileSpacing::Unusable("the file places its pixels by a general transformation")
-        } else {
-            FileSpacing::Unknown
-        });
-    };
-    let keys = match decoder.find_tag(Tag::GeoKeyDirectoryTag)? {
-        Some(keys) => keys.into_u16_vec()?,
-        None => Vec::new(),
-    };
-    // Entries are (key, location, count, value); location 0 means the value itself.
-    let key = |wanted| {
-        let (entries, _) = keys.as_chunks::<4>();
-        entries.iter().skip(1).find(|entry| entry[..2] == [wanted, 0]).map(|entry| entry[3])
-    };
-    if key(geo_key::MODEL_TYPE) != Some(geo_key::PROJECTED) {
-        return Ok(FileSpacing::Unusable(
-            "the file gives its pixel size in degrees, or does not say in what unit",
-        ));
-    }
-    if key(geo_key::PROJECTED_LINEAR_UNITS).is_some_and(|unit| unit != geo_key::METRE) {
-        return Ok(FileSpacing::Unusable(
-            "the file gives its pixel size in a unit other than metres",
-        ));
-    }
-    Ok(match scale.into_f64_vec()?[..] {
-        [dx, dy, ..] => FileSpacing::Known(Spacing { dx, dy }),
-        _ => FileSpacing::Unusable("the file's pixel size is incomplete"),
     })
 }
 
