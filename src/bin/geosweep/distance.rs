@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::output_file::png_output;
 use crate::picture::Picture;
-use crate::problem::{self, Scene, SolverArgs, SourceArgs, SurfaceArgs, check_outputs};
+use crate::problem::{self, MapSummary, Scene, SolverArgs, SourceArgs, SurfaceArgs, check_outputs};
 use crate::spinner::Spinner;
 use crate::{Outcome, print, say};
 
@@ -214,21 +214,8 @@ impl Outputs {
 
 #[derive(Serialize)]
 struct Summary<'a> {
-    engine: &'a str,
-    device: Option<&'a str>,
-    fallback: Option<&'a str>,
-    schedule: &'a str,
-    wavefront: &'a str,
-    iterations: u32,
-    iteration_bound: Option<u64>,
-    residual: f64,
-    converged: bool,
-    solve_seconds: f64,
-    rows: usize,
-    cols: usize,
-    points: usize,
-    reached: usize,
-    max_distance: f32,
+    #[serde(flatten)]
+    map: MapSummary<'a>,
     extrapolated: bool,
     mean_relative_error: Option<f64>,
     max_relative_error: Option<f64>,
@@ -237,23 +224,8 @@ struct Summary<'a> {
 impl<'a> Summary<'a> {
     fn new(surface: &Surface, args: &Args, solved: &'a Solved) -> Self {
         let Solved { map, estimate } = solved;
-        let report = &map.report;
         Self {
-            engine: report.engine,
-            device: report.device.as_deref(),
-            fallback: report.fallback.as_deref(),
-            schedule: report.schedule,
-            wavefront: report.wavefront.name(),
-            iterations: report.iterations,
-            iteration_bound: surface.iteration_bound(),
-            residual: report.residual,
-            converged: report.converged,
-            solve_seconds: report.solve_time.as_secs_f64(),
-            rows: map.chart.rows,
-            cols: map.chart.cols,
-            points: report.points,
-            reached: report.reached,
-            max_distance: report.max_distance,
+            map: MapSummary::new(surface, map),
             extrapolated: args.extrapolate,
             mean_relative_error: estimate.as_ref().map(|estimate| estimate.mean_relative),
             max_relative_error: estimate.as_ref().map(|estimate| estimate.max_relative),

@@ -4,16 +4,20 @@ mod accuracy;
 mod builtin;
 mod canonical;
 mod compare;
+mod contours;
 mod devices;
 mod distance;
 mod figure;
 mod output_file;
 mod pairwise;
+mod path;
 mod picture;
 mod problem;
+mod sample;
 mod spinner;
 mod study;
 mod surface_arg;
+mod voronoi;
 
 use std::error::Error;
 use std::fmt::Display;
@@ -49,6 +53,14 @@ enum Command {
     Distance(Box<distance::Args>),
     /// Compute the distances between all points of a surface
     Pairwise(Box<pairwise::Args>),
+    /// Draw curves of equal distance
+    Contours(Box<contours::Args>),
+    /// Trace shortest paths back to the sources
+    Path(Box<path::Args>),
+    /// Divide a surface among its sources
+    Voronoi(Box<voronoi::Args>),
+    /// Choose points that are far from one another
+    Sample(Box<sample::Args>),
     /// Place a surface in space so that straight distances are like those along it
     Canonical(canonical::Args),
     /// List the Vulkan devices, and why one cannot be used
@@ -77,6 +89,10 @@ fn main() -> ExitCode {
     let outcome = match tool.command {
         Command::Distance(args) => distance::run(&args),
         Command::Pairwise(args) => pairwise::run(&args),
+        Command::Contours(args) => contours::run(&args),
+        Command::Path(args) => path::run(&args),
+        Command::Voronoi(args) => voronoi::run(&args),
+        Command::Sample(args) => sample::run(&args),
         Command::Canonical(args) => canonical::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),

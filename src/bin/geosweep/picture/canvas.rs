@@ -41,6 +41,26 @@ impl Canvas {
 
     /// Draws a straight line with round ends, or a disc, with smooth edges.
     pub fn stroke(&mut self, from: Vec2, to: Vec2, radius: f32, color: Color) {
+        self.polyline(&[from, to], radius, color);
+    }
+
+    /// Draws lines from point to point with round ends and joints and smooth edges.
+    pub fn polyline(&mut self, points: &[Vec2], radius: f32, color: Color) {
+        // Pieces overlap at their joints; each pixel is painted once, as far as any piece covers
+        // it.
+        let mut covered: Vec<(usize, f32)> = Vec::new();
+        for ends in points.windows(2) {
+            self.cover(ends[0], ends[1], radius, |index, coverage| covered.push((index, coverage)));
+        }
+        covered.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+        covered.dedup_by_key(|(index, _)| *index);
+        for (index, coverage) in covered {
+            self.pixels[index] = mix(self.pixels[index], color, coverage);
+        }
+    }
+
+    /// The pixels that a straight line covers, and how much of them.
+    fn cover(&self, from: Vec2, to: Vec2, radius: f32, mut found: impl FnMut(usize, f32)) {
         let reach = Vec2::splat(radius + 1.0);
         let low = (from.min(to) - reach).max(Vec2::ZERO).as_usizevec2();
         let end = (from.max(to) + reach + 1.0).max(Vec2::ZERO).as_usizevec2();
@@ -50,7 +70,11 @@ impl Canvas {
                 let center = Vec2::new(x as f32, y as f32);
                 let t = (center - from).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
                 let distance = center.distance(from + along * t.clamp(0.0, 1.0));
-                self.blend(x, y, color, (radius + 0.5 - distance).clamp(0.0, 1.0));
+                // A line thinner than a pixel covers its width of it.
+                let coverage = (radius + 0.5 - distance).clamp(0.0, (2.0 * radius).min(1.0));
+                if coverage > 0.0 {
+                    found(y * self.width + x, coverage);
+                }
             }
         }
     }

@@ -1,8 +1,8 @@
 //! From distances to colours.
 
-use colorous::VIRIDIS;
+use colorous::{TABLEAU10, VIRIDIS};
 
-use super::canvas::Color;
+use super::canvas::{Color, mix};
 
 /// What text and axes are drawn on...
 pub const PAPER: Color = [1.0, 1.0, 1.0];
@@ -48,7 +48,39 @@ impl Scale {
     }
 }
 
+/// A colour for each of some regions, such that neighbours differ and no colour is rare.
+pub fn region_colors(regions: usize, neighbours: &[[u32; 2]]) -> Vec<Color> {
+    // Light enough for shading and dark borders.
+    const LIGHTENING: f32 = 0.3;
+    let palette = TABLEAU10.map(|color| {
+        let channels = [color.r, color.g, color.b].map(|channel| f32::from(channel) / 255.0);
+        mix(channels, [1.0; 3], LIGHTENING)
+    });
+    let mut beside = vec![Vec::new(); regions];
+    for &[a, b] in neighbours {
+        beside[a as usize].push(b as usize);
+        beside[b as usize].push(a as usize);
+    }
+    let mut uses = [0; TABLEAU10.len()];
+    let mut chosen: Vec<usize> = Vec::with_capacity(regions);
+    for region in 0..regions {
+        let taken = |color| {
+            beside[region].iter().any(|&other| chosen.get(other).is_some_and(|&of| of == color))
+        };
+        let best = (0..palette.len()).min_by_key(|&color| (taken(color), uses[color]));
+        let best = best.unwrap_or_default();
+        uses[best] += 1;
+        chosen.push(best);
+    }
+    chosen.into_iter().map(|color| palette[color]).collect()
+}
+
 /// How bright a colour looks, from 0 to 1.
 pub fn luma([r, g, b]: Color) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// What lines are drawn in over a ground: light over dark, dark over light.
+pub fn ink_over(ground: Color) -> Color {
+    if luma(ground) < 0.5 { [1.0, 1.0, 1.0] } else { [0.05, 0.05, 0.1] }
 }

@@ -1,7 +1,7 @@
 //! Lines of equal distance at round values.
 
 use super::canvas::{Color, mix};
-use super::colors::{Scale, luma};
+use super::colors::{Scale, ink_over, luma};
 
 /// No more lines than this over the whole range suit a picture of one map; steps being round,
 /// there are at least 12.
@@ -66,6 +66,13 @@ impl Isolines {
     }
 }
 
+/// At most so many round values within a scale.
+pub fn round_levels(scale: &Scale, most: f64) -> Vec<f64> {
+    let lines = Isolines::over(scale, most, 1.0);
+    let within = lines.within(f64::from(scale.low), f64::from(scale.high));
+    within.map(|line| line.value).filter(|value| *value > f64::from(scale.low)).collect()
+}
+
 impl Isoline {
     pub fn is_strong(self) -> bool {
         self.multiple % STRONG == 0
@@ -77,10 +84,8 @@ impl Isoline {
 
     /// The line over a ground: light over the dark end of the scale, dark over the light one.
     pub fn over(self, ground: Color, scale: &Scale, coverage: f32) -> Color {
-        const LIGHT: Color = [1.0, 1.0, 1.0];
-        const DARK: Color = [0.05, 0.05, 0.1];
-        let dark_ground = luma(scale.color(self.value as f32)) < 0.5;
-        let (ink, weak, strong) = if dark_ground { (LIGHT, 0.38, 0.8) } else { (DARK, 0.36, 0.7) };
+        let ink = ink_over(scale.color(self.value as f32));
+        let (weak, strong) = if luma(ink) > 0.5 { (0.38, 0.8) } else { (0.36, 0.7) };
         mix(ground, ink, coverage * if self.is_strong() { strong } else { weak })
     }
 }

@@ -3,7 +3,7 @@
 use geosweep::glam::Vec2;
 
 use super::canvas::Canvas;
-use super::colors::{INK, PAPER, Scale};
+use super::colors::{INK, PAPER, Scale, ink_over};
 use super::isolines::Isolines;
 use super::text::Pen;
 
@@ -12,7 +12,16 @@ pub struct Legend<'a> {
     /// What the values are.
     pub quantity: &'a str,
     pub scale: &'a Scale,
-    pub isolines: &'a Isolines,
+    pub lines: Lines<'a>,
+}
+
+/// The lines that the picture has.
+#[derive(Clone, Copy)]
+pub enum Lines<'a> {
+    /// At all multiples of a step.
+    Every(&'a Isolines),
+    /// At these values, ascending.
+    At(&'a [f64]),
 }
 
 /// A rectangle of pixels.
@@ -34,7 +43,6 @@ impl Legend<'_> {
     /// picture's first `above` rows of pixels, or where it has room for its name.
     pub fn beside(&self, picture: &Canvas, size: usize, above: usize) -> (Canvas, Vec2) {
         let pen = Pen::new(size as f32);
-        let labels = self.labels();
         let above = above.max(3 * size / 2);
         let bar = Bar {
             left: size + picture.width + size,
@@ -42,6 +50,7 @@ impl Legend<'_> {
             width: size,
             height: picture.height.saturating_sub(above).max(10 * size),
         };
+        let labels = self.labels(bar.height / (2 * size));
         let tick = size / 4;
         let label_left = bar.left + bar.width + 2 * tick;
         let text_end = |left: usize, text: &str| left + pen.width(text).ceil() as usize;
@@ -69,23 +78,50 @@ impl Legend<'_> {
         let slope = (high - low) / bar.height as f64;
         for y in 0..bar.height {
             let value = high - (y as f64 + 0.5) * slope;
-            let (line, coverage) = self.isolines.coverage(value, slope);
-            let color = line.over(self.scale.color(value as f32), self.scale, coverage);
+            let ground = self.scale.color(value as f32);
+            let color = match self.lines {
+                Lines::Every(isolines) => {
+                    let (line, coverage) = isolines.coverage(value, slope);
+                    line.over(ground, self.scale, coverage)
+                }
+                Lines::At(_) => ground,
+            };
             for x in bar.left..bar.left + bar.width {
                 canvas.blend(x, bar.top + y, color, 1.0);
             }
         }
+        if let Lines::At(values) = self.lines {
+            let inside = values.iter().filter(|value| (low..=high).contains(*value));
+            for &value in inside {
+                let y = bar.y(self.scale, value) as f32;
+                let [left, right] = [0, bar.width - 1].map(|x| Vec2::new((bar.left + x) as f32, y));
+                canvas.stroke(left, right, 0.7, ink_over(self.scale.color(value as f32)));
+            }
+        }
     }
 
-    /// The strong lines, or the smallest value where there is none.
-    fn labels(&self) -> Vec<(f64, String)> {
+    /// The strong lines or as many of the given ones as have room, or the smallest value where
+    /// there is none; from low to high.
+    fn labels(&self, room: usize) -> Vec<(f64, String)> {
         let (low, high) = (f64::from(self.scale.low), f64::from(self.scale.high));
-        let strong = self.isolines.within(low, high).filter(|line| line.is_strong());
-        let mut values: Vec<f64> = strong.map(|line| line.value).collect();
+        let within = |value: &f64| (low..=high).contains(value);
+        let largest = low.abs().max(high.abs());
+        let (mut values, format): (Vec<f64>, _) = match self.lines {
+            Lines::Every(isolines) => {
+                let strong = isolines.within(low, high).filter(|line| line.is_strong());
+                let format = NumberFormat::new(isolines.strong_step(), largest);
+                (strong.map(|line| line.value).collect(), format)
+            }
+            Lines::At(levels) => {
+                let levels: Vec<f64> = levels.iter().copied().filter(within).collect();
+                let format = NumberFormat::telling_apart(&levels, largest);
+                let every = levels.len().div_ceil(room.max(1)).max(1);
+                (levels.into_iter().step_by(every).collect(), format)
+            }
+        };
         if values.is_empty() {
             values.push(low);
         }
-        let format = NumberFormat::new(self.isolines.strong_step(), low.abs().max(high.abs()));
         values.into_iter().map(|value| (value, format.text(value))).collect()
     }
 }
@@ -117,6 +153,22 @@ impl NumberFormat {
         }
     }
 
+    /// For values that are no multiples of a round step: as many digits as tell them apart.
+    fn telling_apart(values: &[f64], largest: f64) -> Self {
+        let gaps = values.windows(2).map(|pair| pair[1] - pair[0]);
+        let gap = gaps.fold(values.first().map_or(1.0, |first| first.abs()), f64::min);
+        let are_told = |decimals: &usize| {
+            let rounded = |value: f64| (value * 10f64.powi(*decimals as i32)).round();
+            let error =
+                |value: &f64| (rounded(*value) / 10f64.powi(*decimals as i32) - value).abs();
+            values.iter().map(error).fold(0.0, f64::max) <= 0.01 * gap
+        };
+        match (0..=5).find(are_told) {
+            Some(decimals) if largest < 1e7 => Self::Decimals(decimals),
+            _ => Self::Exponent,
+        }
+    }
+
     fn text(&self, value: f64) -> String {
         match self {
             _ if value == 0.0 => "0".into(),
@@ -124,6 +176,15 @@ impl NumberFormat {
             Self::Decimals(0) => with_thousands(value),
             Self::Decimals(decimals) => format!("{value:.decimals$}"),
         }
+    }
+}
+
+/// A number by itself, to about four digits.
+pub fn number(value: f64) -> String {
+    let magnitude = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    match (0.0..7.0).contains(&magnitude) {
+        true => NumberFormat::Decimals((3.0 - magnitude).max(0.0) as usize).text(value),
+        false => NumberFormat::Exponent.text(value),
     }
 }
 
@@ -155,5 +216,9 @@ mod tests {
         assert_eq!(text(5000.0, -25_000.0), "-25\u{2009}000");
         assert_eq!(text(1e-8, 3e-8), "3.0e-8");
         assert_eq!(NumberFormat::new(5e7, 2e8).text(5e7), "5.0e7");
+        let apart = |values: &[f64]| NumberFormat::telling_apart(values, 3e4).text(values[0]);
+        assert_eq!(apart(&[12.5, 25.0, 37.5]), "12.5");
+        assert_eq!(apart(&[1.0 / 3.0, 2.0 / 3.0]), "0.333");
+        assert_eq!(apart(&[3171.9, 6343.8]), "3172");
     }
 }

@@ -3,6 +3,7 @@
 
 mod canvas;
 mod colors;
+mod curves;
 mod form;
 mod gallery;
 mod isolines;
@@ -10,8 +11,10 @@ mod legend;
 mod panels;
 pub mod plot;
 mod raster;
+mod regions;
 mod relief;
 pub mod scene;
+mod swatches;
 mod text;
 
 use geosweep::glam::{DVec2, Vec2};
@@ -19,13 +22,17 @@ use geosweep::surface::{Direction, Geometry, Source};
 use geosweep::{DistanceMap, Sources, Surface};
 
 use canvas::Canvas;
-use colors::Scale;
+pub use colors::Scale;
+pub use curves::{CurvePicture, Key, Look, contour_lines, mark_all, path_line, rgb};
 pub use form::FormPicture;
 pub use gallery::{Exhibit, Gallery};
+pub use isolines::round_levels;
 use isolines::{Isolines, MOST_LINES};
-use legend::Legend;
+use legend::{Legend, Lines};
 pub use panels::{Panel, Panels};
+pub use raster::Paint;
 use raster::{Raster, View};
+pub use regions::Regions;
 use relief::Relief;
 
 /// What is drawn.
@@ -42,24 +49,28 @@ impl Picture<'_> {
     pub fn draw(&self) -> Canvas {
         let Self { surface, shape, map, sources } = *self;
         let view = View::new(surface.chart(), aspect(shape));
-        let distances = map.distances.iter().copied().filter(|distance| distance.is_finite());
-        let scale = Scale::over(distances.chain([start(sources)]));
+        let scale = scale_of(map, sources);
         let isolines = Isolines::over(&scale, MOST_LINES, view.thickness());
         let raster = Raster {
             view,
             present: surface.present(),
             values: &map.distances,
             relief: &Relief::of(shape),
-            scale: &scale,
-            isolines: &isolines,
+            paint: Paint::Values(&scale, Some(&isolines)),
         };
         let quantity = if surface.slowness().is_some() { "travel time" } else { "distance" };
-        let legend = Legend { quantity, scale: &scale, isolines: &isolines };
+        let legend = Legend { quantity, scale: &scale, lines: Lines::Every(&isolines) };
         let picture = raster.draw();
         let (mut canvas, corner) = legend.beside(&picture, Legend::text_size(&picture), 0);
         mark_sources(&mut canvas, view, corner, sources);
         canvas
     }
+}
+
+/// The scale over a map's distances.
+pub fn scale_of(map: &DistanceMap, sources: &Sources) -> Scale {
+    let distances = map.distances.iter().copied().filter(|distance| distance.is_finite());
+    Scale::over(distances.chain([start(sources)]))
 }
 
 /// The smallest distance, which need not occur at a grid point.
@@ -111,11 +122,10 @@ fn mark_sources(canvas: &mut Canvas, view: View, corner: Vec2, sources: &Sources
                     canvas.stroke(center, center, 5.5 * size + wider, color);
                 }
                 Source::Curve { vertices, .. } => {
-                    let pixels: Vec<Vec2> = vertices.iter().map(pixel).collect();
-                    canvas.stroke(pixels[0], pixels[0], 1.8 * size + wider, color);
-                    for ends in pixels.windows(2) {
-                        canvas.stroke(ends[0], ends[1], 1.8 * size + wider, color);
-                    }
+                    // Twice the first, so that a single vertex shows too.
+                    let pixels: Vec<Vec2> =
+                        vertices.first().into_iter().chain(vertices).map(pixel).collect();
+                    canvas.polyline(&pixels, 1.8 * size + wider, color);
                 }
             }
         }

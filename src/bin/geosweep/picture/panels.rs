@@ -6,8 +6,8 @@ use geosweep::{Sources, Surface};
 use super::canvas::Canvas;
 use super::colors::{INK, PAPER, Scale};
 use super::isolines::Isolines;
-use super::legend::Legend;
-use super::raster::{Raster, View};
+use super::legend::{Legend, Lines};
+use super::raster::{Paint, Raster, View};
 use super::relief::Relief;
 use super::text::Pen;
 use super::{aspect, mark_sources, start};
@@ -59,15 +59,14 @@ impl Panels<'_> {
                 present: self.surface.present(),
                 values: panel.values,
                 relief: &relief,
-                scale: &scale,
-                isolines: &isolines,
+                paint: Paint::Values(&scale, Some(&isolines)),
             };
             picture.paste(left, TITLES, &raster.draw());
             let x = left as f32;
             title_pen.write(&mut picture, x, 0.5 * TEXT as f32, &panel.title, INK);
             subtitle_pen.write(&mut picture, x, 1.8 * TEXT as f32, &panel.subtitle, INK);
         }
-        let legend = Legend { quantity: "distance", scale: &scale, isolines: &isolines };
+        let legend = Legend { quantity: "distance", scale: &scale, lines: Lines::Every(&isolines) };
         let (mut canvas, corner) = legend.beside(&picture, TEXT, TITLES);
         for index in 0..self.panels.len() {
             let panel = corner + Vec2::new((index * step) as f32, TITLES as f32);

@@ -74,8 +74,16 @@ pub struct Raster<'a> {
     /// One value per grid point, infinite where there is none.
     pub values: &'a [f32],
     pub relief: &'a Relief,
-    pub scale: &'a Scale,
-    pub isolines: &'a Isolines,
+    pub paint: Paint<'a>,
+}
+
+/// What the ground is painted in.
+#[derive(Clone, Copy)]
+pub enum Paint<'a> {
+    /// The values on a scale, perhaps with lines.
+    Values(&'a Scale, Option<&'a Isolines>),
+    /// A colour per grid point.
+    Colors(&'a [Color]),
 }
 
 /// What surrounds a place: the cell's corners, their weights, and the nearest one.
@@ -118,10 +126,29 @@ impl Raster<'_> {
             let hatched = (x + y).rem_euclid(14.0) < 4.0;
             return shade(if hatched { HATCHING } else { UNREACHED }, brightness);
         }
-        let value = self.value(&around);
-        let ground = shade(self.scale.color(value as f32), brightness);
-        let (line, coverage) = self.isolines.coverage(value, self.slope(&around));
-        line.over(ground, self.scale, coverage)
+        match self.paint {
+            Paint::Colors(colors) => shade(self.blended(colors, &around), brightness),
+            Paint::Values(scale, isolines) => {
+                let value = self.value(&around);
+                let ground = shade(scale.color(value as f32), brightness);
+                let Some(isolines) = isolines else { return ground };
+                let (line, coverage) = isolines.coverage(value, self.slope(&around));
+                line.over(ground, scale, coverage)
+            }
+        }
+    }
+
+    /// The colour between grid points that have one.
+    fn blended(&self, colors: &[Color], around: &Around) -> Color {
+        let (mut sum, mut weights) = ([0.0; 3], 0.0);
+        for &(row, col, weight) in &around.corners {
+            if self.at(row, col).is_some() {
+                let color = colors[self.view.chart.index(row, col)];
+                sum = std::array::from_fn(|k| sum[k] + weight as f32 * color[k]);
+                weights += weight as f32;
+            }
+        }
+        sum.map(|channel| channel / weights)
     }
 
     fn around(&self, place: DVec2) -> Around {

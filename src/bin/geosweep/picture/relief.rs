@@ -36,19 +36,19 @@ impl Relief {
 }
 
 /// Differences between neighbours, with heights exaggerated.
-struct Tangents<'a> {
-    shape: &'a Surface,
-    exaggeration: f64,
+pub struct Tangents<'a> {
+    pub shape: &'a Surface,
+    pub exaggeration: f64,
 }
 
 impl Tangents<'_> {
-    fn position(&self, row: usize, col: usize) -> Option<DVec3> {
+    pub fn position(&self, row: usize, col: usize) -> Option<DVec3> {
         let position = self.shape.position(row, col)?;
         Some(position * DVec3::new(1.0, 1.0, self.exaggeration))
     }
 
     /// From the neighbour on the other side to the one on this side, or as far as there is one.
-    fn along(&self, row: usize, col: usize, to: Direction) -> Option<DVec3> {
+    pub fn along(&self, row: usize, col: usize, to: Direction) -> Option<DVec3> {
         let here = self.position(row, col)?;
         let at = |to| {
             let (row, col) = self.shape.chart().neighbour(row, col, to)?;
@@ -62,14 +62,14 @@ impl Tangents<'_> {
         }
     }
 
-    fn normal(&self, row: usize, col: usize) -> Option<DVec3> {
+    pub fn normal(&self, row: usize, col: usize) -> Option<DVec3> {
         let east = self.along(row, col, Direction::East)?;
         let south = self.along(row, col, Direction::South)?;
         east.cross(south).try_normalize()
     }
 
     /// The mean of some direction over a sample of the surface.
-    fn mean(&self, direction: impl Fn(usize, usize) -> Option<DVec3>) -> DVec3 {
+    pub fn mean(&self, direction: impl Fn(usize, usize) -> Option<DVec3>) -> DVec3 {
         let chart = self.shape.chart();
         let every = (chart.points() / 10_000).max(1);
         let directions = (0..chart.points()).step_by(every).filter_map(|index| {
@@ -82,7 +82,8 @@ impl Tangents<'_> {
     }
 }
 
-fn exaggeration(shape: &Surface) -> f64 {
+/// How many times their height terrains are drawn.
+pub fn exaggeration(shape: &Surface) -> f64 {
     let Geometry::Heights { spacing, .. } = shape.geometry() else { return 1.0 };
     let plain = Tangents { shape, exaggeration: 1.0 };
     let chart = shape.chart();

@@ -1,22 +1,29 @@
 //! The arguments that all commands on a distance map share: the surface, the sources and the
 //! solver; and the map they give.
 
+mod curve_files;
 mod outputs;
+mod picture;
 mod solver;
 mod sources;
+mod summary;
 mod surface;
 
 use std::path::Path;
 
-use geosweep::Report;
 use geosweep::surface::builtin::Builtin;
+use geosweep::{DistanceMap, Options, Report, Sources, distance_map};
 
+pub use curve_files::CurveFiles;
 pub use outputs::check_outputs;
+pub use picture::PictureArgs;
 pub use solver::SolverArgs;
-pub use sources::SourceArgs;
+pub use sources::{SourceArgs, place};
+pub use summary::MapSummary;
 pub use surface::{Scene, SurfaceArgs};
 
 use crate::say;
+use crate::spinner::Spinner;
 
 /// Finite numbers with commas between them.
 pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
@@ -30,6 +37,19 @@ pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
 /// A sentence on the built-in surfaces for the end of a command's help.
 pub fn builtin_names() -> String {
     format!("Built-in surfaces:\n  {}; sheared-plane@DEGREES says by what angle.", Builtin::names())
+}
+
+/// The map from some sources, with what the user should know of it.
+pub fn solve(
+    scene: &Scene,
+    sources: &Sources,
+    solver: &SolverArgs,
+    options: &Options,
+) -> Result<DistanceMap, geosweep::Error> {
+    let _spinner = Spinner::new("computing distances");
+    let map = distance_map(&scene.surface, sources, options)?;
+    comment(&map.report, solver);
+    Ok(map)
 }
 
 /// All files that are read.

@@ -29,6 +29,12 @@ fn point(text: &str) -> Result<[f64; 3], String> {
     }
 }
 
+/// A place on the grid, which may be fractional.
+pub fn place(text: &str) -> Result<[f64; 2], String> {
+    let place = numbers(text)?.try_into();
+    place.map_err(|_| "a place is a row and a column: R,C".into())
+}
+
 impl SourceArgs {
     pub fn sources(&self) -> Result<Sources, IoError> {
         let points = self.source.iter().fold(Sources::default(), |sources, &[row, col, start]| {

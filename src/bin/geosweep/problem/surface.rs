@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use clap::builder::{OsStringValueParser, TypedValueParser};
-use geosweep::io::{self, SurfaceFile};
+use geosweep::io::{self, Georeference, SurfaceFile};
 use geosweep::{EdgeRule, Spacing, Surface};
 
 use super::numbers;
@@ -71,11 +71,22 @@ pub struct Scene {
     pub surface: Surface,
     /// Where lengths come from a metric of their own, the surface that has positions.
     shape: Option<Surface>,
+    /// Where it lies on the Earth, or why that is not known.
+    pub georeference: Result<Georeference, String>,
+    /// The unit of lengths, if the file says it.
+    pub unit: Option<&'static str>,
+}
+
+/// A surface as its file or name gives it.
+struct Given {
+    surface: Surface,
+    georeference: Result<Georeference, String>,
+    unit: Option<&'static str>,
 }
 
 impl Scene {
     fn read(args: &SurfaceArgs) -> Result<Self, Box<dyn Error>> {
-        let given = args.read_surface()?;
+        let Given { surface: given, georeference, unit } = args.read_surface()?;
         let (rows, cols) = (given.rows(), given.cols());
         let (mut surface, shape) = match &args.metric {
             None => (given, None),
@@ -100,7 +111,9 @@ impl Scene {
             EdgesArg::Arc => EdgeRule::Arc,
             EdgesArg::Chord => EdgeRule::Chord,
         });
-        Ok(Self { surface, shape })
+        // A slowness makes times of lengths, another metric may be in another unit.
+        let unit = unit.filter(|_| shape.is_none() && surface.slowness().is_none());
+        Ok(Self { surface, shape, georeference, unit })
     }
 
     pub fn shape(&self) -> &Surface {
@@ -128,7 +141,7 @@ impl SurfaceArgs {
         optional.into_iter().flatten()
     }
 
-    fn read_surface(&self) -> Result<Surface, Box<dyn Error>> {
+    fn read_surface(&self) -> Result<Given, Box<dyn Error>> {
         match &self.surface {
             SurfaceArg::Builtin(builtin) => {
                 if self.spacing.is_some() {
@@ -136,7 +149,8 @@ impl SurfaceArgs {
                                 its own size, leave it out"
                         .into());
                 }
-                Ok(builtin.surface()?)
+                let georeference = Err("a built-in surface lies nowhere on the Earth".into());
+                Ok(Given { surface: builtin.surface()?, georeference, unit: None })
             }
             SurfaceArg::File(path) => {
                 let _spinner = Spinner::new("reading");
@@ -150,7 +164,10 @@ impl SurfaceArgs {
                         ),
                     );
                 }
-                Ok(file.into_surface(self.spacing)?)
+                let georeference = file.georeference().map_err(|error| error.to_string());
+                // A spacing that is given may be in any unit.
+                let unit = file.unit().filter(|_| self.spacing.is_none());
+                Ok(Given { surface: file.into_surface(self.spacing)?, georeference, unit })
             }
         }
     }

@@ -1,0 +1,180 @@
+//! `geosweep path`: shortest paths back to the sources.
+
+use std::path::{Path as FilePath, PathBuf};
+use std::process::ExitCode;
+
+use geosweep::geometry::{CurveError, Path, PathError, Paths, contours};
+use geosweep::io::{Attribute, IoError, Polyline, StagedFile, read_curve};
+use geosweep::surface::EdgeLengths;
+use serde::Serialize;
+
+use crate::picture::{
+    CurvePicture, Key, Paint, contour_lines, mark_all, path_line, rgb, round_levels, scale_of,
+};
+use crate::problem::{
+    self, CurveFiles, MapSummary, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs,
+    check_outputs, place,
+};
+use crate::spinner::Spinner;
+use crate::{Outcome, print};
+
+/// The arguments of `geosweep path`.
+#[derive(clap::Args)]
+#[command(after_help = examples())]
+pub struct Args {
+    /// Where to write the paths, repeatable: .npy float64 (k, 5) with row, column, x, y, z of each
+    /// vertex from the start to the source, and a row of NaN between paths; .csv; .svg (the
+    /// parameter domain); .geojson (from a GeoTIFF, in its coordinates); .ply or .obj (in space)
+    #[arg(short, long, value_name = "PATHS", required_unless_present_any = ["picture", "json"])]
+    output: Vec<PathBuf>,
+    /// Where a path starts: row and column, which may be fractional; repeatable
+    #[arg(long, value_name = "R,C", value_parser = place, allow_hyphen_values = true)]
+    #[arg(required_unless_present = "from_file")]
+    from: Vec<[f64; 2]>,
+    /// A file of starts, after those of --from: an .npy array (K, 2) of rows and columns, or a text
+    /// file with a line `row,col` for each
+    #[arg(long, value_name = "FILE")]
+    from_file: Option<PathBuf>,
+
+    #[command(flatten)]
+    sources: SourceArgs,
+    #[command(flatten)]
+    surface: SurfaceArgs,
+    #[command(flatten)]
+    solver: SolverArgs,
+    #[command(flatten)]
+    picture: PictureArgs,
+
+    /// Print one JSON object: what `distance --json` says of the map, and paths, an array of
+    /// objects with from, distance (the map's value at the start), length (the path's own; with
+    /// the source's start value it is the distance but for errors), source (its index in the order
+    /// of points, then curves) and vertices
+    #[arg(long, help_heading = "Reports")]
+    json: bool,
+}
+
+fn examples() -> String {
+    format!(
+        "\
+A start that is outside the grid, in a hole or not reached by any source is an
+error, and nothing is written.
+
+{}
+
+Examples:
+  geosweep path dem.tif --source 120,85 --from 10,10 --from 300.5,42 -o paths.geojson
+  geosweep path builtin:maze:201x201 --source 0,0 --from 100,98 -o path.npy \\
+      --picture path.png
+  geosweep path scan.npy --source 80,64 --from-file starts.csv -o paths.obj --json",
+        problem::builtin_names()
+    )
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let options = args.solver.options()?;
+    let files = CurveFiles::new(&args.output)?;
+    let picture = args.picture.output()?;
+    let outputs: Vec<_> = files.files().chain(&picture).collect();
+    check_outputs(&outputs, args.inputs())?;
+    let scene = args.surface.read()?;
+    files.check(&scene)?;
+    let look = picture.as_ref().map(|_| args.picture.look(&scene)).transpose()?;
+    let sources = args.sources.sources()?;
+    let starts = args.starts()?;
+    let map = problem::solve(&scene, &sources, &args.solver, &options)?;
+    let paths: Vec<Path> = {
+        let _spinner = Spinner::new("tracing paths");
+        let edges = EdgeLengths::new(&scene.surface)?;
+        let paths = Paths::new(&scene.surface, &edges, &sources, &map.distances)?;
+        paths.trace_all(&starts).into_iter().collect::<Result<_, PathError>>()?
+    };
+
+    let mut staged = files.stage(&scene, polylines(&paths, &scene)?)?;
+    if let Some((output, look)) = picture.zip(look) {
+        let _spinner = Spinner::new("drawing");
+        let scale = scale_of(&map, &sources);
+        let levels = round_levels(&scale, MOST_LINES);
+        let mut lines = contour_lines(&contours(&map, &sources, &levels), &scale, false);
+        let (path_lines, mut marks): (Vec<_>, Vec<_>) = paths.iter().map(path_line).unzip();
+        let (source_lines, source_marks) = mark_all(&sources);
+        lines.extend(source_lines.into_iter().chain(path_lines));
+        marks.extend(source_marks);
+        let picture = CurvePicture {
+            surface: &scene.surface,
+            shape: scene.shape(),
+            values: &map.distances,
+            paint: Paint::Values(&scale, None),
+            lines: &lines,
+            marks: &marks,
+            key: Key::Scale {
+                quantity: &args.picture.quantity(&scene),
+                scale: &scale,
+                levels: &levels,
+            },
+        };
+        staged.push(output.stage(|writer| picture.draw(look).write_png(writer))?);
+    }
+    staged.into_iter().try_for_each(StagedFile::commit)?;
+    if args.json {
+        let summary = Summary {
+            map: MapSummary::new(&scene.surface, &map),
+            paths: starts.iter().zip(&paths).map(|(from, path)| Row::new(*from, path)).collect(),
+        };
+        print(serde_json::to_string(&summary)?)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Lines of equal distance under the paths.
+const MOST_LINES: f64 = 20.0;
+
+impl Args {
+    fn inputs(&self) -> impl Iterator<Item = &FilePath> {
+        problem::inputs(&self.surface, &self.sources).chain(self.from_file.as_deref())
+    }
+
+    fn starts(&self) -> Result<Vec<[f64; 2]>, IoError> {
+        let file = self.from_file.as_deref().map(read_curve).transpose()?;
+        Ok(self.from.iter().copied().chain(file.unwrap_or_default()).collect())
+    }
+}
+
+fn polylines(paths: &[Path], scene: &Scene) -> Result<Vec<Polyline>, CurveError> {
+    let polyline = |path: &Path| {
+        let polyline = Polyline::new("path", path.curve.clone(), scene.shape())?
+            .with("distance", Attribute::Number(path.distance))
+            .with("length", Attribute::Number(path.length))
+            .with("source", Attribute::Index(path.source));
+        Ok(Polyline { color: rgb([0.75, 0.2, 0.1]), ..polyline })
+    };
+    paths.iter().map(polyline).collect()
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    #[serde(flatten)]
+    map: MapSummary<'a>,
+    paths: Vec<Row>,
+}
+
+#[derive(Serialize)]
+struct Row {
+    from: [f64; 2],
+    distance: f64,
+    length: f64,
+    source: usize,
+    vertices: usize,
+}
+
+impl Row {
+    fn new(from: [f64; 2], path: &Path) -> Self {
+        let Path { curve, distance, length, source } = path;
+        Self {
+            from,
+            distance: *distance,
+            length: *length,
+            source: *source,
+            vertices: curve.vertices.len(),
+        }
+    }
+}

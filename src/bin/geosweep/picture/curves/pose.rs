@@ -1,0 +1,81 @@
+//! How a surface is turned towards the viewer.
+
+use geosweep::Surface;
+use geosweep::glam::DVec3;
+use geosweep::surface::{Direction, Geometry};
+
+use super::super::relief::{Tangents, exaggeration};
+
+/// From the surface's space to that of the picture, and the camera there.
+pub struct Pose {
+    /// Factor of heights.
+    pub exaggeration: f64,
+    /// A mirror's normal. Heights have y along the rows, which is a left-handed space.
+    mirror: Option<DVec3>,
+    pub toward: DVec3,
+    pub up: DVec3,
+}
+
+/// A surface whose mean normal is shorter is closed, or nearly.
+const CLOSED: f64 = 0.3;
+/// A surface whose mean normal is longer is flat and seen straight on.
+const FLAT: f64 = 0.9999;
+
+impl Pose {
+    /// Terrain is seen from the south, half from above; other open surfaces from the side to which
+    /// they bulge, rows downwards and columns to the right; closed ones from beside the z axis.
+    pub fn of(shape: &Surface, toward: Option<DVec3>) -> Self {
+        let heights = matches!(shape.geometry(), Geometry::Heights { .. });
+        let exaggeration = exaggeration(shape);
+        let tangents = Tangents { shape, exaggeration };
+        let normal = tangents.mean(|row, col| tangents.normal(row, col));
+        let east = tangents.mean(|row, col| tangents.along(row, col, Direction::East));
+        let south = tangents.mean(|row, col| tangents.along(row, col, Direction::South));
+        let closed = normal.length() < CLOSED;
+        let (own, up) = match (heights, closed) {
+            (true, _) => (0.22 * DVec3::X + 0.8 * DVec3::Y + 0.75 * DVec3::Z, DVec3::Z),
+            (_, true) => (DVec3::new(0.6, -1.0, 0.55), DVec3::Z),
+            _ => {
+                let tilt = if normal.length() > FLAT { 0.0 } else { 1.0 };
+                let normal = normal.normalize() * bulge(shape, normal);
+                let east = east.reject_from(normal).normalize_or_zero();
+                let south = south.reject_from(normal).normalize_or_zero();
+                (normal + tilt * (0.35 * east - 0.15 * south), -south)
+            }
+        };
+        let right = up.cross(toward.unwrap_or(own)).try_normalize();
+        let against = right.filter(|right| right.dot(east) < 0.0);
+        let mirror = match (heights, toward) {
+            (true, _) => right,
+            (false, None) if !closed => against,
+            _ => None,
+        };
+        Self { exaggeration, mirror, toward: toward.unwrap_or(own), up }
+    }
+
+    /// A place of the surface in the picture's space.
+    pub fn place(&self, position: DVec3) -> DVec3 {
+        let position = position * DVec3::new(1.0, 1.0, self.exaggeration);
+        match self.mirror {
+            Some(mirror) => position - 2.0 * position.dot(mirror) * mirror,
+            None => position,
+        }
+    }
+}
+
+/// 1 if the surface's middle lies before its border in the direction of the normal, else -1.
+fn bulge(shape: &Surface, normal: DVec3) -> f64 {
+    let chart = shape.chart();
+    let is_inner = |row, col| Direction::ALL.iter().all(|&to| shape.has_edge(row, col, to));
+    let mut sums = [(DVec3::ZERO, 0.0); 2];
+    for index in 0..chart.points() {
+        let (row, col) = chart.position(index);
+        if let Some(position) = shape.position(row, col) {
+            let (sum, count) = &mut sums[usize::from(is_inner(row, col))];
+            *sum += position;
+            *count += 1.0;
+        }
+    }
+    let [border, inner] = sums.map(|(sum, count)| sum / f64::max(count, 1.0));
+    if (inner - border).dot(normal) < 0.0 { -1.0 } else { 1.0 }
+}

@@ -1,0 +1,60 @@
+//! Files of curves.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use geosweep::io::{CurveFormat, Drawing, IoError, OutputFile, Polyline, StagedFile};
+use geosweep::surface::Geometry;
+
+use super::Scene;
+
+/// Files to write the same curves to, each in the format that its name says.
+pub struct CurveFiles(Vec<(OutputFile, CurveFormat)>);
+
+impl CurveFiles {
+    /// Checks names and places before the work begins.
+    pub fn new(paths: &[PathBuf]) -> Result<Self, IoError> {
+        let file = |path: &PathBuf| {
+            let format = CurveFormat::of(path)?;
+            Ok((OutputFile::new(path)?, format))
+        };
+        paths.iter().map(file).collect::<Result<_, _>>().map(Self)
+    }
+
+    pub fn files(&self) -> impl Iterator<Item = &OutputFile> {
+        self.0.iter().map(|(file, _)| file)
+    }
+
+    /// Refuses formats that ask more of the surface than it has, before anything is computed.
+    pub fn check(&self, scene: &Scene) -> Result<(), String> {
+        let bare = matches!(scene.shape().geometry(), Geometry::Metric(_));
+        for (file, format) in &self.0 {
+            let name = file.path().display();
+            if let (CurveFormat::GeoJson, Err(reason)) = (format, &scene.georeference) {
+                return Err(format!("{name}: GeoJSON needs a georeferenced surface; {reason}"));
+            }
+            if format.needs_positions() && bare {
+                return Err(format!(
+                    "{name}: the surface is known only by its metric, so that curves have no \
+                     places in space; write .npy, .csv or .svg"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the curves to all files, which have yet to be given their names.
+    pub fn stage(
+        self,
+        scene: &Scene,
+        polylines: Vec<Polyline>,
+    ) -> Result<Vec<StagedFile>, Box<dyn Error>> {
+        let chart = scene.surface.chart();
+        let georeference = scene.georeference.as_ref().ok().copied();
+        let drawing = Drawing { chart, georeference, polylines };
+        let stage = |(file, format): (OutputFile, CurveFormat)| {
+            Ok(file.stage(|writer| format.write(writer, &drawing))?)
+        };
+        self.0.into_iter().map(stage).collect()
+    }
+}

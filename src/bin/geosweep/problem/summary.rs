@@ -1,0 +1,47 @@
+//! How a map was computed, for reports.
+
+use geosweep::{DistanceMap, Surface};
+use serde::Serialize;
+
+/// What the JSON of every command on a map says about it.
+#[derive(Serialize)]
+pub struct MapSummary<'a> {
+    engine: &'a str,
+    device: Option<&'a str>,
+    fallback: Option<&'a str>,
+    schedule: &'a str,
+    wavefront: &'a str,
+    iterations: u32,
+    iteration_bound: Option<u64>,
+    residual: f64,
+    converged: bool,
+    solve_seconds: f64,
+    rows: usize,
+    cols: usize,
+    points: usize,
+    reached: usize,
+    max_distance: f32,
+}
+
+impl<'a> MapSummary<'a> {
+    pub fn new(surface: &Surface, map: &'a DistanceMap) -> Self {
+        let report = &map.report;
+        Self {
+            engine: report.engine,
+            device: report.device.as_deref(),
+            fallback: report.fallback.as_deref(),
+            schedule: report.schedule,
+            wavefront: report.wavefront.name(),
+            iterations: report.iterations,
+            iteration_bound: surface.iteration_bound(),
+            residual: report.residual,
+            converged: report.converged,
+            solve_seconds: report.solve_time.as_secs_f64(),
+            rows: map.chart.rows,
+            cols: map.chart.cols,
+            points: report.points,
+            reached: report.reached,
+            max_distance: report.max_distance,
+        }
+    }
+}

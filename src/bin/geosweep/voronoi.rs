@@ -1,0 +1,160 @@
+//! `geosweep voronoi`: which part of a surface is nearest to which source.
+
+use std::error::Error;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use geosweep::geometry::{Border, CurveError, NO_REGION, Voronoi};
+use geosweep::io::{Attribute, OutputFile, Polyline, StagedFile, write_npy};
+use geosweep::surface::{Chart, EdgeLengths};
+use serde::Serialize;
+
+use crate::output_file::output_file;
+use crate::picture::Regions;
+use crate::problem::{
+    self, CurveFiles, MapSummary, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs,
+    check_outputs,
+};
+use crate::spinner::Spinner;
+use crate::{Outcome, print};
+
+/// The arguments of `geosweep voronoi`.
+#[derive(clap::Args)]
+#[command(after_help = examples())]
+pub struct Args {
+    /// Where to write the regions: .npy int32 (M, N), at each point the index of its nearest
+    /// source, counted from 0 in the order of points, then curves; -1 at holes and where no source
+    /// reaches
+    #[arg(short, long, value_name = "LABELS.npy")]
+    #[arg(required_unless_present_any = ["borders", "picture", "json"])]
+    output: Option<PathBuf>,
+    /// Write the borders between regions, repeatable: .npy (K, 5), .csv, .svg, .geojson, .ply or
+    /// .obj, as `geosweep contours --help` says
+    #[arg(long, value_name = "CURVES")]
+    borders: Vec<PathBuf>,
+
+    #[command(flatten)]
+    sources: SourceArgs,
+    #[command(flatten)]
+    surface: SurfaceArgs,
+    #[command(flatten)]
+    solver: SolverArgs,
+    #[command(flatten)]
+    picture: PictureArgs,
+
+    /// Print one JSON object: what `distance --json` says of the map, area (of all regions),
+    /// regions (an array of objects with source, points and area) and neighbours (pairs of regions
+    /// with a common border, the Delaunay graph)
+    #[arg(long, help_heading = "Reports")]
+    json: bool,
+}
+
+fn examples() -> String {
+    format!(
+        "\
+A source with a start value begins later, so that its region is smaller. Areas are
+in the squared unit of the surface, without any slowness.
+
+{}
+
+Examples:
+  geosweep voronoi dem.tif --source 120,85 --source 30,200 -o regions.npy \\
+      --borders borders.geojson --picture regions.png
+  geosweep voronoi builtin:face:183x155 --source 60,40 --source 60,115 \\
+      --source 103,77 --json",
+        problem::builtin_names()
+    )
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let options = args.solver.options()?;
+    let labels = args.output.as_deref().map(labels_output).transpose()?;
+    let borders = CurveFiles::new(&args.borders)?;
+    let picture = args.picture.output()?;
+    let outputs: Vec<_> = labels.iter().chain(borders.files()).chain(&picture).collect();
+    check_outputs(&outputs, problem::inputs(&args.surface, &args.sources))?;
+    let scene = args.surface.read()?;
+    borders.check(&scene)?;
+    let look = picture.as_ref().map(|_| args.picture.look(&scene)).transpose()?;
+    let sources = args.sources.sources()?;
+    let map = problem::solve(&scene, &sources, &args.solver, &options)?;
+    let voronoi = {
+        let _spinner = Spinner::new("finding regions");
+        let edges = EdgeLengths::new(&scene.surface)?;
+        Voronoi::new(&scene.surface, &edges, &sources, &map.distances)?
+    };
+    let areas = voronoi.areas(&scene.surface);
+
+    let mut staged = borders.stage(&scene, polylines(&voronoi, &scene)?)?;
+    if let Some(output) = labels {
+        staged.push(output.stage(|writer| write_labels(writer, map.chart, &voronoi))?);
+    }
+    if let Some((output, look)) = picture.zip(look) {
+        let _spinner = Spinner::new("drawing");
+        let regions = Regions {
+            surface: &scene.surface,
+            shape: scene.shape(),
+            sources: &sources,
+            values: &map.distances,
+            voronoi: &voronoi,
+            areas: Some((&areas, args.picture.unit(&scene))),
+        };
+        staged.push(output.stage(|writer| regions.draw(look).write_png(writer))?);
+    }
+    staged.into_iter().try_for_each(StagedFile::commit)?;
+    if args.json {
+        let mut points = vec![0; voronoi.regions()];
+        let reached = voronoi.labels.iter().filter(|label| **label != NO_REGION);
+        reached.for_each(|label| points[*label as usize] += 1);
+        let region = |(source, (&points, &area))| Region { source, points, area };
+        let summary = Summary {
+            map: MapSummary::new(&scene.surface, &map),
+            area: areas.iter().sum(),
+            regions: points.iter().zip(&areas).enumerate().map(region).collect(),
+            neighbours: voronoi.neighbours(),
+        };
+        print(serde_json::to_string(&summary)?)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A file for labels.
+pub fn labels_output(path: &Path) -> Result<OutputFile, Box<dyn Error>> {
+    output_file(path, "regions are", "npy")
+}
+
+/// Writes labels as int32 (M, N), -1 where there is none.
+pub fn write_labels(writer: &mut impl Write, chart: Chart, voronoi: &Voronoi) -> io::Result<()> {
+    let label = |&label: &u32| if label == NO_REGION { -1 } else { label as i32 };
+    let labels: Vec<i32> = voronoi.labels.iter().map(label).collect();
+    write_npy(writer, &[chart.rows, chart.cols], &labels)
+}
+
+fn polylines(voronoi: &Voronoi, scene: &Scene) -> Result<Vec<Polyline>, CurveError> {
+    let polyline = |border: &Border| {
+        let [left, right] = border.regions.map(|region| Attribute::Index(region as usize));
+        let length = border.curve.length(&scene.surface)?;
+        Ok(Polyline::new("border", border.curve.clone(), scene.shape())?
+            .with("left", left)
+            .with("right", right)
+            .with("length", Attribute::Number(length)))
+    };
+    voronoi.borders.iter().map(polyline).collect()
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    #[serde(flatten)]
+    map: MapSummary<'a>,
+    area: f64,
+    regions: Vec<Region>,
+    neighbours: Vec<[u32; 2]>,
+}
+
+#[derive(Serialize)]
+struct Region {
+    source: usize,
+    points: usize,
+    area: f64,
+}
