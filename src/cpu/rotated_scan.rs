@@ -68,6 +68,8 @@ struct Fronts<R> {
     /// The stretches of a band to visit, and the tiles of one of them that have changed.
     runs: Vec<Range<usize>>,
     marks: Vec<bool>,
+    /// Updates of a point since the start.
+    updates: u64,
 }
 
 impl<'a, R: Real> RotatedScan<'a, R> {
@@ -84,6 +86,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
             panel: Panel::new(chart, curved),
             runs: Vec::new(),
             marks: Vec::new(),
+            updates: 0,
         };
         Self {
             edges,
@@ -157,6 +160,11 @@ impl<'a, R: Real> RotatedScan<'a, R> {
         super::state::distances(chart, &self.fronts[0].times)
     }
 
+    /// How many times the last map has updated a point, each time from the two triangles of a scan.
+    pub fn updates(&self) -> u64 {
+        self.fronts.iter().map(|fronts| fronts.updates).sum()
+    }
+
     /// Bytes held, beside the edge lengths.
     pub fn bytes(&self) -> usize {
         let of = |fronts: &Fronts<R>| {
@@ -176,7 +184,8 @@ impl<'a, R: Real> RotatedScan<'a, R> {
 
     /// No point reached.
     fn forget(&mut self) {
-        for Fronts { times, curvatures, .. } in &mut self.fronts {
+        for Fronts { times, curvatures, updates, .. } in &mut self.fronts {
+            *updates = 0;
             times.fill(R::FAR);
             curvatures.fill(R::zero());
         }
@@ -263,6 +272,7 @@ impl<R: Real> Fronts<R> {
         let first = tiles.index(how.scan, band, run.start);
         let changed = &mut self.changed[first..first + run.len()];
         let (rows, cols) = (points(band..band + 1, chart.rows), points(run.clone(), chart.cols));
+        self.updates += (rows.len() * cols.len()) as u64;
         in_order(rows, how.scan, |row| field.update(row + 1, cols.clone(), how, changed))
     }
 
@@ -277,6 +287,7 @@ impl<R: Real> Fronts<R> {
     ) -> R::Bits {
         let chart = grid.edges.chart();
         let (rows, cols) = (points(run.clone(), chart.rows), points(band..band + 1, chart.cols));
+        self.updates += (rows.len() * cols.len()) as u64;
         let panel = &mut self.panel;
         let arrays = [self.times.as_slice(), self.curvatures.as_slice()];
         panel.load(grid, arrays, &cols, rows.clone(), how.scan, how.instructions);

@@ -8,7 +8,7 @@ use super::headless::{Commands, Context};
 use super::plan::{self, Reached, Step};
 use super::record::{EdgeSource, Recorder, rows_around};
 use super::upload::{SeedTexel, seed_texels, write_points};
-use super::{Schedule, ValidationLog, VulkanError, embed};
+use super::{Schedule, Tuning, ValidationLog, VulkanError, embed};
 use crate::DeviceChoice;
 use crate::cpu::Stop;
 use crate::surface::{EdgeRule, Geometry, Seed, Spacing, Surface};
@@ -104,6 +104,11 @@ impl Solver {
     /// The device's name.
     pub fn device_name(&self) -> &str {
         &self.context.info.name
+    }
+
+    /// In how large portions it visits the grid.
+    pub fn tuning(&self) -> Tuning {
+        self.pipelines.pipelines.tuning
     }
 
     /// What the validation layers have said; `None` if they are off.

@@ -162,18 +162,35 @@ impl std::fmt::Display for Device<'_> {
         if !unmet.is_empty() {
             write!(f, "\n   not usable: {}", unmet.join("; "))?;
         }
-        let Some(ceilings) = ceilings else { return Ok(()) };
-        let DeviceCeilings { copy, triangles, read_back, .. } = ceilings;
+        match ceilings {
+            Some(ceilings) => write!(f, "\n   {ceilings}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl std::fmt::Display for DeviceCeilings {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { copy, triangles, read_back, .. } = self;
         let [dispatch, skipped, barrier, submission] =
-            [ceilings.dispatch, ceilings.skipped_dispatch, ceilings.barrier, ceilings.submission]
+            [self.dispatch, self.skipped_dispatch, self.barrier, self.submission]
                 .map(|seconds| 1e6 * seconds);
-        write!(f, "\n   copies {:.1} GB/s, reads back {:.1} GB/s", copy / 1e9, read_back / 1e9)?;
-        write!(f, "\n   {triangles}")?;
         write!(
             f,
-            "\n   dispatch of one group {dispatch:.2} us, of none {skipped:.2} us, barrier \
-             {barrier:.2} us, submission {submission:.0} us"
+            "copies {:.1} GB/s; {triangles}; dispatch of one group {dispatch:.2} us, of none \
+             {skipped:.2} us, barrier {barrier:.2} us, submission {submission:.0} us; reads back \
+             {:.1} GB/s",
+            copy / 1e9,
+            read_back / 1e9
         )
+    }
+}
+
+impl std::fmt::Display for CpuCeilings {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { threads, copy, triangles } = self;
+        let s = if *threads == 1 { "" } else { "s" };
+        write!(f, "{threads} thread{s}: copies {:.1} GB/s; {triangles}", copy / 1e9)
     }
 }
 
@@ -195,10 +212,6 @@ impl std::fmt::Display for Measured<'_> {
             writeln!(f, "{device}")?;
         }
         write!(f, "CPU ({}):", cpu::Instructions::best())?;
-        for CpuCeilings { threads, copy, triangles } in &self.cpu {
-            let s = if *threads == 1 { "" } else { "s" };
-            write!(f, "\n   {threads} thread{s}: copies {:.1} GB/s, {triangles}", copy / 1e9)?;
-        }
-        Ok(())
+        self.cpu.iter().try_for_each(|ceilings| write!(f, "\n   {ceilings}"))
     }
 }

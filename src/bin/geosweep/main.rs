@@ -1,6 +1,7 @@
 //! The command-line tool `geosweep`: distance maps from files to files.
 
 mod accuracy;
+mod bench;
 mod builtin;
 mod canonical;
 mod compare;
@@ -71,6 +72,8 @@ enum Command {
     Builtin(builtin::Args),
     /// Measure the solvers against exact distances on the built-in surfaces
     Accuracy(accuracy::Args),
+    /// Time the engines and schedules side by side, and say what bounds them
+    Bench(bench::Args),
     /// Redraw a figure of the paper
     Figure(figure::Args),
 }
@@ -98,6 +101,7 @@ fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args),
         Command::Builtin(args) => builtin::run(&args),
         Command::Accuracy(args) => accuracy::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Figure(args) => figure::run(&args),
     };
     outcome.unwrap_or_else(|error| {

@@ -61,6 +61,28 @@ pub fn ascending(sizes: &[usize]) -> Vec<usize> {
     sizes
 }
 
+/// A wavefront's name, as an argument.
+pub fn wavefront(text: &str) -> Result<Wavefront, String> {
+    let found = Wavefront::ALL.into_iter().find(|wavefront| wavefront.name() == text.trim());
+    found.ok_or_else(|| format!("no wavefront is called `{text}`; there are {}", wavefront_names()))
+}
+
+/// All wavefronts' names, for help and messages.
+pub fn wavefront_names() -> String {
+    Wavefront::ALL.map(Wavefront::name).join(", ")
+}
+
+/// What was asked for, each once, or else the default.
+pub fn or_else<T: Clone + PartialEq>(asked: &[T], default: impl FnOnce() -> Vec<T>) -> Vec<T> {
+    let mut unique = if asked.is_empty() { default() } else { Vec::new() };
+    for one in asked {
+        if !unique.contains(one) {
+            unique.push(one.clone());
+        }
+    }
+    unique
+}
+
 /// A wavefront's name in a figure.
 pub fn label(wavefront: Wavefront) -> &'static str {
     match wavefront {

@@ -34,7 +34,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = measurable)]
     surfaces: Vec<Builtin>,
     /// Wavefronts (default: all)
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = wavefront)]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = study::wavefront)]
     wavefronts: Vec<Wavefront>,
     /// What computes the maps
     #[arg(long, value_enum, default_value_t)]
@@ -75,7 +75,7 @@ Examples:
   geosweep accuracy -o docs/accuracy.md --plots docs/figures --peers docs/peers.csv
   geosweep accuracy --surfaces sphere,sheared-plane@72 --wavefronts point --sizes 65,129 --json",
         Builtin::measurable().map(|b| b.to_string()).collect::<Vec<_>>().join(", "),
-        wavefront_names()
+        study::wavefront_names()
     )
 }
 
@@ -96,21 +96,12 @@ fn measurable(text: &str) -> Result<Builtin, String> {
     Ok(builtin)
 }
 
-fn wavefront(text: &str) -> Result<Wavefront, String> {
-    let found = Wavefront::ALL.into_iter().find(|wavefront| wavefront.name() == text.trim());
-    found.ok_or_else(|| format!("no wavefront is called `{text}`; there are {}", wavefront_names()))
-}
-
-fn wavefront_names() -> String {
-    Wavefront::ALL.map(Wavefront::name).join(", ")
-}
-
 pub fn run(args: &Args) -> Outcome {
     let outputs = Outputs::new(args)?;
     let peers = args.peers.as_deref().map_or(Ok(Vec::new()), peers::read)?;
     let sizes = study::ascending(&args.sizes);
-    let surfaces = or_else(&args.surfaces, || Builtin::measurable().collect());
-    let wavefronts = or_else(&args.wavefronts, || Wavefront::ALL.to_vec());
+    let surfaces = study::or_else(&args.surfaces, || Builtin::measurable().collect());
+    let wavefronts = study::or_else(&args.wavefronts, || Wavefront::ALL.to_vec());
     let engine = match args.engine {
         EngineArg::Cpu => Engine::Cpu,
         EngineArg::Vulkan => Engine::Vulkan(DeviceChoice::Any),
@@ -128,17 +119,6 @@ pub fn run(args: &Args) -> Outcome {
         print(markdown.trim_end())?;
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// What was asked for, each once, or else the default.
-fn or_else<T: Copy + PartialEq>(asked: &[T], default: impl FnOnce() -> Vec<T>) -> Vec<T> {
-    let mut unique = if asked.is_empty() { default() } else { Vec::new() };
-    for &one in asked {
-        if !unique.contains(&one) {
-            unique.push(one);
-        }
-    }
-    unique
 }
 
 /// The files to write, checked before the work begins.

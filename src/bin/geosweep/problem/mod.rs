@@ -17,7 +17,7 @@ use geosweep::{DistanceMap, Options, Report, Sources, distance_map};
 pub use curve_files::CurveFiles;
 pub use outputs::check_outputs;
 pub use picture::PictureArgs;
-pub use solver::SolverArgs;
+pub use solver::{SolverArgs, device_choice};
 pub use sources::{SourceArgs, place};
 pub use summary::MapSummary;
 pub use surface::{Scene, SurfaceArgs};

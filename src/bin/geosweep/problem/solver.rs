@@ -70,6 +70,14 @@ enum ScheduleArg {
     Tiles,
 }
 
+/// A device by its index or a part of its name.
+pub fn device_choice(text: &str) -> DeviceChoice {
+    match text.parse() {
+        Ok(index) => DeviceChoice::Index(index),
+        Err(_) => DeviceChoice::Name(text.to_owned()),
+    }
+}
+
 impl SolverArgs {
     pub fn options(&self) -> Result<Options, String> {
         Ok(Options {
@@ -102,10 +110,7 @@ impl SolverArgs {
     }
 
     fn engine(&self) -> Result<Engine, String> {
-        let device = self.device.as_ref().map(|device| match device.parse() {
-            Ok(index) => DeviceChoice::Index(index),
-            Err(_) => DeviceChoice::Name(device.clone()),
-        });
+        let device = self.device.as_deref().map(device_choice);
         match (self.engine, device) {
             (EngineArg::Auto | EngineArg::Vulkan, Some(device)) => Ok(Engine::Vulkan(device)),
             (_, Some(_)) => Err("--device is for --engine vulkan; leave one of them out".into()),

@@ -1,0 +1,346 @@
+//! The measurements.
+
+use std::error::Error;
+use std::time::{Duration, Instant};
+
+use geosweep::cpu::{self, RotatedScan, Stop};
+use geosweep::surface::{EdgeLengths, Seed};
+use geosweep::vulkan::plan::Portions;
+use geosweep::vulkan::{
+    self, Schedule, Solution, Solver, SurfaceOnDevice, TexelChart, VulkanError,
+};
+use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Sources, Surface, Wavefront};
+use indicatif::ProgressBar;
+
+use super::memory::fits;
+use super::surface::BenchSurface;
+use super::work::{Shares, Work};
+use crate::{say, study};
+
+/// An engine, with one of its schedules where it has several.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    Cpu,
+    FastMarching,
+    Vulkan(Schedule),
+}
+
+impl Method {
+    pub fn engine(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+            Self::FastMarching => "fast-marching",
+            Self::Vulkan(_) => "vulkan",
+        }
+    }
+
+    pub fn schedule(self) -> &'static str {
+        match self {
+            Self::Cpu => "rotated-scan",
+            Self::FastMarching => "heap",
+            Self::Vulkan(schedule) => schedule.name(),
+        }
+    }
+}
+
+/// What is measured.
+pub struct Plan {
+    pub surfaces: Vec<BenchSurface>,
+    /// Ascending.
+    pub sizes: Vec<usize>,
+    pub wavefronts: Vec<Wavefront>,
+    pub methods: Vec<Method>,
+    pub device: DeviceChoice,
+    /// A method whose map takes longer is timed once, and left out at larger sizes.
+    pub limit: Duration,
+    /// Runs go on for so long.
+    pub long_enough: Duration,
+}
+
+/// A map, timed.
+pub struct Timing {
+    pub surface: BenchSurface,
+    pub rows: usize,
+    pub cols: usize,
+    /// Without holes.
+    pub points: usize,
+    pub wavefront: Wavefront,
+    pub method: Method,
+    /// Edge lengths and room for the solver, or the upload.
+    pub set_up: Duration,
+    /// Of each run, ascending.
+    pub times: Vec<Duration>,
+    pub iterations: u32,
+    pub converged: bool,
+    /// Held by the solver, edge lengths included.
+    pub bytes: Option<u64>,
+    pub work: Option<Work>,
+    pub shares: Shares,
+}
+
+impl Timing {
+    pub fn best(&self) -> f64 {
+        self.times[0].as_secs_f64()
+    }
+
+    pub fn median(&self) -> f64 {
+        let (low, high) =
+            (self.times[(self.times.len() - 1) / 2], self.times[self.times.len() / 2]);
+        0.5 * (low + high).as_secs_f64()
+    }
+}
+
+/// All of it.
+pub struct Measurements {
+    /// By surface, wavefront, size and method.
+    pub timings: Vec<Timing>,
+    pub cpu: Option<cpu::Ceilings>,
+    pub device: Option<(String, vulkan::Ceilings)>,
+}
+
+/// The scans of the CPU engine run two at a time.
+const MOST_THREADS: usize = 2;
+const FEWEST_RUNS: usize = 3;
+const MOST_RUNS: usize = 20;
+
+/// Measures what is planned.
+pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
+    let sizes = |surface: &BenchSurface| surface.sizes(&plan.sizes);
+    let maps: usize = plan.surfaces.iter().map(|surface| sizes(surface).len()).sum();
+    let bar = study::progress(maps * plan.wavefronts.len() * plan.methods.len());
+    bar.set_message("ceilings");
+    let on_device = plan.methods.iter().any(|method| matches!(method, Method::Vulkan(_)));
+    let mut bench = Bench {
+        plan,
+        bar,
+        solver: if on_device { Some(Solver::new(&plan.device)?) } else { None },
+        cpu: cpu::Ceilings::measure(rayon::current_num_threads().min(MOST_THREADS)),
+        device: if on_device { Some(vulkan::Ceilings::measure(&plan.device)?) } else { None },
+        too_slow: Vec::new(),
+        timings: Vec::new(),
+    };
+    for surface in &plan.surfaces {
+        bench.too_slow.clear();
+        for size in sizes(surface) {
+            bench.measure(surface, size)?;
+        }
+    }
+    let Bench { bar, mut timings, solver, cpu, device, .. } = bench;
+    bar.finish_and_clear();
+    let place = |timing: &Timing| {
+        let surface = plan.surfaces.iter().position(|surface| *surface == timing.surface);
+        (surface, timing.wavefront as usize)
+    };
+    timings.sort_by_key(place);
+    Ok(Measurements {
+        timings,
+        cpu: plan.methods.contains(&Method::Cpu).then_some(cpu),
+        device: solver.map(|solver| solver.device_name().to_owned()).zip(device),
+    })
+}
+
+struct Bench<'a> {
+    plan: &'a Plan,
+    bar: ProgressBar,
+    solver: Option<Solver>,
+    cpu: cpu::Ceilings,
+    device: Option<vulkan::Ceilings>,
+    /// On the surface at hand.
+    too_slow: Vec<(Wavefront, Method)>,
+    timings: Vec<Timing>,
+}
+
+/// A surface at some size, and what it takes to solve on it.
+struct Problem<'a> {
+    name: &'a BenchSurface,
+    surface: &'a Surface,
+    seeds: Vec<Seed>,
+    stop: Stop,
+}
+
+/// What one run tells.
+struct Run {
+    time: Duration,
+    iterations: u32,
+    residual: f64,
+    updates: Option<u64>,
+}
+
+impl Bench<'_> {
+    fn measure(&mut self, name: &BenchSurface, size: Option<usize>) -> Result<(), Box<dyn Error>> {
+        let plan = self.plan;
+        let rounds = plan.wavefronts.len() * plan.methods.len();
+        if let Some(side) = size.filter(|&side| !fits(side * side)) {
+            say("note", format_args!("{name}: {side} x {side} points do not fit the memory left"));
+            self.bar.inc(rounds as u64);
+            return Ok(());
+        }
+        self.bar.set_message(match size {
+            Some(side) => format!("{name} {side} x {side}"),
+            None => name.to_string(),
+        });
+        let surface = name.surface(size)?;
+        let (row, col) = name.source(&surface);
+        let iterations = u32::try_from(10 * (surface.rows() + surface.cols())).unwrap_or(u32::MAX);
+        let problem = Problem {
+            name,
+            surface: &surface,
+            seeds: Sources::point(row as f64, col as f64).seeds(&surface)?,
+            stop: Stop { tolerance: DEFAULT_TOLERANCE, iterations },
+        };
+        self.on_cpu(&problem)?;
+        self.on_device(&problem)
+    }
+
+    /// Whether a method is to be timed, or has been too slow before.
+    fn is_wanted(&self, wavefront: Wavefront, method: Method) -> bool {
+        self.plan.methods.contains(&method) && !self.too_slow.contains(&(wavefront, method))
+    }
+
+    fn on_cpu(&mut self, problem: &Problem) -> Result<(), Box<dyn Error>> {
+        let methods = [Method::Cpu, Method::FastMarching];
+        if !methods.iter().any(|method| self.plan.methods.contains(method)) {
+            return Ok(());
+        }
+        let start = Instant::now();
+        let edges = EdgeLengths::<f32>::new(problem.surface)?;
+        let edges_time = start.elapsed();
+        for &wavefront in &self.plan.wavefronts {
+            if self.is_wanted(wavefront, Method::Cpu) {
+                let start = Instant::now();
+                let mut solver = RotatedScan::new(&edges, wavefront);
+                let set_up = edges_time + start.elapsed();
+                let bytes = (edges.bytes() + solver.bytes()) as u64;
+                self.time(problem, wavefront, Method::Cpu, set_up, Some(bytes), |problem| {
+                    let start = Instant::now();
+                    let found = solver.solve(&problem.seeds, problem.stop);
+                    Ok(Run {
+                        time: start.elapsed(),
+                        iterations: found.iterations,
+                        residual: found.residual,
+                        updates: Some(solver.updates()),
+                    })
+                })?;
+            }
+            if self.is_wanted(wavefront, Method::FastMarching) {
+                self.time(problem, wavefront, Method::FastMarching, edges_time, None, |problem| {
+                    let start = Instant::now();
+                    let found = cpu::fast_marching(&edges, &problem.seeds, wavefront);
+                    Ok(Run {
+                        time: start.elapsed(),
+                        iterations: found.iterations,
+                        residual: 0.0,
+                        updates: None,
+                    })
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    fn on_device(&mut self, problem: &Problem) -> Result<(), Box<dyn Error>> {
+        let Some(mut solver) = self.solver.take() else { return Ok(()) };
+        let start = Instant::now();
+        let uploaded = solver.upload(problem.surface);
+        let set_up = start.elapsed();
+        match uploaded {
+            Ok(mut surface) => self.schedules(problem, &mut solver, &mut surface, set_up)?,
+            Err(error @ (VulkanError::TooLarge { .. } | VulkanError::TooMuchMemory { .. })) => {
+                say("note", format_args!("{}: left out on the device: {error}", problem.name));
+            }
+            Err(error) => return Err(error.into()),
+        }
+        self.solver = Some(solver);
+        Ok(())
+    }
+
+    fn schedules(
+        &mut self,
+        problem: &Problem,
+        solver: &mut Solver,
+        surface: &mut SurfaceOnDevice,
+        set_up: Duration,
+    ) -> Result<(), Box<dyn Error>> {
+        let bytes = Some(surface.bytes());
+        for &wavefront in &self.plan.wavefronts {
+            for schedule in Schedule::ALL {
+                let method = Method::Vulkan(schedule);
+                if !self.is_wanted(wavefront, method) {
+                    continue;
+                }
+                self.time(problem, wavefront, method, set_up, bytes, |problem| {
+                    let how =
+                        vulkan::Method { wavefront, schedule: Some(schedule), stop: problem.stop };
+                    let Solution { iterations, residual, time, .. } =
+                        solver.solve(surface, &problem.seeds, how)?;
+                    Ok(Run { time, iterations, residual, updates: None })
+                })?;
+                let tuning = solver.tuning();
+                let portions = Portions { lines: tuning.scan_lines, tile: tuning.tile };
+                let (timing, ceilings) = (self.timings.last_mut(), self.device.as_ref());
+                let (timing, ceilings) = timing.zip(ceilings).expect("it has just been timed");
+                let texels = TexelChart::new(problem.surface.chart()).expect("it was uploaded");
+                let work = Work::on_device(
+                    schedule,
+                    wavefront,
+                    texels,
+                    portions,
+                    &problem.seeds,
+                    timing.iterations,
+                );
+                timing.shares = Shares::on_device(work, timing.median(), wavefront, ceilings);
+                timing.work = Some(work);
+            }
+        }
+        Ok(())
+    }
+
+    /// Times a method: once to warm up, then several times.
+    fn time(
+        &mut self,
+        problem: &Problem,
+        wavefront: Wavefront,
+        method: Method,
+        set_up: Duration,
+        bytes: Option<u64>,
+        mut run: impl FnMut(&Problem) -> Result<Run, Box<dyn Error>>,
+    ) -> Result<(), Box<dyn Error>> {
+        let mut last = run(problem)?;
+        let mut times = vec![last.time];
+        if last.time > self.plan.limit {
+            self.too_slow.push((wavefront, method));
+        } else {
+            times.clear();
+            while times.len() < FEWEST_RUNS
+                || (times.len() < MOST_RUNS
+                    && times.iter().sum::<Duration>() < self.plan.long_enough)
+            {
+                last = run(problem)?;
+                times.push(last.time);
+            }
+        }
+        times.sort();
+        let work = last.updates.map(|updates| Work::on_cpu(updates, wavefront));
+        let mut timing = Timing {
+            surface: problem.name.clone(),
+            rows: problem.surface.rows(),
+            cols: problem.surface.cols(),
+            points: problem.surface.points(),
+            wavefront,
+            method,
+            set_up,
+            times,
+            iterations: last.iterations,
+            converged: last.residual <= problem.stop.tolerance,
+            bytes,
+            work,
+            shares: Shares::default(),
+        };
+        if let Some(work) = work {
+            timing.shares = Shares::on_cpu(work, timing.median(), wavefront, &self.cpu);
+        }
+        self.timings.push(timing);
+        self.bar.inc(1);
+        Ok(())
+    }
+}
