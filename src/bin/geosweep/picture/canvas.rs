@@ -79,6 +79,24 @@ impl Canvas {
         }
     }
 
+    /// Fills a triangle with smooth edges.
+    pub fn triangle(&mut self, corners: [Vec2; 3], color: Color) {
+        let [a, b, c] = corners;
+        let turn = (b - a).perp_dot(c - a).signum();
+        let low = (a.min(b).min(c) - 1.0).max(Vec2::ZERO).as_usizevec2();
+        let end = (a.max(b).max(c) + 2.0).max(Vec2::ZERO).as_usizevec2();
+        for y in low.y..end.y.min(self.height) {
+            for x in low.x..end.x.min(self.width) {
+                let at = Vec2::new(x as f32, y as f32);
+                let inside = |from: Vec2, to: Vec2| {
+                    turn * (to - from).normalize_or_zero().perp_dot(at - from)
+                };
+                let depth = inside(a, b).min(inside(b, c)).min(inside(c, a));
+                self.blend(x, y, color, (depth + 0.5).clamp(0.0, 1.0));
+            }
+        }
+    }
+
     /// Eight bits a channel.
     fn bytes(&self) -> Vec<u8> {
         let byte = |channel: &f32| (channel.clamp(0.0, 1.0) * 255.0).round() as u8;

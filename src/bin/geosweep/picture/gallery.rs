@@ -22,25 +22,48 @@ const TEXT: usize = 30;
 /// Height of a line of text with what is around it.
 const LINE: usize = 2 * TEXT;
 
+/// A picture under its title.
+pub struct Tile {
+    pub title: String,
+    /// Whether the title is a heading.
+    pub heading: bool,
+    pub picture: Canvas,
+}
+
 impl Gallery<'_> {
     pub fn draw(&self) -> Canvas {
-        let Some(first) = self.exhibits.first() else { return Canvas::new(0, 0, PAPER) };
-        let [width, height] = first.surface.size;
-        let mut canvas = Canvas::new(self.exhibits.len() * width, 2 * (LINE + height), PAPER);
-        let (bold, plain) = (Pen::bold(TEXT as f32), Pen::new(0.85 * TEXT as f32));
-        for (index, exhibit) in self.exhibits.iter().enumerate() {
-            let left = index * width;
-            let rows = [
-                (&bold, &exhibit.title, &exhibit.surface),
-                (&plain, &exhibit.subtitle, &exhibit.form),
-            ];
-            for (row, (pen, text, picture)) in rows.into_iter().enumerate() {
-                let top = row * (LINE + height);
-                let x = left as f32 + 0.5 * (width as f32 - pen.width(text));
-                canvas.paste(left, top + LINE, &picture.draw());
-                pen.write(&mut canvas, x, (top + LINE / 2) as f32, text, INK);
-            }
-        }
-        canvas
+        let tile = |title: &str, heading, picture: &FormPicture| Tile {
+            title: title.into(),
+            heading,
+            picture: picture.draw(),
+        };
+        let surface = |exhibit: &Exhibit| tile(&exhibit.title, true, &exhibit.surface);
+        let form = |exhibit: &Exhibit| tile(&exhibit.subtitle, false, &exhibit.form);
+        tiled(&[
+            self.exhibits.iter().map(surface).collect(),
+            self.exhibits.iter().map(form).collect(),
+        ])
     }
+}
+
+/// Rows of pictures of about one size, in columns as wide as the widest.
+pub fn tiled(rows: &[Vec<Tile>]) -> Canvas {
+    let size = |side: fn(&Canvas) -> usize| {
+        rows.iter().flatten().map(|tile| side(&tile.picture)).max().unwrap_or_default()
+    };
+    let (width, height) = (size(|picture| picture.width), size(|picture| picture.height));
+    let columns = rows.iter().map(Vec::len).max().unwrap_or_default();
+    let mut canvas = Canvas::new(columns * width, rows.len() * (LINE + height), PAPER);
+    let (bold, plain) = (Pen::bold(TEXT as f32), Pen::new(0.85 * TEXT as f32));
+    for (row, tiles) in rows.iter().enumerate() {
+        let top = row * (LINE + height);
+        for (column, Tile { title, heading, picture }) in tiles.iter().enumerate() {
+            let left = column * width;
+            let pen = if *heading { &bold } else { &plain };
+            let x = left as f32 + 0.5 * (width as f32 - pen.width(title));
+            canvas.paste(left + (width - picture.width) / 2, top + LINE, picture);
+            pen.write(&mut canvas, x, (top + LINE / 2) as f32, title, INK);
+        }
+    }
+    canvas
 }

@@ -179,12 +179,12 @@ impl NumberFormat {
     }
 }
 
-/// A number by itself, to about four digits.
+/// A number by itself, to three or more digits.
 pub fn number(value: f64) -> String {
     let magnitude = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
-    match (0.0..7.0).contains(&magnitude) {
+    match (-3.0..6.0).contains(&magnitude) {
         true => NumberFormat::Decimals((3.0 - magnitude).max(0.0) as usize).text(value),
-        false => NumberFormat::Exponent.text(value),
+        false => format!("{value:.2e}"),
     }
 }
 

@@ -14,6 +14,7 @@ mod raster;
 mod regions;
 mod relief;
 pub mod scene;
+mod stencils;
 mod swatches;
 mod text;
 
@@ -21,11 +22,11 @@ use geosweep::glam::{DVec2, Vec2};
 use geosweep::surface::{Direction, Geometry, Source};
 use geosweep::{DistanceMap, Sources, Surface};
 
-use canvas::Canvas;
+pub use canvas::Canvas;
 pub use colors::Scale;
-pub use curves::{CurvePicture, Key, Look, contour_lines, mark_all, path_line, rgb};
+pub use curves::{CurvePicture, Key, Line, Look, Mark, contour_lines, mark_all, path_line, rgb};
 pub use form::FormPicture;
-pub use gallery::{Exhibit, Gallery};
+pub use gallery::{Exhibit, Gallery, Tile, tiled};
 pub use isolines::round_levels;
 use isolines::{Isolines, MOST_LINES};
 use legend::{Legend, Lines};
@@ -34,6 +35,7 @@ pub use raster::Paint;
 use raster::{Raster, View};
 pub use regions::Regions;
 use relief::Relief;
+pub use stencils::scan_figure;
 
 /// What is drawn.
 pub struct Picture<'a> {

@@ -12,6 +12,9 @@ use super::{Scene, numbers};
 use crate::output_file::png_output;
 use crate::picture::Look;
 
+/// Pixels of a shaded picture's longer side.
+const LONG_SIDE: usize = 1200;
+
 #[derive(clap::Args)]
 pub struct PictureArgs {
     /// Draw the result on the surface
@@ -67,7 +70,7 @@ impl PictureArgs {
             (true, true) => Err("the surface is known only by its metric and has no shape in \
                                  space; choose --view map"
                 .into()),
-            (true, false) => Ok(Look::Space(self.toward)),
+            (true, false) => Ok(Look::Space { toward: self.toward, long_side: LONG_SIDE }),
             (false, _) => Ok(Look::Map),
         }
     }

@@ -68,8 +68,9 @@ pub enum Key<'a> {
 pub enum Look {
     /// As a map: the parameter domain with relief.
     Map,
-    /// In space, from the side that shows most or from a direction.
-    Space(Option<DVec3>),
+    /// In space, from the side that shows most or from a direction; so many pixels on the longer
+    /// side.
+    Space { toward: Option<DVec3>, long_side: usize },
 }
 
 const WHITE: Color = [1.0; 3];
@@ -126,7 +127,7 @@ impl CurvePicture<'_> {
     pub fn draw(&self, look: Look) -> Canvas {
         let picture = match look {
             Look::Map => self.draw_map(),
-            Look::Space(toward) => self.draw_space(toward),
+            Look::Space { toward, long_side } => self.draw_space(toward, long_side),
         };
         let size = Legend::text_size(&picture);
         match self.key {

@@ -13,23 +13,21 @@ use super::super::text::Pen;
 use super::CurvePicture;
 use super::pose::Pose;
 
-/// Pixels of the picture's longer side.
-const LONG_SIDE: usize = 1200;
 const SHORTEST_SIDE: usize = 240;
-const THICKNESS: f32 = 1.2;
 /// The finest mesh, points a side: about one point a pixel.
 const FINEST: usize = 1200;
 
 impl CurvePicture<'_> {
-    pub(super) fn draw_space(&self, toward: Option<DVec3>) -> Canvas {
+    pub(super) fn draw_space(&self, toward: Option<DVec3>, long_side: usize) -> Canvas {
         let pose = Pose::of(self.shape, toward);
         let mesh = self.mesh(&pose);
-        let view = fitted(&pose, &mesh);
+        let thickness = (long_side as f32 / 1000.0).max(0.8);
+        let view = fitted(&pose, &mesh, long_side);
         let stroke = |(vertices, radius, color): (Vec<[f64; 2]>, f32, Color)| {
             let stroke = move |vertices| Stroke { vertices, radius, color };
             lifted(self.shape, &vertices, &pose).into_iter().map(stroke).collect::<Vec<_>>()
         };
-        let strokes: Vec<Stroke> = self.strokes(THICKNESS).flat_map(stroke).collect();
+        let strokes: Vec<Stroke> = self.strokes(thickness).flat_map(stroke).collect();
         let mut canvas = Scene { view, mesh: &mesh, strokes: &strokes, background: PAPER }.draw();
         if pose.exaggeration > 1.05 {
             let pen = Pen::new(20.0);
@@ -68,16 +66,16 @@ impl CurvePicture<'_> {
 }
 
 /// A camera whose picture is as wide or high as the surface asks.
-fn fitted(pose: &Pose, mesh: &Mesh) -> View {
+fn fitted(pose: &Pose, mesh: &Mesh, long_side: usize) -> View {
     let fit = |width, height| View::fit(pose.toward, pose.up, mesh.present(), width, height);
-    let square = fit(LONG_SIDE, LONG_SIDE);
+    let square = fit(long_side, long_side);
     let (low, high) = mesh
         .present()
         .map(|at| square.pixel(at).truncate())
         .fold((Vec2::INFINITY, Vec2::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
     let extent = (high - low).max(Vec2::ONE);
-    let part = extent / extent.max_element() * LONG_SIDE as f32;
-    let pixels = |part: f32| (part as usize).clamp(SHORTEST_SIDE, LONG_SIDE);
+    let part = extent / extent.max_element() * long_side as f32;
+    let pixels = |part: f32| (part as usize).clamp(SHORTEST_SIDE, long_side);
     fit(pixels(part.x), pixels(part.y))
 }
 
