@@ -1,6 +1,7 @@
-//! Time of one converged map, engines and wavefronts side by side: `cargo bench`.
+//! Time of edge lengths, and of one converged map, engines and wavefronts side by side:
+//! `cargo bench`.
 //!
-//! Set-up (edge lengths, upload, compilation of shaders) is outside the measured time.
+//! Set-up (edge lengths, upload, compilation of shaders) is outside the measured time of a map.
 
 use std::time::Duration;
 
@@ -52,5 +53,19 @@ fn distance_map(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, distance_map);
+/// Edge lengths, which a surface needs once.
+fn edge_lengths(c: &mut Criterion) {
+    for builtin in [Builtin::Sphere, Builtin::Maze] {
+        let mut group = c.benchmark_group(format!("edge lengths/{}", builtin.name()));
+        for side in [150, 1200] {
+            let surface = builtin.surface(side, side).expect("built-in surfaces fit");
+            group.throughput(Throughput::Elements((side * side) as u64)).sample_size(10);
+            group.bench_function(BenchmarkId::from_parameter(side), |b| {
+                b.iter(|| EdgeLengths::<f32>::new(&surface));
+            });
+        }
+    }
+}
+
+criterion_group!(benches, edge_lengths, distance_map);
 criterion_main!(benches);

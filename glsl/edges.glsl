@@ -1,7 +1,7 @@
 // Measures the edges of the surface: what the shaders edges_from_*.comp share.
 // One invocation is one grid point and writes its edges to the east, north, north-east and
 // north-west; FAR where the surface has none.
-// Twin: src/surface/edges.rs.
+// Twin: src/surface/measure.rs.
 //
 // The including shader declares a Point with a member `slowness` (0 in a hole), and
 //     Point load(ivec2 at)                              the point of the band's buffer

@@ -13,11 +13,9 @@
 //! [`EdgeRule`], the curved front: 9.4e-4 so, 9.7e-4 with a b / 24, 8.8e-4 with m^2 / 24 where
 //! a b > 0, which would bend a noisy crease.
 
-use super::Surface;
 use super::chart::Direction;
 use super::edges::STORED;
-use super::points::Point;
-use super::real::Real;
+use super::real::{Real, max, min};
 
 /// How long the surface is between neighbouring grid points.
 ///
@@ -62,76 +60,77 @@ impl EdgeRule {
     }
 }
 
-/// The bends across a point along the lines of [`STORED`]; none where a neighbour on the line is
-/// missing.
-pub(super) type Bends<R> = [R; 4];
-
-impl Surface {
-    /// The bends across the points of a row, from the points of the row before, of itself and of
-    /// the row after.
-    pub(super) fn bends<R: Real>(&self, rows: [&[Point<R>]; 3]) -> Vec<Bends<R>> {
-        let straight = self.edge_rule() == EdgeRule::Chord;
-        let of_point = |col: usize| {
-            let here = rows[1][col];
-            let ways = Direction::ALL.map(|to| {
-                let (down, right) = to.step();
-                let row = rows[1usize.wrapping_add_signed(down)];
-                let there = row.get(col.wrapping_add_signed(right))?;
-                (there[3] > R::zero()).then(|| self.difference(here, *there, to.step()))
-            });
-            bends(ways)
-        };
-        (0..rows[1].len())
-            .map(|col| if straight { [R::zero(); 4] } else { of_point(col) })
-            .collect()
-    }
-}
-
 /// Length of an edge from its chord and the bends at its ends.
+#[inline(always)]
 pub(super) fn arc<R: Real>(chord: R, a: R, b: R) -> R {
-    if chord <= R::zero() {
-        return chord;
-    }
-    // A turn by more than a radian is beyond what samples tell.
-    let turn = |bend: R| (bend / chord).max(-R::one()).min(R::one());
-    let (a, b) = (turn(a), turn(b));
-    let square = R::of(0.5) * (a + b).abs() * (a * b).max(R::zero()).sqrt();
-    chord + chord * (square * R::of(1.0 / 24.0))
+    let (a, b) = (turn(a, chord), turn(b, chord));
+    let square = R::of(0.5) * (a + b).abs() * max(a * b, R::zero()).sqrt();
+    let arc = chord + chord * (square * R::of(1.0 / 24.0));
+    if chord > R::zero() { arc } else { chord }
 }
 
-/// The bends across a point, from the ways to its neighbours.
-fn bends<R: Real>(ways: [Option<[R; 3]>; 8]) -> Bends<R> {
+/// By how much a bend turns a chord: a turn by more than a radian is beyond what samples tell.
+#[inline(always)]
+fn turn<R: Real>(bend: R, chord: R) -> R {
+    min(max(bend / chord, -R::one()), R::one())
+}
+
+/// The bends across a point along the lines of [`STORED`], from the ways to its eight neighbours and
+/// whether they are there; none where a neighbour on the line is missing.
+#[inline(always)]
+pub(super) fn bends<R: Real>(ways: [[R; 3]; 8], there: [bool; 8]) -> [R; 4] {
     let normal = normal(ways);
-    STORED.map(|to| match (ways[to as usize], ways[to.opposite() as usize]) {
-        (Some(ahead), Some(behind)) => dot(combine(ahead, behind, |a, b| a + b), normal),
-        _ => R::zero(),
-    })
+    let mut bends = [R::zero(); 4];
+    for k in 0..4 {
+        let (to, back) = (STORED[k] as usize, STORED[k].opposite() as usize);
+        let bend = dot(sum(ways[to], ways[back]), normal);
+        bends[k] = if there[to] & there[back] { bend } else { R::zero() };
+    }
+    bends
 }
 
-/// The surface's unit normal, or zero where the grid has none (at a pole, beside two holes).
-fn normal<R: Real>(ways: [Option<[R; 3]>; 8]) -> [R; 3] {
-    let along = |to: Direction| {
-        let [ahead, behind] =
-            [to, to.opposite()].map(|to| ways[to as usize].unwrap_or([R::zero(); 3]));
-        unit(combine(ahead, behind, |a, b| a - b))
-    };
-    let ([ux, uy, uz], [vx, vy, vz]) = (along(Direction::East), along(Direction::North));
+/// The surface's unit normal, or zero where the grid has none (at a pole, beside two holes), from
+/// the ways to the neighbours that are there, zero to others.
+#[inline(always)]
+fn normal<R: Real>(ways: [[R; 3]; 8]) -> [R; 3] {
+    let [ux, uy, uz] = along(ways, Direction::East);
+    let [vx, vy, vz] = along(ways, Direction::North);
     let cross = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
     // Between lines closer than a thousandth of a radian, rounding would turn the normal.
-    if dot(cross, cross) > R::of(1e-6) { unit(cross) } else { [R::zero(); 3] }
+    let is_known = dot(cross, cross) > R::of(1e-6);
+    let [x, y, z] = unit(cross);
+    let zero = R::zero();
+    [
+        if is_known { x } else { zero },
+        if is_known { y } else { zero },
+        if is_known { z } else { zero },
+    ]
 }
 
+/// The unit vector along a grid line, or zero.
+#[inline(always)]
+fn along<R: Real>(ways: [[R; 3]; 8], to: Direction) -> [R; 3] {
+    let (ahead, behind) = (ways[to as usize], ways[to.opposite() as usize]);
+    unit([ahead[0] - behind[0], ahead[1] - behind[1], ahead[2] - behind[2]])
+}
+
+#[inline(always)]
 fn unit<R: Real>(a: [R; 3]) -> [R; 3] {
     let length = dot(a, a).sqrt();
-    if length > R::zero() { a.map(|x| x / length) } else { [R::zero(); 3] }
+    let zero = R::zero();
+    let is_long = length > zero;
+    let [x, y, z] = [a[0] / length, a[1] / length, a[2] / length];
+    [if is_long { x } else { zero }, if is_long { y } else { zero }, if is_long { z } else { zero }]
 }
 
+#[inline(always)]
 fn dot<R: Real>(a: [R; 3], b: [R; 3]) -> R {
     (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 }
 
-fn combine<R: Real>(a: [R; 3], b: [R; 3], with: impl Fn(R, R) -> R) -> [R; 3] {
-    [with(a[0], b[0]), with(a[1], b[1]), with(a[2], b[2])]
+#[inline(always)]
+fn sum<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 #[cfg(test)]
@@ -140,7 +139,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::surface::{EdgeLengths, MetricTensor, Spacing, builtin::Builtin};
+    use crate::surface::{EdgeLengths, MetricTensor, Spacing, Surface, builtin::Builtin};
 
     fn edges(surface: &Surface, rule: EdgeRule) -> EdgeLengths<f64> {
         EdgeLengths::new(&surface.clone().with_edge_rule(rule)).unwrap()

@@ -6,9 +6,11 @@ use std::sync::OnceLock;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::arc::{EdgeRule, arc};
+use super::arc::EdgeRule;
 use super::chart::{Chart, Direction};
 use super::gaussian_curvature::gaussian_curvature;
+use super::measure::RowBends;
+use super::points::Row;
 use super::real::Real;
 use super::{Surface, SurfaceError};
 
@@ -69,9 +71,15 @@ impl<R: Real> EdgeLengths<R> {
     /// for example) nor between [`SHORTEST_EDGE`] and [`LONGEST_EDGE`].
     pub fn new(surface: &Surface) -> Result<Self, SurfaceError> {
         let (chart, origin) = (surface.chart(), surface.origin());
-        let mut lengths = [(); 4].map(|_| vec![R::FAR; chart.bordered_points()]);
+        // Zeros come without work; every one of them is written below, by many threads at once.
+        let mut lengths = [(); 4].map(|_| vec![R::zero(); chart.bordered_points()]);
+        for plane in &mut lengths {
+            let last = plane.len() - chart.stride();
+            plane[..chart.stride()].fill(R::FAR);
+            plane[last..].fill(R::FAR);
+        }
         let [east, north, north_east, north_west] = &mut lengths;
-        let rows = |plane| inner_rows(chart, plane);
+        let rows = |plane| bordered_rows(chart, plane);
         (rows(east), rows(north), rows(north_east), rows(north_west))
             .into_par_iter()
             .chunks(BAND)
@@ -80,8 +88,12 @@ impl<R: Real> EdgeLengths<R> {
                 let first = band * BAND;
                 surface.measure_rows(first..first + lines.len(), origin, |row, lengths| {
                     let (east, north, north_east, north_west) = &mut lines[row - first];
-                    for (col, lengths) in lengths.iter().enumerate() {
-                        [east[col], north[col], north_east[col], north_west[col]] = *lengths;
+                    for (line, lengths) in
+                        [east, north, north_east, north_west].into_iter().zip(lengths)
+                    {
+                        line[0] = R::FAR;
+                        line[1..=chart.cols].copy_from_slice(lengths);
+                        line[chart.cols + 1] = R::FAR;
                     }
                 })
             })?;
@@ -138,13 +150,20 @@ impl<R: Real> EdgeLengths<R> {
     }
 }
 
+/// The grid's rows in a bordered array, each with a point of the border at either end.
+fn bordered_rows<R: Real>(
+    chart: Chart,
+    plane: &mut [R],
+) -> impl IndexedParallelIterator<Item = &mut [R]> {
+    plane.par_chunks_exact_mut(chart.stride()).skip(1).take(chart.rows)
+}
+
 /// The grid's rows in a bordered array.
 pub(super) fn inner_rows<R: Real>(
     chart: Chart,
     plane: &mut [R],
 ) -> impl IndexedParallelIterator<Item = &mut [R]> {
-    let rows = plane.par_chunks_exact_mut(chart.stride()).skip(1).take(chart.rows);
-    rows.map(move |row| &mut row[1..=chart.cols])
+    bordered_rows(chart, plane).map(move |row| &mut row[1..=chart.cols])
 }
 
 impl Surface {
@@ -159,49 +178,35 @@ impl Surface {
     }
 
     /// Measures the edges stored at the points of some rows, and gives them to `store` row by row.
-    /// The twin of `glsl/edges.glsl`.
+    /// The arithmetic is in `measure.rs`.
     fn measure_rows<R: Real>(
         &self,
         rows: Range<usize>,
         origin: DVec3,
-        mut store: impl FnMut(usize, &[[R; 4]]),
+        mut store: impl FnMut(usize, &[Vec<R>; 4]),
     ) -> Result<(), SurfaceError> {
-        let chart = self.chart();
-        let points = |row: Option<usize>| match row.filter(|&row| row < chart.rows) {
-            Some(row) => {
-                (0..chart.cols).map(|col| self.point(chart.index(row, col), origin)).collect()
+        let cols = self.cols();
+        let straight = || [(); 4].map(|_| vec![R::zero(); cols + 2]);
+        let bends = |rows: [&Row<R>; 3], bends: &mut RowBends<R>| {
+            if self.edge_rule() == EdgeRule::Arc {
+                self.bend_row(rows, bends);
             }
-            None => vec![[R::zero(); 4]; chart.cols],
         };
-        let before = points(rows.start.checked_sub(2));
-        let (mut above, mut here) = (points(rows.start.checked_sub(1)), points(Some(rows.start)));
-        let mut bends_above = self.bends([&before, &above, &here]);
-        let mut line = vec![[R::FAR; 4]; chart.cols];
+        let before = self.row(rows.start.checked_sub(2), origin);
+        let mut above = self.row(rows.start.checked_sub(1), origin);
+        let mut here = self.row(Some(rows.start), origin);
+        let (mut bends_above, mut bends_here) = (straight(), straight());
+        bends([&before, &above, &here], &mut bends_above);
+        let mut lengths = [(); 4].map(|_| vec![R::FAR; cols]);
         for row in rows {
-            let below = points(Some(row + 1));
-            let bends_here = self.bends([&above, &here, &below]);
-            for (col, lengths) in line.iter_mut().enumerate() {
-                for (index, (slot, to)) in lengths.iter_mut().zip(STORED).enumerate() {
-                    *slot = R::FAR;
-                    if !self.has_edge(row, col, to) {
-                        continue;
-                    }
-                    let (down, right) = to.step();
-                    let (points, bends) =
-                        if down == 0 { (&here, &bends_here) } else { (&above, &bends_above) };
-                    let other = col.wrapping_add_signed(right);
-                    let (a, b) = (here[col], points[other]);
-                    let length = self.separation(a, b, to.step());
-                    let length = arc(length, bends_here[col][index], bends[other][index]);
-                    *slot = R::of(0.5) * (a[3] + b[3]) * length;
-                    let length = slot.wide();
-                    if length != 0.0 && !(SHORTEST_EDGE..=LONGEST_EDGE).contains(&length) {
-                        return Err(SurfaceError::EdgeLength { row, col, direction: to, length });
-                    }
-                }
+            let below = self.row(Some(row + 1), origin);
+            bends([&above, &here, &below], &mut bends_here);
+            if self.measure_row([&above, &here], [&bends_above, &bends_here], &mut lengths) {
+                check(row, &lengths)?;
             }
-            store(row, &line);
-            (above, here, bends_above) = (here, below, bends_here);
+            store(row, &lengths);
+            (above, here) = (here, below);
+            std::mem::swap(&mut bends_above, &mut bends_here);
         }
         Ok(())
     }
@@ -214,4 +219,18 @@ impl Surface {
         let slowness = |(row, col)| self.slowness().map_or(1.0, |s| s[chart.index(row, col)]);
         0.5 * (slowness(from) + slowness(to)) * sample(from).length_to(sample(to))
     }
+}
+
+/// An error at the first edge of a row that is too short or too long.
+fn check<R: Real>(row: usize, lengths: &[Vec<R>; 4]) -> Result<(), SurfaceError> {
+    for col in 0..lengths[0].len() {
+        for (lengths, direction) in lengths.iter().zip(STORED) {
+            let length = lengths[col].wide();
+            let usual = length == 0.0 || (SHORTEST_EDGE..=LONGEST_EDGE).contains(&length);
+            if !usual && length != R::FAR.wide() {
+                return Err(SurfaceError::EdgeLength { row, col, direction, length });
+            }
+        }
+    }
+    Ok(())
 }

@@ -12,6 +12,7 @@ mod edges;
 mod gaussian_curvature;
 mod geometry;
 mod iteration_bound;
+mod measure;
 mod points;
 mod real;
 mod sources;

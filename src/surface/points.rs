@@ -1,6 +1,7 @@
 //! Grid points in the form in which edges are measured, on the CPU and in the shaders.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::real::Real;
 use super::{Geometry, MetricTensor, Surface};
@@ -25,53 +26,78 @@ impl Surface {
                 [rr, rc, cc]
             }
         };
-        [x, y, z, slowness].map(R::of)
+        // A slowness too small for this precision is small, but no hole.
+        let held =
+            if slowness > 0.0 { R::of(slowness).max(R::min_positive_value()) } else { R::zero() };
+        [R::of(x), R::of(y), R::of(z), held]
     }
 
     /// The middle of the surface: single precision keeps more digits of positions relative to it.
     pub(crate) fn origin(&self) -> DVec3 {
-        let chart = self.chart();
-        let position = |index: usize| {
-            let (row, col) = chart.position(index);
-            self.position(row, col)
+        let nowhere = || (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let row_box = |row: usize| {
+            let positions = (0..self.cols()).filter_map(|col| self.position(row, col));
+            positions.fold(nowhere(), |(low, high), at| (low.min(at), high.max(at)))
         };
-        let (low, high) = (0..chart.points())
-            .filter_map(position)
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), position| {
-                (low.min(position), high.max(position))
-            });
+        let (low, high) = (0..self.rows())
+            .into_par_iter()
+            .map(row_box)
+            .reduce(nowhere, |a, b| (a.0.min(b.0), a.1.max(b.1)));
         if low.is_finite() { 0.5 * (low + high) } else { DVec3::ZERO }
     }
 
-    /// From a point to its neighbour. A surface known only by its metric has no such vector.
-    pub(crate) fn difference<R: Real>(
-        &self,
-        a: Point<R>,
-        b: Point<R>,
-        (down, right): (isize, isize),
-    ) -> [R; 3] {
-        match self.geometry() {
-            Geometry::Heights { spacing, .. } => {
-                let (down, right) = (R::of(down as f64), R::of(right as f64));
-                [right * R::of(spacing.dx), down * R::of(spacing.dy), b[2] - a[2]]
+    /// A row of grid points; missing ones if the grid has no such row.
+    pub(super) fn row<R: Real>(&self, row: Option<usize>, origin: DVec3) -> Row<R> {
+        let chart = self.chart();
+        let mut points = [(); 4].map(|_| vec![R::zero(); chart.cols + 2]);
+        if let Some(row) = row.filter(|&row| row < chart.rows) {
+            for col in 0..chart.cols {
+                let point = self.point(chart.index(row, col), origin);
+                for (array, value) in points.iter_mut().zip(point) {
+                    array[col + 1] = value;
+                }
             }
-            _ => [b[0] - a[0], b[1] - a[1], b[2] - a[2]],
         }
+        Row(points)
+    }
+}
+
+/// A row of grid points, coordinate by coordinate, with a missing point before the first and after
+/// the last.
+pub(super) struct Row<R>([Vec<R>; 4]);
+
+impl<R: Real> Row<R> {
+    /// Number of grid points.
+    pub(super) fn len(&self) -> usize {
+        self.0[0].len() - 2
     }
 
-    /// Length of the straight step between two neighbouring points without slowness, in the
-    /// shaders' order of operations.
-    pub(crate) fn separation<R: Real>(&self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> R {
-        if !matches!(self.geometry(), Geometry::Metric(_)) {
-            let d = self.difference(a, b, step);
-            return ((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]).sqrt();
-        }
-        let (down, right) = (R::of(step.0 as f64), R::of(step.1 as f64));
-        let two = R::of(2.0);
-        let square = |g: Point<R>| {
-            (g[0] * (down * down) + g[1] * (two * right * down)) + g[2] * (right * right)
-        };
-        let length = |g| square(g).max(R::zero()).sqrt();
-        R::of(0.5) * (length(a) + length(b))
+    /// Some of them, with a point more at each end.
+    #[inline(always)]
+    pub(super) fn window(&self, first: usize, points: usize) -> Window<'_, R> {
+        let [x, y, z, slowness] = &self.0;
+        Window([
+            &x[first..][..points + 2],
+            &y[first..][..points + 2],
+            &z[first..][..points + 2],
+            &slowness[first..][..points + 2],
+        ])
+    }
+}
+
+/// Part of a row, counted from the point before its first.
+#[derive(Clone, Copy)]
+pub(super) struct Window<'a, R>([&'a [R]; 4]);
+
+impl<R: Real> Window<'_, R> {
+    #[inline(always)]
+    pub(super) fn at(&self, i: usize) -> Point<R> {
+        let [x, y, z, slowness] = self.0;
+        [x[i], y[i], z[i], slowness[i]]
+    }
+
+    #[inline(always)]
+    pub(super) fn slowness(&self, i: usize) -> R {
+        self.0[3][i]
     }
 }

@@ -1,0 +1,242 @@
+//! Measures the edges of the points of a row, in lanes. The twin of `glsl/edges.glsl`.
+//!
+//! The loops have no branch, so that the compiler turns points into lanes; see [`Work`].
+
+use super::arc::{arc, bends};
+use super::chart::Direction;
+use super::edges::{LONGEST_EDGE, SHORTEST_EDGE, STORED};
+use super::points::{Point, Row};
+use super::real::{Real, max};
+use super::{Geometry, Surface};
+use crate::lanes::{Instructions, Work};
+
+/// Points that are measured together, in arrays of their own, which no other can overlap.
+const STRETCH: usize = 32;
+
+/// How a surface bends across the points of a row along the lines of [`STORED`], with a point
+/// more at each end.
+pub(super) type RowBends<R> = [Vec<R>; 4];
+
+/// How far neighbouring points are apart.
+trait Space<R: Real>: Copy {
+    /// From a point to its neighbour. A surface known only by its metric has no such vector.
+    fn difference(self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> [R; 3];
+
+    /// Length of the straight step between two neighbouring points without slowness.
+    #[inline(always)]
+    fn separation(self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> R {
+        let d = self.difference(a, b, step);
+        ((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]).sqrt()
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Positions;
+
+#[derive(Clone, Copy)]
+struct Heights<R> {
+    dx: R,
+    dy: R,
+}
+
+#[derive(Clone, Copy)]
+struct Metric;
+
+impl<R: Real> Space<R> for Positions {
+    #[inline(always)]
+    fn difference(self, a: Point<R>, b: Point<R>, _: (isize, isize)) -> [R; 3] {
+        [b[0] - a[0], b[1] - a[1], b[2] - a[2]]
+    }
+}
+
+impl<R: Real> Space<R> for Heights<R> {
+    #[inline(always)]
+    fn difference(self, a: Point<R>, b: Point<R>, (down, right): (isize, isize)) -> [R; 3] {
+        [R::of(right as f64) * self.dx, R::of(down as f64) * self.dy, b[2] - a[2]]
+    }
+}
+
+impl<R: Real> Space<R> for Metric {
+    #[inline(always)]
+    fn difference(self, _: Point<R>, _: Point<R>, _: (isize, isize)) -> [R; 3] {
+        [R::zero(); 3]
+    }
+
+    #[inline(always)]
+    fn separation(self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> R {
+        R::of(0.5) * (metric_length(a, step) + metric_length(b, step))
+    }
+}
+
+#[inline(always)]
+fn metric_length<R: Real>(g: Point<R>, step: (isize, isize)) -> R {
+    let (down, right) = (R::of(step.0 as f64), R::of(step.1 as f64));
+    let mixed = g[1] * (R::of(2.0) * right * down);
+    max((g[0] * (down * down) + mixed) + g[2] * (right * right), R::zero()).sqrt()
+}
+
+impl Surface {
+    /// The bends across the points of a row, from the row before, itself and the row after.
+    pub(super) fn bend_row<R: Real>(&self, rows: [&Row<R>; 3], bends: &mut RowBends<R>) {
+        let instructions = Instructions::best();
+        match self.geometry() {
+            Geometry::Positions(_) => instructions.run(Bend { space: Positions, rows, bends }),
+            Geometry::Heights { spacing, .. } => {
+                let space = Heights { dx: R::of(spacing.dx), dy: R::of(spacing.dy) };
+                instructions.run(Bend { space, rows, bends });
+            }
+            Geometry::Metric(_) => {}
+        }
+    }
+
+    /// The lengths of the edges stored at the points of a row, from the row before and itself, each
+    /// with its bends. Returns whether one may be too short or too long.
+    pub(super) fn measure_row<R: Real>(
+        &self,
+        rows: [&Row<R>; 2],
+        bends: [&RowBends<R>; 2],
+        lengths: &mut [Vec<R>; 4],
+    ) -> bool {
+        let instructions = Instructions::best();
+        match self.geometry() {
+            Geometry::Positions(_) => {
+                instructions.run(Measure { space: Positions, rows, bends, lengths })
+            }
+            Geometry::Heights { spacing, .. } => {
+                let space = Heights { dx: R::of(spacing.dx), dy: R::of(spacing.dy) };
+                instructions.run(Measure { space, rows, bends, lengths })
+            }
+            Geometry::Metric(_) => {
+                instructions.run(Measure { space: Metric, rows, bends, lengths })
+            }
+        }
+    }
+}
+
+/// The stretches of a row: their first points, and how many each has. The last one overlaps the
+/// one before if the row has a remainder.
+#[inline(always)]
+fn stretches(points: usize) -> impl Iterator<Item = usize> {
+    let last = points.saturating_sub(STRETCH);
+    (0..points.div_ceil(STRETCH)).map(move |k| (k * STRETCH).min(last))
+}
+
+/// The bends across a row of points.
+struct Bend<'a, R, S> {
+    space: S,
+    rows: [&'a Row<R>; 3],
+    bends: &'a mut RowBends<R>,
+}
+
+impl<R: Real, S: Space<R>> Work for Bend<'_, R, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        let points = self.rows[1].len();
+        for start in stretches(points) {
+            if points < STRETCH {
+                self.stretch(start, points);
+            } else {
+                self.stretch(start, STRETCH);
+            }
+        }
+    }
+}
+
+impl<R: Real, S: Space<R>> Bend<'_, R, S> {
+    #[inline(always)]
+    fn stretch(&mut self, start: usize, points: usize) {
+        let rows = [
+            self.rows[0].window(start, points),
+            self.rows[1].window(start, points),
+            self.rows[2].window(start, points),
+        ];
+        let mut found = [[R::zero(); STRETCH]; 4];
+        for i in 0..points.min(STRETCH) {
+            let here = rows[1].at(i + 1);
+            let mut ways = [[R::zero(); 3]; 8];
+            let mut there = [false; 8];
+            for k in 0..8 {
+                let step = Direction::ALL[k].step();
+                let point = rows[1usize.wrapping_add_signed(step.0)]
+                    .at((i + 1).wrapping_add_signed(step.1));
+                let way = self.space.difference(here, point, step);
+                there[k] = point[3] > R::zero();
+                for axis in 0..3 {
+                    ways[k][axis] = if there[k] { way[axis] } else { R::zero() };
+                }
+            }
+            let bends = bends(ways, there);
+            for k in 0..4 {
+                found[k][i] = bends[k];
+            }
+        }
+        for k in 0..4 {
+            self.bends[k][start + 1..][..points].copy_from_slice(&found[k][..points]);
+        }
+    }
+}
+
+/// The lengths of the edges stored at a row of points.
+struct Measure<'a, R, S> {
+    space: S,
+    /// Before and here.
+    rows: [&'a Row<R>; 2],
+    bends: [&'a RowBends<R>; 2],
+    lengths: &'a mut [Vec<R>; 4],
+}
+
+impl<R: Real, S: Space<R>> Work for Measure<'_, R, S> {
+    /// Whether an edge may be too short or too long.
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(mut self) -> bool {
+        let points = self.rows[1].len();
+        let mut suspicious = false;
+        for start in stretches(points) {
+            suspicious |= if points < STRETCH {
+                self.stretch(start, points)
+            } else {
+                self.stretch(start, STRETCH)
+            };
+        }
+        suspicious
+    }
+}
+
+impl<R: Real, S: Space<R>> Measure<'_, R, S> {
+    #[inline(always)]
+    fn stretch(&mut self, start: usize, points: usize) -> bool {
+        let rows = [self.rows[0].window(start, points), self.rows[1].window(start, points)];
+        let mut found = [[R::FAR; STRETCH]; 4];
+        let mut suspicious = 0;
+        for k in 0..4 {
+            let step = STORED[k].step();
+            let diagonal = step.0 != 0 && step.1 != 0;
+            let row = 1usize.wrapping_add_signed(step.0);
+            let bends = [
+                &self.bends[1][k][start..][..points + 2],
+                &self.bends[row][k][start..][..points + 2],
+            ];
+            for i in 0..points.min(STRETCH) {
+                let other = (i + 1).wrapping_add_signed(step.1);
+                let (a, b) = (rows[1].at(i + 1), rows[row].at(other));
+                let beside =
+                    (rows[1].slowness(other) > R::zero()) | (rows[0].slowness(i + 1) > R::zero());
+                let exists = (a[3] > R::zero()) & (b[3] > R::zero()) & (!diagonal | beside);
+                let length =
+                    arc(self.space.separation(a, b, step), bends[0][i + 1], bends[1][other]);
+                let length = R::of(0.5) * (a[3] + b[3]) * length;
+                let is_usual = (length > R::of(SHORTEST_EDGE)) & (length < R::of(LONGEST_EDGE));
+                found[k][i] = if exists { length } else { R::FAR };
+                suspicious |= u32::from(exists & !is_usual);
+            }
+        }
+        for k in 0..4 {
+            self.lengths[k][start..][..points].copy_from_slice(&found[k][..points]);
+        }
+        suspicious != 0
+    }
+}
