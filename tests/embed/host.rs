@@ -67,23 +67,28 @@ pub struct HostPass {
 impl Host {
     /// Under the validation layers.
     pub fn new() -> Self {
-        Self::open(true)
+        Self::open(&[
+            vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION,
+            vk::ValidationFeatureEnableEXT::GPU_ASSISTED,
+        ])
+    }
+
+    /// Under the validation layers, but for shaders: that takes long where many pixels are drawn.
+    pub fn with_synchronization_validation() -> Self {
+        Self::open(&[vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION])
     }
 
     /// Without them: for timings, and for faults of which they would rightly complain.
     pub fn without_validation() -> Self {
-        Self::open(false)
+        Self::open(&[])
     }
 
-    fn open(validate: bool) -> Self {
+    fn open(enabled: &[vk::ValidationFeatureEnableEXT]) -> Self {
+        let validate = !enabled.is_empty();
         let entry = unsafe { ash::Entry::load() }.unwrap();
         let application = vk::ApplicationInfo::default().api_version(requirements::API_VERSION);
-        let enabled = [
-            vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION,
-            vk::ValidationFeatureEnableEXT::GPU_ASSISTED,
-        ];
         let mut features =
-            vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
+            vk::ValidationFeaturesEXT::default().enabled_validation_features(enabled);
         let layers = [LAYER.as_ptr()];
         let extensions = [ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()];
         let mut info = vk::InstanceCreateInfo::default().application_info(&application);
@@ -408,7 +413,7 @@ impl Host {
     ) -> HostPass {
         let mut pass = self.without_pipeline(vk::ShaderStageFlags::COMPUTE, buffers, texture);
         let device = &self.device;
-        let module = self.module(wgsl);
+        let module = self.module(wgsl, naga::ShaderStage::Compute, "main");
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)
             .module(module)
@@ -433,11 +438,17 @@ impl Host {
         use vk::ShaderStageFlags as Stage;
         let mut pass =
             self.without_pipeline(Stage::VERTEX | Stage::FRAGMENT, buffers, Some(texture));
-        let module = self.module(wgsl);
-        let stage = |stage, name| {
+        let modules = [
+            self.module(wgsl, naga::ShaderStage::Vertex, "vertex"),
+            self.module(wgsl, naga::ShaderStage::Fragment, "fragment"),
+        ];
+        let stage = |module, stage, name| {
             vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(name)
         };
-        let stages = [stage(Stage::VERTEX, c"vertex"), stage(Stage::FRAGMENT, c"fragment")];
+        let stages = [
+            stage(modules[0], Stage::VERTEX, c"vertex"),
+            stage(modules[1], Stage::FRAGMENT, c"fragment"),
+        ];
         let vertices = vk::PipelineVertexInputStateCreateInfo::default();
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
             .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
@@ -476,13 +487,13 @@ impl Host {
         unsafe {
             let pipelines = self.device.create_graphics_pipelines(cache, &[info], None);
             pass.pipeline = pipelines.unwrap()[0];
-            self.device.destroy_shader_module(module, None);
+            modules.into_iter().for_each(|module| self.device.destroy_shader_module(module, None));
         }
         pass
     }
 
-    fn module(&self, wgsl: &str) -> vk::ShaderModule {
-        let code = spirv(wgsl);
+    fn module(&self, wgsl: &str, stage: naga::ShaderStage, entry: &str) -> vk::ShaderModule {
+        let code = spirv(wgsl, stage, entry);
         let info = vk::ShaderModuleCreateInfo::default().code(&code);
         unsafe { self.device.create_shader_module(&info, None) }.unwrap()
     }
@@ -739,15 +750,16 @@ pub fn family(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> 
     families.iter().position(|family| family.queue_flags.contains(both)).unwrap() as u32
 }
 
-/// SPIR-V from WGSL.
-pub fn spirv(wgsl: &str) -> Vec<u32> {
+/// SPIR-V from WGSL, with one entry point.
+fn spirv(wgsl: &str, shader_stage: naga::ShaderStage, entry: &str) -> Vec<u32> {
     use naga::back::spv;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
     let module = naga::front::wgsl::parse_str(wgsl)
         .unwrap_or_else(|error| panic!("{}", error.emit_to_string(wgsl)));
     let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
-    spv::write_vec(&module, &info.unwrap(), &spv::Options::default(), None).unwrap()
+    let entry = spv::PipelineOptions { shader_stage, entry_point: entry.into() };
+    spv::write_vec(&module, &info.unwrap(), &spv::Options::default(), Some(&entry)).unwrap()
 }
 
 type Messenger = (ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT);

@@ -1,0 +1,225 @@
+//! A renderer without a window: one command buffer moves a surface in a compute pass, computes the
+//! distances on it, and draws it in colours of the map, with lines of equal distance made in the
+//! fragment shader. Nothing is read back but the picture.
+//!
+//! `cargo run --release --features formats --example render -- picture.png`
+
+#[path = "../tests/embed/host.rs"]
+mod host;
+
+use std::error::Error;
+
+use geosweep::Wavefront;
+use geosweep::ash::vk;
+use geosweep::cpu::Stop;
+use geosweep::glam::Vec3;
+use geosweep::glam::camera::rh::{proj, view};
+use geosweep::surface::Chart;
+use geosweep::vulkan::embed::{self, Access, Frame, Points, Reader, SourceInput, SurfaceInfo};
+use geosweep::vulkan::{Method, Schedule};
+
+pub(crate) use geosweep::vulkan::embed::PointSource;
+pub(crate) use host::Host;
+
+const CHART: Chart = Chart { rows: 260, cols: 360 };
+const WIDTH: u32 = 1600;
+const HEIGHT: u32 = 900;
+const PICTURE: vk::Format = vk::Format::R8G8B8A8_UNORM;
+const DEPTH: vk::Format = vk::Format::D16_UNORM;
+
+/// One invocation is one point.
+const MOVE: &str = "
+    @group(0) @binding(0) var<storage, read> phase: array<f32>;
+    @group(0) @binding(1) var<storage, read_write> points: array<vec4<f32>>;
+    @compute @workgroup_size(64)
+    fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+        if (id.x >= 360u * 260u) { return; }
+        let x = f32(id.x % 360u) - 179.5;
+        let y = f32(id.x / 360u) - 129.5;
+        let r = length(vec3<f32>(x + 30.0, y - 10.0, 18.0));
+        let ring = 17.0 * cos(0.062 * r - phase[0]) * exp(-0.00006 * r * r);
+        let swell = 9.0 * sin(0.034 * x + 0.5 * phase[0]) * cos(0.041 * y - 0.3);
+        points[id.x] = vec4<f32>(x, y, ring + swell, 0.0);
+    }";
+
+const DRAW: &str = "
+    struct View { transform: mat4x4<f32>, eye: vec4<f32>, light: vec4<f32>, step: vec4<f32> }
+    @group(0) @binding(0) var<storage, read> view: View;
+    @group(0) @binding(1) var<storage, read> points: array<vec4<f32>>;
+    @group(0) @binding(2) var distances: texture_2d<f32>;
+
+    struct Varying {
+        @builtin(position) clip: vec4<f32>,
+        @location(0) place: vec2<f32>,
+        @location(1) position: vec3<f32>,
+        @location(2) normal: vec3<f32>,
+    }
+
+    fn point(at: vec2<i32>) -> vec3<f32> {
+        let inside = clamp(at, vec2<i32>(0), vec2<i32>(359, 259));
+        return points[inside.y * 360 + inside.x].xyz;
+    }
+
+    @vertex
+    fn vertex(@builtin(vertex_index) index: u32) -> Varying {
+        var corners = array<vec2<u32>, 6>(vec2<u32>(0u, 0u), vec2<u32>(1u, 0u), vec2<u32>(0u, 1u),
+                                          vec2<u32>(0u, 1u), vec2<u32>(1u, 0u), vec2<u32>(1u, 1u));
+        let cell = index / 6u;
+        let at = vec2<i32>(vec2<u32>(cell % 359u, cell / 359u) + corners[index % 6u]);
+        let u = point(at + vec2<i32>(1, 0)) - point(at - vec2<i32>(1, 0));
+        let v = point(at + vec2<i32>(0, 1)) - point(at - vec2<i32>(0, 1));
+        let position = point(at);
+        return Varying(view.transform * vec4<f32>(position, 1.0), vec2<f32>(at), position,
+                       normalize(cross(u, v)));
+    }
+
+    // The distance, and how it changes along columns and rows: the format need not be filterable,
+    // and derivatives of what is loaded are noise where triangles are a few pixels large.
+    fn distance_at(place: vec2<f32>) -> vec3<f32> {
+        let low = clamp(vec2<i32>(place), vec2<i32>(0), vec2<i32>(358, 258));
+        let part = place - vec2<f32>(low);
+        let a = textureLoad(distances, low, 0).r;
+        let b = textureLoad(distances, low + vec2<i32>(1, 0), 0).r;
+        let c = textureLoad(distances, low + vec2<i32>(0, 1), 0).r;
+        let d = textureLoad(distances, low + vec2<i32>(1, 1), 0).r;
+        return vec3<f32>(mix(mix(a, b, part.x), mix(c, d, part.x), part.y),
+                         mix(b - a, d - c, part.y), mix(c - a, d - b, part.x));
+    }
+
+    fn colour(t: f32) -> vec3<f32> {
+        var stops = array<vec3<f32>, 6>(
+            vec3<f32>(1.00, 0.94, 0.76), vec3<f32>(0.99, 0.76, 0.45), vec3<f32>(0.91, 0.46, 0.38),
+            vec3<f32>(0.66, 0.28, 0.46), vec3<f32>(0.35, 0.20, 0.47), vec3<f32>(0.12, 0.13, 0.31));
+        let x = clamp(t, 0.0, 0.9999) * 5.0;
+        let i = u32(x);
+        return mix(stops[i], stops[i + 1u], x - f32(i));
+    }
+
+    // How much of a pixel a line covers where t is a whole number.
+    fn line(t: f32, a_pixel: f32, width: f32) -> f32 {
+        let away = abs(fract(t - 0.5) - 0.5) / max(a_pixel, 1e-6);
+        return 1.0 - smoothstep(0.5 * width - 0.6, 0.5 * width + 0.6, away);
+    }
+
+    @fragment
+    fn fragment(in: Varying) -> @location(0) vec4<f32> {
+        let found = distance_at(in.place);
+        let d = found.x;
+        let across = vec2<f32>(dot(found.yz, dpdx(in.place)), dot(found.yz, dpdy(in.place)));
+        let a_pixel = length(across);
+        let normal = normalize(in.normal);
+        let to_eye = normalize(view.eye.xyz - in.position);
+        let to_light = normalize(view.light.xyz);
+        let facing = dot(normal, to_light);
+        let shine = pow(max(dot(normal, normalize(to_light + to_eye)), 0.0), 40.0);
+        let base = colour(d / view.step.y);
+        let fine = line(d / view.step.x, a_pixel / view.step.x, 2.0);
+        let bold = line(d / (5.0 * view.step.x), a_pixel / (5.0 * view.step.x), 4.0);
+        let dark = d / view.step.y > 0.55;
+        let ink = select(vec3<f32>(0.16, 0.08, 0.16), vec3<f32>(1.0, 0.92, 0.84), dark);
+        let inked = mix(base, ink, max(0.42 * fine, 0.85 * bold));
+        let shaded = inked * (0.42 + 0.66 * max(facing, 0.0)) + 0.16 * shine;
+        let source = 1.0 - smoothstep(2.6, 2.6 + 1.5 * a_pixel, d);
+        let rim = 1.0 - smoothstep(3.6, 3.6 + 1.5 * a_pixel, d);
+        let marked = mix(mix(shaded, vec3<f32>(1.0), rim), vec3<f32>(0.80, 0.10, 0.14), source);
+        return vec4<f32>(marked, 1.0);
+    }";
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let path = std::env::args().nth(1).unwrap_or_else(|| "render.png".into());
+    let pixels = render(&mut Host::without_validation(), 2, 1.1, PointSource::at(150.0, 210.0));
+    let mut encoder =
+        png::Encoder::new(std::io::BufWriter::new(std::fs::File::create(&path)?), WIDTH, HEIGHT);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(pixels.as_flattened().as_flattened())?;
+    writer.finish()?;
+    println!("wrote {path}");
+    Ok(())
+}
+
+/// Draws the surface as it is in some phase of its motion, with pixels that are so many times as fine
+/// on each side, and averaged. Rows of pixels.
+pub(crate) fn render(
+    host: &mut Host,
+    finer: u32,
+    phase: f32,
+    source: PointSource,
+) -> Vec<[[u8; 3]; WIDTH as usize]> {
+    let device = host.device.clone();
+    let points = host.buffer(16 * CHART.points() as u64, false);
+    let phase = host.buffer_of(&[phase]);
+    let eye = Vec3::new(-75.0, 320.0, 245.0);
+    let aspect = WIDTH as f32 / HEIGHT as f32;
+    // WGSL has its y axis upwards, as DirectX.
+    let transform = proj::directx::perspective(0.66, aspect, 100.0, 900.0)
+        * view::look_at_mat4(eye, Vec3::new(-2.0, 16.0, -10.0), Vec3::Z);
+    let mut seen = transform.to_cols_array().to_vec();
+    seen.extend([eye.x, eye.y, eye.z, 0.0, -0.45, 0.05, 0.6, 0.0, 4.0, 285.0, 0.0, 0.0]);
+    let seen = host.buffer_of(&seen);
+
+    // Once: the solver, the surface, the plan, and the host's own passes.
+    let passes = [(Schedule::Raster, Wavefront::Curved)];
+    let solver = embed::Solver::new(&host.instance, host.physical_device, &device, &passes);
+    let mut solver = solver.expect("the device meets the requirements");
+    let inputs = [Points::positions(points.handle, 16)];
+    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+    let surface = solver.surface(&device, host.allocator(), &info);
+    let mut surface = surface.expect("there is memory");
+    let stop = Stop { tolerance: 1e-4, iterations: 100 };
+    let method = Method { wavefront: Wavefront::Curved, schedule: None, stop };
+    let plan = solver.plan(CHART, method, 8).expect("the passes are there");
+    host.run(|commands| solver.record(&device, commands, &surface).prepare());
+    let result = surface.result(0, Reader::FRAGMENT.layout).expect("there is a slot");
+    let moving = host.pass(MOVE, &[phase.handle, points.handle], None);
+    let buffers = [seen.handle, points.handle];
+    let size = vk::Extent2D { width: finer * WIDTH, height: finer * HEIGHT };
+    let canvas = host.canvas(size, PICTURE, DEPTH);
+    let drawing = host.draw_pass(DRAW, &buffers, result.view, &canvas);
+    let picture = host.buffer(4 * u64::from(size.width) * u64::from(size.height), true);
+
+    // Every frame.
+    host.run(|commands| {
+        host.dispatch(commands, &moving, CHART.points().div_ceil(64) as u32);
+        let frame = Frame {
+            before: Access::COMPUTE_WRITE,
+            points: Some(0),
+            sources: SourceInput::Inline(&[source]),
+            plan: &plan,
+            slot: 0,
+            reader: Reader::FRAGMENT,
+            unreached: -1.0,
+        };
+        let recording = solver.record(&device, commands, &surface);
+        recording.frame(&frame).expect("the frame is right");
+        host.barrier(commands, Access::COMPUTE_WRITE, Access::VERTEX_READ);
+        let cells = (CHART.rows - 1) * (CHART.cols - 1);
+        host.draw(commands, &drawing, &canvas, 6 * cells as u32, [0.93, 0.92, 0.90, 1.0]);
+        host.copy_canvas(commands, &canvas, &picture);
+    });
+    let outcome = surface.outcome(0).expect("there is a slot");
+    assert!(outcome.converged, "{outcome:?}");
+
+    let pixels = averaged(picture.bytes(), finer as usize);
+    surface.destroy(&device, host.allocator());
+    solver.destroy(&device);
+    host.destroy_pass(moving);
+    host.destroy_pass(drawing);
+    host.free_canvas(canvas);
+    [points, phase, seen, picture].into_iter().for_each(|buffer| host.free(buffer));
+    pixels
+}
+
+/// The mean of each square of fine pixels.
+fn averaged(fine: &[u8], finer: usize) -> Vec<[[u8; 3]; WIDTH as usize]> {
+    let stride = finer * WIDTH as usize;
+    let channel = |row: usize, col: usize, channel: usize| {
+        let at = |i: usize| (row * finer + i / finer) * stride + col * finer + i % finer;
+        let sum: usize = (0..finer * finer).map(|i| usize::from(fine[4 * at(i) + channel])).sum();
+        (sum / (finer * finer)) as u8
+    };
+    (0..HEIGHT as usize)
+        .map(|row| std::array::from_fn(|col| [0, 1, 2].map(|index| channel(row, col, index))))
+        .collect()
+}
