@@ -205,13 +205,49 @@ fn what_makes_no_matrix_is_refused() {
     refuses(&format!("-o d.npy --sources {off}"), &["off.txt", "15", "0 to 14"]);
     let between = bench.input("between.txt", "3.5,1\n");
     refuses(&format!("-o d.npy --sources {between}"), &["3.5"]);
-    let fine = bench.array("points.npy", &[2, 3], &[0.0; 6]);
-    refuses(&format!("-o d.npy --sources {fine}"), &["points.npy", "(2, 3)", "(K,)"]);
+    let cube = bench.array("points.npy", &[2, 3, 1], &[0.0; 6]);
+    refuses(&format!("-o d.npy --sources {cube}"), &["points.npy", "(2, 3, 1)", "(K,)"]);
+    refuses("-o d.npy --sample 0", &["`0` is no number of samples"]);
+    refuses("-o d.npy --sample 3 --sources 0..9", &["--sources"]);
+    refuses("-o d.npy --labels labels.npy", &["--sample"]);
+    refuses("-o d.npy --sample 3 --labels d.npy", &["d.npy", "two outputs"]);
 
     // Distances beyond half precision.
     let flat = bench.flat(9, 9);
     let line = format!("pairwise {flat} --spacing 20000 --numbers float16 -o d.npy");
     bench.refuses(&bench.run(words(&line)), &["float16", "65504"]);
+}
+
+#[test]
+fn samples_have_rows_and_regions() {
+    let bench = Bench::new();
+    let line = format!("pairwise {SPHERE} --sample 9 --labels labels.npy -o rows.npy --json");
+    let report = json(&bench.run(words(&line)));
+    assert_eq!(bench.outputs(), ["labels.npy", "rows.npy"]);
+    let places: Vec<usize> = report["samples"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|place| place[0].as_u64().unwrap() * 15 + place[1].as_u64().unwrap())
+        .map(|point| point as usize)
+        .collect();
+    assert_eq!(places.len(), 9);
+    let [rows, labels] =
+        ["rows.npy", "labels.npy"].map(|name| read_map(&bench.output(name)).unwrap());
+    assert_eq!((rows.rows, rows.cols), (9, POINTS));
+    assert_eq!((labels.rows, labels.cols), (12, 15));
+    for (point, label) in labels.values.iter().enumerate() {
+        let own = rows.values[*label as usize * POINTS + point];
+        // The map of all samples and that of one differ by rounding.
+        let nearest = (0..9).map(|k| rows.values[k * POINTS + point]).fold(f64::INFINITY, f64::min);
+        assert!(own <= nearest + 1e-5, "{point}: {own} to {label}, {nearest} to another");
+    }
+    // What `sample` writes names the same rows.
+    assert!(bench.run(words(&format!("sample {SPHERE} -k 9 -o samples.npy"))).status.success());
+    let line = format!("pairwise {SPHERE} --sources samples.npy -o again.npy");
+    assert!(bench.run(words(&line)).status.success());
+    let [rows, again] = ["rows.npy", "again.npy"].map(|name| fs::read(bench.output(name)).unwrap());
+    assert!(rows == again);
 }
 
 #[test]

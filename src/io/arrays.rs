@@ -103,7 +103,8 @@ pub fn read_curve(path: &Path) -> Result<Vec<[f64; 2]>, IoError> {
 }
 
 /// Reads grid points, as row-major indices of a grid: an `.npy` array (K,) of such indices or
-/// (K, 2) of rows and columns, or a text file as for [`read_curve`]. All are whole numbers.
+/// (K, 2) of rows and columns, with more columns after these or not, or a text file as for
+/// [`read_curve`]. All are whole numbers.
 pub fn read_points(path: &Path, chart: Chart) -> Result<Vec<usize>, IoError> {
     let Chart { rows, cols } = chart;
     let content = |reason: String| IoError::content(path, reason);
@@ -120,9 +121,12 @@ pub fn read_points(path: &Path, chart: Chart) -> Result<Vec<usize>, IoError> {
         let array = read_npy(path)?;
         match array.shape[..] {
             [_] => array.values.iter().map(|&v| whole(v, chart.points(), "point")).collect(),
-            [_, 2] => array.values.as_chunks().0.iter().copied().map(place).collect(),
+            [_, width] if width >= 2 => {
+                let rows = array.values.chunks_exact(width);
+                rows.map(|values| place([values[0], values[1]])).collect()
+            }
             _ => {
-                let shapes = "grid points have shape (K,), or (K, 2): row, column";
+                let shapes = "grid points have shape (K,), or (K, 2) and more: row, column, ...";
                 return Err(wrong_shape(path, &array, shapes));
             }
         }

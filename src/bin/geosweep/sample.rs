@@ -81,21 +81,8 @@ pub fn run(args: &Args) -> Outcome {
     let look = picture.as_ref().map(|_| args.picture.look(&scene)).transpose()?;
 
     let edges = EdgeLengths::new(surface)?;
-    let [row, col] = args.first.unwrap_or_else(|| middle(surface));
-    let mut points = FarthestPoints::new(surface, &edges, &Sources::point(row, col))?;
-    let bar = study::progress(args.count).with_message("sampling");
-    let farthest = points.by_ref().take(args.count - 1).inspect(|_| bar.inc(1));
-    let samples: Vec<Sample> = std::iter::once(Sample { row, col, radius: None })
-        .chain(farthest.map(Sample::of))
-        .collect();
-    bar.finish_and_clear();
-    if samples.len() < args.count {
-        let (found, wanted) = (samples.len(), args.count);
-        say(
-            "note",
-            format_args!("{found} samples in place of {wanted}: every point is one of them"),
-        );
-    }
+    let first = args.first.unwrap_or_else(|| middle(surface));
+    let (points, samples) = farthest_points(surface, &edges, first, args.count)?;
 
     let polyline = |(index, sample): (usize, &Sample)| {
         let curve = Curve { vertices: vec![[sample.row, sample.col]], closed: false };
@@ -132,8 +119,32 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
+/// So many samples, or as many as there are points, and the map from them.
+pub fn farthest_points<'a>(
+    surface: &'a Surface,
+    edges: &'a EdgeLengths<f32>,
+    [row, col]: [f64; 2],
+    count: usize,
+) -> Result<(FarthestPoints<'a>, Vec<Sample>), geosweep::Error> {
+    let mut points = FarthestPoints::new(surface, edges, &Sources::point(row, col))?;
+    let bar = study::progress(count).with_message("sampling");
+    let farthest = points.by_ref().take(count - 1).inspect(|_| bar.inc(1));
+    let samples: Vec<Sample> = std::iter::once(Sample { row, col, radius: None })
+        .chain(farthest.map(Sample::of))
+        .collect();
+    bar.finish_and_clear();
+    let found = samples.len();
+    if found < count {
+        say(
+            "note",
+            format_args!("{found} samples in place of {count}: every point is one of them"),
+        );
+    }
+    Ok((points, samples))
+}
+
 /// The point of the surface that is next to the middle of the grid.
-fn middle(surface: &Surface) -> [f64; 2] {
+pub fn middle(surface: &Surface) -> [f64; 2] {
     let chart = surface.chart();
     let from_middle = |&index: &usize| {
         let (row, col) = chart.position(index);
@@ -150,10 +161,11 @@ struct Summary {
     samples: Vec<Sample>,
 }
 
+/// A sample, and how far it was from all before it.
 #[derive(Serialize)]
-struct Sample {
-    row: f64,
-    col: f64,
+pub struct Sample {
+    pub row: f64,
+    pub col: f64,
     radius: Option<f32>,
 }
 

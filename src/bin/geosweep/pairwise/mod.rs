@@ -9,10 +9,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use clap::ValueEnum;
+use geosweep::geometry::Voronoi;
 use geosweep::io::{
-    Element, IoError, MatrixFile, MatrixLayout, OutputFile, Provenance, surface_checksum,
+    Element, IoError, MatrixFile, MatrixLayout, OutputFile, Provenance, StagedFile,
+    surface_checksum,
 };
 use geosweep::pairwise::{Pairwise, PairwiseReport, Rows};
+use geosweep::surface::{Chart, EdgeLengths};
 use geosweep::{Engine, Surface};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
@@ -21,7 +24,9 @@ use crate::output_file::output_file;
 use crate::problem::{
     SolverArgs, SurfaceArgs, builtin_names, check_outputs, warn_of_no_convergence,
 };
+use crate::sample::{Sample, farthest_points, middle};
 use crate::spinner::Spinner;
+use crate::voronoi::{labels_output, write_labels};
 use crate::{Outcome, print, say};
 use sources::RowsOf;
 
@@ -36,25 +41,35 @@ pub struct Args {
     #[arg(short, long, value_name = "D.npy")]
     output: PathBuf,
     /// Only the rows of these points, (k, n): a range A..B of rows of the matrix, without B; or a
-    /// file: .npy, integers, (k,) for rows of the matrix or (k, 2) for rows and columns of the grid,
-    /// or text with a line `row,col` per point
+    /// file: .npy, (k,) for rows of the matrix or (k, 2) for rows and columns of the grid, as
+    /// `geosweep sample` writes, or text with a line `row,col` per point
     #[arg(long, value_name = "A..B|FILE", help_heading = "Matrix")]
     sources: Option<RowsOf>,
+    /// Only the rows of k points that are far from one another, (k, n): the point next to the middle
+    /// of the grid, then each time the farthest from all before it, as `geosweep sample` has it
+    #[arg(long, value_name = "K", conflicts_with = "sources", help_heading = "Matrix")]
+    #[arg(value_parser = sample_size)]
+    sample: Option<usize>,
+    /// With --sample, write which sample each point is nearest to: .npy int32 (M, N), from 0, -1 at
+    /// holes and where none reaches
+    #[arg(long, value_name = "LABELS.npy", requires = "sample", help_heading = "Matrix")]
+    labels: Option<PathBuf>,
     /// Type of the numbers
     #[arg(long, value_enum, default_value_t, help_heading = "Matrix")]
     numbers: NumbersArg,
     /// Only what lies above the diagonal, row after row: (n (n - 1) / 2,), as SciPy's squareform has
     /// it
-    #[arg(long, conflicts_with = "sources", help_heading = "Matrix")]
+    #[arg(long, conflicts_with_all = ["sources", "sample"], help_heading = "Matrix")]
     upper: bool,
     /// Replace both distances between two points by their mean. Needs the disk space of a whole
     /// float32 matrix more
-    #[arg(long, conflicts_with = "sources", help_heading = "Matrix")]
+    #[arg(long, conflicts_with_all = ["sources", "sample"], help_heading = "Matrix")]
     symmetrize: bool,
     /// Start rows from the distances back to points that earlier rows know (eq. 20 of the paper),
     /// and do not compute these again. Needs the matrix in memory; for the planar and the point
     /// wavefront on the CPU
-    #[arg(long, conflicts_with_all = ["sources", "resume"], help_heading = "Solver")]
+    #[arg(long, conflicts_with_all = ["sources", "sample", "resume"])]
+    #[arg(help_heading = "Solver")]
     from_symmetry: bool,
     #[command(flatten)]
     solver: SolverArgs,
@@ -64,7 +79,7 @@ pub struct Args {
     resume: bool,
     /// Print one JSON object: rows, points, engine, device, wavefront, iterations (of the slowest
     /// map), converged, residual, solve_seconds, distances_per_second, resumed_rows, memory_bytes
-    /// (beside the surface), disk_bytes
+    /// (beside the surface), disk_bytes, samples (with --sample, an array of [row, column])
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -92,6 +107,7 @@ computed apart and differ by the solver's error; --symmetrize takes their mean.
 Examples:
   geosweep pairwise face.npy -o distances.npy --wavefront point
   geosweep pairwise dem.tif -o rows.npy --sources 4096..8192 --resume
+  geosweep pairwise scan.npy -o rows.npy --sample 200 --labels regions.npy
   geosweep pairwise builtin:torus:64x64 -o d.npy --upper --numbers float16 --symmetrize --json",
         builtin_names()
     )
@@ -111,11 +127,22 @@ enum Stopped {
     Interrupted,
 }
 
+fn sample_size(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count @ 1..) => Ok(count),
+        _ => Err(format!("`{text}` is no number of samples; give 1 or more")),
+    }
+}
+
 pub fn run(args: &Args) -> Outcome {
-    let output = args.output()?;
+    let (output, labels) = args.outputs()?;
     let scene = args.surface.read()?;
     let surface = &scene.surface;
-    let sources = args.sources(surface)?;
+    let samples = args.sample.map(|count| Samples::new(surface, count)).transpose()?;
+    let sources = match &samples {
+        Some(samples) => samples.points.clone(),
+        None => args.sources(surface)?,
+    };
     let mut pairwise = Pairwise::new(surface, &args.solver.options()?)?;
     let points = pairwise.points();
     let layout = MatrixLayout {
@@ -174,25 +201,35 @@ pub fn run(args: &Args) -> Outcome {
     };
     {
         let _spinner = Spinner::new(if args.symmetrize { "symmetrizing" } else { "writing" });
+        let labels = samples.as_ref().zip(labels).map(|(samples, output)| {
+            output.stage(|writer| write_labels(writer, surface.chart(), &samples.regions))
+        });
+        let labels = labels.transpose()?;
         file.finish()?;
+        labels.map_or(Ok(()), StagedFile::commit)?;
     }
     if !report.converged() {
         warn_of_no_convergence(report.iterations, report.residual, report.tolerance);
     }
     if args.json {
-        let summary = Summary::new(&report, resumed_rows, memory_bytes, layout.bytes());
+        let places = samples.as_ref().map(|samples| samples.places(surface.chart()));
+        let bytes = (memory_bytes, layout.bytes());
+        let summary = Summary::new(&report, resumed_rows, bytes, places);
         print(serde_json::to_string(&summary)?)?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
 impl Args {
-    fn output(&self) -> Result<OutputFile, Box<dyn Error>> {
+    /// Where the matrix and the labels go.
+    fn outputs(&self) -> Result<(OutputFile, Option<OutputFile>), Box<dyn Error>> {
         let output = output_file(&self.output, "a matrix is", "npy")?;
+        let labels = self.labels.as_deref().map(labels_output).transpose()?;
         let files = self.sources.iter().filter_map(RowsOf::file);
         let inputs = self.surface.inputs().chain(files).map(AsRef::as_ref);
-        check_outputs(&[&output], inputs)?;
-        Ok(output)
+        let outputs: Vec<_> = std::iter::once(&output).chain(&labels).collect();
+        check_outputs(&outputs, inputs)?;
+        Ok((output, labels))
     }
 
     fn sources(&self, surface: &Surface) -> Result<Vec<usize>, Box<dyn Error>> {
@@ -233,6 +270,26 @@ impl Args {
             .with("tolerance", options.tolerance)
             .with("iterations", options.iterations.map_or("default".into(), |n| n.to_string()))
             .with("from symmetry", self.from_symmetry))
+    }
+}
+
+/// Points that are far from one another, and what is nearest to each.
+struct Samples {
+    points: Vec<usize>,
+    regions: Voronoi,
+}
+
+impl Samples {
+    fn new(surface: &Surface, count: usize) -> Result<Self, Box<dyn Error>> {
+        let (chart, edges) = (surface.chart(), EdgeLengths::new(surface)?);
+        let (map, samples) = farthest_points(surface, &edges, middle(surface), count)?;
+        let regions = Voronoi::new(surface, &edges, map.sources(), &map.distances())?;
+        let index = |sample: &Sample| chart.index(sample.row as usize, sample.col as usize);
+        Ok(Self { points: samples.iter().map(index).collect(), regions })
+    }
+
+    fn places(&self, chart: Chart) -> Vec<(usize, usize)> {
+        self.points.iter().map(|&point| chart.position(point)).collect()
     }
 }
 
@@ -302,14 +359,15 @@ struct Summary<'a> {
     resumed_rows: usize,
     memory_bytes: usize,
     disk_bytes: u64,
+    samples: Option<Vec<(usize, usize)>>,
 }
 
 impl<'a> Summary<'a> {
     fn new(
         report: &'a PairwiseReport,
         resumed_rows: usize,
-        memory_bytes: usize,
-        disk_bytes: u64,
+        (memory_bytes, disk_bytes): (usize, u64),
+        samples: Option<Vec<(usize, usize)>>,
     ) -> Self {
         Self {
             rows: resumed_rows + report.rows,
@@ -325,6 +383,7 @@ impl<'a> Summary<'a> {
             resumed_rows,
             memory_bytes,
             disk_bytes,
+            samples,
         }
     }
 }
