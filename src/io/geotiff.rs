@@ -32,6 +32,13 @@ pub(super) struct GeoTags {
     keys: Vec<u16>,
 }
 
+/// Coordinates of raster place (0, 0), and what they change by per row and per column.
+struct Transform {
+    origin: [f64; 2],
+    down: [f64; 2],
+    right: [f64; 2],
+}
+
 impl GeoTags {
     pub fn read(decoder: &mut TiffDecoder) -> TiffResult<Self> {
         let keys = decoder.find_tag(Tag::GeoKeyDirectoryTag)?;
@@ -80,7 +87,7 @@ impl GeoTags {
 
     /// Where the pixels' middles lie, or what is missing.
     pub fn georeference(&self) -> Result<Georeference, String> {
-        let (origin, down, right) = self.transform()?;
+        let Transform { origin, down, right } = self.transform()?;
         let system = self.system()?;
         // Tags count from the first pixel's corner, unless pixels stand for points.
         let point = self.key(geo_key::RASTER_TYPE) == Some(geo_key::PIXEL_IS_POINT);
@@ -89,10 +96,9 @@ impl GeoTags {
         Ok(Georeference { origin, down, right, system })
     }
 
-    /// Coordinates of raster place (0, 0) and what they change by per row and per column.
-    fn transform(&self) -> Result<([f64; 2], [f64; 2], [f64; 2]), String> {
+    fn transform(&self) -> Result<Transform, String> {
         if let Some([a, b, _, x, c, d, _, y, ..]) = self.transformation.as_deref() {
-            return Ok(([*x, *y], [*b, *d], [*a, *c]));
+            return Ok(Transform { origin: [*x, *y], down: [*b, *d], right: [*a, *c] });
         }
         let missing = |what: &str| {
             format!(
@@ -106,7 +112,8 @@ impl GeoTags {
         let Some([col, row, _, x, y, ..]) = self.tie_points.as_deref() else {
             return Err(missing("ModelTiepoint"));
         };
-        Ok(([x - col * dx, y + row * dy], [0.0, -dy], [*dx, 0.0]))
+        let origin = [x - col * dx, y + row * dy];
+        Ok(Transform { origin, down: [0.0, -dy], right: [*dx, 0.0] })
     }
 
     fn system(&self) -> Result<CoordinateSystem, String> {

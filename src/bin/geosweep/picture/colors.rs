@@ -63,10 +63,9 @@ pub fn region_colors(regions: usize, neighbours: &[[u32; 2]]) -> Vec<Color> {
     }
     let mut uses = [0; TABLEAU10.len()];
     let mut chosen: Vec<usize> = Vec::with_capacity(regions);
-    for region in 0..regions {
-        let taken = |color| {
-            beside[region].iter().any(|&other| chosen.get(other).is_some_and(|&of| of == color))
-        };
+    for others in &beside {
+        let taken =
+            |color| others.iter().any(|&other| chosen.get(other).is_some_and(|&of| of == color));
         let best = (0..palette.len()).min_by_key(|&color| (taken(color), uses[color]));
         let best = best.unwrap_or_default();
         uses[best] += 1;
