@@ -1,20 +1,15 @@
 //! `geosweep contours`: curves of equal distance.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
-use geosweep::geometry::{Contour, CurveError, Levels, contours};
-use geosweep::io::{Attribute, Polyline, StagedFile};
+use geosweep::geometry::{Contour, Levels, contours};
 use geosweep::{DistanceMap, Sources};
-use serde::Serialize;
 
-use crate::picture::{CurvePicture, Key, Paint, Scale, contour_lines, mark_all, rgb, scale_of};
+use crate::level_curves::LevelCurves;
 use crate::problem::{
-    self, CurveFiles, MapSummary, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs,
-    check_outputs, numbers,
+    self, CurveFiles, PictureArgs, SolverArgs, SourceArgs, SurfaceArgs, check_outputs, numbers,
 };
-use crate::spinner::Spinner;
-use crate::{Outcome, print, say};
+use crate::{Outcome, say};
 
 /// The arguments of `geosweep contours`.
 #[derive(clap::Args)]
@@ -105,114 +100,24 @@ pub fn run(args: &Args) -> Outcome {
     check_outputs(&outputs, problem::inputs(&args.surface, &args.sources))?;
     let scene = args.surface.read()?;
     files.check(&scene)?;
-    let look = args.picture.look(&scene);
-    let look = picture.as_ref().map(|_| look).transpose()?;
+    let look = picture.as_ref().map(|_| args.picture.look(&scene)).transpose()?;
     let sources = args.sources.sources()?;
     let map = problem::solve(&scene, &sources, &args.solver, &options)?;
     let levels = args.levels.levels().on(&map, &sources)?;
     let found = contours(&map, &sources, &levels);
     comment(&found, &map, &sources);
-
-    let scale = scale_of(&map, &sources);
-    let lengths = lengths(&found, &scene)?;
-    let polylines = polylines(&found, &lengths, &scene, &scale)?;
-    let mut staged = files.stage(&scene, polylines)?;
-    if let Some((output, look)) = picture.zip(look) {
-        let _spinner = Spinner::new("drawing");
-        let (source_lines, marks) = mark_all(&sources);
-        let mut lines = contour_lines(&found, &scale, true);
-        lines.extend(source_lines);
-        let picture = CurvePicture {
-            surface: &scene.surface,
-            shape: scene.shape(),
-            values: &map.distances,
-            paint: Paint::Values(&scale, None),
-            lines: &lines,
-            marks: &marks,
-            key: Key::Scale {
-                quantity: &args.picture.quantity(&scene),
-                scale: &scale,
-                levels: &levels,
-            },
-        };
-        staged.push(output.stage(|writer| picture.draw(look).write_png(writer))?);
-    }
-    staged.into_iter().try_for_each(StagedFile::commit)?;
-    if args.json {
-        let level = |(contour, lengths): (_, &Vec<f64>)| LevelSummary::new(contour, lengths);
-        let summary = Summary {
-            map: MapSummary::new(&scene.surface, &map),
-            levels: found.iter().zip(&lengths).map(level).collect(),
-        };
-        print(serde_json::to_string(&summary)?)?;
-    }
-    Ok(ExitCode::SUCCESS)
+    let quantity = &args.picture.quantity(&scene);
+    LevelCurves { kind: "contour", side: None, scene: &scene, sources: &sources, map: &map, found }
+        .write(files, picture.zip(look), quantity, args.json)
 }
 
 /// Names the levels that have no curve.
-fn comment(found: &[Contour], map: &DistanceMap, sources: &Sources) {
+pub fn comment(found: &[Contour], map: &DistanceMap, sources: &Sources) {
     let empty = found.iter().filter(|contour| contour.curves.is_empty());
     let levels: Vec<_> = empty.map(|contour| contour.level.to_string()).collect();
     if !levels.is_empty() {
         let (low, high) = (sources.start(), map.report.max_distance);
         let levels = levels.join(", ");
         say("note", format_args!("no curve at {levels}: the distances run from {low} to {high}"));
-    }
-}
-
-/// The lengths of all curves, contour by contour.
-fn lengths(found: &[Contour], scene: &Scene) -> Result<Vec<Vec<f64>>, CurveError> {
-    let of = |contour: &Contour| {
-        contour.curves.iter().map(|curve| curve.length(&scene.surface)).collect()
-    };
-    found.iter().map(of).collect()
-}
-
-fn polylines(
-    found: &[Contour],
-    lengths: &[Vec<f64>],
-    scene: &Scene,
-    scale: &Scale,
-) -> Result<Vec<Polyline>, CurveError> {
-    let mut polylines = Vec::new();
-    for (contour, lengths) in found.iter().zip(lengths) {
-        // The scale's light end is hard to see on white.
-        let color = rgb(scale.color(contour.level as f32).map(|channel| 0.85 * channel));
-        for (curve, &length) in contour.curves.iter().zip(lengths) {
-            let polyline = Polyline::new("contour", curve.clone(), scene.shape())?
-                .with("level", Attribute::Number(contour.level))
-                .with("length", Attribute::Number(length));
-            polylines.push(Polyline { color, ..polyline });
-        }
-    }
-    Ok(polylines)
-}
-
-#[derive(Serialize)]
-struct Summary<'a> {
-    #[serde(flatten)]
-    map: MapSummary<'a>,
-    levels: Vec<LevelSummary>,
-}
-
-#[derive(Serialize)]
-struct LevelSummary {
-    level: f64,
-    curves: usize,
-    closed: usize,
-    vertices: usize,
-    length: f64,
-}
-
-impl LevelSummary {
-    fn new(contour: &Contour, lengths: &[f64]) -> Self {
-        let curves = &contour.curves;
-        Self {
-            level: contour.level,
-            curves: curves.len(),
-            closed: curves.iter().filter(|curve| curve.closed).count(),
-            vertices: curves.iter().map(|curve| curve.vertices.len()).sum(),
-            length: lengths.iter().sum(),
-        }
     }
 }

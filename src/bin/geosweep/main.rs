@@ -9,6 +9,7 @@ mod contours;
 mod devices;
 mod distance;
 mod figure;
+mod level_curves;
 mod output_file;
 mod pairwise;
 mod path;
