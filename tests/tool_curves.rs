@@ -511,3 +511,18 @@ fn samples_are_far_from_one_another() {
         bench.refuses(&run(&bench, &line), &[part]);
     }
 }
+
+#[test]
+fn figures_are_drawn() {
+    let bench = Bench::new();
+    done(&bench, "figure scans -o scans.png");
+    done(&bench, "figure face -o face.png");
+    assert_eq!(bench.outputs(), ["face.png", "scans.png"]);
+    for name in ["scans.png", "face.png"] {
+        let picture = png::Decoder::new(Cursor::new(read(&bench, name))).read_info().unwrap();
+        assert!(picture.info().width >= 1500, "{name}");
+    }
+    let bench = Bench::new();
+    bench.refuses(&run(&bench, "figure all -o nowhere"), &["nowhere", "create it"]);
+    bench.refuses(&run(&bench, "figure face -o face.gif"), &["face.gif", ".png"]);
+}
