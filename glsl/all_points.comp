@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // An update of all points at once from their eight triangles. One invocation is one texel.
+// Twin: src/cpu/twins/all_points.rs.
 
 #include "constants.glsl"
 #include "texel.glsl"

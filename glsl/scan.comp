@@ -7,7 +7,7 @@
 // computed here again. Between lines of a block, neighbours pass their results on in shared
 // memory. At both ends of a workgroup the results go wrong by one texel a line, for want of a
 // neighbour; these texels are computed by the workgroup beside it too, which writes them.
-// Twin: src/cpu/scan_in_turn.rs.
+// Twin: src/cpu/twins/scan_in_turn.rs.
 
 #include "constants.glsl"
 #include "texel.glsl"

@@ -3,6 +3,7 @@
 // After the rounds of a recording, brings all fronts back to image 0 and forgets when tiles were
 // visited. One workgroup is one tile, one invocation some of its texels; the first of all also
 // counts the rounds and decides whether more follow.
+// Twin: Tiles::settle in src/cpu/twins/tile_rounds.rs.
 
 #include "constants.glsl"
 #include "texel.glsl"

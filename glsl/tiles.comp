@@ -6,6 +6,7 @@
 // One workgroup is one tile; one invocation is two neighbouring points of a line of one of the four
 // scans, which run at once on copies of their own. Each tile's fronts lie in one of the two images
 // and are written to the other, so that a round does not depend on the order of its workgroups.
+// Twin: src/cpu/twins/tile_rounds.rs.
 
 #include "constants.glsl"
 #include "texel.glsl"

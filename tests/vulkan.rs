@@ -3,10 +3,11 @@
 mod common;
 
 use common::*;
-use geosweep::cpu::{self, Stop};
-use geosweep::surface::EdgeLengths;
+use geosweep::cpu::{self, Rounds, Solution, Stop};
 use geosweep::surface::builtin::Builtin;
-use geosweep::vulkan::{Method, Schedule, Solver, VulkanError};
+use geosweep::surface::{EdgeLengths, Seed};
+use geosweep::vulkan::plan::{self, Portions, Step};
+use geosweep::vulkan::{Method, Schedule, Solver, TexelChart, Tuning, VulkanError};
 use geosweep::{
     DeviceChoice, EdgeRule, Engine, MetricTensor, Options, Sources, Spacing, Surface, Wavefront,
     distance_map,
@@ -182,15 +183,56 @@ fn a_surface_takes_little_memory() {
 
 /// Iteration by iteration, not only in the limit: the scans are those of the twin.
 fn assert_twins(solver: &mut Solver, surface: &Surface, source: (usize, usize), iterations: u32) {
+    assert_schedule_twins(solver, surface, source, Schedule::Raster, 1..=iterations);
+}
+
+/// The map of a schedule's twin, point by point.
+fn twin(
+    edges: &EdgeLengths<f32>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    schedule: Schedule,
+    tuning: Tuning,
+    stop: Stop,
+) -> Solution<f32> {
+    match schedule {
+        Schedule::Raster => cpu::scan_in_turn(edges, seeds, wavefront, stop),
+        Schedule::AllPoints => cpu::all_points(edges, seeds, wavefront, stop),
+        Schedule::Tiles => {
+            let portions = Portions { lines: tuning.scan_lines, tile: tuning.tile };
+            let texels = TexelChart::new(edges.chart()).unwrap();
+            let recording = plan::recording(schedule, texels, portions, None, u32::MAX);
+            let recorded = recording.iter().filter(|step| matches!(step, Step::Tiles { .. }));
+            let rounds = Rounds {
+                tile: tuning.tile as usize,
+                inner: tuning.inner,
+                recorded: recorded.count() as u32,
+            };
+            cpu::tile_rounds(edges, seeds, wavefront, stop, rounds)
+        }
+    }
+}
+
+fn assert_schedule_twins(
+    solver: &mut Solver,
+    surface: &Surface,
+    source: (usize, usize),
+    schedule: Schedule,
+    iterations: impl IntoIterator<Item = u32>,
+) {
     let seeds = seeds_at(surface, source);
     let edges = EdgeLengths::<f32>::new(surface).unwrap();
-    for iterations in 1..=iterations {
+    let mut on_device = solver.upload(surface).unwrap();
+    for iterations in iterations {
         let stop = Stop::after(iterations);
         for wavefront in WAVEFRONTS {
-            let twin = cpu::scan_in_turn(&edges, &seeds, wavefront, stop).distances();
-            let vulkan = on_vulkan(solver, surface, &seeds, wavefront, stop);
-            let difference = relative_difference(&twin, &vulkan);
-            assert!(difference < TWINS, "{iterations} iterations, {wavefront}: {difference}");
+            let twin = twin(&edges, &seeds, wavefront, schedule, solver.tuning(), stop);
+            let method = Method { wavefront, schedule: Some(schedule), stop };
+            let vulkan = solver.solve(&mut on_device, &seeds, method).unwrap();
+            let difference = relative_difference(&twin.distances(), &vulkan.distances);
+            let what = format!("{iterations} iterations, {schedule}, {wavefront}");
+            assert!(difference < TWINS, "{what}: {difference}");
+            assert_eq!(twin.iterations, vulkan.iterations, "{what}");
         }
     }
 }
@@ -202,6 +244,24 @@ fn every_iteration_of_the_shader_is_one_of_its_twin() {
     assert_twins(&mut solver, &rough(75, 62, 0), (50, 13), 3);
     let holes = rough(64, 81, 4);
     assert_twins(&mut solver, &holes, some_point(&holes), 3);
+}
+
+/// Among them rounds in a second recording, and more than the map takes.
+#[test]
+fn every_update_and_every_round_is_one_of_its_twin() {
+    let mut solver = vulkan_solver();
+    let slowness = (0..40 * 53).map(|i| if i % 53 < 30 { 1.0 } else { 2.5 }).collect();
+    for (surface, source) in [
+        (Builtin::Maze.surface(67, 60).unwrap(), (0, 0)),
+        (rough(40, 53, 9).with_slowness(slowness).unwrap(), (20, 27)),
+        (rough(49, 38, 0), (31, 13)),
+        (rough(1, 40, 0), (0, 39)),
+    ] {
+        let solver = &mut solver;
+        let source = if surface.has(source.0, source.1) { source } else { some_point(&surface) };
+        assert_schedule_twins(solver, &surface, source, Schedule::AllPoints, [1, 2, 7, 34]);
+        assert_schedule_twins(solver, &surface, source, Schedule::Tiles, [1, 2, 3, 9, 200]);
+    }
 }
 
 /// Chords, and arcs around holes and across creases: the lengths are the twin's.

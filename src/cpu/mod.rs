@@ -1,5 +1,5 @@
 //! The CPU engine: rotated raster scans in lanes, [`RotatedScan`]; and, point by point, the
-//! references it is held against: directed scans, the shader's twin and fast marching.
+//! references it is held against: directed scans, the shaders' twins and fast marching.
 //!
 //! All share one update and one array layout (a border of points that are never reached), and
 //! converge to the same map. Single precision is for use, double precision for reference.
@@ -18,10 +18,10 @@ mod panel;
 mod progress;
 mod raster_scan;
 mod rotated_scan;
-mod scan_in_turn;
 mod state;
 mod tiles;
 mod transpose;
+mod twins;
 
 pub use crate::lanes::Instructions;
 pub use ceilings::Ceilings;
@@ -31,8 +31,8 @@ pub use pairwise::PairwiseScan;
 pub(crate) use progress::Progress;
 pub use raster_scan::raster_scan;
 pub use rotated_scan::{Convergence, RotatedScan, rotated_scan};
-pub use scan_in_turn::scan_in_turn;
 pub use state::Solution;
+pub use twins::{Rounds, all_points, scan_in_turn, tile_rounds};
 
 /// When raster scans stop: at whichever comes first.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -37,6 +37,7 @@ pub(super) fn distances<R: Real>(chart: Chart, times: &[R]) -> Vec<R> {
 pub(super) const SEED: u8 = 0;
 
 /// The fronts at all points of a bordered array while a solver works on them.
+#[derive(Clone)]
 pub(super) struct Fronts<'a, R> {
     edges: &'a EdgeLengths<R>,
     wavefront: Wavefront,
@@ -142,14 +143,69 @@ impl<'a, R: Real> Fronts<'a, R> {
         };
         let bent_before = *curvature;
         (self.times[point], *curvature) = accept(before, bent_before, front, scan, renews);
-        let bend = (*curvature - bent_before).abs() * self.times[point];
-        let bend = (bend * R::of(CURVATURE_COUNTS)).in_units();
-        before.units_between(self.times[point]).max(bend)
+        change([before, bent_before], [self.times[point], *curvature])
+    }
+
+    /// How much the front at a point has changed since, as from [`Self::accept`].
+    pub(super) fn change_from(&self, before: &Self, point: usize) -> R::Bits {
+        let [old, new] = [before, self].map(|fronts| fronts.at(point));
+        change(old, new)
+    }
+
+    /// Arrival time and tagged curvature at a point; zero unless the wavefront is curved.
+    fn at(&self, point: usize) -> [R; 2] {
+        [self.times[point], self.curvatures.get(point).copied().unwrap_or(R::zero())]
+    }
+
+    fn set(&mut self, point: usize, [time, curvature]: [R; 2]) {
+        self.times[point] = time;
+        if let Some(held) = self.curvatures.get_mut(point) {
+            *held = curvature;
+        }
+    }
+
+    /// Takes over the front at a point.
+    pub(super) fn copy_point(&mut self, from: &Self, point: usize) {
+        self.set(point, from.at(point));
+    }
+
+    /// Takes the first of the fronts that copies have at a point after scans of their own, numbered
+    /// from 1 in their order; returns the change. A front that the copy's own scan has not brought
+    /// stands for nothing but the one that is here.
+    pub(super) fn take_first(&mut self, copies: &[Self; 4], point: usize) -> R::Bits {
+        let before = self.at(point);
+        let mut first: Option<[R; 2]> = None;
+        for (copy, scan) in copies.iter().zip(1..) {
+            let other = copy.at(point);
+            let (new, brought_by) = self::front(other[0], other[1]);
+            let straight = self.curvatures.is_empty();
+            if other[0] >= R::FAR || (!straight && brought_by != scan) {
+                continue;
+            }
+            let is_first = first.is_none_or(|first| {
+                let (held, _) = self::front(first[0], first[1]);
+                new.time < held.time || (new.time == held.time && new.knows_better(held))
+            });
+            if is_first {
+                first = Some(other);
+            }
+        }
+        let after = first.unwrap_or(before);
+        self.set(point, after);
+        change(before, after)
     }
 
     pub(super) fn finish(self, iterations: u32, residual: f64) -> Solution<R> {
         Solution { chart: self.edges.chart(), times: self.times, iterations, residual }
     }
+}
+
+/// The change of an arrival time and a curvature, in units of the time ([`Real::units_between`]).
+#[inline(always)]
+fn change<R: Real>(before: [R; 2], after: [R; 2]) -> R::Bits {
+    let bend = (after[1] - before[1]).abs() * after[0];
+    let bend = (bend * R::of(CURVATURE_COUNTS)).in_units();
+    before[0].units_between(after[0]).max(bend)
 }
 
 /// The arrival time and the tagged curvature at a point after one of the scans, numbered from 1,

@@ -1,21 +1,13 @@
 //! Rotated raster scans one after another, point by point. The twin of `glsl/scan.comp`.
 
-use super::state::{Fronts, Solution, TriangleSlots};
-use super::{Progress, Stop};
-use crate::surface::{Direction, EdgeLengths, Real, Seed};
+use super::super::state::{Fronts, Solution};
+use super::super::{Progress, Stop};
+use super::scan_triangles;
+use crate::surface::{EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
-/// The four scans of an iteration, numbered from 1: the three neighbours a scan has just passed,
-/// across the scan from west to east or from north to south.
-const SCANS: [[Direction; 3]; 4] = [
-    [Direction::NorthWest, Direction::North, Direction::NorthEast],
-    [Direction::SouthWest, Direction::South, Direction::SouthEast],
-    [Direction::NorthWest, Direction::West, Direction::SouthWest],
-    [Direction::NorthEast, Direction::East, Direction::SouthEast],
-];
-
 /// Solves by the scans rotated by 45 degrees (figure 3, second row), down, up, right and left, each
-/// after the one before: iteration by iteration what the shader does. [`super::rotated_scan`]
+/// after the one before: iteration by iteration what the shader does. [`crate::cpu::rotated_scan`]
 /// converges to the same map, many times faster.
 pub fn scan_in_turn<R: Real>(
     edges: &EdgeLengths<R>,
@@ -25,9 +17,7 @@ pub fn scan_in_turn<R: Real>(
 ) -> Solution<R> {
     let chart = edges.chart();
     let (rows, cols) = (chart.rows, chart.cols);
-    let triangles =
-        SCANS.map(|[a, b, c]| [TriangleSlots::new(chart, a, b), TriangleSlots::new(chart, b, c)]);
-
+    let triangles = scan_triangles(chart);
     let mut fronts = Fronts::start(edges, seeds, wavefront);
     let mut progress = Progress::new(stop);
     loop {

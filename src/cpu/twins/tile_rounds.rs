@@ -1,0 +1,248 @@
+//! Rounds of scans inside tiles. The twin of `glsl/tiles.comp` and `glsl/settle.comp`.
+
+use super::super::Stop;
+use super::super::state::{Fronts, Solution, TriangleSlots};
+use super::scan_triangles;
+use crate::constants::PATIENCE;
+use crate::surface::{Chart, EdgeLengths, Real, Seed, relative_change};
+use crate::update::Wavefront;
+
+/// How rounds go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rounds {
+    /// Points on a side of a tile; even.
+    pub tile: usize,
+    /// Iterations of four scans inside a tile in one round, at most.
+    pub inner: u32,
+    /// Rounds of a recording, after which it is decided whether curved fronts are renewed.
+    pub recorded: u32,
+}
+
+/// Solves by rounds of the tiles beside which the round before has changed something, in each of
+/// them iterations of four scans: round by round what the shaders do. An iteration of the solution is
+/// a round.
+pub fn tile_rounds<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    stop: Stop,
+    rounds: Rounds,
+) -> Solution<R> {
+    let mut tiles = Tiles::new(edges, seeds, wavefront, stop, rounds);
+    loop {
+        let count = rounds.recorded.min(stop.iterations - tiles.iterations);
+        let mut unsettled = Vec::new();
+        let mut reached = false;
+        for _ in 0..count {
+            if tiles.list.is_empty() {
+                break;
+            }
+            let round = tiles.round();
+            unsettled.push(round.unsettled);
+            reached |= round.reached;
+        }
+        if tiles.settle(&unsettled, reached, count) {
+            let residual = relative_change::<R>(tiles.last_residual);
+            return tiles.fronts.finish(tiles.iterations, residual);
+        }
+    }
+}
+
+/// The tiles of a grid and the fronts in them.
+struct Tiles<'a, R: Real> {
+    chart: Chart,
+    rounds: Rounds,
+    triangles: [[TriangleSlots; 2]; 4],
+    /// Before the round.
+    fronts: Fronts<'a, R>,
+    /// Four copies of the fronts, of which those of one tile and around it are in use.
+    copies: [Fronts<'a, R>; 4],
+    /// The tiles to visit in the next round.
+    list: Vec<(usize, usize)>,
+    tolerance: R::Bits,
+    most: u32,
+    iterations: u32,
+    last_residual: R::Bits,
+    since_reached: u32,
+    renews: bool,
+}
+
+/// How a round, or the visit of a tile, has gone.
+#[derive(Default)]
+struct Visit<B> {
+    /// Largest change that another round has to pass on.
+    unsettled: B,
+    /// Whether a point was reached.
+    reached: bool,
+}
+
+impl<'a, R: Real> Tiles<'a, R> {
+    fn new(
+        edges: &'a EdgeLengths<R>,
+        seeds: &[Seed],
+        wavefront: Wavefront,
+        stop: Stop,
+        rounds: Rounds,
+    ) -> Self {
+        let (chart, fronts) = (edges.chart(), Fronts::start(edges, seeds, wavefront));
+        let mut tiles = Self {
+            chart,
+            rounds,
+            triangles: scan_triangles(chart),
+            copies: std::array::from_fn(|_| fronts.clone()),
+            fronts,
+            list: Vec::new(),
+            tolerance: R::of(stop.tolerance).in_units(),
+            most: stop.iterations,
+            iterations: 0,
+            last_residual: R::Bits::default(),
+            since_reached: 0,
+            renews: true,
+        };
+        // The tiles of the texels around each seed's.
+        for seed in seeds {
+            for row in around(seed.row / 2, chart.rows.div_ceil(2)) {
+                for col in around(seed.col / 2, chart.cols.div_ceil(2)) {
+                    tiles.enlist((2 * row / rounds.tile, 2 * col / rounds.tile));
+                }
+            }
+        }
+        tiles
+    }
+
+    fn enlist(&mut self, tile: (usize, usize)) {
+        if !self.list.contains(&tile) {
+            self.list.push(tile);
+        }
+    }
+
+    /// Visits the tiles on the list, which all see the fronts before the round.
+    fn round(&mut self) -> Visit<R::Bits> {
+        let mut after = self.fronts.clone();
+        let mut round = Visit::<R::Bits>::default();
+        for tile in std::mem::take(&mut self.list) {
+            let visit = self.visit(tile, &mut after);
+            round.unsettled = round.unsettled.max(visit.unsettled);
+            round.reached |= visit.reached;
+        }
+        self.fronts = after;
+        round
+    }
+
+    fn visit(&mut self, tile: (usize, usize), after: &mut Fronts<'a, R>) -> Visit<R::Bits> {
+        let (chart, side) = (self.chart, self.rounds.tile);
+        let first = (tile.0 * side, tile.1 * side);
+        let rows = first.0..(first.0 + side).min(chart.rows);
+        let cols = first.1..(first.1 + side).min(chart.cols);
+        let all = || rows.clone().flat_map(|row| cols.clone().map(move |col| (row, col)));
+        // With the points around the tile, those of the border included.
+        for row in rows.start..rows.end + 2 {
+            for col in cols.start..cols.end + 2 {
+                let point = row * chart.stride() + col;
+                self.copies.iter_mut().for_each(|copy| copy.copy_point(&self.fronts, point));
+            }
+        }
+        let mut change = R::Bits::default();
+        for _ in 0..self.rounds.inner {
+            for (index, copy) in self.copies.iter_mut().enumerate() {
+                let (triangles, scan) = (&self.triangles[index], index as u8 + 1);
+                let mut update = |row, col| {
+                    let point = chart.bordered(row, col);
+                    copy.accept(point, copy.through(point, triangles), scan, self.renews);
+                };
+                // The points of a line do not depend on one another.
+                match scan {
+                    1 => all().for_each(|(row, col)| update(row, col)),
+                    2 => rows
+                        .clone()
+                        .rev()
+                        .for_each(|row| cols.clone().for_each(|col| update(row, col))),
+                    3 => cols.clone().for_each(|col| rows.clone().for_each(|row| update(row, col))),
+                    _ => cols
+                        .clone()
+                        .rev()
+                        .for_each(|col| rows.clone().for_each(|row| update(row, col))),
+                }
+            }
+            change = R::Bits::default();
+            for (row, col) in all() {
+                let point = chart.bordered(row, col);
+                change = change.max(self.merge(after, point));
+            }
+            if change <= self.tolerance {
+                break;
+            }
+        }
+
+        let mut border_change = R::Bits::default();
+        let mut reached = false;
+        for (row, col) in all() {
+            let point = chart.bordered(row, col);
+            reached |= self.fronts.time(point) >= R::FAR && after.time(point) < R::FAR;
+            let by = after.change_from(&self.fronts, point);
+            if by <= self.tolerance {
+                continue;
+            }
+            for beside in self.beside((row, col), first, tile) {
+                self.enlist(beside);
+                border_change = border_change.max(by);
+            }
+        }
+        if change > self.tolerance {
+            self.enlist(tile);
+        }
+        Visit { unsettled: change.max(border_change), reached }
+    }
+
+    /// Makes the four copies of the fronts at a point the same again, with the first to arrive, and
+    /// returns the change. A front that the copy's own scan has not brought stands for nothing but
+    /// the old one.
+    fn merge(&mut self, after: &mut Fronts<'a, R>, point: usize) -> R::Bits {
+        let change = after.take_first(&self.copies, point);
+        self.copies.iter_mut().for_each(|copy| copy.copy_point(after, point));
+        change
+    }
+
+    /// The tiles beside the sides that a point of a tile lies on.
+    fn beside(
+        &self,
+        (row, col): (usize, usize),
+        first: (usize, usize),
+        tile: (usize, usize),
+    ) -> Vec<(usize, usize)> {
+        let side = self.rounds.tile;
+        let count = (self.chart.rows.div_ceil(side), self.chart.cols.div_ceil(side));
+        let steps = |at: usize| match at {
+            0 => vec![-1, 0],
+            last if last == side - 1 => vec![0, 1],
+            _ => vec![0],
+        };
+        let (down, right) = (steps(row - first.0), steps(col - first.1));
+        let all = down.iter().flat_map(|&down| right.iter().map(move |&right| (down, right)));
+        all.filter(|&step| step != (0, 0))
+            .filter_map(|(down, right)| {
+                let row = tile.0.checked_add_signed(down).filter(|&row| row < count.0)?;
+                let col = tile.1.checked_add_signed(right).filter(|&col| col < count.1)?;
+                Some((row, col))
+            })
+            .collect()
+    }
+
+    /// After the rounds of a recording, each with its largest unsettled change; returns whether they
+    /// were the last. The twin of `settle.comp`, but that fronts are in one place here.
+    fn settle(&mut self, unsettled: &[R::Bits], reached: bool, recorded: u32) -> bool {
+        let visited = unsettled.len() as u32;
+        self.iterations += visited;
+        self.last_residual = unsettled.last().copied().unwrap_or(self.last_residual);
+        self.since_reached = if reached { 0 } else { self.since_reached + visited };
+        if self.since_reached >= PATIENCE {
+            self.renews = false;
+        }
+        visited < recorded || self.list.is_empty() || self.iterations >= self.most
+    }
+}
+
+/// An index and those beside it below `count`.
+fn around(index: usize, count: usize) -> std::ops::RangeInclusive<usize> {
+    index.saturating_sub(1)..=(index + 1).min(count - 1)
+}
