@@ -176,8 +176,11 @@ fn memory_is_as_stated_and_shows_until_it_is_freed() {
     let device = host.device.clone();
     let solver = embed::Solver::new(&host.instance, host.physical_device, &device, &[]);
     let mut solver = solver.unwrap();
+    // Reader and writer may be of one family.
+    let family = host::family(&host.instance, host.physical_device);
     for (slots, chart) in [(1, CHART), (3, Chart { rows: 301, cols: 257 })] {
-        let info = SurfaceInfo { slots, ..SurfaceInfo::new(chart) };
+        let queue_families = &[family; 2];
+        let info = SurfaceInfo { slots, queue_families, ..SurfaceInfo::new(chart) };
         let stated = solver.bytes_for(&device, &info).unwrap();
         let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
         let report = host.allocator().generate_report();
@@ -308,8 +311,10 @@ fn bad_input_is_an_error_before_anything_is_recorded() {
         distances_offset: 3,
         count: 1,
     }];
+    let many = [SourceBuffer { buffer: handle, offset: 0, count: u32::MAX }];
     for (info, reason) in [
         (SurfaceInfo { sources: &sources, ..SurfaceInfo::new(CHART) }, "holds nothing"),
+        (SurfaceInfo { sources: &many, ..SurfaceInfo::new(CHART) }, "4294967295 are more"),
         (SurfaceInfo { lookups: &lookups, ..SurfaceInfo::new(CHART) }, "offset 3"),
         (SurfaceInfo::new(Chart { rows: 0, cols: 3 }), "empty"),
         (SurfaceInfo::new(Chart { rows: 1, cols: 1 << 20 }), "too large"),

@@ -3,6 +3,7 @@
 use ash::vk;
 
 use super::inputs::{Lookup, PointMemory, Points, SourceBuffer};
+use crate::constants::WORKGROUP;
 use crate::surface::Chart;
 use crate::vulkan::VulkanError;
 use crate::vulkan::grid_images::{GridImages, INLINE_SOURCES};
@@ -12,6 +13,9 @@ use crate::vulkan::upload::SOURCE_BYTES;
 
 /// The alignment of a storage buffer's offset that satisfies every device.
 const ALIGNMENT: u64 = 256;
+/// Sources or places in a buffer, at most: a dispatch of one invocation each that every device can
+/// make.
+const MOST_ENTRIES: u32 = 65_535 * WORKGROUP;
 const WORD: u64 = size_of::<f32>() as u64;
 
 /// A part of a buffer: what its descriptor covers, and where its first word is in that.
@@ -97,6 +101,16 @@ impl HostSets {
         contents.push(Content::Input(inline));
         for points in points {
             contents.push(points_content(limits, points, grid.chart)?);
+        }
+        for (what, count) in sources
+            .iter()
+            .map(|sources| ("sources", sources.count))
+            .chain(lookups.iter().map(|lookup| ("places", lookup.count)))
+        {
+            if count > MOST_ENTRIES {
+                let reason = format!("{count} are more than the {MOST_ENTRIES} that are taken");
+                return Err(VulkanError::HostBuffer { what, reason });
+            }
         }
         for sources in sources {
             let bytes = u64::from(sources.count) * SOURCE_BYTES as u64;

@@ -99,8 +99,8 @@ impl<'a> Recording<'a> {
     }
 
     /// Brings the new surface's images into their layouts. To be recorded once, before anything
-    /// else, and again after passes were added to the solver, if at all: it also dispatches
-    /// nothing of every pass, since drivers may compile a pipeline at its first dispatch.
+    /// else. It also dispatches nothing of every pass, since drivers may compile a pipeline at its
+    /// first dispatch.
     pub fn prepare(&self) {
         let Self { recorder, solver, surface } = self;
         recorder.prepare();

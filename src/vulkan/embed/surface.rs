@@ -23,8 +23,8 @@ pub struct SurfaceInfo<'a> {
     /// How many frames are in flight: so many images of distances, and records of how iterations
     /// went, are there to be written in turn. At least 1.
     pub slots: usize,
-    /// Queue families that use the images of distances, if there is more than one: ours and
-    /// those of the readers. No ownership needs to be transferred then.
+    /// Queue families that use the images of distances: ours and those of the readers, which may be
+    /// the same. If they differ, no ownership needs to be transferred between them.
     pub queue_families: &'a [u32],
     /// Where points may come from, by number: one for each frame in flight, say.
     pub points: &'a [Points],
@@ -48,8 +48,16 @@ impl SurfaceInfo<'_> {
         }
     }
 
-    fn purpose(&self) -> Purpose<'_> {
-        Purpose::Embedded { results: self.slots.max(1), families: self.queue_families }
+    /// Each queue family once.
+    fn families(&self) -> Vec<u32> {
+        let mut families = self.queue_families.to_vec();
+        families.sort_unstable();
+        families.dedup();
+        families
+    }
+
+    fn purpose<'a>(&self, families: &'a [u32]) -> Purpose<'a> {
+        Purpose::Embedded { results: self.slots.max(1), families }
     }
 
     fn check(&self) -> Result<(), SurfaceError> {
@@ -122,8 +130,9 @@ impl Surface {
     ) -> Result<Self, VulkanError> {
         info.check()?;
         let size = (info.chart, solver.limits.texels(info.chart)?);
-        let pipelines = &solver.pipelines;
-        let mut grid = GridImages::new(device, allocator, pipelines, size, info.purpose())?;
+        let (pipelines, families) = (&solver.pipelines, info.families());
+        let purpose = info.purpose(&families);
+        let mut grid = GridImages::new(device, allocator, pipelines, size, purpose)?;
         let host = (info.points, info.sources, info.lookups);
         match HostSets::new(device, pipelines, &solver.limits, &grid, host) {
             Ok(sets) => Ok(Self {
@@ -148,7 +157,9 @@ impl Surface {
     ) -> Result<u64, VulkanError> {
         info.check()?;
         let size = (info.chart, solver.limits.texels(info.chart)?);
-        GridImages::bytes_for(device, solver.pipelines.tuning, size, info.purpose())
+        let families = info.families();
+        let purpose = info.purpose(&families);
+        GridImages::bytes_for(device, solver.pipelines.tuning, size, purpose)
     }
 
     /// The grid's size.
