@@ -1,0 +1,56 @@
+//! A camera that turns around the origin.
+
+use std::f32::consts::{FRAC_PI_2, TAU};
+
+use geosweep::glam::camera::rh::{proj::directx, view};
+use geosweep::glam::{Mat4, Vec2, Vec3};
+
+/// Half the angle between the upper and lower edge of the picture.
+const HALF_ANGLE: f32 = 0.27;
+
+#[derive(Clone, Copy, Debug)]
+pub struct Camera {
+    /// Around the vertical, 0 looking north.
+    pub turn: f32,
+    /// Above the horizon.
+    pub pitch: f32,
+    pub distance: f32,
+    /// Height of what is in the middle of the picture.
+    pub height: f32,
+}
+
+impl Camera {
+    /// By so many pixels of the pointer.
+    pub fn orbit(&mut self, by: Vec2) {
+        self.turn = (self.turn - 0.006 * by.x) % TAU;
+        self.pitch = (self.pitch + 0.006 * by.y).clamp(0.08, FRAC_PI_2 - 0.01);
+    }
+
+    /// By so many notches of the wheel.
+    pub fn zoom(&mut self, by: f32, reach: f32) {
+        self.distance = (self.distance * 0.88f32.powf(by)).clamp(0.2 * reach, 6.0 * reach);
+    }
+
+    fn target(&self) -> Vec3 {
+        Vec3::new(0.0, self.height, 0.0)
+    }
+
+    pub fn eye(&self) -> Vec3 {
+        let (sin, cos) = self.turn.sin_cos();
+        let away = Vec3::new(sin * self.pitch.cos(), self.pitch.sin(), cos * self.pitch.cos());
+        self.target() + self.distance * away
+    }
+
+    /// From the world to clip coordinates.
+    pub fn projection(&self, size: Vec2) -> Mat4 {
+        let (near, far) = (0.02 * self.distance, 20.0 * self.distance);
+        // With y upwards, as WGSL has it.
+        let lens = directx::perspective(2.0 * HALF_ANGLE, size.x / size.y, near, far);
+        lens * view::look_at_mat4(self.eye(), self.target(), Vec3::Y)
+    }
+
+    /// Units that a pixel covers in the middle of the picture.
+    pub fn pixel(&self, size: Vec2) -> f32 {
+        2.0 * HALF_ANGLE.tan() * self.distance / size.y
+    }
+}

@@ -1,0 +1,216 @@
+//! The map of distances of a surface: all that is geosweep's in this program.
+
+use geosweep::Wavefront;
+use geosweep::ash::vk;
+use geosweep::cpu::Stop;
+use geosweep::surface::Chart;
+use geosweep::vulkan::embed::{
+    Access, Frame, Lookup, Outcome, Plan, PointSource, Points, Reader, ResultImage, Solver,
+    SourceBuffer, SourceInput, Surface, SurfaceInfo,
+};
+use geosweep::vulkan::{Method, Schedule};
+
+use crate::Result;
+use crate::frames::{self, IN_FLIGHT};
+use crate::gpu::Gpu;
+
+/// What stands in the image for points that are not reached.
+const UNREACHED: f32 = -1.0;
+
+/// Our memory that a map reads and writes.
+pub struct Memory {
+    /// Positions, four floats each.
+    pub positions: vk::Buffer,
+    /// One source, as the picking pass leaves it.
+    pub source: vk::Buffer,
+    /// Rows and columns of the corners of the grid...
+    pub corners: vk::Buffer,
+    /// ... and their distances: the range of the colors.
+    pub distances: vk::Buffer,
+}
+
+pub struct Map {
+    surface: Surface,
+    plan: Plan,
+    due: Due,
+    /// The image that is drawn.
+    slot: usize,
+    /// What each frame in flight has written: which image, and which recording it was.
+    written: [Option<(usize, u64)>; IN_FLIGHT],
+    recordings: u64,
+    outcome: Option<Outcome>,
+}
+
+/// What the next frame does for the map.
+#[derive(Clone, Copy, PartialEq)]
+enum Due {
+    Nothing,
+    /// It goes on, since it has not converged.
+    Resume,
+    /// There is a new source, or another method.
+    Solve,
+    /// There are new points.
+    Measure,
+}
+
+/// The corners of a grid, as places for [`Memory::corners`].
+pub fn corners(chart: Chart) -> [f32; 8] {
+    let (row, col) = ((chart.rows - 1) as f32, (chart.cols - 1) as f32);
+    [0.0, 0.0, 0.0, col, row, 0.0, row, col]
+}
+
+impl Map {
+    pub fn new(gpu: &mut Gpu, solver: &Solver, chart: Chart, memory: &Memory) -> Result<Self> {
+        let device = gpu.device.clone();
+        let info = SurfaceInfo {
+            slots: IN_FLIGHT,
+            points: &[Points::positions(memory.positions, 16)],
+            sources: &[SourceBuffer { buffer: memory.source, offset: 0, count: 1 }],
+            lookups: &[Lookup {
+                places: memory.corners,
+                places_offset: 0,
+                distances: memory.distances,
+                distances_offset: 0,
+                count: 4,
+            }],
+            ..SurfaceInfo::new(chart)
+        };
+        let surface = solver.surface(&device, gpu.allocator(), &info)?;
+        let plan = plan(solver, chart, None, Wavefront::Curved)?;
+        let written = [None; IN_FLIGHT];
+        let due = Due::Measure;
+        Ok(Self { surface, plan, due, slot: 0, written, recordings: 0, outcome: None })
+    }
+
+    /// To be recorded once before anything else, and again when the solver has got more passes.
+    pub fn prepare(&self, gpu: &Gpu, solver: &Solver, commands: vk::CommandBuffer) {
+        solver.record(&gpu.device, commands, &self.surface).prepare();
+    }
+
+    /// The image of distances in a slot.
+    pub fn image(&self, slot: usize) -> Result<ResultImage> {
+        Ok(self.surface.result(slot, Reader::FRAGMENT.layout)?)
+    }
+
+    /// The slot that is drawn.
+    pub fn slot(&self) -> usize {
+        self.slot
+    }
+
+    pub fn use_method(
+        &mut self,
+        solver: &Solver,
+        schedule: Schedule,
+        wavefront: Wavefront,
+    ) -> Result<()> {
+        self.plan = plan(solver, self.surface.chart(), Some(schedule), wavefront)?;
+        self.due = self.due.at_least(Due::Solve);
+        self.outcome = None;
+        Ok(())
+    }
+
+    /// The source has been moved.
+    pub fn moved_source(&mut self) {
+        self.due = self.due.at_least(Due::Solve);
+    }
+
+    /// The points have been moved.
+    pub fn moved_points(&mut self) {
+        self.due = Due::Measure;
+    }
+
+    /// Whether a frame would change the map, or is needed to know.
+    pub fn is_due(&self) -> bool {
+        self.due != Due::Nothing || self.written.iter().any(Option::is_some)
+    }
+
+    /// How the last map that the device has done with came about.
+    pub fn outcome(&self) -> Option<Outcome> {
+        self.outcome
+    }
+
+    /// Sees how a frame went, after its fence.
+    pub fn collect(&mut self, frame: frames::Frame) -> Result<()> {
+        if let Some((slot, recording)) = self.written[frame.index].take() {
+            let outcome = self.surface.outcome(slot)?;
+            self.outcome = Some(outcome);
+            if recording == self.recordings && !outcome.converged && self.due == Due::Nothing {
+                self.due = Due::Resume;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether [`Map::record`] has something to record.
+    pub fn records(&self) -> bool {
+        self.due != Due::Nothing
+    }
+
+    /// Records what is due. Points and sources come from compute shaders and copies before.
+    pub fn record(&mut self, gpu: &Gpu, solver: &Solver, frame: frames::Frame) -> Result<()> {
+        let due = std::mem::replace(&mut self.due, Due::Nothing);
+        // The frame before may still draw the other image.
+        let slot = (self.slot + 1) % IN_FLIGHT;
+        let recording = solver.record(&gpu.device, frame.commands, &self.surface);
+        match due {
+            Due::Nothing => return Ok(()),
+            Due::Resume => {
+                recording.begin(Access::NONE);
+                recording.resume(&self.plan)?;
+                recording.outcome(slot)?;
+                recording.result(slot, Reader::FRAGMENT, UNREACHED)?;
+            }
+            Due::Solve | Due::Measure => {
+                recording.frame(&Frame {
+                    before: Access::COMPUTE_WRITE.and(Access::TRANSFER_WRITE),
+                    points: (due == Due::Measure).then_some(0),
+                    sources: SourceInput::Buffer(0),
+                    plan: &self.plan,
+                    slot,
+                    reader: Reader::FRAGMENT,
+                    unreached: UNREACHED,
+                })?;
+            }
+        }
+        recording.lookup(0, UNREACHED, Access::FRAGMENT_READ, Access::FRAGMENT_READ)?;
+        self.recordings += 1;
+        self.written[frame.index] = Some((slot, self.recordings));
+        self.slot = slot;
+        Ok(())
+    }
+
+    pub fn destroy(&mut self, gpu: &mut Gpu) {
+        let device = gpu.device.clone();
+        self.surface.destroy(&device, gpu.allocator());
+    }
+}
+
+impl Due {
+    fn at_least(self, other: Self) -> Self {
+        if self == Self::Measure { self } else { other }
+    }
+}
+
+/// What the picking pass leaves for a source at a grid point.
+pub fn source(at: [f32; 2]) -> [f32; 4] {
+    let PointSource { row, col, time, curvature } = PointSource::at(at[0], at[1]);
+    [row, col, time, curvature]
+}
+
+fn plan(
+    solver: &Solver,
+    chart: Chart,
+    schedule: Option<Schedule>,
+    wavefront: Wavefront,
+) -> Result<Plan> {
+    // Below what a picture shows.
+    let stop = Stop { tolerance: 1e-4, iterations: 10_000 };
+    // What smooth surfaces take in one frame. Where it is not enough, the next frames go on: so
+    // one sees the front of all points at once advance.
+    let iterations = match schedule {
+        Some(Schedule::Tiles) => 128,
+        Some(Schedule::AllPoints) => 48,
+        Some(Schedule::Raster) | None => 8,
+    };
+    Ok(solver.plan(chart, Method { wavefront, schedule, stop }, iterations)?)
+}

@@ -1,0 +1,57 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::Parser;
+use geosweep::io::OutputFile;
+
+use crate::surfaces::Name;
+
+/// Distance maps on the GPU, drawn in 3D.
+#[derive(Clone, Debug, Parser)]
+pub struct Options {
+    /// The surface to begin with.
+    #[arg(long, value_enum, default_value_t = Name::Terrain)]
+    pub surface: Name,
+    /// The source to begin with, on the surface to begin with.
+    #[arg(long, value_name = "ROW,COL", value_parser = place)]
+    pub source: Option<[f32; 2]>,
+    /// Size of the window.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, default_value = "1200x700")]
+    pub size: [u32; 2],
+    /// A part of the device's name.
+    #[arg(long, value_name = "NAME")]
+    pub device: Option<String>,
+    /// End after so many frames. A deforming surface then moves by the same time every frame.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub frames: Option<u64>,
+    /// Write the last frame.
+    #[arg(long, value_name = "FILE.png", requires = "frames", value_parser = png_output)]
+    pub picture: Option<OutputFile>,
+    /// Turn on the validation layers. Any message of theirs makes the exit status 1.
+    #[arg(long)]
+    pub validate: bool,
+}
+
+fn pair<T: std::str::FromStr>(text: &str, separator: char) -> Option<[T; 2]> {
+    let (first, second) = text.split_once(separator)?;
+    Some([first.trim().parse().ok()?, second.trim().parse().ok()?])
+}
+
+fn place(text: &str) -> Result<[f32; 2], String> {
+    pair(text, ',').ok_or("give a row and a column, such as 297,219".into())
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    pair(text, 'x')
+        .filter(|size| size.iter().all(|side| (1..=16384).contains(side)))
+        .ok_or("give a width and a height, such as 1200x700".into())
+}
+
+fn png_output(text: &str) -> Result<OutputFile, String> {
+    let path = PathBuf::from(text);
+    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
+        return Err("a picture is written as .png; choose such a name".into());
+    }
+    OutputFile::new(&path).map_err(|error| error.to_string())
+}

@@ -1,0 +1,163 @@
+//! WGSL to pipelines, and what all of them share: one layout of descriptors.
+
+use std::ffi::CStr;
+
+use geosweep::ash::vk;
+use geosweep::vulkan::embed::PointSource;
+use naga::back::spv;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+use crate::Result;
+use crate::gpu::Gpu;
+
+/// The layout of the descriptors that all shaders share, by the bindings in shaders/.
+pub struct Layout {
+    pub set: vk::DescriptorSetLayout,
+    pub pipeline: vk::PipelineLayout,
+}
+
+/// The kinds at bindings 0, 1, ...
+pub const BINDINGS: [vk::DescriptorType; 6] = [
+    vk::DescriptorType::UNIFORM_BUFFER, // the view
+    vk::DescriptorType::STORAGE_BUFFER, // positions
+    vk::DescriptorType::STORAGE_BUFFER, // normals
+    vk::DescriptorType::STORAGE_BUFFER, // the palette
+    vk::DescriptorType::STORAGE_BUFFER, // distances of the corners
+    vk::DescriptorType::SAMPLED_IMAGE,  // distances
+];
+
+impl Layout {
+    pub fn new(gpu: &Gpu) -> Result<Self> {
+        let stages = vk::ShaderStageFlags::COMPUTE
+            | vk::ShaderStageFlags::VERTEX
+            | vk::ShaderStageFlags::FRAGMENT;
+        let bindings: Vec<_> = (0..)
+            .zip(BINDINGS)
+            .map(|(binding, kind)| {
+                vk::DescriptorSetLayoutBinding::default()
+                    .binding(binding)
+                    .descriptor_type(kind)
+                    .descriptor_count(1)
+                    .stage_flags(stages)
+            })
+            .collect();
+        // SAFETY: all that the infos point to is alive.
+        unsafe {
+            let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+            let set = gpu.device.create_descriptor_set_layout(&info, None)?;
+            let sets = [set];
+            let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
+            let pipeline = gpu.device.create_pipeline_layout(&info, None)?;
+            Ok(Self { set, pipeline })
+        }
+    }
+
+    /// A compute pipeline with the entry point `main`.
+    pub fn compute(&self, gpu: &Gpu, wgsl: &str) -> Result<vk::Pipeline> {
+        let module = module(gpu, wgsl)?;
+        let stage = vk::PipelineShaderStageCreateInfo::default()
+            .stage(vk::ShaderStageFlags::COMPUTE)
+            .module(module)
+            .name(c"main");
+        let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.pipeline);
+        // SAFETY: module and layout are alive.
+        unsafe {
+            let made = gpu.device.create_compute_pipelines(Default::default(), &[info], None);
+            gpu.device.destroy_shader_module(module, None);
+            Ok(made.map_err(|(_, error)| error)?[0])
+        }
+    }
+
+    /// A pipeline that draws into a render pass with a color and perhaps depths.
+    pub fn graphics(&self, gpu: &Gpu, draw: &Draw) -> Result<vk::Pipeline> {
+        let module = module(gpu, draw.wgsl)?;
+        let stage = |stage, name| {
+            vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(name)
+        };
+        let stages = [
+            stage(vk::ShaderStageFlags::VERTEX, draw.vertex),
+            stage(vk::ShaderStageFlags::FRAGMENT, draw.fragment),
+        ];
+        let vertices = vk::PipelineVertexInputStateCreateInfo::default();
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(draw.topology);
+        let viewport =
+            vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+        let states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
+        let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&states);
+        // Counter-clockwise as the world is seen; pictures have y downwards.
+        let raster = vk::PipelineRasterizationStateCreateInfo::default()
+            .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
+            .line_width(1.0);
+        let samples =
+            vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(draw.samples);
+        let depth = vk::PipelineDepthStencilStateCreateInfo::default()
+            .depth_test_enable(draw.depth)
+            .depth_write_enable(draw.depth)
+            .depth_compare_op(vk::CompareOp::LESS);
+        let blend = [vk::PipelineColorBlendAttachmentState::default()
+            .blend_enable(draw.blend)
+            .src_color_blend_factor(vk::BlendFactor::SRC_ALPHA)
+            .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+            .src_alpha_blend_factor(vk::BlendFactor::ZERO)
+            .dst_alpha_blend_factor(vk::BlendFactor::ONE)
+            .color_write_mask(vk::ColorComponentFlags::RGBA)];
+        let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blend);
+        let info = vk::GraphicsPipelineCreateInfo::default()
+            .stages(&stages)
+            .vertex_input_state(&vertices)
+            .input_assembly_state(&assembly)
+            .viewport_state(&viewport)
+            .dynamic_state(&dynamic)
+            .rasterization_state(&raster)
+            .multisample_state(&samples)
+            .depth_stencil_state(&depth)
+            .color_blend_state(&blend)
+            .layout(self.pipeline)
+            .render_pass(draw.pass);
+        // SAFETY: module, layout and render pass are alive.
+        unsafe {
+            let made = gpu.device.create_graphics_pipelines(Default::default(), &[info], None);
+            gpu.device.destroy_shader_module(module, None);
+            Ok(made.map_err(|(_, error)| error)?[0])
+        }
+    }
+
+    pub fn destroy(&self, gpu: &Gpu) {
+        // SAFETY: nothing is in flight.
+        unsafe {
+            gpu.device.destroy_pipeline_layout(self.pipeline, None);
+            gpu.device.destroy_descriptor_set_layout(self.set, None);
+        }
+    }
+}
+
+/// What a pipeline draws, and how.
+pub struct Draw<'a> {
+    pub wgsl: &'a str,
+    pub vertex: &'a CStr,
+    pub fragment: &'a CStr,
+    pub topology: vk::PrimitiveTopology,
+    pub depth: bool,
+    pub blend: bool,
+    pub samples: vk::SampleCountFlags,
+    pub pass: vk::RenderPass,
+}
+
+fn module(gpu: &Gpu, wgsl: &str) -> Result<vk::ShaderModule> {
+    let code = spirv(wgsl)?;
+    let info = vk::ShaderModuleCreateInfo::default().code(&code);
+    // SAFETY: the code is valid SPIR-V.
+    Ok(unsafe { gpu.device.create_shader_module(&info, None)? })
+}
+
+fn spirv(wgsl: &str) -> Result<Vec<u32>> {
+    // The curvature of a front at a source is a constant of geosweep's.
+    let at_source = PointSource::at(0.0, 0.0).curvature;
+    let view = include_str!("shaders/view.wgsl");
+    let wgsl = format!("{view}\nconst AT_SOURCE = f32({at_source:?});\n{wgsl}");
+    let module = naga::front::wgsl::parse_str(&wgsl).map_err(|e| e.emit_to_string(&wgsl))?;
+    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .map_err(|error| error.emit_to_string(&wgsl))?;
+    Ok(spv::write_vec(&module, &info, &spv::Options::default(), None)?)
+}

@@ -1,0 +1,36 @@
+// What all shaders of the viewer share: the twin of `View` in view.rs.
+
+struct View {
+    projection: mat4x4<f32>,
+    // The same, with the pixel under the pointer over all of the picture.
+    pick: mat4x4<f32>,
+    eye: vec3<f32>,
+    // Units a pixel covers at the centre of the picture.
+    pixel: f32,
+    // Half the extents of the surface along x and z.
+    half: vec2<f32>,
+    // Height of the ground.
+    ground: f32,
+    // Drives the deformation.
+    phase: f32,
+    grid: vec2<u32>,
+    // Distance between lines.
+    spacing: f32,
+    // How soft the shadow on the ground is.
+    softness: f32,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+
+const LIGHT = vec3<f32>(-0.52, 0.66, 0.40);
+const PAPER = vec3<f32>(0.80, 0.83, 0.86);
+
+// The calm background, from the height in the picture: 0 below, 1 above.
+fn background(height: f32) -> vec3<f32> {
+    return mix(PAPER * 0.80, PAPER * 1.10, smoothstep(0.0, 1.0, height));
+}
+
+// Less than a step of 8 bits, so that gradients show no bands.
+fn dither(at: vec2<f32>) -> f32 {
+    return (fract(52.9829189 * fract(dot(at, vec2(0.06711056, 0.00583715)))) - 0.5) / 255.0;
+}

@@ -1,0 +1,108 @@
+//! What there is to see: the terrain, and a sheet that deforms.
+
+use std::path::Path;
+
+use clap::ValueEnum;
+use geosweep::glam::{Vec2, Vec4};
+use geosweep::io::SurfaceFile;
+use geosweep::surface::{Chart, Geometry};
+
+use crate::Result;
+use crate::camera::Camera;
+
+/// The surfaces by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Name {
+    /// Elevation around the Jacksboro fault, heights enlarged.
+    Terrain,
+    /// A sheet in motion: a compute shader writes its points every frame.
+    Sheet,
+}
+
+/// How a surface is shown. Units are the surface's own.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    pub name: &'static str,
+    pub chart: Chart,
+    /// Half the extents along x and z.
+    pub half: Vec2,
+    /// Height of the ground below.
+    pub ground: f32,
+    /// Whether walls go down to the ground.
+    pub walls: bool,
+    /// How soft the shadow on the ground is.
+    pub softness: f32,
+    /// From line to line.
+    pub spacing: f32,
+    /// Whether the points are written every frame.
+    pub deforms: bool,
+    /// Where the source is at first: row and column.
+    pub source: [f32; 2],
+    pub camera: Camera,
+}
+
+/// Kilometres between the points of the terrain, from east to west and from north to south:
+/// examples/data/README.md.
+const SPACING: Vec2 = Vec2::new(0.074573, 0.092475);
+/// Heights are drawn and measured so many times as large as they are: one sees why lines bend.
+const ENLARGED: f32 = 2.5;
+
+impl Name {
+    pub const ALL: [Self; 2] = [Self::Terrain, Self::Sheet];
+
+    /// The points, if they stay where they are, and how they are shown.
+    pub fn load(self) -> Result<(Vec<Vec4>, Look)> {
+        match self {
+            Self::Terrain => terrain(),
+            Self::Sheet => Ok((Vec::new(), sheet())),
+        }
+    }
+}
+
+fn terrain() -> Result<(Vec<Vec4>, Look)> {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/jacksboro.png");
+    let surface = SurfaceFile::read(Path::new(path))?.into_surface(None)?;
+    let Geometry::Heights { heights, .. } = surface.geometry() else {
+        return Err(format!("{path} holds no heights").into());
+    };
+    let chart = surface.chart();
+    let range = heights
+        .iter()
+        .fold((f64::MAX, f64::MIN), |(low, high), &height| (low.min(height), high.max(height)));
+    let middle = 0.5 * (range.0 + range.1);
+    let rise = |height: f64| ENLARGED * (height - middle) as f32 / 1000.0;
+    let half = 0.5 * SPACING * Vec2::new(chart.cols as f32 - 1.0, chart.rows as f32 - 1.0);
+    let point = |(index, &height): (usize, &f64)| {
+        let cell = Vec2::new((index % chart.cols) as f32, (index / chart.cols) as f32);
+        let at = cell * SPACING - half;
+        Vec4::new(at.x, rise(height), at.y, 1.0)
+    };
+    let look = Look {
+        name: "terrain",
+        chart,
+        half,
+        ground: rise(range.0) - 0.8,
+        walls: true,
+        softness: 3.0,
+        spacing: 1.0,
+        deforms: false,
+        source: [297.0, 219.0],
+        camera: Camera { turn: 0.42, pitch: 0.60, distance: 66.0, height: -2.2 },
+    };
+    Ok((heights.iter().enumerate().map(point).collect(), look))
+}
+
+fn sheet() -> Look {
+    Look {
+        name: "sheet",
+        chart: Chart { rows: 192, cols: 192 },
+        half: Vec2::new(10.0, 10.0),
+        ground: -5.0,
+        walls: false,
+        softness: 4.0,
+        spacing: 0.5,
+        deforms: true,
+        source: [60.0, 50.0],
+        camera: Camera { turn: 0.6, pitch: 0.58, distance: 40.0, height: -1.2 },
+    }
+}

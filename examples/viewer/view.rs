@@ -1,0 +1,48 @@
+//! What all shaders of the viewer share: the twin of `View` in shaders/view.wgsl.
+
+use bytemuck::{Pod, Zeroable};
+use geosweep::glam::{Mat4, Vec2, Vec3};
+
+use crate::camera::Camera;
+use crate::surfaces::Look;
+
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub struct View {
+    projection: [[f32; 4]; 4],
+    pick: [[f32; 4]; 4],
+    eye: [f32; 3],
+    pixel: f32,
+    half: [f32; 2],
+    ground: f32,
+    phase: f32,
+    grid: [u32; 2],
+    spacing: f32,
+    softness: f32,
+}
+
+impl View {
+    /// `pointer` is in pixels from the upper left.
+    pub fn new(camera: &Camera, look: &Look, size: Vec2, pointer: Vec2, phase: f32) -> Self {
+        let projection = camera.projection(size);
+        let chart = look.chart;
+        Self {
+            projection: projection.to_cols_array_2d(),
+            pick: (pixel(pointer, size) * projection).to_cols_array_2d(),
+            eye: camera.eye().to_array(),
+            pixel: camera.pixel(size),
+            half: look.half.to_array(),
+            ground: look.ground,
+            phase,
+            grid: [chart.cols as u32, chart.rows as u32],
+            spacing: look.spacing,
+            softness: look.softness,
+        }
+    }
+}
+
+/// Blows one pixel of the picture up to all of it.
+fn pixel(at: Vec2, size: Vec2) -> Mat4 {
+    let centre = Vec2::new(2.0, -2.0) * (at + 0.5) / size + Vec2::new(-1.0, 1.0);
+    Mat4::from_scale(Vec3::new(size.x, size.y, 1.0)) * Mat4::from_translation(-centre.extend(0.0))
+}

@@ -1,0 +1,417 @@
+//! The renderer: what there is, and the order of a frame's passes.
+
+use std::time::{Duration, Instant};
+
+use geosweep::Wavefront;
+use geosweep::ash::vk;
+use geosweep::glam::Vec2;
+use geosweep::gpu_allocator::MemoryLocation;
+use geosweep::vulkan::Schedule;
+use geosweep::vulkan::embed::Solver;
+use winit::window::Window;
+
+use crate::Result;
+use crate::draw::{self, Drawing};
+use crate::frames::{self, Frame, Frames, IN_FLIGHT};
+use crate::gpu::Gpu;
+use crate::map;
+use crate::memory::Buffer;
+use crate::options::Options;
+use crate::pick::PickPass;
+use crate::picture::Picture;
+use crate::shaders::Layout;
+use crate::stage::{PointPasses, Shared, Stage};
+use crate::surfaces::Name;
+use crate::swapchain::{Swapchain, Target};
+use crate::timing::Timing;
+use crate::view::View;
+
+/// What a deforming surface moves by from frame to frame, at most, and where frames are counted.
+const STEP: Duration = Duration::from_nanos(1_000_000_000 / 60);
+const LONGEST_STEP: Duration = Duration::from_millis(100);
+/// No image of the window for so long: it cannot be seen.
+const PATIENCE: Duration = Duration::from_millis(200);
+
+pub struct Viewer {
+    options: Options,
+    gpu: Gpu,
+    layout: Layout,
+    target: Target,
+    /// `None` while the window has no size.
+    swapchain: Option<Swapchain>,
+    /// Whether it fits the window no longer.
+    outdated: bool,
+    frames: Frames,
+    timing: Timing,
+    point_passes: PointPasses,
+    picking: PickPass,
+    drawing: Drawing,
+    palette: Buffer,
+    /// By frame in flight.
+    views: Vec<Buffer>,
+    solver: Solver,
+    /// What the solver has passes for.
+    methods: Vec<(Schedule, Wavefront)>,
+    /// As in [`Name::ALL`].
+    stages: Vec<Stage>,
+    current: usize,
+    schedule: Schedule,
+    wavefront: Wavefront,
+    pointer: Vec2,
+    /// Whether the source goes to the pointer.
+    picks: bool,
+    /// Whether something has changed that is not yet drawn.
+    stale: bool,
+    /// Drives the deformation, in seconds.
+    phase: f32,
+    last_frame: Option<Instant>,
+    drawn: u64,
+    picture: Option<Picture>,
+}
+
+impl Viewer {
+    pub fn new(window: &Window, options: Options) -> Result<Self> {
+        let mut gpu = Gpu::new(window, options.device.as_deref(), options.validate)?;
+        let layout = Layout::new(&gpu)?;
+        let target = Target::new(&gpu)?;
+        let frames = Frames::new(&gpu)?;
+        let timing = Timing::new(&gpu)?;
+        let point_passes = PointPasses::new(&gpu, &layout)?;
+        let picking = PickPass::new(&gpu, &layout)?;
+        let drawing = Drawing::new(&gpu, &layout, &target)?;
+        let palette = draw::palette();
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let palette = Buffer::filled(&mut gpu, "palette", bytemuck::cast_slice(&palette), storage)?;
+        let views: Vec<_> = (0..IN_FLIGHT)
+            .map(|_| {
+                let bytes = size_of::<View>() as u64;
+                let usage = vk::BufferUsageFlags::UNIFORM_BUFFER;
+                Buffer::new(&mut gpu, "view", bytes, usage, MemoryLocation::CpuToGpu)
+            })
+            .collect::<Result<_>>()?;
+
+        let (schedule, wavefront) = (Schedule::Raster, Wavefront::Curved);
+        let passes = [(schedule, wavefront)];
+        let solver = Solver::new(&gpu.instance, gpu.physical_device, &gpu.device, &passes)?;
+        let shared = Shared {
+            layout: &layout,
+            solver: &solver,
+            picking: &picking,
+            palette: palette.handle,
+            views: &views,
+        };
+        let stages: Vec<_> = Name::ALL
+            .iter()
+            .map(|&name| Stage::new(&mut gpu, name, &shared))
+            .collect::<Result<_>>()?;
+        let current = Name::ALL.iter().position(|&name| name == options.surface).unwrap_or(0);
+        if let Some([row, col]) = options.source {
+            let chart = stages[current].look.chart;
+            let last = [chart.rows - 1, chart.cols - 1];
+            let inside =
+                (0.0..=last[0] as f32).contains(&row) && (0.0..=last[1] as f32).contains(&col);
+            if !inside {
+                let [rows, cols] = last;
+                return Err(format!(
+                    "the source {row},{col} is not on the grid; its rows are 0 to {rows}, its \
+                     columns 0 to {cols}"
+                )
+                .into());
+            }
+        }
+        let source = |index: usize| match options.source {
+            Some(source) if index == current => source,
+            _ => stages[index].look.source,
+        };
+        frames.now(&gpu, |commands| {
+            for (index, stage) in stages.iter().enumerate() {
+                stage.map.prepare(&gpu, &solver, commands);
+                stage.pick.set(&gpu, commands, map::source(source(index)));
+            }
+            Ok(())
+        })?;
+        Ok(Self {
+            options,
+            gpu,
+            layout,
+            target,
+            swapchain: None,
+            outdated: true,
+            frames,
+            timing,
+            point_passes,
+            picking,
+            drawing,
+            palette,
+            views,
+            solver,
+            methods: passes.to_vec(),
+            stages,
+            current,
+            schedule,
+            wavefront,
+            pointer: Vec2::ZERO,
+            picks: false,
+            stale: true,
+            phase: 0.0,
+            last_frame: None,
+            drawn: 0,
+            picture: None,
+        })
+    }
+
+    /// Whether a frame would show something new.
+    pub fn wants_frame(&self) -> bool {
+        let stage = &self.stages[self.current];
+        let counts = self.options.frames.is_some();
+        self.stale || self.outdated || counts || stage.look.deforms || stage.map.is_due()
+    }
+
+    /// Whether all frames that were asked for have been drawn.
+    pub fn is_done(&self) -> bool {
+        self.options.frames.is_some_and(|frames| self.drawn >= frames)
+    }
+
+    /// The window has another size.
+    pub fn resized(&mut self) {
+        self.outdated = true;
+    }
+
+    /// The window has to be drawn again.
+    pub fn exposed(&mut self) {
+        self.stale = true;
+    }
+
+    /// Moves the source to the pointer.
+    pub fn pick(&mut self, pointer: Vec2) {
+        (self.pointer, self.picks, self.stale) = (pointer, true, true);
+    }
+
+    pub fn orbit(&mut self, by: Vec2) {
+        self.stages[self.current].camera.orbit(by);
+        self.stale = true;
+    }
+
+    pub fn zoom(&mut self, by: f32) {
+        let Stage { camera, look, .. } = &mut self.stages[self.current];
+        camera.zoom(by, look.camera.distance);
+        self.stale = true;
+    }
+
+    pub fn next_surface(&mut self) -> Result<()> {
+        self.current = (self.current + 1) % self.stages.len();
+        self.stale = true;
+        self.use_method(self.schedule, self.wavefront)
+    }
+
+    pub fn next_schedule(&mut self) -> Result<()> {
+        self.use_method(after(&Schedule::ALL, self.schedule), self.wavefront)
+    }
+
+    pub fn next_wavefront(&mut self) -> Result<()> {
+        self.use_method(self.schedule, after(&Wavefront::ALL, self.wavefront))
+    }
+
+    /// Makes the pipelines of a method when it is wanted for the first time.
+    fn use_method(&mut self, schedule: Schedule, wavefront: Wavefront) -> Result<()> {
+        let Self { gpu, solver, stages, frames, .. } = self;
+        (self.schedule, self.wavefront) = (schedule, wavefront);
+        let method = (schedule, wavefront);
+        if !self.methods.contains(&method) {
+            gpu.wait();
+            solver.add_passes(&gpu.device, schedule, wavefront)?;
+            frames.now(gpu, |commands| {
+                stages.iter().for_each(|stage| stage.map.prepare(gpu, solver, commands));
+                Ok(())
+            })?;
+            self.methods.push(method);
+        }
+        self.timing.forget();
+        self.stages[self.current].map.use_method(&self.solver, schedule, wavefront)
+    }
+
+    /// What the window is called.
+    pub fn title(&self) -> String {
+        let Stage { look, map, .. } = &self.stages[self.current];
+        let (rows, cols) = (look.chart.rows, look.chart.cols);
+        let mut title = format!(
+            "geosweep: {}, {rows} x {cols} points, {}, {} fronts",
+            look.name, self.schedule, self.wavefront
+        );
+        if let Some(milliseconds) = self.timing.milliseconds() {
+            title += &format!(", {milliseconds:.2} ms on {}", self.gpu.device_name());
+        }
+        if let Some(outcome) = map.outcome() {
+            let unit = if self.schedule == Schedule::Tiles { "rounds" } else { "iterations" };
+            title += &format!(", {} {unit}", outcome.iterations);
+        }
+        title
+    }
+
+    /// Draws a frame, if the window can be drawn. Never waits for the frame before.
+    pub fn frame(&mut self, window: [u32; 2]) -> Result<()> {
+        if self.outdated && !self.rebuild(window)? {
+            return Ok(());
+        }
+        let Some(swapchain) = &self.swapchain else { return Ok(()) };
+        let frame = self.frames.wait(&self.gpu)?;
+        self.timing.collect(&self.gpu, frame)?;
+        for stage in &mut self.stages {
+            stage.map.collect(frame)?;
+        }
+        // SAFETY: the semaphore was waited for by the submission whose fence was waited for.
+        let acquired = unsafe {
+            let (patience, none) = (PATIENCE.as_nanos() as u64, vk::Fence::null());
+            let semaphore = frame.acquired;
+            self.gpu.swapchains.acquire_next_image(swapchain.handle, patience, semaphore, none)
+        };
+        let index = match acquired {
+            Ok((index, suboptimal)) => {
+                self.outdated |= suboptimal;
+                index
+            }
+            Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => {
+                self.outdated = true;
+                return Ok(());
+            }
+            Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => return Ok(()),
+            Err(error) => return Err(error.into()),
+        };
+        let drawn = swapchain.images[index as usize].drawn;
+        frames::begin(&self.gpu, frame.commands)?;
+        self.record(frame, index as usize)?;
+        // SAFETY: the commands have been recorded.
+        unsafe { self.gpu.device.end_command_buffer(frame.commands)? };
+        self.frames.submit(&self.gpu, drawn)?;
+        self.present(index, drawn)?;
+        self.drawn += 1;
+        self.stale = false;
+        Ok(())
+    }
+
+    /// Whether there is something to draw into now.
+    fn rebuild(&mut self, window: [u32; 2]) -> Result<bool> {
+        self.gpu.wait();
+        let old = self.swapchain.take();
+        self.swapchain = Swapchain::new(&mut self.gpu, &self.target, window, old)?;
+        self.outdated = self.swapchain.is_none();
+        self.stale = true;
+        Ok(!self.outdated)
+    }
+
+    fn present(&mut self, index: u32, drawn: vk::Semaphore) -> Result<()> {
+        let Some(swapchain) = &self.swapchain else { return Ok(()) };
+        let (swapchains, indices, semaphores) = ([swapchain.handle], [index], [drawn]);
+        let info = vk::PresentInfoKHR::default()
+            .wait_semaphores(&semaphores)
+            .swapchains(&swapchains)
+            .image_indices(&indices);
+        // SAFETY: the image has been acquired, and what draws it has been submitted.
+        match unsafe { self.gpu.swapchains.queue_present(self.gpu.queue, &info) } {
+            Ok(suboptimal) => self.outdated |= suboptimal,
+            Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => self.outdated = true,
+            Err(error) => return Err(error.into()),
+        }
+        Ok(())
+    }
+
+    /// All passes of a frame.
+    fn record(&mut self, frame: Frame, image: usize) -> Result<()> {
+        self.step();
+        let last = self.options.frames.is_some_and(|frames| self.drawn + 1 == frames);
+        let Self { gpu, layout, timing, solver, .. } = self;
+        let Some(swapchain) = &self.swapchain else { return Ok(()) };
+        let stage = &mut self.stages[self.current];
+        let (commands, number) = (frame.commands, frame.index);
+        let size = Vec2::new(swapchain.size.width as f32, swapchain.size.height as f32);
+        let view = View::new(&stage.camera, &stage.look, size, self.pointer, self.phase);
+        self.views[number].bytes_mut()[..size_of::<View>()]
+            .copy_from_slice(bytemuck::bytes_of(&view));
+
+        stage.record_points(gpu, &self.point_passes, layout, commands, number);
+        if std::mem::take(&mut self.picks) {
+            self.picking.record(gpu, layout, stage, commands, number);
+            stage.map.moved_source();
+        }
+        if stage.map.records() {
+            timing.start(gpu, frame);
+            stage.map.record(gpu, solver, frame)?;
+            timing.stop(gpu, frame);
+        }
+
+        let far = vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 };
+        let clear = [vk::ClearValue::default(), vk::ClearValue { depth_stencil: far }];
+        let info = vk::RenderPassBeginInfo::default()
+            .render_pass(self.target.pass)
+            .framebuffer(swapchain.images[image].framebuffer)
+            .render_area(swapchain.size.into())
+            .clear_values(&clear);
+        let viewport =
+            [vk::Viewport { width: size.x, height: size.y, max_depth: 1.0, ..Default::default() }];
+        // SAFETY: the commands are being recorded; all objects are alive.
+        unsafe {
+            let device = &gpu.device;
+            device.cmd_begin_render_pass(commands, &info, vk::SubpassContents::INLINE);
+            device.cmd_set_viewport(commands, 0, &viewport);
+            device.cmd_set_scissor(commands, 0, &[swapchain.size.into()]);
+            self.drawing.record(gpu, layout, stage, commands, number);
+            device.cmd_end_render_pass(commands);
+        }
+        if last && self.options.picture.is_some() {
+            let (image, format) = (swapchain.images[image].handle, self.target.format.format);
+            self.picture = Some(Picture::record(gpu, commands, swapchain, image, format)?);
+        }
+        Ok(())
+    }
+
+    /// Moves on in time: by the same step where frames are counted, so that runs are alike.
+    fn step(&mut self) {
+        let now = Instant::now();
+        let last = self.last_frame.replace(now);
+        let step = match self.options.frames {
+            Some(_) => STEP,
+            None => last.map_or(STEP, |last| now - last).min(LONGEST_STEP),
+        };
+        if self.stages[self.current].look.deforms {
+            self.phase += step.as_secs_f32();
+        }
+    }
+
+    /// Writes the picture, if one was asked for, and destroys everything.
+    pub fn end(mut self) -> Result<()> {
+        self.gpu.wait();
+        let gpu = &mut self.gpu;
+        let written = match (&mut self.picture, &self.options.picture) {
+            (Some(picture), Some(file)) => {
+                let written = picture.write(file);
+                picture.destroy(gpu);
+                written
+            }
+            (None, Some(_)) => Err("the window was closed before the last frame".into()),
+            _ => Ok(()),
+        };
+        for stage in &mut self.stages {
+            stage.destroy(gpu);
+        }
+        self.views.iter_mut().for_each(|view| view.destroy(gpu));
+        self.palette.destroy(gpu);
+        if let Some(swapchain) = &mut self.swapchain {
+            swapchain.destroy(gpu);
+        }
+        self.drawing.destroy(gpu);
+        self.picking.destroy(gpu);
+        self.point_passes.destroy(gpu);
+        self.timing.destroy(gpu);
+        self.frames.destroy(gpu);
+        self.target.destroy(gpu);
+        self.layout.destroy(gpu);
+        self.solver.destroy(&gpu.device);
+        written.and(self.gpu.destroy())
+    }
+}
+
+/// The one after another, around.
+fn after<T: Copy + PartialEq>(all: &[T], one: T) -> T {
+    let place = all.iter().position(|&other| other == one).unwrap_or(0);
+    all[(place + 1) % all.len()]
+}
