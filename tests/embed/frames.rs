@@ -200,7 +200,7 @@ fn a_deforming_surface_is_drawn_for_200_frames_without_a_message() {
 
 /// The same map, within 1e-5 of the largest distance from grid points. From between them we measure
 /// the way to the next grid points along the surface, as all edges by the arc rule, and
-/// `Sources::seeds` along chords: 1.4e-3 of a cell apart where this surface bends most, 2e-5 of
+/// `Sources::seeds` along chords: 1.4e-3 of a cell apart where this surface bends most, 3e-5 of
 /// the largest distance.
 fn assert_same(headless: &mut Solver, vertices: &[f32], number: usize, picture: &[f32]) {
     let position = |index: usize| {
