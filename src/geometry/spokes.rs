@@ -1,5 +1,7 @@
 //! The neighbours of a point and the triangles between them, in bordered arrays.
 
+use glam::{DMat2, DVec2};
+
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real};
 
 /// Towards one neighbour: where it lies, and the lengths of the edge to it and of the one from it
@@ -49,6 +51,61 @@ impl<'a> Spokes<'a> {
     #[inline]
     pub(super) fn base(&self, point: usize, to: usize) -> f64 {
         wide(self.edges.at(point, self.spokes[to].base))
+    }
+
+    /// When the ray of a circular front arrives at a point over the base between a neighbour and the
+    /// next, and where it crosses the base, from 0 to 1. The times since the start at both are
+    /// infinite where they are not known; `None` if neither is, or no edge leads there.
+    pub(super) fn ray(&self, point: usize, to: usize, since: [f64; 2]) -> Option<(f64, f64)> {
+        let next = (to + 1) % 8;
+        let [a, b] = [to, next].map(|to| self.length(point, to));
+        let there = [since[0] < f64::FAR && a < f64::FAR, since[1] < f64::FAR && b < f64::FAR];
+        let along = [(since[0] + a, 0.0), (since[1] + b, 1.0)];
+        match there {
+            [false, false] => return None,
+            [true, false] => return Some(along[0]),
+            [false, true] => return Some(along[1]),
+            [true, true] => {}
+        }
+        let edge = if along[0].0 <= along[1].0 { along[0] } else { along[1] };
+        let base = self.base(point, to);
+        if !(base > 0.0 && base < f64::FAR) {
+            return Some(edge);
+        }
+        // The front's centre, with the base from (0, 0) to (base, 0), and the point.
+        let place = |to_first: f64, to_last: f64| {
+            let along = 0.5 * (base + (to_first - to_last) * (to_first + to_last) / base);
+            DVec2::new(along, (to_first * to_first - along * along).max(0.0).sqrt())
+        };
+        let (centre, here) = (place(since[0], since[1]), place(a, b));
+        let share = (centre.x * here.y + here.x * centre.y) / ((centre.y + here.y) * base);
+        if !(share > 0.0 && share < 1.0) {
+            return Some(edge);
+        }
+        Some((centre.distance(DVec2::new(here.x, -here.y)), share))
+    }
+
+    /// The metric around a point in steps of rows and columns, from the edges that are there.
+    pub(super) fn metric(&self, point: usize) -> DMat2 {
+        let mean_square = |directions: [Direction; 2]| {
+            let lengths = directions.map(|to| self.length(point, to as usize));
+            let there = lengths.into_iter().filter(|&length| length < f64::FAR);
+            let (sum, count) = there.fold((0.0, 0), |(sum, count), l| (sum + l * l, count + 1));
+            (count > 0).then(|| sum / f64::from(count))
+        };
+        let rr = mean_square([Direction::North, Direction::South]);
+        let cc = mean_square([Direction::East, Direction::West]);
+        let falling = mean_square([Direction::NorthWest, Direction::SouthEast]);
+        let rising = mean_square([Direction::NorthEast, Direction::SouthWest]);
+        let (rr, cc) = (rr.or(cc).unwrap_or(1.0), cc.or(rr).unwrap_or(1.0));
+        let rc = match (falling, rising) {
+            (Some(falling), Some(rising)) => 0.25 * (falling - rising),
+            (Some(falling), None) => 0.5 * (falling - rr - cc),
+            (None, Some(rising)) => 0.5 * (rr + cc - rising),
+            (None, None) => 0.0,
+        };
+        let metric = DMat2::from_cols_array(&[rr, rc, rc, cc]);
+        if metric.determinant() > 0.0 { metric } else { DMat2::IDENTITY }
     }
 
     /// Length of the longest edge of a point.
