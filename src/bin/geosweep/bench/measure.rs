@@ -194,7 +194,12 @@ impl Bench<'_> {
 
     /// Whether a method is to be timed, or has been too slow before.
     fn is_wanted(&self, wavefront: Wavefront, method: Method) -> bool {
-        self.plan.methods.contains(&method) && !self.too_slow.contains(&(wavefront, method))
+        let is_planned = self.plan.methods.contains(&method);
+        let too_slow = self.too_slow.contains(&(wavefront, method));
+        if is_planned && too_slow {
+            self.bar.inc(1);
+        }
+        is_planned && !too_slow
     }
 
     fn on_cpu(&mut self, problem: &Problem) -> Result<(), Box<dyn Error>> {
@@ -309,6 +314,19 @@ impl Bench<'_> {
         let mut times = vec![last.time];
         if last.time > self.plan.limit {
             self.too_slow.push((wavefront, method));
+            say(
+                "note",
+                format_args!(
+                    "{}, {wavefront} fronts: {} {} took {:.1} s at {} x {} points, and is left out \
+                     at larger sizes; see --limit",
+                    problem.name,
+                    method.engine(),
+                    method.schedule(),
+                    last.time.as_secs_f64(),
+                    problem.surface.rows(),
+                    problem.surface.cols()
+                ),
+            );
         } else {
             times.clear();
             while times.len() < FEWEST_RUNS

@@ -91,6 +91,7 @@ pub struct Report<'a> {
 
 impl Display for Report<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(f, "# Time of converged maps\n")?;
         self.ceilings(f)?;
         let timings = &self.measured.timings;
         let growth = Growth::of(timings);
@@ -114,12 +115,12 @@ impl Display for Report<'_> {
 impl Report<'_> {
     fn ceilings(&self, f: &mut Formatter<'_>) -> fmt::Result {
         if let Some(machine) = self.machine {
-            writeln!(f, "Machine: {machine}.")?;
+            writeln!(f, "Machine: {machine}.\n")?;
         }
         if let Some(ceilings) = self.measured.cpu {
             writeln!(
                 f,
-                "CPU ({}): {}.",
+                "CPU ({}): {}.\n",
                 geosweep::cpu::Instructions::best(),
                 CpuCeilings::from(ceilings)
             )?;
