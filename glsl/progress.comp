@@ -5,16 +5,14 @@
 
 #include "constants.glsl"
 #include "progress.glsl"
+#include "count.glsl"
 
 layout(local_size_x = 1) in;
 
 void main() {
     if (done != 0u) return;
-    iterations += 1u;
     last_residual = residual;
-    since_reached = residual > FIRST_REACHED ? 0u : since_reached + 1u;
-    if (since_reached >= PATIENCE) renews = 0u;
-    if (residual <= tolerance || iterations >= most) {
+    if (was_last(residual, tolerance, most, iterations, since_reached, renews)) {
         done = 1u;
         row_groups[0] = 0u;
         col_groups[0] = 0u;

@@ -1,13 +1,14 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Unpacks arrival times into rows of distances. One invocation is one texel of a band of rows.
+// Unpacks arrival times into rows of distances. One invocation is one texel of a band of rows; the
+// third dimension of the dispatch is the map.
 // Twin: Solution::distances in src/cpu/state.rs.
 
 #include "constants.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts;
+layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts; // times first
 layout(set = 0, binding = 8) writeonly restrict buffer Distances {
     uint distances[]; // bits of floats, row-major: GLSL does not promise infinities
 };
@@ -22,7 +23,8 @@ const uint INFINITY = 0x7f800000u;
 
 void write(ivec2 point, float time) {
     if (point.x >= grid.x || point.y >= first_row + band_rows) return;
-    distances[(point.y - first_row) * grid.x + point.x] =
+    int row = int(gl_WorkGroupID.z) * band_rows + point.y - first_row;
+    distances[row * grid.x + point.x] =
         time < FAR ? floatBitsToUint(time) : INFINITY;
 }
 
@@ -30,7 +32,7 @@ void main() {
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, first_row / 2);
     ivec2 point = 2 * texel;
     if (point.x >= grid.x || point.y >= first_row + band_rows) return;
-    vec4 packed = imageLoad(fronts, ivec3(texel + BORDER, TIME));
+    vec4 packed = imageLoad(fronts, ivec3(texel + BORDER, gl_WorkGroupID.z));
     write(point, packed.x);
     write(point + ivec2(1, 0), packed.y);
     write(point + ivec2(0, 1), packed.z);

@@ -73,6 +73,21 @@ pub enum VulkanError {
         /// MiB in the device's largest heap.
         available: u64,
     },
+    /// A map was to be computed in shared memory and does not fit it.
+    #[error(
+        "a map of {rows} x {cols} points does not fit the {available} bytes of shared memory of \
+         \"{device}\"; compute it in images"
+    )]
+    NotInSharedMemory {
+        /// Rows of the grid.
+        rows: usize,
+        /// Columns of the grid.
+        cols: usize,
+        /// The device's name.
+        device: String,
+        /// Bytes of shared memory of a workgroup.
+        available: u32,
+    },
     /// An allocation failed.
     #[error("cannot allocate {what} on the device: {source}")]
     Allocation {

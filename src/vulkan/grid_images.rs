@@ -6,8 +6,9 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocator;
 
+use super::descriptors;
 use super::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo, RESULT_FORMAT};
-use super::pipelines::{Pipelines, binding, descriptor_type};
+use super::pipelines::{Pipelines, binding};
 use super::progress::{DeviceProgress, Outcome};
 use super::record::HALO;
 use super::upload::SOURCE_BYTES;
@@ -79,7 +80,7 @@ impl GridImages {
             for info in buffer_infos(chart, texels, pipelines.tuning, purpose) {
                 buffers.push(Buffer::new(device, allocator, info)?);
             }
-            descriptor_pool(device)
+            descriptors::pool(device)
         })();
         let pool = match created {
             Ok(pool) => pool,
@@ -136,15 +137,8 @@ impl GridImages {
     }
 
     fn describe(&mut self, device: &ash::Device, pipelines: &Pipelines) -> Result<(), VulkanError> {
-        let layouts = [pipelines.set_layout; 2];
-        let info = vk::DescriptorSetAllocateInfo::default()
-            .descriptor_pool(self.pool)
-            .set_layouts(&layouts);
-        // SAFETY: the pool has room for two such sets.
-        let sets = unsafe { device.allocate_descriptor_sets(&info) }
-            .map_err(VulkanError::from_call("vkAllocateDescriptorSets"))?;
-        self.sets = [sets[0], sets[1]];
-        for writes in 0..2 {
+        self.sets = descriptors::sets(device, self.pool, pipelines)?;
+        for (writes, &set) in self.sets.iter().enumerate() {
             let (old, new) = (&self.fronts[1 - writes], &self.fronts[writes]);
             for (index, image) in [
                 (binding::EDGES, &self.edges),
@@ -154,10 +148,7 @@ impl GridImages {
                 (binding::NEW_FRONTS, new),
                 (binding::OTHER_FRONTS, old),
             ] {
-                let info = [vk::DescriptorImageInfo::default()
-                    .image_view(image.view)
-                    .image_layout(vk::ImageLayout::GENERAL)];
-                self.write(device, writes, index, |write| write.image_info(&info));
+                descriptors::write_image(device, set, index, image);
             }
             for (index, buffer) in [
                 (binding::PROGRESS, &self.progress),
@@ -165,28 +156,10 @@ impl GridImages {
                 (binding::DOWNLOAD, &self.download),
                 (binding::TILES, &self.tiles),
             ] {
-                let info = [vk::DescriptorBufferInfo::default()
-                    .buffer(buffer.buffer)
-                    .range(vk::WHOLE_SIZE)];
-                self.write(device, writes, index, |write| write.buffer_info(&info));
+                descriptors::write_buffer(device, set, index, buffer);
             }
         }
         Ok(())
-    }
-
-    fn write<'a>(
-        &self,
-        device: &ash::Device,
-        set: usize,
-        index: u32,
-        fill: impl FnOnce(vk::WriteDescriptorSet<'a>) -> vk::WriteDescriptorSet<'a>,
-    ) {
-        let write = vk::WriteDescriptorSet::default()
-            .dst_set(self.sets[set])
-            .dst_binding(index)
-            .descriptor_type(descriptor_type(index < binding::IMAGES));
-        // SAFETY: set, image views and buffers are alive, and no submitted work uses the set.
-        unsafe { device.update_descriptor_sets(&[fill(write)], &[]) };
     }
 
     /// How the iterations of the last recording with this number have gone.
@@ -289,17 +262,6 @@ fn band_rows(chart: Chart, point_bytes: usize) -> usize {
 pub(crate) fn bands(chart: Chart, point_bytes: usize) -> impl Iterator<Item = Range<usize>> {
     let step = band_rows(chart, point_bytes);
     (0..chart.rows).step_by(step).map(move |row| row..(row + step).min(chart.rows))
-}
-
-fn descriptor_pool(device: &ash::Device) -> Result<vk::DescriptorPool, VulkanError> {
-    let size = |is_image, count| {
-        vk::DescriptorPoolSize::default().ty(descriptor_type(is_image)).descriptor_count(2 * count)
-    };
-    let sizes = [size(true, binding::IMAGES), size(false, binding::ALL - binding::IMAGES)];
-    let info = vk::DescriptorPoolCreateInfo::default().max_sets(2).pool_sizes(&sizes);
-    // SAFETY: nothing is borrowed beyond the call.
-    unsafe { device.create_descriptor_pool(&info, None) }
-        .map_err(VulkanError::from_call("vkCreateDescriptorPool"))
 }
 
 #[cfg(test)]

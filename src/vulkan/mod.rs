@@ -14,6 +14,7 @@
 
 mod barrier;
 mod ceilings;
+mod descriptors;
 mod devices;
 pub mod embed;
 mod error;
@@ -21,6 +22,7 @@ mod grid_images;
 mod headless;
 mod limits;
 mod memory;
+mod pairwise;
 mod pipelines;
 pub mod plan;
 mod progress;
@@ -35,6 +37,7 @@ mod validation;
 pub use ceilings::Ceilings;
 pub use devices::{DeviceInfo, devices};
 pub use error::VulkanError;
+pub use pairwise::{PairwiseOnDevice, PairwiseSchedule};
 pub use schedule::{Schedule, Tuning};
 pub use solver::{Method, Solution, Solver, SurfaceOnDevice};
 pub use texel_chart::TexelChart;

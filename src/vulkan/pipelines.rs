@@ -51,13 +51,18 @@ pub(crate) const PUSH_CONSTANT_BYTES: u32 = 32;
 
 /// Specialization constants of the shaders.
 pub(super) mod constant {
-    pub(super) const AHEAD_X: u32 = 0;
-    pub(super) const AHEAD_Y: u32 = 1;
-    pub(in crate::vulkan) const WAVEFRONT: u32 = 2;
-    pub(super) const WIDTH: u32 = 3;
-    /// Lines of a block, or iterations inside a tile.
-    pub(super) const REPEATS: u32 = 4;
-    pub(super) const TILE: u32 = 5;
+    pub(crate) const AHEAD_X: u32 = 0;
+    pub(crate) const AHEAD_Y: u32 = 1;
+    pub(crate) const WAVEFRONT: u32 = 2;
+    pub(crate) const WIDTH: u32 = 3;
+    /// Lines of a block, or iterations inside a tile or a workgroup.
+    pub(crate) const REPEATS: u32 = 4;
+    pub(crate) const TILE: u32 = 5;
+    /// Of a batch, at most.
+    pub(crate) const MAPS: u32 = 6;
+    pub(crate) const ROWS: u32 = 7;
+    pub(crate) const COLS: u32 = 8;
+    pub(crate) const PITCH: u32 = 9;
 }
 
 /// The layouts common to all pipelines, and those that prepare and read a map.
@@ -192,7 +197,7 @@ impl Pipelines {
 }
 
 /// SPIR-V with the specialization constants of a pass.
-type Pass<'a> = (&'a [u8], Vec<(u32, i32)>);
+pub(super) type Pass<'a> = (&'a [u8], Vec<(u32, i32)>);
 
 impl SchedulePipelines {
     /// Creates them. [`SchedulePipelines::destroy`] must be called before the device is destroyed.
@@ -206,24 +211,28 @@ impl SchedulePipelines {
         let Tuning { scan_width, scan_lines, tile, inner } = pipelines.tuning;
         let wavefront = (WAVEFRONT, wavefront as i32);
         let passes: Vec<Pass> = match schedule {
-            Schedule::Raster => Scan::ALL
-                .into_iter()
-                .map(|scan| {
-                    let (x, y) = scan.ahead();
-                    let size = [(WIDTH, scan_width as i32), (REPEATS, scan_lines as i32)];
-                    let constants = [vec![(AHEAD_X, x), (AHEAD_Y, y), wavefront], size.to_vec()];
-                    (spirv!("scan").as_slice(), constants.concat())
-                })
-                .collect(),
+            Schedule::Raster => {
+                let size = [(WIDTH, scan_width as i32), (REPEATS, scan_lines as i32), wavefront];
+                Scan::ALL.map(|scan| scan_pass(spirv!("scan"), scan, &size)).to_vec()
+            }
             Schedule::AllPoints => vec![(spirv!("all_points").as_slice(), vec![wavefront])],
             Schedule::Tiles => {
                 let size = [(WIDTH, tile as i32 / 2), (REPEATS, inner as i32), (TILE, tile as i32)];
                 vec![(spirv!("tiles").as_slice(), [vec![wavefront], size.to_vec()].concat())]
             }
         };
+        Self::of(device, pipelines, &passes)
+    }
+
+    /// Creates the pipelines of passes.
+    pub(super) fn of(
+        device: &ash::Device,
+        pipelines: &Pipelines,
+        passes: &[Pass],
+    ) -> Result<Self, VulkanError> {
         let mut new = Self { passes: Vec::new() };
         for (spirv, constants) in passes {
-            match compute_pipeline(device, pipelines.layout, spirv, &constants) {
+            match compute_pipeline(device, pipelines.layout, spirv, constants) {
                 Ok(pipeline) => new.passes.push(pipeline),
                 Err(error) => {
                     new.destroy(device);
@@ -241,6 +250,12 @@ impl SchedulePipelines {
             unsafe { device.destroy_pipeline(pipeline, None) };
         }
     }
+}
+
+/// The pass of one of the four scans, with constants beside its direction.
+pub(super) fn scan_pass<'a>(spirv: &'a [u8], scan: Scan, constants: &[(u32, i32)]) -> Pass<'a> {
+    let (x, y) = scan.ahead();
+    (spirv, [&[(constant::AHEAD_X, x), (constant::AHEAD_Y, y)], constants].concat())
 }
 
 pub(crate) fn descriptor_type(is_image: bool) -> vk::DescriptorType {

@@ -11,6 +11,7 @@ use super::grid_images::GridImages;
 use super::pipelines::{Pipelines, SchedulePipelines};
 use super::plan::{Scan, ScanPass, Step};
 use super::progress::{DeviceProgress, Outcome, offset};
+use super::TexelChart;
 use crate::constants::{CURVATURE, FAR, TIME, WORKGROUP};
 use crate::cpu::Stop;
 use crate::surface::{Chart, EdgeRule, Spacing};
@@ -57,10 +58,10 @@ struct FanSize {
 
 #[derive(Clone, Copy, NoUninit)]
 #[repr(C)]
-struct UnpackBand {
-    grid: [i32; 2],
-    first_row: i32,
-    band_rows: i32,
+pub(super) struct UnpackBand {
+    pub(super) grid: [i32; 2],
+    pub(super) first_row: i32,
+    pub(super) band_rows: i32,
 }
 
 #[derive(Clone, Copy, NoUninit)]
@@ -71,14 +72,28 @@ struct SeedCount {
     wakes: u32,
 }
 
+/// The constants of a block of lines of a scan.
 #[derive(Clone, Copy, NoUninit)]
 #[repr(C)]
-struct Block {
+pub(super) struct Block {
     line: u32,
     lines: u32,
     first: u32,
-    count: u32,
+    pub(super) count: u32,
     last: u32,
+}
+
+impl Block {
+    pub(super) fn of(pass: &ScanPass, texels: TexelChart) -> Self {
+        let by_rows = matches!(pass.scan, Scan::Down | Scan::Up);
+        Self {
+            line: pass.line,
+            lines: pass.lines,
+            first: pass.texels.start,
+            count: pass.texels.len() as u32,
+            last: if by_rows { texels.inner_cols() } else { texels.inner_rows() }.end - 1,
+        }
+    }
 }
 
 /// Of a round its number, of a recording how many.
@@ -338,21 +353,13 @@ impl Recorder<'_> {
     }
 
     fn scan(&self, pass: &ScanPass) {
-        let texels = self.grid.texels;
-        let by_rows = matches!(pass.scan, Scan::Down | Scan::Up);
-        let count = pass.texels.len() as u32;
-        let line = Block {
-            line: pass.line,
-            lines: pass.lines,
-            first: pass.texels.start,
-            count,
-            last: if by_rows { texels.inner_cols() } else { texels.inner_rows() }.end - 1,
-        };
+        let block = Block::of(pass, self.grid.texels);
         if pass.always {
-            self.dispatch_groups(&line, count.div_ceil(self.pipelines.tuning.scan_texels()));
+            self.dispatch_groups(&block, block.count.div_ceil(self.pipelines.tuning.scan_texels()));
         } else {
+            let by_rows = matches!(pass.scan, Scan::Down | Scan::Up);
             self.dispatch_while(
-                &line,
+                &block,
                 if by_rows { offset::ROW_GROUPS } else { offset::COL_GROUPS },
             );
         }
@@ -439,6 +446,6 @@ impl Recorder<'_> {
     }
 }
 
-fn pipeline_index(scan: Scan) -> usize {
+pub(super) fn pipeline_index(scan: Scan) -> usize {
     Scan::ALL.iter().position(|&other| other == scan).expect("all scans are listed")
 }

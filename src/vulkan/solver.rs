@@ -37,8 +37,8 @@ const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 /// ```
 pub struct Solver {
     /// With the passes of the schedules and wavefronts that were used so far.
-    pipelines: embed::Solver,
-    context: Arc<Context>,
+    pub(super) pipelines: embed::Solver,
+    pub(super) context: Arc<Context>,
 }
 
 /// How a device computes a map.
@@ -56,7 +56,7 @@ pub struct Method {
 ///
 /// Must not outlive its solver's last use of it; memory is freed when it is dropped.
 pub struct SurfaceOnDevice {
-    images: GridImages,
+    pub(super) images: GridImages,
     /// Starts a map.
     first: Commands,
     /// Goes on with one, as recorded for this wavefront and these steps.

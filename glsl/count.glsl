@@ -1,0 +1,9 @@
+// Counts an iteration, given its largest change, and says whether it was the last.
+// Twin: src/cpu/progress.rs.
+bool was_last(uint change, uint tolerance, uint most, inout uint iterations,
+              inout uint since_reached, inout uint renews) {
+    iterations += 1u;
+    since_reached = change > FIRST_REACHED ? 0u : since_reached + 1u;
+    if (since_reached >= PATIENCE) renews = 0u;
+    return change <= tolerance || iterations >= most;
+}

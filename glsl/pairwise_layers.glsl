@@ -1,0 +1,8 @@
+// The layers of a batch in the images of fronts: arrival times of all maps, then curvatures of all.
+
+// Maps of a batch, at most.
+layout(constant_id = 6) const int MAPS = 1;
+
+int layer_of(uint map, int layer) {
+    return layer * MAPS + int(map);
+}

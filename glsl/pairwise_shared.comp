@@ -1,0 +1,185 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Iterations of four rotated scans over a map that lies in shared memory. One workgroup is one
+// source, one invocation some pairs of neighbouring points of each line. A map that is not done
+// after so many iterations is kept, and goes on in the next dispatch.
+// Twin: src/cpu/scan_in_turn.rs.
+
+#include "constants.glsl"
+#include "texel.glsl"
+#include "update.glsl"
+#include "front.glsl"
+#include "pairwise_progress.glsl"
+#include "pairwise_fans.glsl"
+#include "count.glsl"
+
+layout(local_size_x_id = 3) in;
+
+// Iterations in a dispatch, at most.
+layout(constant_id = 4) const int ITERATIONS = 1;
+layout(constant_id = 7) const int ROWS = 1;
+layout(constant_id = 8) const int COLS = 1;
+// From a point to the one below it: odd where there is room, so that the points of a column lie
+// in different banks of shared memory.
+layout(constant_id = 9) const int PITCH = 1;
+
+layout(set = 0, binding = 7) readonly restrict buffer Fans {
+    float fans[];
+};
+layout(set = 0, binding = 8) writeonly restrict buffer Distances {
+    uint distances[]; // bits of floats, a row for each map: GLSL does not promise infinities
+};
+layout(set = 0, binding = 9) restrict buffer Kept {
+    float kept[]; // the fronts of maps that are not done
+};
+
+const bool IS_CURVED = WAVEFRONT == 2;
+const int INVOCATIONS = int(gl_WorkGroupSize.x);
+const int AREA = ROWS * PITCH;
+const int FRONTS = IS_CURVED ? 2 * AREA : AREA;
+const uint INFINITY = 0x7f800000u;
+
+// Arrival times, then curvatures.
+shared float fronts[FRONTS];
+
+vec4 at_four(int places[4], int layer) {
+    return vec4(fronts[layer + places[0]], fronts[layer + places[1]],
+                fronts[layer + places[2]], fronts[layer + places[3]]);
+}
+
+// One of the numbers of a pair.
+#define NUMBER(k) fans[first + (k) * pairs]
+
+// Updates a pair of points from the line behind; returns how much they have changed.
+uint update_pair(int scan, int line, int behind, int pair, int points, bool may_renew) {
+    int pairs = (points + 1) / 2;
+    int across = scan < 2 ? PITCH : 1;
+    int step = scan < 2 ? 1 : PITCH;
+    int first = fan_place(ivec2(COLS, ROWS), scan, line, pair, pairs);
+    // No edge leads beyond the ends of a line, where its last point stands in.
+    int places[4];
+    for (int i = 0; i < 4; i++) {
+        places[i] = behind * across + clamp(2 * pair + i - 1, 0, points - 1) * step;
+    }
+    int a = line * across + 2 * pair * step;
+    bool has_b = 2 * pair + 1 < points;
+    int b = has_b ? a + step : a;
+
+    vec4 time_behind = at_four(places, 0);
+    vec4 curvature_behind = vec4(0.0);
+    vec4 bend_behind = vec4(0.0);
+    vec4 old_curvature = vec4(0.0);
+    vec4 bend = vec4(0.0);
+    if (IS_CURVED) {
+        curvature_behind = at_four(places, AREA);
+        bend_behind = vec4(NUMBER(9), NUMBER(10), NUMBER(11), NUMBER(12));
+        bend = vec2(NUMBER(13), NUMBER(14)).xyxy;
+        old_curvature = vec2(fronts[AREA + a], fronts[AREA + b]).xyxy;
+    }
+    vec4 old_time = vec2(fronts[a], fronts[b]).xyxy;
+
+    // Left triangles in xy, right triangles in zw.
+    Ends near = Ends(time_behind.xyyz, curvature_behind.xyyz, bend_behind.xyyz);
+    Ends far = Ends(time_behind.yzzw, curvature_behind.yzzw, bend_behind.yzzw);
+    vec4 l1 = vec4(NUMBER(0), NUMBER(3), NUMBER(1), NUMBER(4));
+    vec4 l2 = vec4(l1.zw, NUMBER(2), NUMBER(5));
+    vec4 base = vec4(NUMBER(6), NUMBER(7), NUMBER(7), NUMBER(8));
+    Fronts sided = update(near, far, bend, l1, l2, base);
+    Fronts from_right = Fronts(sided.time.zwzw, sided.curvature.zwzw, sided.whole.zwzw);
+    vec4 time = old_time;
+    vec4 curvature = old_curvature;
+    accept(earlier(sided, from_right), uint(scan) + 1u, may_renew, time, curvature);
+    if (!has_b) {
+        time.yw = old_time.yw;
+        curvature.yw = old_curvature.yw;
+    }
+    fronts[a] = time.x;
+    if (has_b) fronts[b] = time.y;
+    if (IS_CURVED) {
+        fronts[AREA + a] = curvature.x;
+        if (has_b) fronts[AREA + b] = curvature.y;
+    }
+    return change_of(old_time.xyxy, time.xyxy, old_curvature.xyxy, curvature.xyxy);
+}
+
+void start(int source) {
+    for (int i = int(gl_LocalInvocationIndex); i < FRONTS; i += INVOCATIONS) {
+        fronts[i] = i < AREA ? FAR : 0.0;
+    }
+    barrier();
+    if (gl_LocalInvocationIndex == 0u) {
+        int place = source / COLS * PITCH + source % COLS;
+        fronts[place] = 0.0;
+        if (IS_CURVED) fronts[AREA + place] = with_tag(SOURCE_CURVATURE, 0u);
+    }
+}
+
+void main() {
+    uint map = gl_WorkGroupID.x;
+    if (maps[map].done != 0u) return;
+    int lane = int(gl_LocalInvocationIndex);
+    int source = int(maps[map].source);
+    uint renews = maps[map].renews;
+    uint iterations = maps[map].iterations;
+    uint since_reached = maps[map].since_reached;
+    uint last_residual = 0u;
+    bool is_done = false;
+    if (iterations == 0u) {
+        start(source);
+    } else {
+        for (int i = lane; i < FRONTS; i += INVOCATIONS) fronts[i] = kept[int(map) * FRONTS + i];
+    }
+    barrier();
+
+    for (int n = 0; n < ITERATIONS; n++) {
+        uint change = 0u;
+        for (int scan = 0; scan < 4; scan++) {
+            int lines = scan < 2 ? ROWS : COLS;
+            int points = scan < 2 ? COLS : ROWS;
+            // Behind the first line there is none, and the first scan of all starts at the source.
+            bool is_first = iterations == 0u && scan == 0;
+            for (int passed = is_first ? source / COLS + 1 : 1; passed < lines; passed++) {
+                bool forward = (scan & 1) == 0;
+                int line = forward ? passed : lines - 1 - passed;
+                int behind = forward ? line - 1 : line + 1;
+                for (int pair = lane; 2 * pair < points; pair += INVOCATIONS) {
+                    change = max(change,
+                                 update_pair(scan, line, behind, pair, points, renews != 0u));
+                }
+                barrier();
+            }
+        }
+        // One of two numbers, in turns, gathers the largest change. The other was read before this
+        // iteration's first barrier.
+        if ((iterations & 1u) == 0u) {
+            if (change > 0u) atomicMax(maps[map].residual, change);
+            if (lane == 0) atomicExchange(maps[map].next_residual, 0u);
+        } else {
+            if (change > 0u) atomicMax(maps[map].next_residual, change);
+            if (lane == 0) atomicExchange(maps[map].residual, 0u);
+        }
+        memoryBarrierBuffer();
+        barrier();
+        last_residual = (iterations & 1u) == 0u ? atomicOr(maps[map].residual, 0u)
+                                                : atomicOr(maps[map].next_residual, 0u);
+        is_done = was_last(last_residual, tolerance, most, iterations, since_reached, renews);
+        if (is_done) break;
+    }
+
+    if (is_done) {
+        for (int i = lane; i < ROWS * COLS; i += INVOCATIONS) {
+            float time = fronts[i / COLS * PITCH + i % COLS];
+            distances[int(map) * ROWS * COLS + i] = time < FAR ? floatBitsToUint(time) : INFINITY;
+        }
+    } else {
+        for (int i = lane; i < FRONTS; i += INVOCATIONS) kept[int(map) * FRONTS + i] = fronts[i];
+    }
+    if (lane == 0) {
+        maps[map].renews = renews;
+        maps[map].iterations = iterations;
+        maps[map].since_reached = since_reached;
+        maps[map].last_residual = last_residual;
+        maps[map].done = is_done ? 1u : 0u;
+        if (is_done) atomicAdd(pending, ~0u);
+    }
+}

@@ -1,0 +1,252 @@
+//! Where the maps of a batch lie, in which portions they are computed, and how many at a time:
+//! plain values that need no device.
+
+use ash::vk;
+
+use super::{PairwiseSchedule, progress};
+use crate::constants::LAYERS;
+use crate::surface::Chart;
+use crate::update::Wavefront;
+use crate::vulkan::TexelChart;
+
+/// What a device offers for batches.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    pub(super) on_cpu: bool,
+    /// Bytes of shared memory of a workgroup.
+    pub(super) shared_memory: u32,
+    /// Invocations of a workgroup.
+    pub(super) invocations: u32,
+    /// Layers of an image.
+    pub(super) layers: u32,
+    /// Bytes of a storage buffer.
+    pub(super) buffer: u64,
+}
+
+impl Limits {
+    pub(super) fn of(properties: &vk::PhysicalDeviceProperties) -> Self {
+        let limits = &properties.limits;
+        Self {
+            on_cpu: properties.device_type == vk::PhysicalDeviceType::CPU,
+            shared_memory: limits.max_compute_shared_memory_size,
+            invocations: limits
+                .max_compute_work_group_invocations
+                .min(limits.max_compute_work_group_size[0]),
+            layers: limits.max_image_array_layers,
+            buffer: limits.max_storage_buffer_range.into(),
+        }
+    }
+}
+
+/// How a workgroup computes a map in shared memory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Workgroup {
+    /// From a point to the one below it.
+    pub(super) pitch: u32,
+    pub(super) invocations: u32,
+    /// Iterations in a dispatch, at most.
+    pub(super) iterations: u32,
+}
+
+/// Iterations in a dispatch, at most: all that most surfaces need, and far below what systems let a
+/// dispatch run before they take it for hung.
+const MOST_ITERATIONS: u32 = 32;
+/// Trips through loops in a dispatch, at most. Mesa's llvmpipe leaves the loops of a shader after
+/// 65,535 trips an invocation, all loops together, without a word.
+const MOST_TRIPS: u32 = 60_000;
+/// Invocations of a workgroup, at most: with more of them barriers cost more than lines gain.
+const MOST_INVOCATIONS: u32 = 128;
+
+impl Workgroup {
+    /// `None` if a map does not fit.
+    pub(super) fn fitting(chart: Chart, wavefront: Wavefront, limits: &Limits) -> Option<Self> {
+        let [rows, cols] = [chart.rows, chart.cols].map(|points| u32::try_from(points).ok());
+        let (rows, cols) = (rows?, cols?);
+        let numbers = |pitch: u32| rows.checked_mul(pitch)?.checked_mul(numbers(wavefront));
+        let fits = |&pitch: &u32| {
+            let bytes = numbers(pitch).and_then(|numbers| numbers.checked_mul(4));
+            bytes.is_some_and(|bytes| bytes <= limits.shared_memory)
+        };
+        let pitch = [cols | 1, cols].into_iter().find(fits)?;
+
+        let pairs = rows.max(cols).div_ceil(2);
+        let vector = if limits.on_cpu { 8 } else { 32 };
+        let most = MOST_INVOCATIONS.min(limits.invocations);
+        let invocations = pairs.div_ceil(pairs.div_ceil(most)).next_multiple_of(vector).min(most);
+
+        let shares = |points: u32| 1 + points.div_ceil(2).div_ceil(invocations);
+        let trips = 2 * (rows * shares(cols) + cols * shares(rows)) + 5;
+        let loads = 2 * numbers(pitch)?.div_ceil(invocations);
+        let iterations = (MOST_TRIPS.checked_sub(loads)? / trips).min(MOST_ITERATIONS);
+        (iterations > 0).then_some(Self { pitch, invocations, iterations })
+    }
+}
+
+/// Numbers that a point of a map takes: arrival time, and curvature if fronts carry it.
+pub(super) fn numbers(wavefront: Wavefront) -> u32 {
+    if wavefront == Wavefront::Curved { LAYERS } else { 1 }
+}
+
+/// How the maps of a surface are computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Layout {
+    pub(super) chart: Chart,
+    pub(super) wavefront: Wavefront,
+    /// For maps in shared memory.
+    pub(super) workgroup: Option<Workgroup>,
+    /// Maps of a batch, at most.
+    pub(super) maps: u32,
+    /// Of each of the two images of a batch, if it has any.
+    pub(super) image: u64,
+}
+
+/// Bytes that the distances of a batch take, and bytes of its images: beyond that a batch does not
+/// grow. Reasoned, not measured: a thousand maps of 64 x 64 points fill any GPU, and so do the lines
+/// of texels of some dozens of larger maps.
+const ON_GPU: [u64; 2] = [16 << 20, 256 << 20];
+/// Reasoned too: what the caches next to a core hold in part.
+const ON_CPU: [u64; 2] = [4 << 20, 4 << 20];
+
+/// Maps in a batch, at most, however small they are.
+const MOST_MAPS: u64 = 4096;
+
+impl Layout {
+    /// The layout that is wanted, or the best; `None` if maps do not fit shared memory where that
+    /// is wanted.
+    pub(super) fn new(
+        chart: Chart,
+        texels: TexelChart,
+        wavefront: Wavefront,
+        wanted: Option<PairwiseSchedule>,
+        limits: &Limits,
+    ) -> Option<Self> {
+        let workgroup = match wanted {
+            Some(PairwiseSchedule::SharedMemory) => {
+                Some(Workgroup::fitting(chart, wavefront, limits)?)
+            }
+            Some(PairwiseSchedule::Images) => None,
+            None => Workgroup::fitting(chart, wavefront, limits),
+        };
+        let [distances, images] = if limits.on_cpu { ON_CPU } else { ON_GPU };
+        let row = 4 * chart.points() as u64;
+        let texels = u64::from(texels.rows) * u64::from(texels.cols);
+        let layers = u64::from(numbers(wavefront));
+        let of_buffers = distances.min(limits.buffer / layers) / row;
+        let maps = if workgroup.is_some() {
+            of_buffers
+        } else {
+            let of_images = images / (2 * 16 * layers * texels);
+            of_buffers.min(of_images).min(u64::from(limits.layers) / layers)
+        };
+        let maps = maps.clamp(1, MOST_MAPS) as u32;
+        let image = if workgroup.is_some() { 0 } else { 16 * layers * texels * u64::from(maps) };
+        Some(Self { chart, wavefront, workgroup, maps, image })
+    }
+
+    pub(super) fn schedule(&self) -> PairwiseSchedule {
+        match self.workgroup {
+            Some(_) => PairwiseSchedule::SharedMemory,
+            None => PairwiseSchedule::Images,
+        }
+    }
+
+    /// Layers of an image; at least two, since one is no array.
+    pub(super) fn layers(&self) -> u32 {
+        (self.maps * numbers(self.wavefront)).max(2)
+    }
+
+    /// Bytes of the fans of the surface, as `glsl/pairwise_fans.glsl` places them.
+    pub(super) fn fans(&self) -> u64 {
+        let Chart { rows, cols } = self.chart;
+        let pairs = 2 * (rows * cols.div_ceil(2) + cols * rows.div_ceil(2)) as u64;
+        let numbers = if self.wavefront == Wavefront::Curved { 15 } else { 9 };
+        if self.workgroup.is_some() { 4 * numbers * pairs } else { 0 }
+    }
+
+    /// Bytes of the maps that are kept from one dispatch to the next.
+    pub(super) fn kept(&self) -> u64 {
+        self.workgroup.map_or(0, |workgroup| {
+            let map = self.chart.rows as u64 * u64::from(workgroup.pitch * numbers(self.wavefront));
+            4 * u64::from(self.maps) * map
+        })
+    }
+
+    /// Bytes of the distances of a batch.
+    pub(super) fn distances(&self) -> u64 {
+        4 * u64::from(self.maps) * self.chart.points() as u64
+    }
+
+    /// Bytes of everything.
+    pub(super) fn bytes(&self) -> u64 {
+        2 * self.image
+            + self.fans()
+            + self.kept()
+            + self.distances()
+            + 3 * progress::bytes(self.maps)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SMALLEST: Limits = Limits {
+        on_cpu: false,
+        shared_memory: 16 << 10,
+        invocations: 128,
+        layers: 256,
+        buffer: 128 << 20,
+    };
+
+    fn square(side: usize) -> Chart {
+        Chart { rows: side, cols: side }
+    }
+
+    fn layout(chart: Chart, wavefront: Wavefront, limits: &Limits) -> Layout {
+        Layout::new(chart, TexelChart::new(chart).unwrap(), wavefront, None, limits).unwrap()
+    }
+
+    #[test]
+    fn a_map_of_64_by_64_points_fits_what_every_device_has() {
+        let fits = |side, wavefront| Workgroup::fitting(square(side), wavefront, &SMALLEST);
+        let workgroup = fits(64, Wavefront::Planar).unwrap();
+        assert_eq!((workgroup.pitch, workgroup.invocations, workgroup.iterations), (64, 32, 32));
+        assert_eq!(fits(65, Wavefront::Planar), None);
+        assert_eq!(fits(64, Wavefront::Curved), None);
+        assert_eq!(fits(45, Wavefront::Curved).unwrap().pitch, 45);
+        // With room for it, columns do not share a bank.
+        let more = Limits { shared_memory: 48 << 10, ..SMALLEST };
+        let workgroup = Workgroup::fitting(square(64), Wavefront::Curved, &more).unwrap();
+        assert_eq!(workgroup.pitch, 65);
+    }
+
+    #[test]
+    fn long_lines_do_not_exhaust_the_loops_of_a_dispatch() {
+        let plenty = Limits { shared_memory: 1 << 20, ..SMALLEST };
+        let long = |cols| Workgroup::fitting(Chart { rows: 1, cols }, Wavefront::Planar, &plenty);
+        assert!(long(10_000).is_some_and(|workgroup| workgroup.iterations == 1));
+        assert_eq!(long(100_000), None);
+    }
+
+    #[test]
+    fn batches_keep_to_the_limits() {
+        for wavefront in Wavefront::ALL {
+            for side in [1, 2, 33, 64, 100, 257, 1500, 4000] {
+                for limits in [SMALLEST, Limits { on_cpu: true, ..SMALLEST }] {
+                    let layout = layout(square(side), wavefront, &limits);
+                    let bounded = ON_GPU.iter().sum::<u64>() + (64 << 20);
+                    assert!(layout.maps == 1 || layout.bytes() < bounded, "{layout:?}");
+                    if layout.workgroup.is_none() {
+                        assert!(layout.layers() <= limits.layers, "{layout:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_shared_memory_goes_into_images() {
+        let of = |side| layout(square(side), Wavefront::PointSource, &SMALLEST).schedule();
+        assert_eq!((of(64), of(65)), (PairwiseSchedule::SharedMemory, PairwiseSchedule::Images));
+    }
+}

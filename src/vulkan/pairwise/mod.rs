@@ -1,0 +1,363 @@
+//! All pairs: the maps of many sources of one surface at once.
+//!
+//! Where a map fits the shared memory of a workgroup, a workgroup is a source, and runs all four
+//! scans, iteration after iteration, without a word to the host; the lengths around the points,
+//! which all maps share, lie in a buffer in the order in which scans pass them. Larger maps lie in
+//! the layers of two images, 2 x 2 points a texel, and a dispatch is a block of lines of all of
+//! them. Each map is iterated until it has converged by itself, so that its row does not depend on
+//! the sources beside it.
+
+mod layout;
+mod pipelines;
+mod progress;
+mod record;
+mod resources;
+mod steps;
+
+use std::fmt;
+
+use ash::vk;
+
+use super::headless::Commands;
+use super::plan::{self, Portions, Reached};
+use super::{Schedule, Solver, SurfaceOnDevice, TexelChart, VulkanError};
+use crate::cpu::{Convergence, Stop};
+use crate::update::Wavefront;
+use layout::{Layout, Limits};
+use pipelines::Passes;
+use progress::Outcome;
+use record::Recorder;
+use resources::Resources;
+use steps::Step;
+
+/// Where the maps of many sources lie while a device computes them. Both ways lead to the same
+/// maps, scan by scan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PairwiseSchedule {
+    /// A map in the shared memory of a workgroup: for small grids, with 16 KiB up to 64 x 64 points
+    /// where fronts are straight or circular and half as many where they are curved.
+    SharedMemory,
+    /// All maps in the layers of images.
+    Images,
+}
+
+impl PairwiseSchedule {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::SharedMemory, Self::Images];
+
+    /// The name used in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SharedMemory => "shared memory",
+            Self::Images => "images",
+        }
+    }
+}
+
+impl fmt::Display for PairwiseSchedule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Room on a device for the maps of a batch of sources of one surface.
+///
+/// ```no_run
+/// use geosweep::cpu::Stop;
+/// use geosweep::vulkan::Solver;
+/// use geosweep::{DeviceChoice, Spacing, Surface, Wavefront};
+/// let surface = Surface::from_heights(32, 32, vec![0.0; 1024], Spacing::square(1.0))?;
+/// let solver = Solver::new(&DeviceChoice::Any)?;
+/// let on_device = solver.upload(&surface)?;
+/// let mut pairwise = solver.pairwise(&on_device, Wavefront::PointSource, None)?;
+/// let sources: Vec<_> = (0..1024).map(Some).collect();
+/// let mut distances = vec![0.0; 1024 * 1024];
+/// pairwise.solve(&sources, Stop { tolerance: 1e-6, iterations: 100 }, &mut distances)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct PairwiseOnDevice<'a> {
+    solver: &'a Solver,
+    surface: &'a SurfaceOnDevice,
+    layout: Layout,
+    passes: Passes,
+    resources: Resources,
+    commands: Commands,
+}
+
+impl Solver {
+    /// Makes room for the maps of many sources of a surface: as many at a time as suit device and
+    /// grid. `schedule` is for measuring; by default maps lie in shared memory where they fit.
+    ///
+    /// # Errors
+    /// If a batch does not fit the device's memory, or shared memory was asked for and a map does
+    /// not fit it.
+    pub fn pairwise<'a>(
+        &'a self,
+        surface: &'a SurfaceOnDevice,
+        wavefront: Wavefront,
+        schedule: Option<PairwiseSchedule>,
+    ) -> Result<PairwiseOnDevice<'a>, VulkanError> {
+        let (context, grid) = (&self.context, &surface.images);
+        let (chart, texels) = (grid.chart, grid.texels);
+        let (rows, cols, device) = (chart.rows, chart.cols, context.info.name.clone());
+        let limits = Limits::of(&context.properties);
+        let layout = Layout::new(chart, texels, wavefront, schedule, &limits);
+        let Some(layout) = layout else {
+            let available = limits.shared_memory;
+            return Err(VulkanError::NotInSharedMemory { rows, cols, device, available });
+        };
+        let available = context.largest_heap();
+        if layout.bytes() > available || layout.distances() > limits.buffer {
+            let (needed, available) = (layout.bytes() >> 20, available.min(limits.buffer) >> 20);
+            return Err(VulkanError::TooMuchMemory { rows, cols, device, needed, available });
+        }
+        let commands = Commands::new(context)?;
+        let mut passes = Passes::new(&context.device, &self.pipelines, &layout)?;
+        let resources = Resources::new(
+            &context.device,
+            &mut context.allocator(),
+            &self.pipelines,
+            grid,
+            &layout,
+        );
+        let resources = match resources {
+            Ok(resources) => resources,
+            Err(error) => {
+                passes.destroy(&context.device);
+                return Err(error);
+            }
+        };
+        let new = PairwiseOnDevice { solver: self, surface, layout, passes, resources, commands };
+        new.submit(0, |recorder| recorder.prepare())?;
+        context.check_validation()?;
+        Ok(new)
+    }
+}
+
+impl PairwiseOnDevice<'_> {
+    /// Sources whose maps are computed at a time; more are computed one batch after another.
+    pub fn batch(&self) -> usize {
+        self.layout.maps as usize
+    }
+
+    /// Where the maps lie.
+    pub fn schedule(&self) -> PairwiseSchedule {
+        self.layout.schedule()
+    }
+
+    /// Bytes of device and staging memory held, beside the surface's.
+    pub fn bytes(&self) -> u64 {
+        self.resources.bytes()
+    }
+
+    /// Computes the distances from grid points, given by their row-major index, to all points: a
+    /// row of `into` for each, +infinity where a source does not reach. `None` is no source and
+    /// leaves a row of +infinity: give it for holes. Says the most iterations that a map has taken,
+    /// and the largest change in the last of any.
+    ///
+    /// Sources of a batch should be neighbours where maps lie in images: only what the fronts of a
+    /// batch can have reached is visited in the first iteration.
+    ///
+    /// # Panics
+    /// If `into` does not have as many rows of as many points, or a source is no grid point.
+    pub fn solve(
+        &mut self,
+        sources: &[Option<usize>],
+        stop: Stop,
+        into: &mut [f32],
+    ) -> Result<Convergence, VulkanError> {
+        self.solve_edited(sources, stop, into, |_| {})
+    }
+
+    fn solve_edited(
+        &mut self,
+        sources: &[Option<usize>],
+        stop: Stop,
+        into: &mut [f32],
+        edit: impl Fn(&mut Vec<Step>),
+    ) -> Result<Convergence, VulkanError> {
+        let points = self.layout.chart.points();
+        assert_eq!(into.len(), sources.len() * points, "a row for each source");
+        assert!(sources.iter().flatten().all(|&source| source < points), "sources are grid points");
+        let batch = self.batch();
+        let mut convergence = progress::NOTHING;
+        for (sources, rows) in sources.chunks(batch).zip(into.chunks_mut(batch * points)) {
+            convergence =
+                progress::worse(convergence, self.solve_batch(sources, stop, rows, &edit)?);
+        }
+        self.solver.context.check_validation()?;
+        Ok(convergence)
+    }
+
+    fn solve_batch(
+        &mut self,
+        sources: &[Option<usize>],
+        stop: Stop,
+        into: &mut [f32],
+        edit: impl Fn(&mut Vec<Step>),
+    ) -> Result<Convergence, VulkanError> {
+        let chart = self.layout.chart;
+        let texel = |source: usize| {
+            let (row, col) = chart.position(source);
+            let (row, col, _) = TexelChart::texel_of(row, col);
+            (row, col)
+        };
+        let Some(reached) = Reached::around(sources.iter().flatten().map(|&source| texel(source)))
+        else {
+            into.fill(f32::INFINITY);
+            return Ok(progress::NOTHING);
+        };
+        let tuning = self.solver.pipelines.tuning;
+        let texels = self.surface.images.texels.inner();
+        let groups = texels.map(|texels| texels.div_ceil(tuning.scan_texels()));
+        progress::start(sources, stop, groups, self.resources.write_staging());
+
+        let schedule = self.schedule();
+        let mut steps = steps::first(schedule, self.scans(Some(reached), stop.iterations));
+        let outcome = loop {
+            edit(&mut steps);
+            self.submit(sources.len(), |recorder| recorder.steps(&steps))?;
+            let outcome = Outcome::read(sources.len(), self.resources.read_outcome());
+            if outcome.is_done {
+                break outcome;
+            }
+            let left = stop.iterations - outcome.convergence.iterations;
+            steps = steps::further(schedule, self.scans(None, left));
+        };
+        if schedule == PairwiseSchedule::Images {
+            self.submit(sources.len(), |recorder| recorder.steps(&steps::read()))?;
+        }
+        let points = chart.points();
+        let maps: &[f32] = bytemuck::cast_slice(self.resources.read_distances());
+        let rows = into.chunks_exact_mut(points).zip(maps.chunks_exact(points));
+        for ((row, map), source) in rows.zip(sources) {
+            match source {
+                Some(_) => row.copy_from_slice(map),
+                None => row.fill(f32::INFINITY),
+            }
+        }
+        Ok(outcome.convergence)
+    }
+
+    /// A recording of the raster schedule; nothing for maps in shared memory.
+    fn scans(&self, reached: Option<Reached>, most: u32) -> Vec<plan::Step> {
+        if self.schedule() == PairwiseSchedule::SharedMemory {
+            return Vec::new();
+        }
+        let tuning = self.solver.pipelines.tuning;
+        let portions = Portions { lines: tuning.scan_lines, tile: tuning.tile };
+        plan::recording(Schedule::Raster, self.surface.images.texels, portions, reached, most)
+    }
+
+    /// Records commands for so many maps, submits them and waits.
+    fn submit(&self, maps: usize, append: impl FnOnce(Recorder)) -> Result<(), VulkanError> {
+        let record = |device: &ash::Device, commands: vk::CommandBuffer| {
+            append(Recorder {
+                device,
+                commands,
+                pipelines: &self.solver.pipelines,
+                passes: &self.passes,
+                resources: &self.resources,
+                layout: &self.layout,
+                texels: self.surface.images.texels,
+                maps: maps as u32,
+            });
+        };
+        self.commands.record(record)?;
+        self.commands.submit_and_wait()
+    }
+}
+
+impl Drop for PairwiseOnDevice<'_> {
+    fn drop(&mut self) {
+        let context = &self.solver.context;
+        self.passes.destroy(&context.device);
+        self.resources.destroy(&context.device, &mut context.allocator());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::DeviceChoice;
+    use crate::surface::{Spacing, Surface};
+
+    const STOP: Stop = Stop { tolerance: 1e-6, iterations: 100 };
+
+    fn solver() -> Solver {
+        let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
+        Solver::with_validation(&DeviceChoice::Name(device)).unwrap()
+    }
+
+    fn hill() -> Surface {
+        let heights = (0..20 * 30).map(|i| f64::from(i % 7 + i / 90).sin()).collect();
+        Surface::from_heights(20, 30, heights, Spacing::square(1.0)).unwrap()
+    }
+
+    const SOURCES: [Option<usize>; 3] = [Some(15), None, Some(411)];
+
+    /// Leaves out one barrier of a recording: after the copy of what the host has written, after the
+    /// start, and before the copy of what the host reads.
+    #[test]
+    fn missing_barriers_are_reported() {
+        let surface = hill();
+        for (schedule, which) in [
+            (PairwiseSchedule::SharedMemory, 2),
+            (PairwiseSchedule::SharedMemory, 4),
+            (PairwiseSchedule::Images, 2),
+            (PairwiseSchedule::Images, 3),
+        ] {
+            let solver = solver();
+            let on_device = solver.upload(&surface).unwrap();
+            let mut pairwise =
+                solver.pairwise(&on_device, Wavefront::Planar, Some(schedule)).unwrap();
+            let leaky = |steps: &mut Vec<Step>| {
+                let is_barrier = |step: &Step| matches!(step, Step::Barrier(..));
+                let mut barriers = (0..steps.len()).filter(|&place| is_barrier(&steps[place]));
+                // What goes on with maps has fewer barriers.
+                if let Some(place) = barriers.nth(which) {
+                    steps.remove(place);
+                }
+            };
+            let mut rows = vec![0.0; 3 * 600];
+            let result = pairwise.solve_edited(&SOURCES, STOP, &mut rows, leaky);
+            let Err(VulkanError::Validation(messages)) = result else {
+                panic!("{schedule}, barrier {which}: {result:?}")
+            };
+            assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-")), "{messages:?}");
+        }
+    }
+
+    #[test]
+    fn a_missing_barrier_between_scans_is_reported() {
+        let (surface, solver) = (hill(), solver());
+        let on_device = solver.upload(&surface).unwrap();
+        let images = Some(PairwiseSchedule::Images);
+        let mut pairwise = solver.pairwise(&on_device, Wavefront::Planar, images).unwrap();
+        let leaky = |steps: &mut Vec<Step>| {
+            let barrier = Step::Raster(plan::Step::Barrier);
+            let place = steps.iter().position(|step| *step == barrier).unwrap();
+            steps.remove(place);
+        };
+        let result = pairwise.solve_edited(&SOURCES, STOP, &mut [0.0; 3 * 600], leaky);
+        let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
+        assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-")), "{messages:?}");
+    }
+
+    #[test]
+    fn all_barriers_in_place_leave_no_message_to_the_end() {
+        let (surface, solver) = (hill(), solver());
+        let log = solver.validation_log().unwrap().clone();
+        let on_device = solver.upload(&surface).unwrap();
+        for wavefront in Wavefront::ALL {
+            for schedule in PairwiseSchedule::ALL {
+                let mut pairwise = solver.pairwise(&on_device, wavefront, Some(schedule)).unwrap();
+                pairwise.solve(&SOURCES, STOP, &mut [0.0; 3 * 600]).unwrap();
+                pairwise.solve(&SOURCES[..1], STOP, &mut [0.0; 600]).unwrap();
+            }
+        }
+        drop(on_device);
+        drop(solver);
+        assert_eq!(log.messages(), Vec::<String>::new());
+    }
+}

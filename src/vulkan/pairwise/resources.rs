@@ -1,0 +1,150 @@
+//! What a batch of maps occupies on the device.
+
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::Allocator;
+
+use super::layout::Layout;
+use super::progress;
+use crate::vulkan::memory::{Buffer, Image};
+use crate::vulkan::pipelines::binding;
+use crate::vulkan::{GridImages, Pipelines, VulkanError, descriptors};
+
+/// Where the fans of the surface are bound, for maps in shared memory.
+const FANS: u32 = binding::UPLOAD;
+/// Where maps are bound that a dispatch leaves to the next.
+const KEPT: u32 = binding::TILES;
+
+/// The images or buffers of a batch, what the host writes and what it reads.
+#[derive(Debug, Default)]
+pub(super) struct Resources {
+    /// Two, or none for maps in shared memory.
+    pub(super) fronts: Vec<Image>,
+    buffers: Vec<Buffer>,
+    /// For each of the two images the descriptors of a pass that writes it and reads the other.
+    pub(super) sets: [vk::DescriptorSet; 2],
+    pool: vk::DescriptorPool,
+}
+
+/// The order of the buffers.
+enum Kind {
+    Staging,
+    Progress,
+    Outcome,
+    Distances,
+    /// These two for maps in shared memory only.
+    Fans,
+    Kept,
+}
+
+impl Resources {
+    pub(super) fn new(
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        pipelines: &Pipelines,
+        grid: &GridImages,
+        layout: &Layout,
+    ) -> Result<Self, VulkanError> {
+        let mut new = Self::default();
+        match new.create(device, allocator, pipelines, grid, layout) {
+            Ok(()) => Ok(new),
+            Err(error) => {
+                new.destroy(device, allocator);
+                Err(error)
+            }
+        }
+    }
+
+    fn create(
+        &mut self,
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        pipelines: &Pipelines,
+        grid: &GridImages,
+        layout: &Layout,
+    ) -> Result<(), VulkanError> {
+        if layout.workgroup.is_none() {
+            for name in ["batch of fronts 0", "batch of fronts 1"] {
+                let extent = grid.texels.fronts_extent();
+                self.fronts.push(Image::new(device, allocator, name, extent, layout.layers())?);
+            }
+        }
+        let progress = progress::bytes(layout.maps);
+        let all = [
+            ("sources of a batch", progress, MemoryLocation::CpuToGpu),
+            ("progress of a batch", progress, MemoryLocation::GpuOnly),
+            ("outcome of a batch", progress, MemoryLocation::GpuToCpu),
+            ("distances of a batch", layout.distances(), MemoryLocation::GpuToCpu),
+            ("fans", layout.fans(), MemoryLocation::GpuOnly),
+            ("maps of a batch", layout.kept(), MemoryLocation::GpuOnly),
+        ];
+        for (name, size, location) in all.into_iter().filter(|(_, size, _)| *size > 0) {
+            self.buffers.push(Buffer::new(device, allocator, name, size, location)?);
+        }
+        self.pool = descriptors::pool(device)?;
+        self.sets = descriptors::sets(device, self.pool, pipelines)?;
+        for (writes, &set) in self.sets.iter().enumerate() {
+            descriptors::write_image(device, set, binding::EDGES, &grid.edges);
+            descriptors::write_image(device, set, binding::GAUSSIAN, &grid.gaussian);
+            descriptors::write_buffer(device, set, binding::PROGRESS, self.progress());
+            descriptors::write_buffer(device, set, binding::DOWNLOAD, self.buffer(Kind::Distances));
+            if let [first, second] = self.fronts.as_slice() {
+                let (new, old) = if writes == 0 { (first, second) } else { (second, first) };
+                descriptors::write_image(device, set, binding::OLD_FRONTS, old);
+                descriptors::write_image(device, set, binding::FRONTS_BEHIND, new);
+                descriptors::write_image(device, set, binding::NEW_FRONTS, new);
+                descriptors::write_image(device, set, binding::OTHER_FRONTS, old);
+            } else {
+                descriptors::write_buffer(device, set, FANS, self.buffer(Kind::Fans));
+                descriptors::write_buffer(device, set, KEPT, self.buffer(Kind::Kept));
+            }
+        }
+        Ok(())
+    }
+
+    fn buffer(&self, kind: Kind) -> &Buffer {
+        &self.buffers[kind as usize]
+    }
+
+    /// What the device reads and writes of how the maps go.
+    pub(super) fn progress(&self) -> &Buffer {
+        self.buffer(Kind::Progress)
+    }
+
+    pub(super) fn staging(&self) -> &Buffer {
+        self.buffer(Kind::Staging)
+    }
+
+    pub(super) fn outcome(&self) -> &Buffer {
+        self.buffer(Kind::Outcome)
+    }
+
+    /// Where the host writes the progress of a batch before the first iteration.
+    pub(super) fn write_staging(&mut self) -> &mut [u8] {
+        self.buffers[Kind::Staging as usize].mapped()
+    }
+
+    /// The progress of a batch, once it was reported.
+    pub(super) fn read_outcome(&mut self) -> &[u8] {
+        self.buffers[Kind::Outcome as usize].mapped()
+    }
+
+    /// The distances of a batch, map after map.
+    pub(super) fn read_distances(&mut self) -> &[u8] {
+        self.buffers[Kind::Distances as usize].mapped()
+    }
+
+    /// Bytes of device and staging memory held.
+    pub(super) fn bytes(&self) -> u64 {
+        self.fronts.iter().map(Image::bytes).sum::<u64>()
+            + self.buffers.iter().map(Buffer::bytes).sum::<u64>()
+    }
+
+    /// Frees everything. No submitted work may still use it.
+    pub(super) fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+        // SAFETY: the caller has made sure that nothing uses the sets; null handles are allowed.
+        unsafe { device.destroy_descriptor_pool(self.pool, None) };
+        self.fronts.iter_mut().for_each(|image| image.destroy(device, allocator));
+        self.buffers.iter_mut().for_each(|buffer| buffer.destroy(device, allocator));
+    }
+}
