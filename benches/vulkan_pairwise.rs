@@ -1,0 +1,55 @@
+//! Distances from many sources on a Vulkan device beside the CPU engine, on grids of 32 x 32 and
+//! 64 x 64 points: `cargo bench --bench vulkan_pairwise`. `GEOSWEEP_BENCH_DEVICE` names the device.
+//! What is computed once for a surface is outside the measured time.
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use geosweep::cpu::{PairwiseScan, Stop};
+use geosweep::surface::EdgeLengths;
+use geosweep::surface::builtin::Builtin;
+use geosweep::vulkan::{PairwiseSchedule, Solver};
+use geosweep::{DeviceChoice, Wavefront};
+use rayon::prelude::*;
+
+const CONVERGED: Stop = Stop { tolerance: 1e-6, iterations: 1000 };
+
+fn vulkan_pairwise(c: &mut Criterion) {
+    let device = std::env::var("GEOSWEEP_BENCH_DEVICE").unwrap_or_default();
+    let solver = Solver::new(&DeviceChoice::Name(device)).expect("a Vulkan device to measure");
+    println!("{}", solver.device_name());
+    for side in [32, 64] {
+        let points = side * side;
+        let surface = Builtin::Sphere.surface(side, side).expect("built-in surfaces fit");
+        let edges = EdgeLengths::<f32>::new(&surface).expect("built-in surfaces fit");
+        let on_device = solver.upload(&surface).expect("small surfaces fit");
+        // Every eighth row of the matrix, in runs of neighbours.
+        let sources: Vec<_> = (0..points).filter(|i| i / 64 % 8 == 0).map(Some).collect();
+        let mut rows = vec![0.0; sources.len() * points];
+        for (name, stop) in [("one iteration", Stop::after(1)), ("converged", CONVERGED)] {
+            let mut group = c.benchmark_group(format!("{side} x {side}, {name}"));
+            group.throughput(Throughput::Elements(rows.len() as u64)).sample_size(10);
+            for wavefront in Wavefront::ALL {
+                let on_cpu = PairwiseScan::new(&edges, wavefront);
+                group.bench_function(BenchmarkId::new(wavefront.name(), "CPU engine"), |b| {
+                    b.iter(|| {
+                        let batches = rows.par_chunks_mut(PairwiseScan::LANES * points);
+                        batches.zip(sources.par_chunks(PairwiseScan::LANES)).for_each(
+                            |(rows, sources)| {
+                                on_cpu.solve(sources, stop, rows);
+                            },
+                        );
+                    });
+                });
+                for schedule in PairwiseSchedule::ALL {
+                    let pairwise = solver.pairwise(&on_device, wavefront, Some(schedule));
+                    let Ok(mut pairwise) = pairwise else { continue };
+                    group.bench_function(BenchmarkId::new(wavefront.name(), schedule), |b| {
+                        b.iter(|| pairwise.solve(&sources, stop, &mut rows).expect("it runs"));
+                    });
+                }
+            }
+        }
+    }
+}
+
+criterion_group!(benches, vulkan_pairwise);
+criterion_main!(benches);
