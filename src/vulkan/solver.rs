@@ -62,7 +62,7 @@ pub struct SurfaceOnDevice {
     /// Goes on with one, as recorded for this wavefront and these steps.
     further: Commands,
     goes_on: Option<(Wavefront, Vec<Step>)>,
-    context: Arc<Context>,
+    pub(super) context: Arc<Context>,
 }
 
 /// A distance map as the Vulkan engine leaves it.

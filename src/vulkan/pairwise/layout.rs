@@ -104,7 +104,8 @@ pub(super) struct Layout {
 /// grow. Reasoned, not measured: a thousand maps of 64 x 64 points fill any GPU, and so do the lines
 /// of texels of some dozens of larger maps.
 const ON_GPU: [u64; 2] = [16 << 20, 256 << 20];
-/// Reasoned too: what the caches next to a core hold in part.
+/// Measured on lavapipe (Mesa 22.3, two cores), maps in images, circular fronts, one iteration: 1 and
+/// 4 MiB take the same time, 256 KiB half as long again and 16 MiB up to three times as long.
 const ON_CPU: [u64; 2] = [4 << 20, 4 << 20];
 
 /// Maps in a batch, at most, however small they are.

@@ -15,6 +15,7 @@ mod resources;
 mod steps;
 
 use std::fmt;
+use std::sync::Arc;
 
 use ash::vk;
 
@@ -32,6 +33,11 @@ use steps::Step;
 
 /// Where the maps of many sources lie while a device computes them. Both ways lead to the same
 /// maps, scan by scan.
+///
+/// Measured on lavapipe (Mesa 22.3, by the processor's time): on 32 x 32 points maps in shared memory
+/// take about half the time of maps in images, on 64 x 64 points 0.8 to 1.1 times. No GPU has been at
+/// hand; there the first way needs no traffic with memory but for the lengths, which caches hold, and
+/// no barrier beyond a workgroup.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PairwiseSchedule {
     /// A map in the shared memory of a workgroup: for small grids, with 16 KiB up to 64 x 64 points
@@ -91,6 +97,9 @@ impl Solver {
     /// # Errors
     /// If a batch does not fit the device's memory, or shared memory was asked for and a map does
     /// not fit it.
+    ///
+    /// # Panics
+    /// If another solver has uploaded the surface.
     pub fn pairwise<'a>(
         &'a self,
         surface: &'a SurfaceOnDevice,
@@ -98,6 +107,7 @@ impl Solver {
         schedule: Option<PairwiseSchedule>,
     ) -> Result<PairwiseOnDevice<'a>, VulkanError> {
         let (context, grid) = (&self.context, &surface.images);
+        assert!(Arc::ptr_eq(context, &surface.context), "a surface of another solver");
         let (chart, texels) = (grid.chart, grid.texels);
         let (rows, cols, device) = (chart.rows, chart.cols, context.info.name.clone());
         let limits = Limits::of(&context.properties);
