@@ -43,7 +43,11 @@ fn vulkan_pairwise(c: &mut Criterion) {
                     let pairwise = solver.pairwise(&on_device, wavefront, Some(schedule));
                     let Ok(mut pairwise) = pairwise else { continue };
                     group.bench_function(BenchmarkId::new(wavefront.name(), schedule), |b| {
-                        b.iter(|| pairwise.solve(&sources, stop, &mut rows).expect("it runs"));
+                        b.iter(|| {
+                            pairwise
+                                .solve(&solver, &on_device, &sources, stop, &mut rows)
+                                .expect("it runs")
+                        });
                     });
                 }
             }

@@ -3,7 +3,7 @@
 // Iterations of four rotated scans over a map that lies in shared memory. One workgroup is one
 // source, one invocation some pairs of neighbouring points of each line. A map that is not done
 // after so many iterations is kept, and goes on in the next dispatch.
-// Twin: src/cpu/scan_in_turn.rs.
+// Twin: src/cpu/twins/scan_in_turn.rs.
 
 #include "constants.glsl"
 #include "texel.glsl"

@@ -7,7 +7,7 @@ use common::*;
 use geosweep::cpu::{self, PairwiseScan, Stop};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
-use geosweep::vulkan::{PairwiseOnDevice, PairwiseSchedule, Solver, VulkanError};
+use geosweep::vulkan::{PairwiseOnDevice, PairwiseSchedule, Solver, SurfaceOnDevice, VulkanError};
 use geosweep::{MetricTensor, Surface, Wavefront};
 
 /// Both engines stop where nothing falls by more than 1e-6 in an iteration, and measure edges in
@@ -26,12 +26,12 @@ fn sources(surface: &Surface, count: usize) -> Vec<Option<usize>> {
 /// The rows of some sources, and that they have converged or taken all iterations.
 fn solve(
     pairwise: &mut PairwiseOnDevice,
-    points: usize,
+    (solver, uploaded, points): (&Solver, &SurfaceOnDevice, usize),
     sources: &[Option<usize>],
     stop: Stop,
 ) -> Vec<f32> {
     let mut rows = vec![f32::NAN; sources.len() * points];
-    let convergence = pairwise.solve(sources, stop, &mut rows).unwrap();
+    let convergence = pairwise.solve(solver, uploaded, sources, stop, &mut rows).unwrap();
     assert!(convergence.iterations <= stop.iterations);
     let converged = convergence.residual <= stop.tolerance;
     assert!(converged || convergence.iterations == stop.iterations, "{convergence:?}");
@@ -62,7 +62,7 @@ fn assert_engines_agree(solver: &Solver, surface: &Surface, number: usize, what:
         let schedule = PairwiseSchedule::ALL[(number + wavefront as usize) % 2];
         let cpu = on_cpu_lanes(&edges, wavefront, &sources, CONVERGED);
         let mut pairwise = solver.pairwise(&uploaded, wavefront, Some(schedule)).unwrap();
-        let rows = solve(&mut pairwise, points, &sources, CONVERGED);
+        let rows = solve(&mut pairwise, (solver, &uploaded, points), &sources, CONVERGED);
         for (map, (a, b)) in cpu.chunks(points).zip(rows.chunks(points)).enumerate() {
             let difference = relative_difference(a, b);
             let what = format!("{what}, {wavefront}, {schedule}, map {map}");
@@ -128,7 +128,7 @@ fn every_iteration_of_the_shaders_is_one_of_their_twin() {
             for schedule in PairwiseSchedule::ALL {
                 let mut pairwise = solver.pairwise(&uploaded, wavefront, Some(schedule)).unwrap();
                 for stop in [Stop::after(1), Stop::after(2), Stop::after(5), CONVERGED] {
-                    let rows = solve(&mut pairwise, points, &sources, stop);
+                    let rows = solve(&mut pairwise, (&solver, &uploaded, points), &sources, stop);
                     for (source, row) in sources.iter().flatten().zip(rows.chunks_exact(points)) {
                         let (r, c) = chart.position(*source);
                         let seeds = [Seed::at_source(r, c, 0.0)];
@@ -154,8 +154,9 @@ fn rows_do_not_depend_on_their_batch() {
     for wavefront in Wavefront::ALL {
         for schedule in PairwiseSchedule::ALL {
             let mut pairwise = solver.pairwise(&uploaded, wavefront, Some(schedule)).unwrap();
-            let mut solve =
-                |sources: &[Option<usize>]| solve(&mut pairwise, points, sources, CONVERGED);
+            let mut solve = |sources: &[Option<usize>]| {
+                solve(&mut pairwise, (&solver, &uploaded, points), sources, CONVERGED)
+            };
             let all: Vec<_> =
                 (0..points).map(|point| surface.present()[point].then_some(point)).collect();
             let matrix = solve(&all);
@@ -189,9 +190,11 @@ fn sources_beyond_a_batch_are_computed_in_the_next() {
         assert!(count < points, "the grid is chosen so that there are so many sources");
         let sources: Vec<_> = (0..count).map(Some).collect();
         let mut rows = vec![f32::NAN; count * points];
-        pairwise.solve(&sources, Stop::after(2), &mut rows).unwrap();
+        pairwise.solve(&solver, &uploaded, &sources, Stop::after(2), &mut rows).unwrap();
         let mut last = vec![f32::NAN; 7 * points];
-        pairwise.solve(&sources[count - 7..], Stop::after(2), &mut last).unwrap();
+        pairwise
+            .solve(&solver, &uploaded, &sources[count - 7..], Stop::after(2), &mut last)
+            .unwrap();
         assert!(rows[(count - 7) * points..] == last);
         assert!(pairwise.bytes() < 64 << 20, "{}", pairwise.bytes());
     }
@@ -226,7 +229,8 @@ fn mazes_take_as_many_dispatches_as_they_need() {
         for schedule in PairwiseSchedule::ALL {
             let mut pairwise = solver.pairwise(&uploaded, wavefront, Some(schedule)).unwrap();
             let mut rows = vec![f32::NAN; 2 * points];
-            let convergence = pairwise.solve(&sources, CONVERGED, &mut rows).unwrap();
+            let convergence =
+                pairwise.solve(&solver, &uploaded, &sources, CONVERGED, &mut rows).unwrap();
             let most = twins.iter().map(|twin| twin.iterations).max().unwrap();
             assert_eq!(convergence.iterations, most, "{wavefront}, {schedule}");
             for (twin, row) in twins.iter().zip(rows.chunks_exact(points)) {
@@ -254,7 +258,7 @@ fn grids_too_large_for_shared_memory_go_into_images() {
     assert_eq!(pairwise.schedule(), PairwiseSchedule::Images);
     let sources = [Some(0), Some(35_000), None, Some(70_199)];
     let mut rows = vec![f32::NAN; 4 * 270 * 260];
-    pairwise.solve(&sources, CONVERGED, &mut rows).unwrap();
+    pairwise.solve(&solver, &large, &sources, CONVERGED, &mut rows).unwrap();
     let edges = EdgeLengths::<f32>::new(&surface).unwrap();
     let cpu = on_cpu_lanes(&edges, Wavefront::PointSource, &sources, CONVERGED);
     assert!(relative_difference(&cpu, &rows) < AGREEMENT);

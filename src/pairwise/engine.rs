@@ -6,7 +6,7 @@ use super::lanes::Lanes;
 use super::report::Tally;
 use crate::cpu::{Connections, RotatedScan, Stop, fast_marching_with};
 use crate::surface::{EdgeLengths, Seed, Surface};
-use crate::vulkan::{Method, Solver, SurfaceOnDevice};
+use crate::vulkan::{PairwiseOnDevice, Solver, SurfaceOnDevice};
 use crate::{Engine, Error, Wavefront};
 
 /// An engine, ready for a surface.
@@ -23,8 +23,14 @@ enum Kind<'a> {
     Maps(EdgeLengths<f32>),
     /// The reference, a map for each thread.
     FastMarching(EdgeLengths<f32>, Connections<f32>),
-    /// One map after another.
-    Vulkan(Box<Solver>, Box<SurfaceOnDevice>),
+    /// Batches of maps on a device.
+    Vulkan(Box<OnDevice>),
+}
+
+struct OnDevice {
+    pairwise: PairwiseOnDevice,
+    surface: SurfaceOnDevice,
+    solver: Solver,
 }
 
 /// Told how many rows have been added, from any thread.
@@ -47,7 +53,8 @@ impl<'a> RowEngine<'a> {
             Engine::Vulkan(choice) => {
                 let solver = Solver::new(choice)?;
                 let on_device = solver.upload(surface)?;
-                Kind::Vulkan(Box::new(solver), Box::new(on_device))
+                let pairwise = solver.pairwise(&on_device, wavefront, None)?;
+                Kind::Vulkan(Box::new(OnDevice { pairwise, surface: on_device, solver }))
             }
         };
         Ok(Self { surface, wavefront, kind })
@@ -57,13 +64,13 @@ impl<'a> RowEngine<'a> {
         match self.kind {
             Kind::Lanes(_) | Kind::Maps(_) => "cpu",
             Kind::FastMarching(..) => "fast-marching",
-            Kind::Vulkan(..) => "vulkan",
+            Kind::Vulkan(_) => "vulkan",
         }
     }
 
     pub fn device(&self) -> Option<&str> {
         match &self.kind {
-            Kind::Vulkan(solver, _) => Some(solver.device_name()),
+            Kind::Vulkan(device) => Some(device.solver.device_name()),
             _ => None,
         }
     }
@@ -87,7 +94,7 @@ impl<'a> RowEngine<'a> {
                 // Front, flag and a few entries of the heap for a point, and further connections.
                 edges.bytes() + threads * edges.chart().bordered_points() * 64
             }
-            Kind::Vulkan(_, on_device) => on_device.bytes() as usize,
+            Kind::Vulkan(device) => (device.surface.bytes() + device.pairwise.bytes()) as usize,
         }
     }
 
@@ -96,7 +103,7 @@ impl<'a> RowEngine<'a> {
         match self.kind {
             Kind::Lanes(_) => Lanes::ROWS * threads,
             Kind::Maps(_) | Kind::FastMarching(..) => 4 * threads,
-            Kind::Vulkan(..) => 1,
+            Kind::Vulkan(ref device) => device.pairwise.batch(),
         }
     }
 
@@ -156,18 +163,16 @@ impl<'a> RowEngine<'a> {
                 });
                 Ok(Tally { iterations: 1, residual: 0.0 })
             }
-            Kind::Vulkan(solver, on_device) => {
-                let method = Method { wavefront, schedule: None, stop };
+            Kind::Vulkan(device) => {
+                let OnDevice { pairwise, surface: on_device, solver } = &mut **device;
                 let mut tally = Tally::default();
-                for (row, &source) in into.chunks_exact_mut(points).zip(sources) {
-                    if let Some(seeds) = seed(source) {
-                        let map = solver.solve(on_device, &seeds, method)?;
-                        row.copy_from_slice(&map.distances);
-                        tally.add(Tally { iterations: map.iterations, residual: map.residual });
-                    } else {
-                        row.fill(f32::INFINITY);
-                    }
-                    done(1);
+                let batch = pairwise.batch();
+                for (sources, rows) in sources.chunks(batch).zip(into.chunks_mut(batch * points)) {
+                    let present = surface.present();
+                    let sources: Vec<_> =
+                        sources.iter().map(|&source| present[source].then_some(source)).collect();
+                    tally.add(pairwise.solve(solver, on_device, &sources, stop, rows)?.into());
+                    done(sources.len());
                 }
                 Ok(tally)
             }

@@ -6,12 +6,12 @@ use std::ops::Range;
 use ash::vk;
 use bytemuck::{NoUninit, bytes_of};
 
+use super::TexelChart;
 use super::barrier::{self, CLEAR, COPY, HOST_READ, NOTHING, PASS, SHADER, SHADER_WRITE, TRANSFER};
 use super::grid_images::GridImages;
 use super::pipelines::{Pipelines, SchedulePipelines};
 use super::plan::{Scan, ScanPass, Step};
 use super::progress::{DeviceProgress, Outcome, offset};
-use super::TexelChart;
 use crate::constants::{CURVATURE, FAR, TIME, WORKGROUP};
 use crate::cpu::Stop;
 use crate::surface::{Chart, EdgeRule, Spacing};

@@ -19,9 +19,9 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::headless::Commands;
-use super::plan::{self, Portions, Reached};
-use super::{Schedule, Solver, SurfaceOnDevice, TexelChart, VulkanError};
+use super::headless::{Commands, Context};
+use super::plan::{self, Reached};
+use super::{Schedule, Solver, SurfaceOnDevice, TexelChart, Tuning, VulkanError};
 use crate::cpu::{Convergence, Stop};
 use crate::update::Wavefront;
 use layout::{Layout, Limits};
@@ -78,12 +78,14 @@ impl fmt::Display for PairwiseSchedule {
 /// let mut pairwise = solver.pairwise(&on_device, Wavefront::PointSource, None)?;
 /// let sources: Vec<_> = (0..1024).map(Some).collect();
 /// let mut distances = vec![0.0; 1024 * 1024];
-/// pairwise.solve(&sources, Stop { tolerance: 1e-6, iterations: 100 }, &mut distances)?;
+/// pairwise.solve(&solver, &on_device, &sources, Stop { tolerance: 1e-6, iterations: 100 }, &mut distances)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct PairwiseOnDevice<'a> {
-    solver: &'a Solver,
-    surface: &'a SurfaceOnDevice,
+pub struct PairwiseOnDevice {
+    context: Arc<Context>,
+    /// The edge lengths that are bound.
+    edges: vk::Image,
+    texels: TexelChart,
     layout: Layout,
     passes: Passes,
     resources: Resources,
@@ -100,17 +102,21 @@ impl Solver {
     ///
     /// # Panics
     /// If another solver has uploaded the surface.
-    pub fn pairwise<'a>(
-        &'a self,
-        surface: &'a SurfaceOnDevice,
+    pub fn pairwise(
+        &self,
+        surface: &SurfaceOnDevice,
         wavefront: Wavefront,
         schedule: Option<PairwiseSchedule>,
-    ) -> Result<PairwiseOnDevice<'a>, VulkanError> {
+    ) -> Result<PairwiseOnDevice, VulkanError> {
         let (context, grid) = (&self.context, &surface.images);
         assert!(Arc::ptr_eq(context, &surface.context), "a surface of another solver");
         let (chart, texels) = (grid.chart, grid.texels);
         let (rows, cols, device) = (chart.rows, chart.cols, context.info.name.clone());
-        let limits = Limits::of(&context.properties);
+        // SAFETY: the physical device is from this instance.
+        let properties = unsafe {
+            context.instance.handle.get_physical_device_properties(context.physical_device)
+        };
+        let limits = Limits::of(&properties);
         let layout = Layout::new(chart, texels, wavefront, schedule, &limits);
         let Some(layout) = layout else {
             let available = limits.shared_memory;
@@ -122,11 +128,11 @@ impl Solver {
             return Err(VulkanError::TooMuchMemory { rows, cols, device, needed, available });
         }
         let commands = Commands::new(context)?;
-        let mut passes = Passes::new(&context.device, &self.pipelines, &layout)?;
+        let mut passes = Passes::new(&context.device, &self.pipelines.pipelines, &layout)?;
         let resources = Resources::new(
             &context.device,
             &mut context.allocator(),
-            &self.pipelines,
+            &self.pipelines.pipelines,
             grid,
             &layout,
         );
@@ -137,14 +143,22 @@ impl Solver {
                 return Err(error);
             }
         };
-        let new = PairwiseOnDevice { solver: self, surface, layout, passes, resources, commands };
-        new.submit(0, |recorder| recorder.prepare())?;
+        let new = PairwiseOnDevice {
+            context: Arc::clone(context),
+            edges: grid.edges.image,
+            texels,
+            layout,
+            passes,
+            resources,
+            commands,
+        };
+        new.submit(self, 0, |recorder| recorder.prepare())?;
         context.check_validation()?;
         Ok(new)
     }
 }
 
-impl PairwiseOnDevice<'_> {
+impl PairwiseOnDevice {
     /// Sources whose maps are computed at a time; more are computed one batch after another.
     pub fn batch(&self) -> usize {
         self.layout.maps as usize
@@ -169,18 +183,23 @@ impl PairwiseOnDevice<'_> {
     /// batch can have reached is visited in the first iteration.
     ///
     /// # Panics
-    /// If `into` does not have as many rows of as many points, or a source is no grid point.
+    /// If solver or surface are others than those it was made for, `into` does not have as many rows of as many points, or a source is no grid point.
     pub fn solve(
         &mut self,
+        solver: &Solver,
+        surface: &SurfaceOnDevice,
         sources: &[Option<usize>],
         stop: Stop,
         into: &mut [f32],
     ) -> Result<Convergence, VulkanError> {
-        self.solve_edited(sources, stop, into, |_| {})
+        assert!(Arc::ptr_eq(&self.context, &solver.context), "another solver");
+        assert_eq!(self.edges, surface.images.edges.image, "another surface");
+        self.solve_edited(solver, sources, stop, into, |_| {})
     }
 
     fn solve_edited(
         &mut self,
+        solver: &Solver,
         sources: &[Option<usize>],
         stop: Stop,
         into: &mut [f32],
@@ -193,14 +212,15 @@ impl PairwiseOnDevice<'_> {
         let mut convergence = progress::NOTHING;
         for (sources, rows) in sources.chunks(batch).zip(into.chunks_mut(batch * points)) {
             convergence =
-                progress::worse(convergence, self.solve_batch(sources, stop, rows, &edit)?);
+                progress::worse(convergence, self.solve_batch(solver, sources, stop, rows, &edit)?);
         }
-        self.solver.context.check_validation()?;
+        self.context.check_validation()?;
         Ok(convergence)
     }
 
     fn solve_batch(
         &mut self,
+        solver: &Solver,
         sources: &[Option<usize>],
         stop: Stop,
         into: &mut [f32],
@@ -217,25 +237,25 @@ impl PairwiseOnDevice<'_> {
             into.fill(f32::INFINITY);
             return Ok(progress::NOTHING);
         };
-        let tuning = self.solver.pipelines.tuning;
-        let texels = self.surface.images.texels.inner();
+        let tuning = solver.pipelines.pipelines.tuning;
+        let texels = self.texels.inner();
         let groups = texels.map(|texels| texels.div_ceil(tuning.scan_texels()));
         progress::start(sources, stop, groups, self.resources.write_staging());
 
         let schedule = self.schedule();
-        let mut steps = steps::first(schedule, self.scans(Some(reached), stop.iterations));
+        let mut steps = steps::first(schedule, self.scans(tuning, Some(reached), stop.iterations));
         let outcome = loop {
             edit(&mut steps);
-            self.submit(sources.len(), |recorder| recorder.steps(&steps))?;
+            self.submit(solver, sources.len(), |recorder| recorder.steps(&steps))?;
             let outcome = Outcome::read(sources.len(), self.resources.read_outcome());
             if outcome.is_done {
                 break outcome;
             }
             let left = stop.iterations - outcome.convergence.iterations;
-            steps = steps::further(schedule, self.scans(None, left));
+            steps = steps::further(schedule, self.scans(tuning, None, left));
         };
         if schedule == PairwiseSchedule::Images {
-            self.submit(sources.len(), |recorder| recorder.steps(&steps::read()))?;
+            self.submit(solver, sources.len(), |recorder| recorder.steps(&steps::read()))?;
         }
         let points = chart.points();
         let maps: &[f32] = bytemuck::cast_slice(self.resources.read_distances());
@@ -250,26 +270,29 @@ impl PairwiseOnDevice<'_> {
     }
 
     /// A recording of the raster schedule; nothing for maps in shared memory.
-    fn scans(&self, reached: Option<Reached>, most: u32) -> Vec<plan::Step> {
+    fn scans(&self, tuning: Tuning, reached: Option<Reached>, most: u32) -> Vec<plan::Step> {
         if self.schedule() == PairwiseSchedule::SharedMemory {
             return Vec::new();
         }
-        let tuning = self.solver.pipelines.tuning;
-        let portions = Portions { lines: tuning.scan_lines, tile: tuning.tile };
-        plan::recording(Schedule::Raster, self.surface.images.texels, portions, reached, most)
+        plan::recording(Schedule::Raster, self.texels, tuning.portions(), reached, most)
     }
 
     /// Records commands for so many maps, submits them and waits.
-    fn submit(&self, maps: usize, append: impl FnOnce(Recorder)) -> Result<(), VulkanError> {
+    fn submit(
+        &self,
+        solver: &Solver,
+        maps: usize,
+        append: impl FnOnce(Recorder),
+    ) -> Result<(), VulkanError> {
         let record = |device: &ash::Device, commands: vk::CommandBuffer| {
             append(Recorder {
                 device,
                 commands,
-                pipelines: &self.solver.pipelines,
+                pipelines: &solver.pipelines.pipelines,
                 passes: &self.passes,
                 resources: &self.resources,
                 layout: &self.layout,
-                texels: self.surface.images.texels,
+                texels: self.texels,
                 maps: maps as u32,
             });
         };
@@ -278,9 +301,9 @@ impl PairwiseOnDevice<'_> {
     }
 }
 
-impl Drop for PairwiseOnDevice<'_> {
+impl Drop for PairwiseOnDevice {
     fn drop(&mut self) {
-        let context = &self.solver.context;
+        let context = &self.context;
         self.passes.destroy(&context.device);
         self.resources.destroy(&context.device, &mut context.allocator());
     }
@@ -330,7 +353,7 @@ mod tests {
                 }
             };
             let mut rows = vec![0.0; 3 * 600];
-            let result = pairwise.solve_edited(&SOURCES, STOP, &mut rows, leaky);
+            let result = pairwise.solve_edited(&solver, &SOURCES, STOP, &mut rows, leaky);
             let Err(VulkanError::Validation(messages)) = result else {
                 panic!("{schedule}, barrier {which}: {result:?}")
             };
@@ -349,7 +372,7 @@ mod tests {
             let place = steps.iter().position(|step| *step == barrier).unwrap();
             steps.remove(place);
         };
-        let result = pairwise.solve_edited(&SOURCES, STOP, &mut [0.0; 3 * 600], leaky);
+        let result = pairwise.solve_edited(&solver, &SOURCES, STOP, &mut [0.0; 3 * 600], leaky);
         let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
         assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-")), "{messages:?}");
     }
@@ -362,8 +385,8 @@ mod tests {
         for wavefront in Wavefront::ALL {
             for schedule in PairwiseSchedule::ALL {
                 let mut pairwise = solver.pairwise(&on_device, wavefront, Some(schedule)).unwrap();
-                pairwise.solve(&SOURCES, STOP, &mut [0.0; 3 * 600]).unwrap();
-                pairwise.solve(&SOURCES[..1], STOP, &mut [0.0; 600]).unwrap();
+                pairwise.solve(&solver, &on_device, &SOURCES, STOP, &mut [0.0; 3 * 600]).unwrap();
+                pairwise.solve(&solver, &on_device, &SOURCES[..1], STOP, &mut [0.0; 600]).unwrap();
             }
         }
         drop(on_device);

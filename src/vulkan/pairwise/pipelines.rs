@@ -3,10 +3,10 @@
 use ash::vk;
 
 use super::layout::Layout;
-use crate::vulkan::pipelines::{Pass, constant::*, scan_pass, spirv};
+use crate::vulkan::VulkanError;
+use crate::vulkan::pipelines::{Pass, Pipelines, SchedulePipelines, constant::*, scan_pass, spirv};
 use crate::vulkan::plan::Scan;
 use crate::vulkan::record::pipeline_index;
-use crate::vulkan::{Pipelines, SchedulePipelines, VulkanError};
 
 /// The passes of a batch.
 #[derive(Debug)]

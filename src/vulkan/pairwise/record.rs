@@ -9,11 +9,12 @@ use super::progress::{self, offset};
 use super::resources::Resources;
 use super::steps::Step;
 use crate::constants::WORKGROUP;
-use crate::vulkan::barrier::{self, PASS, SHADER, SHADER_WRITE};
+use crate::vulkan::TexelChart;
+use crate::vulkan::barrier::{self, NOTHING, PASS, SHADER, SHADER_WRITE};
 use crate::vulkan::memory::Buffer;
+use crate::vulkan::pipelines::Pipelines;
 use crate::vulkan::plan::{self, Scan, ScanPass};
 use crate::vulkan::record::{Block, UnpackBand};
-use crate::vulkan::{Pipelines, TexelChart};
 
 /// A command buffer that is being recorded for one batch.
 #[derive(Clone, Copy)]
@@ -40,8 +41,9 @@ impl Recorder<'_> {
     /// Once, before the first batch: brings images into their layout, or puts the surface's fans into
     /// the order of the scans.
     pub(super) fn prepare(&self) {
+        let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL);
         for image in &self.resources.fronts {
-            barrier::into_general(self.device, self.commands, image.image, SHADER);
+            barrier::image(self.device, self.commands, image.image, NOTHING, SHADER, layouts);
         }
         if self.layout.workgroup.is_none() {
             return;

@@ -6,9 +6,10 @@ use gpu_allocator::vulkan::Allocator;
 
 use super::layout::Layout;
 use super::progress;
-use crate::vulkan::memory::{Buffer, Image};
-use crate::vulkan::pipelines::binding;
-use crate::vulkan::{GridImages, Pipelines, VulkanError, descriptors};
+use crate::vulkan::grid_images::GridImages;
+use crate::vulkan::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo};
+use crate::vulkan::pipelines::{Pipelines, binding};
+use crate::vulkan::{VulkanError, descriptors};
 
 /// Where the fans of the surface are bound, for maps in shared memory.
 const FANS: u32 = binding::UPLOAD;
@@ -66,7 +67,9 @@ impl Resources {
         if layout.workgroup.is_none() {
             for name in ["batch of fronts 0", "batch of fronts 1"] {
                 let extent = grid.texels.fronts_extent();
-                self.fronts.push(Image::new(device, allocator, name, extent, layout.layers())?);
+                let layers = layout.layers();
+                let info = ImageInfo { name, format: FORMAT, extent, layers, families: &[] };
+                self.fronts.push(Image::new(device, allocator, info)?);
             }
         }
         let progress = progress::bytes(layout.maps);
@@ -79,7 +82,7 @@ impl Resources {
             ("maps of a batch", layout.kept(), MemoryLocation::GpuOnly),
         ];
         for (name, size, location) in all.into_iter().filter(|(_, size, _)| *size > 0) {
-            self.buffers.push(Buffer::new(device, allocator, name, size, location)?);
+            self.buffers.push(Buffer::new(device, allocator, BufferInfo { name, size, location })?);
         }
         self.pool = descriptors::pool(device)?;
         self.sets = descriptors::sets(device, self.pool, pipelines)?;
