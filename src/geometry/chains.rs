@@ -1,5 +1,7 @@
 //! From the segments that triangles hold to polylines.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use super::Curve;
@@ -56,6 +58,37 @@ pub(super) fn join<K: Copy + Ord + Send + Sync>(
     curves
 }
 
+/// Joins segments without a direction into the longest ways that pass through nodes of two segments
+/// alone. A closed one repeats its first node.
+pub(super) fn ways(segments: &[[u64; 2]]) -> Vec<Vec<u64>> {
+    let mut at: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
+    for (index, ends) in segments.iter().enumerate() {
+        ends.iter().for_each(|end| at.entry(*end).or_default().push(index));
+    }
+    let mut taken = vec![false; segments.len()];
+    let mut ways = Vec::new();
+    let passes = |node: &u64| at[node].len() == 2;
+    // Those with ends first.
+    let starts = at.keys().filter(|node| !passes(node)).chain(at.keys());
+    for &start in starts {
+        for &first in &at[&start] {
+            let (mut way, mut next) = (vec![start], Some(first).filter(|&index| !taken[index]));
+            while let Some(index) = next {
+                taken[index] = true;
+                let [a, b] = segments[index];
+                let end = if way[way.len() - 1] == a { b } else { a };
+                way.push(end);
+                let onwards = at[&end].iter().copied().find(|&segment| !taken[segment]);
+                next = onwards.filter(|_| passes(&end));
+            }
+            if way.len() > 1 {
+                ways.push(way);
+            }
+        }
+    }
+    ways
+}
+
 /// Without repeated vertices; `None` if no curve is left.
 fn simplified(mut vertices: Vec<[f64; 2]>, closed: bool) -> Option<Curve> {
     let same = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) <= SAME;
@@ -91,5 +124,11 @@ mod tests {
             ('b', vec![4.0, 5.0, 6.0], true),
         ];
         assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn ways_end_at_ends_and_where_three_meet() {
+        let found = ways(&[[1, 2], [3, 2], [3, 4], [3, 5], [8, 7], [9, 8], [7, 9]]);
+        assert_eq!(found, [vec![1, 2, 3], vec![3, 4], vec![3, 5], vec![7, 8, 9, 7]]);
     }
 }

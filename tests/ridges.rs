@@ -1,0 +1,100 @@
+//! Ridges against bisectors, lines half-way and the line behind a wall.
+
+use geosweep::geometry::{Ridge, ridges};
+use geosweep::surface::EdgeLengths;
+use geosweep::surface::builtin::Builtin;
+use geosweep::{Engine, Options, Sources, Spacing, Surface, distance_map};
+
+fn of(surface: &Surface, sources: &Sources) -> Vec<Ridge> {
+    let options = Options { engine: Engine::Cpu, ..Options::default() };
+    let map = distance_map(surface, sources, &options).unwrap();
+    ridges(&EdgeLengths::new(surface).unwrap(), &map.distances, 30.0).unwrap()
+}
+
+fn flat(rows: usize, cols: usize) -> Surface {
+    Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
+}
+
+/// All of the line as far as the fronts' angle is large enough, and nothing else.
+#[test]
+fn the_bisector_of_two_sources_is_a_ridge() {
+    for builtin in [Builtin::Plane, Builtin::Cylinder, Builtin::Sphere] {
+        let surface = builtin.surface(129, 129).unwrap();
+        for pair in [[[30.0, 35.0], [95.0, 75.0]], [[60.5, 20.25], [70.0, 110.0]]] {
+            let sources =
+                Sources::point(pair[0][0], pair[0][1]).and_point(pair[1][0], pair[1][1], 0.0);
+            let exact = |from, at| builtin.exact_distance(129, 129, from, at).unwrap();
+            let later = |at| exact(pair[0], at) - exact(pair[1], at);
+            let found = of(&surface, &sources);
+            let (mut worst, mut vertices) = (0.0f64, 0);
+            for at in found.iter().flat_map(|ridge| &ridge.curve.vertices) {
+                let change = |step: [f64; 2]| {
+                    let there = [0, 1].map(|k| (at[k] + step[k]).min(128.0));
+                    later(there) - later([0, 1].map(|k| there[k] - step[k]))
+                };
+                worst = worst.max(later(*at).abs() / change([1.0, 0.0]).hypot(change([0.0, 1.0])));
+                vertices += 1;
+            }
+            println!(
+                "{builtin} {pair:?}: {} ridges, {vertices} vertices, {worst:.3} cells",
+                found.len()
+            );
+            assert!(vertices > 150 && worst < 0.5);
+        }
+    }
+}
+
+#[test]
+fn a_ridge_lies_half_way_between_curves_and_has_its_angle() {
+    let surface = flat(61, 101);
+    let sources =
+        Sources::curve([[15.0, 0.0], [15.0, 100.0]]).and_curve([[40.0, 0.0], [40.0, 100.0]], 0.0);
+    let found = of(&surface, &sources);
+    let [ridge] = &found[..] else { panic!("{found:?}") };
+    assert!(!ridge.curve.closed && ridge.angles.len() == ridge.curve.vertices.len());
+    for (at, angle) in ridge.curve.vertices.iter().zip(&ridge.angles) {
+        approx::assert_abs_diff_eq!(at[0], 27.5, epsilon = 0.05);
+        // Rays are those of circular fronts 12 cells from their centre, in triangles of a cell.
+        approx::assert_abs_diff_eq!(*angle, 180.0, epsilon = 8.0);
+    }
+    let cols: Vec<f64> = ridge.curve.vertices.iter().map(|at| at[1]).collect();
+    assert_eq!(
+        (cols[0].min(cols[cols.len() - 1]), cols[0].max(cols[cols.len() - 1])),
+        (0.0, 100.0)
+    );
+}
+
+/// From a single source, behind a wall that lies symmetrically before it.
+#[test]
+fn fronts_meet_behind_a_wall() {
+    let mask: Vec<bool> =
+        (0..101 * 101usize).map(|i| i / 101 != 30 || (i % 101).abs_diff(50) > 20).collect();
+    let surface = flat(101, 101).with_mask(&mask).unwrap();
+    let found = of(&surface, &Sources::point(10.0, 50.0));
+    let [ridge] = &found[..] else { panic!("{found:?}") };
+    let rows = ridge.curve.vertices.iter().map(|at| at[0]);
+    let (low, high) =
+        rows.fold((f64::MAX, f64::MIN), |(low, high), row| (low.min(row), high.max(row)));
+    // Up to the wall, and down to where the ways around its ends meet at 30 degrees or the border.
+    assert!(low < 33.0 && high > 90.0, "{low} {high}");
+    for (at, angle) in ridge.curve.vertices.iter().zip(&ridge.angles) {
+        assert!((at[1] - 50.0).abs() < 0.5, "{at:?}");
+        let exact = 2.0 * f64::atan2(20.0, at[0] - 30.0).to_degrees();
+        assert!((angle - exact).abs() < 15.0, "{at:?}: {angle} {exact}");
+    }
+}
+
+#[test]
+fn no_fronts_meet_in_a_convex_patch() {
+    for builtin in [Builtin::Plane, Builtin::Cylinder, Builtin::Sphere] {
+        for source in [[40.0, 70.0], [40.3, 70.6], [0.0, 0.0]] {
+            let found =
+                of(&builtin.surface(129, 129).unwrap(), &Sources::point(source[0], source[1]));
+            assert!(found.is_empty(), "{builtin} {source:?}: {found:?}");
+        }
+    }
+    assert!(of(&flat(2, 9), &Sources::point(0.0, 0.0)).is_empty());
+    assert!(of(&flat(1, 9), &Sources::point(0.0, 4.0)).is_empty());
+    let error = ridges(&EdgeLengths::new(&flat(3, 3)).unwrap(), &[0.0; 4], 30.0).unwrap_err();
+    assert_eq!(error.to_string(), "4 distances do not fill a grid of 3 x 3 points");
+}
