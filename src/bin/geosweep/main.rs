@@ -10,6 +10,7 @@ mod devices;
 mod distance;
 mod figure;
 mod level_curves;
+mod offset;
 mod output_file;
 mod pairwise;
 mod path;
@@ -61,6 +62,8 @@ enum Command {
     Path(Box<path::Args>),
     /// Divide a surface among its sources
     Voronoi(Box<voronoi::Args>),
+    /// Draw curves at some distances from curves
+    Offset(Box<offset::Args>),
     /// Choose points that are far from one another
     Sample(Box<sample::Args>),
     /// Place a surface in space so that straight distances are like those along it
@@ -96,6 +99,7 @@ fn main() -> ExitCode {
         Command::Contours(args) => contours::run(&args),
         Command::Path(args) => path::run(&args),
         Command::Voronoi(args) => voronoi::run(&args),
+        Command::Offset(args) => offset::run(&args),
         Command::Sample(args) => sample::run(&args),
         Command::Canonical(args) => canonical::run(&args),
         Command::Devices(args) => devices::run(&args),
