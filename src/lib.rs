@@ -53,3 +53,8 @@ pub use update::Wavefront;
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+/// So does that of the page on all pairs.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/pairwise.md")]
+struct AllPairs;

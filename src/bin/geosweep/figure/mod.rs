@@ -56,6 +56,9 @@ struct AllArgs {
     /// The folder for scans.png, convergence.png, maze.png, face.png, canonical.png and table-1.md
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
+    /// What the table says about the machine that its times come from
+    #[arg(long, value_name = "TEXT")]
+    machine: Option<String>,
 }
 
 /// All figures in the paper's order.
@@ -102,7 +105,9 @@ impl AllArgs {
         for (name, extension) in ALL {
             let path = self.output.join(name).with_extension(extension);
             let words = ["figure".into(), name.into(), "-o".into(), path.into_os_string()];
-            Line::try_parse_from(words)?.figure.run()?;
+            let machine = self.machine.iter().filter(|_| extension == "md");
+            let machine = machine.flat_map(|machine| ["--machine".into(), machine.into()]);
+            Line::try_parse_from(words.into_iter().chain(machine))?.figure.run()?;
         }
         Ok(ExitCode::SUCCESS)
     }
