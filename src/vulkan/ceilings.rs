@@ -181,20 +181,20 @@ impl<'a> Probe<'a> {
         self.repeated(|probe, commands, count| (0..count).for_each(|_| one(probe, commands)))
     }
 
-    /// How much longer a recording takes by one more repetition.
+    /// The time of one repetition, in a recording of many, beside that of a recording of none.
     fn repeated(
         &self,
         record: impl Fn(&Self, vk::CommandBuffer, u32),
     ) -> Result<Duration, VulkanError> {
         let time = |count| self.time(|probe, commands| record(probe, commands, count));
-        let (mut count, mut shorter) = (1, time(1)?);
-        loop {
-            let longer = time(2 * count)?;
-            if longer >= LONG_ENOUGH || 2 * count >= MOST {
-                return Ok(longer.saturating_sub(shorter).max(Duration::from_nanos(1)) / count);
-            }
-            (count, shorter) = (2 * count, longer);
+        let nothing = time(0)?;
+        let (mut count, mut all) = (1, time(1)?);
+        while all < LONG_ENOUGH && count < MOST {
+            count *= 2;
+            all = time(count)?;
         }
+        // Other work on the machine may have come between, so no less than half of all.
+        Ok((all - nothing.min(all / 2)).max(Duration::from_nanos(1)) / count)
     }
 
     /// The shortest time of a recording.
