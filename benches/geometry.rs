@@ -3,7 +3,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use geosweep::cpu::{RotatedScan, Stop};
-use geosweep::geometry::{FarthestPoints, Levels, Voronoi, contours};
+use geosweep::geometry::{FarthestPoints, Levels, Side, Voronoi, contours, offset_curves, ridges};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{Engine, Options, Sources, Wavefront, distance_map};
@@ -51,6 +51,15 @@ fn geometry(c: &mut Criterion) {
                 b.iter(|| contours(&map, sources, &levels));
             });
         }
+        let middle = (SIDE / 2) as f64;
+        let curve = Sources::curve([[middle, 0.3 * middle], [middle + 90.0, 1.6 * middle]]);
+        let options = Options { engine: Engine::Cpu, ..Options::default() };
+        let map = distance_map(&surface, &curve, &options).expect("the surface fits");
+        let levels = Levels::Count(10).on(&map, &curve).expect("ten are not too many");
+        group.bench_function("10 offset curves", |b| {
+            b.iter(|| offset_curves(&surface, &edges, &curve, &map, &levels, Side::Left));
+        });
+        group.bench_function("ridges", |b| b.iter(|| ridges(&edges, &map.distances, 30.0)));
         group.bench_function("50 farthest points", |b| {
             b.iter(|| {
                 let first = Sources::point(60.0, 60.0);
