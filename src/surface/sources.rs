@@ -194,8 +194,10 @@ impl Sources {
                     let bends = bends(surface, vertices);
                     let vertices: Vec<_> = vertices.iter().copied().zip(bends).collect();
                     let first = *vertices.first().ok_or(SourceError::EmptyCurve)?;
-                    if vertices.len() == 1 {
-                        pieces.add(surface, [first, first])?;
+                    let last = *vertices.last().unwrap_or(&first);
+                    // An end on a side of a cell touches the cell beyond it too.
+                    for end in [first, last] {
+                        pieces.add(surface, [end, end])?;
                     }
                     for ends in vertices.windows(2) {
                         pieces.add(surface, [ends[0], ends[1]])?;
@@ -534,6 +536,19 @@ mod tests {
 
     fn flat(rows: usize, cols: usize) -> Surface {
         Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
+    }
+
+    #[test]
+    fn the_end_of_a_curve_reaches_the_cells_beyond_it() {
+        let surface = Surface::from_heights(9, 9, vec![0.0; 81], Spacing::square(1.0)).unwrap();
+        // It ends on the side between two cells, half-way between two points.
+        let seeds = Sources::curve([[1.0, 3.5], [4.0, 3.5]]).seeds(&surface).unwrap();
+        let at = |row, col| seeds.iter().find(|seed| (seed.row, seed.col) == (row, col));
+        for col in [3, 4] {
+            let beyond = at(5, col).expect("the cell below is touched");
+            approx::assert_relative_eq!(beyond.time, 1f64.hypot(0.5), epsilon = 1e-12);
+            assert!(at(0, col).is_some(), "and so is that above");
+        }
     }
 
     #[test]
