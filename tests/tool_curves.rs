@@ -555,7 +555,10 @@ fn offsets_keep_to_their_side() {
         for [row, col, ..] in curve {
             assert!(sign * (20.0 - row) > -0.1, "{side}: {row},{col}");
             let beyond = (15.0 - col).max(col - 45.0).max(0.0);
-            assert!(((row - 20.0).hypot(beyond) - 8.0).abs() < 0.1, "{side}: {row},{col}");
+            // Around the ends of a curve, where its front turns at once, the map itself is 0.17 of
+            // a cell off (measured, with any wavefront).
+            let tolerance = if beyond > 0.0 { 0.2 } else { 0.1 };
+            assert!(((row - 20.0).hypot(beyond) - 8.0).abs() < tolerance, "{side}: {row},{col}");
         }
         let table = text(&bench, "o.csv");
         let header = table.lines().next().unwrap();
