@@ -146,6 +146,7 @@ impl<R: Real, S: Space<R>> Work for Bend<'_, R, S> {
 
 impl<R: Real, S: Space<R>> Bend<'_, R, S> {
     #[inline(always)]
+    #[expect(clippy::needless_range_loop, reason = "the index is the lane")]
     fn stretch(&mut self, start: usize, points: usize) {
         let rows = [
             self.rows[0].window(start, points),
@@ -172,8 +173,8 @@ impl<R: Real, S: Space<R>> Bend<'_, R, S> {
                 found[k][i] = bends[k];
             }
         }
-        for k in 0..4 {
-            self.bends[k][start + 1..][..points].copy_from_slice(&found[k][..points]);
+        for (bends, found) in self.bends.iter_mut().zip(&found) {
+            bends[start + 1..][..points].copy_from_slice(&found[..points]);
         }
     }
 }
@@ -234,8 +235,8 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
                 suspicious |= u32::from(exists & !is_usual);
             }
         }
-        for k in 0..4 {
-            self.lengths[k][start..][..points].copy_from_slice(&found[k][..points]);
+        for (lengths, found) in self.lengths.iter_mut().zip(&found) {
+            lengths[start..][..points].copy_from_slice(&found[..points]);
         }
         suspicious != 0
     }
