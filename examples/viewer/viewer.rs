@@ -224,6 +224,8 @@ impl Viewer {
                 stages.iter().for_each(|stage| stage.map.prepare(gpu, solver, commands));
                 Ok(())
             })?;
+            // Images are as new then.
+            stages.iter_mut().for_each(|stage| stage.map.moved_points());
             self.methods.push(method);
         }
         self.timing.forget();
@@ -242,8 +244,9 @@ impl Viewer {
             title += &format!(", {milliseconds:.2} ms on {}", self.gpu.device_name());
         }
         if let Some(outcome) = map.outcome() {
-            let unit = if self.schedule == Schedule::Tiles { "rounds" } else { "iterations" };
-            title += &format!(", {} {unit}", outcome.iterations);
+            let unit = if self.schedule == Schedule::Tiles { "round" } else { "iteration" };
+            let plural = if outcome.iterations == 1 { "" } else { "s" };
+            title += &format!(", {} {unit}{plural}", outcome.iterations);
         }
         title
     }

@@ -1,0 +1,248 @@
+//! The viewer as one meets it: a window on an X server, and input events. All under the validation
+//! layers, whose messages fail its exit status.
+#![cfg(all(feature = "cli", target_os = "linux"))]
+
+mod screen;
+
+use std::path::PathBuf;
+use std::process::{Child, Command, Output, Stdio};
+
+use screen::{ESCAPE, Grab, LEFT, RIGHT, Screen, WHEEL_UP, is_colored};
+use x11rb::protocol::xproto::Window;
+
+/// A viewer that runs.
+struct Viewer {
+    process: Option<Child>,
+    window: Window,
+}
+
+/// The example that cargo builds along with the tests: `cargo test` does, `cargo test --test viewer`
+/// does not.
+fn program() -> PathBuf {
+    let tests = std::env::current_exe().unwrap();
+    let path = tests.parent().unwrap().parent().unwrap().join("examples/viewer");
+    assert!(path.exists(), "build it: cargo build --release --all-features --example viewer");
+    path
+}
+
+fn command(screen: &Screen, arguments: &str) -> Command {
+    let mut command = Command::new(program());
+    command.env("DISPLAY", &screen.name).env_remove("WAYLAND_DISPLAY").arg("--validate");
+    if let Ok(device) = std::env::var("GEOSWEEP_TEST_DEVICE") {
+        command.args(["--device", &device]);
+    }
+    command.args(arguments.split_whitespace());
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+impl Viewer {
+    fn start(screen: &Screen, arguments: &str) -> Self {
+        let process = Some(command(screen, arguments).spawn().unwrap());
+        let window = screen.window();
+        Self { process, window }
+    }
+
+    /// Waits for its end, which something else has brought about.
+    fn end(mut self, screen: &Screen) {
+        let mut process = self.process.take().unwrap();
+        screen.wait("the viewer ends", || process.try_wait().unwrap());
+        check(&process.wait_with_output().unwrap());
+    }
+}
+
+impl Drop for Viewer {
+    fn drop(&mut self) {
+        if let Some(mut process) = self.process.take() {
+            let _ = process.kill();
+            if let Ok(output) = process.wait_with_output() {
+                eprintln!("{}", String::from_utf8_lossy(&output.stderr));
+            }
+        }
+    }
+}
+
+fn check(output: &Output) {
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{}: {said}", output.status);
+    assert_eq!(said, "");
+}
+
+/// Whether the source is where it was put, within the size of its mark.
+fn is_at(grab: &Grab, place: [i16; 2]) -> bool {
+    grab.source().is_some_and(|[x, y]| (x - place[0]).abs() <= 4 && (y - place[1]).abs() <= 4)
+}
+
+#[test]
+fn the_source_follows_the_pointer() {
+    let screen = Screen::new();
+    let viewer = Viewer::start(&screen, "--size 480x300");
+    let before = screen.still(viewer.window);
+    // The surface in its colors amid a background, with dark lines.
+    let colored = before.part(is_colored);
+    assert!((0.2..0.8).contains(&colored), "{colored}");
+    assert!([[0, 0], [479, 0], [0, 299]].iter().all(|&corner| !is_colored(before.at(corner))));
+
+    // A click on the surface puts the source there: from a picture of one pixel, on the device.
+    let place = [300, 190];
+    assert!(!is_at(&before, place));
+    screen.point(place);
+    screen.click(LEFT);
+    screen.wait("the source has moved", || is_at(&screen.grab(viewer.window), place).then_some(()));
+    let clicked = screen.still(viewer.window);
+    assert!(clicked.changed(&before) > 0.2, "colors and lines move with the source");
+
+    // A drag takes it along.
+    let place = [200, 150];
+    screen.press(LEFT);
+    for step in 1..=5 {
+        screen.point([300 - 20 * step, 190 - 8 * step]);
+    }
+    screen.release(LEFT);
+    screen
+        .wait("the source was dragged", || is_at(&screen.grab(viewer.window), place).then_some(()));
+    let dragged = screen.still(viewer.window);
+
+    // Beside the surface there is nothing to click on.
+    screen.point([5, 5]);
+    screen.click(LEFT);
+    assert!(screen.still(viewer.window) == dragged);
+    // And the same place gives the same picture.
+    screen.point([300, 190]);
+    screen.click(LEFT);
+    screen.wait("the source is back", || (screen.grab(viewer.window) == clicked).then_some(()));
+
+    screen.key(ESCAPE);
+    viewer.end(&screen);
+}
+
+#[test]
+fn keys_switch_surface_schedule_and_wavefront() {
+    let screen = Screen::new();
+    let viewer = Viewer::start(&screen, "--size 320x200");
+    screen.point([160, 100]);
+    let titled = |part: &str| {
+        let found = || screen.title(viewer.window).contains(part).then_some(());
+        screen.wait(part, found);
+    };
+    titled("terrain, 344 x 403 points, raster, curved fronts");
+    titled(" ms on ");
+    let raster = screen.still(viewer.window);
+    screen.key(u32::from(b'w'));
+    titled("planar fronts");
+    // First-order fronts lie elsewhere, but not far.
+    let planar = screen.still(viewer.window);
+    assert!((0.001..0.9).contains(&planar.changed(&raster)), "{}", planar.changed(&raster));
+    screen.key(u32::from(b'w'));
+    titled("point fronts");
+    screen.key(u32::from(b'w'));
+    titled("curved fronts");
+    screen.wait("as before", || (screen.grab(viewer.window) == raster).then_some(()));
+
+    // All schedules lead to the same map; all points at once take many frames.
+    screen.key(u32::from(b'c'));
+    titled("all-points");
+    let same = |grab: &Grab| {
+        let pairs = grab.pixels.iter().zip(&raster.pixels);
+        pairs.flat_map(|(a, b)| a.iter().zip(b)).all(|(&a, &b)| a.abs_diff(b) <= 4)
+    };
+    screen.wait("the same map", || same(&screen.grab(viewer.window)).then_some(()));
+    screen.key(u32::from(b'c'));
+    titled("tiles");
+    assert!(same(&screen.still(viewer.window)));
+    screen.key(u32::from(b'c'));
+    titled("raster");
+
+    // The sheet moves by itself.
+    screen.key(u32::from(b's'));
+    titled("sheet, 192 x 192 points");
+    let first = screen.grab(viewer.window);
+    screen.wait("it moves", || {
+        let next = screen.grab(viewer.window);
+        (next.part(is_colored) > 0.1 && next.changed(&first) > 0.1).then_some(())
+    });
+    // Closed in the middle of it.
+    screen.close(viewer.window);
+    viewer.end(&screen);
+}
+
+#[test]
+fn the_picture_follows_the_camera_and_the_window() {
+    let screen = Screen::new();
+    let viewer = Viewer::start(&screen, "--size 320x200 --source 100,100");
+    let before = screen.still(viewer.window);
+    screen.point([160, 100]);
+    screen.press(RIGHT);
+    screen.point([220, 110]);
+    screen.release(RIGHT);
+    screen.wait("it turns", || (screen.grab(viewer.window).changed(&before) > 0.2).then_some(()));
+    let turned = screen.still(viewer.window);
+    assert!(!is_at(&turned, [220, 110]), "only the left button moves the source");
+    screen.click(WHEEL_UP);
+    screen.click(WHEEL_UP);
+    let larger = |grab: &Grab| grab.part(is_colored) > 1.2 * turned.part(is_colored);
+    screen.wait("it comes closer", || larger(&screen.grab(viewer.window)).then_some(()));
+    let near = screen.still(viewer.window);
+
+    // Larger, wider, and back: the same as before.
+    for size in [[640, 480], [500, 120], [97, 61], [320, 200]] {
+        screen.resize(viewer.window, size);
+        screen.wait("all of the window is drawn", || {
+            let grab = screen.grab(viewer.window);
+            let [width, height] = size;
+            let whole = (grab.width, grab.height) == (width as usize, height as usize)
+                && grab.at([width as i16 - 1, height as i16 - 1]) != [0; 3]
+                && grab.part(is_colored) > 0.1;
+            whole.then_some(())
+        });
+    }
+    screen.wait("as before", || (screen.grab(viewer.window) == near).then_some(()));
+    // Without a window manager, to be minimised is to be unmapped.
+    screen.hide(viewer.window);
+    screen.show(viewer.window);
+    screen.wait("shown again", || (screen.grab(viewer.window) == near).then_some(()));
+    screen.key(ESCAPE);
+    viewer.end(&screen);
+}
+
+#[test]
+fn counted_frames_of_a_moving_surface_are_the_same_every_time() {
+    let screen = Screen::new();
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |name: &str, arguments: &str| {
+        let path = folder.path().join(name);
+        let mut command = command(&screen, arguments);
+        check(&command.arg("--picture").arg(&path).output().unwrap());
+        std::fs::read(path).unwrap()
+    };
+    let six = "--surface sheet --size 240x160 --frames 6";
+    let first = picture("first.png", six);
+    assert!(first == picture("again.png", six));
+    let later = "--surface sheet --size 240x160 --frames 7";
+    assert!(first != picture("later.png", later));
+    let elsewhere = "--surface sheet --size 240x160 --frames 6 --source 100,150.5";
+    assert!(first != picture("elsewhere.png", elsewhere));
+}
+
+#[test]
+fn what_cannot_be_shown_is_said() {
+    let screen = Screen::new();
+    for (arguments, part) in [
+        ("--source 344,0", "its rows are 0 to 343, its columns 0 to 402"),
+        ("--source 1", "give a row and a column"),
+        ("--size 0x5", "give a width and a height"),
+        ("--picture a.png", "--frames"),
+        ("--frames 1 --picture a.jpg", "choose such a name"),
+        ("--device nosuchdevice", "is not the device asked for"),
+    ] {
+        let mut command = Command::new(program());
+        command.env("DISPLAY", &screen.name).args(arguments.split_whitespace());
+        let output = command.output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && said.contains(part), "{arguments}: {said}");
+    }
+    let mut command = Command::new(program());
+    let output = command.env("DISPLAY", ":nowhere").output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && said.contains("no window can be shown"), "{said}");
+}
