@@ -2,9 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::kernel::{Changes, Fan, How, Kernel, LANES, Lanes};
+use super::kernel::{Fan, How, Kernel, LANES, Lanes};
 use crate::constants::CURVATURE_COUNTS;
-use crate::cpu::state::{SEED, accept};
+use crate::cpu::state::{SEED, accept, front};
 use crate::surface::{Real, Seed};
 use crate::update::{Bends, Front, Triangle, curved};
 
@@ -36,15 +36,26 @@ impl Kernel for Curved {
     }
 
     #[inline(always)]
+    fn may_change(here: &Fronts, behind: [&Fronts; 3], how: How) -> bool {
+        let mut renewed = false;
+        for lane in 0..LANES {
+            let (_, brought_by) = front(here.times.0[lane], here.curvatures.0[lane]);
+            renewed |= how.renews & (brought_by == how.scan.0);
+        }
+        renewed | here.times.some_after(behind.map(|fronts| &fronts.times))
+    }
+
+    #[inline(always)]
     fn update<const TRACKS: bool>(
         here: &mut Fronts,
         behind: [&Fronts; 3],
         fan: &Fan,
         how: How,
-        changes: &mut Changes,
-    ) {
+        largest: &mut [u32; LANES],
+    ) -> bool {
         let Fan { edges, bases, gaussian } = fan;
-        for lane in 0..LANES {
+        let mut wakes = false;
+        for (lane, largest) in largest.iter_mut().enumerate() {
             let [a, b, c] = behind.map(|fronts| (fronts.times.0[lane], fronts.curvatures.0[lane]));
             let side = |near: (f32, f32), far: (f32, f32), k: usize| {
                 let triangle =
@@ -59,9 +70,10 @@ impl Kernel for Curved {
             if TRACKS {
                 let bend = ((bent - curvature).abs() * new * f32::of(CURVATURE_COUNTS)).in_units();
                 let change = time.units_between(new).max(bend);
-                changes.largest[lane] = changes.largest[lane].max(change);
-                changes.any[lane] = changes.any[lane].max(curvature.units_between(bent));
+                wakes |= change.max(curvature.units_between(bent)) > how.wakes;
+                *largest = (*largest).max(change);
             }
         }
+        wakes
     }
 }

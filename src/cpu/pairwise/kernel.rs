@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::cpu::state::TriangleSlots;
 use crate::cpu::tiles::Scan;
-use crate::surface::{Chart, Direction, EdgeLengths, Seed};
+use crate::surface::{Chart, Direction, EdgeLengths, Seed, min};
 
 /// Maps that are computed side by side: as many as AVX-512 has lanes of single precision. With
 /// narrower instructions a few vectors stand for them, which hides the latency of square roots.
@@ -19,15 +19,41 @@ impl Lanes {
     pub(super) const fn all(value: f32) -> Self {
         Self([value; LANES])
     }
-}
 
-/// The largest change in each lane since the line began.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Changes {
-    /// In units of the time's precision, as the stop criterion counts.
-    pub largest: [u32; LANES],
-    /// The same, with everything that later updates depend on.
-    pub any: [u32; LANES],
+    /// Whether one of these is later than the earliest of three others.
+    #[inline(always)]
+    pub(super) fn some_after(&self, others: [&Self; 3]) -> bool {
+        let mut some = false;
+        for lane in 0..LANES {
+            let [a, b, c] = others.map(|times| times.0[lane]);
+            some |= min(min(a, b), c) < self.0[lane];
+        }
+        some
+    }
+
+    /// Takes the times that are earlier than these. Returns whether one of them is by more than
+    /// `how` wants; the largest changes are noted if `TRACKS`.
+    #[inline(always)]
+    pub(super) fn lower<const TRACKS: bool>(
+        &mut self,
+        times: [f32; LANES],
+        how: How,
+        largest: &mut [u32; LANES],
+    ) -> bool {
+        let mut wakes = false;
+        for lane in 0..LANES {
+            let old = self.0[lane];
+            let new = min(old, times[lane]);
+            self.0[lane] = new;
+            if TRACKS {
+                // No time grows.
+                let change = old.to_bits() - new.to_bits();
+                wakes |= change > how.wakes;
+                largest[lane] = largest[lane].max(change);
+            }
+        }
+        wakes
+    }
 }
 
 /// Two triangles around a point and what lies at their corners.
@@ -47,6 +73,8 @@ pub(super) struct How {
     pub scan: Scan,
     /// Whether curved fronts that the scan has brought before are renewed.
     pub renews: bool,
+    /// Changes above this, in units of the time's precision, are worth another visit beside them.
+    pub wakes: u32,
 }
 
 /// A front in lanes.
@@ -60,7 +88,7 @@ pub(super) trait Kernel: Sized + 'static {
     /// Where no front has arrived.
     const UNREACHED: Self::State;
 
-    /// Whether [`Fan::gaussian`] is needed.
+    /// Whether [`Fan::gaussian`] is needed, and fronts are renewed.
     const BENDS: bool = false;
 
     fn coefficients(fan: Fan) -> Self::Coefficients;
@@ -68,14 +96,20 @@ pub(super) trait Kernel: Sized + 'static {
     /// Makes a point the source of one of the maps.
     fn start(state: &mut Self::State, lane: usize, seed: Seed);
 
-    /// Updates a point from the three behind. Changes are noted if `TRACKS`.
+    /// Whether an update could change a point, as a cheap test sees it: no front comes from points
+    /// that it reaches later.
+    fn may_change(here: &Self::State, behind: [&Self::State; 3], how: How) -> bool;
+
+    /// Updates a point from the three behind; returns whether a map has changed by more than `how`
+    /// wants. The largest changes of arrival times, in units of their precision, are noted if
+    /// `TRACKS`.
     fn update<const TRACKS: bool>(
         here: &mut Self::State,
         behind: [&Self::State; 3],
         coefficients: &Self::Coefficients,
         how: How,
-        changes: &mut Changes,
-    );
+        largest: &mut [u32; LANES],
+    ) -> bool;
 }
 
 /// Where the two triangles of a scan lie, seen from their point.

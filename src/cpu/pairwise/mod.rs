@@ -3,6 +3,7 @@
 
 mod curved;
 mod kernel;
+mod marks;
 mod pending;
 mod planar;
 mod point_source;
@@ -21,7 +22,7 @@ use scans::{Known, Scans};
 ///
 /// The maps of a batch lie side by side in memory, point by point, and are updated together with
 /// coefficients that all share, computed once for a surface. The scans are those of
-/// [`super::scan_in_turn`], in the same order. A scan visits only lines beside which a map of the
+/// [`super::scan_in_turn`], in the same order. A scan visits only points beside which a map of the
 /// batch has changed since it passed, so sources in a batch should be neighbours.
 pub struct PairwiseScan {
     chart: Chart,

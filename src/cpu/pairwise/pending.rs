@@ -1,101 +1,109 @@
 //! Which points a scan has to visit: those beside a change that it has not seen yet.
 
+use super::marks::{Marks, WORD};
 use crate::cpu::tiles::Scan;
 use crate::surface::Chart;
 
-/// Points of a line, or lines, from `start` to before `end`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Span {
-    pub start: usize,
-    pub end: usize,
-}
-
-impl Span {
-    pub(super) const EMPTY: Self = Self { start: usize::MAX, end: 0 };
-
-    pub(super) fn one(at: usize) -> Self {
-        Self { start: at, end: at + 1 }
-    }
-
-    pub(super) fn is_empty(self) -> bool {
-        self.start >= self.end
-    }
-
-    pub(super) fn join(&mut self, other: Self) {
-        *self = Self { start: self.start.min(other.start), end: self.end.max(other.end) };
-    }
-
-    /// With the neighbours on both sides.
-    fn grown(self) -> Self {
-        Self { start: self.start.saturating_sub(1), end: self.end + 1 }
-    }
-}
-
-/// For each scan and each of its lines the points that it has to visit. All maps of a batch share
-/// these, since their sources are neighbours.
+/// For each scan the points that it has to visit. All maps of a batch share these, since their
+/// sources are neighbours.
 #[derive(Clone, Debug)]
 pub(super) struct Pending {
     chart: Chart,
-    /// By the number of the scan, less one.
-    lines: [Vec<Span>; 4],
+    /// By the number of the scan, less one; lines are its own.
+    visits: [Marks; 4],
+    /// What the current scan has changed, by rows and by columns.
+    changed: [Marks; 2],
     /// Points before this one, row-major, are known and never visited.
     known: usize,
-}
-
-/// The part of the grid that a scan has changed.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Change {
-    pub lines: Span,
-    pub points: Span,
-}
-
-impl Change {
-    pub(super) const NONE: Self = Self { lines: Span::EMPTY, points: Span::EMPTY };
+    /// Whether scans visit changed points too: where fronts are renewed, times may grow, and then
+    /// one that came second may be the first.
+    renews: bool,
 }
 
 impl Pending {
-    pub(super) fn new(chart: Chart) -> Self {
-        let (rows, cols) = (vec![Span::EMPTY; chart.rows], vec![Span::EMPTY; chart.cols]);
-        Self { chart, lines: [rows.clone(), rows, cols.clone(), cols], known: 0 }
+    pub(super) fn new(chart: Chart, renews: bool) -> Self {
+        let Chart { rows, cols } = chart;
+        let (by_rows, by_cols) = (Marks::none(rows, cols), Marks::none(cols, rows));
+        Self {
+            chart,
+            visits: [by_rows.clone(), by_rows.clone(), by_cols.clone(), by_cols.clone()],
+            changed: [by_rows, by_cols],
+            known: 0,
+            renews,
+        }
+    }
+
+    pub(super) fn bytes(Chart { rows, cols }: Chart) -> usize {
+        3 * (Marks::bytes(rows, cols) + Marks::bytes(cols, rows))
     }
 
     /// Forgets all changes; points before `known`, row-major, are as they are, and everything
     /// after them has yet to hear of them.
     pub(super) fn start(&mut self, known: usize) {
         self.known = known;
-        for scan in SCANS {
-            let whole = Span { start: 0, end: self.points(scan) };
-            let pending = if known > 0 { whole } else { Span::EMPTY };
-            self.lines[scan.0 as usize - 1].fill(pending);
-        }
+        self.visits.iter_mut().for_each(|visits| visits.fill(known > 0));
+        self.changed.iter_mut().for_each(|changed| changed.fill(false));
     }
 
     /// A point has changed, and no scan has seen it.
     pub(super) fn touch(&mut self, row: usize, col: usize) {
-        let (row, col) = (Span::one(row), Span::one(col));
-        self.changed(Scan::DOWN, Change { lines: row, points: col });
-        self.changed(Scan::RIGHT, Change { lines: col, points: row });
-    }
-
-    /// Takes the points of a line that a scan has to visit.
-    pub(super) fn take(&mut self, scan: Scan, line: usize) -> Span {
-        let span = std::mem::replace(&mut self.lines[scan.0 as usize - 1][line], Span::EMPTY);
-        let end = span.end.min(self.points(scan));
-        Span { start: span.start.max(self.first_unknown(scan, line)), end }
-    }
-
-    /// Lines have changed: tells both scans over lines of this kind.
-    pub(super) fn changed(&mut self, scan: Scan, change: Change) {
-        let Change { lines, points } = change;
-        let [forward, backward] = if scan.by_rows() { [0, 1] } else { [2, 3] };
-        for line in lines.start..lines.end {
-            if let Some(next) = self.lines[forward].get_mut(line + 1) {
-                next.join(points.grown());
-            }
-            if line > 0 {
-                self.lines[backward][line - 1].join(points.grown());
-            }
+        for (scan, line, point) in [(Scan::DOWN, row, col), (Scan::RIGHT, col, row)] {
+            self.changed[kind(scan)].mark(line, point);
+            self.tell(scan, line);
+            self.changed[kind(scan)].line_mut(line).fill(0);
         }
+    }
+
+    /// Takes the points of a line that a scan has to visit, if there are any. The scan leaves
+    /// marked those that it has changed, and then has to [`Self::tell`].
+    pub(super) fn take(&mut self, scan: Scan, line: usize) -> Option<&mut [u64]> {
+        let (first, end) = (self.first_unknown(scan, line), self.points(scan));
+        let visits = self.visits[index(scan)].line_mut(line);
+        let taken = self.changed[kind(scan)].line_mut(line);
+        for (k, (taken, visits)) in taken.iter_mut().zip(visits).enumerate() {
+            let below = |point: usize| match point.saturating_sub(k * WORD) {
+                bits if bits < WORD => (1 << bits) - 1,
+                _ => u64::MAX,
+            };
+            *taken = std::mem::take(visits) & below(end) & !below(first);
+        }
+        taken.iter().any(|&word| word != 0).then_some(taken)
+    }
+
+    /// Tells both scans over lines of this kind what has changed on a line.
+    pub(super) fn tell(&mut self, scan: Scan, line: usize) {
+        let changed = self.changed[kind(scan)].line(line);
+        let [forward, backward] = match kind(scan) {
+            ROWS => [Scan::DOWN, Scan::UP],
+            _ => [Scan::RIGHT, Scan::LEFT],
+        };
+        if line + 1 < self.lines(scan) {
+            self.visits[index(forward)].spread(line + 1, changed);
+        }
+        if line > 0 {
+            self.visits[index(backward)].spread(line - 1, changed);
+        }
+        if self.renews {
+            self.visits[index(forward)].spread(line, changed);
+            self.visits[index(backward)].spread(line, changed);
+        }
+    }
+
+    /// Ends a scan: tells the scans over lines of the other kind what it has changed.
+    pub(super) fn end(&mut self, scan: Scan) {
+        let [rows, cols] = &mut self.changed;
+        let turned = match kind(scan) {
+            ROWS => {
+                rows.transpose_into(cols);
+                Scan::RIGHT
+            }
+            _ => {
+                cols.transpose_into(rows);
+                Scan::DOWN
+            }
+        };
+        (0..self.lines(turned)).for_each(|line| self.tell(turned, line));
+        self.changed.iter_mut().for_each(|changed| changed.fill(false));
     }
 
     /// Number of lines of a scan.
@@ -116,6 +124,17 @@ impl Pending {
     }
 }
 
+const ROWS: usize = 0;
+
+/// Whether lines of a scan are rows, 0, or columns, 1.
+fn kind(scan: Scan) -> usize {
+    usize::from(!scan.by_rows())
+}
+
+fn index(scan: Scan) -> usize {
+    usize::from(scan.0) - 1
+}
+
 /// The scans of an iteration, in their order (paper, figure 3, second row).
 pub(super) const SCANS: [Scan; 4] = [Scan::DOWN, Scan::UP, Scan::RIGHT, Scan::LEFT];
 
@@ -123,16 +142,47 @@ pub(super) const SCANS: [Scan; 4] = [Scan::DOWN, Scan::UP, Scan::RIGHT, Scan::LE
 mod tests {
     use super::*;
 
+    /// The points of a line that a scan has to visit.
+    fn take(pending: &mut Pending, scan: Scan, line: usize) -> Vec<usize> {
+        let points = pending.points(scan).next_multiple_of(WORD);
+        let Some(taken) = pending.take(scan, line) else { return Vec::new() };
+        let visited = (0..points).filter(|point| taken[point / WORD] >> (point % WORD) & 1 > 0);
+        let visited = visited.collect();
+        taken.fill(0);
+        visited
+    }
+
+    fn assert_quiet(pending: &mut Pending) {
+        for scan in SCANS {
+            assert!((0..pending.lines(scan)).all(|line| take(pending, scan, line).is_empty()));
+        }
+    }
+
     #[test]
     fn a_source_wakes_its_neighbours_and_nothing_else() {
-        let mut pending = Pending::new(Chart { rows: 4, cols: 5 });
+        let mut pending = Pending::new(Chart { rows: 4, cols: 5 }, false);
         pending.start(0);
         pending.touch(1, 4);
-        assert_eq!(pending.take(Scan::DOWN, 2), Span { start: 3, end: 5 });
-        assert_eq!(pending.take(Scan::UP, 0), Span { start: 3, end: 5 });
-        assert_eq!(pending.take(Scan::LEFT, 3), Span { start: 0, end: 3 });
+        assert_eq!(take(&mut pending, Scan::DOWN, 2), [3, 4]);
+        assert_eq!(take(&mut pending, Scan::UP, 0), [3, 4]);
+        assert_eq!(take(&mut pending, Scan::LEFT, 3), [0, 1, 2]);
+        assert_quiet(&mut pending);
+    }
+
+    #[test]
+    fn a_change_wakes_its_neighbours_ahead_of_each_scan() {
         for scan in SCANS {
-            assert!((0..pending.lines(scan)).all(|line| pending.take(scan, line).is_empty()));
+            let mut pending = Pending::new(Chart { rows: 80, cols: 90 }, false);
+            pending.start(0);
+            let (line, point) = if scan.by_rows() { (65, 64) } else { (64, 65) };
+            pending.changed[kind(scan)].mark(line, point);
+            pending.tell(scan, line);
+            pending.end(scan);
+            assert_eq!(take(&mut pending, Scan::DOWN, 66), [63, 64, 65]);
+            assert_eq!(take(&mut pending, Scan::UP, 64), [63, 64, 65]);
+            assert_eq!(take(&mut pending, Scan::RIGHT, 65), [64, 65, 66]);
+            assert_eq!(take(&mut pending, Scan::LEFT, 63), [64, 65, 66]);
+            assert_quiet(&mut pending);
         }
     }
 
@@ -141,16 +191,16 @@ mod tests {
         let chart = Chart { rows: 4, cols: 5 };
         for known in 1..=20 {
             for scan in SCANS {
-                let mut pending = Pending::new(chart);
+                let mut pending = Pending::new(chart, false);
                 pending.start(known);
                 let mut visited = Vec::new();
                 for line in 0..pending.lines(scan) {
-                    let Span { start, end } = pending.take(scan, line);
+                    let points = take(&mut pending, scan, line);
                     let index = |point| match scan.by_rows() {
                         true => chart.index(line, point),
                         false => chart.index(point, line),
                     };
-                    visited.extend((start..end).map(index));
+                    visited.extend(points.into_iter().map(index));
                 }
                 visited.sort();
                 assert_eq!(visited, (known..20).collect::<Vec<_>>());

@@ -1,6 +1,6 @@
 //! The planar wavefront in lanes, from coefficients that all maps share.
 
-use super::kernel::{Changes, Fan, How, Kernel, LANES, Lanes};
+use super::kernel::{Fan, How, Kernel, LANES, Lanes};
 use crate::surface::{Real, Seed, max, min};
 use crate::update::Corner;
 
@@ -45,10 +45,11 @@ impl Triangle {
 
     #[inline(always)]
     fn arrival(&self, t1: f32, t2: f32) -> f32 {
-        let t1 = min(t1, t2 - self.low);
-        let d = min(t2 - t1, self.high);
-        let across = max(self.alpha - self.beta * d * d, 0.0);
-        t1 + (self.w * d + across.sqrt())
+        let Self { low, high, w, alpha, beta } = *self;
+        let t1 = min(t1, t2 - low);
+        let d = min(t2 - t1, high);
+        let across = max(alpha - beta * d * d, 0.0);
+        t1 + (w * d + across.sqrt())
     }
 }
 
@@ -69,24 +70,23 @@ impl Kernel for Planar {
     }
 
     #[inline(always)]
+    fn may_change(here: &Lanes, behind: [&Lanes; 3], _: How) -> bool {
+        here.some_after(behind)
+    }
+
+    #[inline(always)]
     fn update<const TRACKS: bool>(
         here: &mut Lanes,
         [before, beside, after]: [&Lanes; 3],
         [left, right]: &[Triangle; 2],
-        _: How,
-        changes: &mut Changes,
-    ) {
+        how: How,
+        largest: &mut [u32; LANES],
+    ) -> bool {
+        let mut times = Lanes::all(0.0);
         for lane in 0..LANES {
-            let (a, b) = (
-                left.arrival(before.0[lane], beside.0[lane]),
-                right.arrival(beside.0[lane], after.0[lane]),
-            );
-            let old = here.0[lane];
-            let new = min(old, min(a, b));
-            here.0[lane] = new;
-            if TRACKS {
-                changes.largest[lane] = changes.largest[lane].max(old.units_between(new));
-            }
+            let (a, b, c) = (before.0[lane], beside.0[lane], after.0[lane]);
+            times.0[lane] = min(left.arrival(a, b), right.arrival(b, c));
         }
+        here.lower::<TRACKS>(times.0, how, largest)
     }
 }

@@ -1,20 +1,24 @@
 //! The point-source wavefront in lanes, from coefficients that all maps share.
 
-use super::kernel::{Changes, Fan, How, Kernel, LANES, Lanes};
-use crate::surface::{Real, Seed, max, min};
+use super::kernel::{Fan, How, Kernel, LANES, Lanes};
+use crate::surface::{Real, Seed, min};
 use crate::update::Corner;
 
 pub(super) struct PointSource;
 
-/// What the circular update needs of a triangle: the place of x0 over the base, x1 at the origin.
-/// Not a number where there is no triangle, so that every comparison fails.
+/// What the circular update needs of a triangle, with x1 at the origin, x2 at (base, 0) and x0 at
+/// (foot, height). Not a number where there is no triangle, so that every comparison fails.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triangle {
-    foot: f32,
-    height: f32,
-    base: f32,
     half_base: f32,
     half_per_base: f32,
+    /// Square of the length of x0 x1.
+    side_squared: f32,
+    twice_foot: f32,
+    twice_height: f32,
+    base: f32,
+    /// Slopes of the rays that pass x1 and x2 on their way to x0, along the base for a step across.
+    slopes: [f32; 2],
 }
 
 /// What the update needs of a point.
@@ -31,31 +35,32 @@ impl Triangle {
             _ => (f64::NAN, f64::NAN, f64::NAN),
         };
         Self {
-            foot: foot as f32,
-            height: height as f32,
-            base: base as f32,
             half_base: (0.5 * base) as f32,
             half_per_base: (0.5 / base) as f32,
+            side_squared: (foot * foot + height * height) as f32,
+            twice_foot: (2.0 * foot) as f32,
+            twice_height: (2.0 * height) as f32,
+            base: base as f32,
+            slopes: [(-foot / height) as f32, ((base - foot) / height) as f32],
         }
     }
 
-    /// The square of the arrival time at x0 if the ray crosses the base, else infinity.
+    /// The square of the arrival time at x0 if the ray crosses the base, else infinity, from the
+    /// squares of those at x1 and x2.
     ///
     /// The same front as in [`crate::update::point_source`]: its virtual source lies at (x, -y), t1
     /// away from x1 and t2 from x2. In squares, which costs no division and one square root, and
     /// rounds to the precision of t0 and not to that of the step; with a coefficient or two ready
     /// and all sources at grid points, that is what is fast and good enough.
     #[inline(always)]
-    fn arrival_squared(&self, t1: f32, t2: f32) -> f32 {
-        let Self { foot, height, base, half_base, half_per_base } = *self;
-        let x = (t1 - t2) * (t1 + t2) * half_per_base + half_base;
-        let y_squared = (t1 - x) * (t1 + x);
-        let y = max(y_squared, 0.0).sqrt();
-        let crossing = x * height + y * foot;
-        let width = base * (y + height);
-        let upwind = (y_squared >= 0.0) & (crossing >= 0.0) & (crossing <= width);
-        let (across, along) = (height + y, foot - x);
-        if upwind { across * across + along * along } else { f32::INFINITY }
+    fn arrival_squared(&self, t1_squared: f32, t2_squared: f32) -> f32 {
+        let x = (t1_squared - t2_squared) * self.half_per_base + self.half_base;
+        // Not a number if no point is as far from both, which no comparison holds for.
+        let y = (t1_squared - x * x).sqrt();
+        let upwind = (x >= self.slopes[0] * y) & (x <= self.base + self.slopes[1] * y);
+        let rise = self.twice_height * y - self.twice_foot * x;
+        let squared = (t1_squared + self.side_squared) + rise;
+        if upwind { squared } else { f32::INFINITY }
     }
 }
 
@@ -79,23 +84,26 @@ impl Kernel for PointSource {
     }
 
     #[inline(always)]
+    fn may_change(here: &Lanes, behind: [&Lanes; 3], _: How) -> bool {
+        here.some_after(behind)
+    }
+
+    #[inline(always)]
     fn update<const TRACKS: bool>(
         here: &mut Lanes,
         [before, beside, after]: [&Lanes; 3],
         Coefficients { edges, triangles: [left, right] }: &Coefficients,
-        _: How,
-        changes: &mut Changes,
-    ) {
+        how: How,
+        largest: &mut [u32; LANES],
+    ) -> bool {
+        let mut times = Lanes::all(0.0);
         for lane in 0..LANES {
             let (a, b, c) = (before.0[lane], beside.0[lane], after.0[lane]);
             let along_edge = min(min(a + edges[0], b + edges[1]), c + edges[2]);
-            let squared = min(left.arrival_squared(a, b), right.arrival_squared(b, c));
-            let old = here.0[lane];
-            let new = min(old, min(along_edge, squared.sqrt()));
-            here.0[lane] = new;
-            if TRACKS {
-                changes.largest[lane] = changes.largest[lane].max(old.units_between(new));
-            }
+            let [aa, bb, cc] = [a * a, b * b, c * c];
+            let squared = min(left.arrival_squared(aa, bb), right.arrival_squared(bb, cc));
+            times.0[lane] = min(along_edge, squared.sqrt());
         }
+        here.lower::<TRACKS>(times.0, how, largest)
     }
 }

@@ -2,9 +2,9 @@
 
 use std::sync::Mutex;
 
-use super::kernel::{Changes, FanSlots, How, Kernel, LANES};
-use super::pending::{Change, Pending, SCANS, Span};
-use crate::cpu::tiles::Scan;
+use super::kernel::{FanSlots, How, Kernel, LANES};
+use super::marks::WORD;
+use super::pending::{Pending, SCANS};
 use crate::cpu::transpose::{Block, transpose};
 use crate::cpu::{Convergence, Instructions, Progress, Stop};
 use crate::lanes::Work;
@@ -60,8 +60,8 @@ impl<K: Kernel> Scans<K> {
     /// Bytes of the coefficients, and of the work space of one batch.
     pub(super) fn bytes(chart: Chart) -> (usize, usize) {
         let coefficients = 4 * chart.points() * size_of::<K::Coefficients>();
-        let pending = 2 * (chart.rows + chart.cols) * size_of::<Span>();
-        (coefficients, chart.bordered_points() * size_of::<K::State>() + pending)
+        let points = chart.bordered_points() * size_of::<K::State>();
+        (coefficients, points + Pending::bytes(chart))
     }
 
     /// Computes the maps of at most [`LANES`] sources, into a row of `into` for each.
@@ -99,8 +99,8 @@ impl<K: Kernel> Scans<K> {
         loop {
             let mut largest = 0;
             for scan in SCANS {
-                let how = How { scan, renews: progress.renews() };
-                largest = largest.max(self.scan::<TRACKS>(maps, how, wakes, instructions));
+                let how = How { scan, renews: progress.renews(), wakes };
+                largest = largest.max(self.scan::<TRACKS>(maps, how, instructions));
             }
             if !TRACKS {
                 largest = u32::MAX;
@@ -117,7 +117,6 @@ impl<K: Kernel> Scans<K> {
         &self,
         maps: &mut Maps<K>,
         how: How,
-        wakes: u32,
         instructions: Instructions,
     ) -> u32 {
         let Maps { points, pending } = maps;
@@ -127,31 +126,23 @@ impl<K: Kernel> Scans<K> {
         let behind = if scan.is_forward() { -(across as isize) } else { across as isize };
         let coefficients = &self.coefficients[usize::from(scan.0) - 1];
         let on_line = coefficients.len() / lines;
-        let mut whole = Change::NONE;
         let mut largest = 0;
         for passed in 0..lines {
             let line = if scan.is_forward() { passed } else { lines - 1 - passed };
-            let span = pending.take(scan, line);
-            if span.is_empty() {
-                continue;
-            }
+            let Some(marks) = pending.take(scan, line) else { continue };
             let change = instructions.run(Line::<K, TRACKS> {
                 points,
-                first: (line + 1) * across + (span.start + 1) * step,
+                first: (line + 1) * across + step,
                 step,
                 behind,
-                coefficients: &coefficients[line * on_line..][span.start..span.end],
+                coefficients: &coefficients[line * on_line..][..on_line],
+                marks,
                 how,
             });
-            largest = largest.max(change.largest);
-            if change.any > wakes {
-                pending.changed(scan, Change { lines: Span::one(line), points: span });
-                whole.lines.join(Span::one(line));
-                whole.points.join(span);
-            }
+            largest = largest.max(change);
+            pending.tell(scan, line);
         }
-        let turned = if scan.by_rows() { Scan::RIGHT } else { Scan::DOWN };
-        pending.changed(turned, Change { lines: whole.points, points: whole.lines });
+        pending.end(scan);
         largest
     }
 }
@@ -159,7 +150,7 @@ impl<K: Kernel> Scans<K> {
 impl<K: Kernel> Maps<K> {
     fn new(chart: Chart) -> Self {
         let points = vec![K::UNREACHED; chart.bordered_points()];
-        Self { points, pending: Pending::new(chart) }
+        Self { points, pending: Pending::new(chart, K::BENDS) }
     }
 
     /// No point reached but the sources and what is known.
@@ -186,10 +177,10 @@ impl<K: Kernel> Maps<K> {
     /// Writes a row of distances for each map.
     fn store(&mut self, chart: Chart, maps: usize, instructions: Instructions, into: &mut [f32]) {
         let stride = size_of::<K::State>() / size_of::<f32>();
+        instructions.run(Finish(bytemuck::cast_slice_mut(&mut self.points)));
         for row in 0..chart.rows {
             let points = &mut self.points[chart.bordered(row, 0)..][..chart.cols];
             let numbers: &mut [f32] = bytemuck::cast_slice_mut(points);
-            numbers.iter_mut().for_each(|n| *n = if *n < f32::FAR { *n } else { f32::INFINITY });
             let block = Block {
                 from: 0,
                 from_stride: stride,
@@ -203,7 +194,20 @@ impl<K: Kernel> Maps<K> {
     }
 }
 
-/// The update of points of a line from the line behind.
+/// What was not reached becomes infinite.
+struct Finish<'a>(&'a mut [f32]);
+
+impl Work for Finish<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.0.iter_mut().for_each(|n| *n = if *n < f32::FAR { *n } else { f32::INFINITY });
+    }
+}
+
+/// The update of marked points of a line from the line behind. Leaves those marked that have
+/// changed, and returns the largest change.
 struct Line<'a, K: Kernel, const TRACKS: bool> {
     points: &'a mut [K::State],
     /// The first point of the bordered array, from there to the next, and to the neighbour behind.
@@ -211,36 +215,40 @@ struct Line<'a, K: Kernel, const TRACKS: bool> {
     step: usize,
     behind: isize,
     coefficients: &'a [K::Coefficients],
+    marks: &'a mut [u64],
     how: How,
 }
 
-/// The largest change on a line; see [`Changes`].
-struct LineChange {
-    largest: u32,
-    any: u32,
-}
-
 impl<K: Kernel, const TRACKS: bool> Work for Line<'_, K, TRACKS> {
-    type Output = LineChange;
+    type Output = u32;
 
     #[inline(always)]
-    fn run(self) -> LineChange {
-        let Self { points, first, step, behind, coefficients, how } = self;
-        let mut changes = Changes::default();
-        let mut here = first;
-        for coefficients in coefficients {
-            let beside = here.wrapping_add_signed(behind);
-            let [state, before, beside, after] = points
-                .get_disjoint_mut([here, beside - step, beside, beside + step])
-                .expect("four points of a bordered array");
-            K::update::<TRACKS>(state, [before, beside, after], coefficients, how, &mut changes);
-            here += step;
+    fn run(self) -> u32 {
+        let Self { points, first, step, behind, coefficients, marks, how } = self;
+        let mut largest = [0; LANES];
+        for (k, word) in marks.iter_mut().enumerate() {
+            let (mut visits, mut changed) = (*word, 0);
+            while visits != 0 {
+                let bit = visits.trailing_zeros();
+                visits &= visits - 1;
+                let point = k * WORD + bit as usize;
+                let here = first + point * step;
+                let beside = here.wrapping_add_signed(behind);
+                let [state, before, beside, after] = points
+                    .get_disjoint_mut([here, beside - step, beside, beside + step])
+                    .expect("four points of a bordered array");
+                let behind = [&*before, &*beside, &*after];
+                if !TRACKS || K::may_change(state, behind, how) {
+                    let coefficients = &coefficients[point];
+                    // Not as a branch: nobody could foretell it.
+                    let wakes = K::update::<TRACKS>(state, behind, coefficients, how, &mut largest);
+                    changed |= u64::from(wakes) << bit;
+                }
+            }
+            if TRACKS {
+                *word = changed;
+            }
         }
-        if !TRACKS {
-            return LineChange { largest: u32::MAX, any: u32::MAX };
-        }
-        let most = |lanes: [u32; LANES]| lanes.into_iter().max().unwrap_or_default();
-        let largest = most(changes.largest);
-        LineChange { largest, any: largest.max(most(changes.any)) }
+        if TRACKS { largest.into_iter().max().unwrap_or_default() } else { u32::MAX }
     }
 }
