@@ -212,6 +212,10 @@ fn what_makes_no_matrix_is_refused() {
     refuses("-o d.npy --labels labels.npy", &["--sample"]);
     refuses("-o d.npy --sample 3 --labels d.npy", &["d.npy", "two outputs"]);
 
+    // 64 TB, more than any disk here; said before anything is computed.
+    let line = "pairwise builtin:plane:2000x2000 -o d.npy --wavefront curved";
+    bench.refuses(&bench.run(words(line)), &["d.npy", "61035157 MiB", "are free"]);
+
     // Distances beyond half precision.
     let flat = bench.flat(9, 9);
     let line = format!("pairwise {flat} --spacing 20000 --numbers float16 -o d.npy");
