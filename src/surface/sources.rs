@@ -196,8 +196,9 @@ impl Sources {
                     let first = *vertices.first().ok_or(SourceError::EmptyCurve)?;
                     let last = *vertices.last().unwrap_or(&first);
                     // An end on a side of a cell touches the cell beyond it too.
-                    for end in [first, last] {
-                        pieces.add(surface, [end, end])?;
+                    if vertices.len() == 1 || first.0 != last.0 {
+                        pieces.add(surface, [first, first])?;
+                        pieces.add(surface, [last, last])?;
                     }
                     for ends in vertices.windows(2) {
                         pieces.add(surface, [ends[0], ends[1]])?;
