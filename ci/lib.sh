@@ -72,6 +72,13 @@ list_missing() {
     if [[ -n ${1-} ]]; then
         need "validation layers" vulkan-validationlayers have_json 'VkLayer_khronos_validation.json'
         need "spirv-val, the SPIR-V checker" spirv-tools command -v spirv-val >/dev/null
+        need "X server without a screen, for the viewer's tests" xvfb command -v Xvfb >/dev/null
+        # The viewer loads these when it starts.
+        need "X11, for the viewer" libx11-6 have_library libX11.so.6
+        need "X11, for the viewer" libx11-xcb1 have_library libX11-xcb.so.1
+        need "pointers, for the viewer" libxcursor1 have_library libXcursor.so.1
+        need "input devices, for the viewer" libxi6 have_library libXi.so.6
+        need "keyboards, for the viewer" libxkbcommon-x11-0 have_library libxkbcommon-x11.so.0
     fi
 }
 
