@@ -5,6 +5,8 @@
 //! Click or drag moves the source; drag with the right button turns, the wheel zooms. S is the
 //! next surface, C the next schedule, W the next wavefront, Escape the end.
 //!
+//! docs/figures/viewer.png: `--surface sheet --frames 60 --picture docs/figures/viewer.png`.
+//!
 //! What is geosweep's in here is in `map.rs`; the order of a frame's passes is in `viewer.rs`.
 
 mod camera;

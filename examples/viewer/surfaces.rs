@@ -57,6 +57,22 @@ impl Name {
             Self::Sheet => Ok((Vec::new(), sheet())),
         }
     }
+
+    /// Whether a row and a column are on the grid.
+    pub fn check_source(self, [row, col]: [f32; 2]) -> Result<()> {
+        let Chart { rows, cols } = self.load()?.1.chart;
+        let (last_row, last_col) = (rows - 1, cols - 1);
+        let inside =
+            (0.0..=last_row as f32).contains(&row) && (0.0..=last_col as f32).contains(&col);
+        if inside {
+            return Ok(());
+        }
+        Err(format!(
+            "the source {row},{col} is not on the grid; its rows are 0 to {last_row}, its columns \
+             0 to {last_col}"
+        )
+        .into())
+    }
 }
 
 fn terrain() -> Result<(Vec<Vec4>, Look)> {
@@ -87,7 +103,7 @@ fn terrain() -> Result<(Vec<Vec4>, Look)> {
         spacing: 1.0,
         deforms: false,
         source: [297.0, 219.0],
-        camera: Camera { turn: 0.42, pitch: 0.60, distance: 66.0, height: -2.2 },
+        camera: Camera { turn: 0.36, pitch: 0.62, distance: 61.0, height: -2.6 },
     };
     Ok((heights.iter().enumerate().map(point).collect(), look))
 }
@@ -102,7 +118,7 @@ fn sheet() -> Look {
         softness: 4.0,
         spacing: 0.5,
         deforms: true,
-        source: [60.0, 50.0],
-        camera: Camera { turn: 0.6, pitch: 0.58, distance: 40.0, height: -1.2 },
+        source: [120.0, 52.0],
+        camera: Camera { turn: 0.6, pitch: 0.68, distance: 40.0, height: -1.5 },
     }
 }

@@ -71,6 +71,9 @@ pub struct Viewer {
 
 impl Viewer {
     pub fn new(window: &Window, options: Options) -> Result<Self> {
+        if let Some(source) = options.source {
+            options.surface.check_source(source)?;
+        }
         let mut gpu = Gpu::new(window, options.device.as_deref(), options.validate)?;
         let layout = Layout::new(&gpu)?;
         let target = Target::new(&gpu)?;
@@ -105,20 +108,6 @@ impl Viewer {
             .map(|&name| Stage::new(&mut gpu, name, &shared))
             .collect::<Result<_>>()?;
         let current = Name::ALL.iter().position(|&name| name == options.surface).unwrap_or(0);
-        if let Some([row, col]) = options.source {
-            let chart = stages[current].look.chart;
-            let last = [chart.rows - 1, chart.cols - 1];
-            let inside =
-                (0.0..=last[0] as f32).contains(&row) && (0.0..=last[1] as f32).contains(&col);
-            if !inside {
-                let [rows, cols] = last;
-                return Err(format!(
-                    "the source {row},{col} is not on the grid; its rows are 0 to {rows}, its \
-                     columns 0 to {cols}"
-                )
-                .into());
-            }
-        }
         let source = |index: usize| match options.source {
             Some(source) if index == current => source,
             _ => stages[index].look.source,

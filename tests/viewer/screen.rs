@@ -76,10 +76,14 @@ impl Screen {
             let tree = self.connection.query_tree(self.root).unwrap().reply().unwrap();
             tree.children.into_iter().find(|&window| self.title(window).starts_with("geosweep: "))
         });
+        self.focus(window);
+        window
+    }
+
+    fn focus(&self, window: Window) {
         let parent = InputFocus::PARENT;
         let focused = self.connection.set_input_focus(parent, window, x11rb::CURRENT_TIME);
         focused.unwrap().check().unwrap();
-        window
     }
 
     fn atom(&self, name: &str) -> u32 {
@@ -163,6 +167,7 @@ impl Screen {
 
     pub fn show(&self, window: Window) {
         self.connection.map_window(window).unwrap().check().unwrap();
+        self.focus(window);
     }
 
     /// What a window manager sends when the user closes the window.

@@ -94,10 +94,10 @@ fn fragment(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) ve
     let up = normalize(in.normal);
     let normal = select(-up, up, front);
     let light = normalize(LIGHT);
-    let open = mix(0.35, 1.0, in.open * in.open);
+    let open = mix(0.15, 1.0, in.open * in.open);
     let sun = max(dot(normal, light), 0.0) * mix(0.6, 1.0, in.open);
     let sky = 0.5 + 0.5 * normal.y;
-    let lit = vec3(1.0, 0.96, 0.90) * 1.02 * sun + vec3(0.86, 0.93, 1.0) * 0.46 * sky * open;
+    let lit = vec3(1.0, 0.96, 0.90) * 1.12 * sun + vec3(0.86, 0.93, 1.0) * 0.40 * sky * open;
     let halfway = normalize(light + toward_eye);
     let gloss = 0.10 * pow(max(dot(normal, halfway), 0.0), 40.0) * sun;
     color = color * lit + gloss;
