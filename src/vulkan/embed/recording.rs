@@ -100,7 +100,8 @@ impl<'a> Recording<'a> {
 
     /// Brings the new surface's images into their layouts. To be recorded once, before anything
     /// else. It also dispatches nothing of every pass, since drivers may compile a pipeline at its
-    /// first dispatch.
+    /// first dispatch. Recorded again, after [`Solver::add_passes`] for example, it forgets the edge
+    /// lengths: [`Recording::measure`] has to follow.
     pub fn prepare(&self) {
         let Self { recorder, solver, surface } = self;
         recorder.prepare();
