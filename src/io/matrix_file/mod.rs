@@ -48,7 +48,7 @@ const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(5);
 /// file.append(&[3.0, 0.0, 5.0, 4.0, 5.0, 0.0])?;
 /// file.finish()?;
 /// assert_eq!(read_matrix(&path)?.distances[5], 5.0);
-/// # Ok::<(), geosweep::io::IoError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
 pub struct MatrixFile {
