@@ -47,6 +47,16 @@ fn the_matrix_holds_the_maps_of_all_points() {
 }
 
 #[test]
+fn the_solver_is_timed_alone() {
+    let bench = Bench::new();
+    let report = json(&bench.run(words(&format!("pairwise {SPHERE} --json"))));
+    assert_eq!((&report["rows"], &report["disk_bytes"]), (&POINTS.into(), &0.into()));
+    assert_eq!(bench.outputs(), [""; 0]);
+    bench.refuses(&bench.run(words(&format!("pairwise {SPHERE}"))), &["--output"]);
+    bench.refuses(&bench.run(words(&format!("pairwise {SPHERE} --json --resume"))), &["--output"]);
+}
+
+#[test]
 fn rows_triangles_halves_and_means_fit_together() {
     let bench = Bench::new();
     let run = |options: &str| {

@@ -37,9 +37,10 @@ pub struct Args {
     #[command(flatten)]
     surface: SurfaceArgs,
     /// Where to write the distances: .npy, float32, (n, n) for the n points of the grid in row-major
-    /// order, +infinity where no path leads and throughout for a hole
-    #[arg(short, long, value_name = "D.npy")]
-    output: PathBuf,
+    /// order, +infinity where no path leads and throughout for a hole. With --json it may be left
+    /// out, to time the solver alone
+    #[arg(short, long, value_name = "D.npy", required_unless_present = "json")]
+    output: Option<PathBuf>,
     /// Only the rows of these points, (k, n): a range A..B of rows of the matrix, without B; or a
     /// file: .npy, (k,) for rows of the matrix or (k, 2) for rows and columns of the grid, as
     /// `geosweep sample` writes, or text with a line `row,col` per point
@@ -75,7 +76,7 @@ pub struct Args {
     solver: SolverArgs,
     /// Go on with D.npy.part, which an interrupted command has left: the same bytes as without the
     /// interruption. Begins if there is none
-    #[arg(long)]
+    #[arg(long, requires = "output")]
     resume: bool,
     /// Print one JSON object: rows, points, engine, device, wavefront, iterations (of the slowest
     /// map), converged, residual, solve_seconds, distances_per_second, resumed_rows, memory_bytes
@@ -135,7 +136,7 @@ fn sample_size(text: &str) -> Result<usize, String> {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let (output, labels) = args.outputs()?;
+    let Outputs { matrix, labels } = Outputs::new(args)?;
     let scene = args.surface.read()?;
     let surface = &scene.surface;
     let samples = args.sample.map(|count| Samples::new(surface, count)).transpose()?;
@@ -157,15 +158,16 @@ pub fn run(args: &Args) -> Outcome {
     };
     let held = if args.from_symmetry { points * points * size_of::<f32>() } else { 0 };
     let memory_bytes = held + pairwise.bytes();
-    say("note", needs(layout, memory_bytes));
+    let disk_bytes = matrix.as_ref().map_or(0, |_| layout.bytes());
+    say("note", needs(layout, memory_bytes, disk_bytes));
 
-    let made_from = args.provenance(surface, &sources)?;
-    let mut file = if args.resume {
-        MatrixFile::resume(output, layout, made_from)?
-    } else {
-        MatrixFile::begin(output, layout, made_from)?
+    let begin = |output| {
+        let made_from = args.provenance(surface, &sources)?;
+        let file = if args.resume { MatrixFile::resume } else { MatrixFile::begin };
+        Ok::<_, Box<dyn Error>>(file(output, layout, made_from)?)
     };
-    let resumed_rows = file.rows();
+    let mut file = matrix.map(begin).transpose()?;
+    let resumed_rows = file.as_ref().map_or(0, MatrixFile::rows);
     if resumed_rows > 0 {
         say("note", format_args!("goes on after row {resumed_rows} of {}", layout.rows));
     }
@@ -177,26 +179,26 @@ pub fn run(args: &Args) -> Outcome {
     })?;
     let bar = progress(layout.rows, resumed_rows);
     let solved = if args.from_symmetry {
-        by_symmetry(&mut pairwise, &mut file, &bar)
+        by_symmetry(&mut pairwise, file.as_mut(), &bar)
     } else {
-        row_by_row(&mut pairwise, &mut file, &sources[resumed_rows..], &bar)
+        row_by_row(&mut pairwise, file.as_mut(), &sources[resumed_rows..], &bar)
     };
     bar.finish_and_clear();
     let report = match solved {
         Ok(report) => report,
-        Err(Stopped::Interrupted) => {
-            let rows = file.rows();
-            file.pause()?;
-            let all = layout.rows;
-            return Err(format!(
-                "interrupted after {rows} of {all} rows; the same command with --resume goes on"
-            )
-            .into());
-        }
         Err(stopped) => {
+            let rows = file.as_ref().map_or(0, MatrixFile::rows);
             // What is there is good, whatever has failed since.
-            let _ = file.pause();
-            return Err(stopped.into());
+            let paused = file.map_or(Ok(()), MatrixFile::pause);
+            return match stopped {
+                Stopped::Interrupted if rows > 0 => {
+                    paused?;
+                    let all = layout.rows;
+                    let what = format!("interrupted after {rows} of {all} rows");
+                    Err(format!("{what}; the same command with --resume goes on").into())
+                }
+                stopped => Err(stopped.into()),
+            };
         }
     };
     {
@@ -205,7 +207,7 @@ pub fn run(args: &Args) -> Outcome {
             output.stage(|writer| write_labels(writer, surface.chart(), &samples.regions))
         });
         let labels = labels.transpose()?;
-        file.finish()?;
+        file.map_or(Ok(()), MatrixFile::finish)?;
         labels.map_or(Ok(()), StagedFile::commit)?;
     }
     if !report.converged() {
@@ -213,25 +215,32 @@ pub fn run(args: &Args) -> Outcome {
     }
     if args.json {
         let places = samples.as_ref().map(|samples| samples.places(surface.chart()));
-        let bytes = (memory_bytes, layout.bytes());
+        let bytes = (memory_bytes, disk_bytes);
         let summary = Summary::new(&report, resumed_rows, bytes, places);
         print(serde_json::to_string(&summary)?)?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-impl Args {
-    /// Where the matrix and the labels go.
-    fn outputs(&self) -> Result<(OutputFile, Option<OutputFile>), Box<dyn Error>> {
-        let output = output_file(&self.output, "a matrix is", "npy")?;
-        let labels = self.labels.as_deref().map(labels_output).transpose()?;
-        let files = self.sources.iter().filter_map(RowsOf::file);
-        let inputs = self.surface.inputs().chain(files).map(AsRef::as_ref);
-        let outputs: Vec<_> = std::iter::once(&output).chain(&labels).collect();
-        check_outputs(&outputs, inputs)?;
-        Ok((output, labels))
-    }
+/// The files to write, checked before the work begins.
+struct Outputs {
+    matrix: Option<OutputFile>,
+    labels: Option<OutputFile>,
+}
 
+impl Outputs {
+    fn new(args: &Args) -> Result<Self, Box<dyn Error>> {
+        let matrix = args.output.as_deref().map(|path| output_file(path, "a matrix is", "npy"));
+        let matrix = matrix.transpose()?;
+        let labels = args.labels.as_deref().map(labels_output).transpose()?;
+        let files = args.sources.iter().filter_map(RowsOf::file);
+        let inputs = args.surface.inputs().chain(files).map(AsRef::as_ref);
+        check_outputs(&matrix.iter().chain(&labels).collect::<Vec<_>>(), inputs)?;
+        Ok(Self { matrix, labels })
+    }
+}
+
+impl Args {
     fn sources(&self, surface: &Surface) -> Result<Vec<usize>, Box<dyn Error>> {
         let chart = surface.chart();
         let Some(rows) = &self.sources else { return Ok((0..chart.points()).collect()) };
@@ -296,12 +305,14 @@ impl Samples {
 /// Computes rows and writes them.
 fn row_by_row(
     pairwise: &mut Pairwise,
-    file: &mut MatrixFile,
+    mut file: Option<&mut MatrixFile>,
     sources: &[usize],
     bar: &ProgressBar,
 ) -> Result<PairwiseReport, Stopped> {
     pairwise.rows(sources, |rows: Rows| {
-        file.append(rows.distances)?;
+        if let Some(file) = &mut file {
+            file.append(rows.distances)?;
+        }
         bar.inc(rows.sources.len() as u64);
         if INTERRUPTED.load(Ordering::SeqCst) { Err(Stopped::Interrupted) } else { Ok(()) }
     })
@@ -310,23 +321,25 @@ fn row_by_row(
 /// Computes the matrix in memory, and writes it.
 fn by_symmetry(
     pairwise: &mut Pairwise,
-    file: &mut MatrixFile,
+    file: Option<&mut MatrixFile>,
     bar: &ProgressBar,
 ) -> Result<PairwiseReport, Stopped> {
     let (matrix, report) = pairwise.matrix_by_symmetry(|rows| bar.inc(rows as u64))?;
-    file.append(&matrix)?;
+    if let Some(file) = file {
+        file.append(&matrix)?;
+    }
     Ok(report)
 }
 
 /// What will be taken, before anything is.
-fn needs(layout: MatrixLayout, memory: usize) -> String {
+fn needs(layout: MatrixLayout, memory: usize, disk: u64) -> String {
     let sizes: Vec<_> = layout.shape().iter().map(usize::to_string).collect();
     let mib = |bytes: u64| bytes.div_ceil(1 << 20);
     format!(
         "{} distances of {}: {} MiB on disk, {} MiB of memory",
         sizes.join(" x "),
         layout.element.name(),
-        mib(layout.bytes()),
+        mib(disk),
         mib(memory as u64)
     )
 }
