@@ -1,0 +1,214 @@
+//! What a source consists of, piece by piece, and the front that starts from it at grid points.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::{DVec2, DVec3};
+
+use super::cell::{Cell, cells_around, grid_crossings};
+use super::{Seed, SourceError};
+use crate::surface::{Sample, Surface};
+
+/// How a curve runs through one of its vertices.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Vertex {
+    /// It ends or turns sharply there: the front fans out as from a point.
+    Corner,
+    /// It bends gently: its curvature vector, towards the centre of the bend.
+    Smooth(DVec3),
+}
+
+/// A curve that turns by less than 30 degrees at a vertex is taken for a smooth one.
+const SMOOTH_TURN_COSINE: f64 = 0.866;
+
+/// How a curve runs through its vertices. Only positions tell a bend's size; on a surface known by
+/// its metric, curves are as straight as their segments.
+pub(super) fn bends(surface: &Surface, vertices: &[DVec2]) -> Vec<Vertex> {
+    let closed = vertices.len() > 2 && vertices.first() == vertices.last();
+    let place = |at: DVec2| match surface.place(at) {
+        Some(Sample::Position(position)) => Some(position),
+        _ => None,
+    };
+    let last = vertices.len().saturating_sub(1);
+    (0..vertices.len())
+        .map(|index| {
+            let (before, after) = match index {
+                _ if index > 0 && index < last => (index - 1, index + 1),
+                _ if closed => (last - 1, 1),
+                _ => return Vertex::Corner,
+            };
+            let places = [before, index, after].map(|index| place(vertices[index]));
+            let [Some(a), Some(b), Some(c)] = places else { return Vertex::Smooth(DVec3::ZERO) };
+            let (Some(into), Some(out)) = ((b - a).try_normalize(), (c - b).try_normalize()) else {
+                return Vertex::Smooth(DVec3::ZERO);
+            };
+            if into.dot(out) < SMOOTH_TURN_COSINE {
+                return Vertex::Corner;
+            }
+            Vertex::Smooth((out - into) / (0.5 * (a.distance(b) + b.distance(c))))
+        })
+        .collect()
+}
+
+/// The part of a source that lies in one cell: a straight segment, or a point.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    cell: Cell,
+    /// The geometry at its ends, and the place in its middle.
+    a: Sample,
+    b: Sample,
+    middle: DVec2,
+    /// From where to where on its segment it reaches, and that segment's ends.
+    cut: (f64, f64),
+    ends: [(DVec2, Vertex); 2],
+}
+
+/// A source cut at the grid's lines, by cell.
+#[derive(Default)]
+pub(super) struct Pieces {
+    by_cell: BTreeMap<(usize, usize), Vec<Piece>>,
+}
+
+impl Pieces {
+    /// Cuts a straight segment of the chart into pieces.
+    pub(super) fn add(
+        &mut self,
+        surface: &Surface,
+        ends: [(DVec2, Vertex); 2],
+    ) -> Result<(), SourceError> {
+        let (from, to) = (ends[0].0, ends[1].0);
+        check_inside(surface, from)?;
+        check_inside(surface, to)?;
+        let cuts = grid_crossings(from, to);
+        for cut in cuts.windows(2) {
+            let (a, b) = (from.lerp(to, cut[0]), from.lerp(to, cut[1]));
+            // Both ends of a piece lie on the border of the cell that its middle is in.
+            let middle = 0.5 * (a + b);
+            let mut found = false;
+            for cell in cells_around(surface, middle) {
+                let ab = cell.sample(surface, a).zip(cell.sample(surface, b));
+                let Some((a, b)) = ab else { continue };
+                let piece = Piece { cell, a, b, middle, cut: (cut[0], cut[1]), ends };
+                self.by_cell.entry((cell.rows.0, cell.cols.0)).or_default().push(piece);
+                found = true;
+            }
+            if !found {
+                return Err(SourceError::Hole { row: middle.x, col: middle.y });
+            }
+        }
+        Ok(())
+    }
+
+    /// The first place of the source.
+    pub(super) fn first(&self) -> DVec2 {
+        self.by_cell.values().flatten().map(|piece| piece.ends[0].0).next().unwrap_or_default()
+    }
+
+    /// The corners of all cells with a piece in them.
+    pub(super) fn corners(&self, surface: &Surface) -> BTreeSet<(usize, usize)> {
+        let cells = self.by_cell.values().flatten().map(|piece| piece.cell);
+        cells.flat_map(Cell::corners).filter(|&(row, col)| surface.has(row, col)).collect()
+    }
+
+    /// The initial value at a corner: from the nearest piece of the cells around it, and of those
+    /// one further, where no hole can lie between.
+    pub(super) fn seed(&self, surface: &Surface, row: usize, col: usize, initial: f64) -> Seed {
+        let rows = row.saturating_sub(2)..=row + 2;
+        let cols = col.saturating_sub(2)..=col + 2;
+        let whole = rows.clone().all(|r| {
+            cols.clone().all(|c| r >= surface.rows() || c >= surface.cols() || surface.has(r, c))
+        });
+        let reach = if whole { 2 } else { 1 };
+        let cells = (row.saturating_sub(reach)..row + reach)
+            .flat_map(|r| (col.saturating_sub(reach)..col + reach).map(move |c| (r, c)));
+        let pieces = cells.filter_map(|cell| self.by_cell.get(&cell)).flatten();
+        let own = |piece: &&Piece| whole || piece.cell.corners().contains(&(row, col));
+        pieces
+            .filter(own)
+            .map(|piece| surface.seed_from(row, col, initial, piece))
+            .min_by(|a, b| a.time.total_cmp(&b.time))
+            .expect("a corner belongs to a cell with a piece in it")
+    }
+}
+
+fn check_inside(surface: &Surface, at: DVec2) -> Result<(), SourceError> {
+    let (last_row, last_col) = (surface.rows() - 1, surface.cols() - 1);
+    let inside = (0.0..=last_row as f64).contains(&at.x) && (0.0..=last_col as f64).contains(&at.y);
+    if inside {
+        Ok(())
+    } else {
+        Err(SourceError::Outside { row: at.x, col: at.y, last_row, last_col })
+    }
+}
+
+impl Surface {
+    /// The initial value at a grid point from a piece of a source.
+    fn seed_from(&self, row: usize, col: usize, initial: f64, piece: &Piece) -> Seed {
+        let Piece { a, b, middle, cut, ends, .. } = *piece;
+        let corner = self.geometry().sample(self.chart(), row, col);
+        let foot = corner.foot_on(a, b);
+        let nearest = Sample::interpolate(&[(1.0 - foot, a), (foot, b)]);
+        let weight = self.slowness().map_or(1.0, |slowness| {
+            0.5 * (slowness[self.chart().index(row, col)] + self.slowness_near(slowness, middle))
+        });
+        let distance = weight * corner.length_to(nearest);
+        let foot = cut.0 + foot * (cut.1 - cut.0);
+        let curvature = self.seed_curvature((row, col), distance, foot, ends);
+        Seed { row, col, time: initial + distance, curvature }
+    }
+
+    /// Curvature of the front at a grid point some distance from the place `foot` of a segment.
+    fn seed_curvature(
+        &self,
+        (row, col): (usize, usize),
+        distance: f64,
+        foot: f64,
+        [start, end]: [(DVec2, Vertex); 2],
+    ) -> f64 {
+        let as_from_point = if distance > 0.0 { 1.0 / distance } else { Seed::AT_SOURCE };
+        let bend = match (start.1, end.1) {
+            _ if start.0 == end.0 => return as_from_point,
+            (Vertex::Corner, _) if foot <= 1e-12 && distance > 0.0 => return as_from_point,
+            (_, Vertex::Corner) if foot >= 1.0 - 1e-12 && distance > 0.0 => return as_from_point,
+            (Vertex::Smooth(a), Vertex::Smooth(b)) => a.lerp(b, foot),
+            (Vertex::Smooth(bend), Vertex::Corner) | (Vertex::Corner, Vertex::Smooth(bend)) => bend,
+            (Vertex::Corner, Vertex::Corner) => DVec3::ZERO,
+        };
+        let place = self.place(start.0.lerp(end.0, foot));
+        let (Some(Sample::Position(place)), Some(point)) = (place, self.position(row, col)) else {
+            return 0.0;
+        };
+        // The front spreads on the outer side of the bend. On the curve itself it goes both ways.
+        let side = (point - place).normalize_or_zero().dot(bend);
+        -side / (1.0 - side * distance).max(0.1)
+    }
+
+    /// Whether a place, as fractional row and column, is on the grid and in no hole.
+    pub(crate) fn contains(&self, at: DVec2) -> bool {
+        self.place(at).is_some()
+    }
+
+    /// The geometry between grid points; `None` in a hole.
+    pub(crate) fn place(&self, at: DVec2) -> Option<Sample> {
+        check_inside(self, at).ok()?;
+        cells_around(self, at).into_iter().find_map(|cell| cell.sample(self, at))
+    }
+
+    /// The slowness between grid points, bilinear over those that are there.
+    fn slowness_near(&self, slowness: &[f64], at: DVec2) -> f64 {
+        let (row, col) = (at.x as usize, at.y as usize);
+        let (v, u) = (at.x.fract(), at.y.fract());
+        let corners = [
+            ((1.0 - v) * (1.0 - u), row, col),
+            ((1.0 - v) * u, row, col + 1),
+            (v * (1.0 - u), row + 1, col),
+            (v * u, row + 1, col + 1),
+        ];
+        let (sum, weights) = corners
+            .into_iter()
+            .filter(|&(weight, row, col)| weight > 0.0 && self.has(row, col))
+            .fold((0.0, 0.0), |(sum, weights), (weight, row, col)| {
+                (sum + weight * slowness[self.chart().index(row, col)], weights + weight)
+            });
+        sum / weights
+    }
+}
