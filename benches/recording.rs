@@ -3,7 +3,7 @@
 //!
 //! `cargo bench --bench recording`
 
-#[path = "../tests/embed/host.rs"]
+#[path = "../tests/embed/host/mod.rs"]
 mod host;
 
 use std::time::{Duration, Instant};

@@ -4,7 +4,7 @@
 //!
 //! `cargo run --release --features formats --example render -- picture.png`
 
-#[path = "../tests/embed/host.rs"]
+#[path = "../tests/embed/host/mod.rs"]
 mod host;
 
 use std::error::Error;

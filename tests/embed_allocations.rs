@@ -3,7 +3,7 @@
 //!
 //! A binary of its own, since it replaces the global allocator.
 
-#[path = "embed/host.rs"]
+#[path = "embed/host/mod.rs"]
 mod host;
 
 use std::alloc::{GlobalAlloc, Layout, System};
