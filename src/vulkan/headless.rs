@@ -138,15 +138,6 @@ impl Context {
         self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Bytes of the largest memory heap.
-    pub(crate) fn largest_heap(&self) -> u64 {
-        // SAFETY: the physical device is from this instance.
-        let memory = unsafe {
-            self.instance.handle.get_physical_device_memory_properties(self.physical_device)
-        };
-        memory.memory_heaps_as_slice().iter().map(|heap| heap.size).max().unwrap_or(0)
-    }
-
     /// Records, submits and waits.
     pub(crate) fn run(
         self: &Arc<Self>,

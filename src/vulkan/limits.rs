@@ -17,7 +17,7 @@ pub(crate) struct Limits {
     /// Bytes of an image.
     largest_image: u64,
     /// Bytes of the largest heap.
-    heap: u64,
+    pub(crate) heap: u64,
     /// Bytes of a buffer that a shader sees.
     pub(crate) storage_range: u64,
 }

@@ -122,7 +122,7 @@ impl Solver {
             let available = limits.shared_memory;
             return Err(VulkanError::NotInSharedMemory { rows, cols, device, available });
         };
-        let available = context.largest_heap();
+        let available = self.pipelines.limits.heap;
         if layout.bytes() > available || layout.distances() > limits.buffer {
             let (needed, available) = (layout.bytes() >> 20, available.min(limits.buffer) >> 20);
             return Err(VulkanError::TooMuchMemory { rows, cols, device, needed, available });
