@@ -3,11 +3,11 @@
 
 use std::ffi::OsStr;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use assert_cmd::cargo::cargo_bin_cmd;
-use geosweep::io::write_npy;
+use geosweep::io::{read_map, write_npy};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -76,6 +76,11 @@ impl Bench {
 
 pub fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// The distances of a map.
+pub fn map(path: &Path) -> Vec<f64> {
+    read_map(path).unwrap().values
 }
 
 pub fn json(output: &Output) -> Value {
