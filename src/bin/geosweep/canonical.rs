@@ -20,7 +20,7 @@ use serde::Serialize;
 use crate::output_file::png_output;
 use crate::picture::FormPicture;
 use crate::picture::scene::grid_triangles;
-use crate::problem::{SurfaceArgs, builtin_names, check_outputs};
+use crate::problem::{SurfaceArgs, builtin_names, check_outputs, warn_of_no_convergence};
 use crate::spinner::Spinner;
 use crate::{Outcome, print, say, study};
 
@@ -55,8 +55,8 @@ pub struct Args {
     #[arg(long, value_name = "T", default_value_t = canonical::DEFAULT_TOLERANCE)]
     #[arg(allow_hyphen_values = true, help_heading = "Solver")]
     tolerance: f64,
-    /// The front assumed between points when distances are computed: planar, point-source, curved
-    #[arg(long, value_name = "FRONT", default_value = "curved", value_parser = wavefront)]
+    /// The front assumed between points when distances are computed: planar, point or curved
+    #[arg(long, value_name = "FRONT", default_value = "curved", value_parser = study::wavefront)]
     #[arg(help_heading = "Solver")]
     wavefront: Wavefront,
 
@@ -95,14 +95,6 @@ fn points(text: &str) -> Result<usize, String> {
         Ok(points @ 2..=16384) => Ok(points),
         _ => Err(format!("`{text}` is no number of points from 2 to 16384")),
     }
-}
-
-fn wavefront(text: &str) -> Result<Wavefront, String> {
-    let found = Wavefront::ALL.into_iter().find(|wavefront| study::label(*wavefront) == text);
-    found.ok_or_else(|| {
-        let names = Wavefront::ALL.map(study::label);
-        format!("`{text}` is no wavefront; choose from {}", names.join(", "))
-    })
 }
 
 pub fn run(args: &Args) -> Outcome {
@@ -217,8 +209,11 @@ impl Problem {
         let options = Options { wavefront: Some(args.wavefront), ..Options::default() };
         let mut pairwise = Pairwise::new(surface, &options)?;
         let bar = study::progress(points.len()).with_message("computing distances");
-        let (matrix, _) = pairwise.among(&points, |rows| bar.inc(rows as u64))?;
+        let (matrix, report) = pairwise.among(&points, |rows| bar.inc(rows as u64))?;
         bar.finish_and_clear();
+        if !report.converged() {
+            warn_of_no_convergence(report.iterations, report.residual, report.tolerance);
+        }
         let given = points.iter().filter(|&&point| surface.present()[point]).count();
         Ok(Self { chart: Some(chart), points: points.len(), matrix, given })
     }
