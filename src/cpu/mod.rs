@@ -19,6 +19,7 @@ mod progress;
 mod raster_scan;
 mod rotated_scan;
 mod state;
+mod stream;
 mod tiles;
 mod transpose;
 mod twins;

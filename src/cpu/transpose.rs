@@ -69,46 +69,49 @@ mod avx2 {
         let (rows, cols) = (block.rows & !7, block.cols & !7);
         for col in (0..cols).step_by(8) {
             for row in (0..rows).step_by(8) {
-                eight(from, to, block.part(row, col, 8, 8));
+                let part = block.part(row, col, 8, 8);
+                let last = |first: usize, stride: usize| first + 7 * stride + 8;
+                assert!(last(part.from, part.from_stride) <= from.len());
+                assert!(last(part.to, part.to_stride) <= to.len());
+                // SAFETY: the last of eight lines of eight lies within each array, so all do.
+                unsafe {
+                    let from = from.as_ptr().add(part.from);
+                    eight(from, part.from_stride, to.as_mut_ptr().add(part.to), part.to_stride);
+                }
             }
         }
         one_by_one(from, to, block.part(0, cols, block.rows, block.cols - cols));
         one_by_one(from, to, block.part(rows, 0, block.rows - rows, cols));
     }
 
+    /// # Safety
+    /// Eight lines of eight numbers must lie a stride apart from each pointer on.
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn eight(from: &[f32], to: &mut [f32], block: Block) {
-        let from = &from[block.from..];
-        let line = |r: usize| -> __m256 {
-            let line: [f32; 8] = from[r * block.from_stride..][..8].try_into().expect("eight");
-            bytemuck::cast(line)
+    unsafe fn eight(from: *const f32, from_stride: usize, to: *mut f32, to_stride: usize) {
+        // Half a line and the same half of the fourth line after it, for free while loading.
+        // SAFETY: the caller's.
+        let halves = |line: usize, half: usize| unsafe {
+            let near = from.add(line * from_stride + 4 * half);
+            let (near, far) = (_mm_loadu_ps(near), _mm_loadu_ps(near.add(4 * from_stride)));
+            _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(near), far)
         };
-        let [a, b, c, d, e, f, g, h] =
-            [line(0), line(1), line(2), line(3), line(4), line(5), line(6), line(7)];
-        // Pairs of lines, then fours, then all eight interleaved.
-        let (ab0, ab1) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
-        let (cd0, cd1) = (_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
-        let (ef0, ef1) = (_mm256_unpacklo_ps(e, f), _mm256_unpackhi_ps(e, f));
-        let (gh0, gh1) = (_mm256_unpacklo_ps(g, h), _mm256_unpackhi_ps(g, h));
-        let low = [
-            _mm256_shuffle_ps::<0x44>(ab0, cd0),
-            _mm256_shuffle_ps::<0xee>(ab0, cd0),
-            _mm256_shuffle_ps::<0x44>(ab1, cd1),
-            _mm256_shuffle_ps::<0xee>(ab1, cd1),
-        ];
-        let high = [
-            _mm256_shuffle_ps::<0x44>(ef0, gh0),
-            _mm256_shuffle_ps::<0xee>(ef0, gh0),
-            _mm256_shuffle_ps::<0x44>(ef1, gh1),
-            _mm256_shuffle_ps::<0xee>(ef1, gh1),
-        ];
-        let to = &mut to[block.to..];
-        for k in 0..4 {
-            let near: [f32; 8] = bytemuck::cast(_mm256_permute2f128_ps::<0x20>(low[k], high[k]));
-            let far: [f32; 8] = bytemuck::cast(_mm256_permute2f128_ps::<0x31>(low[k], high[k]));
-            to[k * block.to_stride..][..8].copy_from_slice(&near);
-            to[(k + 4) * block.to_stride..][..8].copy_from_slice(&far);
+        for half in 0..2 {
+            let [a, b, c, d] = [halves(0, half), halves(1, half), halves(2, half), halves(3, half)];
+            // Pairs of lines, then fours.
+            let (ab0, ab1) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
+            let (cd0, cd1) = (_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
+            let lines = [
+                _mm256_shuffle_ps::<0x44>(ab0, cd0),
+                _mm256_shuffle_ps::<0xee>(ab0, cd0),
+                _mm256_shuffle_ps::<0x44>(ab1, cd1),
+                _mm256_shuffle_ps::<0xee>(ab1, cd1),
+            ];
+            for (line, numbers) in lines.into_iter().enumerate() {
+                let to = to.wrapping_add((4 * half + line) * to_stride);
+                // SAFETY: the caller's.
+                unsafe { _mm256_storeu_ps(to, numbers) };
+            }
         }
     }
 }

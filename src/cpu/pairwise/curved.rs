@@ -36,7 +36,7 @@ impl Kernel for Curved {
     }
 
     #[inline(always)]
-    fn may_change(here: &Fronts, behind: [&Fronts; 3], how: How) -> bool {
+    fn may_change(here: &Fronts, behind: [&Fronts; 3], _: &Fan, how: How) -> bool {
         let mut renewed = false;
         for lane in 0..LANES {
             let (_, brought_by) = front(here.times.0[lane], here.curvatures.0[lane]);
@@ -54,7 +54,7 @@ impl Kernel for Curved {
         largest: &mut [u32; LANES],
     ) -> bool {
         let Fan { edges, bases, gaussian } = fan;
-        let mut wakes = false;
+        let mut wakes = !TRACKS;
         for (lane, largest) in largest.iter_mut().enumerate() {
             let [a, b, c] = behind.map(|fronts| (fronts.times.0[lane], fronts.curvatures.0[lane]));
             let side = |near: (f32, f32), far: (f32, f32), k: usize| {

@@ -32,7 +32,7 @@ impl Lanes {
     }
 
     /// Takes the times that are earlier than these. Returns whether one of them is by more than
-    /// `how` wants; the largest changes are noted if `TRACKS`.
+    /// `how` wants; the largest changes are noted if `TRACKS`, else all count as large.
     #[inline(always)]
     pub(super) fn lower<const TRACKS: bool>(
         &mut self,
@@ -40,7 +40,7 @@ impl Lanes {
         how: How,
         largest: &mut [u32; LANES],
     ) -> bool {
-        let mut wakes = false;
+        let mut wakes = !TRACKS;
         for lane in 0..LANES {
             let old = self.0[lane];
             let new = min(old, times[lane]);
@@ -96,9 +96,13 @@ pub(super) trait Kernel: Sized + 'static {
     /// Makes a point the source of one of the maps.
     fn start(state: &mut Self::State, lane: usize, seed: Seed);
 
-    /// Whether an update could change a point, as a cheap test sees it: no front comes from points
-    /// that it reaches later.
-    fn may_change(here: &Self::State, behind: [&Self::State; 3], how: How) -> bool;
+    /// Whether an update could change a point by more than rounding, as a cheap test sees it.
+    fn may_change(
+        here: &Self::State,
+        behind: [&Self::State; 3],
+        coefficients: &Self::Coefficients,
+        how: How,
+    ) -> bool;
 
     /// Updates a point from the three behind; returns whether a map has changed by more than `how`
     /// wants. The largest changes of arrival times, in units of their precision, are noted if

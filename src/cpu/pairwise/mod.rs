@@ -7,7 +7,9 @@ mod marks;
 mod pending;
 mod planar;
 mod point_source;
+mod reach;
 mod scans;
+mod stage;
 
 use super::{Convergence, Instructions, Stop};
 use crate::surface::{Chart, EdgeLengths};
@@ -77,6 +79,19 @@ impl PairwiseScan {
     /// # Panics
     /// If there are more sources, or `into` does not have as many rows of as many points.
     pub fn solve(&self, sources: &[Option<usize>], stop: Stop, into: &mut [f32]) -> Convergence {
+        self.solve_from(sources, Known::NOTHING, stop, &mut self.rows(into))
+    }
+
+    /// The same with rows anywhere in memory, and only for the sources that have one.
+    ///
+    /// # Panics
+    /// As [`Self::solve`].
+    pub fn solve_rows(
+        &self,
+        sources: &[Option<usize>],
+        stop: Stop,
+        into: &mut [Option<&mut [f32]>],
+    ) -> Convergence {
         self.solve_from(sources, Known::NOTHING, stop, into)
     }
 
@@ -103,7 +118,13 @@ impl PairwiseScan {
             source.is_none_or(|source| source == first + lane)
         };
         assert!(sources.iter().enumerate().all(follow), "sources follow one another");
-        self.solve_from(sources, Known { rows, count, column: first }, stop, into)
+        self.solve_from(sources, Known { rows, count, column: first }, stop, &mut self.rows(into))
+    }
+
+    fn rows<'a>(&self, matrix: &'a mut [f32]) -> Vec<Option<&'a mut [f32]>> {
+        let points = self.chart.points();
+        assert!(matrix.len().is_multiple_of(points), "whole rows");
+        matrix.chunks_exact_mut(points).map(Some).collect()
     }
 
     fn solve_from(
@@ -111,10 +132,12 @@ impl PairwiseScan {
         sources: &[Option<usize>],
         known: Known,
         stop: Stop,
-        into: &mut [f32],
+        into: &mut [Option<&mut [f32]>],
     ) -> Convergence {
         assert!(sources.len() <= LANES, "a batch has at most {LANES} sources");
-        assert_eq!(into.len(), sources.len() * self.chart.points(), "a row for each source");
+        assert_eq!(into.len(), sources.len(), "a row for each source");
+        let points = self.chart.points();
+        assert!(into.iter().flatten().all(|row| row.len() == points), "rows of {points} points");
         let instructions = self.instructions;
         match &self.fronts {
             Fronts::Planar(scans) => scans.solve(sources, known, stop, instructions, into),

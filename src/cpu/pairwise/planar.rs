@@ -1,6 +1,7 @@
 //! The planar wavefront in lanes, from coefficients that all maps share.
 
 use super::kernel::{Fan, How, Kernel, LANES, Lanes};
+use super::reach::Reach;
 use crate::surface::{Real, Seed, max, min};
 use crate::update::Corner;
 
@@ -18,6 +19,13 @@ pub(super) struct Triangle {
     w: f32,
     alpha: f32,
     beta: f32,
+}
+
+/// What the update needs of a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Coefficients {
+    reach: Reach,
+    triangles: [Triangle; 2],
 }
 
 impl Triangle {
@@ -55,14 +63,17 @@ impl Triangle {
 
 impl Kernel for Planar {
     type State = Lanes;
-    type Coefficients = [Triangle; 2];
+    type Coefficients = Coefficients;
 
     const UNREACHED: Lanes = Lanes::all(f32::FAR);
 
-    fn coefficients(fan: Fan) -> [Triangle; 2] {
+    fn coefficients(fan: Fan) -> Coefficients {
         let [before, beside, after] = fan.edges;
         let [first, second] = fan.bases;
-        [Triangle::new(before, beside, first), Triangle::new(beside, after, second)]
+        Coefficients {
+            reach: Reach::new(fan),
+            triangles: [Triangle::new(before, beside, first), Triangle::new(beside, after, second)],
+        }
     }
 
     fn start(times: &mut Lanes, lane: usize, seed: Seed) {
@@ -70,15 +81,25 @@ impl Kernel for Planar {
     }
 
     #[inline(always)]
-    fn may_change(here: &Lanes, behind: [&Lanes; 3], _: How) -> bool {
-        here.some_after(behind)
+    fn may_change(
+        here: &Lanes,
+        [before, beside, after]: [&Lanes; 3],
+        Coefficients { reach, .. }: &Coefficients,
+        _: How,
+    ) -> bool {
+        let mut some = false;
+        for lane in 0..LANES {
+            let (a, b, c) = (before.0[lane], beside.0[lane], after.0[lane]);
+            some |= reach.earliest(a, b, c) < here.0[lane];
+        }
+        some
     }
 
     #[inline(always)]
     fn update<const TRACKS: bool>(
         here: &mut Lanes,
         [before, beside, after]: [&Lanes; 3],
-        [left, right]: &[Triangle; 2],
+        Coefficients { triangles: [left, right], .. }: &Coefficients,
         how: How,
         largest: &mut [u32; LANES],
     ) -> bool {

@@ -1,6 +1,7 @@
 //! The point-source wavefront in lanes, from coefficients that all maps share.
 
 use super::kernel::{Fan, How, Kernel, LANES, Lanes};
+use super::reach::{Bulge, Reach};
 use crate::surface::{Real, Seed, min};
 use crate::update::Corner;
 
@@ -25,6 +26,8 @@ pub(super) struct Triangle {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coefficients {
     edges: [f32; 3],
+    reach: Reach,
+    bulge: Bulge,
     triangles: [Triangle; 2],
 }
 
@@ -75,6 +78,8 @@ impl Kernel for PointSource {
         let [first, second] = fan.bases;
         Coefficients {
             edges: fan.edges,
+            reach: Reach::new(fan),
+            bulge: Bulge::new(fan),
             triangles: [Triangle::new(before, beside, first), Triangle::new(beside, after, second)],
         }
     }
@@ -84,15 +89,26 @@ impl Kernel for PointSource {
     }
 
     #[inline(always)]
-    fn may_change(here: &Lanes, behind: [&Lanes; 3], _: How) -> bool {
-        here.some_after(behind)
+    fn may_change(
+        here: &Lanes,
+        [before, beside, after]: [&Lanes; 3],
+        Coefficients { reach, bulge, .. }: &Coefficients,
+        _: How,
+    ) -> bool {
+        let mut some = false;
+        for lane in 0..LANES {
+            let (a, b, c, now) = (before.0[lane], beside.0[lane], after.0[lane], here.0[lane]);
+            let first = min(min(a, b), c);
+            some |= (first < now) & !bulge.keeps(reach.earliest(a, b, c) - now, first);
+        }
+        some
     }
 
     #[inline(always)]
     fn update<const TRACKS: bool>(
         here: &mut Lanes,
         [before, beside, after]: [&Lanes; 3],
-        Coefficients { edges, triangles: [left, right] }: &Coefficients,
+        Coefficients { edges, triangles: [left, right], .. }: &Coefficients,
         how: How,
         largest: &mut [u32; LANES],
     ) -> bool {

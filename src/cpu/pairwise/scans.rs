@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use super::kernel::{FanSlots, How, Kernel, LANES};
 use super::marks::WORD;
 use super::pending::{Pending, SCANS};
-use crate::cpu::transpose::{Block, transpose};
+use super::stage::Stage;
 use crate::cpu::{Convergence, Instructions, Progress, Stop};
 use crate::lanes::Work;
 use crate::surface::{Chart, EdgeLengths, Real, Seed};
@@ -19,10 +19,12 @@ pub(super) struct Scans<K: Kernel> {
     spare: Mutex<Vec<Maps<K>>>,
 }
 
-/// The maps of a batch: bordered arrays of points, a lane of each for one of the maps.
+/// The maps of a batch: bordered arrays of points, a lane of each for one of the maps. No point is
+/// reached between two batches.
 struct Maps<K: Kernel> {
     points: Vec<K::State>,
     pending: Pending,
+    stage: Stage,
 }
 
 /// What a batch starts from: the rows of the distance matrix above its own, or nothing.
@@ -61,17 +63,17 @@ impl<K: Kernel> Scans<K> {
     pub(super) fn bytes(chart: Chart) -> (usize, usize) {
         let coefficients = 4 * chart.points() * size_of::<K::Coefficients>();
         let points = chart.bordered_points() * size_of::<K::State>();
-        (coefficients, points + Pending::bytes(chart))
+        (coefficients, points + Pending::bytes(chart) + Stage::bytes(chart))
     }
 
-    /// Computes the maps of at most [`LANES`] sources, into a row of `into` for each.
+    /// Computes the maps of at most [`LANES`] sources, into rows for those that are wanted.
     pub(super) fn solve(
         &self,
         sources: &[Option<usize>],
         known: Known,
         stop: Stop,
         instructions: Instructions,
-        into: &mut [f32],
+        into: &mut [Option<&mut [f32]>],
     ) -> Convergence {
         let spare = self.spare.lock().expect("nothing panics while it is held").pop();
         let mut maps = spare.unwrap_or_else(|| Maps::new(self.chart));
@@ -82,7 +84,7 @@ impl<K: Kernel> Scans<K> {
         } else {
             self.iterate::<true>(&mut maps, stop, instructions)
         };
-        maps.store(self.chart, sources.len(), instructions, into);
+        maps.stage.store::<K>(self.chart, &mut maps.points, instructions, into);
         self.spare.lock().expect("nothing panics while it is held").push(maps);
         convergence
     }
@@ -119,7 +121,7 @@ impl<K: Kernel> Scans<K> {
         how: How,
         instructions: Instructions,
     ) -> u32 {
-        let Maps { points, pending } = maps;
+        let Maps { points, pending, .. } = maps;
         let scan = how.scan;
         let (lines, stride) = (pending.lines(scan), self.chart.stride());
         let (step, across) = if scan.by_rows() { (1, stride) } else { (stride, 1) };
@@ -150,12 +152,11 @@ impl<K: Kernel> Scans<K> {
 impl<K: Kernel> Maps<K> {
     fn new(chart: Chart) -> Self {
         let points = vec![K::UNREACHED; chart.bordered_points()];
-        Self { points, pending: Pending::new(chart, K::BENDS) }
+        Self { points, pending: Pending::new(chart, K::BENDS), stage: Stage::new(chart) }
     }
 
-    /// No point reached but the sources and what is known.
+    /// Reaches the sources and what is known.
     fn start(&mut self, chart: Chart, sources: &[Option<usize>], known: Known) {
-        self.points.fill(K::UNREACHED);
         self.pending.start(known.count);
         for (point, row) in known.rows.chunks_exact(chart.points()).enumerate() {
             let (at, col) = chart.position(point);
@@ -172,37 +173,6 @@ impl<K: Kernel> Maps<K> {
             K::start(&mut self.points[chart.bordered(row, col)], lane, seed);
             self.pending.touch(row, col);
         }
-    }
-
-    /// Writes a row of distances for each map.
-    fn store(&mut self, chart: Chart, maps: usize, instructions: Instructions, into: &mut [f32]) {
-        let stride = size_of::<K::State>() / size_of::<f32>();
-        instructions.run(Finish(bytemuck::cast_slice_mut(&mut self.points)));
-        for row in 0..chart.rows {
-            let points = &mut self.points[chart.bordered(row, 0)..][..chart.cols];
-            let numbers: &mut [f32] = bytemuck::cast_slice_mut(points);
-            let block = Block {
-                from: 0,
-                from_stride: stride,
-                to: chart.index(row, 0),
-                to_stride: chart.points(),
-                rows: chart.cols,
-                cols: maps,
-            };
-            transpose(numbers, into, block, instructions);
-        }
-    }
-}
-
-/// What was not reached becomes infinite.
-struct Finish<'a>(&'a mut [f32]);
-
-impl Work for Finish<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        self.0.iter_mut().for_each(|n| *n = if *n < f32::FAR { *n } else { f32::INFINITY });
     }
 }
 
@@ -238,16 +208,14 @@ impl<K: Kernel, const TRACKS: bool> Work for Line<'_, K, TRACKS> {
                     .get_disjoint_mut([here, beside - step, beside, beside + step])
                     .expect("four points of a bordered array");
                 let behind = [&*before, &*beside, &*after];
-                if !TRACKS || K::may_change(state, behind, how) {
-                    let coefficients = &coefficients[point];
+                let coefficients = &coefficients[point];
+                if K::may_change(state, behind, coefficients, how) {
                     // Not as a branch: nobody could foretell it.
                     let wakes = K::update::<TRACKS>(state, behind, coefficients, how, &mut largest);
                     changed |= u64::from(wakes) << bit;
                 }
             }
-            if TRACKS {
-                *word = changed;
-            }
+            *word = changed;
         }
         if TRACKS { largest.into_iter().max().unwrap_or_default() } else { u32::MAX }
     }

@@ -1,0 +1,92 @@
+//! From maps in lanes to rows of a matrix.
+
+use super::kernel::{Kernel, LANES, Lanes};
+use crate::cpu::Instructions;
+use crate::cpu::stream::stream;
+use crate::cpu::transpose::{Block, transpose};
+use crate::lanes::Work;
+use crate::surface::{Chart, Real};
+
+/// Where some rows of the grid become parts of the matrix's rows, on their way to memory.
+pub(super) struct Stage {
+    /// A stretch of each row of the matrix, a stride apart.
+    rows: Vec<Lanes>,
+    /// Rows of the grid that are there together.
+    band: usize,
+}
+
+impl Stage {
+    pub(super) fn new(chart: Chart) -> Self {
+        let band = band(chart);
+        // Strides that are a power of two would share few lines of the cache.
+        Self { rows: vec![Lanes::all(0.0); band * chart.cols + LANES], band }
+    }
+
+    pub(super) fn bytes(chart: Chart) -> usize {
+        (band(chart) * chart.cols + LANES) * size_of::<Lanes>()
+    }
+
+    /// Writes the distances of each map that has a row, and leaves the points unreached.
+    pub(super) fn store<K: Kernel>(
+        &mut self,
+        chart: Chart,
+        points: &mut [K::State],
+        instructions: Instructions,
+        into: &mut [Option<&mut [f32]>],
+    ) {
+        let staged: &mut [f32] = bytemuck::cast_slice_mut(&mut self.rows);
+        let to_stride = staged.len() / LANES;
+        let from_stride = size_of::<K::State>() / size_of::<f32>();
+        for first in (0..chart.rows).step_by(self.band) {
+            let rows = first..chart.rows.min(first + self.band);
+            for row in rows.clone() {
+                let line = &mut points[chart.bordered(row, 0)..][..chart.cols];
+                instructions.run(Finish(bytemuck::cast_slice_mut(line)));
+                let block = Block {
+                    from: 0,
+                    from_stride,
+                    to: chart.index(row - first, 0),
+                    to_stride,
+                    rows: chart.cols,
+                    cols: into.len(),
+                };
+                transpose(bytemuck::cast_slice_mut::<_, f32>(line), staged, block, instructions);
+                // While it is at hand.
+                instructions.run(Clear::<K>(line));
+            }
+            let (start, count) = (chart.index(first, 0), rows.len() * chart.cols);
+            let rows = into.iter_mut().zip(staged.chunks_exact(to_stride));
+            stream(rows.filter_map(|(row, staged)| {
+                Some((&staged[..count], &mut row.as_mut()?[start..][..count]))
+            }));
+        }
+    }
+}
+
+/// Enough rows that long stretches go to memory at once, whose ends are few; few enough for a cache.
+fn band(chart: Chart) -> usize {
+    (2048 / chart.cols).clamp(1, chart.rows)
+}
+
+/// What was not reached becomes infinite.
+struct Finish<'a>(&'a mut [f32]);
+
+impl Work for Finish<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.0.iter_mut().for_each(|n| *n = if *n < f32::FAR { *n } else { f32::INFINITY });
+    }
+}
+
+struct Clear<'a, K: Kernel>(&'a mut [K::State]);
+
+impl<K: Kernel> Work for Clear<'_, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.0.fill(K::UNREACHED);
+    }
+}
