@@ -101,7 +101,7 @@ impl<'a> RowEngine<'a> {
     /// The least number of rows that keeps so many threads at work.
     pub fn rows_at_once(&self, threads: usize) -> usize {
         match self.kind {
-            Kind::Lanes(_) => Lanes::ROWS * threads,
+            Kind::Lanes(ref lanes) => lanes.rows_at_once(threads),
             Kind::Maps(_) | Kind::FastMarching(..) => 4 * threads,
             Kind::Vulkan(ref device) => device.pairwise.batch(),
         }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::batches::{Batch, batches};
+use super::batches::{Batch, Batches};
 use super::engine::Done;
 use super::report::Tally;
 use crate::Wavefront;
@@ -14,6 +14,7 @@ pub(super) struct Lanes<'a> {
     surface: &'a Surface,
     wavefront: Wavefront,
     scan: PairwiseScan,
+    batches: Batches,
 }
 
 /// Rows that are done before others start from them. Threads need a few batches to share; more
@@ -21,11 +22,9 @@ pub(super) struct Lanes<'a> {
 const GENERATION: usize = 256;
 
 impl<'a> Lanes<'a> {
-    /// Rows of a batch.
-    pub const ROWS: usize = PairwiseScan::LANES;
-
     pub fn new(surface: &'a Surface, edges: &EdgeLengths<f32>, wavefront: Wavefront) -> Self {
-        Self { surface, wavefront, scan: PairwiseScan::new(edges, wavefront) }
+        let (scan, batches) = (PairwiseScan::new(edges, wavefront), Batches::new(surface.chart()));
+        Self { surface, wavefront, scan, batches }
     }
 
     /// Bytes held for the surface and for the work of so many threads.
@@ -34,39 +33,33 @@ impl<'a> Lanes<'a> {
         shared + threads * batch
     }
 
-    /// How many of the sources to compute together, at most so many but for a single batch.
+    /// The least number of rows that keeps so many threads at work.
+    pub fn rows_at_once(&self, threads: usize) -> usize {
+        self.batches.most().max(PairwiseScan::LANES * threads)
+    }
+
+    /// How many of the sources to compute together, at most so many but for a single group.
     pub fn whole_batches(&self, sources: &[usize], most: usize) -> usize {
-        let ends = self.batches(sources).scan(0, |end, batch| {
-            *end += batch.wanted.len();
-            Some(*end)
-        });
-        ends.take_while(|&end| end <= most.max(Self::ROWS)).last().unwrap_or(0)
+        let ends = self.batches.split(sources).map(|(group, _)| group.end);
+        ends.take_while(|&end| end <= most.max(self.batches.most())).last().unwrap_or(0)
     }
 
     /// Computes the rows of some sources.
     pub fn solve(&self, sources: &[usize], stop: Stop, into: &mut [f32], done: Done) -> Tally {
         let points = self.surface.chart().points();
-        let mut rest = into;
-        let parts: Vec<_> = self
-            .batches(sources)
-            .map(|batch| {
-                let rows = rest.split_off_mut(..batch.wanted.len() * points);
-                (batch, rows.expect("a row for each source"))
+        let mut rows: Vec<_> = into.chunks_exact_mut(points).map(Some).collect();
+        let batches = self.batches.split(sources).flat_map(|(_, batches)| batches);
+        let parts: Vec<_> = batches
+            .map(|Batch { sources, places }| {
+                let rows: Vec<_> =
+                    places.into_iter().map(|place| place.and_then(|at| rows[at].take())).collect();
+                (self.present(&sources), rows)
             })
             .collect();
-        let solved = parts.into_par_iter().map_init(Vec::new, |whole, (batch, rows)| {
-            let Batch { sources, wanted } = batch;
-            let sources = self.present(&sources);
-            let tally = if wanted.len() == sources.len() {
-                self.scan.solve(&sources, stop, rows)
-            } else {
-                whole.resize(sources.len() * points, 0.0);
-                let convergence = self.scan.solve(&sources, stop, whole);
-                rows.copy_from_slice(&whole[wanted.start * points..wanted.end * points]);
-                convergence
-            };
-            done(wanted.len());
-            Tally::from(tally)
+        let solved = parts.into_par_iter().map(|(sources, mut rows)| {
+            let convergence = self.scan.solve_rows(&sources, stop, &mut rows);
+            done(rows.iter().flatten().count());
+            Tally::from(convergence)
         });
         solved.reduce(Tally::default, Tally::join)
     }
@@ -78,9 +71,9 @@ impl<'a> Lanes<'a> {
         for first in (0..points).step_by(GENERATION) {
             let (known, rest) = matrix.split_at_mut(first * points);
             let rows = &mut rest[..GENERATION.min(points - first) * points];
-            let batches = rows.par_chunks_mut(Self::ROWS * points).enumerate();
+            let batches = rows.par_chunks_mut(PairwiseScan::LANES * points).enumerate();
             let solved = batches.map(|(batch, rows)| {
-                let first = first + batch * Self::ROWS;
+                let first = first + batch * PairwiseScan::LANES;
                 let sources: Vec<_> = (first..first + rows.len() / points).collect();
                 let sources = self.present(&sources);
                 let convergence = self.scan.solve_below(known, first, &sources, stop, rows);
@@ -90,10 +83,6 @@ impl<'a> Lanes<'a> {
             tally.add(solved.reduce(Tally::default, Tally::join));
         }
         tally
-    }
-
-    fn batches(&self, sources: &[usize]) -> impl Iterator<Item = Batch> {
-        batches(sources, self.surface.chart().points(), Self::ROWS)
     }
 
     /// Sources that are no holes.
