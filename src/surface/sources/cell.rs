@@ -55,14 +55,14 @@ pub(super) fn cells_around(surface: &Surface, at: DVec2) -> Vec<Cell> {
 }
 
 impl Cell {
+    /// North-west, north-east, south-west and south-east; some are the same on an edge.
+    pub(super) fn all_corners(self) -> [(usize, usize); 4] {
+        let Self { rows, cols } = self;
+        [(rows.0, cols.0), (rows.0, cols.1), (rows.1, cols.0), (rows.1, cols.1)]
+    }
+
     pub(super) fn corners(self) -> Vec<(usize, usize)> {
-        let mut corners = vec![
-            (self.rows.0, self.cols.0),
-            (self.rows.0, self.cols.1),
-            (self.rows.1, self.cols.0),
-            (self.rows.1, self.cols.1),
-        ];
-        corners.dedup();
+        let mut corners = self.all_corners().to_vec();
         corners.sort_unstable();
         corners.dedup();
         corners
@@ -70,12 +70,7 @@ impl Cell {
 
     /// The geometry at a place of the cell, interpolated between its corners; `None` in a hole.
     pub(super) fn sample(self, surface: &Surface, at: DVec2) -> Option<Sample> {
-        let corners = [
-            (self.rows.0, self.cols.0),
-            (self.rows.0, self.cols.1),
-            (self.rows.1, self.cols.0),
-            (self.rows.1, self.cols.1),
-        ];
+        let corners = self.all_corners();
         let there = corners.map(|(row, col)| surface.has(row, col));
         let weights = corner_weights(there, at.x - self.rows.0 as f64, at.y - self.cols.0 as f64)?;
         let used = weights.into_iter().zip(corners).filter(|(weight, _)| *weight > 0.0);

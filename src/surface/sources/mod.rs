@@ -2,6 +2,7 @@
 
 mod cell;
 mod pieces;
+mod rise;
 
 use std::collections::BTreeMap;
 
@@ -183,8 +184,9 @@ impl Sources {
     /// Initial values at grid points, in row-major order, the smallest where several meet.
     ///
     /// A source at a grid point seeds that point. A source elsewhere seeds the corners of the
-    /// cells it touches with their distances to it, which is exact where the cell is flat. A
-    /// curve seeds the corners of every cell it runs through, so it has no gaps.
+    /// cells it touches with their distances to it, which is exact where the cell is flat; from
+    /// points they follow the surface as its edges do. A curve seeds the corners of every cell it
+    /// runs through, so it has no gaps.
     pub fn seeds(&self, surface: &Surface) -> Result<Vec<Seed>, SourceError> {
         let mut seeds = BTreeMap::new();
         for source in self.iter() {

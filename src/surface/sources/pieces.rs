@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::{DVec2, DVec3};
 
 use super::cell::{Cell, cells_around, grid_crossings};
+use super::rise::Rise;
 use super::{Seed, SourceError};
 use crate::surface::{Sample, Surface};
 
@@ -60,6 +61,14 @@ struct Piece {
     /// From where to where on its segment it reaches, and that segment's ends.
     cut: (f64, f64),
     ends: [(DVec2, Vertex); 2],
+    /// Of a point alone.
+    rise: Option<Rise>,
+}
+
+impl Piece {
+    fn is_point(&self) -> bool {
+        self.ends[0].0 == self.ends[1].0
+    }
 }
 
 /// A source cut at the grid's lines, by cell.
@@ -87,7 +96,8 @@ impl Pieces {
             for cell in cells_around(surface, middle) {
                 let ab = cell.sample(surface, a).zip(cell.sample(surface, b));
                 let Some((a, b)) = ab else { continue };
-                let piece = Piece { cell, a, b, middle, cut: (cut[0], cut[1]), ends };
+                let rise = if from == to { Rise::at(surface, cell, middle) } else { None };
+                let piece = Piece { cell, a, b, middle, cut: (cut[0], cut[1]), ends, rise };
                 self.by_cell.entry((cell.rows.0, cell.cols.0)).or_default().push(piece);
                 found = true;
             }
@@ -121,7 +131,9 @@ impl Pieces {
         let cells = (row.saturating_sub(reach)..row + reach)
             .flat_map(|r| (col.saturating_sub(reach)..col + reach).map(move |c| (r, c)));
         let pieces = cells.filter_map(|cell| self.by_cell.get(&cell)).flatten();
-        let own = |piece: &&Piece| whole || piece.cell.corners().contains(&(row, col));
+        let own = |piece: &&Piece| {
+            whole && !piece.is_point() || piece.cell.corners().contains(&(row, col))
+        };
         pieces
             .filter(own)
             .map(|piece| surface.seed_from(row, col, initial, piece))
@@ -143,14 +155,16 @@ fn check_inside(surface: &Surface, at: DVec2) -> Result<(), SourceError> {
 impl Surface {
     /// The initial value at a grid point from a piece of a source.
     fn seed_from(&self, row: usize, col: usize, initial: f64, piece: &Piece) -> Seed {
-        let Piece { a, b, middle, cut, ends, .. } = *piece;
+        let Piece { a, b, middle, cut, ends, rise, .. } = *piece;
         let corner = self.geometry().sample(self.chart(), row, col);
         let foot = corner.foot_on(a, b);
         let nearest = Sample::interpolate(&[(1.0 - foot, a), (foot, b)]);
         let weight = self.slowness().map_or(1.0, |slowness| {
             0.5 * (slowness[self.chart().index(row, col)] + self.slowness_near(slowness, middle))
         });
-        let distance = weight * corner.length_to(nearest);
+        let chord = corner.length_to(nearest);
+        let distance = weight
+            * rise.map_or(chord, |rise| (chord * chord + rise.from((row, col))).max(0.0).sqrt());
         let foot = cut.0 + foot * (cut.1 - cut.0);
         let curvature = self.seed_curvature((row, col), distance, foot, ends);
         Seed { row, col, time: initial + distance, curvature }
