@@ -9,7 +9,7 @@ use geosweep::vulkan::embed::{
     Reader, SourceBuffer, SourceInput, SurfaceInfo,
 };
 use geosweep::vulkan::{Method, Schedule, Solver};
-use geosweep::{Sources, Spacing, Surface, Wavefront};
+use geosweep::{MetricTensor, Sources, Spacing, Surface, Wavefront};
 
 use crate::common::{relative_difference, vulkan_solver};
 use crate::host::Host;
@@ -123,6 +123,38 @@ fn heights_with_slowness_give_the_headless_map() {
         }
     }
     stage.host.free_image(image);
+    stage.end([buffer]);
+}
+
+/// From a metric that shears and stretches, with a hole. The rule for edges, which a metric has not,
+/// makes no difference.
+#[test]
+fn a_metric_gives_the_headless_map() {
+    let mut solver = vulkan_solver();
+    let tensor = |index: usize| {
+        let (row, col) = CHART.position(index);
+        let rr = if index == 700 { f32::NAN } else { 1.0 + 0.02 * row as f32 };
+        [rr, 0.3 * (0.1 * col as f32).sin(), 2.0 - 0.03 * col as f32]
+    };
+    let tensors: Vec<_> = (0..CHART.points()).map(tensor).collect();
+    let metric =
+        |[rr, rc, cc]: [f32; 3]| MetricTensor { rr: rr.into(), rc: rc.into(), cc: cc.into() };
+    let metric = tensors.iter().copied().map(metric).collect();
+    let surface = Surface::from_metric(CHART.rows, CHART.cols, metric).unwrap();
+
+    let mut host = Host::new();
+    let buffer = host.buffer_of(tensors.as_flattened());
+    let memory = PointMemory::Buffer { buffer: buffer.handle, offset: 0, stride: 12 };
+    let points = [Points { memory, kind: PointKind::Metric, slowness: None }];
+    let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(CHART) };
+    let stage = Stage::new(host, &RASTER, &info);
+    for wavefront in Wavefront::ALL {
+        let plan = stage.plan(Schedule::Raster, wavefront, 6);
+        let map = headless(&mut solver, &surface, &Sources::point(12.0, 30.0), wavefront);
+        let own = stage.map(0, SourceInput::Inline(&source(12.0, 30.0)), &plan);
+        let difference = relative_difference(&map, &own);
+        assert!(difference < SAME, "{wavefront}: {difference}");
+    }
     stage.end([buffer]);
 }
 

@@ -7,8 +7,8 @@ use crate::surface::{Chart, Seed, SourceError, Spacing};
 
 /// The points of a surface in memory of the host's on the device.
 ///
-/// A point with a coordinate, height or slowness that is NaN, infinite or beyond 1e12, or with a
-/// slowness that is not positive, is a hole.
+/// A point with a coordinate, height, entry of the metric or slowness that is NaN, infinite or beyond
+/// 1e12, or with a slowness that is not positive, is a hole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Points {
     /// Where they are.
@@ -49,6 +49,10 @@ pub enum PointKind {
     Positions,
     /// A height over a rectangular grid.
     Heights(Spacing),
+    /// The metric alone, in index coordinates: the entries rr, rc and cc of
+    /// [`crate::MetricTensor`], in square units. Where it is not positive definite, lengths are
+    /// wrong.
+    Metric,
 }
 
 impl Points {
@@ -61,7 +65,7 @@ impl Points {
     /// Floats of a point, as far as they are looked at.
     pub(super) fn floats(&self) -> u64 {
         let size = match self.kind {
-            PointKind::Positions => 3,
+            PointKind::Positions | PointKind::Metric => 3,
             PointKind::Heights(_) => 1,
         };
         size.max(self.slowness.map_or(0, |index| u64::from(index) + 1))

@@ -167,7 +167,10 @@ impl<'a> Recording<'a> {
         let (source, spacing, heights) = match info.kind {
             PointKind::Positions => (EdgeSource::Positions, Spacing::square(1.0), 0),
             PointKind::Heights(spacing) => (EdgeSource::Heights, spacing, 1),
+            PointKind::Metric => (EdgeSource::Metric, Spacing::square(1.0), 0),
         };
+        // A metric has no other edges than straight ones.
+        let rule = if info.kind == PointKind::Metric { EdgeRule::Chord } else { surface.edge_rule };
         let stride = match info.memory {
             PointMemory::Buffer { stride, .. } => stride as i32 / size_of::<f32>() as i32,
             PointMemory::Image { .. } => 0,
@@ -186,10 +189,10 @@ impl<'a> Recording<'a> {
             let pipeline = self.points_pipeline(info.memory);
             recorder.host_pass(pipeline, set.set, &band, [chart.cols as u32, around.len() as u32]);
             recorder.barrier(SHADER_WRITE, SHADER);
-            recorder.measure(source, spacing, surface.edge_rule == EdgeRule::Arc, rows);
+            recorder.measure(source, spacing, rule == EdgeRule::Arc, rows);
         }
         if solver.is_curved() {
-            recorder.bend(surface.edge_rule);
+            recorder.bend(rule);
         }
         Ok(())
     }
