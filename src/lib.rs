@@ -24,6 +24,8 @@
 //! [`estimate_error`], [`accuracy`] and [`geometry`], file formats and the tool.
 
 pub mod accuracy;
+#[cfg(feature = "capi")]
+pub mod capi;
 mod constants;
 pub mod cpu;
 mod error;

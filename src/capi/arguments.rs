@@ -1,0 +1,92 @@
+//! Pointers and numbers from C, checked before anything is done with them.
+
+use super::status::Failure;
+
+fn usable<T>(pointer: *const T, name: &str) -> Result<(), Failure> {
+    if pointer.is_null() {
+        return Err(Failure::argument(name, "is null"));
+    }
+    if !pointer.is_aligned() {
+        let reason = format!("is {pointer:p}, which is not aligned to {} bytes", align_of::<T>());
+        return Err(Failure::argument(name, reason));
+    }
+    Ok(())
+}
+
+/// What an argument points to.
+///
+/// # Safety
+/// If it is neither null nor badly aligned, it points to a `T` that nothing writes during the call.
+pub(super) unsafe fn reference<'a, T>(pointer: *const T, name: &str) -> Result<&'a T, Failure> {
+    usable(pointer, name)?;
+    // SAFETY: checked above, or required.
+    Ok(unsafe { &*pointer })
+}
+
+/// What an argument points to, to be changed.
+///
+/// # Safety
+/// As [`reference`], and nothing else reads it either.
+pub(super) unsafe fn exclusive<'a, T>(pointer: *mut T, name: &str) -> Result<&'a mut T, Failure> {
+    usable(pointer, name)?;
+    // SAFETY: checked above, or required.
+    Ok(unsafe { &mut *pointer })
+}
+
+/// An array of at most so many entries, which may be null if there is none.
+///
+/// # Safety
+/// As [`reference`], for each entry.
+pub(super) unsafe fn list<'a, T>(
+    pointer: *const T,
+    count: u32,
+    most: usize,
+    name: &str,
+) -> Result<&'a [T], Failure> {
+    let count = count as usize;
+    if count == 0 {
+        return Ok(&[]);
+    }
+    if count > most {
+        let reason = format!("is said to have {count} entries, and {most} at most are taken");
+        return Err(Failure::argument(name, reason));
+    }
+    usable(pointer, name).map_err(|_| {
+        let how = if pointer.is_null() { "null" } else { "badly aligned" };
+        Failure::argument(name, format!("is {how}, and is said to have {count} entries"))
+    })?;
+    // SAFETY: checked above, or required.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
+}
+
+/// Where a result goes.
+pub(super) struct Output<T>(*mut T);
+
+impl<T> Output<T> {
+    /// # Safety
+    /// If the pointer is neither null nor badly aligned, a `T` may be written there.
+    pub(super) unsafe fn new(pointer: *mut T, name: &str) -> Result<Self, Failure> {
+        usable(pointer, name)?;
+        Ok(Self(pointer))
+    }
+
+    pub(super) fn write(self, value: T) {
+        // SAFETY: checked, or required, when this was made. What was there is of no interest, and
+        // may not be initialized.
+        unsafe { self.0.write(value) };
+    }
+}
+
+/// An object handed to the program, until [`take`] gets it back.
+pub(super) fn hand_out<T>(to: Output<*mut T>, object: T) {
+    to.write(Box::into_raw(Box::new(object)));
+}
+
+/// An object back from the program; `None` for null.
+///
+/// # Safety
+/// The pointer is null or from [`hand_out`], has not been taken back, and nothing uses it.
+pub(super) unsafe fn take<T>(pointer: *mut T) -> Option<Box<T>> {
+    // SAFETY: required.
+    (!pointer.is_null()).then(|| unsafe { Box::from_raw(pointer) })
+}

@@ -1,0 +1,107 @@
+//! Enumerations. What C passes is read as a number: any may come.
+
+use super::status::Failure;
+use crate::surface::EdgeRule;
+use crate::update::Wavefront;
+use crate::vulkan::Schedule;
+
+/// The shape of the front that is assumed inside a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub enum GeosweepWavefront {
+    /// Straight: first-order accurate, the cheapest.
+    Planar = 0,
+    /// Circular around a virtual point source: exact on the plane, for point sources.
+    PointSource = 1,
+    /// Carries its curvature beside the distance: second-order on curved surfaces and around holes.
+    Curved = 2,
+}
+
+/// The order of updates. All lead to the same map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub enum GeosweepSchedule {
+    /// The best on the device for the grid, as far as it is known, of those that the solver was made
+    /// for. For plans only.
+    Best = 0,
+    /// Four scans over the whole grid, one after another; an iteration is all four.
+    Raster = 1,
+    /// All points at once: for tiny grids.
+    AllPoints = 2,
+    /// Scans inside tiles, where something has changed; an iteration is a round of tiles.
+    Tiles = 3,
+}
+
+/// How the edges between grid points are measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub enum GeosweepEdgeRule {
+    /// Along a cubic through the neighbouring points, where the surface is smooth.
+    Arc = 0,
+    /// The straight line: the surface is a polyhedron.
+    Chord = 1,
+}
+
+/// What the floats of a grid point are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub enum GeosweepPointKind {
+    /// Three coordinates, x, y and z.
+    Positions = 0,
+    /// A height. The point at row r and column c is (c dx, r dy, height).
+    Heights = 1,
+    /// A metric in index coordinates: rr, rc and cc, such that a step of dr rows and dc columns has
+    /// the squared length rr dr^2 + 2 rc dr dc + cc dc^2. Positive definite, entries up to 1e12.
+    Metric = 2,
+}
+
+/// A `GeosweepWavefront`, or so the program says.
+pub(super) type WavefrontNumber = i32;
+/// A `GeosweepSchedule`, or so the program says.
+pub(super) type ScheduleNumber = i32;
+/// A `GeosweepEdgeRule`, or so the program says.
+pub(super) type EdgeRuleNumber = i32;
+/// A `GeosweepPointKind`, or so the program says.
+pub(super) type PointKindNumber = i32;
+
+pub(super) fn wavefront(number: WavefrontNumber, name: &str) -> Result<Wavefront, Failure> {
+    use GeosweepWavefront as W;
+    let choices = [
+        (W::Planar as i32, Wavefront::Planar),
+        (W::PointSource as i32, Wavefront::PointSource),
+        (W::Curved as i32, Wavefront::Curved),
+    ];
+    choose(number, name, "GeosweepWavefront", &choices)
+}
+
+/// `None` is the best one.
+pub(super) fn schedule(number: ScheduleNumber, name: &str) -> Result<Option<Schedule>, Failure> {
+    use GeosweepSchedule as S;
+    let choices = [
+        (S::Best as i32, None),
+        (S::Raster as i32, Some(Schedule::Raster)),
+        (S::AllPoints as i32, Some(Schedule::AllPoints)),
+        (S::Tiles as i32, Some(Schedule::Tiles)),
+    ];
+    choose(number, name, "GeosweepSchedule", &choices)
+}
+
+pub(super) fn edge_rule(number: EdgeRuleNumber, name: &str) -> Result<EdgeRule, Failure> {
+    use GeosweepEdgeRule as R;
+    let choices = [(R::Arc as i32, EdgeRule::Arc), (R::Chord as i32, EdgeRule::Chord)];
+    choose(number, name, "GeosweepEdgeRule", &choices)
+}
+
+pub(super) fn point_kind(
+    number: PointKindNumber,
+    name: &str,
+) -> Result<GeosweepPointKind, Failure> {
+    use GeosweepPointKind as K;
+    let choices = [K::Positions, K::Heights, K::Metric].map(|kind| (kind as i32, kind));
+    choose(number, name, "GeosweepPointKind", &choices)
+}
+
+fn choose<T: Copy>(number: i32, name: &str, of: &str, choices: &[(i32, T)]) -> Result<T, Failure> {
+    let choice = choices.iter().find(|choice| choice.0 == number).map(|choice| choice.1);
+    choice.ok_or_else(|| Failure::argument(name, format!("is {number}, which is no {of}")))
+}

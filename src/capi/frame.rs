@@ -1,0 +1,149 @@
+//! What a frame takes.
+
+use ash::vk;
+use bytemuck::{Pod, Zeroable};
+
+use super::arguments::{list, reference};
+use super::plan::GeosweepPlan;
+use super::status::Failure;
+use super::surface::GeosweepSurface;
+use crate::vulkan::embed::{self, Access, PointSource, Reader, SourceInput};
+use crate::vulkan::grid_images::INLINE_SOURCES;
+
+/// For `GeosweepFrame::points`: the points have not changed since the last frame.
+pub const GEOSWEEP_POINTS_UNCHANGED: u32 = 0xFFFF_FFFF;
+
+/// How you use what you share with us, as one side of a barrier. All zero: nothing to wait for.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepAccess {
+    /// In which stages.
+    pub stages: vk::PipelineStageFlags,
+    /// Of which kinds.
+    pub access: vk::AccessFlags,
+}
+
+/// How you read an image of distances, this frame and whenever you read that image before. With an
+/// access of all zero you read it on another queue, after a semaphore.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepReader {
+    /// In which stages, and how.
+    pub access: GeosweepAccess,
+    /// The layout in which the image is left.
+    pub layout: vk::ImageLayout,
+}
+
+/// A source: a place where the distance, or time, is known. `geosweep_source_at` makes the usual one.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct GeosweepSource {
+    /// From 0 to rows - 1, fractional between grid points.
+    pub row: f32,
+    /// From 0 to cols - 1.
+    pub col: f32,
+    /// The distance, or time, at the source; usually 0.
+    pub time: f32,
+    /// Of the front there, for the curved wavefront: 1e18 where the source is a point, 0 where the
+    /// grid point is one of many on a straight line.
+    pub curvature: f32,
+}
+
+/// The sources of a recording: an array of the program's, which is copied into the command buffer,
+/// or, if that is null, a buffer.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepSources {
+    /// The array, or null.
+    pub sources: *const GeosweepSource,
+    /// Its length, at most 1024; 0 with null.
+    pub count: u32,
+    /// The number of the surface's source buffer, if there is no array.
+    pub buffer: u32,
+}
+
+/// What a frame takes.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepFrame {
+    /// How you have written points and sources since the frame before: compute shaders and copies
+    /// are waited for in any case, and what you write through mapped memory before you submit needs
+    /// nothing.
+    pub before: GeosweepAccess,
+    /// Which of the surface's points are measured, or `GEOSWEEP_POINTS_UNCHANGED`.
+    pub points: u32,
+    /// Which image of distances is written.
+    pub slot: u32,
+    /// Where the fronts start.
+    pub sources: GeosweepSources,
+    /// The passes, made by the surface's solver for a grid of the surface's size.
+    pub plan: *const GeosweepPlan,
+    /// Who reads the image of distances.
+    pub reader: GeosweepReader,
+    /// What stands in it where nothing was reached: `INFINITY`, which filters turn to NaN beside
+    /// such points, or a negative number. Neither 0, which is the distance of sources, nor NaN.
+    pub unreached: f32,
+}
+
+impl From<GeosweepAccess> for Access {
+    fn from(access: GeosweepAccess) -> Self {
+        let GeosweepAccess { stages, access } = access;
+        // Vulkan has no barrier without a stage.
+        let none = stages.is_empty();
+        Access::new(if none { Self::NONE.stages } else { stages }, access)
+    }
+}
+
+pub(super) fn reader(given: GeosweepReader, name: &str) -> Result<Reader, Failure> {
+    let GeosweepReader { access, layout } = given;
+    if [vk::ImageLayout::UNDEFINED, vk::ImageLayout::PREINITIALIZED].contains(&layout) {
+        let reason = format!("is {}, in which no image can be read", layout.as_raw());
+        return Err(Failure::argument(&format!("{name}layout"), reason));
+    }
+    Ok(Reader { access: access.into(), layout })
+}
+
+pub(super) fn unreached(given: f32, name: &str) -> Result<f32, Failure> {
+    if given.is_nan() || given == 0.0 {
+        let reason = format!("is {given}: give infinity or a number that no distance is");
+        return Err(Failure::argument(name, reason));
+    }
+    Ok(given)
+}
+
+/// # Safety
+/// The array is as long as is said.
+pub(super) unsafe fn sources<'a>(
+    given: &GeosweepSources,
+    name: &str,
+) -> Result<SourceInput<'a>, Failure> {
+    if given.sources.is_null() && given.count == 0 {
+        return Ok(SourceInput::Buffer(given.buffer as usize));
+    }
+    // SAFETY: the caller's promise.
+    let sources = unsafe { list(given.sources, given.count, INLINE_SOURCES, name) }?;
+    // Both are four floats of the same meaning.
+    Ok(SourceInput::Inline(bytemuck::cast_slice::<GeosweepSource, PointSource>(sources)))
+}
+
+/// # Safety
+/// The pointer is null or a plan's.
+pub(super) unsafe fn plan<'a>(
+    plan: *const GeosweepPlan,
+    surface: &GeosweepSurface,
+    name: &str,
+) -> Result<&'a embed::Plan, Failure> {
+    // SAFETY: the caller's promise.
+    let plan = unsafe { reference(plan, name) }?;
+    if !std::sync::Arc::ptr_eq(&plan.shared, &surface.shared) {
+        return Err(Failure::argument(name, "was made by another solver than the surface"));
+    }
+    Ok(&plan.plan)
+}
+
+/// A source at a place, with distance 0.
+#[unsafe(no_mangle)]
+pub extern "C" fn geosweep_source_at(row: f32, col: f32) -> GeosweepSource {
+    let PointSource { row, col, time, curvature } = PointSource::at(row, col);
+    GeosweepSource { row, col, time, curvature }
+}

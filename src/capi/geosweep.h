@@ -1,0 +1,559 @@
+/*
+ * geosweep: geodesic distance maps on parametric surfaces, recorded into your own Vulkan command
+ * buffers. How to build and link the library, and how to use it well: docs/embedding.md.
+ *
+ * Once:        geosweep_solver_create, geosweep_surface_create, geosweep_plan_create, and
+ *              geosweep_record_prepare into a command buffer.
+ * Every frame: geosweep_record_frame, between your passes that write and read. The distances are
+ *              then in an image on the device.
+ * At the end:  geosweep_surface_destroy, geosweep_plan_destroy, geosweep_solver_destroy, before
+ *              your device and instance go.
+ *
+ * Errors. Calls return a GeosweepStatus, and geosweep_last_error says in words what was wrong.
+ * A call that fails has made and recorded nothing.
+ *
+ * Ownership. Your Vulkan objects stay yours and must outlive what was made from them. Arrays and
+ * structs are not needed after the call that takes them. Device memory is taken by
+ * geosweep_surface_create alone, from the solver's own blocks, never from an allocator of yours:
+ * geosweep_surface_bytes_for says beforehand how much. No call submits, waits or maps your memory,
+ * and recording allocates nothing.
+ *
+ * Threads. Calls that take a pointer to a const object may run at once on one object: several
+ * threads may record, each with a command pool and a surface of its own. The others have the object
+ * for themselves.
+ *
+ * Units. Distances are in the unit of the points. Rows and columns are counted from 0, and arrays
+ * are row by row. Start from structs that are all zero: that is the usual choice of every enum, no
+ * array, no barrier.
+ *
+ * This file is generated from src/capi. Do not edit it.
+ */
+
+
+#ifndef GEOSWEEP_H
+#define GEOSWEEP_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <vulkan/vulkan_core.h>
+
+// The version of this header, which `geosweep_solver_create` compares with the library's: it
+// grows with each change that makes programs compile or run differently.
+#define GEOSWEEP_HEADER_VERSION 1
+
+// For `GeosweepFrame::points`: the points have not changed since the last frame.
+#define GEOSWEEP_POINTS_UNCHANGED 4294967295
+
+// Bytes of the record that `geosweep_record_outcome_to` copies.
+#define GEOSWEEP_OUTCOME_BYTES 32
+
+// What a call has come to. `geosweep_last_error` says the rest in words.
+typedef enum {
+    // Done.
+    GEOSWEEP_STATUS_SUCCESS = 0,
+    // An argument cannot be used: the message says which one, and why. Nothing was made or
+    // recorded.
+    GEOSWEEP_STATUS_INVALID_ARGUMENT = 1,
+    // The device lacks something that is needed: the message names all of it.
+    GEOSWEEP_STATUS_UNSUPPORTED = 2,
+    // The grid is too large for the device's images or its memory.
+    GEOSWEEP_STATUS_TOO_LARGE = 3,
+    // Memory has run out, on the device or in the program.
+    GEOSWEEP_STATUS_OUT_OF_MEMORY = 4,
+    // The driver has given the device up.
+    GEOSWEEP_STATUS_DEVICE_LOST = 5,
+    // Another Vulkan call failed: the message names it and what it returned.
+    GEOSWEEP_STATUS_VULKAN_ERROR = 6,
+    // A defect of geosweep's, which was kept from crossing into your program. What the call was
+    // about is in an unknown state: destroy it.
+    GEOSWEEP_STATUS_INTERNAL_ERROR = 7,
+} GeosweepStatus;
+
+// How the edges between grid points are measured.
+typedef enum {
+    // Along a cubic through the neighbouring points, where the surface is smooth.
+    GEOSWEEP_EDGE_RULE_ARC = 0,
+    // The straight line: the surface is a polyhedron.
+    GEOSWEEP_EDGE_RULE_CHORD = 1,
+} GeosweepEdgeRule;
+
+// What the floats of a grid point are.
+typedef enum {
+    // Three coordinates, x, y and z.
+    GEOSWEEP_POINT_KIND_POSITIONS = 0,
+    // A height. The point at row r and column c is (c dx, r dy, height).
+    GEOSWEEP_POINT_KIND_HEIGHTS = 1,
+    // A metric in index coordinates: rr, rc and cc, such that a step of dr rows and dc columns has
+    // the squared length rr dr^2 + 2 rc dr dc + cc dc^2. Positive definite, entries up to 1e12.
+    GEOSWEEP_POINT_KIND_METRIC = 2,
+} GeosweepPointKind;
+
+// The order of updates. All lead to the same map.
+typedef enum {
+    // The best on the device for the grid, as far as it is known, of those that the solver was made
+    // for. For plans only.
+    GEOSWEEP_SCHEDULE_BEST = 0,
+    // Four scans over the whole grid, one after another; an iteration is all four.
+    GEOSWEEP_SCHEDULE_RASTER = 1,
+    // All points at once: for tiny grids.
+    GEOSWEEP_SCHEDULE_ALL_POINTS = 2,
+    // Scans inside tiles, where something has changed; an iteration is a round of tiles.
+    GEOSWEEP_SCHEDULE_TILES = 3,
+} GeosweepSchedule;
+
+// The shape of the front that is assumed inside a triangle.
+typedef enum {
+    // Straight: first-order accurate, the cheapest.
+    GEOSWEEP_WAVEFRONT_PLANAR = 0,
+    // Circular around a virtual point source: exact on the plane, for point sources.
+    GEOSWEEP_WAVEFRONT_POINT_SOURCE = 1,
+    // Carries its curvature beside the distance: second-order on curved surfaces and around holes.
+    GEOSWEEP_WAVEFRONT_CURVED = 2,
+} GeosweepWavefront;
+
+// The passes of a recording, for any surface of one size. It may be used by many recordings at
+// once, on any thread.
+typedef struct GeosweepPlan GeosweepPlan;
+
+// The pipelines of a device, shared by all its surfaces. Any number of threads may use it at once.
+typedef struct GeosweepSolver GeosweepSolver;
+
+// A grid on the device: edge lengths and fronts, which all recordings share, and an image of
+// distances for each slot.
+typedef struct GeosweepSurface GeosweepSurface;
+
+// What instance and device must be created with, for a program to merge with its own wishes.
+typedef struct {
+    // For `VkApplicationInfo::apiVersion`, which may be higher.
+    uint32_t api_version;
+    // For `VkDeviceCreateInfo::enabledExtensionCount`. None are needed so far.
+    uint32_t device_extension_count;
+    // For `VkDeviceCreateInfo::ppEnabledExtensionNames`: as many names, which are never freed. Null
+    // if there are none.
+    const char *const *device_extensions;
+    // For `VkDeviceCreateInfo::pEnabledFeatures`, or for the features of a
+    // `VkPhysicalDeviceFeatures2`. None are needed so far.
+    VkPhysicalDeviceFeatures features;
+} GeosweepRequirements;
+
+// A schedule with a wavefront.
+typedef struct {
+    // Any but `GEOSWEEP_SCHEDULE_BEST`.
+    GeosweepSchedule schedule;
+    // The wavefront.
+    GeosweepWavefront wavefront;
+} GeosweepPasses;
+
+// What a solver is made of. All handles stay yours, and must outlive the solver.
+typedef struct {
+    // `GEOSWEEP_HEADER_VERSION`.
+    uint32_t header_version;
+    // The loader's `vkGetInstanceProcAddr`, or your replacement of it. All functions that are
+    // called are found through it.
+    PFN_vkGetInstanceProcAddr get_instance_proc_addr;
+    // Created for Vulkan 1.1 or later.
+    VkInstance instance;
+    // One that `geosweep_check_device` is content with.
+    VkPhysicalDevice physical_device;
+    // Created on it, with what `geosweep_requirements` says.
+    VkDevice device;
+    // The schedules and wavefronts to make pipelines for: those that plans will ask for. Compiling
+    // them takes a while.
+    const GeosweepPasses *passes;
+    // How many.
+    uint32_t pass_count;
+} GeosweepSolverInfo;
+
+// The points of a surface, one a grid point, row by row: in a buffer or an image of yours on the
+// device, read whenever a recording measures them, or in the program's memory, copied at once.
+// Exactly one of `buffer`, `view` and `data` is not null.
+//
+// A point on the device with a float that is NaN, infinite or beyond 1e12, or a slowness that is
+// not positive, is a hole. In the program's memory NaN and the mask make holes, and the rest is an
+// error.
+typedef struct {
+    // What the first floats of a point are.
+    GeosweepPointKind kind;
+    // Which float of a point, counted from 0, is its slowness (time per length; distances are then
+    // travel times); 0 for 1 everywhere.
+    uint32_t slowness;
+    // For heights: the distance between columns.
+    double dx;
+    // For heights: the distance between rows.
+    double dy;
+    // A buffer with usage `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
+    VkBuffer buffer;
+    // A 2D view of an image with usage `VK_IMAGE_USAGE_SAMPLED_BIT`, whose texels are the points:
+    // columns to the right, rows down.
+    VkImageView view;
+    // The layout of that image whenever it is read.
+    VkImageLayout layout;
+    // An array of the program's, which is not needed after the call.
+    const float *data;
+    // With `data`, if not null: rows x cols bytes, 0 for a hole.
+    const uint8_t *mask;
+    // Bytes before the first point, in `buffer` or `data`; a multiple of 4.
+    uint64_t offset;
+    // Bytes from point to point, in `buffer` or `data`; a multiple of 4.
+    uint64_t stride;
+} GeosweepPoints;
+
+// A buffer of sources, each a `GeosweepSource`, that your shaders write. An entry that is not on
+// the grid, in a hole, or has a time that is NaN or not below 1e30 is passed over: write NaN where
+// there is none.
+typedef struct {
+    // With usage `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
+    VkBuffer buffer;
+    // Bytes before the first; a multiple of 4.
+    uint64_t offset;
+    // How many.
+    uint32_t count;
+} GeosweepSourceBuffer;
+
+// Buffers for looking distances up: places in, distances out. Both with usage
+// `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
+typedef struct {
+    // Two floats a place, row and column, fractional between grid points.
+    VkBuffer places;
+    // Bytes before the first; a multiple of 4.
+    uint64_t places_offset;
+    // One float a place.
+    VkBuffer distances;
+    // Bytes before the first; a multiple of 4.
+    uint64_t distances_offset;
+    // How many.
+    uint32_t count;
+} GeosweepLookup;
+
+// What a surface is made for. Images and buffers stay yours: they must be alive whenever
+// a recording that reads them runs. The arrays are not needed after the call, and may be null
+// where their count is 0.
+typedef struct {
+    // Rows of grid points.
+    uint32_t rows;
+    // Columns of grid points.
+    uint32_t cols;
+    // How edges are measured.
+    GeosweepEdgeRule edge_rule;
+    // How many images of distances there are, to be written in turn: as many as frames in flight,
+    // from 1 to 64.
+    uint32_t slots;
+    // The queue families that use the images of distances: ours and the readers'. If they differ,
+    // no ownership needs to be transferred. None: one family uses them.
+    const uint32_t *queue_families;
+    // How many.
+    uint32_t queue_family_count;
+    // Where points may come from, by number: one for each frame in flight, say.
+    const GeosweepPoints *points;
+    // How many.
+    uint32_t point_count;
+    // Buffers that sources may come from, by number.
+    const GeosweepSourceBuffer *sources;
+    // How many.
+    uint32_t source_count;
+    // Buffers for lookups, by number.
+    const GeosweepLookup *lookups;
+    // How many.
+    uint32_t lookup_count;
+} GeosweepSurfaceInfo;
+
+// An image, with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`, that belongs to its surface.
+typedef struct {
+    // The image.
+    VkImage image;
+    // A view of all of it.
+    VkImageView view;
+    // `VK_FORMAT_R32_SFLOAT` for distances, a texel a grid point: column to the right, row down.
+    // Not all devices filter it.
+    VkFormat format;
+    // Width and height in texels.
+    VkExtent2D extent;
+    // The layout that it has after the recording.
+    VkImageLayout layout;
+} GeosweepImage;
+
+// Distances as the passes keep them: 2 x 2 grid points a texel, in a border. Not for filtering.
+// The point at row r and column c is component 2 (r mod 2) + c mod 2 of texel
+// (c / 2 + border, r / 2 + border), in layer `layer`. What is not reached is 1e30 or more.
+typedef struct {
+    // `VK_FORMAT_R32G32B32A32_SFLOAT`, always in the layout `VK_IMAGE_LAYOUT_GENERAL`; the view is
+    // an array.
+    GeosweepImage image;
+    // Of the view.
+    uint32_t layer;
+    // Texels around the grid's.
+    uint32_t border;
+} GeosweepPackedTimes;
+
+// How the iterations of a recording went.
+typedef struct {
+    // Largest relative change of a distance in the last of them.
+    double residual;
+    // Iterations since the start of the map, or rounds of tiles.
+    uint32_t iterations;
+    // Whether the map has converged. If not, `geosweep_record_resume` goes on.
+    bool converged;
+} GeosweepOutcome;
+
+// How a map is computed.
+typedef struct {
+    // The shape of fronts.
+    GeosweepWavefront wavefront;
+    // The order of updates.
+    GeosweepSchedule schedule;
+    // The map has converged after an iteration in which no distance fell by more than this
+    // fraction; 1e-4 is below what a picture shows, 1e-6 as low as single precision goes.
+    double tolerance;
+    // Iterations of a map, at most, all its recordings together; at least 1.
+    uint32_t most_iterations;
+    // Iterations in a recording: from 1 to 256. Those after convergence visit nothing; if they
+    // are too few, `geosweep_record_resume` goes on.
+    uint32_t iterations;
+} GeosweepMethod;
+
+// A source: a place where the distance, or time, is known. `geosweep_source_at` makes the usual one.
+typedef struct {
+    // From 0 to rows - 1, fractional between grid points.
+    float row;
+    // From 0 to cols - 1.
+    float col;
+    // The distance, or time, at the source; usually 0.
+    float time;
+    // Of the front there, for the curved wavefront: 1e18 where the source is a point, 0 where the
+    // grid point is one of many on a straight line.
+    float curvature;
+} GeosweepSource;
+
+// How you use what you share with us, as one side of a barrier. All zero: nothing to wait for.
+typedef struct {
+    // In which stages.
+    VkPipelineStageFlags stages;
+    // Of which kinds.
+    VkAccessFlags access;
+} GeosweepAccess;
+
+// The sources of a recording: an array of the program's, which is copied into the command buffer,
+// or, if that is null, a buffer.
+typedef struct {
+    // The array, or null.
+    const GeosweepSource *sources;
+    // Its length, at most 1024; 0 with null.
+    uint32_t count;
+    // The number of the surface's source buffer, if there is no array.
+    uint32_t buffer;
+} GeosweepSources;
+
+// How you read an image of distances, this frame and whenever you read that image before. With an
+// access of all zero you read it on another queue, after a semaphore.
+typedef struct {
+    // In which stages, and how.
+    GeosweepAccess access;
+    // The layout in which the image is left.
+    VkImageLayout layout;
+} GeosweepReader;
+
+// What a frame takes.
+typedef struct {
+    // How you have written points and sources since the frame before: compute shaders and copies
+    // are waited for in any case, and what you write through mapped memory before you submit needs
+    // nothing.
+    GeosweepAccess before;
+    // Which of the surface's points are measured, or `GEOSWEEP_POINTS_UNCHANGED`.
+    uint32_t points;
+    // Which image of distances is written.
+    uint32_t slot;
+    // Where the fronts start.
+    GeosweepSources sources;
+    // The passes, made by the surface's solver for a grid of the surface's size.
+    const GeosweepPlan *plan;
+    // Who reads the image of distances.
+    GeosweepReader reader;
+    // What stands in it where nothing was reached: `INFINITY`, which filters turn to NaN beside
+    // such points, or a negative number. Neither 0, which is the distance of sources, nor NaN.
+    float unreached;
+} GeosweepFrame;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// Why the last call on this thread that failed did so: a sentence in UTF-8 of at most 2047 bytes,
+// or an empty one if none has. The pointer stays good as long as the thread, and the text until
+// the thread's next call that fails.
+const char *geosweep_last_error(void);
+
+// Says what instance and device must be created with.
+GeosweepStatus geosweep_requirements(GeosweepRequirements *requirements);
+
+// Asks whether a physical device will do, before a device is created on it. If not, the status is
+// `GEOSWEEP_STATUS_UNSUPPORTED`, and the message names all that is missing.
+GeosweepStatus geosweep_check_device(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
+                                     VkInstance instance,
+                                     VkPhysicalDevice physical_device);
+
+// Finds a queue family for compute, one without graphics if there is one: on large GPUs that is
+// the asynchronous one. Any family with `VK_QUEUE_COMPUTE_BIT` will do.
+GeosweepStatus geosweep_compute_queue_family(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
+                                             VkInstance instance,
+                                             VkPhysicalDevice physical_device,
+                                             uint32_t *family);
+
+// Makes a solver; `geosweep_solver_destroy` destroys it.
+GeosweepStatus geosweep_solver_create(const GeosweepSolverInfo *info, GeosweepSolver **solver);
+
+// Says how many bytes of device memory the solver holds for its surfaces, in blocks: a little more
+// than what `geosweep_surface_bytes` says of each.
+GeosweepStatus geosweep_solver_bytes(const GeosweepSolver *solver, uint64_t *bytes);
+
+// Destroys a solver, after its surfaces and plans: while there are any, it is refused. Null is
+// fine.
+GeosweepStatus geosweep_solver_destroy(GeosweepSolver *solver);
+
+// Says how many bytes of device memory a surface will take, before it is made: 36 a grid point and
+// 4 for each slot, a buffer of 16 a point but 16 MiB at most, and 16 a point (8 for heights) for
+// points in the program's memory.
+GeosweepStatus geosweep_surface_bytes_for(const GeosweepSolver *solver,
+                                          const GeosweepSurfaceInfo *info,
+                                          uint64_t *bytes);
+
+// Makes a surface; `geosweep_surface_destroy` destroys it. This is the one call that takes device
+// memory.
+GeosweepStatus geosweep_surface_create(const GeosweepSolver *solver,
+                                       const GeosweepSurfaceInfo *info,
+                                       GeosweepSurface **surface);
+
+// Says how many bytes of device memory a surface takes.
+GeosweepStatus geosweep_surface_bytes(const GeosweepSurface *surface, uint64_t *bytes);
+
+// Replaces points that were given in the program's memory, by others with the same offset and
+// stride. No submitted work may still read them: keep as many as there are frames in flight.
+// Recordings that measure them find the new ones.
+GeosweepStatus geosweep_surface_write_points(GeosweepSurface *surface,
+                                             uint32_t number,
+                                             const float *data,
+                                             const uint8_t *mask);
+
+// Gives the image of distances of a slot. `layout` is that of the reader for which it was recorded
+// last.
+GeosweepStatus geosweep_surface_result(const GeosweepSurface *surface,
+                                       uint32_t slot,
+                                       VkImageLayout layout,
+                                       GeosweepImage *result);
+
+// Gives the packed distances that all slots share: those of the last recording until the next. Read
+// them after `geosweep_record_end`.
+GeosweepStatus geosweep_surface_packed(const GeosweepSurface *surface, GeosweepPackedTimes *packed);
+
+// Says how the iterations of the last recording for a slot went, after the fence of its submission.
+GeosweepStatus geosweep_surface_outcome(const GeosweepSurface *surface,
+                                        uint32_t slot,
+                                        GeosweepOutcome *outcome);
+
+// Destroys a surface with its images. No submitted work may still use it. Null is fine.
+GeosweepStatus geosweep_surface_destroy(GeosweepSurface *surface);
+
+// Makes a plan for surfaces of so many rows and columns; `geosweep_plan_destroy` destroys it.
+GeosweepStatus geosweep_plan_create(const GeosweepSolver *solver,
+                                    uint32_t rows,
+                                    uint32_t cols,
+                                    const GeosweepMethod *method,
+                                    GeosweepPlan **plan);
+
+// Says how many iterations, or rounds of tiles, a recording of the plan holds.
+GeosweepStatus geosweep_plan_iterations(const GeosweepPlan *plan, uint32_t *iterations);
+
+// Destroys a plan. Recorded command buffers do not need it. Null is fine.
+GeosweepStatus geosweep_plan_destroy(GeosweepPlan *plan);
+
+// A source at a place, with distance 0.
+GeosweepSource geosweep_source_at(float row, float col);
+
+// Prepares a new surface: to be recorded once, before anything else of that surface.
+GeosweepStatus geosweep_record_prepare(const GeosweepSurface *surface, VkCommandBuffer commands);
+
+// Records all of a usual frame: `begin`, `measure` if there are new points, `solve`, `outcome` and
+// `result`. Gives the image of distances to `result` unless that is null.
+GeosweepStatus geosweep_record_frame(const GeosweepSurface *surface,
+                                     VkCommandBuffer commands,
+                                     const GeosweepFrame *frame,
+                                     GeosweepImage *result);
+
+// Records the start of a frame, one call after another: waits for what you have written, and for
+// recordings of this surface before.
+GeosweepStatus geosweep_record_begin(const GeosweepSurface *surface,
+                                     VkCommandBuffer commands,
+                                     GeosweepAccess before);
+
+// Measures the surface's edges from its points with this number. The map is lost: `solve` comes
+// next.
+GeosweepStatus geosweep_record_measure(const GeosweepSurface *surface,
+                                       VkCommandBuffer commands,
+                                       uint32_t points);
+
+// Computes a new map, with as many iterations as the plan holds, less those after convergence.
+GeosweepStatus geosweep_record_solve(const GeosweepSurface *surface,
+                                     VkCommandBuffer commands,
+                                     const GeosweepSources *sources,
+                                     const GeosweepPlan *plan);
+
+// Adds sources to the map, which has converged with the same wavefront.
+GeosweepStatus geosweep_record_add(const GeosweepSurface *surface,
+                                   VkCommandBuffer commands,
+                                   const GeosweepSources *sources,
+                                   const GeosweepPlan *plan);
+
+// Goes on with a map that may not have converged, by as many iterations again: in the same command
+// buffer or, for long maps, in later ones, with `begin` before and `outcome` and `result` after it.
+// With the plan that the map was started with.
+GeosweepStatus geosweep_record_resume(const GeosweepSurface *surface,
+                                      VkCommandBuffer commands,
+                                      const GeosweepPlan *plan);
+
+// Copies how the iterations have gone to the slot's record, for `geosweep_surface_outcome`.
+GeosweepStatus geosweep_record_outcome(const GeosweepSurface *surface,
+                                       VkCommandBuffer commands,
+                                       uint32_t slot);
+
+// Copies how the iterations have gone, `GEOSWEEP_OUTCOME_BYTES` bytes for
+// `geosweep_outcome_from_bytes`, to a buffer of yours with usage
+// `VK_BUFFER_USAGE_TRANSFER_DST_BIT`. Shaders find the number of iterations in the third 32-bit
+// number. `after` is how you read them; `offset` is a multiple of 4.
+GeosweepStatus geosweep_record_outcome_to(const GeosweepSurface *surface,
+                                          VkCommandBuffer commands,
+                                          VkBuffer buffer,
+                                          uint64_t offset,
+                                          GeosweepAccess after);
+
+// Reads the record that `geosweep_record_outcome_to` has copied: `GEOSWEEP_OUTCOME_BYTES` bytes.
+GeosweepStatus geosweep_outcome_from_bytes(const uint8_t *bytes, GeosweepOutcome *outcome);
+
+// Writes the map to the slot's image of distances, for a reader. Waits for the reader of commands
+// before; the reader in commands after waits for this. Gives the image to `result` unless that is
+// null.
+GeosweepStatus geosweep_record_result(const GeosweepSurface *surface,
+                                      VkCommandBuffer commands,
+                                      uint32_t slot,
+                                      GeosweepReader reader,
+                                      float unreached,
+                                      GeosweepImage *result);
+
+// Looks distances up, with the surface's lookup of this number: bilinear between grid points,
+// `unreached` where nothing was reached or there is no grid. Waits for what you have written in
+// `before`; `after` is how you read the distances.
+GeosweepStatus geosweep_record_lookup(const GeosweepSurface *surface,
+                                      VkCommandBuffer commands,
+                                      uint32_t number,
+                                      float unreached,
+                                      GeosweepAccess before,
+                                      GeosweepAccess after);
+
+// Lets you read the packed distances, or overwrite points and sources, in the stages of `after`.
+GeosweepStatus geosweep_record_end(const GeosweepSurface *surface,
+                                   VkCommandBuffer commands,
+                                   GeosweepAccess after);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* GEOSWEEP_H */

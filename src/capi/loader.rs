@@ -1,0 +1,90 @@
+//! The host's instance and device, by the functions that its loader names.
+
+use std::ffi::{CStr, c_void};
+
+use ash::vk;
+use ash::vk::Handle;
+
+use super::status::Failure;
+
+/// `PFN_vkGetInstanceProcAddr`, which may be null.
+pub(super) type GetInstanceProcAddr = Option<vk::PFN_vkGetInstanceProcAddr>;
+
+/// Functions found, and the first of those that Vulkan 1.0 promises and that was not.
+struct Finder<F> {
+    find: F,
+    missing: Option<String>,
+}
+
+impl<F: Fn(&CStr) -> vk::PFN_vkVoidFunction> Finder<F> {
+    fn any(&self, name: &CStr) -> *const c_void {
+        (self.find)(name).map_or(std::ptr::null(), |function| function as *const c_void)
+    }
+
+    /// ash puts a function that panics in the place of one that is missing, and such a panic cannot
+    /// be caught.
+    fn promised(&mut self, name: &CStr) -> *const c_void {
+        let function = self.any(name);
+        if function.is_null() {
+            self.missing.get_or_insert_with(|| name.to_string_lossy().into_owned());
+        }
+        function
+    }
+
+    fn check(&self, through: &str) -> Result<(), Failure> {
+        let Some(missing) = &self.missing else { return Ok(()) };
+        Err(Failure::argument(through, format!("knows no function {missing} for these handles")))
+    }
+}
+
+/// The instance and the physical device.
+///
+/// # Safety
+/// The handles are null or alive, and the function finds functions of theirs.
+pub(super) unsafe fn instance(
+    get_instance_proc_addr: GetInstanceProcAddr,
+    instance: vk::Instance,
+    physical_device: vk::PhysicalDevice,
+) -> Result<ash::Instance, Failure> {
+    const THROUGH: &str = "get_instance_proc_addr";
+    let Some(get) = get_instance_proc_addr else {
+        return Err(Failure::argument(THROUGH, "is null"));
+    };
+    if instance.is_null() {
+        return Err(Failure::argument("instance", "is the null handle"));
+    }
+    if physical_device.is_null() {
+        return Err(Failure::argument("physical_device", "is the null handle"));
+    }
+    // SAFETY: required.
+    let find = |name: &CStr| unsafe { get(instance, name.as_ptr()) };
+    let mut finder = Finder { find, missing: None };
+    let first = ash::InstanceFnV1_0::load(|name| finder.promised(name));
+    finder.check(THROUGH)?;
+    let second = ash::InstanceFnV1_1::load(|name| finder.any(name));
+    let third = ash::InstanceFnV1_3::load(|name| finder.any(name));
+    Ok(ash::Instance::from_parts_1_3(instance, first, second, third))
+}
+
+/// The device.
+///
+/// # Safety
+/// The handle is null or that of a living device of the instance's.
+pub(super) unsafe fn device(
+    instance: &ash::Instance,
+    device: vk::Device,
+) -> Result<ash::Device, Failure> {
+    if device.is_null() {
+        return Err(Failure::argument("device", "is the null handle"));
+    }
+    let get = instance.fp_v1_0().get_device_proc_addr;
+    // SAFETY: required.
+    let find = |name: &CStr| unsafe { get(device, name.as_ptr()) };
+    let mut finder = Finder { find, missing: None };
+    let first = ash::DeviceFnV1_0::load(|name| finder.promised(name));
+    finder.check("vkGetDeviceProcAddr")?;
+    let second = ash::DeviceFnV1_1::load(|name| finder.any(name));
+    let third = ash::DeviceFnV1_2::load(|name| finder.any(name));
+    let fourth = ash::DeviceFnV1_3::load(|name| finder.any(name));
+    Ok(ash::Device::from_parts_1_3(device, first, second, third, fourth))
+}

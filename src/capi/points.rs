@@ -1,0 +1,248 @@
+//! Where the points of a surface come from.
+
+use ash::vk;
+use ash::vk::Handle;
+use glam::DVec3;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::Allocator;
+
+use super::arguments::list;
+use super::choices::{GeosweepPointKind, PointKindNumber, point_kind};
+use super::solver::Shared;
+use super::status::Failure;
+use crate::surface::{Chart, EdgeRule, LONGEST_EDGE, MetricTensor, Spacing, Surface, SurfaceError};
+use crate::vulkan::embed;
+use crate::vulkan::memory::{Buffer, BufferInfo};
+use crate::vulkan::upload::write_points;
+
+/// The points of a surface, one a grid point, row by row: in a buffer or an image of yours on the
+/// device, read whenever a recording measures them, or in the program's memory, copied at once.
+/// Exactly one of `buffer`, `view` and `data` is not null.
+///
+/// A point on the device with a float that is NaN, infinite or beyond 1e12, or a slowness that is
+/// not positive, is a hole. In the program's memory NaN and the mask make holes, and the rest is an
+/// error.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepPoints {
+    /// What the first floats of a point are.
+    pub kind: PointKindNumber,
+    /// Which float of a point, counted from 0, is its slowness (time per length; distances are then
+    /// travel times); 0 for 1 everywhere.
+    pub slowness: u32,
+    /// For heights: the distance between columns.
+    pub dx: f64,
+    /// For heights: the distance between rows.
+    pub dy: f64,
+    /// A buffer with usage `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
+    pub buffer: vk::Buffer,
+    /// A 2D view of an image with usage `VK_IMAGE_USAGE_SAMPLED_BIT`, whose texels are the points:
+    /// columns to the right, rows down.
+    pub view: vk::ImageView,
+    /// The layout of that image whenever it is read.
+    pub layout: vk::ImageLayout,
+    /// An array of the program's, which is not needed after the call.
+    pub data: *const f32,
+    /// With `data`, if not null: rows x cols bytes, 0 for a hole.
+    pub mask: *const u8,
+    /// Bytes before the first point, in `buffer` or `data`; a multiple of 4.
+    pub offset: u64,
+    /// Bytes from point to point, in `buffer` or `data`; a multiple of 4.
+    pub stride: u64,
+}
+
+/// Points as asked for, by where they are.
+#[derive(Clone, Copy)]
+pub(super) enum Form {
+    OnDevice(embed::Points),
+    InProgram(Layout, Arrays),
+}
+
+/// How points lie in an array of the program's.
+#[derive(Clone, Copy)]
+pub(super) struct Layout {
+    kind: embed::PointKind,
+    /// In floats from a point's first.
+    slowness: Option<usize>,
+    /// In floats.
+    offset: usize,
+    stride: usize,
+}
+
+/// The program's arrays, during a call.
+#[derive(Clone, Copy)]
+pub(super) struct Arrays {
+    pub(super) data: *const f32,
+    pub(super) mask: *const u8,
+}
+
+impl Form {
+    pub(super) fn of(given: &GeosweepPoints, name: &str) -> Result<Self, Failure> {
+        let field = |field| format!("{name}.{field}");
+        let kind = match point_kind(given.kind, &field("kind"))? {
+            GeosweepPointKind::Positions => embed::PointKind::Positions,
+            GeosweepPointKind::Metric => embed::PointKind::Metric,
+            GeosweepPointKind::Heights => {
+                let spacing = Spacing { dx: given.dx, dy: given.dy };
+                if !spacing.is_usable() {
+                    let error = SurfaceError::Spacing { dx: given.dx, dy: given.dy };
+                    return Err(Failure::argument(&field("dx"), format!("or dy: {error}")));
+                }
+                embed::PointKind::Heights(spacing)
+            }
+        };
+        let first = if matches!(kind, embed::PointKind::Heights(_)) { 1 } else { 3 };
+        if given.slowness != 0 && given.slowness < first {
+            let reason = format!("is {}, and the first {first} floats are not it", given.slowness);
+            return Err(Failure::argument(&field("slowness"), reason));
+        }
+        let given_memory = [!given.buffer.is_null(), !given.view.is_null(), !given.data.is_null()];
+        if given_memory.iter().filter(|&&is_there| is_there).count() != 1 {
+            let reason = "names not exactly one of buffer, view and data";
+            return Err(Failure::argument(name, reason));
+        }
+        let slowness = (given.slowness != 0).then_some(given.slowness);
+        let on_device = |memory| Self::OnDevice(embed::Points { memory, kind, slowness });
+        if !given.view.is_null() {
+            let (view, layout) = (given.view, given.layout);
+            return Ok(on_device(embed::PointMemory::Image { view, layout }));
+        }
+        let GeosweepPoints { buffer, offset, stride, data, mask, .. } = *given;
+        let needed = 4 * u64::from(first.max(given.slowness.saturating_add(1)));
+        if !stride.is_multiple_of(4) || stride < needed {
+            let reason =
+                format!("is {stride}: it is a multiple of 4, and a point has {needed} bytes");
+            return Err(Failure::argument(&field("stride"), reason));
+        }
+        if !offset.is_multiple_of(4) {
+            let reason = format!("is {offset}, which is no multiple of 4");
+            return Err(Failure::argument(&field("offset"), reason));
+        }
+        if !given.buffer.is_null() {
+            return Ok(on_device(embed::PointMemory::Buffer { buffer, offset, stride }));
+        }
+        let floats = |bytes: u64| usize::try_from(bytes / 4).unwrap_or(usize::MAX);
+        let (offset, stride) = (floats(offset), floats(stride));
+        let slowness = slowness.map(|index| index as usize);
+        Ok(Self::InProgram(Layout { kind, slowness, offset, stride }, Arrays { data, mask }))
+    }
+}
+
+impl Layout {
+    /// Reads points and checks them. The prefix is that of the arrays' names in messages.
+    ///
+    /// # Safety
+    /// The pointers are those of arrays as large as the layout says, or null.
+    pub(super) unsafe fn read(
+        &self,
+        Arrays { data, mask }: Arrays,
+        chart: Chart,
+        edge_rule: EdgeRule,
+        prefix: &str,
+    ) -> Result<Surface, Failure> {
+        let Chart { rows, cols } = chart;
+        let (field, points) = (|field| format!("{prefix}{field}"), chart.points());
+        let floats = (points - 1).checked_mul(self.stride);
+        let floats = floats.and_then(|floats| floats.checked_add(self.offset + self.stride));
+        let floats = floats.filter(|&floats| floats <= isize::MAX as usize / 4);
+        if floats.is_none() {
+            return Err(Failure::argument(&field("stride"), "is larger than memory"));
+        }
+        // SAFETY: the caller's promise; it is checked for null and alignment, and one float alone is
+        // looked at, since there may be anything between the others.
+        unsafe { list(data, 1, 1, &field("data")) }?;
+        // SAFETY: the index lies in the array, by the caller's promise.
+        let float = |index: usize, at: usize| unsafe {
+            f64::from(*data.add(self.offset + index * self.stride + at))
+        };
+        let three = |index| [0, 1, 2].map(|at| float(index, at));
+        let surface = match self.kind {
+            embed::PointKind::Positions => {
+                let positions = (0..points).map(|index| DVec3::from_array(three(index)));
+                Surface::from_positions(rows, cols, positions.collect())
+            }
+            embed::PointKind::Heights(spacing) => {
+                let heights = (0..points).map(|index| float(index, 0));
+                Surface::from_heights(rows, cols, heights.collect(), spacing)
+            }
+            embed::PointKind::Metric => {
+                let too_large =
+                    |index: &usize| three(*index).iter().any(|v| v.abs() > LONGEST_EDGE);
+                if let Some(index) = (0..points).find(too_large) {
+                    let (row, col) = chart.position(index);
+                    let reason = format!("has an entry beyond 1e12 at row {row}, column {col}");
+                    return Err(Failure::argument(&field("data"), reason));
+                }
+                let tensor = |index| {
+                    let [rr, rc, cc] = three(index);
+                    MetricTensor { rr, rc, cc }
+                };
+                Surface::from_metric(rows, cols, (0..points).map(tensor).collect())
+            }
+        };
+        let mut surface = surface?.with_edge_rule(edge_rule);
+        if !mask.is_null() {
+            // SAFETY: the caller's promise.
+            let mask = unsafe { std::slice::from_raw_parts(mask, points) };
+            let mask: Vec<_> = mask.iter().map(|&keep| keep != 0).collect();
+            surface = surface.with_mask(&mask)?;
+        }
+        if let Some(at) = self.slowness {
+            surface = surface.with_slowness((0..points).map(|index| float(index, at)).collect())?;
+        }
+        surface.check_edges()?;
+        Ok(surface)
+    }
+
+    /// Floats of a point in our buffer: the slowness comes last, 0 in holes.
+    fn floats(&self) -> usize {
+        if matches!(self.kind, embed::PointKind::Heights(_)) { 2 } else { 4 }
+    }
+
+    /// Our buffer for them.
+    pub(super) fn buffer(&self, chart: Chart) -> BufferInfo {
+        let size = (4 * self.floats() * chart.points()) as u64;
+        BufferInfo { name: "points", size, location: MemoryLocation::CpuToGpu }
+    }
+}
+
+/// Points copied from the program's memory, in a buffer of ours.
+pub(super) struct Copied {
+    pub(super) layout: Layout,
+    buffer: Buffer,
+}
+
+impl Copied {
+    pub(super) fn new(
+        shared: &Shared,
+        allocator: &mut Allocator,
+        layout: Layout,
+        surface: &Surface,
+    ) -> Result<Self, Failure> {
+        let buffer = Buffer::new(&shared.device, allocator, layout.buffer(surface.chart()))?;
+        let mut new = Self { layout, buffer };
+        new.write(surface);
+        Ok(new)
+    }
+
+    /// Writes them anew.
+    pub(super) fn write(&mut self, surface: &Surface) {
+        write_points(surface, 0..surface.rows(), surface.origin(), self.buffer.mapped());
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        self.buffer.bytes()
+    }
+
+    /// As a surface's recordings read them.
+    pub(super) fn points(&self) -> embed::Points {
+        let floats = self.layout.floats();
+        let (buffer, stride) = (self.buffer.buffer, 4 * floats as u64);
+        let memory = embed::PointMemory::Buffer { buffer, offset: 0, stride };
+        embed::Points { memory, kind: self.layout.kind, slowness: Some(floats as u32 - 1) }
+    }
+
+    pub(super) fn destroy(&mut self, shared: &Shared, allocator: &mut Allocator) {
+        self.buffer.destroy(&shared.device, allocator);
+    }
+}

@@ -1,0 +1,318 @@
+//! Recording into the host's command buffer.
+
+use ash::vk;
+use ash::vk::Handle;
+
+use super::arguments::{Output, reference};
+use super::frame::{
+    GEOSWEEP_POINTS_UNCHANGED, GeosweepAccess, GeosweepFrame, GeosweepReader, GeosweepSources,
+    plan, reader, sources, unreached,
+};
+use super::plan::GeosweepPlan;
+use super::status::{Failure, GeosweepStatus, guard};
+use super::surface::{GeosweepImage, GeosweepOutcome, GeosweepSurface};
+use crate::vulkan::embed::{self, Recording, SourceInput};
+
+/// Bytes of the record that `geosweep_record_outcome_to` copies.
+pub const GEOSWEEP_OUTCOME_BYTES: u32 = 32;
+const _: () = assert!(GEOSWEEP_OUTCOME_BYTES as usize == embed::Outcome::BYTES);
+
+/// Records for a surface.
+///
+/// # Safety
+/// The pointer is null or a surface's, and the command buffer null or being recorded.
+unsafe fn record(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+    append: impl FnOnce(&GeosweepSurface, Recording) -> Result<(), Failure>,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let surface = unsafe { reference(surface, "surface") }?;
+        if commands.is_null() {
+            return Err(Failure::argument("commands", "is the null handle"));
+        }
+        let GeosweepSurface { shared, surface: of, .. } = surface;
+        append(surface, shared.solver.record(&shared.device, commands, of))
+    })
+}
+
+/// Prepares a new surface: to be recorded once, before anything else of that surface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_record_prepare(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+) -> GeosweepStatus {
+    let append = |_: &_, recording: Recording| {
+        recording.prepare();
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { record(surface, commands, append) }
+}
+
+/// Records all of a usual frame: `begin`, `measure` if there are new points, `solve`, `outcome` and
+/// `result`. Gives the image of distances to `result` unless that is null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_record_frame(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+    frame: *const GeosweepFrame,
+    result: *mut GeosweepImage,
+) -> GeosweepStatus {
+    let append = |surface: &GeosweepSurface, recording: Recording| {
+        // SAFETY: the caller's promise.
+        let (output, given, plan, sources) = unsafe {
+            let output = output_unless_null(result)?;
+            let given = reference(frame, "frame")?;
+            let plan = plan(given.plan, surface, "frame->plan")?;
+            (output, given, plan, sources(&given.sources, "frame->sources.sources")?)
+        };
+        let points = (given.points != GEOSWEEP_POINTS_UNCHANGED).then_some(given.points as usize);
+        let image = recording.frame(&embed::Frame {
+            before: given.before.into(),
+            points,
+            sources,
+            plan,
+            slot: given.slot as usize,
+            reader: reader(given.reader, "frame->reader.")?,
+            unreached: unreached(given.unreached, "frame->unreached")?,
+        })?;
+        if let Some(output) = output {
+            output.write(image.into());
+        }
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { record(surface, commands, append) }
+}
+
+/// Records the start of a frame, one call after another: waits for what you have written, and for
+/// recordings of this surface before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_record_begin(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+    before: GeosweepAccess,
+) -> GeosweepStatus {
+    let append = |_: &_, recording: Recording| {
+        recording.begin(before.into());
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { record(surface, commands, append) }
+}
+
+/// Measures the surface's edges from its points with this number. The map is lost: `solve` comes
+/// next.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_record_measure(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+    points: u32,
+) -> GeosweepStatus {
+    let append = |_: &_, recording: Recording| Ok(recording.measure(points as usize)?);
+    // SAFETY: the caller's promise.
+    unsafe { record(surface, commands, append) }
+}
+
+/// Computes a new map, with as many iterations as the plan holds, less those after convergence.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_record_solve(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+    sources: *const GeosweepSources,
+    plan: *const GeosweepPlan,
+) -> GeosweepStatus {
+    // SAFETY: the caller's promise.
+    unsafe {
+        start(surface, commands, (sources, plan), |recording, sources, plan| {
+            recording.solve(sources, plan)
+        })
+    }
+}
+
+/// Adds sources to the map, which has converged with the same wavefront.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_record_add(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+    sources: *const GeosweepSources,
+    plan: *const GeosweepPlan,
+) -> GeosweepStatus {
+    // SAFETY: the caller's promise.
+    unsafe {
+        start(surface, commands, (sources, plan), |recording, sources, plan| {
+            recording.add(sources, plan)
+        })
+    }
+}
+
+/// Records a map from new sources.
+///
+/// # Safety
+/// As of [`record`], and the others are null or what they say.
+unsafe fn start(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+    (given, with): (*const GeosweepSources, *const GeosweepPlan),
+    start: impl FnOnce(Recording, SourceInput, &embed::Plan) -> Result<(), crate::vulkan::VulkanError>,
+) -> GeosweepStatus {
+    let append = |surface: &GeosweepSurface, recording: Recording| {
+        // SAFETY: the caller's promise.
+        let (sources, plan) = unsafe {
+            let given = reference(given, "sources")?;
+            (sources(given, "sources->sources")?, plan(with, surface, "plan")?)
+        };
+        Ok(start(recording, sources, plan)?)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { record(surface, commands, append) }
+}
+
+/// Goes on with a map that may not have converged, by as many iterations again: in the same command
+/// buffer or, for long maps, in later ones, with `begin` before and `outcome` and `result` after it.
+/// With the plan that the map was started with.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_record_resume(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+    plan: *const GeosweepPlan,
+) -> GeosweepStatus {
+    let append = |surface: &GeosweepSurface, recording: Recording| {
+        // SAFETY: the caller's promise.
+        let plan = unsafe { self::plan(plan, surface, "plan") }?;
+        Ok(recording.resume(plan)?)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { record(surface, commands, append) }
+}
+
+/// Copies how the iterations have gone to the slot's record, for `geosweep_surface_outcome`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_record_outcome(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+    slot: u32,
+) -> GeosweepStatus {
+    let append = |_: &_, recording: Recording| Ok(recording.outcome(slot as usize)?);
+    // SAFETY: the caller's promise.
+    unsafe { record(surface, commands, append) }
+}
+
+/// Copies how the iterations have gone, `GEOSWEEP_OUTCOME_BYTES` bytes for
+/// `geosweep_outcome_from_bytes`, to a buffer of yours with usage
+/// `VK_BUFFER_USAGE_TRANSFER_DST_BIT`. Shaders find the number of iterations in the third 32-bit
+/// number. `after` is how you read them; `offset` is a multiple of 4.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_record_outcome_to(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+    buffer: vk::Buffer,
+    offset: u64,
+    after: GeosweepAccess,
+) -> GeosweepStatus {
+    let append = |_: &_, recording: Recording| {
+        if buffer.is_null() {
+            return Err(Failure::argument("buffer", "is the null handle"));
+        }
+        if !offset.is_multiple_of(4) {
+            let reason = format!("is {offset}, which is no multiple of 4");
+            return Err(Failure::argument("offset", reason));
+        }
+        recording.outcome_to(buffer, offset, after.into());
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { record(surface, commands, append) }
+}
+
+/// Reads the record that `geosweep_record_outcome_to` has copied: `GEOSWEEP_OUTCOME_BYTES` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_outcome_from_bytes(
+    bytes: *const u8,
+    outcome: *mut GeosweepOutcome,
+) -> GeosweepStatus {
+    guard(|| {
+        const BYTES: usize = embed::Outcome::BYTES;
+        // SAFETY: the caller's promise.
+        let (bytes, output) = unsafe {
+            let output = Output::new(outcome, "outcome")?;
+            (reference(bytes.cast::<[u8; BYTES]>(), "bytes")?, output)
+        };
+        output.write(embed::Outcome::from_bytes(bytes).into());
+        Ok(())
+    })
+}
+
+/// Writes the map to the slot's image of distances, for a reader. Waits for the reader of commands
+/// before; the reader in commands after waits for this. Gives the image to `result` unless that is
+/// null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_record_result(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+    slot: u32,
+    reader: GeosweepReader,
+    unreached: f32,
+    result: *mut GeosweepImage,
+) -> GeosweepStatus {
+    let append = |_: &_, recording: Recording| {
+        // SAFETY: the caller's promise.
+        let output = unsafe { output_unless_null(result) }?;
+        let reader = self::reader(reader, "reader.")?;
+        let unreached = self::unreached(unreached, "unreached")?;
+        let image = recording.result(slot as usize, reader, unreached)?;
+        if let Some(output) = output {
+            output.write(image.into());
+        }
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { record(surface, commands, append) }
+}
+
+/// Looks distances up, with the surface's lookup of this number: bilinear between grid points,
+/// `unreached` where nothing was reached or there is no grid. Waits for what you have written in
+/// `before`; `after` is how you read the distances.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_record_lookup(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+    number: u32,
+    unreached: f32,
+    before: GeosweepAccess,
+    after: GeosweepAccess,
+) -> GeosweepStatus {
+    let append = |_: &_, recording: Recording| {
+        let unreached = self::unreached(unreached, "unreached")?;
+        Ok(recording.lookup(number as usize, unreached, before.into(), after.into())?)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { record(surface, commands, append) }
+}
+
+/// Lets you read the packed distances, or overwrite points and sources, in the stages of `after`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_record_end(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+    after: GeosweepAccess,
+) -> GeosweepStatus {
+    let append = |_: &_, recording: Recording| {
+        recording.end(after.into());
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { record(surface, commands, append) }
+}
+
+/// # Safety
+/// As of [`Output::new`].
+unsafe fn output_unless_null<T>(pointer: *mut T) -> Result<Option<Output<T>>, Failure> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: the caller's promise.
+    unsafe { Output::new(pointer, "result") }.map(Some)
+}

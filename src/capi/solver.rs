@@ -1,0 +1,181 @@
+//! The pipelines of a device, and the memory of all surfaces on it.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use ash::vk;
+use gpu_allocator::AllocationSizes;
+use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+
+use super::arguments::{Output, hand_out, list, reference, take};
+use super::choices::{ScheduleNumber, WavefrontNumber, schedule, wavefront};
+use super::loader::{self, GetInstanceProcAddr};
+use super::status::{Failure, GeosweepStatus, guard};
+use crate::vulkan::{VulkanError, embed};
+
+/// The version of this header, which `geosweep_solver_create` compares with the library's: it
+/// grows with each change that makes programs compile or run differently.
+pub const GEOSWEEP_HEADER_VERSION: u32 = 1;
+
+/// Passes to make, at most; there are nine kinds.
+const MOST_PASSES: usize = 64;
+/// Blocks in which memory is taken start at this size, and what is larger gets a block of its own.
+const BLOCK_BYTES: u64 = 4 << 20;
+
+/// A schedule with a wavefront.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepPasses {
+    /// Any but `GEOSWEEP_SCHEDULE_BEST`.
+    pub schedule: ScheduleNumber,
+    /// The wavefront.
+    pub wavefront: WavefrontNumber,
+}
+
+/// What a solver is made of. All handles stay yours, and must outlive the solver.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepSolverInfo {
+    /// `GEOSWEEP_HEADER_VERSION`.
+    pub header_version: u32,
+    /// The loader's `vkGetInstanceProcAddr`, or your replacement of it. All functions that are
+    /// called are found through it.
+    pub get_instance_proc_addr: GetInstanceProcAddr,
+    /// Created for Vulkan 1.1 or later.
+    pub instance: vk::Instance,
+    /// One that `geosweep_check_device` is content with.
+    pub physical_device: vk::PhysicalDevice,
+    /// Created on it, with what `geosweep_requirements` says.
+    pub device: vk::Device,
+    /// The schedules and wavefronts to make pipelines for: those that plans will ask for. Compiling
+    /// them takes a while.
+    pub passes: *const GeosweepPasses,
+    /// How many.
+    pub pass_count: u32,
+}
+
+/// The pipelines of a device, shared by all its surfaces. Any number of threads may use it at once.
+pub struct GeosweepSolver(Arc<Shared>);
+
+/// What solver, surfaces and plans share.
+pub(super) struct Shared {
+    pub(super) device: ash::Device,
+    pub(super) solver: embed::Solver,
+    allocator: Mutex<Allocator>,
+}
+
+impl Shared {
+    pub(super) fn allocator(&self) -> MutexGuard<'_, Allocator> {
+        self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl GeosweepSolver {
+    pub(super) fn shared(&self) -> &Arc<Shared> {
+        &self.0
+    }
+
+    /// # Safety
+    /// The handles are null or alive and belong together.
+    unsafe fn new(info: &GeosweepSolverInfo) -> Result<Self, Failure> {
+        let GeosweepSolverInfo { header_version, physical_device, .. } = *info;
+        if header_version != GEOSWEEP_HEADER_VERSION {
+            let reason = format!(
+                "is {header_version}, and this library was built with header \
+                 {GEOSWEEP_HEADER_VERSION}: compile with the library's own geosweep.h"
+            );
+            return Err(Failure::argument("info->header_version", reason));
+        }
+        // SAFETY: the caller's promise.
+        let (instance, device, asked) = unsafe {
+            let get = info.get_instance_proc_addr;
+            let instance = loader::instance(get, info.instance, physical_device)?;
+            let device = loader::device(&instance, info.device)?;
+            let count = info.pass_count;
+            (instance, device, list(info.passes, count, MOST_PASSES, "info->passes")?)
+        };
+        let mut passes = Vec::new();
+        for (index, asked) in asked.iter().enumerate() {
+            let name = |field| format!("info->passes[{index}].{field}");
+            let schedule = schedule(asked.schedule, &name("schedule"))?.ok_or_else(|| {
+                let reason = "is GEOSWEEP_SCHEDULE_BEST, which depends on the grid: name others";
+                Failure::argument(&name("schedule"), reason)
+            })?;
+            passes.push((schedule, wavefront(asked.wavefront, &name("wavefront"))?));
+        }
+        let mut solver = embed::Solver::new(&instance, physical_device, &device, &passes)?;
+        let allocator = Allocator::new(&AllocatorCreateDesc {
+            instance,
+            device: device.clone(),
+            physical_device,
+            debug_settings: Default::default(),
+            buffer_device_address: false,
+            allocation_sizes: AllocationSizes::new(BLOCK_BYTES, BLOCK_BYTES),
+        });
+        match allocator {
+            Ok(allocator) => {
+                Ok(Self(Arc::new(Shared { device, solver, allocator: Mutex::new(allocator) })))
+            }
+            Err(source) => {
+                solver.destroy(&device);
+                Err(VulkanError::Allocation { what: "the allocator", source }.into())
+            }
+        }
+    }
+}
+
+/// Makes a solver; `geosweep_solver_destroy` destroys it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_solver_create(
+    info: *const GeosweepSolverInfo,
+    solver: *mut *mut GeosweepSolver,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let output = Output::new(solver, "solver")?;
+            hand_out(output, GeosweepSolver::new(reference(info, "info")?)?);
+        }
+        Ok(())
+    })
+}
+
+/// Says how many bytes of device memory the solver holds for its surfaces, in blocks: a little more
+/// than what `geosweep_surface_bytes` says of each.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_solver_bytes(
+    solver: *const GeosweepSolver,
+    bytes: *mut u64,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (solver, output) =
+            unsafe { (reference(solver, "solver")?, Output::new(bytes, "bytes")?) };
+        output.write(solver.shared().allocator().capacity());
+        Ok(())
+    })
+}
+
+/// Destroys a solver, after its surfaces and plans: while there are any, it is refused. Null is
+/// fine.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_solver_destroy(solver: *mut GeosweepSolver) -> GeosweepStatus {
+    guard(|| {
+        if solver.is_null() {
+            return Ok(());
+        }
+        // SAFETY: the caller's promise.
+        let others = unsafe { Arc::strong_count(reference(solver, "solver")?.shared()) } - 1;
+        if others > 0 {
+            let reason = format!("still has {others} surfaces and plans: destroy them first");
+            return Err(Failure::argument("solver", reason));
+        }
+        // SAFETY: the caller's promise.
+        let shared = unsafe { take(solver) }.and_then(|solver| Arc::into_inner(solver.0));
+        if let Some(Shared { device, mut solver, allocator }) = shared {
+            solver.destroy(&device);
+            // It frees its blocks.
+            drop(allocator);
+        }
+        Ok(())
+    })
+}

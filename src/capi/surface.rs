@@ -1,0 +1,288 @@
+//! A surface, and what can be asked of it.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::arguments::{Output, exclusive, hand_out, reference, take};
+use super::points::{Arrays, Copied, Form};
+use super::solver::{GeosweepSolver, Shared};
+use super::status::{Failure, GeosweepStatus, guard};
+use super::surface_info::{GeosweepSurfaceInfo, Wanted, name};
+use crate::surface::EdgeRule;
+use crate::vulkan::embed;
+
+/// A grid on the device: edge lengths and fronts, which all recordings share, and an image of
+/// distances for each slot.
+pub struct GeosweepSurface {
+    pub(super) shared: Arc<Shared>,
+    pub(super) surface: embed::Surface,
+    edge_rule: EdgeRule,
+    /// For each number of points those that were copied from the program's memory.
+    copied: Vec<Option<Copied>>,
+}
+
+/// An image, with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`, that belongs to its surface.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepImage {
+    /// The image.
+    pub image: vk::Image,
+    /// A view of all of it.
+    pub view: vk::ImageView,
+    /// `VK_FORMAT_R32_SFLOAT` for distances, a texel a grid point: column to the right, row down.
+    /// Not all devices filter it.
+    pub format: vk::Format,
+    /// Width and height in texels.
+    pub extent: vk::Extent2D,
+    /// The layout that it has after the recording.
+    pub layout: vk::ImageLayout,
+}
+
+/// Distances as the passes keep them: 2 x 2 grid points a texel, in a border. Not for filtering.
+/// The point at row r and column c is component 2 (r mod 2) + c mod 2 of texel
+/// (c / 2 + border, r / 2 + border), in layer `layer`. What is not reached is 1e30 or more.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepPackedTimes {
+    /// `VK_FORMAT_R32G32B32A32_SFLOAT`, always in the layout `VK_IMAGE_LAYOUT_GENERAL`; the view is
+    /// an array.
+    pub image: GeosweepImage,
+    /// Of the view.
+    pub layer: u32,
+    /// Texels around the grid's.
+    pub border: u32,
+}
+
+/// How the iterations of a recording went.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepOutcome {
+    /// Largest relative change of a distance in the last of them.
+    pub residual: f64,
+    /// Iterations since the start of the map, or rounds of tiles.
+    pub iterations: u32,
+    /// Whether the map has converged. If not, `geosweep_record_resume` goes on.
+    pub converged: bool,
+}
+
+impl From<embed::Outcome> for GeosweepOutcome {
+    fn from(outcome: embed::Outcome) -> Self {
+        let embed::Outcome { iterations, residual, converged } = outcome;
+        Self { residual, iterations, converged }
+    }
+}
+
+impl From<embed::ResultImage> for GeosweepImage {
+    fn from(image: embed::ResultImage) -> Self {
+        let embed::ResultImage { image, view, format, extent, layout } = image;
+        Self { image, view, format, extent, layout }
+    }
+}
+
+impl GeosweepSurface {
+    /// # Safety
+    /// The arrays of points are as long as is said.
+    unsafe fn new(wanted: &Wanted, shared: &Arc<Shared>) -> Result<Self, Failure> {
+        // A grid that the device does not take is refused before its points are read.
+        wanted.bytes(shared)?;
+        let read = wanted.points.iter().enumerate().map(|(index, form)| match form {
+            Form::OnDevice(_) => Ok(None),
+            Form::InProgram(layout, arrays) => {
+                let prefix = format!("{}.", name(index));
+                // SAFETY: the caller's promise.
+                let read = unsafe { layout.read(*arrays, wanted.chart, wanted.edge_rule, &prefix) };
+                Ok(Some((*layout, read?)))
+            }
+        });
+        let read = read.collect::<Result<Vec<_>, Failure>>()?;
+        let mut allocator = shared.allocator();
+        let mut copied = Vec::new();
+        let mut make = || {
+            for read in &read {
+                copied.push(match read {
+                    Some((layout, surface)) => {
+                        Some(Copied::new(shared, &mut allocator, *layout, surface)?)
+                    }
+                    None => None,
+                });
+            }
+            let points: Vec<_> = wanted
+                .points
+                .iter()
+                .zip(&copied)
+                .filter_map(|(form, copied)| match form {
+                    Form::OnDevice(points) => Some(*points),
+                    Form::InProgram(..) => copied.as_ref().map(Copied::points),
+                })
+                .collect();
+            let info = wanted.info(&points);
+            Ok(shared.solver.surface(&shared.device, &mut allocator, &info)?)
+        };
+        match make() {
+            Ok(surface) => {
+                let edge_rule = wanted.edge_rule;
+                Ok(Self { shared: Arc::clone(shared), surface, edge_rule, copied })
+            }
+            Err(failure) => {
+                for copied in copied.iter_mut().flatten() {
+                    copied.destroy(shared, &mut allocator);
+                }
+                Err(failure)
+            }
+        }
+    }
+}
+
+/// Says how many bytes of device memory a surface will take, before it is made: 36 a grid point and
+/// 4 for each slot, a buffer of 16 a point but 16 MiB at most, and 16 a point (8 for heights) for
+/// points in the program's memory.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_surface_bytes_for(
+    solver: *const GeosweepSolver,
+    info: *const GeosweepSurfaceInfo,
+    bytes: *mut u64,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (solver, wanted, output) = unsafe {
+            let (solver, info) = (reference(solver, "solver")?, reference(info, "info")?);
+            (solver, Wanted::new(info)?, Output::new(bytes, "bytes")?)
+        };
+        output.write(wanted.bytes(solver.shared())?);
+        Ok(())
+    })
+}
+
+/// Makes a surface; `geosweep_surface_destroy` destroys it. This is the one call that takes device
+/// memory.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_surface_create(
+    solver: *const GeosweepSolver,
+    info: *const GeosweepSurfaceInfo,
+    surface: *mut *mut GeosweepSurface,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let output = Output::new(surface, "surface")?;
+            let solver = reference(solver, "solver")?;
+            let wanted = Wanted::new(reference(info, "info")?)?;
+            hand_out(output, GeosweepSurface::new(&wanted, solver.shared())?);
+        }
+        Ok(())
+    })
+}
+
+/// Says how many bytes of device memory a surface takes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_surface_bytes(
+    surface: *const GeosweepSurface,
+    bytes: *mut u64,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (surface, output) =
+            unsafe { (reference(surface, "surface")?, Output::new(bytes, "bytes")?) };
+        let copied = surface.copied.iter().flatten().map(Copied::bytes).sum::<u64>();
+        output.write(surface.surface.bytes() + copied);
+        Ok(())
+    })
+}
+
+/// Replaces points that were given in the program's memory, by others with the same offset and
+/// stride. No submitted work may still read them: keep as many as there are frames in flight.
+/// Recordings that measure them find the new ones.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_surface_write_points(
+    surface: *mut GeosweepSurface,
+    number: u32,
+    data: *const f32,
+    mask: *const u8,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let surface = unsafe { exclusive(surface, "surface") }?;
+        let (chart, edge_rule) = (surface.surface.chart(), surface.edge_rule);
+        let count = surface.copied.len();
+        let copied = surface.copied.get_mut(number as usize).ok_or_else(|| {
+            Failure::argument("number", format!("is {number}, and there are {count} points"))
+        })?;
+        let copied = copied.as_mut().ok_or_else(|| {
+            let reason = format!("is {number}, and those points are in memory of yours");
+            Failure::argument("number", reason)
+        })?;
+        let arrays = Arrays { data, mask };
+        // SAFETY: the caller's promise.
+        let read = unsafe { copied.layout.read(arrays, chart, edge_rule, "") }?;
+        copied.write(&read);
+        Ok(())
+    })
+}
+
+/// Gives the image of distances of a slot. `layout` is that of the reader for which it was recorded
+/// last.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_surface_result(
+    surface: *const GeosweepSurface,
+    slot: u32,
+    layout: vk::ImageLayout,
+    result: *mut GeosweepImage,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (surface, output) =
+            unsafe { (reference(surface, "surface")?, Output::new(result, "result")?) };
+        output.write(surface.surface.result(slot as usize, layout)?.into());
+        Ok(())
+    })
+}
+
+/// Gives the packed distances that all slots share: those of the last recording until the next. Read
+/// them after `geosweep_record_end`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_surface_packed(
+    surface: *const GeosweepSurface,
+    packed: *mut GeosweepPackedTimes,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (surface, output) =
+            unsafe { (reference(surface, "surface")?, Output::new(packed, "packed")?) };
+        let embed::PackedTimes { image, layer, border } = surface.surface.packed();
+        output.write(GeosweepPackedTimes { image: image.into(), layer, border });
+        Ok(())
+    })
+}
+
+/// Says how the iterations of the last recording for a slot went, after the fence of its submission.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_surface_outcome(
+    surface: *const GeosweepSurface,
+    slot: u32,
+    outcome: *mut GeosweepOutcome,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (surface, output) =
+            unsafe { (reference(surface, "surface")?, Output::new(outcome, "outcome")?) };
+        output.write(surface.surface.outcome(slot as usize)?.into());
+        Ok(())
+    })
+}
+
+/// Destroys a surface with its images. No submitted work may still use it. Null is fine.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_surface_destroy(surface: *mut GeosweepSurface) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let Some(surface) = (unsafe { take(surface) }) else { return Ok(()) };
+        let GeosweepSurface { shared, mut surface, mut copied, .. } = *surface;
+        let mut allocator = shared.allocator();
+        surface.destroy(&shared.device, &mut allocator);
+        for copied in copied.iter_mut().flatten() {
+            copied.destroy(&shared, &mut allocator);
+        }
+        Ok(())
+    })
+}

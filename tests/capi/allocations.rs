@@ -1,0 +1,74 @@
+//! Recording takes nothing from the heap, through the functions of C as through those of Rust.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::ptr::null_mut;
+
+use geosweep::ash::vk;
+use geosweep::capi::*;
+
+use crate::host::Host;
+use crate::session::{COPY, Session, frame, method, ok, surface_info, wrong, zero};
+
+struct Counting;
+
+thread_local! {
+    /// Allocations of this thread.
+    static ALLOCATIONS: Cell<u32> = const { Cell::new(0) };
+}
+
+// SAFETY: all is left to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+#[test]
+fn recording_allocates_nothing() {
+    let session = Session::new(Host::without_validation());
+    let data = [0.0f32; 40 * 48];
+    let kind = GeosweepPointKind::Heights as i32;
+    let points =
+        [GeosweepPoints { kind, dx: 1.0, dy: 1.0, data: data.as_ptr(), stride: 4, ..zero() }];
+    let surface = session.surface(&surface_info(40, 48, &points));
+    let plan = session.plan(40, 48, &method(GeosweepWavefront::Curved, 4));
+    let sources = [3.0, 7.5].map(|row| geosweep_source_at(row, 4.0));
+    let frame = frame(plan, &sources);
+    let record = |commands, frame: &GeosweepFrame| unsafe {
+        let mut image = zero();
+        ok(geosweep_record_frame(surface, commands, frame, &mut image));
+        ok(geosweep_record_resume(surface, commands, plan));
+        ok(geosweep_record_add(surface, commands, &frame.sources, plan));
+        ok(geosweep_record_outcome(surface, commands, 0));
+        ok(geosweep_record_result(surface, commands, 0, COPY, -1.0, null_mut()));
+        ok(geosweep_record_end(surface, commands, zero()));
+    };
+    for _ in 0..20 {
+        let commands = session.host.commands();
+        session.host.begin(commands);
+        let before = ALLOCATIONS.get();
+        record(commands, &frame);
+        assert_eq!(ALLOCATIONS.get() - before, 0);
+        session.host.end(commands);
+        session.host.submit(commands, vk::Fence::null());
+        unsafe { session.host.device.device_wait_idle() }.unwrap();
+    }
+    // That the counter counts: a message takes a string.
+    let before = ALLOCATIONS.get();
+    wrong(unsafe { geosweep_record_prepare(surface, vk::CommandBuffer::null()) }, "commands");
+    assert!(ALLOCATIONS.get() > before);
+    unsafe {
+        ok(geosweep_surface_destroy(surface));
+        ok(geosweep_plan_destroy(plan));
+    }
+    session.end([]);
+}

@@ -1,0 +1,142 @@
+//! The library built as its documentation says, and programs in C compiled against it and run under
+//! the validation layers.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+use std::{env, fs};
+
+pub const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+/// What a program in C must compile without.
+const STRICT: [&str; 4] = ["-Wall", "-Wextra", "-Werror", "-pedantic"];
+/// The system libraries that the static library asks for on Linux.
+const SYSTEM: [&str; 3] = ["-lpthread", "-ldl", "-lm"];
+
+/// How a program is linked with the library.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Linkage {
+    Shared,
+    Static,
+}
+
+/// The folder with the library, which is built once. What cargo has built for the tests is used
+/// again, so this compiles this crate alone.
+pub fn library() -> &'static Path {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
+        let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap();
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.current_dir(ROOT).args(["rustc", "--lib", "--features", "capi", "--offline"]);
+        cargo.args(["--crate-type", "cdylib,staticlib"]).arg("--target-dir").arg(target);
+        let profile = if cfg!(debug_assertions) { "debug" } else { "release" };
+        if profile == "release" {
+            cargo.arg("--release");
+        }
+        run(&mut cargo, "build the library");
+        target.join(profile)
+    })
+}
+
+/// A C compiler (`CC`, else `cc`) or a C++ compiler (`CXX`, else `c++`), for what includes our
+/// header.
+fn compiler(variable: &str, usual: &str) -> Command {
+    let program = env::var(variable).unwrap_or_else(|_| usual.into());
+    let probe = format!("{ROOT}/tests/capi/probe.c");
+    let found = Command::new(&program).arg("-fsyntax-only").arg(probe).output();
+    let found = found.unwrap_or_else(|error| {
+        panic!(
+            "there is no compiler called {program} ({error}): install one (g++ on Debian and \
+             Ubuntu brings cc and c++), or name it in {variable}"
+        )
+    });
+    assert!(
+        found.status.success(),
+        "{program} does not compile Vulkan's headers: install them (libvulkan-dev on Debian and \
+         Ubuntu)\n{}",
+        String::from_utf8_lossy(&found.stderr)
+    );
+    let mut compiler = Command::new(program);
+    compiler.args(STRICT).arg("-I").arg(format!("{ROOT}/src/capi"));
+    compiler
+}
+
+/// A folder of the test's own.
+pub fn scratch(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("capi").join(name);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Checks that a source file in C or C++ compiles.
+pub fn check_syntax(file: &Path) {
+    let (variable, usual, standard) = match file.extension().and_then(OsStr::to_str) {
+        Some("c") => ("CC", "cc", "-std=c99"),
+        _ => ("CXX", "c++", "-std=c++11"),
+    };
+    let mut compiler = compiler(variable, usual);
+    run(compiler.args([standard, "-fsyntax-only"]).arg(file), "compile");
+}
+
+/// Compiles a program and links it.
+pub fn compile(source: &Path, program: &Path, linkage: Linkage) {
+    let library = library();
+    let mut compiler = compiler("CC", "cc");
+    compiler.args(["-std=c99", "-O1", "-g", "-o"]).arg(program).arg(source);
+    match linkage {
+        Linkage::Shared => {
+            compiler.arg("-L").arg(library).arg("-lgeosweep");
+            compiler.arg(format!("-Wl,-rpath,{}", library.display()));
+        }
+        Linkage::Static => {
+            compiler.arg(library.join("libgeosweep.a")).args(SYSTEM);
+        }
+    }
+    let what = "compile and link (libvulkan.so comes with libvulkan-dev on Debian and Ubuntu)";
+    run(compiler.args(["-lvulkan", "-lm"]), what);
+}
+
+/// What a program has printed, and what the validation layers have said.
+pub struct Run {
+    pub printed: String,
+    pub findings: Vec<String>,
+}
+
+/// Runs a program on the tests' device, under the validation layers with synchronization validation.
+pub fn validated(program: &Path) -> Run {
+    let folder = program.with_extension("layers");
+    fs::create_dir_all(&folder).unwrap();
+    let log = folder.join("log.txt");
+    let _ = fs::remove_file(&log);
+    // Synchronization validation is named in two ways, for older and for newer layers.
+    let settings = format!(
+        "khronos_validation.debug_action = VK_DBG_LAYER_ACTION_LOG_MSG\n\
+         khronos_validation.log_filename = {}\n\
+         khronos_validation.report_flags = error,warn\n\
+         khronos_validation.enables = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT\n\
+         khronos_validation.validate_sync = true\n",
+        log.display()
+    );
+    fs::write(folder.join("vk_layer_settings.txt"), settings).unwrap();
+    let mut command = Command::new(program);
+    command
+        .arg(env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default())
+        .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
+        .env("VK_LAYER_SETTINGS_PATH", &folder);
+    let printed = run(&mut command, "run");
+    let said = fs::read_to_string(&log).unwrap_or_default();
+    // What the layers say of their own settings is no finding.
+    let is_finding = |line: &&str| {
+        ["SYNC-HAZARD", "VUID-", "UNASSIGNED-"].iter().any(|word| line.contains(word))
+    };
+    Run { printed, findings: said.lines().filter(is_finding).map(str::to_owned).collect() }
+}
+
+/// Runs a command that is to succeed; its standard output.
+fn run(command: &mut Command, what: &str) -> String {
+    let output = command.output().unwrap_or_else(|error| panic!("{what}: {command:?}: {error}"));
+    let [printed, said] =
+        [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
+    assert!(output.status.success(), "{what}: {command:?}: {}\n{printed}{said}", output.status);
+    printed
+}

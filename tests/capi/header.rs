@@ -1,0 +1,61 @@
+//! The header is what cbindgen makes of `src/capi`.
+
+use std::collections::BTreeSet;
+use std::fs;
+
+const HEADER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi/geosweep.h");
+const SOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi");
+
+/// In the order in which one reads the header.
+const FILES: [&str; 10] = [
+    "status",
+    "requirements",
+    "choices",
+    "solver",
+    "points",
+    "surface_info",
+    "surface",
+    "plan",
+    "frame",
+    "record",
+];
+/// What C does not see.
+const INTERNAL: [&str; 3] = ["arguments", "loader", "mod"];
+
+fn generated() -> String {
+    let config = cbindgen::Config::from_file(format!("{SOURCES}/cbindgen.toml")).unwrap();
+    let builder = cbindgen::Builder::new().with_config(config);
+    let builder = FILES
+        .iter()
+        .fold(builder, |builder, file| builder.with_src(format!("{SOURCES}/{file}.rs")));
+    let mut header = Vec::new();
+    builder.generate().unwrap().write(&mut header);
+    String::from_utf8(header).unwrap()
+}
+
+/// With `GEOSWEEP_UPDATE_HEADER` set the test renews it.
+#[test]
+fn the_header_is_that_of_the_sources() {
+    let generated = generated();
+    if std::env::var_os("GEOSWEEP_UPDATE_HEADER").is_some() {
+        fs::write(HEADER, &generated).unwrap();
+    }
+    let committed = fs::read_to_string(HEADER).unwrap_or_default();
+    assert!(
+        committed == generated,
+        "src/capi/geosweep.h is not that of src/capi/*.rs; renew it, look at it and commit it:\n    \
+         GEOSWEEP_UPDATE_HEADER=1 cargo test --release --all-features --test capi header\n\
+         first lines that differ: {:#?}",
+        committed.lines().zip(generated.lines()).find(|(a, b)| a != b)
+    );
+}
+
+#[test]
+fn no_source_file_is_forgotten() {
+    let here = fs::read_dir(SOURCES).unwrap().filter_map(|entry| {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        name.strip_suffix(".rs").map(str::to_owned)
+    });
+    let named = FILES.iter().chain(&INTERNAL).map(|&file| file.to_owned());
+    assert_eq!(here.collect::<BTreeSet<_>>(), named.collect());
+}

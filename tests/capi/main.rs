@@ -1,0 +1,16 @@
+//! The interface for C and C++: its header, programs in C that are compiled and run, and its
+//! functions called as C would, with structs that start from zero.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../embed/host/mod.rs"]
+mod host;
+
+mod allocations;
+mod build;
+mod faults;
+mod header;
+mod maps;
+mod misuse;
+mod programs;
+mod session;

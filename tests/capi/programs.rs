@@ -1,0 +1,105 @@
+//! Programs in C: the example, and one that leaves out a barrier.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use crate::build::{Linkage, ROOT, check_syntax, compile, scratch, validated};
+
+const EXAMPLE: &str = "examples/embed.c";
+
+/// The blocks of a language in a page.
+fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
+    let parts = page.split("```");
+    let blocks = parts.skip(1).step_by(2).filter_map(|block| block.split_once('\n'));
+    blocks.filter(|block| block.0 == language).map(|block| block.1).collect()
+}
+
+fn read(file: &str) -> String {
+    fs::read_to_string(Path::new(ROOT).join(file)).unwrap()
+}
+
+/// By itself, and twice, since headers are included by other headers; and with what the guide shows
+/// in C++.
+#[test]
+fn the_header_compiles_in_c_and_cpp() {
+    let folder = scratch("header");
+    let twice = "#include \"geosweep.h\"\n#include \"geosweep.h\"\n";
+    let guide = read("docs/embedding.md");
+    let [deleters] = blocks(&guide, "cpp")[..] else { panic!("one block of C++ is in the guide") };
+    let with_deleters = format!("#include <memory>\n{twice}{deleters}");
+    for (name, source) in
+        [("twice.c", twice), ("twice.cpp", twice), ("deleters.cpp", &with_deleters)]
+    {
+        fs::write(folder.join(name), source).unwrap();
+        check_syntax(&folder.join(name));
+    }
+}
+
+/// It compares with distances on a plane itself, and fails if they differ. With the shared and the
+/// static library.
+#[test]
+fn the_example_runs_and_the_validation_layers_have_nothing_to_say() {
+    for linkage in [Linkage::Shared, Linkage::Static] {
+        let program = scratch("example").join(format!("{linkage:?}"));
+        compile(&Path::new(ROOT).join(EXAMPLE), &program, linkage);
+        let run = validated(&program);
+        let frames = run.printed.lines().filter(|line| line.starts_with("frame ")).count();
+        assert_eq!((frames, run.findings), (10, Vec::new()), "{}", run.printed);
+        // From row 40, column 50 to the first corner, half a unit apart, on the level.
+        let exact = 0.5 * f64::hypot(40.0, 50.0);
+        assert!(run.printed.contains(&format!("frame 0: {exact:.3},")), "{}", run.printed);
+    }
+}
+
+/// Which shows that the layers are there, and that the reader's stages count.
+#[test]
+fn a_reader_that_is_not_named_is_reported() {
+    let reader = "{{VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT},";
+    let example = read(EXAMPLE);
+    assert_eq!(example.matches(reader).count(), 1);
+    let folder = scratch("unnamed-reader");
+    let source = folder.join("embed.c");
+    fs::write(&source, example.replace(reader, "{{0, 0},")).unwrap();
+    compile(&source, &folder.join("embed"), Linkage::Shared);
+    let findings = validated(&folder.join("embed")).findings;
+    assert!(
+        findings.iter().any(|line| line.contains("SYNC-HAZARD-READ-AFTER-WRITE")),
+        "the validation layers report no hazard (on Debian and Ubuntu they come with \
+         vulkan-validationlayers): {findings:?}"
+    );
+}
+
+/// Both libraries hold all functions of the header: a program that takes the address of each links.
+#[test]
+fn all_functions_are_in_both_libraries() {
+    let header = read("src/capi/geosweep.h");
+    let declared =
+        header.lines().filter(|line| !line.trim_start().starts_with("//") && line.contains('('));
+    let names: BTreeSet<_> = declared
+        .filter_map(|line| {
+            let start = line.find("geosweep_")?;
+            line[start..].split('(').next()
+        })
+        .collect();
+    assert!(names.len() > 25, "{names:?}");
+    let table: String = names.iter().map(|name| format!("    (Function){name},\n")).collect();
+    let source = format!(
+        "#include \"geosweep.h\"\n\
+         typedef void (*Function)(void);\n\
+         static const Function functions[] = {{\n{table}}};\n\
+         int main(void) {{\n\
+         \x20   for (unsigned i = 0; i < sizeof functions / sizeof *functions; i++) {{\n\
+         \x20       if (!functions[i]) return 1;\n\
+         \x20   }}\n\
+         \x20   return geosweep_source_at(3.0f, 4.0f).col != 4.0f;\n\
+         }}\n"
+    );
+    let folder = scratch("functions");
+    fs::write(folder.join("functions.c"), source).unwrap();
+    for linkage in [Linkage::Shared, Linkage::Static] {
+        let program = folder.join(format!("{linkage:?}"));
+        compile(&folder.join("functions.c"), &program, linkage);
+        validated(&program);
+    }
+}

@@ -1,0 +1,171 @@
+//! A host with a solver of ours, as a program in C would have it.
+
+use std::ffi::CStr;
+use std::sync::OnceLock;
+
+use geosweep::ash::{self, vk};
+use geosweep::capi::*;
+
+use crate::host::{Host, HostBuffer};
+
+/// What `= {0}` is in C.
+pub fn zero<T: Copy>() -> T {
+    // SAFETY: the tests ask for structs of the interface only, which are made to start so.
+    unsafe { std::mem::zeroed() }
+}
+
+pub fn last_error() -> String {
+    unsafe { CStr::from_ptr(geosweep_last_error()) }.to_str().unwrap().to_owned()
+}
+
+#[track_caller]
+pub fn ok(status: GeosweepStatus) {
+    assert_eq!(status, GeosweepStatus::Success, "{}", last_error());
+}
+
+/// The call failed in this way, and its message has these words.
+#[track_caller]
+pub fn refused(status: GeosweepStatus, expected: GeosweepStatus, words: &str) {
+    let message = last_error();
+    assert_eq!(status, expected, "{message}");
+    assert!(message.contains(words), "{words:?} is not in {message:?}");
+}
+
+/// An argument was refused.
+#[track_caller]
+pub fn wrong(status: GeosweepStatus, words: &str) {
+    refused(status, GeosweepStatus::InvalidArgument, words);
+}
+
+/// The loader, loaded as long as the tests run.
+pub fn entry() -> &'static ash::Entry {
+    static ENTRY: OnceLock<ash::Entry> = OnceLock::new();
+    ENTRY.get_or_init(|| unsafe { ash::Entry::load() }.unwrap())
+}
+
+pub fn get_instance_proc_addr() -> Option<vk::PFN_vkGetInstanceProcAddr> {
+    Some(entry().static_fn().get_instance_proc_addr)
+}
+
+pub const RASTER: [GeosweepPasses; 3] = {
+    const fn of(wavefront: GeosweepWavefront) -> GeosweepPasses {
+        GeosweepPasses { schedule: GeosweepSchedule::Raster as i32, wavefront: wavefront as i32 }
+    }
+    use GeosweepWavefront::*;
+    [of(Planar), of(PointSource), of(Curved)]
+};
+
+pub fn solver_info(host: &Host) -> GeosweepSolverInfo {
+    GeosweepSolverInfo {
+        header_version: GEOSWEEP_HEADER_VERSION,
+        get_instance_proc_addr: get_instance_proc_addr(),
+        instance: host.instance.handle(),
+        physical_device: host.physical_device,
+        device: host.device.handle(),
+        passes: RASTER.as_ptr(),
+        pass_count: RASTER.len() as u32,
+    }
+}
+
+/// A grid with one slot and these points.
+pub fn surface_info(rows: u32, cols: u32, points: &[GeosweepPoints]) -> GeosweepSurfaceInfo {
+    let (points, point_count) = (points.as_ptr(), points.len() as u32);
+    GeosweepSurfaceInfo { rows, cols, slots: 1, points, point_count, ..zero() }
+}
+
+/// Until single precision converges.
+pub fn method(wavefront: GeosweepWavefront, iterations: u32) -> GeosweepMethod {
+    let wavefront = wavefront as i32;
+    GeosweepMethod { wavefront, tolerance: 1e-6, most_iterations: 400, iterations, ..zero() }
+}
+
+pub const COPY: GeosweepReader = GeosweepReader {
+    access: GeosweepAccess {
+        stages: vk::PipelineStageFlags::TRANSFER,
+        access: vk::AccessFlags::TRANSFER_READ,
+    },
+    layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+};
+
+pub fn frame(plan: *const GeosweepPlan, sources: &[GeosweepSource]) -> GeosweepFrame {
+    let (sources, count) = (sources.as_ptr(), sources.len() as u32);
+    let sources = GeosweepSources { sources, count, buffer: 0 };
+    GeosweepFrame { sources, plan, reader: COPY, unreached: f32::INFINITY, ..zero() }
+}
+
+/// [`Session::end`] takes it down.
+pub struct Session {
+    pub host: Host,
+    pub solver: *mut GeosweepSolver,
+}
+
+impl Session {
+    pub fn new(host: Host) -> Self {
+        let mut solver = std::ptr::null_mut();
+        ok(unsafe { geosweep_solver_create(&solver_info(&host), &mut solver) });
+        Self { host, solver }
+    }
+
+    pub fn plan(&self, rows: u32, cols: u32, method: &GeosweepMethod) -> *mut GeosweepPlan {
+        let mut plan = std::ptr::null_mut();
+        ok(unsafe { geosweep_plan_create(self.solver, rows, cols, method, &mut plan) });
+        plan
+    }
+
+    /// A surface, prepared.
+    pub fn surface(&self, info: &GeosweepSurfaceInfo) -> *mut GeosweepSurface {
+        let mut surface = std::ptr::null_mut();
+        ok(unsafe { geosweep_surface_create(self.solver, info, &mut surface) });
+        self.host.run(|commands| ok(unsafe { geosweep_record_prepare(surface, commands) }));
+        surface
+    }
+
+    /// Runs what records an image of distances, and copies that.
+    pub fn read(
+        &mut self,
+        record: impl FnOnce(vk::CommandBuffer, &mut GeosweepImage) -> GeosweepStatus,
+    ) -> Vec<f32> {
+        let commands = self.host.commands();
+        self.host.begin(commands);
+        let mut image: GeosweepImage = zero();
+        ok(record(commands, &mut image));
+        let points = image.extent.width as usize * image.extent.height as usize;
+        let to = self.host.buffer(4 * points as u64, true);
+        let layers = vk::ImageSubresourceLayers::default()
+            .aspect_mask(vk::ImageAspectFlags::COLOR)
+            .layer_count(1);
+        let copy = [vk::BufferImageCopy::default()
+            .image_subresource(layers)
+            .image_extent(image.extent.into())];
+        unsafe {
+            let (from, layout) = (image.image, image.layout);
+            self.host.device.cmd_copy_image_to_buffer(commands, from, layout, to.handle, &copy);
+        }
+        self.host.end(commands);
+        self.host.submit(commands, vk::Fence::null());
+        unsafe { self.host.device.device_wait_idle() }.unwrap();
+        let distances = to.floats()[..points].to_vec();
+        self.host.free(to);
+        distances
+    }
+
+    /// A frame's map.
+    pub fn map(&mut self, surface: *const GeosweepSurface, frame: &GeosweepFrame) -> Vec<f32> {
+        self.read(|commands, image| unsafe {
+            geosweep_record_frame(surface, commands, frame, image)
+        })
+    }
+
+    pub fn outcome(&self, surface: *const GeosweepSurface) -> GeosweepOutcome {
+        let mut outcome = zero();
+        ok(unsafe { geosweep_surface_outcome(surface, 0, &mut outcome) });
+        outcome
+    }
+
+    /// Destroys the solver; nothing is left, and the validation layers have said nothing.
+    pub fn end(mut self, buffers: impl IntoIterator<Item = HostBuffer>) {
+        ok(unsafe { geosweep_solver_destroy(self.solver) });
+        buffers.into_iter().for_each(|buffer| self.host.free(buffer));
+        assert_eq!((self.host.messages(), self.host.allocations()), (Vec::new(), 0));
+    }
+}
