@@ -1,4 +1,4 @@
-//! Programs in C: the example, and one that leaves out a barrier.
+//! Programs in C: the example, README's snippet, and one that leaves out a barrier.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -68,6 +68,24 @@ fn a_reader_that_is_not_named_is_reported() {
         "the validation layers report no hazard (on Debian and Ubuntu they come with \
          vulkan-validationlayers): {findings:?}"
     );
+}
+
+/// README's block of C, between the lines that a renderer has around it.
+#[test]
+fn the_snippet_of_readme_compiles_and_runs() {
+    let readme = read("README.md");
+    let [snippet] = blocks(&readme, "c")[..] else { panic!("one block of C is in README") };
+    let folder = scratch("snippet");
+    let harness = read("tests/capi/snippet.c");
+    let source = harness
+        .replace("examples/embed.c", &format!("{ROOT}/{EXAMPLE}"))
+        .replace("/* README's snippet */", snippet);
+    assert!(source.contains(snippet));
+    fs::write(folder.join("snippet.c"), source).unwrap();
+    compile(&folder.join("snippet.c"), &folder.join("snippet"), Linkage::Shared);
+    let run = validated(&folder.join("snippet"));
+    assert_eq!(run.findings, Vec::<String>::new(), "{}", run.printed);
+    assert!(run.printed.contains("the snippet's map is right"), "{}", run.printed);
 }
 
 /// Both libraries hold all functions of the header: a program that takes the address of each links.
