@@ -71,6 +71,7 @@ list_missing() {
         need "lavapipe, Vulkan on the CPU" mesa-vulkan-drivers have_json 'lvp_icd*.json'
     if [[ -n ${1-} ]]; then
         need "validation layers" vulkan-validationlayers have_json 'VkLayer_khronos_validation.json'
+        need "Vulkan's headers and linker's library, for programs in C" libvulkan-dev have_library libvulkan.so
         need "spirv-val, the SPIR-V checker" spirv-tools command -v spirv-val >/dev/null
         need "X server without a screen, for the viewer's tests" xvfb command -v Xvfb >/dev/null
         # The viewer loads these when it starts.
