@@ -1,74 +1,158 @@
 //! What is made of a distance map of 1200 x 1200 points, beside the time of the map itself:
-//! `cargo bench --bench geometry`. Edge lengths are measured outside the measured time.
+//! `cargo bench --bench geometry`, or with `-- WORD` those whose names have the word. Edge lengths
+//! are measured outside the measured time, as for a surface that is kept.
+//!
+//! All of them run in turn, round by round, so that what else the machine does falls on all alike:
+//! a share of a map's time means more than either time.
 
-use criterion::{Criterion, criterion_group, criterion_main};
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
 use geosweep::cpu::{RotatedScan, Stop};
-use geosweep::geometry::{FarthestPoints, Levels, Side, Voronoi, contours, offset_curves, ridges};
+use geosweep::geometry::{
+    FarthestPoints, Levels, Paths, Side, Voronoi, contours, offset_curves, ridges,
+};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::{Engine, Options, Sources, Wavefront, distance_map};
+use geosweep::{DistanceMap, Engine, Options, Sources, Surface, Wavefront, distance_map};
 
-const SIDE: usize = 1200;
 const STOP: Stop = Stop { tolerance: 1e-6, iterations: 1000 };
+const PATHS: usize = 1000;
 
-/// So many points along a spiral around the middle, none near another.
-fn spiral(count: u32) -> Sources {
-    let turn = std::f64::consts::PI * (3.0 - f64::sqrt(5.0));
-    let place = |k: u32| {
-        let radius = 0.45 * ((f64::from(k) + 0.5) / f64::from(count)).sqrt();
-        let (sin, cos) = (turn * f64::from(k)).sin_cos();
-        [sin, cos].map(|x| ((SIDE - 1) as f64 * (0.5 + radius * x)).round())
-    };
-    (0..count)
-        .map(place)
-        .fold(Sources::default(), |sources, at| sources.and_point(at[0], at[1], 0.0))
+/// Something to be timed.
+struct Case<'a> {
+    name: String,
+    run: Box<dyn FnMut() + 'a>,
+    times: Vec<Duration>,
 }
 
-fn geometry(c: &mut Criterion) {
-    for builtin in [Builtin::Sphere, Builtin::Peaks] {
-        let surface = builtin.surface(SIDE, SIDE).expect("built-in surfaces fit");
-        let edges = EdgeLengths::<f32>::new(&surface).expect("built-in surfaces fit");
-        let mut group = c.benchmark_group(builtin.name());
-        group.sample_size(10);
-        let close = Sources::point(60.0, 60.0).and_point(64.0, 66.0, 0.0);
-        let cases =
-            [("2 sources", spiral(2)), ("2 close sources", close), ("50 sources", spiral(50))];
-        for (name, sources) in &cases {
-            let seeds = sources.seeds(&surface).expect("they lie on the surface");
-            for wavefront in [Wavefront::PointSource, Wavefront::Curved] {
-                let mut solver = RotatedScan::new(&edges, wavefront);
-                group.bench_function(format!("map, {wavefront}, {name}"), |b| {
-                    b.iter(|| solver.solve(&seeds, STOP));
-                });
-            }
-            let options = Options { engine: Engine::Cpu, ..Options::default() };
-            let map = distance_map(&surface, sources, &options).expect("the surface fits");
-            group.bench_function(format!("Voronoi regions, {name}"), |b| {
-                b.iter(|| Voronoi::new(&surface, &edges, sources, &map.distances));
+/// Cases on one surface that are timed in turn.
+struct Cases<'a> {
+    words: &'a [String],
+    cases: Vec<Case<'a>>,
+}
+
+impl<'a> Cases<'a> {
+    /// Adds a case; maps are timed whatever the words.
+    fn add<T>(&mut self, name: impl Into<String>, mut run: impl FnMut() -> T + 'a) {
+        let name = name.into();
+        let is_wanted = self.words.iter().all(|word| name.contains(word.as_str()));
+        if is_wanted || name.starts_with("map") {
+            let run = Box::new(move || {
+                black_box(run());
             });
-            group.bench_function(format!("10 contours, {name}"), |b| {
-                let levels = Levels::Count(10).on(&map, sources).expect("ten are not too many");
-                b.iter(|| contours(&map, sources, &levels));
-            });
+            self.cases.push(Case { name, run, times: Vec::new() });
         }
-        let middle = (SIDE / 2) as f64;
-        let curve = Sources::curve([[middle, 0.3 * middle], [middle + 90.0, 1.6 * middle]]);
-        let options = Options { engine: Engine::Cpu, ..Options::default() };
-        let map = distance_map(&surface, &curve, &options).expect("the surface fits");
-        let levels = Levels::Count(10).on(&map, &curve).expect("ten are not too many");
-        group.bench_function("10 offset curves", |b| {
-            b.iter(|| offset_curves(&surface, &edges, &curve, &map, &levels, Side::Left));
-        });
-        group.bench_function("ridges", |b| b.iter(|| ridges(&edges, &map.distances, 30.0)));
-        group.bench_function("50 farthest points", |b| {
-            b.iter(|| {
-                let first = Sources::point(60.0, 60.0);
-                let points = FarthestPoints::new(&surface, &edges, &first);
-                points.expect("it lies on the surface").take(49).count()
-            });
-        });
+    }
+
+    /// Times all, after a first run that does not count, and prints medians.
+    fn time(mut self, rounds: usize) {
+        for round in 0..=rounds {
+            for Case { run, times, .. } in &mut self.cases {
+                let start = Instant::now();
+                run();
+                if round > 0 {
+                    times.push(start.elapsed());
+                }
+            }
+        }
+        let maps: Vec<f64> = self
+            .cases
+            .iter()
+            .filter(|case| case.name.starts_with("map"))
+            .map(Case::median)
+            .collect();
+        for case in &self.cases {
+            let median = case.median();
+            let shares: String = maps.iter().map(|map| format!("{:>9.2}", median / map)).collect();
+            println!("{:<38} {:>9.2}{shares}", case.name, 1e3 * median);
+        }
     }
 }
 
-criterion_group!(benches, geometry);
-criterion_main!(benches);
+impl Case<'_> {
+    /// In seconds.
+    fn median(&self) -> f64 {
+        let mut times = self.times.clone();
+        times.sort();
+        times[times.len() / 2].as_secs_f64()
+    }
+}
+
+/// So many places along a spiral around the middle, none near another.
+fn spiral(side: usize, count: usize) -> Vec<[f64; 2]> {
+    let turn = std::f64::consts::PI * (3.0 - f64::sqrt(5.0));
+    let place = |k: usize| {
+        let radius = 0.45 * ((k as f64 + 0.5) / count as f64).sqrt();
+        let (sin, cos) = (turn * k as f64).sin_cos();
+        [sin, cos].map(|x| ((side - 1) as f64 * (0.5 + radius * x)).round())
+    };
+    (0..count).map(place).collect()
+}
+
+fn points(places: &[[f64; 2]]) -> Sources {
+    places.iter().fold(Sources::default(), |sources, &[row, col]| sources.and_point(row, col, 0.0))
+}
+
+fn solve(surface: &Surface, sources: &Sources) -> DistanceMap {
+    let options = Options { engine: Engine::Cpu, ..Options::default() };
+    distance_map(surface, sources, &options).expect("the surface fits")
+}
+
+fn main() {
+    let mut words: Vec<String> = std::env::args().skip(1).collect();
+    // Cargo says so if this is for times, and not for whether it runs.
+    let is_bench = words.iter().any(|word| word == "--bench");
+    words.retain(|word| !word.starts_with('-'));
+    let (side, rounds) = if is_bench { (1200, 11) } else { (60, 1) };
+    for builtin in [Builtin::Sphere, Builtin::Peaks] {
+        let surface = builtin.surface(side, side).expect("built-in surfaces fit");
+        let edges = EdgeLengths::<f32>::new(&surface).expect("built-in surfaces fit");
+        println!("\n{builtin}, {side} x {side} points: median ms, and shares of the maps' times");
+        let (corner, middle) = (side as f64 / 20.0, (side / 2) as f64);
+        let from_corner = points(&[[corner; 2]]);
+        let sets = [
+            ("1 source", from_corner.clone()),
+            ("2 sources", points(&spiral(side, 2))),
+            ("2 close sources", points(&[[corner; 2], [corner + 4.0, corner + 6.0]])),
+            ("50 sources", points(&spiral(side, 50))),
+        ];
+        let maps: Vec<_> = sets.iter().map(|(_, sources)| solve(&surface, sources)).collect();
+        let starts = spiral(side, PATHS);
+        let curve = Sources::curve([[middle, 0.3 * middle], [1.15 * middle, 1.6 * middle]]);
+        let curve_map = solve(&surface, &curve);
+        let levels = Levels::Count(10).on(&curve_map, &curve).expect("ten are not too many");
+
+        let mut cases = Cases { words: &words, cases: Vec::new() };
+        for wavefront in [Wavefront::PointSource, Wavefront::Curved] {
+            let mut solver = RotatedScan::new(&edges, wavefront);
+            let seeds = from_corner.seeds(&surface).expect("it lies on the surface");
+            cases.add(format!("map, {wavefront}"), move || solver.solve(&seeds, STOP).iterations);
+        }
+        for ((name, sources), map) in sets.iter().zip(&maps) {
+            let (surface, edges, starts) = (&surface, &edges, &starts);
+            if sources.iter().count() > 1 {
+                cases.add(format!("Voronoi regions, {name}"), move || {
+                    Voronoi::new(surface, edges, sources, &map.distances)
+                });
+            }
+            cases.add(format!("10 contours, {name}"), move || {
+                let levels = Levels::Count(10).on(map, sources).expect("ten are not too many");
+                contours(map, sources, &levels)
+            });
+            cases.add(format!("{PATHS} paths, {name}"), move || {
+                let paths = Paths::new(surface, edges, sources, &map.distances);
+                paths.expect("they lie on the surface").trace_all(starts)
+            });
+            cases.add(format!("ridges, {name}"), move || ridges(edges, &map.distances, 30.0));
+        }
+        cases.add("10 offset curves", || {
+            offset_curves(&surface, &edges, &curve, &curve_map, &levels, Side::Left)
+        });
+        cases.add("50 farthest points", || {
+            let points = FarthestPoints::new(&surface, &edges, &from_corner);
+            points.expect("it lies on the surface").take(49).count()
+        });
+        cases.time(rounds);
+    }
+}
