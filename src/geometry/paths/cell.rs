@@ -8,8 +8,11 @@ pub(super) type Weights = [f64; 4];
 /// The corners at both ends of a cell's sides: north, west, east and south.
 pub(super) const SIDES: [[usize; 2]; 4] = [[0, 1], [0, 2], [1, 3], [2, 3]];
 
-/// The four corners of a cell, north-west, north-east, south-west and south-east, and the squared
-/// lengths between them.
+/// Which of a cell's lengths is that between two corners; a corner is no way from itself.
+const BETWEEN: [[usize; 4]; 4] = [[6, 0, 1, 2], [0, 6, 3, 4], [1, 3, 6, 5], [2, 4, 5, 6]];
+
+/// The four corners of a cell, north-west, north-east, south-west and south-east, and the lengths
+/// between them.
 ///
 /// With weights x and y of the corners for two places, d = x - y and S the matrix of squared
 /// lengths, the squared distance of the places is -d' S d / 2: exact between the edges of a flat
@@ -17,7 +20,8 @@ pub(super) const SIDES: [[usize; 2]; 4] = [[0, 1], [0, 2], [1, 3], [2, 3]];
 /// With a corner missing its weight is zero, and so is its part.
 pub(super) struct Cell {
     pub(super) corners: [usize; 4],
-    squares: [[f64; 4]; 4],
+    /// By the numbers in [`BETWEEN`].
+    lengths: [f64; 7],
 }
 
 impl Cell {
@@ -26,40 +30,56 @@ impl Cell {
         let corners = corners(edges.chart(), north_west);
         let [_, north_east, south_west, south_east] = corners;
         let [to_east, to_north, to_north_east, to_north_west] = edges.planes();
-        let square = |length: f32| f64::from(length) * f64::from(length);
-        let north = square(to_east[north_west]);
-        let west = square(to_north[south_west]);
-        let falling = square(to_north_west[south_east]);
-        let rising = square(to_north_east[south_west]);
-        let east = square(to_north[south_east]);
-        let south = square(to_east[south_west]);
+        let (north, west) = (to_east[north_west], to_north[south_west]);
+        let (falling, rising) = (to_north_west[south_east], to_north_east[south_west]);
+        let (east, south) = (to_north[south_east], to_east[south_west]);
         debug_assert_eq!(north_east, north_west + 1);
-        let squares = [
-            [0.0, north, west, falling],
-            [north, 0.0, rising, east],
-            [west, rising, 0.0, south],
-            [falling, east, south, 0.0],
-        ];
-        Self { corners, squares }
+        let lengths = [north, west, falling, rising, east, south, 0.0].map(f64::from);
+        Self { corners, lengths }
+    }
+
+    /// Length between two corners.
+    pub(super) fn length(&self, [a, b]: [usize; 2]) -> f64 {
+        self.lengths[BETWEEN[a][b]]
     }
 
     /// Squared length between two corners.
-    pub(super) fn between(&self, [a, b]: [usize; 2]) -> f64 {
-        self.squares[a][b]
+    fn square_between(&self, a: usize, b: usize) -> f64 {
+        let length = self.length([a, b]);
+        length * length
+    }
+
+    fn squares(&self) -> [[f64; 4]; 4] {
+        let squares = self.lengths.map(|length| length * length);
+        BETWEEN.map(|row| row.map(|slot| squares[slot]))
     }
 
     /// Squared distances from a place to the corners; at corners that are missing, too large for
     /// any distance.
     pub(super) fn from(&self, place: &Weights) -> [f64; 4] {
-        let products = self.squares.map(|row| dot(&row, place));
+        let products = self.squares().map(|row| dot(&row, place));
         let spread = 0.5 * dot(&products, place);
         products.map(|product| product - spread)
+    }
+
+    /// Those from a share of one side to the ends of another.
+    pub(super) fn between_sides(
+        &self,
+        [a, b]: [usize; 2],
+        share: f64,
+        ends: [usize; 2],
+    ) -> [f64; 2] {
+        let rest = 1.0 - share;
+        let spread = rest * share * self.square_between(a, b);
+        ends.map(|end| {
+            rest * self.square_between(a, end) + share * self.square_between(b, end) - spread
+        })
     }
 
     /// Squared distance of two places.
     pub(super) fn square(&self, a: &Weights, b: &Weights) -> f64 {
         let apart = std::array::from_fn(|k| a[k] - b[k]);
-        (-0.5 * dot(&self.squares.map(|row| dot(&row, &apart)), &apart)).max(0.0)
+        (-0.5 * dot(&self.squares().map(|row| dot(&row, &apart)), &apart)).max(0.0)
     }
 }
 

@@ -87,6 +87,11 @@ impl Goals {
         }
     }
 
+    /// Whether a source lies in a cell.
+    pub(super) fn touches(&self, north_west: usize) -> bool {
+        self.touched[north_west]
+    }
+
     /// The place of a source in a cell from which the front arrives first at a place there, over
     /// a straight line.
     pub(super) fn nearest(
@@ -95,7 +100,7 @@ impl Goals {
         cell: &Cell,
         place: &Weights,
     ) -> Option<Nearest> {
-        if !self.touched[north_west] {
+        if !self.touches(north_west) {
             return None;
         }
         let goals = self.by_cell.get(&north_west)?.iter();

@@ -9,6 +9,7 @@
 //! error to second order; lines end at grid points where a path bends around the corner of a hole,
 //! and at the source where it lies in the cell.
 
+mod ahead;
 mod cell;
 mod goals;
 mod profile;

@@ -12,6 +12,8 @@ pub(super) struct Profile {
     rise: f64,
     /// Second differences at both ends.
     bends: [f64; 2],
+    /// Times at both ends since the start.
+    since: [f64; 2],
     length: f64,
 }
 
@@ -34,17 +36,16 @@ pub(super) struct Crossing {
 }
 
 impl Profile {
-    /// The second and the third of four points in a row are the edge's ends; `length_squared` is
+    /// The second and the third of four points in a row are the edge's ends; `length` is
     /// its own. The times at the outer two are infinite where there is no such point.
     ///
     /// A cubic where the surface is smooth. Where fronts meet, one of the second differences sees
     /// the kink and the other one, the smaller, does not. With neither neighbour, the front is
     /// taken for a circular one around a point of the plane.
-    pub(super) fn new(start: f64, times: [f64; 4], length_squared: f64) -> Self {
-        let [before, first, last, after] = times.map(|time| {
-            let since = (time - start).max(0.0);
-            since * since
-        });
+    pub(super) fn new(start: f64, times: [f64; 4], length: f64) -> Self {
+        let since = times.map(|time| (time - start).max(0.0));
+        let [before, first, last, after] = since.map(|since| since * since);
+        let length_squared = length * length;
         let rise = last - first;
         let (left, right) = (before + last - 2.0 * first, first + after - 2.0 * last);
         let bends = match (left < f64::INFINITY, right < f64::INFINITY) {
@@ -65,15 +66,16 @@ impl Profile {
             }
             (false, false) => [0.0; 2],
         };
-        let profile = Self { start, first, rise, bends, length: length_squared.sqrt() };
+        let profile = Self { start, first, rise, bends, since: [since[1], since[2]], length };
         if profile.is_distance() { profile } else { Self { bends: [0.0; 2], ..profile } }
     }
 
     /// Whether the time half-way differs from those at the ends by no more than the way is long.
     fn is_distance(&self) -> bool {
-        let ends = [self.first, self.first + self.rise].map(f64::sqrt);
-        let middle = self.squared(0.5).0.max(0.0).sqrt();
-        ends.iter().all(|time| (time - middle).abs() <= (0.5 + MARGIN) * self.length)
+        let [first, last] = self.since;
+        let (way, middle) = ((0.5 + MARGIN) * self.length, self.squared(0.5).0.max(0.0));
+        let (earliest, latest) = (first.max(last) - way, first.min(last) + way);
+        middle <= latest * latest && (earliest <= 0.0 || middle >= earliest * earliest)
     }
 
     /// The square of the time since the start, and its two derivatives.
@@ -90,47 +92,34 @@ impl Profile {
     /// Arrival time at a share of the edge.
     pub(super) fn time(&self, share: f64) -> f64 {
         let time = self.squared(share).0.max(0.0).sqrt();
-        let ends = [self.first, self.first + self.rise].map(f64::sqrt);
-        let earliest = (ends[0] - share * self.length).max(ends[1] - (1.0 - share) * self.length);
-        self.start + time.max(earliest)
+        self.start + time.max(self.earliest(share))
+    }
+
+    /// As late as the way from either end allows, since the start.
+    fn earliest(&self, share: f64) -> f64 {
+        let [first, last] = self.since;
+        (first - share * self.length).max(last - (1.0 - share) * self.length)
     }
 
     /// Where the straight line to a place crosses the edge that arrives there first: the smallest
     /// sum of arrival time and distance. `ends` are the squared distances of the edge's ends from
-    /// the place, `length_squared` its own.
+    /// the place.
     ///
     /// Newton's method between brackets: the sum is convex but where fronts meet, and then the
     /// better end will do.
-    pub(super) fn crossing(&self, ends: [f64; 2], length_squared: f64) -> Crossing {
-        let floor = 1e-16 * length_squared;
-        let away = |share: f64| {
-            let square = ends[0] + share * (ends[1] - ends[0] - (1.0 - share) * length_squared);
-            let slope = ends[1] - ends[0] - (1.0 - 2.0 * share) * length_squared;
-            (square, slope, 2.0 * length_squared)
-        };
-        let root = |(square, slope, bend): (f64, f64, f64)| {
-            let square = square.max(floor);
-            let root = square.sqrt();
-            let half = 0.5 / root;
-            (root, slope * half, (bend - 0.5 * slope * slope / square) * half)
-        };
-        let sum = |share: f64| {
-            let (time, to, bend) = root(self.squared(share));
-            let (distance, by, bow) = root(away(share));
-            (time + distance, to + by, bend + bow)
-        };
-        let (low, high) = (sum(0.0), sum(1.0));
-        let share = if low.1 < 0.0 && high.1 > 0.0 {
+    pub(super) fn crossing(&self, ends: [f64; 2]) -> Crossing {
+        let (low, high) = (self.sum(0.0, ends), self.sum(1.0, ends));
+        let share = if low.slope() < 0.0 && high.slope() > 0.0 {
             let (mut left, mut right) = (0.0, 1.0);
-            let mut share = low.1 / (low.1 - high.1);
+            let mut share = low.slope() / (low.slope() - high.slope());
             for _ in 0..12 {
-                let (_, slope, bend) = sum(share);
-                if slope < 0.0 {
+                let sum = self.sum(share, ends);
+                if sum.slope() < 0.0 {
                     left = share
                 } else {
                     right = share
                 };
-                let newton = share - slope / bend;
+                let newton = share - sum.slope() / sum.bend();
                 let next =
                     if newton > left && newton < right { newton } else { 0.5 * (left + right) };
                 let change = (next - share).abs();
@@ -140,11 +129,87 @@ impl Profile {
                 }
             }
             share
-        } else if low.0 <= high.0 {
+        } else if low.value() <= high.value() {
             0.0
         } else {
             1.0
         };
-        Crossing { share, time: self.time(share), distance: away(share).0.max(0.0).sqrt() }
+        let (square, ..) = self.away(share, ends);
+        Crossing { share, time: self.time(share), distance: square.max(0.0).sqrt() }
+    }
+
+    /// The same near a share that is known well, for less: `None` where Newton's method does not
+    /// settle in a few steps strictly between the ends.
+    pub(super) fn crossing_near(&self, mut share: f64, ends: [f64; 2]) -> Option<Crossing> {
+        for _ in 0..4 {
+            let sum = self.sum(share, ends);
+            let change = -sum.slope() / sum.bend();
+            share += change;
+            if !(sum.bend() > 0.0 && share > 0.0 && share < 1.0) {
+                return None;
+            }
+            let [time, distance] = sum.terms.map(|term| term.after(change));
+            // What is left is of the order of the square, over the way to the edge in its lengths.
+            if change * change * self.length < 1e-5 * distance {
+                let time = self.start + time.max(self.earliest(share));
+                return Some(Crossing { share, time, distance });
+            }
+        }
+        None
+    }
+
+    /// Arrival time since the start and distance together at a share of the edge.
+    fn sum(&self, share: f64, ends: [f64; 2]) -> Sum {
+        let floor = 1e-16 * self.length * self.length;
+        let root = |(square, slope, bend): (f64, f64, f64)| {
+            let value = square.max(floor).sqrt();
+            let half = 0.5 / value;
+            let slope = slope * half;
+            Term { value, slope, bend: (bend - 2.0 * slope * slope) * half }
+        };
+        Sum { terms: [root(self.squared(share)), root(self.away(share, ends))] }
+    }
+
+    /// The squared distance of a place from a share of the edge, and its first two derivatives.
+    fn away(&self, share: f64, ends: [f64; 2]) -> (f64, f64, f64) {
+        let (length_squared, rise) = (self.length * self.length, ends[1] - ends[0]);
+        let square = ends[0] + share * (rise - (1.0 - share) * length_squared);
+        let slope = rise - (1.0 - 2.0 * share) * length_squared;
+        (square, slope, 2.0 * length_squared)
+    }
+}
+
+/// A function at a share of an edge, and its first two derivatives.
+#[derive(Clone, Copy)]
+struct Term {
+    value: f64,
+    slope: f64,
+    bend: f64,
+}
+
+impl Term {
+    /// Its value a small change of the share further.
+    fn after(self, change: f64) -> f64 {
+        self.value + change * (self.slope + 0.5 * change * self.bend)
+    }
+}
+
+/// A sum of two.
+#[derive(Clone, Copy)]
+struct Sum {
+    terms: [Term; 2],
+}
+
+impl Sum {
+    fn value(&self) -> f64 {
+        self.terms[0].value + self.terms[1].value
+    }
+
+    fn slope(&self) -> f64 {
+        self.terms[0].slope + self.terms[1].slope
+    }
+
+    fn bend(&self) -> f64 {
+        self.terms[0].bend + self.terms[1].bend
     }
 }

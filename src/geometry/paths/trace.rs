@@ -5,6 +5,7 @@ use std::collections::{BinaryHeap, HashMap};
 
 use glam::DVec2;
 
+use super::ahead::Entry;
 use super::cell::{Cell, SIDES, Weights};
 use super::goals::{Goals, Nearest};
 use super::profile::Profile;
@@ -35,7 +36,7 @@ pub(super) struct Stuck(pub DVec2);
 
 /// Where a path is.
 #[derive(Clone, Copy, Debug)]
-enum Place {
+pub(super) enum Place {
     /// At a point of the bordered array.
     Point(usize),
     /// On the edge to the next point or to the next row's, at a share of its length.
@@ -46,47 +47,47 @@ enum Place {
 
 /// One straight line of a path.
 #[derive(Clone, Copy, Debug)]
-struct Line {
-    end: End,
+pub(super) struct Line {
+    pub end: End,
     /// Arrival time at its end.
-    time: f64,
-    length: f64,
+    pub time: f64,
+    pub length: f64,
     /// The cell that it crosses.
-    cell: usize,
+    pub cell: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum End {
+pub(super) enum End {
     Place(Place),
     Source(usize, DVec2),
 }
 
 impl Line {
-    fn arrival(&self) -> f64 {
+    pub(super) fn arrival(&self) -> f64 {
         self.time + self.length
     }
 }
 
 /// A line that ends nearer than this to a grid point, in shares of the edge, ends there.
-const AT_POINT: f64 = 1e-4;
+pub(super) const AT_POINT: f64 = 1e-4;
 /// A straight line to the source in sight is preferred to others by this part of its length; and a
 /// line that fits the arrival time as well needs no other to be compared with.
-const FITS: f64 = 1e-3;
+pub(super) const FITS: f64 = 1e-3;
 /// Squares of lengths of edges that do not exist are larger.
-const NO_EDGE: f64 = FAR * FAR * 1e-20;
+pub(super) const NO_EDGE: f64 = FAR * FAR * 1e-20;
 /// Areas whose square is a smaller part of the fourth power of a side are no triangles.
-const FLAT: f64 = 1e-14;
+pub(super) const FLAT: f64 = 1e-14;
 
 impl Field<'_> {
     fn chart(&self) -> Chart {
         self.edges.chart()
     }
 
-    fn time(&self, point: usize) -> f64 {
+    pub(super) fn time(&self, point: usize) -> f64 {
         self.times[point].into()
     }
 
-    fn is_reached(&self, point: usize) -> bool {
+    pub(super) fn is_reached(&self, point: usize) -> bool {
         self.times[point] < f32::INFINITY
     }
 
@@ -161,6 +162,17 @@ impl Field<'_> {
         }
     }
 
+    /// The cell that a path from a cell enters over an edge, and where.
+    fn entry(&self, place: Place, from: usize) -> Option<Entry> {
+        let Place::Edge { first, step, share } = place else { return None };
+        let [north, west, east, south] = SIDES;
+        let (before, sides) =
+            if step == 1 { (self.chart().stride(), [north, south]) } else { (1, [west, east]) };
+        let (north_west, side) =
+            if first == from { (first - before, sides[1]) } else { (first, sides[0]) };
+        Some(Entry { north_west, side, share })
+    }
+
     /// The path from a place to its source.
     ///
     /// Squares of times are smooth at a source if they count from its own initial value, which is
@@ -195,7 +207,11 @@ impl Field<'_> {
             if let Place::Point(point) = place {
                 lowest = lowest.min(self.time(point));
             }
-            let Some(line) = self.line(moment, place, time, from) else {
+            let ahead = match (&trace.vertices[..], self.entry(place, from)) {
+                ([.., before, at], Some(entry)) => self.ahead(moment, entry, *at - *before, time),
+                _ => None,
+            };
+            let Some(line) = ahead.or_else(|| self.line(moment, place, time, from)) else {
                 let stuck = || Stuck(self.position(place));
                 let point = self.lower_end(place);
                 let detour = self.detour(point, lowest).ok_or_else(stuck)?;
@@ -305,15 +321,10 @@ impl Field<'_> {
                 continue;
             }
             let points = side.map(|corner| cell.corners[corner]);
-            let (ends, base) = (side.map(|corner| squares[corner]), cell.between(side));
-            let skew = ends[1] - ends[0] - base;
-            let whole = reached[a]
-                && reached[b]
-                && ends[0].max(ends[1]) < NO_EDGE
-                && 4.0 * ends[0] * base - skew * skew > FLAT * base * base;
-            if whole {
-                let profile = self.profile(moment, points, base);
-                let crossing = profile.crossing(ends, base);
+            let (ends, length) = (side.map(|corner| squares[corner]), cell.length(side));
+            if reached[a] && reached[b] && is_triangle(ends, length * length) {
+                let profile = self.profile(moment, points, length);
+                let crossing = profile.crossing(ends);
                 let step = points[1] - points[0];
                 let at_end = if crossing.share < AT_POINT {
                     Some(0)
@@ -346,10 +357,10 @@ impl Field<'_> {
     }
 
     /// The arrival times along the edge between two points.
-    fn profile(&self, moment: f64, [first, last]: [usize; 2], length_squared: f64) -> Profile {
+    pub(super) fn profile(&self, moment: f64, [first, last]: [usize; 2], length: f64) -> Profile {
         let step = last - first;
         let points = [first - step, first, last, last + step];
-        Profile::new(moment, points.map(|point| self.time(point)), length_squared)
+        Profile::new(moment, points.map(|point| self.time(point)), length)
     }
 
     fn length(&self, a: usize, b: usize) -> f64 {
@@ -403,4 +414,10 @@ impl Field<'_> {
         }
         None
     }
+}
+
+/// Whether a place and an edge, both given by squared lengths, span a triangle.
+pub(super) fn is_triangle(ends: [f64; 2], base: f64) -> bool {
+    let skew = ends[1] - ends[0] - base;
+    ends[0].max(ends[1]) < NO_EDGE && 4.0 * ends[0] * base - skew * skew > FLAT * base * base
 }
