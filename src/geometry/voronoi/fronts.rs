@@ -31,6 +31,16 @@ struct Arrival {
     next: u32,
 }
 
+/// A front that may reach a point.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    label: u32,
+    /// When it does, as far as is known.
+    time: f64,
+    /// Since its start, at the point's neighbours.
+    since: [f64; 8],
+}
+
 /// How the front of a source is continued.
 #[derive(Clone, Copy, Debug)]
 struct Origin {
@@ -50,6 +60,8 @@ pub(super) struct Fronts<'a> {
     arrivals: Vec<Arrival>,
     /// Fronts whose arrival at a point its neighbours have yet to hear of.
     news: Vec<(u32, u32)>,
+    /// Where the candidates of a point are gathered.
+    room: Vec<Candidate>,
 }
 
 impl<'a> Fronts<'a> {
@@ -69,6 +81,7 @@ impl<'a> Fronts<'a> {
             times,
             arrivals: Vec::new(),
             news: Vec::new(),
+            room: Vec::new(),
         };
         fronts.start(surface, sources)?;
         for point in order {
@@ -111,38 +124,60 @@ impl<'a> Fronts<'a> {
                 return;
             }
         }
-        // All fronts that neighbours have, and those of sources beside the point.
-        let mut found: Vec<(u32, f64)> = self.arrivals_at(point).collect();
+        let mut found = self.candidates(point);
+        for candidate in &mut found {
+            let arrival = self.through(point, candidate, 0..8);
+            candidate.time = candidate.time.min(arrival);
+        }
+        if found.len() > 1 {
+            let first = found.iter().map(|candidate| candidate.time).fold(f64::FAR, f64::min);
+            let latest = self.latest(point, first);
+            found.retain(|candidate| candidate.time <= latest);
+        }
+        found.retain(|candidate| candidate.time < f64::FAR);
+        match &found[..] {
+            [] => {}
+            [single] => self.labels[point] = single.label,
+            several => {
+                self.labels[point] = NONE;
+                several.iter().for_each(|front| self.insert(point, front.label, front.time));
+            }
+        }
+        self.news.extend(found.iter().map(|front| (point as u32, front.label)));
+        self.room = found;
+        while let Some((point, label)) = self.news.pop() {
+            self.tell(point as usize, label);
+        }
+    }
+
+    /// All fronts that a point's neighbours have, and those of sources beside it.
+    fn candidates(&mut self, point: usize) -> Vec<Candidate> {
+        let mut found = std::mem::take(&mut self.room);
+        found.clear();
+        let fresh = |(label, time)| Candidate { label, time, since: [f64::FAR; 8] };
+        found.extend(self.arrivals_at(point).map(fresh));
         for to in 0..8 {
-            let neighbour = self.spokes.neighbour(point, to);
             if self.spokes.length(point, to) >= f64::FAR {
                 continue;
             }
-            for (label, _) in self.arrivals_at(neighbour).collect::<Vec<_>>() {
-                if !found.iter().any(|(other, _)| *other == label) {
-                    found.push((label, f64::FAR));
-                }
+            for (label, time) in self.arrivals_at(self.spokes.neighbour(point, to)) {
+                let place = found.iter().position(|candidate| candidate.label == label);
+                let place = place.unwrap_or_else(|| {
+                    found.push(fresh((label, f64::FAR)));
+                    found.len() - 1
+                });
+                found[place].since[to] = self.since(label, time);
             }
         }
-        for (label, time) in &mut found {
-            *time = time.min(self.through(point, *label, 0..8));
-        }
-        let first = found.iter().map(|(_, time)| *time).fold(f64::FAR, f64::min);
-        let latest = self.latest(point, first);
-        found.retain(|(_, time)| *time <= latest && *time < f64::FAR);
-        match found[..] {
-            [] => return,
-            [(label, _)] => self.labels[point] = label,
-            _ => {
-                self.labels[point] = NONE;
-                for &(label, time) in &found {
-                    self.insert(point, label, time);
-                }
-            }
-        }
-        self.news.extend(found.iter().map(|(label, _)| (point as u32, *label)));
-        while let Some((point, label)) = self.news.pop() {
-            self.tell(point as usize, label);
+        found
+    }
+
+    /// From the start of a front to its arrival somewhere.
+    fn since(&self, label: u32, time: f64) -> f64 {
+        if time < f64::FAR {
+            (time - self.origins[label as usize].initial).max(0.0)
+        } else {
+            f64::FAR
         }
     }
 
@@ -155,13 +190,21 @@ impl<'a> Fronts<'a> {
                 continue;
             }
             let before = self.time(neighbour, label);
+            if time >= before {
+                continue;
+            }
             let latest = self.latest(neighbour, self.first(neighbour).1);
-            if time >= before.min(latest) {
+            if time >= latest {
                 continue;
             }
             // Through the two triangles on either side of the edge between them.
             let back = (to + 4) % 8;
-            let arrival = self.through(neighbour, label, [(back + 7) % 8, back]);
+            let mut front = Candidate { label, time: before, since: [f64::FAR; 8] };
+            for to in [(back + 7) % 8, back, (back + 1) % 8] {
+                let time = self.time(self.spokes.neighbour(neighbour, to), label);
+                front.since[to] = self.since(label, time);
+            }
+            let arrival = self.through(neighbour, &front, [(back + 7) % 8, back]);
             if arrival <= latest && arrival < before * (1.0 - 1e-9) {
                 self.insert(neighbour, label, arrival);
                 self.news.push((neighbour as u32, label));
@@ -182,19 +225,23 @@ impl<'a> Fronts<'a> {
 
     /// The arrival of a front at a point through some of the triangles that begin at each of its
     /// neighbours.
-    fn through(&self, point: usize, label: u32, triangles: impl IntoIterator<Item = usize>) -> f64 {
-        let Origin { circular, initial } = self.origins[label as usize];
-        let since = |to: usize| {
-            let time = self.time(self.spokes.neighbour(point, to), label);
-            if time < f64::FAR { (time - initial).max(0.0) } else { f64::FAR }
-        };
+    fn through(
+        &self,
+        point: usize,
+        front: &Candidate,
+        triangles: impl IntoIterator<Item = usize>,
+    ) -> f64 {
+        let Origin { circular, initial } = self.origins[front.label as usize];
         let arrival = |to: usize| {
-            let next = (to + 1) % 8;
-            let (t1, t2) = (since(to), since(next));
+            let ends = [to, (to + 1) % 8];
+            let [t1, t2] = ends.map(|to| front.since[to]);
             if t1.min(t2) >= f64::FAR {
                 return f64::FAR;
             }
-            let [l1, l2] = [to, next].map(|to| self.spokes.length(point, to));
+            let [l1, l2] = ends.map(|to| self.spokes.length(point, to));
+            if t1.max(t2) >= f64::FAR {
+                return (t1 + l1).min(t2 + l2);
+            }
             let triangle = Triangle { t1, t2, l1, l2, c: self.spokes.base(point, to) };
             if circular { point_source(triangle) } else { planar(triangle) }
         };
