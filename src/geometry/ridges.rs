@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use glam::{DMat2, DVec2};
+use glam::{DMat2, DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::chains::ways;
@@ -10,7 +10,7 @@ use super::order::bordered;
 use super::spokes::Spokes;
 use super::triangles::{Edge, corners, triangles};
 use super::{Curve, MapError};
-use crate::surface::{Chart, Direction, EdgeLengths, Real};
+use crate::surface::{Direction, EdgeLengths, Real};
 
 /// A line on which fronts from different directions meet.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,9 +72,10 @@ pub fn ridges(
     let chart = edges.chart();
     let times = bordered(chart, distances)?;
     let field = Field::new(edges, times);
+    let cosine = least_angle.to_radians().cos();
     let rows = (0..chart.rows.saturating_sub(1)).into_par_iter();
     let found: Vec<([u64; 2], [Kink; 2])> =
-        rows.flat_map_iter(|row| field.march(row, least_angle)).collect();
+        rows.flat_map_iter(|row| field.march(row, cosine)).collect();
     let mut kinks: BTreeMap<u64, Kink> = BTreeMap::new();
     for (nodes, ends) in &found {
         kinks.extend(nodes.iter().copied().zip(ends.iter().copied()));
@@ -90,23 +91,38 @@ pub fn ridges(
     Ok(ways(&segments).into_iter().map(ridge).collect())
 }
 
-/// A map, and the directions in which its fronts arrive.
+/// How the first front arrives at a point.
+#[derive(Clone, Copy, Debug, Default)]
+struct Arrival {
+    /// In steps of rows and columns, of length one on the surface; zero at sources and where no
+    /// front arrives.
+    direction: Vec2,
+    /// The metric in those steps, by row, mixed, by column.
+    metric: Vec3,
+}
+
+/// A map, and the directions in which its fronts arrive, in bordered arrays.
 struct Field<'a> {
     spokes: Spokes<'a>,
     times: Vec<f32>,
     start: f64,
-    /// In steps of rows and columns, of length one on the surface; zero at sources and where no
-    /// front arrives.
-    directions: Vec<DVec2>,
+    arrivals: Vec<Arrival>,
+}
+
+/// A point by its index in a bordered array, and where it lies.
+#[derive(Clone, Copy)]
+struct Point {
+    index: usize,
+    place: DVec2,
 }
 
 impl<'a> Field<'a> {
     fn new(edges: &'a EdgeLengths<f32>, times: Vec<f32>) -> Self {
         let spokes = Spokes::new(edges);
         let start = f64::from(times.par_iter().copied().reduce(|| f32::FAR, f32::min));
-        let mut field = Self { spokes, times, start, directions: Vec::new() };
-        let points = 0..field.times.len();
-        field.directions = points.into_par_iter().map(|point| field.direction(point)).collect();
+        let mut field = Self { spokes, times, start, arrivals: Vec::new() };
+        let points = (0..field.times.len()).into_par_iter().with_min_len(4096);
+        field.arrivals = points.map(|point| field.arrival(point)).collect();
         field
     }
 
@@ -114,94 +130,91 @@ impl<'a> Field<'a> {
         self.times[point] < f32::FAR
     }
 
-    /// The direction in which the first front arrives at a point over bases that it has passed.
-    fn direction(&self, point: usize) -> DVec2 {
+    /// How the first front arrives at a point over bases that it has passed.
+    fn arrival(&self, point: usize) -> Arrival {
         if !self.is_reached(point) {
-            return DVec2::ZERO;
+            return Arrival::default();
         }
-        let since = |to: usize| {
+        let since = std::array::from_fn(|to| {
             let time = self.times[self.spokes.neighbour(point, to)];
             if time < self.times[point] { f64::from(time) - self.start } else { f64::FAR }
+        });
+        let Some((_, to, share)) = self.spokes.first_ray(point, &since) else {
+            return Arrival::default();
         };
         let step = |to: usize| {
             let (down, right) = Direction::ALL[to % 8].step();
             DVec2::new(down as f64, right as f64)
         };
-        let ray = |to: usize| {
-            let (time, share) = self.spokes.ray(point, to, [since(to), since((to + 1) % 8)])?;
-            Some((time, -step(to).lerp(step(to + 1), share)))
-        };
-        let first = (0..8).filter_map(ray).min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((_, direction)) = first else { return DVec2::ZERO };
-        let length = direction.dot(self.spokes.metric(point) * direction).sqrt();
-        if length > 0.0 { direction / length } else { DVec2::ZERO }
+        let direction = -step(to).lerp(step(to + 1), share);
+        let metric = self.spokes.metric(point);
+        let length = direction.dot(metric * direction).sqrt();
+        let direction = if length > 0.0 { direction / length } else { DVec2::ZERO };
+        let [rr, rc, _, cc] = metric.to_cols_array();
+        Arrival { direction: direction.as_vec2(), metric: DVec3::new(rr, rc, cc).as_vec3() }
     }
 
-    /// The kink on the edge between two neighbours, if there is one.
-    fn kink(&self, ends: [usize; 2], least_angle: f64) -> Option<Kink> {
-        let chart = self.spokes.chart();
-        let points = ends.map(|index| {
-            let (row, col) = chart.position(index);
-            chart.bordered(row, col)
-        });
-        let [a, b] = points.map(|point| self.directions[point]);
+    /// The kink on the edge between two neighbours, if there is one; `cosine` is that of the least
+    /// angle.
+    fn kink(&self, [from, to]: [Point; 2], cosine: f64) -> Option<Kink> {
+        let arrivals = [from, to].map(|end| self.arrivals[end.index]);
+        let [a, b] = arrivals.map(|arrival| arrival.direction.as_dvec2());
         if a == DVec2::ZERO || b == DVec2::ZERO {
             return None;
         }
-        let metric: DMat2 = (self.spokes.metric(points[0]) + self.spokes.metric(points[1])) * 0.5;
+        let [rr, rc, cc] =
+            (0.5 * (arrivals[0].metric.as_dvec3() + arrivals[1].metric.as_dvec3())).to_array();
+        let metric = DMat2::from_cols_array(&[rr, rc, rc, cc]);
         let (of_a, of_b) = (metric * a, metric * b);
-        let cosine = a.dot(of_b) / (a.dot(of_a) * b.dot(of_b)).sqrt();
-        let angle = cosine.clamp(-1.0, 1.0).acos();
-        let [from, to] = ends.map(|index| place(chart, index));
+        let (dot, squares) = (a.dot(of_b), a.dot(of_a) * b.dot(of_b));
         // By how much the fronts' times would change from end to end.
-        let [rise_a, rise_b] = [of_a, of_b].map(|slope| slope.dot(to - from));
-        if angle < least_angle.to_radians() || rise_a <= rise_b {
+        let step = to.place - from.place;
+        let [rise_a, rise_b] = [of_a, of_b].map(|slope| slope.dot(step));
+        let between = dot / squares.sqrt();
+        if between > cosine || rise_a <= rise_b {
             return None;
         }
-        let [time_a, time_b] = points.map(|point| f64::from(self.times[point]));
+        let [time_a, time_b] = [from, to].map(|end| f64::from(self.times[end.index]));
         let share = ((time_b - time_a - rise_b) / (rise_a - rise_b)).clamp(0.0, 1.0);
-        Some(Kink { place: from.lerp(to, share), angle })
+        Some(Kink { place: from.place + share * step, angle: between.clamp(-1.0, 1.0).acos() })
     }
 
     /// The pieces of ridges in a row of cells: nodes and what is there.
-    fn march(&self, row: usize, least_angle: f64) -> Vec<([u64; 2], [Kink; 2])> {
+    fn march(&self, row: usize, cosine: f64) -> Vec<([u64; 2], [Kink; 2])> {
         let chart = self.spokes.chart();
-        let reached = |index: usize| {
-            let (row, col) = chart.position(index);
-            self.is_reached(chart.bordered(row, col))
-        };
+        let (first, stride) = (chart.bordered(row, 0), chart.stride());
         let mut found = Vec::new();
         for col in 0..chart.cols.saturating_sub(1) {
             let corners = corners(chart, row, col);
-            let triangles = triangles(corners.map(reached), true);
+            let points = [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[down, right]| Point {
+                index: first + col + down * stride + right,
+                place: DVec2::new((row + down) as f64, (col + right) as f64),
+            });
+            let triangles = triangles(points.map(|point| self.is_reached(point.index)), true);
             for (number, triangle) in triangles.iter().enumerate() {
                 let kink = |k: usize| {
-                    let ends = [triangle[k], triangle[(k + 1) % 3]].map(|corner| corners[corner]);
-                    let kink =
-                        self.kink([ends[0].min(ends[1]), ends[0].max(ends[1])], least_angle)?;
-                    Some((Edge::between(chart, ends[0], ends[1]).number(), kink))
+                    let (a, b) = (triangle[k], triangle[(k + 1) % 3]);
+                    let kink = self.kink([points[a.min(b)], points[a.max(b)]], cosine)?;
+                    Some((Edge::between(chart, corners[a], corners[b]).number(), kink))
                 };
-                let kinks: Vec<(u64, Kink)> = (0..3).filter_map(kink).collect();
-                match kinks[..] {
-                    [(a, at_a), (b, at_b)] => found.push(([a, b], [at_a, at_b])),
-                    [(_, a), (_, b), (_, c)] => {
+                let kinks: [Option<(u64, Kink)>; 3] = std::array::from_fn(kink);
+                match kinks {
+                    [Some(a), Some(b), Some(c)] => {
                         let middle = Kink {
-                            place: (a.place + b.place + c.place) / 3.0,
-                            angle: a.angle.max(b.angle).max(c.angle),
+                            place: (a.1.place + b.1.place + c.1.place) / 3.0,
+                            angle: a.1.angle.max(b.1.angle).max(c.1.angle),
                         };
                         let node = Edge::end(chart) + 2 * corners[0] as u64 + number as u64;
                         let spoke = |(edge, kink)| ([edge, node], [kink, middle]);
-                        found.extend(kinks.into_iter().map(spoke));
+                        found.extend([a, b, c].map(spoke));
                     }
+                    [Some(a), Some(b), None]
+                    | [Some(a), None, Some(b)]
+                    | [None, Some(a), Some(b)] => found.push(([a.0, b.0], [a.1, b.1])),
                     _ => {}
                 }
             }
         }
         found
     }
-}
-
-fn place(chart: Chart, index: usize) -> DVec2 {
-    let (row, col) = chart.position(index);
-    DVec2::new(row as f64, col as f64)
 }

@@ -85,6 +85,24 @@ impl<'a> Spokes<'a> {
         Some((centre.distance(DVec2::new(here.x, -here.y)), share))
     }
 
+    /// The first of the rays that arrive at a point, given the times since the start at its
+    /// neighbours: when, over which base, and where it crosses that.
+    pub(super) fn first_ray(&self, point: usize, since: &[f64; 8]) -> Option<(f64, usize, f64)> {
+        let ray = |to: usize| {
+            let (time, share) = self.ray(point, to, [since[to], since[(to + 1) % 8]])?;
+            Some((time, to, share))
+        };
+        let earlier = |a: &(f64, usize, f64), b: &(f64, usize, f64)| a.0.total_cmp(&b.0);
+        // Nearly always beside the neighbour over which the way along an edge is shortest.
+        let along = |to: usize| since[to] + self.length(point, to);
+        let nearest = (0..8).min_by(|&a, &b| along(a).total_cmp(&along(b)))?;
+        let beside = [(nearest + 7) % 8, nearest].into_iter().filter_map(ray).min_by(earlier)?;
+        if beside.2 > 0.0 && beside.2 < 1.0 {
+            return Some(beside);
+        }
+        (0..8).filter_map(ray).min_by(earlier)
+    }
+
     /// The metric around a point in steps of rows and columns, from the edges that are there.
     pub(super) fn metric(&self, point: usize) -> DMat2 {
         let mean_square = |directions: [Direction; 2]| {

@@ -88,19 +88,15 @@ impl<'a> Sides<'a> {
             let time = f64::from(self.times[self.spokes.neighbour(point, to)]) - self.start;
             if angles[to].is_nan() { f64::FAR } else { time.max(0.0) }
         };
-        let ray = |to: usize| {
-            let ends = [to, (to + 1) % 8];
-            let (time, share) = self.spokes.ray(point, to, ends.map(since))?;
-            let arm = |to: usize| since(to) * DVec2::from_angle(f64::from(angles[to]));
-            let angle = match share {
-                0.0 => f64::from(angles[ends[0]]),
-                1.0 => f64::from(angles[ends[1]]),
-                _ => arm(ends[0]).lerp(arm(ends[1]), share).to_angle(),
-            };
-            Some((time, angle))
+        let since: [f64; 8] = std::array::from_fn(since);
+        let Some((_, to, share)) = self.spokes.first_ray(point, &since) else { return };
+        let ends = [to, (to + 1) % 8];
+        let arm = |to: usize| since[to] * DVec2::from_angle(f64::from(angles[to]));
+        self.angles[point] = match share {
+            0.0 => angles[ends[0]],
+            1.0 => angles[ends[1]],
+            _ => arm(ends[0]).lerp(arm(ends[1]), share).to_angle() as f32,
         };
-        let first = (0..8).filter_map(ray).min_by(|a, b| a.0.total_cmp(&b.0));
-        self.angles[point] = first.map_or(f32::NAN, |(_, angle)| angle as f32);
     }
 
     /// The side at a place on the edge between two grid points, as an angle.
