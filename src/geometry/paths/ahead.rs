@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::cell::Cell;
-use super::trace::{AT_POINT, End, FITS, Field, Line, Place, is_triangle};
+use super::trace::{AT_POINT, End, Field, Line, Place, is_triangle};
 
 /// A heading that leaves a cell within less than this part of itself leaves it over the edge that it
 /// came by.
@@ -50,8 +50,7 @@ impl Field<'_> {
             cell: north_west,
         };
         let between = (AT_POINT..=1.0 - AT_POINT).contains(&crossing.share);
-        let fits = line.time < below && line.arrival() <= below + FITS * line.length;
-        (between && fits).then_some(line)
+        (between && line.time < below && line.fits(below)).then_some(line)
     }
 }
 

@@ -63,8 +63,13 @@ pub(super) enum End {
 }
 
 impl Line {
-    pub(super) fn arrival(&self) -> f64 {
+    fn arrival(&self) -> f64 {
         self.time + self.length
+    }
+
+    /// Whether it arrives no later than the map says, so that no other can be much better.
+    pub(super) fn fits(&self, time: f64) -> bool {
+        self.arrival() <= time + FITS * self.length + ROUNDING * time.abs()
     }
 }
 
@@ -72,11 +77,14 @@ impl Line {
 pub(super) const AT_POINT: f64 = 1e-4;
 /// A straight line to the source in sight is preferred to others by this part of its length; and a
 /// line that fits the arrival time as well needs no other to be compared with.
-pub(super) const FITS: f64 = 1e-3;
+const FITS: f64 = 1e-3;
+/// Maps are rounded to single precision, which over short lines is more than that part of them:
+/// such a part of the arrival time.
+const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
 /// Squares of lengths of edges that do not exist are larger.
-pub(super) const NO_EDGE: f64 = FAR * FAR * 1e-20;
+const NO_EDGE: f64 = FAR * FAR * 1e-20;
 /// Areas whose square is a smaller part of the fourth power of a side are no triangles.
-pub(super) const FLAT: f64 = 1e-14;
+const FLAT: f64 = 1e-14;
 
 impl Field<'_> {
     fn chart(&self) -> Chart {
@@ -274,9 +282,7 @@ impl Field<'_> {
                 (Some(a), Some(b)) if a.time + a.distance <= b.time + b.distance => Some(a),
                 (a, b) => b.or(a),
             };
-            let fits = best.is_some_and(|line| {
-                below < f64::INFINITY && line.arrival() <= below + FITS * line.length
-            });
+            let fits = best.is_some_and(|line| below < f64::INFINITY && line.fits(below));
             if count == 2 && fits && source.is_none() {
                 break;
             }
