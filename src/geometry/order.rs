@@ -24,6 +24,15 @@ pub(super) fn bordered(chart: Chart, distances: &[f32]) -> Result<Vec<f32>, MapE
     Ok(times)
 }
 
+/// Where a point comes among all: a number that is smaller the earlier the point is reached, and of
+/// equally early ones the smaller its index.
+pub(super) fn rank(time: f32, point: usize) -> u64 {
+    // The bits of negative numbers grow downwards.
+    let bits = time.to_bits();
+    let ordered = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
+    (u64::from(ordered) << 32) | point as u64
+}
+
 /// The indices of all points that are reached, the earliest first; of equally early ones that with
 /// the smaller index.
 ///
@@ -75,6 +84,15 @@ pub(super) fn by_arrival(times: &[f32]) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ranks_are_in_the_order_of_times() {
+        let times = [f32::NEG_INFINITY, -2.0, -1.0, -0.0, 0.0, 1e-30, 1.0, f32::FAR];
+        for pair in times.windows(2) {
+            assert!(rank(pair[0], 9) < rank(pair[1], 3));
+        }
+        assert!(rank(1.0, 3) < rank(1.0, 4));
+    }
 
     #[test]
     fn points_come_in_the_order_of_their_times() {

@@ -41,6 +41,12 @@ impl<'a> Spokes<'a> {
         point.wrapping_add_signed(self.spokes[to].offset)
     }
 
+    /// The indices of all neighbours.
+    #[inline]
+    pub(super) fn neighbours(&self, point: usize) -> impl Iterator<Item = usize> {
+        self.spokes.iter().map(move |spoke| point.wrapping_add_signed(spoke.offset))
+    }
+
     /// Length of the edge to a neighbour, [`Real::FAR`] if there is none.
     #[inline]
     pub(super) fn length(&self, point: usize, to: usize) -> f64 {

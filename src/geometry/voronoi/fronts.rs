@@ -7,12 +7,19 @@
 //! until it is late by two edges: enough for both ends of an edge that crosses the border to know
 //! both fronts. Elsewhere a point's label is that of all its earlier neighbours, and its time is
 //! the map's.
+//!
+//! Points are visited in the order in which they are reached; but those whose label is a guess
+//! that nothing before them contradicts need no visit.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 use rayon::prelude::*;
 
 use super::NO_REGION;
+use super::guess::Guess;
 use crate::geometry::MapError;
-use crate::geometry::order::{bordered, by_arrival};
+use crate::geometry::order::{bordered, rank};
 use crate::geometry::spokes::Spokes;
 use crate::surface::{Chart, EdgeLengths, Real, Source, Sources, Surface};
 use crate::update::{Triangle, planar, point_source};
@@ -55,8 +62,14 @@ pub(super) struct Fronts<'a> {
     start: f64,
     /// The map's.
     times: Vec<f32>,
-    /// The label of each point, or with [`SEVERAL`] the first of its arrivals.
+    /// The label of each point, or with [`SEVERAL`] the first of its arrivals. Those of points that
+    /// are yet to come are guesses.
     labels: Vec<u32>,
+    /// The rank of the last point that need not be visited any more.
+    now: u64,
+    /// The ranks of points to be visited, and which they are.
+    queue: BinaryHeap<Reverse<u64>>,
+    is_queued: Vec<bool>,
     arrivals: Vec<Arrival>,
     /// Fronts whose arrival at a point its neighbours have yet to hear of.
     news: Vec<(u32, u32)>,
@@ -71,29 +84,92 @@ impl<'a> Fronts<'a> {
         sources: &Sources,
         distances: &[f32],
     ) -> Result<Self, MapError> {
+        let mut fronts = Self::before(surface, edges, sources, distances)?;
+        fronts.follow();
+        Ok(fronts)
+    }
+
+    /// With guesses alone, and all points to visit that they leave in doubt.
+    fn before(
+        surface: &Surface,
+        edges: &'a EdgeLengths<f32>,
+        sources: &Sources,
+        distances: &[f32],
+    ) -> Result<Self, MapError> {
         let times = bordered(edges.chart(), distances)?;
-        let order = by_arrival(&times);
         let mut fronts = Self {
             spokes: Spokes::new(edges),
             origins: sources.iter().map(Origin::of).collect(),
             start: sources.start(),
             labels: vec![NONE; times.len()],
+            now: 0,
+            queue: BinaryHeap::new(),
+            is_queued: vec![false; times.len()],
             times,
             arrivals: Vec::new(),
             news: Vec::new(),
             room: Vec::new(),
         };
-        fronts.start(surface, sources)?;
-        for point in order {
-            fronts.visit(point as usize);
-        }
+        let seeds = fronts.start(surface, sources)?;
+        let seeds: Vec<(usize, u32)> =
+            seeds.into_iter().map(|point| (point, fronts.first(point).0)).collect();
+        let guess = Guess::new(&fronts.spokes, &fronts.times, &seeds);
+        let of_seeds = std::mem::replace(&mut fronts.labels, guess.labels);
+        seeds.iter().for_each(|&(point, _)| fronts.labels[point] = of_seeds[point]);
+        guess.doubtful.into_iter().for_each(|point| fronts.enqueue(point as usize));
         Ok(fronts)
     }
 
-    /// Arrivals at the points that sources seed. Of two sources that are the same the second has
-    /// none.
-    fn start(&mut self, surface: &Surface, sources: &Sources) -> Result<(), MapError> {
+    /// Visits what is in the queue, and what that adds to it.
+    fn follow(&mut self) {
+        while let Some(Reverse(rank)) = self.queue.pop() {
+            self.now = rank;
+            let point = (rank & u64::from(u32::MAX)) as usize;
+            let guess = self.labels[point];
+            let is_seed = guess & SEVERAL != 0;
+            if !is_seed {
+                self.labels[point] = NONE;
+            }
+            self.visit(point);
+            if is_seed || self.labels[point] != guess {
+                self.enqueue_after(point);
+            }
+        }
+        self.now = u64::MAX;
+    }
+
+    fn rank(&self, point: usize) -> u64 {
+        rank(self.times[point], point)
+    }
+
+    fn enqueue(&mut self, point: usize) {
+        if !self.is_queued[point] {
+            self.is_queued[point] = true;
+            self.queue.push(Reverse(self.rank(point)));
+        }
+    }
+
+    /// The neighbours that are yet to come of a point whose label was guessed wrong.
+    fn enqueue_after(&mut self, point: usize) {
+        for to in 0..8 {
+            let neighbour = self.spokes.neighbour(point, to);
+            if self.rank(neighbour) > self.now && self.times[neighbour] < f32::FAR {
+                self.enqueue(neighbour);
+            }
+        }
+    }
+
+    /// What is known of a point's label: of those yet to come only that sources seed them.
+    fn label(&self, point: usize) -> u32 {
+        let label = self.labels[point];
+        if label & SEVERAL != 0 || self.rank(point) <= self.now { label } else { NONE }
+    }
+
+    /// Arrivals at the points that sources seed, which are returned. Of two sources that are the
+    /// same the second has none.
+    fn start(&mut self, surface: &Surface, sources: &Sources) -> Result<Vec<usize>, MapError> {
         let all: Vec<&Source> = sources.iter().collect();
+        let mut points = Vec::new();
         for (label, source) in all.iter().enumerate() {
             let seeds = Sources::from_iter([(*source).clone()]).seeds(surface)?;
             if all[..label].contains(source) {
@@ -102,9 +178,10 @@ impl<'a> Fronts<'a> {
             for seed in seeds {
                 let point = self.spokes.chart().bordered(seed.row, seed.col);
                 self.insert(point, label as u32, seed.time);
+                points.push(point);
             }
         }
-        Ok(())
+        Ok(points)
     }
 
     /// Labels a point whose earlier neighbours have all been visited.
@@ -113,7 +190,7 @@ impl<'a> Fronts<'a> {
         if here == NONE {
             let mut common = NONE;
             let agree = (0..8).all(|to| {
-                let label = self.labels[self.spokes.neighbour(point, to)];
+                let label = self.label(self.spokes.neighbour(point, to));
                 if common == NONE {
                     common = label;
                 }
@@ -207,13 +284,14 @@ impl<'a> Fronts<'a> {
             let arrival = self.through(neighbour, &front, [(back + 7) % 8, back]);
             if arrival <= latest && arrival < before * (1.0 - 1e-9) {
                 self.insert(neighbour, label, arrival);
+                self.enqueue_after(neighbour);
                 self.news.push((neighbour as u32, label));
             }
         }
     }
 
     fn is_visited(&self, point: usize) -> bool {
-        self.labels[point] != NONE && self.times[point] < f32::FAR
+        self.label(point) != NONE && self.times[point] < f32::FAR
     }
 
     /// Up to when fronts count at a point, given when the first arrives. Over an edge from one
@@ -257,7 +335,7 @@ impl<'a> Fronts<'a> {
 
     /// The fronts known at a point.
     fn arrivals_at(&self, point: usize) -> impl Iterator<Item = (u32, f64)> {
-        let here = self.labels[point];
+        let here = self.label(point);
         let several = here != NONE && here & SEVERAL != 0;
         let single = (here & SEVERAL == 0).then(|| (here, f64::from(self.times[point])));
         let mut next = if several { here & !SEVERAL } else { NONE };
@@ -339,6 +417,71 @@ impl Origin {
         match source {
             Source::Point { initial, .. } => Self { circular: true, initial: *initial },
             Source::Curve { initial, .. } => Self { circular: false, initial: *initial },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Spacing;
+    use crate::cpu::{Stop, raster_scan};
+    use crate::update::Wavefront;
+
+    /// Whether points are left out or not, all fronts are the same.
+    #[test]
+    fn points_that_are_not_visited_are_guessed_right() {
+        let (rows, cols) = (60, 75);
+        let mut state = 1u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24)
+        };
+        for (roughness, beside) in [(0.0, 6.0), (0.0, 1.0), (0.3, 2.0), (2.0, 6.0)] {
+            let heights = (0..rows * cols).map(|_| roughness * random()).collect();
+            let mask: Vec<bool> = (0..rows * cols).map(|_| random() < 0.95).collect();
+            let spacing = Spacing { dx: 1.0, dy: 1.3 };
+            let surface = Surface::from_heights(rows, cols, heights, spacing).unwrap();
+            let surface = surface.with_mask(&mask).unwrap();
+            let there: Vec<usize> = (0..rows * cols).filter(|&index| mask[index]).collect();
+            let edges = EdgeLengths::new(&surface).unwrap();
+            for count in [1, 2, 9] {
+                let mut place = || {
+                    let index = there[(random() * there.len() as f64) as usize];
+                    let (row, col) = surface.chart().position(index);
+                    Source::Point { at: [row as f64, col as f64].into(), initial: -0.5 }
+                };
+                let mut sources: Vec<Source> = (0..count).map(|_| place()).collect();
+                // One close to another, where fronts run side by side.
+                if let Source::Point { at, initial } = sources[0].clone() {
+                    let at = [at.x, (at.y - beside).max(0.0)];
+                    if mask[at[0] as usize * cols + at[1] as usize] {
+                        sources.push(Source::Point { at: at.into(), initial: initial + 0.1 });
+                    }
+                }
+                let sources = Sources::from_iter(sources);
+                let seeds = sources.seeds(&surface).unwrap();
+                let stop = Stop { tolerance: 0.0, iterations: 1000 };
+                let map = raster_scan(&edges, &seeds, Wavefront::PointSource, stop).distances();
+                let [few, all] = [false, true].map(|everywhere| {
+                    let mut fronts = Fronts::before(&surface, &edges, &sources, &map).unwrap();
+                    if everywhere {
+                        let reached = |&point: &usize| fronts.times[point] < f32::FAR;
+                        let all: Vec<usize> = (0..fronts.times.len()).filter(reached).collect();
+                        all.into_iter().for_each(|point| fronts.enqueue(point));
+                    }
+                    fronts.follow();
+                    fronts
+                });
+                let visits = |fronts: &Fronts| fronts.is_queued.iter().filter(|&&q| q).count();
+                // The closest of pairs are never late enough by far for one of them to be left behind.
+                assert!(visits(&few) < visits(&all) || roughness > 0.0 || beside == 1.0);
+                for point in 0..few.times.len() {
+                    let mut found = [&few, &all].map(|f| f.arrivals_at(point).collect::<Vec<_>>());
+                    found.iter_mut().for_each(|found| found.sort_by_key(|(label, _)| *label));
+                    assert_eq!(found[0], found[1], "{roughness} {count} {point}");
+                }
+            }
         }
     }
 }

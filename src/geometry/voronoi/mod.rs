@@ -2,6 +2,7 @@
 
 mod borders;
 mod fronts;
+mod guess;
 
 use std::collections::BTreeSet;
 
@@ -51,8 +52,8 @@ impl Voronoi {
     /// points and straight ones from curves, and the border is where they arrive at once, linear
     /// between grid points; so it is as exact for sources side by side as for distant ones. On
     /// plane, cylinder and sphere of 129 x 129 points it lies within 0.07 of a cell of the exact
-    /// bisector of two points, a cell apart or many. A junction of three regions lies in a triangle
-    /// with a corner in each, within a cell of where it should be.
+    /// bisector of two points, a cell apart or many. A junction of three regions lies where three
+    /// fronts arrive at once, in a triangle with a corner in each or in the one beside it.
     ///
     /// # Errors
     /// If a source lies off the surface, or the distances are not as many as the grid has points.
