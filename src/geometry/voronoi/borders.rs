@@ -1,5 +1,7 @@
 //! Borders between regions, by marching triangles.
 
+use std::collections::HashMap;
+
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -13,6 +15,14 @@ use crate::geometry::triangles::{Edge, corners, triangles};
 pub(super) struct Split {
     pub points: [usize; 3],
     pub parts: Vec<(u32, f64)>,
+}
+
+/// Where the three regions of a triangle meet.
+struct Junction {
+    place: DVec2,
+    /// The edge of the triangle beyond which that is, between the corners of two regions: that of the
+    /// third reaches across it.
+    beyond: Option<[usize; 2]>,
 }
 
 /// A triangle whose corners have several labels.
@@ -55,12 +65,34 @@ pub(super) fn march(fronts: &Fronts, labels: &[u32]) -> (Vec<Border>, Vec<Split>
     let rows = (0..chart.rows.saturating_sub(1)).into_par_iter();
     let mixed: Vec<Mixed> = rows.flat_map_iter(of_row).collect();
     let segments = mixed.iter().flat_map(Mixed::segments).collect();
+    // The triangle across an edge of another one.
+    let across = |triangle: &Mixed, edge: [usize; 2]| {
+        let [a, b] = edge.map(|point| chart.position(point));
+        let rows = a.0.max(b.0).saturating_sub(1)..=a.0.min(b.0).min(chart.rows - 2);
+        let cols = a.1.max(b.1).saturating_sub(1)..=a.1.min(b.1).min(chart.cols - 2);
+        let cells = rows.flat_map(|row| cols.clone().map(move |col| (row, col)));
+        let is_across = |other: &Mixed| {
+            edge.iter().all(|point| other.points.contains(point)) && other.points != triangle.points
+        };
+        cells.flat_map(|(row, col)| of_cell(row, col)).find(is_across)
+    };
+    // Where the regions of a triangle meet, and of which edge they meet beyond.
+    let mut places: HashMap<u64, DVec2> = HashMap::new();
+    for triangle in mixed.iter().filter(|triangle| triangle.has_junction()) {
+        let junction = triangle.junction();
+        let beyond = junction.beyond.and_then(|edge| Some((edge, across(triangle, edge)?)));
+        let place = match beyond {
+            Some((edge, other)) if !other.has_junction() && other.contains(junction.place) => {
+                places.insert(Edge::between(chart, edge[0], edge[1]).number(), junction.place);
+                junction.place
+            }
+            _ => triangle.junction_place(),
+        };
+        places.insert(triangle.junction, place);
+    }
     let curves = join(segments, |regions, node| {
-        if node >= junctions {
-            let place = (node - junctions) as usize;
-            let (row, col) = chart.position(place / 2);
-            let triangle = of_cell(row, col).nth(place % 2).expect("it has a junction");
-            return triangle.junction_place().to_array();
+        if let Some(place) = places.get(&node) {
+            return place.to_array();
         }
         edge_place(fronts, labels, Edge::from_number(node), regions).to_array()
     });
@@ -119,9 +151,28 @@ impl Mixed<'_, '_> {
         vec![Segment { key: [a.min(b), a.max(b)], from, to }]
     }
 
-    /// Where three regions meet: where three fronts arrive at once, the differences of
-    /// their squared times linear between the corners.
+    /// Where three regions meet: where three fronts arrive at once, the differences of their squared
+    /// times linear between the corners, and beyond them.
+    fn junction(&self) -> Junction {
+        let weights = self.junction_weights();
+        let outside: Vec<usize> = (0..3).filter(|&k| weights[k] < 0.0).collect();
+        let beyond = match outside[..] {
+            [k] => Some([self.points[(k + 1) % 3], self.points[(k + 2) % 3]]),
+            _ => None,
+        };
+        Junction { place: (0..3).map(|k| weights[k] * self.place(k)).sum(), beyond }
+    }
+
+    /// The junction, or the place on the triangle's rim next to it.
     fn junction_place(&self) -> DVec2 {
+        // Where one region reaches between the corners of the two others it lies outside.
+        let weights = self.junction_weights().max(DVec3::ZERO);
+        let weights = weights / weights.element_sum();
+        (0..3).map(|k| weights[k] * self.place(k)).sum()
+    }
+
+    /// Barycentric; equal ones where the fronts are not known.
+    fn junction_weights(&self) -> DVec3 {
         let squares = self.labels.map(|label| {
             let at = |k: usize| self.fronts.squared(self.points[k], label);
             Some(DVec3::new(at(0)?, at(1)?, at(2)?))
@@ -130,11 +181,14 @@ impl Mixed<'_, '_> {
             [Some(a), Some(b), Some(c)] => (b - a).cross(c - a),
             _ => DVec3::ONE,
         };
-        // Where one region reaches between the corners of the two others it lies outside.
-        let weights = (weights / weights.element_sum()).max(DVec3::ZERO);
-        let weights = if weights.is_finite() { weights } else { DVec3::ONE };
         let weights = weights / weights.element_sum();
-        (0..3).map(|k| weights[k] * self.place(k)).sum()
+        if weights.is_finite() { weights } else { DVec3::splat(1.0 / 3.0) }
+    }
+
+    fn contains(&self, place: DVec2) -> bool {
+        let corners = [0, 1, 2].map(|k| self.place(k));
+        let sign = signed_area(&corners);
+        (0..3).all(|k| sign * signed_area(&[corners[k], corners[(k + 1) % 3], place]) >= 0.0)
     }
 
     fn place(&self, k: usize) -> DVec2 {
