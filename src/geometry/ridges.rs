@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use super::chains::ways;
 use super::order::bordered;
 use super::spokes::Spokes;
-use super::triangles::{Edge, corners, triangles};
+use super::triangles::{Edge, triangles};
 use super::{Curve, MapError};
-use crate::surface::{Direction, EdgeLengths, Real};
+use crate::surface::{Chart, Direction, EdgeLengths, Real};
 
 /// A line on which fronts from different directions meet.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,7 +80,11 @@ pub fn ridges(
     for (nodes, ends) in &found {
         kinks.extend(nodes.iter().copied().zip(ends.iter().copied()));
     }
-    let segments: Vec<[u64; 2]> = found.iter().map(|(nodes, _)| *nodes).collect();
+    let sorted = |(nodes, _): &([u64; 2], _)| [nodes[0].min(nodes[1]), nodes[0].max(nodes[1])];
+    let mut segments: Vec<[u64; 2]> = found.iter().map(sorted).collect();
+    // Between two grid points there is a triangle on either side.
+    segments.sort_unstable();
+    segments.dedup();
     let ridge = |way: Vec<u64>| {
         let closed = way.len() > 3 && way[0] == way[way.len() - 1];
         let way = if closed { &way[1..] } else { &way[..] };
@@ -101,6 +105,9 @@ struct Arrival {
     metric: Vec3,
 }
 
+/// A kink nearer than this to a grid point, in shares of the edge, lies at it.
+const AT_POINT: f64 = 1e-4;
+
 /// A map, and the directions in which its fronts arrive, in bordered arrays.
 struct Field<'a> {
     spokes: Spokes<'a>,
@@ -114,6 +121,13 @@ struct Field<'a> {
 struct Point {
     index: usize,
     place: DVec2,
+}
+
+impl Point {
+    /// Its index in row-major order without a border.
+    fn number(self, chart: Chart) -> usize {
+        chart.index(self.place.x as usize, self.place.y as usize)
+    }
 }
 
 impl<'a> Field<'a> {
@@ -154,9 +168,9 @@ impl<'a> Field<'a> {
         Arrival { direction: direction.as_vec2(), metric: DVec3::new(rr, rc, cc).as_vec3() }
     }
 
-    /// The kink on the edge between two neighbours, if there is one; `cosine` is that of the least
-    /// angle.
-    fn kink(&self, [from, to]: [Point; 2], cosine: f64) -> Option<Kink> {
+    /// The kink on the edge between two neighbours, if there is one, and its node: the edge, or a
+    /// grid point that the ridge passes through. `cosine` is that of the least angle.
+    fn kink(&self, [from, to]: [Point; 2], cosine: f64) -> Option<(u64, Kink)> {
         let arrivals = [from, to].map(|end| self.arrivals[end.index]);
         let [a, b] = arrivals.map(|arrival| arrival.direction.as_dvec2());
         if a == DVec2::ZERO || b == DVec2::ZERO {
@@ -175,8 +189,20 @@ impl<'a> Field<'a> {
             return None;
         }
         let [time_a, time_b] = [from, to].map(|end| f64::from(self.times[end.index]));
-        let share = ((time_b - time_a - rise_b) / (rise_a - rise_b)).clamp(0.0, 1.0);
-        Some(Kink { place: from.place + share * step, angle: between.clamp(-1.0, 1.0).acos() })
+        let share = match (time_b - time_a - rise_b) / (rise_a - rise_b) {
+            share if share < AT_POINT => 0.0,
+            share if share > 1.0 - AT_POINT => 1.0,
+            share => share,
+        };
+        let chart = self.spokes.chart();
+        let [first, last] = [from, to].map(|end| end.number(chart));
+        let node = match share {
+            0.0 => Edge::end(chart) + 3 * first as u64,
+            1.0 => Edge::end(chart) + 3 * last as u64,
+            _ => Edge::between(chart, first, last).number(),
+        };
+        let angle = between.clamp(-1.0, 1.0).acos();
+        Some((node, Kink { place: from.place + share * step, angle }))
     }
 
     /// The pieces of ridges in a row of cells: nodes and what is there.
@@ -185,7 +211,6 @@ impl<'a> Field<'a> {
         let (first, stride) = (chart.bordered(row, 0), chart.stride());
         let mut found = Vec::new();
         for col in 0..chart.cols.saturating_sub(1) {
-            let corners = corners(chart, row, col);
             let points = [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[down, right]| Point {
                 index: first + col + down * stride + right,
                 place: DVec2::new((row + down) as f64, (col + right) as f64),
@@ -194,17 +219,23 @@ impl<'a> Field<'a> {
             for (number, triangle) in triangles.iter().enumerate() {
                 let kink = |k: usize| {
                     let (a, b) = (triangle[k], triangle[(k + 1) % 3]);
-                    let kink = self.kink([points[a.min(b)], points[a.max(b)]], cosine)?;
-                    Some((Edge::between(chart, corners[a], corners[b]).number(), kink))
+                    self.kink([points[a.min(b)], points[a.max(b)]], cosine)
                 };
                 let kinks: [Option<(u64, Kink)>; 3] = std::array::from_fn(kink);
-                match kinks {
+                // Two edges have the same one where it lies at the point that they share.
+                let same = |j: usize, k: usize| match (kinks[j], kinks[k]) {
+                    (Some((a, _)), Some((b, _))) => a == b,
+                    _ => false,
+                };
+                let distinct = [true, !same(0, 1), !same(0, 2) && !same(1, 2)];
+                match [0, 1, 2].map(|k| kinks[k].filter(|_| distinct[k])) {
                     [Some(a), Some(b), Some(c)] => {
                         let middle = Kink {
                             place: (a.1.place + b.1.place + c.1.place) / 3.0,
                             angle: a.1.angle.max(b.1.angle).max(c.1.angle),
                         };
-                        let node = Edge::end(chart) + 2 * corners[0] as u64 + number as u64;
+                        let of_triangle = 3 * points[0].number(chart) + 1 + number;
+                        let node = Edge::end(chart) + of_triangle as u64;
                         let spoke = |(edge, kink)| ([edge, node], [kink, middle]);
                         found.extend([a, b, c].map(spoke));
                     }
