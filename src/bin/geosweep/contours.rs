@@ -6,9 +6,7 @@ use geosweep::geometry::{Contour, Levels, contours};
 use geosweep::{DistanceMap, Sources};
 
 use crate::level_curves::LevelCurves;
-use crate::problem::{
-    self, CurveFiles, PictureArgs, SolverArgs, SourceArgs, SurfaceArgs, check_outputs, numbers,
-};
+use crate::problem::{self, CurveFiles, ProblemArgs, numbers};
 use crate::{Outcome, say};
 
 /// The arguments of `geosweep contours`.
@@ -24,13 +22,7 @@ pub struct Args {
     levels: LevelArgs,
 
     #[command(flatten)]
-    sources: SourceArgs,
-    #[command(flatten)]
-    surface: SurfaceArgs,
-    #[command(flatten)]
-    solver: SolverArgs,
-    #[command(flatten)]
-    picture: PictureArgs,
+    problem: ProblemArgs,
 
     /// Print one JSON object: what `distance --json` says of the map, and levels, an array of
     /// objects with level, curves, closed (how many of them are), vertices and length (in the unit
@@ -93,22 +85,13 @@ impl LevelArgs {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let options = args.solver.options()?;
     let files = CurveFiles::new(&args.output)?;
-    let picture = args.picture.output()?;
-    let outputs: Vec<_> = files.files().chain(&picture).collect();
-    check_outputs(&outputs, problem::inputs(&args.surface, &args.sources))?;
-    let scene = args.surface.read()?;
-    files.check(&scene)?;
-    let look = picture.as_ref().map(|_| args.picture.look(&scene)).transpose()?;
-    let sources = args.sources.sources()?;
-    let map = problem::solve(&scene, &sources, &args.solver, &options)?;
-    let levels = args.levels.levels().on(&map, &sources)?;
-    let found = contours(&map, &sources, &levels);
-    comment(&found, &map, &sources);
-    let quantity = &args.picture.quantity(&scene);
-    LevelCurves { kind: "contour", side: None, scene: &scene, sources: &sources, map: &map, found }
-        .write(files, picture.zip(look), quantity, args.json)
+    let problem = args.problem.solve(&files, None, None)?;
+    let levels = args.levels.levels().on(&problem.map, &problem.sources)?;
+    let found = contours(&problem.map, &problem.sources, &levels);
+    comment(&found, &problem.map, &problem.sources);
+    let quantity = args.problem.quantity(&problem.scene);
+    LevelCurves { kind: "contour", side: None, problem, found }.write(files, &quantity, args.json)
 }
 
 /// Names the levels that have no curve.

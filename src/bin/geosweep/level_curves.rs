@@ -3,39 +3,32 @@
 use std::process::ExitCode;
 
 use geosweep::geometry::{Contour, CurveError};
-use geosweep::io::{Attribute, OutputFile, Polyline, StagedFile};
-use geosweep::{DistanceMap, Sources};
+use geosweep::io::{Attribute, Polyline, StagedFile};
 use serde::Serialize;
 
 use crate::picture::{
     Canvas, CurvePicture, Key, Look, Paint, contour_lines, mark_all, rgb, scale_of,
 };
-use crate::problem::{CurveFiles, MapSummary, Scene};
+use crate::problem::{CurveFiles, MapSummary, Problem};
 use crate::spinner::Spinner;
 use crate::{Outcome, print};
 
 /// Contours or offset curves of a map.
-pub struct LevelCurves<'a> {
+pub struct LevelCurves {
     pub kind: &'static str,
     /// On which side of the sources they are, if only there.
     pub side: Option<&'static str>,
-    pub scene: &'a Scene,
-    pub sources: &'a Sources,
-    pub map: &'a DistanceMap,
+    pub problem: Problem,
     pub found: Vec<Contour>,
 }
 
-impl LevelCurves<'_> {
+impl LevelCurves {
     /// Writes and reports all that is wanted.
-    pub fn write(
-        &self,
-        files: CurveFiles,
-        picture: Option<(OutputFile, Look)>,
-        quantity: &str,
-        json: bool,
-    ) -> Outcome {
+    pub fn write(mut self, files: CurveFiles, quantity: &str, json: bool) -> Outcome {
         let lengths = self.lengths()?;
-        let mut staged = files.stage(self.scene, self.polylines(&lengths)?)?;
+        let picture = self.problem.picture.take();
+        let Problem { scene, map, .. } = &self.problem;
+        let mut staged = files.stage(scene, self.polylines(&lengths)?)?;
         if let Some((output, look)) = picture {
             let _spinner = Spinner::new("drawing");
             staged.push(output.stage(|writer| self.picture(look, quantity).write_png(writer))?);
@@ -44,7 +37,7 @@ impl LevelCurves<'_> {
         if json {
             let level = |(contour, lengths): (_, &Vec<f64>)| Level::new(contour, lengths);
             let summary = Summary {
-                map: MapSummary::new(&self.scene.surface, self.map),
+                map: MapSummary::new(&scene.surface, map),
                 levels: self.found.iter().zip(&lengths).map(level).collect(),
             };
             print(serde_json::to_string(&summary)?)?;
@@ -54,20 +47,21 @@ impl LevelCurves<'_> {
 
     /// The lengths of all curves, level by level.
     fn lengths(&self) -> Result<Vec<Vec<f64>>, CurveError> {
-        let surface = &self.scene.surface;
+        let surface = &self.problem.scene.surface;
         let of =
             |contour: &Contour| contour.curves.iter().map(|curve| curve.length(surface)).collect();
         self.found.iter().map(of).collect()
     }
 
     fn polylines(&self, lengths: &[Vec<f64>]) -> Result<Vec<Polyline>, CurveError> {
-        let scale = scale_of(self.map, self.sources);
+        let Problem { scene, sources, map, .. } = &self.problem;
+        let scale = scale_of(map, sources);
         let mut polylines = Vec::new();
         for (contour, lengths) in self.found.iter().zip(lengths) {
             // The scale's light end is hard to see on white.
             let color = rgb(scale.color(contour.level as f32).map(|channel| 0.85 * channel));
             for (curve, &length) in contour.curves.iter().zip(lengths) {
-                let mut polyline = Polyline::new(self.kind, curve.clone(), self.scene.shape())?
+                let mut polyline = Polyline::new(self.kind, curve.clone(), scene.shape())?
                     .with("level", Attribute::Number(contour.level))
                     .with("length", Attribute::Number(length));
                 if let Some(side) = self.side {
@@ -80,7 +74,7 @@ impl LevelCurves<'_> {
     }
 
     fn picture(&self, look: Look, quantity: &str) -> Canvas {
-        let Self { scene, sources, map, found, .. } = self;
+        let Self { problem: Problem { scene, sources, map, .. }, found, .. } = self;
         let scale = scale_of(map, sources);
         let (source_lines, marks) = mark_all(sources);
         let mut lines = contour_lines(found, &scale, true);

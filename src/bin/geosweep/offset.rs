@@ -9,9 +9,7 @@ use geosweep::surface::EdgeLengths;
 use crate::Outcome;
 use crate::contours::{Numbers, comment};
 use crate::level_curves::LevelCurves;
-use crate::problem::{
-    self, CurveFiles, PictureArgs, SolverArgs, SourceArgs, SurfaceArgs, check_outputs,
-};
+use crate::problem::{self, CurveFiles, Problem, ProblemArgs};
 
 /// The arguments of `geosweep offset`.
 #[derive(clap::Args)]
@@ -30,13 +28,7 @@ pub struct Args {
     side: SideArg,
 
     #[command(flatten)]
-    sources: SourceArgs,
-    #[command(flatten)]
-    surface: SurfaceArgs,
-    #[command(flatten)]
-    solver: SolverArgs,
-    #[command(flatten)]
-    picture: PictureArgs,
+    problem: ProblemArgs,
 
     /// Print one JSON object: what `distance --json` says of the map, and levels, an array of
     /// objects with level, curves, closed (how many of them are), vertices and length (in the unit
@@ -74,34 +66,21 @@ Examples:
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let options = args.solver.options()?;
     let files = CurveFiles::new(&args.output)?;
-    let picture = args.picture.output()?;
-    let outputs: Vec<_> = files.files().chain(&picture).collect();
-    check_outputs(&outputs, problem::inputs(&args.surface, &args.sources))?;
-    let scene = args.surface.read()?;
-    files.check(&scene)?;
-    let look = picture.as_ref().map(|_| args.picture.look(&scene)).transpose()?;
-    let sources = args.sources.sources()?;
-    let map = problem::solve(&scene, &sources, &args.solver, &options)?;
-    let levels = Levels::List(args.distances.0.clone()).on(&map, &sources)?;
+    let problem = args.problem.solve(&files, None, None)?;
+    let Problem { scene, sources, map, .. } = &problem;
+    let levels = Levels::List(args.distances.0.clone()).on(map, sources)?;
     let side = args.side.side();
     let found = match side {
-        None => contours(&map, &sources, &levels),
+        None => contours(map, sources, &levels),
         Some((side, _)) => {
             let edges = EdgeLengths::new(&scene.surface)?;
-            offset_curves(&scene.surface, &edges, &sources, &map, &levels, side)?
+            offset_curves(&scene.surface, &edges, sources, map, &levels, side)?
         }
     };
-    comment(&found, &map, &sources);
-    let quantity = &args.picture.quantity(&scene);
-    let side = side.map(|(_, name)| name);
-    LevelCurves { kind: "offset", side, scene: &scene, sources: &sources, map: &map, found }.write(
-        files,
-        picture.zip(look),
-        quantity,
-        args.json,
-    )
+    comment(&found, map, sources);
+    let (quantity, side) = (args.problem.quantity(scene), side.map(|(_, name)| name));
+    LevelCurves { kind: "offset", side, problem, found }.write(files, &quantity, args.json)
 }
 
 impl SideArg {

@@ -1,6 +1,6 @@
 //! `geosweep path`: shortest paths back to the sources.
 
-use std::path::{Path as FilePath, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use geosweep::geometry::{CurveError, Path, PathError, Paths, contours};
@@ -11,10 +11,7 @@ use serde::Serialize;
 use crate::picture::{
     CurvePicture, Key, Paint, contour_lines, mark_all, path_line, rgb, round_levels, scale_of,
 };
-use crate::problem::{
-    self, CurveFiles, MapSummary, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs,
-    check_outputs, place,
-};
+use crate::problem::{self, CurveFiles, MapSummary, Problem, ProblemArgs, Scene, place};
 use crate::spinner::Spinner;
 use crate::{Outcome, print};
 
@@ -37,13 +34,7 @@ pub struct Args {
     from_file: Option<PathBuf>,
 
     #[command(flatten)]
-    sources: SourceArgs,
-    #[command(flatten)]
-    surface: SurfaceArgs,
-    #[command(flatten)]
-    solver: SolverArgs,
-    #[command(flatten)]
-    picture: PictureArgs,
+    problem: ProblemArgs,
 
     /// Print one JSON object: what `distance --json` says of the map, and paths, an array of
     /// objects with from, distance (the map's value at the start), length (the path's own; with
@@ -71,17 +62,10 @@ Examples:
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let options = args.solver.options()?;
     let files = CurveFiles::new(&args.output)?;
-    let picture = args.picture.output()?;
-    let outputs: Vec<_> = files.files().chain(&picture).collect();
-    check_outputs(&outputs, args.inputs())?;
-    let scene = args.surface.read()?;
-    files.check(&scene)?;
-    let look = picture.as_ref().map(|_| args.picture.look(&scene)).transpose()?;
-    let sources = args.sources.sources()?;
     let starts = args.starts()?;
-    let map = problem::solve(&scene, &sources, &args.solver, &options)?;
+    let Problem { scene, sources, map, picture } =
+        args.problem.solve(&files, None, args.from_file.as_deref())?;
     let paths: Vec<Path> = {
         let _spinner = Spinner::new("tracing paths");
         let edges = EdgeLengths::new(&scene.surface)?;
@@ -90,7 +74,7 @@ pub fn run(args: &Args) -> Outcome {
     };
 
     let mut staged = files.stage(&scene, polylines(&paths, &scene)?)?;
-    if let Some((output, look)) = picture.zip(look) {
+    if let Some((output, look)) = picture {
         let _spinner = Spinner::new("drawing");
         let scale = scale_of(&map, &sources);
         let levels = round_levels(&scale, MOST_LINES);
@@ -107,7 +91,7 @@ pub fn run(args: &Args) -> Outcome {
             lines: &lines,
             marks: &marks,
             key: Key::Scale {
-                quantity: &args.picture.quantity(&scene),
+                quantity: &args.problem.quantity(&scene),
                 scale: &scale,
                 levels: &levels,
             },
@@ -129,10 +113,6 @@ pub fn run(args: &Args) -> Outcome {
 const MOST_LINES: f64 = 20.0;
 
 impl Args {
-    fn inputs(&self) -> impl Iterator<Item = &FilePath> {
-        problem::inputs(&self.surface, &self.sources).chain(self.from_file.as_deref())
-    }
-
     fn starts(&self) -> Result<Vec<[f64; 2]>, IoError> {
         let file = self.from_file.as_deref().map(read_curve).transpose()?;
         Ok(self.from.iter().copied().chain(file.unwrap_or_default()).collect())

@@ -12,10 +12,7 @@ use serde::Serialize;
 
 use crate::output_file::output_file;
 use crate::picture::Regions;
-use crate::problem::{
-    self, CurveFiles, MapSummary, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs,
-    check_outputs,
-};
+use crate::problem::{self, CurveFiles, MapSummary, Problem, ProblemArgs, Scene};
 use crate::spinner::Spinner;
 use crate::{Outcome, print};
 
@@ -35,13 +32,7 @@ pub struct Args {
     borders: Vec<PathBuf>,
 
     #[command(flatten)]
-    sources: SourceArgs,
-    #[command(flatten)]
-    surface: SurfaceArgs,
-    #[command(flatten)]
-    solver: SolverArgs,
-    #[command(flatten)]
-    picture: PictureArgs,
+    problem: ProblemArgs,
 
     /// Print one JSON object: what `distance --json` says of the map, area (of all regions),
     /// regions (an array of objects with source, points and area) and neighbours (pairs of regions
@@ -68,17 +59,10 @@ Examples:
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let options = args.solver.options()?;
     let labels = args.output.as_deref().map(labels_output).transpose()?;
     let borders = CurveFiles::new(&args.borders)?;
-    let picture = args.picture.output()?;
-    let outputs: Vec<_> = labels.iter().chain(borders.files()).chain(&picture).collect();
-    check_outputs(&outputs, problem::inputs(&args.surface, &args.sources))?;
-    let scene = args.surface.read()?;
-    borders.check(&scene)?;
-    let look = picture.as_ref().map(|_| args.picture.look(&scene)).transpose()?;
-    let sources = args.sources.sources()?;
-    let map = problem::solve(&scene, &sources, &args.solver, &options)?;
+    let Problem { scene, sources, map, picture } =
+        args.problem.solve(&borders, labels.as_ref(), None)?;
     let voronoi = {
         let _spinner = Spinner::new("finding regions");
         let edges = EdgeLengths::new(&scene.surface)?;
@@ -90,7 +74,7 @@ pub fn run(args: &Args) -> Outcome {
     if let Some(output) = labels {
         staged.push(output.stage(|writer| write_labels(writer, map.chart, &voronoi))?);
     }
-    if let Some((output, look)) = picture.zip(look) {
+    if let Some((output, look)) = picture {
         let _spinner = Spinner::new("drawing");
         let regions = Regions {
             surface: &scene.surface,
@@ -98,7 +82,7 @@ pub fn run(args: &Args) -> Outcome {
             sources: &sources,
             values: &map.distances,
             voronoi: &voronoi,
-            areas: Some((&areas, args.picture.unit(&scene))),
+            areas: Some((&areas, args.problem.unit(&scene))),
         };
         staged.push(output.stage(|writer| regions.draw(look).write_png(writer))?);
     }

@@ -1,6 +1,7 @@
 //! The arguments that all commands on a distance map share: the surface, the sources and the
 //! solver; and the map they give.
 
+mod args;
 mod curve_files;
 mod outputs;
 mod picture;
@@ -14,6 +15,7 @@ use std::path::Path;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{DistanceMap, Options, Report, Sources, distance_map};
 
+pub use args::{Problem, ProblemArgs};
 pub use curve_files::CurveFiles;
 pub use outputs::check_outputs;
 pub use picture::PictureArgs;
