@@ -48,7 +48,8 @@ pub struct Args {
     picture: Option<PathBuf>,
     /// Print one JSON object: engine, device, fallback, schedule, wavefront, iterations,
     /// iteration_bound (Theorem 1's, where it applies), residual, converged, solve_seconds, rows,
-    /// cols, points, reached, max_distance, extrapolated, and with --error or --extrapolate the
+    /// cols, points, reached, max_distance, farthest (row and column of the first point that is so
+    /// far), extrapolated, and with --error or --extrapolate the
     /// estimated mean_relative_error and max_relative_error before extrapolation
     #[arg(long, help_heading = "Reports")]
     json: bool,

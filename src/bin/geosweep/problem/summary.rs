@@ -1,5 +1,6 @@
 //! How a map was computed, for reports.
 
+use geosweep::geometry::farthest;
 use geosweep::{DistanceMap, Surface};
 use serde::Serialize;
 
@@ -21,6 +22,7 @@ pub struct MapSummary<'a> {
     points: usize,
     reached: usize,
     max_distance: f32,
+    farthest: Option<[usize; 2]>,
 }
 
 impl<'a> MapSummary<'a> {
@@ -42,6 +44,7 @@ impl<'a> MapSummary<'a> {
             points: report.points,
             reached: report.reached,
             max_distance: report.max_distance,
+            farthest: farthest(map.chart, &map.distances).map(|point| [point.row, point.col]),
         }
     }
 }
