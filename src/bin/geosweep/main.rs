@@ -16,6 +16,7 @@ mod pairwise;
 mod path;
 mod picture;
 mod problem;
+mod ridges;
 mod sample;
 mod spinner;
 mod study;
@@ -64,6 +65,8 @@ enum Command {
     Voronoi(Box<voronoi::Args>),
     /// Draw curves at some distances from curves
     Offset(Box<offset::Args>),
+    /// Find the lines on which fronts meet, the cut locus of the sources
+    Ridges(Box<ridges::Args>),
     /// Choose points that are far from one another
     Sample(Box<sample::Args>),
     /// Place a surface in space so that straight distances are like those along it
@@ -100,6 +103,7 @@ fn main() -> ExitCode {
         Command::Path(args) => path::run(&args),
         Command::Voronoi(args) => voronoi::run(&args),
         Command::Offset(args) => offset::run(&args),
+        Command::Ridges(args) => ridges::run(&args),
         Command::Sample(args) => sample::run(&args),
         Command::Canonical(args) => canonical::run(&args),
         Command::Devices(args) => devices::run(&args),

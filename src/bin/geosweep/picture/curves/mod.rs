@@ -4,7 +4,7 @@ mod map;
 mod pose;
 mod space;
 
-use geosweep::geometry::{Contour, Curve, Path};
+use geosweep::geometry::{Contour, Curve, Path, Ridge};
 use geosweep::glam::DVec3;
 use geosweep::surface::Source;
 use geosweep::{Sources, Surface};
@@ -89,12 +89,19 @@ pub fn contour_lines(contours: &[Contour], scale: &Scale, plain: bool) -> Vec<Li
     contours.iter().flat_map(lines).collect()
 }
 
+/// Of lines that are what matters: against every colour of the scale.
+const BOLD: Color = [1.0, 0.42, 0.25];
+
 /// A path, and a mark where it starts.
 pub fn path_line(path: &Path) -> (Line, Mark) {
-    const COLOR: Color = [1.0, 0.42, 0.25];
     let vertices = path.curve.vertices.clone();
-    let mark = Mark { at: vertices[0], radius: 3.5, color: COLOR };
-    (Line { vertices, radius: 1.5, color: COLOR, rim: Some(RIM) }, mark)
+    let mark = Mark { at: vertices[0], radius: 3.5, color: BOLD };
+    (Line { vertices, radius: 1.5, color: BOLD, rim: Some(RIM) }, mark)
+}
+
+/// A line on which fronts meet.
+pub fn ridge_line(ridge: &Ridge) -> Line {
+    Line { vertices: ridge.curve.points().collect(), radius: 1.5, color: BOLD, rim: Some(RIM) }
 }
 
 /// Sources, white with dark rims.
