@@ -135,6 +135,40 @@ fn the_maze_is_shown_iteration_by_iteration() {
     assert!(stages.as_array().unwrap().len() < 4, "{stages}");
 }
 
+/// Table 2 from the code that `geosweep bench` measures with; of the paper's rows the one that is
+/// asked for.
+#[test]
+fn table_2_has_an_iteration_and_a_converged_map_beside_the_papers() {
+    let bench = Bench::new();
+    let line = "figure table-2 --sizes 150,33 --surface maze --json --machine toaster -o t.md";
+    let rows = json(&bench.run(words(line)));
+    let rows = rows.as_array().unwrap();
+    let on_cpu: Vec<_> = rows.iter().filter(|row| row["engine"] == "cpu").collect();
+    assert_eq!(on_cpu.len(), 2);
+    for (row, side) in on_cpu.iter().zip([33, 150]) {
+        assert_eq!((&row["rows"], &row["cols"]), (&side.into(), &side.into()));
+        let surface = Builtin::Maze.surface(side, side).unwrap();
+        let options = Options { engine: Engine::Cpu, ..Options::default() };
+        let report = distance_map(&surface, &Sources::point(0.0, 0.0), &options).unwrap().report;
+        assert_eq!(row["converged_iterations"], report.iterations);
+        assert_eq!(row["points"], surface.points());
+        for key in ["iteration_seconds", "converged_seconds"] {
+            assert!(row[key].as_f64().unwrap() > 0.0, "{row}");
+        }
+        let [once, converged] =
+            ["iteration_bytes", "converged_bytes"].map(|key| row[key].as_u64().unwrap());
+        // The curved front keeps its curvatures and the surface's.
+        assert!(once > 16 * (side * side) as u64 && converged > once, "{row}");
+    }
+    let table = fs::read_to_string(bench.output("t.md")).unwrap();
+    for part in ["toaster", "7950 GT", "of the maze", "| 33 x 33 | cpu |", "| 150 x 150 | cpu |"] {
+        assert!(table.contains(part), "`{part}` is missing in:\n{table}");
+    }
+    let paper = table.lines().filter(|line| line.ends_with("| 111 | 1.6 |"));
+    assert_eq!(paper.count(), rows.len() / 2, "{table}");
+    assert!(table.lines().any(|line| line.starts_with("| 33") && line.ends_with("|  |  |")));
+}
+
 #[test]
 fn the_accuracy_report_says_what_the_library_computes() {
     let bench = Bench::new();
@@ -212,6 +246,9 @@ fn wrong_arguments_are_refused() {
         ("figure maze -o maze.png --size 0", &["`0`", "from 2 to 16384"]),
         ("figure maze -o maze.png --size 99999", &["`99999`", "from 2 to 16384"]),
         ("figure maze -o missing/maze.png", &["missing", "no folder"]),
+        ("figure table-2 --sizes 1", &["`1`", "from 2 to 16384"]),
+        ("figure table-2 --surface teapot", &["teapot", "sphere"]),
+        ("figure table-2 -o table.txt", &["table.txt", ".md"]),
         ("accuracy --sizes 0", &["`0`", "from 2 to 16384"]),
         ("accuracy --surfaces teapot", &["teapot", "sphere"]),
         ("accuracy --wavefronts square", &["`square`", "planar, point"]),

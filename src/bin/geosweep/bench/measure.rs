@@ -51,6 +51,8 @@ pub struct Plan {
     pub wavefronts: Vec<Wavefront>,
     pub methods: Vec<Method>,
     pub device: DeviceChoice,
+    /// Stop after so many, converged or not.
+    pub iterations: Option<u32>,
     /// A method whose map takes longer is timed once, and left out at larger sizes.
     pub limit: Duration,
     /// Runs go on for so long.
@@ -79,6 +81,15 @@ pub struct Timing {
 }
 
 impl Timing {
+    /// Half the distance of the quartiles.
+    pub fn spread(&self) -> f64 {
+        let at = |fraction: f64| {
+            let index = ((self.times.len() - 1) as f64 * fraction).round() as usize;
+            self.times[index].as_secs_f64()
+        };
+        0.5 * (at(0.75) - at(0.25))
+    }
+
     pub fn best(&self) -> f64 {
         self.times[0].as_secs_f64()
     }
@@ -181,7 +192,8 @@ impl Bench<'_> {
         });
         let surface = name.surface(size)?;
         let (row, col) = name.source(&surface);
-        let iterations = u32::try_from(10 * (surface.rows() + surface.cols())).unwrap_or(u32::MAX);
+        let most = u32::try_from(10 * (surface.rows() + surface.cols())).unwrap_or(u32::MAX);
+        let iterations = plan.iterations.unwrap_or(most);
         let problem = Problem {
             name,
             surface: &surface,

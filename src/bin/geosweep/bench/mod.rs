@@ -22,9 +22,9 @@ use crate::output_file::{output_file, png_output};
 use crate::problem::device_choice;
 use crate::study;
 use crate::{Outcome, print};
-use measure::{Method, Plan};
+pub use measure::{Measurements, Method, Plan, Timing, all as measure};
 use report::{Report, Summary};
-use surface::BenchSurface;
+pub use surface::BenchSurface;
 
 /// The arguments of `geosweep bench`.
 #[derive(clap::Args)]
@@ -134,7 +134,7 @@ pub fn run(args: &Args) -> Outcome {
     let output = args.output.as_deref().map(|path| output_file(path, "a report is", "md"));
     let (output, plot) = (output.transpose()?, args.plot.as_deref().map(png_output).transpose()?);
     let plan = args.plan();
-    let measured = measure::all(&plan)?;
+    let measured = measure(&plan)?;
 
     let report = Report { measured: &measured, machine: args.machine.as_deref() }.to_string();
     let mut staged = Vec::new();
@@ -174,6 +174,7 @@ impl Args {
             wavefronts: study::or_else(&self.wavefront, || vec![Wavefront::Curved]),
             methods: study::or_else(&self.engines, Vec::new).iter().flat_map(of_engine).collect(),
             device: self.device.as_deref().map_or(DeviceChoice::Any, device_choice),
+            iterations: None,
             limit: Duration::from_secs_f64(self.limit),
             long_enough: Duration::from_millis(if self.quick { 100 } else { 500 }),
         }

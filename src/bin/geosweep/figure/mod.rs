@@ -6,6 +6,7 @@ mod face;
 mod maze;
 mod scans;
 mod table_1;
+mod table_2;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -29,11 +30,12 @@ Examples:
   geosweep figure face -o face.png
   geosweep figure maze -o maze.png
   geosweep figure table-1 -o table-1.md
+  geosweep figure table-2 -o table-2.md
   geosweep figure all -o figures";
 
 #[derive(Subcommand)]
 enum Figure {
-    /// Figures 3 to 8, each as below without options
+    /// Figures 3 to 8 and both tables, each as below without options
     All(AllArgs),
     /// Figures 3 and 4: what a point is updated from in each scan, and in which order
     Scans(scans::Args),
@@ -48,27 +50,32 @@ enum Figure {
     /// Table 1: times of all pairs, by raster scans in lanes and by fast marching
     #[command(name = "table-1")]
     Table1(table_1::Args),
+    /// Table 2: times and memory of single maps, on the CPU and on a Vulkan device
+    #[command(name = "table-2")]
+    Table2(table_2::Args),
 }
 
 /// The arguments of `geosweep figure all`.
 #[derive(clap::Args)]
 struct AllArgs {
-    /// The folder for scans.png, convergence.png, maze.png, face.png, canonical.png and table-1.md
+    /// The folder for scans.png, convergence.png, maze.png, face.png, canonical.png, table-1.md and
+    /// table-2.md
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
-    /// What the table says about the machine that its times come from
+    /// What the tables say about the machine that their times come from
     #[arg(long, value_name = "TEXT")]
     machine: Option<String>,
 }
 
 /// All figures in the paper's order.
-const ALL: [(&str, &str); 6] = [
+const ALL: [(&str, &str); 7] = [
     ("scans", "png"),
     ("convergence", "png"),
     ("maze", "png"),
     ("face", "png"),
     ("canonical", "png"),
     ("table-1", "md"),
+    ("table-2", "md"),
 ];
 
 /// A figure as on a command line, for its defaults.
@@ -92,6 +99,7 @@ impl Figure {
             Self::Face(args) => face::run(args),
             Self::Maze(args) => maze::run(args),
             Self::Table1(args) => table_1::run(args),
+            Self::Table2(args) => table_2::run(args),
         }
     }
 }
