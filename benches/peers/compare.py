@@ -5,7 +5,7 @@
     python benches/peers/compare.py --geosweep target/release/geosweep --docs
 
 The first prints tables. The second also renews docs/peers.md and docs/peers.csv: the tables of
-the surfaces and sizes measured, keeping others, and that of terrain.py.
+the surfaces and sizes measured, keeping others, and those of terrain.py and paths.py.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import paths
 import references
 import report
 import terrain
@@ -82,7 +83,7 @@ def arguments() -> argparse.Namespace:
         "--docs", action="store_true", help="renew docs/peers.md and docs/peers.csv"
     )
     parser.add_argument(
-        "--no-terrain", action="store_true", help="keep the page's table of terrain (minutes)"
+        "--no-terrain", action="store_true", help="keep the page's tables of terrain (minutes)"
     )
     options = parser.parse_args()
     options.geosweep = options.geosweep.resolve()
@@ -165,6 +166,7 @@ def renew(options: argparse.Namespace, rows: list[report.Row]) -> None:
     report.replace_between(page, "surfaces", report.markdown(rows))
     if not options.no_terrain:
         report.replace_between(page, "terrain", terrain.study(options.geosweep))
+        report.replace_between(page, "paths", paths.study(options.geosweep))
 
 
 def say(text: str) -> None:

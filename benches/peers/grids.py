@@ -52,21 +52,22 @@ class Grid:
         """
         nw, ne = self.index[:-1, :-1].ravel(), self.index[:-1, 1:].ravel()
         sw, se = self.index[1:, :-1].ravel(), self.index[1:, 1:].ravel()
-        rising = self._rising()
+        rising = self.rising.ravel()
         falling = np.concatenate([np.stack([nw, sw, se], 1), np.stack([nw, se, ne], 1)])
         other = np.concatenate([np.stack([nw, sw, ne], 1), np.stack([ne, sw, se], 1)])
         faces = np.where(np.tile(rising, 2)[:, None], other, falling)
         return np.ascontiguousarray(faces[(faces >= 0).all(axis=1)].astype(np.int32))
 
-    def _rising(self) -> np.ndarray:
-        """For each cell, whether it is cut from south-west to north-east."""
+    @cached_property
+    def rising(self) -> np.ndarray:
+        """For each cell (M - 1, N - 1), whether it is cut from south-west to north-east."""
         points, present = self.positions, self.present
         falling = np.linalg.norm(points[:-1, :-1] - points[1:, 1:], axis=2)
         rising = np.linalg.norm(points[1:, :-1] - points[:-1, 1:], axis=2)
         whole_falling = present[:-1, :-1] & present[1:, 1:]
         whole_rising = present[1:, :-1] & present[:-1, 1:]
         shorter = rising < falling * (1 - TIE)
-        return np.where(whole_falling & whole_rising, shorter, whole_rising).ravel()
+        return np.where(whole_falling & whole_rising, shorter, whole_rising)
 
     def to_map(self, values: np.ndarray) -> np.ndarray:
         """Values of vertices as a map (M, N), infinite at holes."""
