@@ -4,10 +4,10 @@
 
 #include "constants.glsl"
 #include "cell.glsl"
+#include "times.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts;
 layout(set = 1, binding = 0) readonly restrict buffer Input {
     float words[]; // row and column of a place
 };
@@ -22,12 +22,6 @@ layout(push_constant) uniform Places {
     int first_distance;
     float unreached;      // what stands for places that are not reached, or not on the grid
 };
-
-float time_at(ivec2 point) {
-    point = min(point, grid - 1);
-    ivec2 texel = point / 2 + BORDER;
-    return imageLoad(fronts, ivec3(texel, TIME))[(point.x & 1) + 2 * (point.y & 1)];
-}
 
 void main() {
     int index = int(gl_GlobalInvocationID.x);

@@ -20,10 +20,7 @@ layout(push_constant) uniform Band {
     int stride;     // words from point to point
 };
 
-// Neither infinite, nor NaN, nor so large that squares of lengths would be.
-bool is_usable(float value) {
-    return (floatBitsToUint(value) & 0x7fffffffu) <= floatBitsToUint(LONGEST_EDGE);
-}
+#include "usable.glsl"
 
 void main() {
     ivec2 place = ivec2(gl_GlobalInvocationID.xy);

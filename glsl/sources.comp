@@ -17,13 +17,6 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-struct Source {
-    float row;
-    float col;
-    float time;
-    float curvature;
-};
-
 struct SeedTexel {
     ivec2 texel;
     ivec2 unused; // vec4 follows on a multiple of 16 bytes
@@ -34,9 +27,6 @@ struct SeedTexel {
 layout(set = 0, binding = 7) writeonly restrict buffer Seeds {
     SeedTexel seeds[];
 };
-layout(set = 1, binding = 0) readonly restrict buffer Input {
-    float words[]; // four a source, as in Source
-};
 
 layout(push_constant) uniform Portion {
     ivec2 grid;     // columns and rows of the whole grid
@@ -44,19 +34,7 @@ layout(push_constant) uniform Portion {
     int count;      // of sources
 };
 
-Source source(int index) {
-    int at = first_word + 4 * index;
-    return Source(words[at], words[at + 1], words[at + 2], words[at + 3]);
-}
-
-vec2 place_of(Source s) {
-    return vec2(s.col, s.row);
-}
-
-bool counts(Source s) {
-    return is_on_grid(place_of(s), grid) && (floatBitsToUint(s.time) & 0x7f800000u) != 0x7f800000u
-        && s.time < FAR;
-}
+#include "source.glsl"
 
 // The first of the texels with points of cells around a source.
 ivec2 first_texel(Source s) {

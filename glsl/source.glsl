@@ -1,0 +1,30 @@
+// The sources of a map as the host gives them.
+//
+// The including shader declares
+//     ivec2 grid;       columns and rows of the whole grid
+//     int first_word;   of the first source
+
+layout(set = 1, binding = 0) readonly restrict buffer Input {
+    float words[]; // four a source, as in Source
+};
+
+struct Source {
+    float row;
+    float col;
+    float time;
+    float curvature;
+};
+
+Source source(int index) {
+    int at = first_word + 4 * index;
+    return Source(words[at], words[at + 1], words[at + 2], words[at + 3]);
+}
+
+vec2 place_of(Source s) {
+    return vec2(s.col, s.row);
+}
+
+bool counts(Source s) {
+    return is_on_grid(place_of(s), grid) && (floatBitsToUint(s.time) & 0x7f800000u) != 0x7f800000u
+        && s.time < FAR;
+}
