@@ -39,3 +39,15 @@
 // Longest length of an edge: squares and sums of such lengths stay within single precision and below
 // FAR. A coordinate beyond it in memory of a renderer's marks a hole, as NaN does.
 #define LONGEST_EDGE 1e12
+// Levels of the contours of one recording, at most.
+#define LEVELS_TOGETHER 1024
+// Words of a curve's record and of its vertices; see curve.glsl.
+#define CURVE_WORDS 9
+#define VERTEX_WORDS 6
+// What has become of a curve.
+#define COMPLETE 0
+#define OUT_OF_ROOM 1
+#define UNREACHED 2
+#define OUTSIDE 3
+#define LOST 4
+#define UNDER_WAY 5

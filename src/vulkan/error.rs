@@ -144,6 +144,17 @@ pub enum VulkanError {
     /// A plan was made for a grid of another size.
     #[error("the plan was made for a grid of another size than the surface's")]
     OtherGrid,
+    /// Contours or paths were made for another surface.
+    #[error("the contours or paths were made for another surface than the recording's")]
+    OtherSurface,
+    /// Contours or paths cannot be made or recorded as asked.
+    #[error("no {what}: {reason}")]
+    Curves {
+        /// Which of them.
+        what: &'static str,
+        /// What is wrong.
+        reason: String,
+    },
     /// More sources than a recording can bring with it.
     #[error("{given} sources are more than the {most} that a recording can hold: use a buffer")]
     TooManySources {

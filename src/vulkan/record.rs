@@ -200,14 +200,8 @@ impl Recorder<'_> {
         }
         let progress = &self.grid.progress;
         self.barrier(PASS, TRANSFER);
-        let copy = [vk::BufferCopy::default()
-            .src_offset(offset::round(rounds))
-            .dst_offset(offset::round(0))
-            .size(size_of::<u32>() as u64)];
-        // SAFETY: the buffer has room for all rounds, and the two slots are apart.
-        unsafe {
-            self.device.cmd_copy_buffer(self.commands, progress.buffer, progress.buffer, &copy);
-        }
+        let (from, to) = (offset::round(rounds), offset::round(0));
+        self.copy((progress.buffer, from), (progress.buffer, to), size_of::<u32>() as u64);
         self.barrier(COPY, CLEAR);
         let later = DeviceProgress::before_rounds();
         self.write(offset::round(1), &bytes_of(&later)[offset::round(1) as usize..]);
@@ -285,11 +279,7 @@ impl Recorder<'_> {
     pub(crate) fn outcome_to(&self, to: vk::Buffer, offset: u64) {
         self.barrier(PASS, COPY);
         let size = size_of::<Outcome>() as u64;
-        let copy = [vk::BufferCopy::default().dst_offset(offset).size(size)];
-        // SAFETY: both buffers hold so much.
-        unsafe {
-            self.device.cmd_copy_buffer(self.commands, self.grid.progress.buffer, to, &copy);
-        }
+        self.copy((self.grid.progress.buffer, 0), (to, offset), size);
     }
 
     /// Writes sources into the buffer from which `sources.comp` reads them.
@@ -298,10 +288,21 @@ impl Recorder<'_> {
             return;
         }
         self.barrier(SHADER, CLEAR);
-        let buffer = self.grid.download.buffer;
-        // SAFETY: the buffer has room for them, and they are no more than what may be written so.
-        unsafe { self.device.cmd_update_buffer(self.commands, buffer, 0, bytes) };
+        self.update(self.grid.download.buffer, 0, bytes);
         self.barrier(CLEAR, SHADER);
+    }
+
+    /// Writes part of a buffer, which has room for it; no more than 65 536 bytes, a multiple of 4.
+    pub(crate) fn update(&self, buffer: vk::Buffer, offset: u64, bytes: &[u8]) {
+        // SAFETY: the part lies in the buffer, which nothing else uses until the next barrier.
+        unsafe { self.device.cmd_update_buffer(self.commands, buffer, offset, bytes) };
+    }
+
+    /// Copies part of a buffer to one that has room for it there, and does not overlap it.
+    pub(crate) fn copy(&self, from: (vk::Buffer, u64), to: (vk::Buffer, u64), size: u64) {
+        let copy = [vk::BufferCopy::default().src_offset(from.1).dst_offset(to.1).size(size)];
+        // SAFETY: both buffers hold so many bytes there, of the host's as the host has promised.
+        unsafe { self.device.cmd_copy_buffer(self.commands, from.0, to.0, &copy) };
     }
 
     /// Runs a pass that also sees something of the host's: so many invocations wide and high.
@@ -397,10 +398,7 @@ impl Recorder<'_> {
 
     /// Writes part of the progress.
     fn write(&self, offset: u64, bytes: &[u8]) {
-        let buffer = self.grid.progress.buffer;
-        // SAFETY: the part lies in the buffer, which nothing else uses until the next barrier, and
-        // is far smaller than what may be written so.
-        unsafe { self.device.cmd_update_buffer(self.commands, buffer, offset, bytes) };
+        self.update(self.grid.progress.buffer, offset, bytes);
     }
 
     fn bind(&self, pipeline: vk::Pipeline, writes: usize) {

@@ -2,6 +2,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod curves;
 #[path = "../../examples/embed.rs"]
 mod example;
 mod faults;

@@ -41,6 +41,17 @@ impl Access {
     /// Read by a fragment shader.
     pub const FRAGMENT_READ: Self =
         Self::new(vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::SHADER_READ);
+    /// Drawn by `vkCmdDrawIndirect` from a vertex buffer.
+    pub const DRAW: Self = Self::new(
+        vk::PipelineStageFlags::from_raw(
+            vk::PipelineStageFlags::DRAW_INDIRECT.as_raw()
+                | vk::PipelineStageFlags::VERTEX_INPUT.as_raw(),
+        ),
+        vk::AccessFlags::from_raw(
+            vk::AccessFlags::INDIRECT_COMMAND_READ.as_raw()
+                | vk::AccessFlags::VERTEX_ATTRIBUTE_READ.as_raw(),
+        ),
+    );
     /// Read through mapped memory, after the fence of the submission.
     pub const HOST_READ: Self = Self::new(vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ);
 

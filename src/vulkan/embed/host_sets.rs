@@ -20,7 +20,7 @@ const WORD: u64 = size_of::<f32>() as u64;
 
 /// A part of a buffer: what its descriptor covers, and where its first word is in that.
 #[derive(Clone, Copy, Debug)]
-struct Part {
+pub(super) struct Part {
     buffer: vk::Buffer,
     start: u64,
     range: u64,
@@ -28,7 +28,7 @@ struct Part {
 }
 
 impl Part {
-    fn new(
+    pub(super) fn new(
         limits: &Limits,
         what: &'static str,
         buffer: vk::Buffer,
@@ -70,7 +70,7 @@ pub(super) struct HostSet {
 /// The sets of a surface.
 #[derive(Debug)]
 pub(super) struct HostSets {
-    pool: vk::DescriptorPool,
+    pub(super) pool: vk::DescriptorPool,
     pub(super) results: Vec<HostSet>,
     pub(super) inline_sources: HostSet,
     pub(super) points: Vec<HostSet>,
@@ -79,11 +79,24 @@ pub(super) struct HostSets {
 }
 
 /// What a set is made of.
-enum Content {
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Content {
     Result(vk::ImageView),
     Texture(vk::ImageView, vk::ImageLayout),
+    TextureAndOutput(vk::ImageView, vk::ImageLayout, Part),
     Input(Part),
     InputAndOutput(Part, Part),
+}
+
+impl Content {
+    /// With something that the pass writes.
+    pub(super) fn and_output(self, output: Part) -> Self {
+        match self {
+            Self::Texture(view, layout) => Self::TextureAndOutput(view, layout, output),
+            Self::Input(input) => Self::InputAndOutput(input, output),
+            other => other,
+        }
+    }
 }
 
 impl HostSets {
@@ -94,11 +107,9 @@ impl HostSets {
         grid: &GridImages,
         (points, sources, lookups): (&[Points], &[SourceBuffer], &[Lookup]),
     ) -> Result<Self, VulkanError> {
-        let inline = (INLINE_SOURCES * SOURCE_BYTES) as u64;
-        let inline = Part::new(limits, "the inline sources", grid.download.buffer, 0, inline)?;
         let mut contents: Vec<_> =
             grid.results.iter().map(|image| Content::Result(image.view)).collect();
-        contents.push(Content::Input(inline));
+        contents.push(inline_sources_content(limits, grid)?);
         for points in points {
             contents.push(points_content(limits, points, grid.chart)?);
         }
@@ -113,9 +124,7 @@ impl HostSets {
             }
         }
         for sources in sources {
-            let bytes = u64::from(sources.count) * SOURCE_BYTES as u64;
-            let SourceBuffer { buffer, offset, .. } = *sources;
-            contents.push(Content::Input(Part::new(limits, "sources", buffer, offset, bytes)?));
+            contents.push(sources_content(limits, sources)?);
         }
         for lookup in lookups {
             let count = u64::from(lookup.count);
@@ -125,34 +134,16 @@ impl HostSets {
                 Part::new(limits, "distances", distances, distances_offset, WORD * count)?,
             ));
         }
-        let pool = pool(device, contents.len() as u32)?;
-        let mut new = Self {
+        let (pool, sets) = describe(device, pipelines, &contents)?;
+        let mut sets = sets.into_iter();
+        Ok(Self {
             pool,
-            results: Vec::new(),
-            inline_sources: HostSet::default(),
-            points: Vec::new(),
-            sources: Vec::new(),
-            lookups: Vec::new(),
-        };
-        let layouts = vec![pipelines.host_set_layout; contents.len()];
-        let info =
-            vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
-        // SAFETY: the pool has room for these sets.
-        let sets = match unsafe { device.allocate_descriptor_sets(&info) } {
-            Ok(sets) => sets,
-            Err(result) => {
-                new.destroy(device);
-                return Err(VulkanError::Call { call: "vkAllocateDescriptorSets", result });
-            }
-        };
-        let mut filled =
-            sets.into_iter().zip(contents).map(|(set, content)| fill(device, set, content));
-        new.results = filled.by_ref().take(grid.results.len()).collect();
-        new.inline_sources = filled.next().expect("every surface has this set");
-        new.points = filled.by_ref().take(points.len()).collect();
-        new.sources = filled.by_ref().take(sources.len()).collect();
-        new.lookups = filled.collect();
-        Ok(new)
+            results: sets.by_ref().take(grid.results.len()).collect(),
+            inline_sources: sets.next().expect("every surface has this set"),
+            points: sets.by_ref().take(points.len()).collect(),
+            sources: sets.by_ref().take(sources.len()).collect(),
+            lookups: sets.collect(),
+        })
     }
 
     pub(super) fn destroy(&mut self, device: &ash::Device) {
@@ -162,7 +153,52 @@ impl HostSets {
     }
 }
 
-fn points_content(limits: &Limits, points: &Points, chart: Chart) -> Result<Content, VulkanError> {
+/// A pool with a set for each of these contents, in their order.
+pub(super) fn describe(
+    device: &ash::Device,
+    pipelines: &Pipelines,
+    contents: &[Content],
+) -> Result<(vk::DescriptorPool, Vec<HostSet>), VulkanError> {
+    let pool = pool(device, contents.len() as u32)?;
+    let layouts = vec![pipelines.host_set_layout; contents.len()];
+    let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+    // SAFETY: the pool has room for these sets.
+    match unsafe { device.allocate_descriptor_sets(&info) } {
+        Ok(sets) => {
+            let filled = sets.into_iter().zip(contents);
+            Ok((pool, filled.map(|(set, &content)| fill(device, set, content)).collect()))
+        }
+        Err(result) => {
+            // SAFETY: nothing uses the pool.
+            unsafe { device.destroy_descriptor_pool(pool, None) };
+            Err(VulkanError::Call { call: "vkAllocateDescriptorSets", result })
+        }
+    }
+}
+
+/// The sources that a recording brings with it.
+pub(super) fn inline_sources_content(
+    limits: &Limits,
+    grid: &GridImages,
+) -> Result<Content, VulkanError> {
+    let bytes = (INLINE_SOURCES * SOURCE_BYTES) as u64;
+    Ok(Content::Input(Part::new(limits, "the inline sources", grid.download.buffer, 0, bytes)?))
+}
+
+pub(super) fn sources_content(
+    limits: &Limits,
+    sources: &SourceBuffer,
+) -> Result<Content, VulkanError> {
+    let bytes = u64::from(sources.count) * SOURCE_BYTES as u64;
+    let SourceBuffer { buffer, offset, .. } = *sources;
+    Ok(Content::Input(Part::new(limits, "sources", buffer, offset, bytes)?))
+}
+
+pub(super) fn points_content(
+    limits: &Limits,
+    points: &Points,
+    chart: Chart,
+) -> Result<Content, VulkanError> {
     let refuse = |reason: String| Err(VulkanError::HostBuffer { what: "points", reason });
     match points.memory {
         PointMemory::Image { .. } if points.floats() > 4 => {
@@ -197,6 +233,10 @@ fn fill(device: &ash::Device, set: vk::DescriptorSet, content: Content) -> HostS
     match content {
         Content::Result(view) => image(host::RESULT, view, vk::ImageLayout::GENERAL),
         Content::Texture(view, layout) => image(host::TEXTURE, view, layout),
+        Content::TextureAndOutput(view, layout, output) => {
+            image(host::TEXTURE, view, layout);
+            return HostSet { first_output: buffer(host::OUTPUT, output), ..empty };
+        }
         Content::Input(part) => return HostSet { first_word: buffer(host::INPUT, part), ..empty },
         Content::InputAndOutput(input, output) => {
             let first_word = buffer(host::INPUT, input);

@@ -42,6 +42,16 @@ pub enum PointMemory {
     },
 }
 
+impl PointMemory {
+    /// 32-bit words from point to point in a buffer.
+    pub(super) fn stride_words(self) -> i32 {
+        match self {
+            Self::Buffer { stride, .. } => stride as i32 / size_of::<f32>() as i32,
+            Self::Image { .. } => 0,
+        }
+    }
+}
+
 /// What the floats of a point are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointKind {

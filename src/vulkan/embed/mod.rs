@@ -52,6 +52,8 @@
 //! ```
 
 mod access;
+mod contours;
+mod curves;
 mod host_sets;
 mod inputs;
 mod plan;
@@ -60,6 +62,8 @@ mod solver;
 mod surface;
 
 pub use access::{Access, Reader};
+pub use contours::{ContourFrame, Contours, LevelInput};
+pub use curves::{CurveBuffer, CurveRecord, CurveStatus, CurveVertex};
 pub use inputs::{Lookup, PointKind, PointMemory, PointSource, Points, SourceBuffer, SourceInput};
 pub use plan::Plan;
 pub use recording::{Frame, Recording};

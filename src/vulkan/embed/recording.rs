@@ -24,9 +24,9 @@ use crate::vulkan::{Schedule, VulkanError};
 /// order in which they are recorded: on one queue, or with semaphores between queues.
 #[derive(Clone, Copy)]
 pub struct Recording<'a> {
-    recorder: Recorder<'a>,
+    pub(super) recorder: Recorder<'a>,
     solver: &'a Solver,
-    surface: &'a Surface,
+    pub(super) surface: &'a Surface,
 }
 
 /// What one frame takes: [`Recording::frame`].
@@ -171,10 +171,6 @@ impl<'a> Recording<'a> {
         };
         // A metric has no other edges than straight ones.
         let rule = if info.kind == PointKind::Metric { EdgeRule::Chord } else { surface.edge_rule };
-        let stride = match info.memory {
-            PointMemory::Buffer { stride, .. } => stride as i32 / size_of::<f32>() as i32,
-            PointMemory::Image { .. } => 0,
-        };
         for rows in bands(chart, POINT_BYTES) {
             let around = rows_around(&rows, chart);
             let band = PointsBand {
@@ -184,7 +180,7 @@ impl<'a> Recording<'a> {
                 heights,
                 slowness: info.slowness.map_or(-1, |index| index as i32),
                 first_word: set.first_word,
-                stride,
+                stride: info.memory.stride_words(),
             };
             let pipeline = self.points_pipeline(info.memory);
             recorder.host_pass(pipeline, set.set, &band, [chart.cols as u32, around.len() as u32]);
@@ -316,7 +312,7 @@ impl<'a> Recording<'a> {
         self.solver.passes(schedule, wavefront).ok_or(VulkanError::NoPasses { schedule, wavefront })
     }
 
-    fn check_sources(&self, sources: SourceInput) -> Result<(), VulkanError> {
+    pub(super) fn check_sources(&self, sources: SourceInput) -> Result<(), VulkanError> {
         match sources {
             SourceInput::Inline(sources) if sources.len() > INLINE_SOURCES => {
                 let (given, most) = (sources.len(), INLINE_SOURCES);
@@ -343,7 +339,7 @@ impl<'a> Recording<'a> {
                 (surface.sets.inline_sources, sources.len() as u32)
             }
             SourceInput::Buffer(number) => {
-                (surface.sets.sources[number], surface.source_counts[number])
+                (surface.sets.sources[number], surface.sources[number].count)
             }
         };
         for first in (0..count).step_by(SOURCES_TOGETHER as usize) {
@@ -362,7 +358,7 @@ impl<'a> Recording<'a> {
         Ok(())
     }
 
-    fn points(&self, number: usize) -> Result<(HostSet, super::Points), VulkanError> {
+    pub(super) fn points(&self, number: usize) -> Result<(HostSet, super::Points), VulkanError> {
         let set = nth(&self.surface.sets.points, "point inputs", number)?;
         Ok((set, self.surface.points[number]))
     }
@@ -379,6 +375,6 @@ fn nth(sets: &[HostSet], what: &'static str, number: usize) -> Result<HostSet, V
     sets.get(number).copied().ok_or(VulkanError::NoSuch { what, number, count: sets.len() })
 }
 
-fn grid_size(chart: Chart) -> [i32; 2] {
+pub(super) fn grid_size(chart: Chart) -> [i32; 2] {
     [chart.cols as i32, chart.rows as i32]
 }

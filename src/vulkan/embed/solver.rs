@@ -3,6 +3,7 @@
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
+use super::contours::Contours;
 use super::plan::Plan;
 use super::recording::Recording;
 use super::surface::{Surface, SurfaceInfo};
@@ -125,6 +126,37 @@ impl Solver {
         info: &SurfaceInfo,
     ) -> Result<Surface, VulkanError> {
         Surface::new(device, allocator, self, info)
+    }
+
+    /// Bytes that contours take from the allocator's memory blocks on this device, before they are
+    /// made.
+    ///
+    /// # Errors
+    /// As [`Solver::contours`].
+    pub fn bytes_for_contours(
+        &self,
+        device: &ash::Device,
+        chart: Chart,
+        vertices: u32,
+    ) -> Result<u64, VulkanError> {
+        Contours::bytes_for(device, &self.limits, chart, vertices)
+    }
+
+    /// Makes room for contours of a surface, of so many vertices, two for each of their segments:
+    /// 24 bytes a vertex and 260 a row of the grid. The one call that allocates for contours, and
+    /// creates their pipelines.
+    ///
+    /// # Errors
+    /// If there is no room for a segment, more than shaders see in one buffer, or memory runs out.
+    /// Nothing is left behind then.
+    pub fn contours(
+        &self,
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        surface: &Surface,
+        vertices: u32,
+    ) -> Result<Contours, VulkanError> {
+        Contours::new(device, allocator, (self, surface), vertices)
     }
 
     /// Records for a surface into a command buffer that the host has begun, on a queue family for

@@ -75,7 +75,7 @@ pub struct Surface {
     pub(super) grid: GridImages,
     pub(super) sets: HostSets,
     pub(super) points: Vec<Points>,
-    pub(super) source_counts: Vec<u32>,
+    pub(super) sources: Vec<SourceBuffer>,
     pub(super) lookup_counts: Vec<u32>,
     pub(super) edge_rule: EdgeRule,
 }
@@ -139,7 +139,7 @@ impl Surface {
                 grid,
                 sets,
                 points: info.points.to_vec(),
-                source_counts: info.sources.iter().map(|sources| sources.count).collect(),
+                sources: info.sources.to_vec(),
                 lookup_counts: info.lookups.iter().map(|lookup| lookup.count).collect(),
                 edge_rule: info.edge_rule,
             }),

@@ -1,0 +1,36 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// From the number of segments in each row of cells to that in all rows before it, and what a draw
+// of them all reads. One workgroup is all.
+
+#include "constants.glsl"
+#include "times.glsl"
+#include "contours.glsl"
+#include "curve.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+#include "prefix.glsl"
+
+void main() {
+    int rows = grid.y - 1;
+    int some = (rows + WORKGROUP - 1) / WORKGROUP;
+    int first = int(gl_LocalInvocationID.x) * some;
+    int last = min(first + some, rows);
+    uint own = 0u;
+    for (int row = first; row < last; row++) {
+        own = min(own + counts[row_index(row)], MOST);
+    }
+    uint sum = sum_up_to_here(own);
+    uint before = sum - own;
+    for (int row = first; row < last; row++) {
+        uint segments = counts[row_index(row)];
+        counts[row_index(row)] = before;
+        before = min(before + segments, MOST);
+    }
+    if (gl_LocalInvocationID.x == WORKGROUP - 1) {
+        uint needed = 2u * sum;
+        uint drawn = min(needed, uint(capacity));
+        write_record(0, drawn, 0u, needed, needed > drawn ? OUT_OF_ROOM : COMPLETE);
+    }
+}

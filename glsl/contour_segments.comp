@@ -1,0 +1,54 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Writes the segments of contours, two vertices each, nearer points to the left as seen in a
+// picture. What does not fit is left out from the south.
+
+#include "constants.glsl"
+#include "times.glsl"
+#include "contours.glsl"
+#include "curve.glsl"
+#include "crossing.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+const ivec2 CORNERS[4] = ivec2[](ivec2(0, 0), ivec2(1, 0), ivec2(0, 1), ivec2(1, 1));
+
+// Where a level crosses the edge between two corners, from the one that is first in the grid, so
+// that triangles agree on it.
+vec2 place_between(ivec2 cell, int a, int b, float time) {
+    ivec2 from = cell + CORNERS[min(a, b)];
+    ivec2 step = CORNERS[max(a, b)] - CORNERS[min(a, b)];
+    return vec2(from) + crossing(from, step, time, start) * vec2(step);
+}
+
+void main() {
+    int row = int(gl_WorkGroupID.y);
+    ivec2 columns = strip_columns();
+    uint next = counts[row_index(row)] + counts[strip_index(row, gl_LocalInvocationID.x)];
+    uint room = uint(capacity) / 2u;
+    Corners cell;
+    for (int col = columns.x; col < columns.y; col++) {
+        ivec2 first = ivec2(col, row);
+        cell = corners_at(first, col > columns.x, cell);
+        ivec2 range = triangles(cell);
+        for (int i = range.x; i < range.y; i++) {
+            ivec3 triangle = TRIANGLES[i];
+            uvec2 through = levels_through(cell, triangle);
+            for (uint index = through.x; index < through.y; index++, next++) {
+                if (next >= room) return;
+                float time = level(index);
+                // The way around the triangle leaves the nearer part on one edge and comes back
+                // on another.
+                for (int k = 0; k < 3; k++) {
+                    int a = triangle[k];
+                    int b = triangle[(k + 1) % 3];
+                    bool a_is_nearer = cell.passed[a] <= index;
+                    if (a_is_nearer == (cell.passed[b] <= index)) continue;
+                    int vertex = 2 * int(next) + (a_is_nearer ? 0 : 1);
+                    vec2 place = place_between(first, a, b, time);
+                    write_vertex(first_vertex + VERTEX_WORDS * vertex, place, time);
+                }
+            }
+        }
+    }
+}

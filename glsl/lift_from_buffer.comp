@@ -1,0 +1,20 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Lifts the vertices of curves to points in a buffer of the host's.
+
+#include "constants.glsl"
+#include "cell.glsl"
+#include "usable.glsl"
+#include "curve.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+layout(set = 1, binding = 0) readonly restrict buffer Input {
+    float words[];
+};
+
+#include "lift.glsl"
+
+float component(ivec2 at, int index) {
+    return words[first_word + (at.y * grid.x + at.x) * stride + index];
+}

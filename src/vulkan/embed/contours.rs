@@ -1,0 +1,281 @@
+//! Contours on the device, for drawing in the same frame.
+
+use bytemuck::NoUninit;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::Allocator;
+
+use super::access::Access;
+use super::curves::{self, CurveBuffer, Curves, CurvesInfo, Layout};
+use super::host_sets::Content;
+use super::recording::{Recording, grid_size};
+use super::solver::Solver;
+use super::surface::Surface;
+use crate::constants::{LEVELS_TOGETHER, WORKGROUP};
+use crate::surface::Chart;
+use crate::vulkan::VulkanError;
+use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE};
+use crate::vulkan::limits::Limits;
+use crate::vulkan::memory::BufferInfo;
+use crate::vulkan::pipelines::spirv;
+
+/// Room for the contours of a surface, and the passes that find them: [`Recording::contours`].
+///
+/// ```no_run
+/// # use geosweep::ash::{self, vk};
+/// # use geosweep::gpu_allocator::vulkan::Allocator;
+/// # use geosweep::vulkan::{VulkanError, embed::*};
+/// # fn host(
+/// #     device: &ash::Device, allocator: &mut Allocator, solver: &Solver, surface: &Surface,
+/// #     commands: vk::CommandBuffer,
+/// # ) -> Result<(), VulkanError> {
+/// // Once: room for 100 000 vertices.
+/// let mut contours = solver.contours(device, allocator, surface, 100_000)?;
+///
+/// // Every frame, after the map:
+/// let lines = solver.record(device, commands, surface).contours(&contours, &ContourFrame {
+///     levels: LevelInput::Spacing { step: 10.0, count: 100 },
+///     start: 0.0,
+///     points: 0,
+///     reader: Access::DRAW,
+/// })?;
+/// // In the render pass, with a pipeline for a list of lines:
+/// unsafe {
+///     device.cmd_bind_vertex_buffers(commands, 0, &[lines.buffer], &[lines.vertices_offset]);
+///     device.cmd_draw_indirect(commands, lines.buffer, 0, 1, CurveRecord::BYTES);
+/// }
+///
+/// // At the end, once no frame is in flight:
+/// contours.destroy(device, allocator);
+/// # Ok(()) }
+/// ```
+///
+/// Dropping it frees nothing: the host calls [`Contours::destroy`], before or after the surface's.
+#[derive(Debug)]
+pub struct Contours(Curves);
+
+/// At which times contours are wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LevelInput<'a> {
+    /// At these, ascending: at most 1024.
+    List(&'a [f32]),
+    /// At so many multiples of a distance, from the first: at most 1024. Those beyond the map's
+    /// largest distance cost next to nothing.
+    Spacing {
+        /// From level to level; positive.
+        step: f32,
+        /// How many.
+        count: usize,
+    },
+}
+
+/// What [`Recording::contours`] takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContourFrame<'a> {
+    /// At which times.
+    pub levels: LevelInput<'a>,
+    /// The smallest initial value of the map's sources, 0 as a rule: where between grid points a
+    /// contour runs follows from squares of the times since then.
+    pub start: f32,
+    /// The number of the surface's points to which contours are lifted.
+    pub points: usize,
+    /// How the host reads the contours, this frame and the frame before; [`Access::DRAW`] as a
+    /// rule.
+    pub reader: Access,
+}
+
+const MOST_LEVELS: usize = LEVELS_TOGETHER as usize;
+/// Everything a surface's contours are counted in is no longer than this for a row.
+const ROW_WORDS: usize = 1 + WORKGROUP as usize;
+
+#[derive(Clone, Copy, NoUninit)]
+#[repr(C)]
+struct Push {
+    grid: [i32; 2],
+    levels: u32,
+    first_vertex: i32,
+    capacity: i32,
+    start: f32,
+}
+
+/// The passes, in order.
+const PASSES: [&[u8]; 3] = [
+    spirv!("contour_counts").as_slice(),
+    spirv!("contour_offsets").as_slice(),
+    spirv!("contour_segments").as_slice(),
+];
+
+impl Contours {
+    pub(super) fn new(
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        (solver, surface): (&Solver, &Surface),
+        vertices: u32,
+    ) -> Result<Self, VulkanError> {
+        let limits = &solver.limits;
+        let (layout, buffers) = parts(limits, surface.grid.chart, vertices)?;
+        let counts = buffers[1].size;
+        let info = CurvesInfo { layout, buffers: &buffers, passes: &PASSES };
+        let curves = Curves::new(device, allocator, (solver, surface), info, |buffers| {
+            let counts = curves::whole(limits, buffers[1].buffer, counts)?;
+            Ok(vec![Content::Input(counts)])
+        })?;
+        Ok(Self(curves))
+    }
+
+    pub(super) fn bytes_for(
+        device: &ash::Device,
+        limits: &Limits,
+        chart: Chart,
+        vertices: u32,
+    ) -> Result<u64, VulkanError> {
+        curves::bytes_for(device, &parts(limits, chart, vertices)?.1)
+    }
+
+    /// Where the contours are: of a single [`super::CurveRecord`], drawn as a list of lines.
+    pub fn curves(&self) -> CurveBuffer {
+        self.0.curves()
+    }
+
+    /// Bytes taken from the allocator's memory blocks.
+    pub fn bytes(&self) -> u64 {
+        self.0.bytes()
+    }
+
+    /// Frees everything. No submitted work may still use the contours. A second call does nothing.
+    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+        self.0.destroy(device, allocator);
+    }
+}
+
+/// The layout, the buffer of curves and that of levels and counts.
+fn parts(
+    limits: &Limits,
+    chart: Chart,
+    vertices: u32,
+) -> Result<(Layout, [BufferInfo; 2]), VulkanError> {
+    // Two a segment.
+    let layout = Layout { curves: 1, capacity: vertices / 2 * 2, between: 0 };
+    if layout.capacity == 0 {
+        let reason = format!("{vertices} vertices are too few for a line");
+        return Err(VulkanError::Curves { what: "contours", reason });
+    }
+    layout.check("contours", limits)?;
+    let words = MOST_LEVELS + ROW_WORDS * chart.rows;
+    let counts = BufferInfo {
+        name: "counts of contours",
+        size: (size_of::<u32>() * words) as u64,
+        location: MemoryLocation::GpuOnly,
+    };
+    Ok((layout, [layout.info("contours"), counts]))
+}
+
+impl LevelInput<'_> {
+    /// The levels in order, in an array that they may not fill.
+    fn read(self) -> Result<([f32; MOST_LEVELS], usize), VulkanError> {
+        let refuse = |reason| Err(VulkanError::Curves { what: "contours", reason });
+        let count = match self {
+            Self::List(levels) => levels.len(),
+            Self::Spacing { count, .. } => count,
+        };
+        if count > MOST_LEVELS {
+            return refuse(format!(
+                "{count} levels are more than the {MOST_LEVELS} of a recording"
+            ));
+        }
+        let mut read = [0.0; MOST_LEVELS];
+        match self {
+            Self::List(levels) => {
+                if let Some(level) = levels.iter().find(|level| !level.is_finite()) {
+                    return refuse(format!("level {level} is not finite"));
+                }
+                if let Some(pair) = levels.windows(2).find(|pair| pair[0] >= pair[1]) {
+                    return refuse(format!("level {} stands before {}", pair[0], pair[1]));
+                }
+                read[..count].copy_from_slice(levels);
+            }
+            Self::Spacing { step, .. } => {
+                if !(step > 0.0 && (step * count as f32).is_finite()) {
+                    return refuse(format!("{count} levels cannot be {step} apart"));
+                }
+                for (number, level) in (1..).zip(&mut read[..count]) {
+                    *level = step * number as f32;
+                }
+            }
+        }
+        Ok((read, count))
+    }
+}
+
+impl Recording<'_> {
+    /// Finds the contours of the map, lifts them to the surface and leaves them for the host to
+    /// draw: the segments in the cells from north to south, each row's from west to east, in the
+    /// same order whenever the map is the same. To be recorded after the map, in the same command
+    /// buffer or after [`Recording::begin`]; the commands wait until the reader of commands before
+    /// has done, and the reader of commands after waits for them.
+    ///
+    /// The segments are those of [`crate::geometry::contours`]: nearer points lie to the left of
+    /// each, from its first vertex to its second, in a picture of the grid with rows downwards. If there
+    /// are more than there is room for, the southern ones are left out, and
+    /// [`super::CurveRecord::vertices`] says how much room there should be.
+    ///
+    /// # Errors
+    /// If the contours were made for another surface, or the levels are not finite, not ascending or
+    /// too many.
+    pub fn contours(
+        &self,
+        contours: &Contours,
+        frame: &ContourFrame,
+    ) -> Result<CurveBuffer, VulkanError> {
+        let curves = &contours.0;
+        curves.check(self, frame.points)?;
+        let (levels, count) = frame.levels.read()?;
+        let (recorder, chart) = (&self.recorder, self.surface.grid.chart);
+        let (stages, access) = frame.reader.side();
+        let ours = (CLEAR.0 | SHADER.0, CLEAR.1 | SHADER.1);
+        recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);
+        if count > 0 {
+            recorder.update(curves.buffer(1), 0, bytemuck::cast_slice(&levels[..count]));
+            recorder.barrier(CLEAR, SHADER);
+        }
+        let push = Push {
+            grid: grid_size(chart),
+            levels: count as u32,
+            first_vertex: curves.layout.first_vertex() as i32,
+            capacity: curves.layout.capacity as i32,
+            start: frame.start,
+        };
+        // A row of cells has two of points.
+        let rows = chart.rows as u32 - 1;
+        for (&pipeline, height) in curves.pipelines.iter().zip([rows, 1, rows]) {
+            recorder.host_pass(pipeline, curves.tracing[0].set, &push, [WORKGROUP, height]);
+            recorder.barrier(SHADER_WRITE, SHADER);
+        }
+        curves.lift(self, frame.points, frame.reader);
+        Ok(contours.curves())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_ascending_numbers() {
+        let read = |levels: LevelInput| levels.read().map(|(levels, n)| levels[..n].to_vec());
+        assert_eq!(read(LevelInput::List(&[-1.0, 2.5])).unwrap(), [-1.0, 2.5]);
+        assert_eq!(read(LevelInput::Spacing { step: 2.0, count: 3 }).unwrap(), [2.0, 4.0, 6.0]);
+        assert!(read(LevelInput::List(&[])).unwrap().is_empty());
+        let many = [0.0; MOST_LEVELS + 1];
+        for (levels, reason) in [
+            (LevelInput::List(&[f32::NAN]), "NaN"),
+            (LevelInput::List(&[1.0, 1.0]), "level 1 stands before 1"),
+            (LevelInput::List(&many), "1025 levels"),
+            (LevelInput::Spacing { step: 0.0, count: 2 }, "0 apart"),
+            (LevelInput::Spacing { step: f32::INFINITY, count: 0 }, "inf apart"),
+            (LevelInput::Spacing { step: 1.0, count: 2000 }, "2000 levels"),
+        ] {
+            let error = read(levels).unwrap_err().to_string();
+            assert!(error.contains(reason), "{error}");
+        }
+    }
+}

@@ -1,0 +1,374 @@
+//! Curves on the device: their buffer, its layout, and the passes that lift them to the surface.
+
+use ash::vk;
+use bytemuck::{NoUninit, Pod, Zeroable};
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::Allocator;
+
+use super::access::Access;
+use super::host_sets::{self, Content, HostSet, Part};
+use super::inputs::{PointKind, PointMemory, Points};
+use super::recording::{Recording, grid_size};
+use super::solver::Solver;
+use super::surface::Surface;
+use crate::constants::{self, CURVE_WORDS, VERTEX_WORDS, WORKGROUP};
+use crate::vulkan::VulkanError;
+use crate::vulkan::barrier::SHADER_WRITE;
+use crate::vulkan::limits::Limits;
+use crate::vulkan::memory::{Buffer, BufferInfo};
+use crate::vulkan::pipelines::{Pipelines, compute_pipeline, spirv};
+
+/// A vertex of a contour or path, to be bound as it is: [`CurveVertex::attributes`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CurveVertex {
+    /// x, y and z: between the points of the host's, as [`crate::geometry::Curve::lift`] has it;
+    /// of a height field column and row times the spacing, and the height.
+    pub position: [f32; 3],
+    /// The arrival time there, a contour's level.
+    pub time: f32,
+    /// Row, fractional.
+    pub row: f32,
+    /// Column, fractional.
+    pub col: f32,
+}
+
+impl CurveVertex {
+    /// Bytes from vertex to vertex.
+    pub const BYTES: u32 = size_of::<Self>() as u32;
+
+    /// Position, time, and row and column, at so many shader locations from the first.
+    pub fn attributes(binding: u32, location: u32) -> [vk::VertexInputAttributeDescription; 3] {
+        let attribute = |index, format, offset| vk::VertexInputAttributeDescription {
+            location: location + index,
+            binding,
+            format,
+            offset,
+        };
+        [
+            attribute(0, vk::Format::R32G32B32_SFLOAT, 0),
+            attribute(1, vk::Format::R32_SFLOAT, 12),
+            attribute(2, vk::Format::R32G32_SFLOAT, 16),
+        ]
+    }
+}
+
+/// What is known of a curve, first of all what `vkCmdDrawIndirect` reads: a `VkDrawIndirectCommand`.
+///
+/// The contours of a recording are one curve of separate pieces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CurveRecord {
+    /// How many vertices are drawn: of contours those that there was room for, of a path all of them
+    /// or none.
+    pub vertex_count: u32,
+    /// 1.
+    pub instance_count: u32,
+    /// The curve's first vertex, counted from that of the first curve.
+    pub first_vertex: u32,
+    /// 0.
+    pub first_instance: u32,
+    /// Of contours how many vertices there would be with room for all; of a path how many there are,
+    /// as far as it has come.
+    pub vertices: u32,
+    status: u32,
+    source: u32,
+    /// Of a path: the map's value at its start.
+    pub distance: f32,
+    /// Of a path: its length, measured as the map measures, as far as it has come.
+    pub length: f32,
+}
+
+/// What has become of a curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum CurveStatus {
+    /// All of it is there: a path has arrived at a source.
+    Complete,
+    /// There are more vertices than there is room for.
+    OutOfRoom,
+    /// A path starts where no front arrives: in a hole, or cut off from the sources.
+    Unreached,
+    /// A path starts off the grid, at what is not a number, or there is no start for it.
+    Outside,
+    /// A path ends where the map does not lead on to a source, since it has not converged, belongs
+    /// to other sources, or has a pit there.
+    Lost,
+}
+
+impl CurveRecord {
+    /// Bytes from record to record.
+    pub const BYTES: u32 = size_of::<Self>() as u32;
+
+    /// What has become of the curve.
+    pub fn status(&self) -> CurveStatus {
+        match self.status {
+            constants::COMPLETE => CurveStatus::Complete,
+            constants::OUT_OF_ROOM => CurveStatus::OutOfRoom,
+            constants::UNREACHED => CurveStatus::Unreached,
+            constants::OUTSIDE => CurveStatus::Outside,
+            constants::LOST | constants::UNDER_WAY.. => CurveStatus::Lost,
+        }
+    }
+
+    /// Of a path that has arrived: at which source, in the order given.
+    pub fn source(&self) -> Option<u32> {
+        (self.status == constants::COMPLETE).then_some(self.source)
+    }
+}
+
+const _: () =
+    assert!(CurveRecord::BYTES == 4 * CURVE_WORDS && CurveVertex::BYTES == 4 * VERTEX_WORDS);
+
+/// A buffer of curves, with the usages `VERTEX_BUFFER`, `INDIRECT_BUFFER`, `STORAGE_BUFFER` and
+/// `TRANSFER_SRC`: [`CurveRecord`]s from its first byte, then [`CurveVertex`]es.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CurveBuffer {
+    /// The buffer.
+    pub buffer: vk::Buffer,
+    /// How many curves, and so records, there are.
+    pub curves: u32,
+    /// Bytes before the first vertex: what the vertex buffer is bound with.
+    pub vertices_offset: u64,
+    /// Room for vertices of each curve.
+    pub capacity: u32,
+}
+
+/// Where in a buffer of curves everything is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Layout {
+    pub(super) curves: u32,
+    /// Vertices of a curve.
+    pub(super) capacity: u32,
+    /// Words between records and vertices.
+    pub(super) between: u32,
+}
+
+#[derive(Clone, Copy, NoUninit)]
+#[repr(C)]
+struct Lift {
+    grid: [i32; 2],
+    first_word: i32,
+    stride: i32,
+    spacing: [f32; 2],
+    first_vertex: i32,
+    capacity: i32,
+}
+
+/// Workgroups that lift a curve, at most.
+const LIFTERS: u32 = 256;
+
+impl Layout {
+    pub(super) fn first_vertex(self) -> u64 {
+        u64::from(self.curves) * u64::from(CURVE_WORDS) + u64::from(self.between)
+    }
+
+    fn bytes(self) -> u64 {
+        let vertices = u64::from(self.curves) * u64::from(self.capacity);
+        size_of::<f32>() as u64 * (self.first_vertex() + vertices * u64::from(VERTEX_WORDS))
+    }
+
+    pub(super) fn info(self, name: &'static str) -> BufferInfo {
+        BufferInfo { name, size: self.bytes(), location: MemoryLocation::GpuOnly }
+    }
+
+    /// Refuses what shaders do not see in one buffer, or cannot count.
+    pub(super) fn check(self, what: &'static str, limits: &Limits) -> Result<(), VulkanError> {
+        let most = limits.storage_range.min(i32::MAX as u64);
+        let bytes = self.bytes();
+        if bytes > most {
+            let reason =
+                format!("their buffer would have {bytes} bytes, and shaders see {most} at most");
+            return Err(VulkanError::Curves { what, reason });
+        }
+        Ok(())
+    }
+}
+
+/// Buffers, descriptors and pipelines of contours or paths on a surface.
+#[derive(Debug)]
+pub(super) struct Curves {
+    pub(super) layout: Layout,
+    pub(super) pipelines: Vec<vk::Pipeline>,
+    /// Of the passes that trace the curves.
+    pub(super) tracing: Vec<HostSet>,
+    /// With curves as the first of them.
+    buffers: Vec<Buffer>,
+    /// For each of the surface's points its set and the pass that reads it.
+    lifting: Vec<(HostSet, vk::Pipeline)>,
+    pool: vk::DescriptorPool,
+    /// Of the surface's own sets, which tells surfaces apart.
+    surface: vk::DescriptorPool,
+}
+
+/// What [`Curves`] are made of.
+pub(super) struct CurvesInfo<'a> {
+    pub(super) layout: Layout,
+    /// The curves' own, and others that passes use.
+    pub(super) buffers: &'a [BufferInfo],
+    /// SPIR-V of the passes that trace.
+    pub(super) passes: &'a [&'a [u8]],
+}
+
+impl Curves {
+    /// `tracing` says what the sets of the passes that trace read, given the buffers made.
+    pub(super) fn new(
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        (solver, surface): (&Solver, &Surface),
+        info: CurvesInfo,
+        tracing: impl FnOnce(&[Buffer]) -> Result<Vec<Content>, VulkanError>,
+    ) -> Result<Self, VulkanError> {
+        let mut new = Self {
+            layout: info.layout,
+            pipelines: Vec::new(),
+            tracing: Vec::new(),
+            buffers: Vec::new(),
+            lifting: Vec::new(),
+            pool: vk::DescriptorPool::null(),
+            surface: surface.sets.pool,
+        };
+        let created = new
+            .allocate(device, allocator, info.buffers)
+            .and_then(|()| new.describe(device, solver, surface, tracing))
+            .and_then(|()| new.create_pipelines(device, &solver.pipelines, surface, info.passes));
+        match created {
+            Ok(()) => Ok(new),
+            Err(error) => {
+                new.destroy(device, allocator);
+                Err(error)
+            }
+        }
+    }
+
+    fn allocate(
+        &mut self,
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        infos: &[BufferInfo],
+    ) -> Result<(), VulkanError> {
+        for &info in infos {
+            self.buffers.push(Buffer::new(device, allocator, info)?);
+        }
+        Ok(())
+    }
+
+    fn describe(
+        &mut self,
+        device: &ash::Device,
+        solver: &Solver,
+        surface: &Surface,
+        tracing: impl FnOnce(&[Buffer]) -> Result<Vec<Content>, VulkanError>,
+    ) -> Result<(), VulkanError> {
+        let limits = &solver.limits;
+        let output = whole(limits, self.buffers[0].buffer, self.layout.bytes())?;
+        let mut contents = tracing(&self.buffers)?;
+        let traced = contents.len();
+        for points in &surface.points {
+            contents.push(host_sets::points_content(limits, points, surface.grid.chart)?);
+        }
+        let contents: Vec<_> = contents.into_iter().map(|input| input.and_output(output)).collect();
+        let (pool, mut sets) = host_sets::describe(device, &solver.pipelines, &contents)?;
+        self.pool = pool;
+        let lifting = sets.split_off(traced).into_iter();
+        self.lifting = lifting.map(|set| (set, vk::Pipeline::null())).collect();
+        self.tracing = sets;
+        Ok(())
+    }
+
+    fn create_pipelines(
+        &mut self,
+        device: &ash::Device,
+        pipelines: &Pipelines,
+        surface: &Surface,
+        passes: &[&[u8]],
+    ) -> Result<(), VulkanError> {
+        let layout = pipelines.host_layout;
+        for spirv in passes {
+            self.pipelines.push(compute_pipeline(device, layout, spirv, &[])?);
+        }
+        let is_buffer = |points: &Points| matches!(points.memory, PointMemory::Buffer { .. });
+        for (from_buffer, spirv) in [
+            (true, spirv!("lift_from_buffer").as_slice()),
+            (false, spirv!("lift_from_image").as_slice()),
+        ] {
+            if !surface.points.iter().any(|points| is_buffer(points) == from_buffer) {
+                continue;
+            }
+            let pipeline = compute_pipeline(device, layout, spirv, &[])?;
+            self.pipelines.push(pipeline);
+            for (lifting, points) in self.lifting.iter_mut().zip(&surface.points) {
+                if is_buffer(points) == from_buffer {
+                    lifting.1 = pipeline;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        self.buffers.iter().map(Buffer::bytes).sum()
+    }
+
+    pub(super) fn buffer(&self, number: usize) -> vk::Buffer {
+        self.buffers[number].buffer
+    }
+
+    pub(super) fn curves(&self) -> CurveBuffer {
+        let Layout { curves, capacity, .. } = self.layout;
+        let vertices_offset = size_of::<f32>() as u64 * self.layout.first_vertex();
+        CurveBuffer { buffer: self.buffer(0), curves, vertices_offset, capacity }
+    }
+
+    /// Refuses to be recorded for another surface, or with points that this one does not have.
+    pub(super) fn check(&self, recording: &Recording, points: usize) -> Result<(), VulkanError> {
+        if recording.surface.sets.pool != self.surface {
+            return Err(VulkanError::OtherSurface);
+        }
+        recording.points(points).map(drop)
+    }
+
+    /// Lifts all curves to the surface's points with this number, and lets the reader read.
+    pub(super) fn lift(&self, recording: &Recording, points: usize, reader: Access) {
+        let Recording { recorder, surface, .. } = recording;
+        let (set, pipeline) = self.lifting[points];
+        let Points { memory, kind, .. } = surface.points[points];
+        let spacing = match kind {
+            PointKind::Positions => [0.0; 2],
+            PointKind::Heights(spacing) => [spacing.dx as f32, spacing.dy as f32],
+        };
+        let Layout { curves, capacity, .. } = self.layout;
+        let lift = Lift {
+            grid: grid_size(surface.grid.chart),
+            first_word: set.first_word,
+            stride: memory.stride_words(),
+            spacing,
+            first_vertex: self.layout.first_vertex() as i32,
+            capacity: capacity as i32,
+        };
+        let lifters = if curves == 1 { capacity.div_ceil(WORKGROUP).clamp(1, LIFTERS) } else { 1 };
+        recorder.host_pass(pipeline, set.set, &lift, [WORKGROUP * lifters, curves]);
+        recorder.barrier(SHADER_WRITE, reader.side());
+    }
+
+    pub(super) fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+        // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
+        unsafe {
+            for pipeline in self.pipelines.drain(..) {
+                device.destroy_pipeline(pipeline, None);
+            }
+            device.destroy_descriptor_pool(self.pool, None);
+        }
+        self.pool = vk::DescriptorPool::null();
+        self.buffers.drain(..).for_each(|mut buffer| buffer.destroy(device, allocator));
+    }
+}
+
+/// A buffer of ours, all of it.
+pub(super) fn whole(limits: &Limits, buffer: vk::Buffer, bytes: u64) -> Result<Part, VulkanError> {
+    Part::new(limits, "curves", buffer, 0, bytes)
+}
+
+/// What buffers of these sizes take from the allocator.
+pub(super) fn bytes_for(device: &ash::Device, infos: &[BufferInfo]) -> Result<u64, VulkanError> {
+    infos.iter().map(|info| info.bytes(device)).sum()
+}
