@@ -51,3 +51,7 @@
 #define OUTSIDE 3
 #define LOST 4
 #define UNDER_WAY 5
+// Words of the state of a path, and steps of one dispatch: no device takes long over these, and
+// lavapipe ends loops after some thousand turns in all.
+#define PATH_WORDS 15
+#define STEPS_TOGETHER 256

@@ -15,8 +15,8 @@ use geosweep::ash::vk;
 use geosweep::cpu::Stop;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, Frame, Lookup, PointSource, Points, Reader, SourceBuffer, SourceInput,
-    SurfaceInfo,
+    self, Access, ContourFrame, Frame, LevelInput, Lookup, PathFrame, PathsInfo, PointSource,
+    Points, Reader, SourceBuffer, SourceInput, StartInput, SurfaceInfo,
 };
 use geosweep::vulkan::{Method, Schedule};
 
@@ -89,6 +89,10 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
         ..SurfaceInfo::new(chart)
     };
     let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
+    let allocator = host.allocator();
+    let mut contours = solver.contours(&device, allocator, &surface, 1000).unwrap();
+    let info = PathsInfo { paths: 3, vertices: 600 };
+    let mut paths = solver.paths(&device, allocator, &surface, info).unwrap();
     host.run(|commands| solver.record(&device, commands, &surface).prepare());
 
     // Commands alone reach the device.
@@ -120,6 +124,21 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
             recording.add(inputs[1 - number % 2], &plan).unwrap();
             recording.outcome(number % 2).unwrap();
             recording.lookup(0, -1.0, Access::NONE, Access::HOST_READ).unwrap();
+            let levels = [
+                LevelInput::List(&[1.0, 2.0, 30.0]),
+                LevelInput::Spacing { step: 0.5, count: 1000 },
+            ];
+            let levels = levels[number % 2];
+            let frame = ContourFrame { levels, start: 0.0, points: 0, reader: Access::DRAW };
+            recording.contours(&contours, &frame).unwrap();
+            let frame = PathFrame {
+                before: Access::NONE,
+                starts: StartInput::Inline(&[[1.0, 2.0], [30.0, 20.5]]),
+                sources: inputs[1 - number % 2],
+                points: 0,
+                reader: Access::DRAW,
+            };
+            recording.paths(&paths, &frame).unwrap();
             recording.end(Access::TRANSFER_READ);
             assert_eq!(allocations() - before, 0, "{schedule}, frame {number}");
             assert_eq!(DEVICE_CALLS.load(Ordering::Relaxed), 0, "{schedule}, frame {number}");
@@ -137,6 +156,8 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
     assert_eq!(none, Err(vk::Result::ERROR_DEVICE_LOST));
     assert_eq!(DEVICE_CALLS.load(Ordering::Relaxed), 1);
 
+    contours.destroy(&device, host.allocator());
+    paths.destroy(&device, host.allocator());
     surface.destroy(&device, host.allocator());
     solver.destroy(&device);
     [points, sources, places, found].into_iter().for_each(|buffer| host.free(buffer));

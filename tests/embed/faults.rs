@@ -6,8 +6,8 @@ use std::ffi::CStr;
 use geosweep::ash::{self, vk};
 use geosweep::surface::{Chart, SourceError};
 use geosweep::vulkan::embed::{
-    self, Access, Frame, Lookup, PointKind, PointMemory, PointSource, Points, Reader, Recording,
-    SourceBuffer, SourceInput, SurfaceInfo,
+    self, Access, Frame, Lookup, PathsInfo, PointKind, PointMemory, PointSource, Points, Reader,
+    Recording, SourceBuffer, SourceInput, SurfaceInfo,
 };
 use geosweep::vulkan::{Method, Schedule, VulkanError, requirements};
 use geosweep::{Spacing, Wavefront};
@@ -132,6 +132,29 @@ fn calls_that_fail_are_errors_and_leave_nothing_behind() {
             assert_eq!(host.allocations(), held, "{call:?}");
         }
     }
+    let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
+    let held = host.allocations();
+    for call in [
+        c"vkCreateBuffer",
+        c"vkBindBufferMemory",
+        c"vkCreateDescriptorPool",
+        c"vkAllocateDescriptorSets",
+        c"vkCreateShaderModule",
+        c"vkCreateComputePipelines",
+    ] {
+        let failing = host.device_with(|name| (name == call).then_some(lost as _));
+        let room = PathsInfo { paths: 3, vertices: 40 };
+        let allocator = host.allocator();
+        let errors = [
+            solver.contours(&failing, allocator, &surface, 100).unwrap_err(),
+            solver.paths(&failing, allocator, &surface, room).unwrap_err(),
+        ];
+        for error in errors {
+            assert_names(&error, call, vk::Result::ERROR_DEVICE_LOST);
+        }
+        assert_eq!(host.allocations(), held, "{call:?}");
+    }
+    surface.destroy(&device, host.allocator());
     solver.destroy(&device);
     host.free(points);
 }

@@ -4,6 +4,7 @@ use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
 use super::contours::Contours;
+use super::paths::{Paths, PathsInfo};
 use super::plan::Plan;
 use super::recording::Recording;
 use super::surface::{Surface, SurfaceInfo};
@@ -157,6 +158,35 @@ impl Solver {
         vertices: u32,
     ) -> Result<Contours, VulkanError> {
         Contours::new(device, allocator, (self, surface), vertices)
+    }
+
+    /// Bytes that paths take from the allocator's memory blocks on this device, before they are
+    /// made.
+    ///
+    /// # Errors
+    /// As [`Solver::paths`].
+    pub fn bytes_for_paths(
+        &self,
+        device: &ash::Device,
+        info: PathsInfo,
+    ) -> Result<u64, VulkanError> {
+        Paths::bytes_for(device, &self.limits, info)
+    }
+
+    /// Makes room for paths on a surface: 24 bytes a vertex and 104 a path. The one call that
+    /// allocates for paths, and creates their pipelines.
+    ///
+    /// # Errors
+    /// If there is no room for a path, more than shaders see in one buffer, or memory runs out.
+    /// Nothing is left behind then.
+    pub fn paths(
+        &self,
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        surface: &Surface,
+        info: PathsInfo,
+    ) -> Result<Paths, VulkanError> {
+        Paths::new(device, allocator, (self, surface), info)
     }
 
     /// Records for a surface into a command buffer that the host has begun, on a queue family for

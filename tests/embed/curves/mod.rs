@@ -1,6 +1,8 @@
 //! Contours and paths in the host's buffers, against the CPU's on the same map.
 
 mod contours;
+mod draw;
+mod paths;
 
 use geosweep::ash::vk;
 use geosweep::surface::Chart;

@@ -86,9 +86,38 @@ impl Host {
         texture: vk::ImageView,
         canvas: &Canvas,
     ) -> HostPass {
+        let vertices = vk::PipelineVertexInputStateCreateInfo::default();
+        let topology = vk::PrimitiveTopology::TRIANGLE_LIST;
+        self.graphics_pass(wgsl, buffers, Some(texture), canvas, (vertices, topology))
+    }
+
+    /// A pass that draws our curves, from WGSL with the entry points `vertex` and `fragment`.
+    pub fn curve_pass(
+        &self,
+        wgsl: &str,
+        buffers: &[vk::Buffer],
+        canvas: &Canvas,
+        topology: vk::PrimitiveTopology,
+    ) -> HostPass {
+        use geosweep::vulkan::embed::CurveVertex;
+        let bindings = [vk::VertexInputBindingDescription::default().stride(CurveVertex::BYTES)];
+        let attributes = CurveVertex::attributes(0, 0);
+        let vertices = vk::PipelineVertexInputStateCreateInfo::default()
+            .vertex_binding_descriptions(&bindings)
+            .vertex_attribute_descriptions(&attributes);
+        self.graphics_pass(wgsl, buffers, None, canvas, (vertices, topology))
+    }
+
+    fn graphics_pass(
+        &self,
+        wgsl: &str,
+        buffers: &[vk::Buffer],
+        texture: Option<vk::ImageView>,
+        canvas: &Canvas,
+        (vertices, topology): (vk::PipelineVertexInputStateCreateInfo, vk::PrimitiveTopology),
+    ) -> HostPass {
         use vk::ShaderStageFlags as Stage;
-        let mut pass =
-            self.without_pipeline(Stage::VERTEX | Stage::FRAGMENT, buffers, Some(texture));
+        let mut pass = self.without_pipeline(Stage::VERTEX | Stage::FRAGMENT, buffers, texture);
         let modules = [
             self.module(wgsl, naga::ShaderStage::Vertex, "vertex"),
             self.module(wgsl, naga::ShaderStage::Fragment, "fragment"),
@@ -100,9 +129,7 @@ impl Host {
             stage(modules[0], Stage::VERTEX, c"vertex"),
             stage(modules[1], Stage::FRAGMENT, c"fragment"),
         ];
-        let vertices = vk::PipelineVertexInputStateCreateInfo::default();
-        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
-            .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(topology);
         let scissors = [vk::Rect2D::from(canvas.target.extent)];
         let viewports = [vk::Viewport {
             width: canvas.target.extent.width as f32,
@@ -224,6 +251,39 @@ impl Host {
         vertices: u32,
         background: [f32; 4],
     ) {
+        self.on_canvas(commands, pass, canvas, background, || unsafe {
+            self.device.cmd_draw(commands, vertices, 1, 0, 0);
+        });
+    }
+
+    /// Draws our curves on a clear canvas.
+    pub fn draw_curves(
+        &self,
+        commands: vk::CommandBuffer,
+        pass: &HostPass,
+        canvas: &Canvas,
+        curves: geosweep::vulkan::embed::CurveBuffer,
+    ) {
+        let stride = geosweep::vulkan::embed::CurveRecord::BYTES;
+        self.on_canvas(commands, pass, canvas, [0.0, 0.0, 0.0, 1.0], || unsafe {
+            let (buffers, offsets) = ([curves.buffer], [curves.vertices_offset]);
+            self.device.cmd_bind_vertex_buffers(commands, 0, &buffers, &offsets);
+            // More than one draw a command would be a feature of the device's.
+            for curve in 0..curves.curves {
+                let record = u64::from(curve * stride);
+                self.device.cmd_draw_indirect(commands, curves.buffer, record, 1, stride);
+            }
+        });
+    }
+
+    fn on_canvas(
+        &self,
+        commands: vk::CommandBuffer,
+        pass: &HostPass,
+        canvas: &Canvas,
+        background: [f32; 4],
+        draw: impl FnOnce(),
+    ) {
         let clear = [
             vk::ClearValue { color: vk::ClearColorValue { float32: background } },
             vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 } },
@@ -239,7 +299,7 @@ impl Host {
             self.device.cmd_bind_pipeline(commands, graphics, pass.pipeline);
             let sets = [pass.set];
             self.device.cmd_bind_descriptor_sets(commands, graphics, pass.layout, 0, &sets, &[]);
-            self.device.cmd_draw(commands, vertices, 1, 0, 0);
+            draw();
             self.device.cmd_end_render_pass(commands);
         }
     }
@@ -273,13 +333,27 @@ impl Host {
         let subpasses = [vk::SubpassDescription::default()
             .color_attachments(&colors)
             .depth_stencil_attachment(&reference)];
-        // The copy that follows waits.
-        let dependencies = [vk::SubpassDependency::default()
-            .dst_subpass(vk::SUBPASS_EXTERNAL)
-            .src_stage_mask(vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT)
-            .src_access_mask(vk::AccessFlags::COLOR_ATTACHMENT_WRITE)
-            .dst_stage_mask(vk::PipelineStageFlags::TRANSFER)
-            .dst_access_mask(vk::AccessFlags::TRANSFER_READ)];
+        let attached = vk::PipelineStageFlags::EARLY_FRAGMENT_TESTS
+            | vk::PipelineStageFlags::LATE_FRAGMENT_TESTS
+            | vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT;
+        let written = vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE
+            | vk::AccessFlags::COLOR_ATTACHMENT_WRITE;
+        let dependencies = [
+            // It is drawn on again.
+            vk::SubpassDependency::default()
+                .src_subpass(vk::SUBPASS_EXTERNAL)
+                .src_stage_mask(attached)
+                .src_access_mask(written)
+                .dst_stage_mask(attached)
+                .dst_access_mask(written),
+            // The copy that follows waits.
+            vk::SubpassDependency::default()
+                .dst_subpass(vk::SUBPASS_EXTERNAL)
+                .src_stage_mask(vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT)
+                .src_access_mask(vk::AccessFlags::COLOR_ATTACHMENT_WRITE)
+                .dst_stage_mask(vk::PipelineStageFlags::TRANSFER)
+                .dst_access_mask(vk::AccessFlags::TRANSFER_READ),
+        ];
         let info = vk::RenderPassCreateInfo::default()
             .attachments(&attachments)
             .subpasses(&subpasses)

@@ -1,0 +1,69 @@
+// A cell of the grid and the distances in it, from the lengths of its edges alone. Lengths are in
+// units of the cell's longest edge, so that products of squares stay within single precision.
+// Twin: src/geometry/paths/cell.rs, where the arithmetic is explained.
+
+// North-west, north-east, south-west and south-east.
+const ivec2 CORNERS[4] = ivec2[](ivec2(0, 0), ivec2(1, 0), ivec2(0, 1), ivec2(1, 1));
+// The corners at both ends of a cell's sides: north, west, east and south.
+const ivec2 SIDES[4] = ivec2[](ivec2(0, 1), ivec2(0, 2), ivec2(1, 3), ivec2(2, 3));
+// Stands for the square of the length of an edge that does not exist.
+const float NO_EDGE = 1e20;
+
+struct Cell {
+    ivec2 first;  // its north-western corner
+    float unit;   // the length of its longest edge; 0 if it has none
+    vec4 times;   // at its corners
+    mat4 squares; // of the lengths between its corners
+};
+
+float square_of(float size, float unit) {
+    float scaled = size / unit;
+    return size < FAR ? scaled * scaled : NO_EDGE;
+}
+
+Cell cell_at(ivec2 first) {
+    ivec2 at = first + 2 * BORDER;
+    vec4 from_north_west = imageLoad(edges, at);
+    vec4 from_south_west = imageLoad(edges, at + CORNERS[2]);
+    vec4 from_south_east = imageLoad(edges, at + CORNERS[3]);
+    float sizes[6] = float[](from_north_west.x, from_south_west.y, from_south_east.w,
+                             from_south_west.z, from_south_east.y, from_south_west.x);
+    Cell cell;
+    cell.first = first;
+    cell.unit = 0.0;
+    for (int i = 0; i < 6; i++) {
+        if (sizes[i] < FAR) cell.unit = max(cell.unit, sizes[i]);
+    }
+    for (int i = 0; i < 4; i++) cell.times[i] = time_at(first + CORNERS[i]);
+    if (cell.unit == 0.0) return cell;
+    float squares[6];
+    for (int i = 0; i < 6; i++) squares[i] = square_of(sizes[i], cell.unit);
+    float north = squares[0];
+    float west = squares[1];
+    float falling = squares[2];
+    float rising = squares[3];
+    float east = squares[4];
+    float south = squares[5];
+    cell.squares = mat4(0.0, north, west, falling,
+                        north, 0.0, rising, east,
+                        west, rising, 0.0, south,
+                        falling, east, south, 0.0);
+    return cell;
+}
+
+// Squared distances from a place to the corners; at corners that are missing, too large for any
+// distance.
+vec4 squares_from(Cell cell, vec4 place) {
+    vec4 products = cell.squares * place;
+    return products - 0.5 * dot(products, place);
+}
+
+// Distance of two places.
+float distance_of(Cell cell, vec4 a, vec4 b) {
+    vec4 apart = a - b;
+    return sqrt(max(-0.5 * dot(cell.squares * apart, apart), 0.0));
+}
+
+bvec4 reached_corners(Cell cell) {
+    return lessThan(cell.times, vec4(FAR));
+}

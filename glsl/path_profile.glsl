@@ -1,0 +1,143 @@
+// Arrival times along an edge, and where a straight line to it arrives first. Times are in units
+// of the cell's longest edge, and relative to that at the edge's first end, so that single
+// precision holds where the source is far.
+// Twin: src/geometry/paths/profile.rs, where the choices are explained.
+
+const float KINK = 3.0;
+const float MARGIN = 0.05;
+
+struct Profile {
+    float first; // since the start, at the first end
+    float last;  // at the other end
+    float rise;  // of the squares of these
+    vec2 bends;  // second differences at both ends
+    float size;  // of the edge
+};
+
+// Where a straight line crosses an edge.
+struct Crossing {
+    float share;
+    float time; // since the first end's
+    float distance;
+};
+
+// How far the square of the time exceeds that at the first end, and its two derivatives.
+vec3 excess(Profile profile, float share) {
+    float rest = 1.0 - share;
+    float left = profile.bends.x;
+    float right = profile.bends.y;
+    float bend = (1.0 + rest) * left + (1.0 + share) * right;
+    float sixth = 1.0 / 6.0;
+    float value = share * (profile.rise - rest * sixth * bend);
+    float slope =
+        profile.rise - sixth * ((rest - share) * bend + share * rest * (right - left));
+    return vec3(value, slope, rest * left + share * right);
+}
+
+// The time since the first end's, from the excess of its square.
+float since_first(Profile profile, float value) {
+    float square = max(profile.first * profile.first + value, 0.0);
+    float sum = profile.first + sqrt(square);
+    return sum > 0.0 ? max(value, -profile.first * profile.first) / sum : 0.0;
+}
+
+// Whether the time half-way differs from those at the ends by no more than the way is long.
+bool is_distance(Profile profile) {
+    float middle = since_first(profile, excess(profile, 0.5).x);
+    float most = (0.5 + MARGIN) * profile.size;
+    return abs(middle) <= most && abs(profile.last - profile.first - middle) <= most;
+}
+
+// The second and the third of four points in line are the edge's ends. `start` and `unit` make
+// times comparable with lengths; `square` is that of the edge's length.
+Profile profile_of(vec4 times, float start, float unit, float square) {
+    vec4 since = max(times - start, 0.0) / unit;
+    vec4 steps = (max(times, start) - max(times.y, start)) / unit;
+    vec4 excesses = steps * (since + since.y);
+    Profile profile;
+    profile.first = since.y;
+    profile.last = since.z;
+    profile.rise = excesses.z;
+    profile.size = sqrt(square);
+    float left = excesses.x + profile.rise;
+    float right = excesses.w - 2.0 * profile.rise;
+    bool has_left = is_reached(times.x);
+    bool has_right = is_reached(times.w);
+    if (has_left && has_right) {
+        float small = abs(left) < abs(right) ? left : right;
+        float large = abs(left) < abs(right) ? right : left;
+        bool is_smooth = small * large > 0.0 && abs(large) < KINK * abs(small);
+        profile.bends = is_smooth ? vec2(left, right) : vec2(small);
+    } else if (has_left || has_right) {
+        profile.bends = vec2(has_left ? left : right);
+    } else {
+        float nearer = min(since.y, since.z);
+        bool one_front = abs(profile.rise) >= square || nearer * nearer >= square;
+        profile.bends = vec2(one_front ? 2.0 * square : 0.0);
+    }
+    if (!is_distance(profile)) profile.bends = vec2(0.0);
+    return profile;
+}
+
+// The time at a share of the edge.
+float time_along(Profile profile, float share) {
+    float time = since_first(profile, excess(profile, share).x);
+    float other = profile.last - profile.first - (1.0 - share) * profile.size;
+    return max(time, max(-share * profile.size, other));
+}
+
+// The squared distance of a place from one on the edge, and its two derivatives.
+vec3 away(vec2 ends, float square, float share) {
+    float skew = ends.y - ends.x;
+    return vec3(ends.x + share * (skew - (1.0 - share) * square),
+                skew - (1.0 - 2.0 * share) * square, 2.0 * square);
+}
+
+// First and second derivative of the root of a square.
+vec2 derivatives(vec3 square, float least) {
+    float value = max(square.x, least);
+    float half_inverse = 0.5 * inversesqrt(value);
+    return half_inverse * vec2(square.y, square.z - 0.5 * square.y * square.y / value);
+}
+
+vec2 slope_and_bend(Profile profile, vec2 ends, float square, float share) {
+    float least = 1e-12 * square;
+    vec3 time = excess(profile, share);
+    time.x += profile.first * profile.first;
+    return derivatives(time, least) + derivatives(away(ends, square, share), least);
+}
+
+Crossing crossing_at(Profile profile, vec2 ends, float square, float share) {
+    float apart = sqrt(max(away(ends, square, share).x, 0.0));
+    return Crossing(share, time_along(profile, share), apart);
+}
+
+// Where the straight line to a place crosses the edge that arrives there first; `ends` are the
+// squared distances of the edge's ends from the place. Newton's method between brackets.
+Crossing crossing(Profile profile, vec2 ends, float square) {
+    float low = slope_and_bend(profile, ends, square, 0.0).x;
+    float high = slope_and_bend(profile, ends, square, 1.0).x;
+    float share;
+    if (low < 0.0 && high > 0.0) {
+        float left = 0.0;
+        float right = 1.0;
+        share = low / (low - high);
+        for (int i = 0; i < 12; i++) {
+            vec2 here = slope_and_bend(profile, ends, square, share);
+            if (here.x < 0.0) {
+                left = share;
+            } else {
+                right = share;
+            }
+            float next = share - here.x / here.y;
+            if (!(next > left && next < right)) next = 0.5 * (left + right);
+            float change = abs(next - share);
+            share = next;
+            if (change < 1e-5) break;
+        }
+    } else {
+        float later = profile.last - profile.first + sqrt(ends.y) - sqrt(ends.x);
+        share = later >= 0.0 ? 0.0 : 1.0;
+    }
+    return crossing_at(profile, ends, square, share);
+}

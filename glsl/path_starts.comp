@@ -1,0 +1,47 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Puts paths at their starts, unless no path can start there. One invocation is one path.
+// Twin: Paths::trace in src/geometry/paths/mod.rs.
+
+#include "constants.glsl"
+#include "cell.glsl"
+#include "times.glsl"
+#include "curve.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+#include "path_state.glsl"
+
+// Whether the corners that a place lies between are reached.
+bool is_reached_at(vec2 at) {
+    ivec2 first = ivec2(at);
+    vec2 share = at - vec2(first);
+    vec4 times = vec4(time_at(first), time_at(first + ivec2(1, 0)), time_at(first + ivec2(0, 1)),
+                      time_at(first + ivec2(1, 1)));
+    bvec4 there = lessThan(times, vec4(FAR));
+    vec4 weights;
+    bool inside = corner_weights(there, share, weights);
+    bool on_line = there.x && (share.x == 0.0 || there.y) && (share.y == 0.0 || there.z);
+    return share.x > 0.0 && share.y > 0.0 ? inside : on_line;
+}
+
+void main() {
+    int number = int(gl_GlobalInvocationID.x);
+    if (number >= records) return;
+    Path path = Path(0u, OUTSIDE, -1, 0.0, 0.0, Place(ivec2(0), vec2(0.0)), 0.0, 0.0, 0.0, NO_CELL,
+                     vec2(0.0), 0.0, FAR, -FAR, -1);
+    vec2 at = start_of(number);
+    if (number < paths && is_on_grid(at, grid)) {
+        path.status = UNREACHED;
+        if (is_reached_at(at)) {
+            for (int i = 0; i < count; i++) {
+                Source other = source(i);
+                if (!counts(other)) continue;
+                path.earliest = min(path.earliest, other.time);
+                path.latest = max(path.latest, other.time);
+            }
+            begin(number, path, path.earliest);
+        }
+    }
+    save(number, path);
+}

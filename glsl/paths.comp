@@ -1,0 +1,305 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Takes paths some steps further back to the source, from cell to cell along the straight line on
+// which the front arrives first. One invocation is one path.
+// Twin: src/geometry/paths/trace.rs, in double precision. Out of pits of the map it looks further
+// than two grid points.
+
+#include "constants.glsl"
+#include "texel.glsl"
+#include "fan.glsl"
+#include "cell.glsl"
+#include "times.glsl"
+#include "curve.glsl"
+#include "path_cell.glsl"
+#include "path_profile.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+#include "path_state.glsl"
+
+// See trace.rs.
+const float AT_POINT = 1e-4;
+const float FITS = 1e-3;
+// Triangles with a smaller squared sine are none, and a start so near to a side, in shares of the
+// cell, crosses it where it is: single precision does not hold such triangles.
+const float FLAT_TRIANGLE = 1e-6;
+const float BESIDE = 1e-3;
+
+// One straight line of a path.
+struct Line {
+    bool exists;
+    int source;   // where it ends; -1 if at a place
+    Place end;
+    float time;   // at its end, relative to the moment that a step counts from
+    float size;
+    ivec2 cell;
+};
+
+Line best;
+
+vec2 position(Place place) {
+    return vec2(place.first) + place.share;
+}
+
+// How many cells a place lies in.
+int cells_of(Place place) {
+    return (place.share.x == 0.0 ? 2 : 1) * (place.share.y == 0.0 ? 2 : 1);
+}
+
+// From the cell to the south-east to another of a place's cells.
+ivec2 offset_of(Place place, int index) {
+    if (place.share.x > 0.0) return ivec2(0, index);
+    return ivec2(index & 1, index >> 1);
+}
+
+vec4 weights_in(Place place, ivec2 cell) {
+    vec2 uv = place.share + vec2(place.first - cell);
+    vec2 not_uv = 1.0 - uv;
+    return vec4(not_uv.x * not_uv.y, uv.x * not_uv.y, not_uv.x * uv.y, uv.x * uv.y);
+}
+
+// Not for places on grid lines: there two of the corners are enough.
+bool weights_inside(Place place, Cell cell, out vec4 weights) {
+    return corner_weights(reached_corners(cell), place.share, weights);
+}
+
+void offer(Place end, float time, float size, float below, ivec2 cell) {
+    bool is_better = !best.exists || time + size < best.time + best.size;
+    if (is_better && time < below) best = Line(true, -1, end, time, size, cell);
+}
+
+// Looks for a better line through a cell.
+void cross_cell(Cell cell, vec4 weights, Path path) {
+    float moment = path.moment;
+    float below = path.below;
+    vec4 squares = squares_from(cell, weights);
+    bvec4 reached = reached_corners(cell);
+    int support = 0;
+    for (int i = 0; i < 4; i++) support += weights[i] > 0.0 ? 1 : 0;
+    for (int side = 0; side < 4; side++) {
+        int a = SIDES[side].x;
+        int b = SIDES[side].y;
+        // The place's own edge, or an edge that ends there.
+        float own = weights[a] + weights[b];
+        if (support == 1 ? own > 0.0 : own > 0.99999) continue;
+        ivec2 point = cell.first + CORNERS[a];
+        ivec2 step = CORNERS[b] - CORNERS[a];
+        vec2 ends = vec2(squares[a], squares[b]);
+        float base = cell.squares[a][b];
+        float nearer = min(ends.x, ends.y);
+        float skew = max(ends.x, ends.y) - nearer - base;
+        float whole = 4.0 * nearer * base;
+        bool is_beside = support > 2 && own > 1.0 - BESIDE;
+        if (reached[a] && reached[b] && max(ends.x, ends.y) < 0.5 * NO_EDGE
+            && (is_beside || whole - skew * skew > FLAT_TRIANGLE * whole)) {
+            vec4 times = vec4(time_at(point - step), cell.times[a], cell.times[b],
+                              time_at(point + 2 * step));
+            Profile profile = profile_of(times, path.start, cell.unit, base);
+            Crossing found = is_beside ? crossing_at(profile, ends, base, weights[b] / own)
+                                       : crossing(profile, ends, base);
+            int end = found.share < AT_POINT ? a : b;
+            if (found.share < AT_POINT || found.share > 1.0 - AT_POINT) {
+                Place there = Place(cell.first + CORNERS[end], vec2(0.0));
+                float size = cell.unit * sqrt(max(squares[end], 0.0));
+                offer(there, cell.times[end] - moment, size, below, cell.first);
+            } else {
+                float time = cell.times[a] - moment + cell.unit * found.time;
+                Place there = Place(point, found.share * vec2(step));
+                offer(there, time, cell.unit * found.distance, below, cell.first);
+            }
+            continue;
+        }
+        // Without a triangle paths run along edges.
+        for (int k = 0; k < 2; k++) {
+            int end = SIDES[side][k];
+            bool along = support == 1 || weights[end] > 0.0 || support > 2;
+            if (reached[end] && along && squares[end] < 0.5 * NO_EDGE) {
+                Place there = Place(cell.first + CORNERS[end], vec2(0.0));
+                float size = cell.unit * sqrt(max(squares[end], 0.0));
+                offer(there, cell.times[end] - moment, size, below, cell.first);
+            }
+        }
+    }
+}
+
+// The source in a cell from which the front arrives first at a place there, over a straight line.
+void find_source(Cell cell, vec4 weights, float moment, inout Line nearest) {
+    for (int i = 0; i < count; i++) {
+        Source other = source(i);
+        vec2 uv = place_of(other) - vec2(cell.first);
+        bool inside = all(greaterThanEqual(uv, vec2(0.0))) && all(lessThanEqual(uv, vec2(1.0)));
+        vec4 there;
+        if (!inside || !counts(other) || !corner_weights(reached_corners(cell), uv, there)) {
+            continue;
+        }
+        float time = other.time - moment;
+        float size = cell.unit * distance_of(cell, weights, there);
+        if (!nearest.exists || time + size < nearest.time + nearest.size) {
+            Place end = Place(cell.first, uv);
+            nearest = Line(true, i, end, time, size, ivec2(-2));
+        }
+    }
+}
+
+// The straight line across a cell, ending lower than where the path is, on which the front arrives
+// first; the cell beside the one that the path comes from is tried first.
+Line line_from(Path path) {
+    Place place = path.place;
+    int cells = cells_of(place);
+    int first = place.first - offset_of(place, 0) == path.from ? 1 : 0;
+    best.exists = false;
+    Line nearest;
+    nearest.exists = false;
+    bool is_known = path.below < UNKNOWN;
+    for (int i = 0; i < cells; i++) {
+        Cell cell = cell_at(place.first - offset_of(place, (first + i) % cells));
+        if (cell.unit == 0.0) continue;
+        vec4 weights = weights_in(place, cell.first);
+        if (cells == 1) weights_inside(place, cell, weights);
+        cross_cell(cell, weights, path);
+        // A source in the cell is not far, and so not much earlier.
+        if (!is_known || path.moment + path.below - path.latest <= 4.0 * cell.unit) {
+            find_source(cell, weights, path.moment, nearest);
+        }
+        bool fits =
+            best.exists && is_known && best.time + best.size <= path.below + FITS * best.size;
+        if (cells == 2 && fits && !nearest.exists) break;
+    }
+    bool in_sight = nearest.exists
+        && (best.exists ? nearest.time + (1.0 - FITS) * nearest.size <= best.time + best.size
+                        : nearest.time <= path.below);
+    return in_sight ? nearest : best;
+}
+
+// The earliest of a place's own grid points.
+ivec2 lower_end(Place place) {
+    ivec2 lowest = place.first;
+    float time = FAR;
+    for (int i = 0; i < 4; i++) {
+        bool own = (CORNERS[i].x == 0 || place.share.x > 0.0)
+            && (CORNERS[i].y == 0 || place.share.y > 0.0);
+        float other = time_at(place.first + CORNERS[i]);
+        if (own && other < time) {
+            time = other;
+            lowest = place.first + CORNERS[i];
+        }
+    }
+    return lowest;
+}
+
+bool step_to(int number, inout Path path, inout ivec2 point, ivec2 step) {
+    path.size += edge_length(point + 2 * BORDER, step);
+    point += step;
+    return add(number, path, vec2(point), time_at(point));
+}
+
+// Goes along edges from a point to one where the front has arrived earlier than at all passed, one
+// or two edges away. Fails if there is none.
+bool detour(int number, inout Path path, inout ivec2 point) {
+    float below = path.lowest;
+    if (time_at(point) < below) return true;
+    ivec2 first = ivec2(0);
+    ivec2 second = ivec2(0);
+    float earliest = below;
+    for (int i = 0; i < 8; i++) {
+        if (edge_length(point + 2 * BORDER, FAN[i]) >= FAR) continue;
+        float time = time_at(point + FAN[i]);
+        if (time < earliest) {
+            earliest = time;
+            first = FAN[i];
+        }
+    }
+    for (int i = 0; i < 8 && earliest == below; i++) {
+        if (edge_length(point + 2 * BORDER, FAN[i]) >= FAR) continue;
+        ivec2 between = point + FAN[i];
+        for (int j = 0; j < 8; j++) {
+            if (edge_length(between + 2 * BORDER, FAN[j]) >= FAR) continue;
+            float time = time_at(between + FAN[j]);
+            if (time < earliest) {
+                earliest = time;
+                first = FAN[i];
+                second = FAN[j];
+            }
+        }
+    }
+    if (earliest == below) {
+        path.status = LOST;
+        return false;
+    }
+    return step_to(number, path, point, first)
+        && (second == ivec2(0) || step_to(number, path, point, second));
+}
+
+// Leaves a place from which no line falls.
+void escape(int number, inout Path path) {
+    Place place = path.place;
+    ivec2 point = lower_end(place);
+    if (!is_point(place)) {
+        ivec2 along = ivec2(greaterThan(place.share, vec2(0.0)));
+        float share = max(place.share.x, place.share.y);
+        path.size += (point == place.first ? share : 1.0 - share)
+            * edge_length(place.first + 2 * BORDER, along);
+        if (!add(number, path, vec2(point), time_at(point))) return;
+    }
+    if (!detour(number, path, point)) return;
+    path.place = Place(point, vec2(0.0));
+    path.moment = time_at(point);
+    path.below = 0.0;
+}
+
+// Goes one line further.
+void go_on(int number, inout Path path) {
+    if (is_point(path.place)) path.lowest = min(path.lowest, time_at(path.place.first));
+    Line line = line_from(path);
+    if (!line.exists) {
+        escape(number, path);
+        return;
+    }
+    if (path.time == UNKNOWN) path.time = path.moment + line.time + line.size;
+    path.size += line.size;
+    if (line.source >= 0) {
+        path.source = line.source;
+        Source end = source(line.source);
+        // A path that starts at its source is a single place.
+        if (place_of(end) == path.last || add(number, path, place_of(end), end.time)) {
+            path.status = COMPLETE;
+        }
+        return;
+    }
+    path.place = line.end;
+    path.from = line.cell;
+    if (!add(number, path, vec2(line.end.first) + line.end.share, path.moment + line.time)) return;
+    float next = time_at(line.end.first);
+    path.below = line.time + (path.moment - next);
+    path.moment = next;
+}
+
+// Squares of times are smooth at a source if they count from its own initial value, which is
+// known once a path has found it. So it goes once more, and once again if that leads elsewhere.
+void go_again(int number, inout Path path) {
+    if (path.own == -1 && path.status == COMPLETE) {
+        float own = source(path.source).time;
+        if (own == path.earliest) return;
+        path.own = path.source;
+        begin(number, path, own);
+    } else if (path.own >= 0 && (path.status != COMPLETE || path.source != path.own)) {
+        path.own = -2;
+        begin(number, path, path.earliest);
+    }
+}
+
+void main() {
+    int number = int(gl_GlobalInvocationID.x);
+    if (number >= records || curves[number * CURVE_WORDS + 5] != UNDER_WAY) return;
+    Path path = load(number);
+    for (int i = 0; i < STEPS_TOGETHER && path.status == UNDER_WAY; i++) {
+        go_on(number, path);
+        if (path.status != UNDER_WAY) go_again(number, path);
+    }
+    if (path.status != UNDER_WAY) {
+        int first = first_vertex + VERTEX_WORDS * number * capacity;
+        write_vertex(first, start_of(number), path.time);
+    }
+    save(number, path);
+}

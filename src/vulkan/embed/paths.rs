@@ -1,0 +1,283 @@
+//! Geodesic paths on the device, for drawing in the same frame.
+
+use ash::vk;
+use bytemuck::NoUninit;
+use gpu_allocator::vulkan::Allocator;
+
+use super::access::Access;
+use super::curves::{self, CurveBuffer, CurveRecord, Curves, CurvesInfo, Layout};
+use super::host_sets::{self, HostSet};
+use super::inputs::SourceInput;
+use super::recording::{Recording, grid_size};
+use super::solver::Solver;
+use super::surface::Surface;
+use crate::constants::{PATH_WORDS, STEPS_TOGETHER};
+use crate::vulkan::VulkanError;
+use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE, TRANSFER};
+use crate::vulkan::limits::Limits;
+use crate::vulkan::memory::BufferInfo;
+use crate::vulkan::pipelines::spirv;
+
+/// Room for paths on a surface, and the passes that trace them: [`Recording::paths`].
+///
+/// ```no_run
+/// # use geosweep::ash::{self, vk};
+/// # use geosweep::gpu_allocator::vulkan::Allocator;
+/// # use geosweep::vulkan::{VulkanError, embed::*};
+/// # fn host(
+/// #     device: &ash::Device, allocator: &mut Allocator, solver: &Solver, surface: &Surface,
+/// #     commands: vk::CommandBuffer,
+/// # ) -> Result<(), VulkanError> {
+/// // Once: room for two paths.
+/// let info = PathsInfo { paths: 2, vertices: 1000 };
+/// let mut paths = solver.paths(device, allocator, surface, info)?;
+///
+/// // Every frame, after the map:
+/// let strips = solver.record(device, commands, surface).paths(&paths, &PathFrame {
+///     before: Access::NONE,
+///     starts: StartInput::Inline(&[[20.5, 31.0], [200.0, 5.25]]),
+///     sources: SourceInput::Inline(&[PointSource::at(120.5, 80.25)]),
+///     points: 0,
+///     reader: Access::DRAW,
+/// })?;
+/// // In the render pass, with a pipeline for a strip of lines:
+/// unsafe {
+///     device.cmd_bind_vertex_buffers(commands, 0, &[strips.buffer], &[strips.vertices_offset]);
+///     for path in 0..2 {
+///         let record = path * u64::from(CurveRecord::BYTES);
+///         device.cmd_draw_indirect(commands, strips.buffer, record, 1, CurveRecord::BYTES);
+///     }
+/// }
+///
+/// // At the end, once no frame is in flight:
+/// paths.destroy(device, allocator);
+/// # Ok(()) }
+/// ```
+///
+/// Dropping it frees nothing: the host calls [`Paths::destroy`], before or after the surface's.
+#[derive(Debug)]
+pub struct Paths(Curves);
+
+/// Room for paths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PathsInfo {
+    /// How many at once: at most 65 535.
+    pub paths: u32,
+    /// Vertices of each. A straight way has one at each grid line that it crosses, so that M + N + 8
+    /// are enough where nothing is in the way.
+    pub vertices: u32,
+}
+
+/// Where paths start: row and column, two floats each. What is off the grid or not a number has no
+/// path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StartInput<'a> {
+    /// From the program's memory, copied into the command buffer: at most 8192.
+    Inline(&'a [[f32; 2]]),
+    /// From a buffer of the host's with usage `TRANSFER_SRC`.
+    Buffer {
+        /// The buffer.
+        buffer: vk::Buffer,
+        /// Bytes before the first; a multiple of 4.
+        offset: u64,
+        /// How many.
+        count: u32,
+    },
+}
+
+/// What [`Recording::paths`] takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathFrame<'a> {
+    /// How the host has written starts and sources.
+    pub before: Access,
+    /// Where paths start, no more than there is room for; the other records say
+    /// [`super::CurveStatus::Outside`] and draw nothing.
+    pub starts: StartInput<'a>,
+    /// All sources of the map, those added to it too.
+    pub sources: SourceInput<'a>,
+    /// The number of the surface's points to which paths are lifted.
+    pub points: usize,
+    /// How the host reads the paths, this frame and the frame before; [`Access::DRAW`] as a rule.
+    pub reader: Access,
+}
+
+/// What one command may copy into a command buffer.
+const INLINE_STARTS: usize = 65_536 / START_BYTES;
+const START_BYTES: usize = size_of::<[f32; 2]>();
+const MOST_PATHS: u32 = 65_535;
+
+/// The pass that begins, and the one that goes on, over and over.
+const PASSES: [&[u8]; 2] = [spirv!("path_starts").as_slice(), spirv!("paths").as_slice()];
+
+#[derive(Clone, Copy, NoUninit)]
+#[repr(C)]
+struct Batch {
+    grid: [i32; 2],
+    paths: i32,
+    records: i32,
+    first_vertex: i32,
+    capacity: i32,
+    first_source: i32,
+    sources: i32,
+}
+
+impl StartInput<'_> {
+    fn count(self) -> usize {
+        match self {
+            Self::Inline(starts) => starts.len(),
+            Self::Buffer { count, .. } => count as usize,
+        }
+    }
+}
+
+impl Paths {
+    pub(super) fn new(
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        (solver, surface): (&Solver, &Surface),
+        info: PathsInfo,
+    ) -> Result<Self, VulkanError> {
+        let limits = &solver.limits;
+        let (layout, buffers) = parts(limits, info)?;
+        let info = CurvesInfo { layout, buffers: &buffers, passes: &PASSES };
+        let curves = Curves::new(device, allocator, (solver, surface), info, |_| {
+            let mut sets = vec![host_sets::inline_sources_content(limits, &surface.grid)?];
+            for sources in &surface.sources {
+                sets.push(host_sets::sources_content(limits, sources)?);
+            }
+            Ok(sets)
+        })?;
+        Ok(Self(curves))
+    }
+
+    pub(super) fn bytes_for(
+        device: &ash::Device,
+        limits: &Limits,
+        info: PathsInfo,
+    ) -> Result<u64, VulkanError> {
+        curves::bytes_for(device, &parts(limits, info)?.1)
+    }
+
+    /// Where the paths are: a [`super::CurveRecord`] each, drawn as a strip of lines.
+    pub fn curves(&self) -> CurveBuffer {
+        self.0.curves()
+    }
+
+    /// Bytes taken from the allocator's memory blocks.
+    pub fn bytes(&self) -> u64 {
+        self.0.bytes()
+    }
+
+    /// Frees everything. No submitted work may still use the paths. A second call does nothing.
+    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+        self.0.destroy(device, allocator);
+    }
+}
+
+/// The layout and the one buffer; starts and states lie between records and vertices.
+fn parts(limits: &Limits, info: PathsInfo) -> Result<(Layout, [BufferInfo; 1]), VulkanError> {
+    let PathsInfo { paths, vertices } = info;
+    let refuse = |reason| Err(VulkanError::Curves { what: "paths", reason });
+    if paths == 0 || paths > MOST_PATHS {
+        return refuse(format!("{paths} at once are not between 1 and {MOST_PATHS}"));
+    }
+    if vertices < 2 {
+        return refuse(format!("{vertices} vertices are too few for a line"));
+    }
+    let layout = Layout { curves: paths, capacity: vertices, between: (2 + PATH_WORDS) * paths };
+    layout.check("paths", limits)?;
+    Ok((layout, [layout.info("paths")]))
+}
+
+impl Recording<'_> {
+    /// Traces the paths from some places back to the source, lifts them to the surface and leaves
+    /// them for the host to draw. To be recorded after the map, in the same command buffer or after
+    /// [`Recording::begin`]; the commands wait for what `before` has written and until the reader of
+    /// commands before has done, and the reader of commands after waits for them.
+    ///
+    /// The paths are those of [`crate::geometry::Paths`], in single precision. A path has one
+    /// vertex at least at each grid line that it crosses, and ends at a source exactly. If there is
+    /// none to draw, its record says why ([`super::CurveRecord::status`]). Each looks at each source
+    /// once, and again where one may lie in its cell.
+    ///
+    /// # Errors
+    /// If the paths were made for another surface, or starts or sources are too many.
+    pub fn paths(&self, paths: &Paths, frame: &PathFrame) -> Result<CurveBuffer, VulkanError> {
+        let (curves, layout) = (&paths.0, paths.0.layout);
+        curves.check(self, frame.points)?;
+        self.check_sources(frame.sources)?;
+        let count = frame.starts.count();
+        check_starts(frame.starts, layout.curves as usize)?;
+        let recorder = &self.recorder;
+        let (stages, access) = frame.reader.and(frame.before).side();
+        let ours = (TRANSFER.0 | SHADER.0, TRANSFER.1 | SHADER.1);
+        recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);
+        // The starts follow the records.
+        let to = u64::from(CurveRecord::BYTES) * u64::from(layout.curves);
+        match frame.starts {
+            _ if count == 0 => {}
+            StartInput::Inline(starts) => {
+                recorder.update(curves.buffer(0), to, bytemuck::cast_slice(starts));
+            }
+            StartInput::Buffer { buffer, offset, .. } => {
+                let size = (START_BYTES * count) as u64;
+                recorder.copy((buffer, offset), (curves.buffer(0), to), size);
+            }
+        }
+        recorder.barrier(CLEAR, SHADER);
+        let (set, sources): (HostSet, usize) = match frame.sources {
+            SourceInput::Inline(sources) => {
+                recorder.write_sources(bytemuck::cast_slice(sources));
+                (curves.tracing[0], sources.len())
+            }
+            SourceInput::Buffer(number) => {
+                (curves.tracing[1 + number], self.surface.sources[number].count as usize)
+            }
+        };
+        let batch = Batch {
+            grid: grid_size(self.surface.grid.chart),
+            paths: count as i32,
+            records: layout.curves as i32,
+            first_vertex: layout.first_vertex() as i32,
+            capacity: layout.capacity as i32,
+            first_source: set.first_word,
+            sources: sources as i32,
+        };
+        let passes = traces(frame.sources) * layout.capacity.div_ceil(STEPS_TOGETHER);
+        for pass in 0..=passes {
+            let pipeline = curves.pipelines[usize::from(pass > 0)];
+            recorder.host_pass(pipeline, set.set, &batch, [layout.curves, 1]);
+            recorder.barrier(SHADER_WRITE, SHADER);
+        }
+        curves.lift(self, frame.points, frame.reader);
+        Ok(paths.curves())
+    }
+}
+
+/// How often a path may be traced: again where sources have unlike initial values.
+fn traces(sources: SourceInput) -> u32 {
+    match sources {
+        SourceInput::Inline(sources) if sources.windows(2).all(|s| s[0].time == s[1].time) => 1,
+        _ => 3,
+    }
+}
+
+fn check_starts(starts: StartInput, room: usize) -> Result<(), VulkanError> {
+    let refuse = |reason| Err(VulkanError::Curves { what: "paths", reason });
+    let count = starts.count();
+    if count > room {
+        return refuse(format!("{count} starts are more than the {room} paths there is room for"));
+    }
+    match starts {
+        StartInput::Inline(_) if count > INLINE_STARTS => refuse(format!(
+            "{count} starts are more than the {INLINE_STARTS} that a command holds: use a buffer"
+        )),
+        StartInput::Buffer { buffer, .. } if buffer == vk::Buffer::null() => {
+            refuse("the buffer of starts is the null handle".into())
+        }
+        StartInput::Buffer { offset, .. } if !offset.is_multiple_of(4) => {
+            refuse(format!("the offset {offset} of the starts is no multiple of 4 bytes"))
+        }
+        _ => Ok(()),
+    }
+}
