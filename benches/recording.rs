@@ -1,5 +1,5 @@
 //! What a frame costs: the time to record a map into a command buffer, and to run it, by size of the
-//! grid and schedule.
+//! grid and schedule; and to find contours and paths on it.
 //!
 //! `cargo bench --bench recording`
 
@@ -8,12 +8,14 @@ mod host;
 
 use std::time::{Duration, Instant};
 
-use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main};
 use geosweep::Wavefront;
 use geosweep::cpu::Stop;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, Frame, PointSource, Points, Reader, SourceInput, SurfaceInfo,
+    self, Access, ContourFrame, Frame, LevelInput, PathFrame, PathsInfo, PointSource, Points,
+    Reader, SourceInput, StartInput, SurfaceInfo,
 };
 use geosweep::vulkan::{Method, Schedule};
 
@@ -89,10 +91,66 @@ fn record(criterion: &mut Criterion) {
                 });
             });
         }
+        curves(&mut group, &mut host, &solver, &surface);
         surface.destroy(&device, host.allocator());
         host.free(points);
     }
     solver.destroy(&device);
+}
+
+/// Ten and a hundred contours, one path and a thousand, on the map that is there.
+fn curves(
+    group: &mut BenchmarkGroup<WallTime>,
+    host: &mut Host,
+    solver: &embed::Solver,
+    surface: &embed::Surface,
+) {
+    let device = host.device.clone();
+    let side = surface.chart().rows;
+    let room = (400 * side) as u32;
+    let contours = solver.contours(&device, host.allocator(), surface, room);
+    let mut contours = contours.expect("there is memory");
+    for count in [10, 100] {
+        let step = 1.3 * side as f32 / count as f32;
+        let levels = LevelInput::Spacing { step, count };
+        let frame = ContourFrame { levels, start: 0.0, points: 0, reader: Access::DRAW };
+        group.bench_function(BenchmarkId::new(format!("{count} contours, run"), side), |bencher| {
+            bencher.iter(|| {
+                host.run(|commands| {
+                    let recording = solver.record(&device, commands, surface);
+                    recording.contours(&contours, &frame).map(drop).expect("the levels are right");
+                });
+            });
+        });
+    }
+    for paths in [1u32, 1000] {
+        let info = PathsInfo { paths, vertices: 3 * side as u32 };
+        let made = solver.paths(&device, host.allocator(), surface, info);
+        let mut made = made.expect("there is memory");
+        // Spread over the grid by the golden ratio.
+        let start = |k: u32| {
+            let share = |x: f32| (0.5 + x * k as f32).fract() * (side - 1) as f32;
+            [share(0.618_034), share(0.381_966 * 0.618_034)]
+        };
+        let starts: Vec<_> = (0..paths).map(start).collect();
+        let frame = PathFrame {
+            before: Access::NONE,
+            starts: StartInput::Inline(&starts),
+            sources: SourceInput::Inline(&[PointSource::at(3.0, 4.5)]),
+            points: 0,
+            reader: Access::DRAW,
+        };
+        group.bench_function(BenchmarkId::new(format!("{paths} paths, run"), side), |bencher| {
+            bencher.iter(|| {
+                host.run(|commands| {
+                    let recording = solver.record(&device, commands, surface);
+                    recording.paths(&made, &frame).map(drop).expect("the starts are right");
+                });
+            });
+        });
+        made.destroy(&device, host.allocator());
+    }
+    contours.destroy(&device, host.allocator());
 }
 
 criterion_group!(benches, record);
