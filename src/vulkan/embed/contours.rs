@@ -219,8 +219,8 @@ impl Recording<'_> {
     /// [`super::CurveRecord::vertices`] says how much room there should be.
     ///
     /// # Errors
-    /// If the contours were made for another surface, or the levels are not finite, not ascending or
-    /// too many.
+    /// If the contours were made for another surface, its points are a metric, or the levels are not
+    /// finite, not ascending or too many.
     pub fn contours(
         &self,
         contours: &Contours,

@@ -319,12 +319,18 @@ impl Curves {
         CurveBuffer { buffer: self.buffer(0), curves, vertices_offset, capacity }
     }
 
-    /// Refuses to be recorded for another surface, or with points that this one does not have.
+    /// Refuses to be recorded for another surface, or with points that this one does not have, or
+    /// that have no positions.
     pub(super) fn check(&self, recording: &Recording, points: usize) -> Result<(), VulkanError> {
         if recording.surface.sets.pool != self.surface {
             return Err(VulkanError::OtherSurface);
         }
-        recording.points(points).map(drop)
+        let (_, Points { kind, .. }) = recording.points(points)?;
+        if kind == PointKind::Metric {
+            let reason = "a metric has no positions to lift them to".into();
+            return Err(VulkanError::Curves { what: "contours or paths", reason });
+        }
+        Ok(())
     }
 
     /// Lifts all curves to the surface's points with this number, and lets the reader read.
@@ -333,7 +339,7 @@ impl Curves {
         let (set, pipeline) = self.lifting[points];
         let Points { memory, kind, .. } = surface.points[points];
         let spacing = match kind {
-            PointKind::Positions => [0.0; 2],
+            PointKind::Positions | PointKind::Metric => [0.0; 2],
             PointKind::Heights(spacing) => [spacing.dx as f32, spacing.dy as f32],
         };
         let Layout { curves, capacity, .. } = self.layout;

@@ -201,7 +201,8 @@ impl Recording<'_> {
     /// once, and again where one may lie in its cell.
     ///
     /// # Errors
-    /// If the paths were made for another surface, or starts or sources are too many.
+    /// If the paths were made for another surface, its points are a metric, or starts or sources are
+    /// too many.
     pub fn paths(&self, paths: &Paths, frame: &PathFrame) -> Result<CurveBuffer, VulkanError> {
         let (curves, layout) = (&paths.0, paths.0.layout);
         curves.check(self, frame.points)?;
