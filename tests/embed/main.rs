@@ -9,6 +9,7 @@ mod faults;
 mod frames;
 mod host;
 mod inputs;
+mod readme;
 #[cfg(feature = "formats")]
 #[allow(dead_code, clippy::duplicate_mod)] // its main is not called here, and its host is ours
 #[path = "../../examples/render.rs"]
