@@ -160,7 +160,8 @@ impl<'a> Probe<'a> {
     fn prepare(&self) -> Result<(), VulkanError> {
         let grid = self.grid();
         self.context.run(|device, commands| {
-            Recorder { device, commands, pipelines: &self.solver.pipelines, grid }.prepare();
+            let pipelines = &self.solver.pipelines;
+            Recorder { device, commands, pipelines, grid, profile: None }.prepare();
             let groups = self.buffers[0].buffer;
             // SAFETY: the buffer is this probe's, and nothing else uses it.
             unsafe { device.cmd_fill_buffer(commands, groups, 0, vk::WHOLE_SIZE, 0) };

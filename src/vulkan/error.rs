@@ -141,6 +141,9 @@ pub enum VulkanError {
         /// How many there are.
         count: usize,
     },
+    /// A profile was asked for of a solver that was made without.
+    #[error("the solver was not made for profiling: make it with Solver::for_profiling")]
+    NotForProfiling,
     /// A plan was made for a grid of another size.
     #[error("the plan was made for a grid of another size than the surface's")]
     OtherGrid,

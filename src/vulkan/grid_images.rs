@@ -76,9 +76,11 @@ impl GridImages {
         let created = (|| {
             for info in image_infos(chart, texels, purpose) {
                 images.push(Image::new(device, allocator, info)?);
+                pipelines.name(info.name, images[images.len() - 1].image);
             }
             for info in buffer_infos(chart, texels, pipelines.tuning, purpose) {
                 buffers.push(Buffer::new(device, allocator, info)?);
+                pipelines.name(info.name, buffers[buffers.len() - 1].buffer);
             }
             descriptors::pool(device)
         })();

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
+use super::profile::{Capabilities, Capability};
 use super::requirements::API_VERSION;
 use super::validation::{self, Messenger, ValidationLog};
 use super::{DeviceInfo, VulkanError, devices, requirements};
@@ -17,10 +18,17 @@ pub(crate) struct Instance {
     _entry: ash::Entry,
     pub(crate) handle: ash::Instance,
     messenger: Option<Messenger>,
+    /// Whether tools can be shown labels and names.
+    debug_utils: bool,
 }
 
 impl Instance {
     pub(crate) fn new(validate: bool) -> Result<Self, VulkanError> {
+        Self::open(validate, false)
+    }
+
+    /// With labels and names for tools, where the loader offers them.
+    fn open(validate: bool, labels: bool) -> Result<Self, VulkanError> {
         // SAFETY: the loader's library is the system's own and is kept loaded by the entry.
         let entry = unsafe { ash::Entry::load() }
             .map_err(|error| VulkanError::NoLoader(error.to_string()))?;
@@ -32,12 +40,21 @@ impl Instance {
             vk::ValidationFeaturesEXT::default().enabled_validation_features(&validation::FEATURES);
         let layers = [validation::LAYER.as_ptr()];
         let extensions = [ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()];
+        // SAFETY: no layer's extensions are asked for.
+        let offered = unsafe { entry.enumerate_instance_extension_properties(None) };
+        let debug_utils = labels
+            && offered
+                .unwrap_or_default()
+                .iter()
+                .any(|extension| extension.extension_name_as_c_str() == Ok(ext::debug_utils::NAME));
         let mut info = vk::InstanceCreateInfo::default().application_info(&application);
         if validate {
             info = info
                 .enabled_layer_names(&layers)
                 .enabled_extension_names(&extensions)
                 .push_next(&mut features);
+        } else if debug_utils {
+            info = info.enabled_extension_names(&extensions[..1]);
         }
         // SAFETY: all that the structures point to is alive.
         let handle = match unsafe { entry.create_instance(&info, None) } {
@@ -46,7 +63,7 @@ impl Instance {
             Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) => return Err(VulkanError::NoDevice),
             Err(result) => return Err(VulkanError::Call { call: "vkCreateInstance", result }),
         };
-        let mut new = Self { _entry: entry, handle, messenger: None };
+        let mut new = Self { _entry: entry, handle, messenger: None, debug_utils };
         if validate {
             new.messenger = Some(Messenger::new(&new._entry, &new.handle)?);
         }
@@ -73,6 +90,8 @@ pub(crate) struct Context {
     pub(crate) device: ash::Device,
     pub(crate) info: DeviceInfo,
     pub(crate) physical_device: vk::PhysicalDevice,
+    /// For profiling, if the device was opened for that.
+    pub(crate) capabilities: Option<Capabilities>,
     queue: vk::Queue,
     allocator: ManuallyDrop<Mutex<Allocator>>,
     pool: vk::CommandPool,
@@ -83,14 +102,42 @@ pub(crate) struct Context {
 
 impl Context {
     pub(crate) fn new(choice: &DeviceChoice, validate: bool) -> Result<Self, VulkanError> {
-        let instance = Instance::new(validate)?;
+        Self::open(choice, validate, None)
+    }
+
+    /// With all that profiling takes, but for what is left out, if that is given.
+    pub(crate) fn open(
+        choice: &DeviceChoice,
+        validate: bool,
+        left_out: Option<&[Capability]>,
+    ) -> Result<Self, VulkanError> {
+        let labels = left_out.is_some_and(|left_out| !left_out.contains(&Capability::Labels));
+        let instance = Instance::open(validate, labels)?;
         let (info, physical_device) = devices::choose(&instance, choice)?;
         let family = requirements::compute_queue_family(&instance.handle, physical_device)
             .expect("a chosen device meets the requirements");
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(family)
             .queue_priorities(&[1.0])];
-        let create = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
+        let capabilities = left_out.map(|left_out| {
+            let debug_utils = instance.debug_utils;
+            Capabilities::of(&instance.handle, physical_device, family, debug_utils)
+                .without(left_out)
+        });
+        let wanted = capabilities.as_ref();
+        let extensions = wanted.map_or(Vec::new(), Capabilities::device_extensions);
+        let extensions: Vec<_> = extensions.iter().map(|name| name.as_ptr()).collect();
+        let features = vk::PhysicalDeviceFeatures::default()
+            .pipeline_statistics_query(wanted.is_some_and(|wanted| wanted.statistics.is_ok()));
+        let mut executables = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default()
+            .pipeline_executable_info(true);
+        let mut create = vk::DeviceCreateInfo::default()
+            .queue_create_infos(&queues)
+            .enabled_extension_names(&extensions)
+            .enabled_features(&features);
+        if wanted.is_some_and(|wanted| wanted.executables.is_ok()) {
+            create = create.push_next(&mut executables);
+        }
         // SAFETY: the physical device has this queue family.
         let device = unsafe { instance.handle.create_device(physical_device, &create, None) }
             .map_err(VulkanError::from_call("vkCreateDevice"))?;
@@ -116,6 +163,7 @@ impl Context {
             device,
             info,
             physical_device,
+            capabilities,
             queue,
             allocator,
             pool: vk::CommandPool::null(),

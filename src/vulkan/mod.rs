@@ -25,6 +25,7 @@ pub(crate) mod memory;
 mod pairwise;
 mod pipelines;
 pub mod plan;
+pub mod profile;
 mod progress;
 mod record;
 pub mod requirements;

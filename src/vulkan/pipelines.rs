@@ -5,6 +5,7 @@ use std::io::Cursor;
 use ash::vk;
 
 use super::plan::Scan;
+use super::profile::Labels;
 use super::{Schedule, Tuning, VulkanError};
 use crate::update::Wavefront;
 
@@ -69,6 +70,10 @@ pub(super) mod constant {
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     pub(crate) tuning: Tuning,
+    /// Where the host shows labels and names to tools.
+    pub(crate) labels: Option<Labels>,
+    /// How pipelines are created.
+    flags: vk::PipelineCreateFlags,
     pub(crate) set_layout: vk::DescriptorSetLayout,
     pub(crate) layout: vk::PipelineLayout,
     pub(crate) edges_from_positions: vk::Pipeline,
@@ -95,6 +100,8 @@ pub(crate) struct Pipelines {
 pub(crate) struct SchedulePipelines {
     /// For the raster schedule the four rotated scans in the order of [`Scan::ALL`].
     pub(crate) passes: Vec<vk::Pipeline>,
+    /// Whether fronts are curved.
+    pub(crate) curved: bool,
 }
 
 macro_rules! spirv {
@@ -106,9 +113,23 @@ pub(super) use spirv;
 
 impl Pipelines {
     /// Creates them. [`Pipelines::destroy`] must be called before the device is destroyed.
-    pub(crate) fn new(device: &ash::Device, tuning: Tuning) -> Result<Self, VulkanError> {
+    ///
+    /// With `capture`, for which the device must have `pipelineExecutableInfo`, drivers keep what
+    /// they can tell of them.
+    pub(crate) fn new(
+        device: &ash::Device,
+        tuning: Tuning,
+        labels: Option<Labels>,
+        capture: bool,
+    ) -> Result<Self, VulkanError> {
+        let flags = match capture {
+            true => vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR,
+            false => vk::PipelineCreateFlags::empty(),
+        };
         let mut new = Self {
             tuning,
+            labels,
+            flags,
             set_layout: vk::DescriptorSetLayout::null(),
             layout: vk::PipelineLayout::null(),
             edges_from_positions: vk::Pipeline::null(),
@@ -129,11 +150,41 @@ impl Pipelines {
             lookup: vk::Pipeline::null(),
         };
         match new.create(device) {
-            Ok(()) => Ok(new),
+            Ok(()) => {
+                new.named().into_iter().for_each(|(name, pipeline)| new.name(name, pipeline));
+                Ok(new)
+            }
             Err(error) => {
                 new.destroy(device);
                 Err(error)
             }
+        }
+    }
+
+    /// The pipelines with the names of their shaders.
+    pub(crate) fn named(&self) -> [(&'static str, vk::Pipeline); 14] {
+        [
+            ("edges_from_positions", self.edges_from_positions),
+            ("edges_from_heights", self.edges_from_heights),
+            ("edges_from_metric", self.edges_from_metric),
+            ("fan_curvature", self.fan_curvature),
+            ("gaussian_curvature", self.gaussian_curvature),
+            ("seed", self.seed),
+            ("progress", self.progress),
+            ("settle", self.settle),
+            ("unpack", self.unpack),
+            ("points_from_buffer", self.points_from_buffer),
+            ("points_from_image", self.points_from_image),
+            ("sources", self.sources),
+            ("result", self.result),
+            ("lookup", self.lookup),
+        ]
+    }
+
+    /// Names an object for tools, if they look on.
+    pub(crate) fn name(&self, name: &str, object: impl vk::Handle) {
+        if let Some(labels) = &self.labels {
+            labels.name(object, name);
         }
     }
 
@@ -143,19 +194,22 @@ impl Pipelines {
         self.host_set_layout = set_layout(device, (0..host::ALL).map(host::kind))?;
         self.layout = pipeline_layout(device, &[self.set_layout])?;
         self.host_layout = pipeline_layout(device, &[self.set_layout, self.host_set_layout])?;
-        let plain = |spirv: &[u8]| compute_pipeline(device, self.layout, spirv, &[]);
+        let of = |layout, spirv: &[u8], constants: &[(u32, i32)]| {
+            compute_pipeline_with(device, self.flags, layout, spirv, constants)
+        };
+        let plain = |spirv: &[u8]| of(self.layout, spirv, &[]);
         self.edges_from_positions = plain(spirv!("edges_from_positions"))?;
         self.edges_from_heights = plain(spirv!("edges_from_heights"))?;
         self.edges_from_metric = plain(spirv!("edges_from_metric"))?;
         self.fan_curvature = plain(spirv!("fan_curvature"))?;
         self.gaussian_curvature = plain(spirv!("gaussian_curvature"))?;
         let tile = [(constant::TILE, self.tuning.tile as i32)];
-        let tiled = |spirv: &[u8]| compute_pipeline(device, self.layout, spirv, &tile);
+        let tiled = |spirv: &[u8]| of(self.layout, spirv, &tile);
         self.seed = tiled(spirv!("seed"))?;
         self.progress = plain(spirv!("progress"))?;
         self.settle = tiled(spirv!("settle"))?;
         self.unpack = plain(spirv!("unpack"))?;
-        let hosted = |spirv: &[u8]| compute_pipeline(device, self.host_layout, spirv, &[]);
+        let hosted = |spirv: &[u8]| of(self.host_layout, spirv, &[]);
         self.points_from_buffer = hosted(spirv!("points_from_buffer"))?;
         self.points_from_image = hosted(spirv!("points_from_image"))?;
         self.sources = hosted(spirv!("sources"))?;
@@ -168,22 +222,7 @@ impl Pipelines {
     pub(crate) fn destroy(&mut self, device: &ash::Device) {
         // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
         unsafe {
-            for pipeline in [
-                self.edges_from_positions,
-                self.edges_from_heights,
-                self.edges_from_metric,
-                self.fan_curvature,
-                self.gaussian_curvature,
-                self.seed,
-                self.progress,
-                self.settle,
-                self.unpack,
-                self.points_from_buffer,
-                self.points_from_image,
-                self.sources,
-                self.result,
-                self.lookup,
-            ] {
+            for (_, pipeline) in self.named() {
                 device.destroy_pipeline(pipeline, None);
             }
             for layout in [self.layout, self.host_layout] {
@@ -209,6 +248,7 @@ impl SchedulePipelines {
     ) -> Result<Self, VulkanError> {
         use constant::*;
         let Tuning { scan_width, scan_lines, tile, inner } = pipelines.tuning;
+        let curved = wavefront == Wavefront::Curved;
         let wavefront = (WAVEFRONT, wavefront as i32);
         let passes: Vec<Pass> = match schedule {
             Schedule::Raster => {
@@ -221,7 +261,7 @@ impl SchedulePipelines {
                 vec![(spirv!("tiles").as_slice(), [vec![wavefront], size.to_vec()].concat())]
             }
         };
-        Self::of(device, pipelines, &passes)
+        Ok(Self { curved, ..Self::of(device, pipelines, &passes)? })
     }
 
     /// Creates the pipelines of passes.
@@ -230,9 +270,10 @@ impl SchedulePipelines {
         pipelines: &Pipelines,
         passes: &[Pass],
     ) -> Result<Self, VulkanError> {
-        let mut new = Self { passes: Vec::new() };
+        let mut new = Self { passes: Vec::new(), curved: false };
         for (spirv, constants) in passes {
-            match compute_pipeline(device, pipelines.layout, spirv, constants) {
+            let (flags, layout) = (pipelines.flags, pipelines.layout);
+            match compute_pipeline_with(device, flags, layout, spirv, constants) {
                 Ok(pipeline) => new.passes.push(pipeline),
                 Err(error) => {
                     new.destroy(device);
@@ -241,6 +282,19 @@ impl SchedulePipelines {
             }
         }
         Ok(new)
+    }
+
+    /// The pipelines with names that tell them from those of other schedules and wavefronts.
+    pub(crate) fn named(
+        &self,
+        schedule: Schedule,
+        wavefront: Wavefront,
+    ) -> impl Iterator<Item = (String, vk::Pipeline)> {
+        self.passes.iter().enumerate().map(move |(number, &pipeline)| {
+            let scan = Scan::ALL.get(number).filter(|_| schedule == Schedule::Raster);
+            let scan = scan.map_or(String::new(), |scan| format!(" {}", scan.name()));
+            (format!("{schedule}, {wavefront}{scan}"), pipeline)
+        })
     }
 
     /// Destroys them. No submitted work may still use them.
@@ -303,6 +357,17 @@ pub(super) fn compute_pipeline(
     spirv: &[u8],
     constants: &[(u32, i32)],
 ) -> Result<vk::Pipeline, VulkanError> {
+    let flags = vk::PipelineCreateFlags::empty();
+    compute_pipeline_with(device, flags, layout, spirv, constants)
+}
+
+fn compute_pipeline_with(
+    device: &ash::Device,
+    flags: vk::PipelineCreateFlags,
+    layout: vk::PipelineLayout,
+    spirv: &[u8],
+    constants: &[(u32, i32)],
+) -> Result<vk::Pipeline, VulkanError> {
     let code = ash::util::read_spv(&mut Cursor::new(spirv)).expect("build.rs embeds SPIR-V");
     let info = vk::ShaderModuleCreateInfo::default().code(&code);
     // SAFETY: the code is valid SPIR-V for Vulkan 1.1.
@@ -322,7 +387,7 @@ pub(super) fn compute_pipeline(
         .module(module)
         .name(c"main")
         .specialization_info(&specialization);
-    let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout);
+    let info = vk::ComputePipelineCreateInfo::default().flags(flags).stage(stage).layout(layout);
     // SAFETY: module and layout are valid, and all that the structures point to is alive.
     let pipelines =
         unsafe { device.create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };

@@ -11,8 +11,9 @@ use super::barrier::{self, CLEAR, COPY, HOST_READ, NOTHING, PASS, SHADER, SHADER
 use super::grid_images::GridImages;
 use super::pipelines::{Pipelines, SchedulePipelines};
 use super::plan::{Scan, ScanPass, Step};
+use super::profile::{self, PassKind, PassRecord, Presence, Profile, Scope, StepCounter, Work};
 use super::progress::{DeviceProgress, Outcome, offset};
-use crate::constants::{CURVATURE, FAR, TIME, WORKGROUP};
+use crate::constants::{CURVATURE, FAR, LAYERS, TIME, WORKGROUP};
 use crate::cpu::Stop;
 use crate::surface::{Chart, EdgeRule, Spacing};
 
@@ -27,6 +28,8 @@ pub(crate) struct Recorder<'a> {
     pub(crate) pipelines: &'a Pipelines,
     /// The surface's.
     pub(crate) grid: &'a GridImages,
+    /// Takes the passes down, if anyone looks on.
+    pub(crate) profile: Option<&'a Profile>,
 }
 
 /// What edges are measured from.
@@ -115,9 +118,30 @@ const AFTER: usize = 1;
 /// Rows around a band, at most.
 pub(crate) const HALO: usize = BEFORE + AFTER;
 
-impl Recorder<'_> {
+impl<'a> Recorder<'a> {
+    /// To be kept while a pass is recorded: its label, and its place in the profile.
+    pub(crate) fn pass(&self, kind: PassKind) -> Option<Scope<'a>> {
+        Scope::open(self, || (PassRecord::new(kind), Presence::Always))
+    }
+
+    /// Whether anyone looks on.
+    pub(crate) fn is_watched(&self) -> bool {
+        self.profile.is_some() || self.pipelines.labels.is_some()
+    }
+
+    /// The same, with bytes read and written for each texel of the images, border included.
+    fn pass_over_images(&self, kind: PassKind, read: u64, written: u64) -> Option<Scope<'a>> {
+        let extent = self.grid.texels.fronts_extent();
+        let texels = u64::from(extent.width) * u64::from(extent.height);
+        let work = Work::of_bytes(texels * read, texels * written);
+        Scope::open(self, || (PassRecord { work, ..PassRecord::new(kind) }, Presence::Always))
+    }
+
     /// Brings new images into their layout, with no edge and no point reached.
     pub(crate) fn prepare(&self) {
+        // Four points' edges, the surface's curvature and two images of fronts.
+        let written = (4 + 1 + 2 * u64::from(LAYERS)) * 16;
+        let _pass = self.pass_over_images(PassKind::Prepare, 0, written);
         let grid = self.grid;
         let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL);
         for image in [&grid.edges, &grid.gaussian, &grid.fronts[0], &grid.fronts[1]] {
@@ -138,6 +162,7 @@ impl Recorder<'_> {
         arcs: bool,
         rows: Range<usize>,
     ) {
+        let _pass = self.pass(PassKind::Edges);
         let (pipelines, chart) = (self.pipelines, self.grid.chart);
         let pipeline = match source {
             EdgeSource::Positions => pipelines.edges_from_positions,
@@ -163,6 +188,7 @@ impl Recorder<'_> {
         let texels = self.grid.texels.inner();
         let size = FanSize { texels, share_of_fan: rule.share_of_fan() as f32 };
         for pipeline in [self.pipelines.fan_curvature, self.pipelines.gaussian_curvature] {
+            let _pass = self.pass(PassKind::Curvature);
             self.bind(pipeline, 0);
             self.dispatch(&size, texels[0], texels[1]);
             self.barrier(SHADER_WRITE, SHADER);
@@ -171,6 +197,7 @@ impl Recorder<'_> {
 
     /// Forgets the map: no point is reached in either image.
     pub(crate) fn forget(&self) {
+        let _pass = self.pass_over_images(PassKind::Forget, 0, 2 * u64::from(LAYERS) * 16);
         self.barrier(SHADER, CLEAR);
         self.clear_fronts();
         self.barrier(CLEAR, SHADER);
@@ -178,6 +205,7 @@ impl Recorder<'_> {
 
     /// Before the seeds of a map, or of what is added to one: no iteration is done.
     pub(crate) fn start(&self, stop: Stop) {
+        let _pass = self.pass(PassKind::Start);
         let texels = self.grid.texels.inner();
         let tuning = self.pipelines.tuning;
         let [row, col] = texels.map(|texels| texels.div_ceil(tuning.scan_texels()));
@@ -198,6 +226,7 @@ impl Recorder<'_> {
         if rounds == 0 {
             return;
         }
+        let _pass = self.pass(PassKind::Resume);
         let progress = &self.grid.progress;
         self.barrier(PASS, TRANSFER);
         let (from, to) = (offset::round(rounds), offset::round(0));
@@ -226,6 +255,7 @@ impl Recorder<'_> {
     /// Sets the texels with sources, `count` of which are in the upload buffer, in image 0, and
     /// puts the tiles around them on the first list if tiles follow.
     pub(crate) fn seed(&self, count: u32, tiles_follow: bool) {
+        let _pass = self.pass(PassKind::Seed);
         let texels = self.grid.texels.inner();
         self.bind(self.pipelines.seed, 0);
         self.dispatch(&SeedCount { texels, count, wakes: tiles_follow.into() }, count, 1);
@@ -235,7 +265,10 @@ impl Recorder<'_> {
     /// Runs the steps of a plan.
     pub(crate) fn steps(&self, passes: &SchedulePipelines, steps: &[Step]) {
         let mut bound = None;
+        let mut open: Option<Scope> = None;
         let texels = self.grid.texels.inner();
+        let mut counter = StepCounter::new(self.grid.texels, self.pipelines.tuning, passes.curved);
+        self.decided(0, 0, profile::BEFORE_BYTES);
         for step in steps {
             let (pipeline, writes) = match *step {
                 Step::Scan(ref pass) => (passes.passes[pipeline_index(pass.scan)], pass.writes),
@@ -248,6 +281,14 @@ impl Recorder<'_> {
                     continue;
                 }
             };
+            if self.is_watched() {
+                let next = counter.next(step);
+                if !open.as_mut().is_some_and(|open| open.absorb(next)) {
+                    // The last pass ends before the next one begins.
+                    drop(open.take());
+                    open = Scope::open(self, || next);
+                }
+            }
             if bound != Some((pipeline, writes)) {
                 self.bind(pipeline, writes);
                 bound = Some((pipeline, writes));
@@ -257,6 +298,7 @@ impl Recorder<'_> {
                 Step::AllPoints { .. } => self.dispatch_while(&texels, offset::GRID_GROUPS),
                 Step::Tiles { round } => {
                     self.dispatch_while(&Round { texels, round }, offset::round(round));
+                    self.tile_list(round);
                 }
                 Step::Settle { rounds } => {
                     let [cols, rows] = self.grid.texels.tiles(self.pipelines.tuning.tile);
@@ -266,6 +308,39 @@ impl Recorder<'_> {
                 Step::Barrier => {}
             }
         }
+        drop(open);
+        let all = size_of::<DeviceProgress>() as u64;
+        self.decided(profile::BEFORE_BYTES, 0, all);
+        if let Some(profile) = self.profile {
+            profile.end_portion();
+        }
+    }
+
+    /// Copies part of the progress to where a profile finds what the device has decided.
+    fn decided(&self, to: u64, from: u64, size: u64) {
+        let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
+        let _pass = self.pass(PassKind::Decisions);
+        self.copy_for_host(self.grid.progress.buffer, from, (buffer, offset + to), size);
+    }
+
+    /// Copies the list of tiles of a round to where a profile finds it.
+    fn tile_list(&self, round: u32) {
+        let Some((buffer, offset)) = self.profile.and_then(Profile::tile_lists) else { return };
+        let [cols, rows] = self.grid.texels.tiles(self.pipelines.tuning.tile);
+        let bytes = u64::from(cols) * u64::from(rows) * size_of::<u32>() as u64;
+        let from = (2 + u64::from(round % 2)) * bytes;
+        let to = (buffer, offset + u64::from(round) * bytes);
+        self.copy_for_host(self.grid.tiles.buffer, from, to, bytes);
+    }
+
+    fn copy_for_host(&self, from: vk::Buffer, start: u64, to: (vk::Buffer, u64), size: u64) {
+        self.barrier(PASS, COPY);
+        let copy = [vk::BufferCopy::default().src_offset(start).dst_offset(to.1).size(size)];
+        // SAFETY: the progress and the tiles hold so much, and the host has said that its buffer
+        // has room.
+        unsafe { self.device.cmd_copy_buffer(self.commands, from, to.0, &copy) };
+        let after = (PASS.0 | HOST_READ.0, PASS.1 | HOST_READ.1);
+        self.barrier(TRANSFER, after);
     }
 
     /// Copies how the iterations have gone to one of the records that the host reads.
@@ -277,6 +352,7 @@ impl Recorder<'_> {
 
     /// Copies how the iterations have gone to a buffer that has room for it there.
     pub(crate) fn outcome_to(&self, to: vk::Buffer, offset: u64) {
+        let _pass = self.pass(PassKind::Outcome);
         self.barrier(PASS, COPY);
         let size = size_of::<Outcome>() as u64;
         self.copy((self.grid.progress.buffer, 0), (to, offset), size);
@@ -287,6 +363,7 @@ impl Recorder<'_> {
         if bytes.is_empty() {
             return;
         }
+        let _pass = self.pass(PassKind::Sources);
         self.barrier(SHADER, CLEAR);
         self.update(self.grid.download.buffer, 0, bytes);
         self.barrier(CLEAR, SHADER);
@@ -341,6 +418,10 @@ impl Recorder<'_> {
     /// Unpacks the arrival times in image 0, a band of rows, into the read-back buffer.
     pub(crate) fn unpack(&self, rows: Range<usize>) {
         let chart = self.grid.chart;
+        let points = (rows.len() * chart.cols) as u64;
+        let work = Work::of_bytes(4 * points, 4 * points);
+        let record = PassRecord { work, ..PassRecord::new(PassKind::Unpack) };
+        let _pass = Scope::open(self, || (record, Presence::Always));
         let band = UnpackBand {
             grid: [chart.cols as i32, chart.rows as i32],
             first_row: rows.start as i32,

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use super::grid_images::{GridImages, POINT_BYTES, Purpose, bands};
 use super::headless::{Commands, Context};
 use super::plan::{self, Reached, Step};
+use super::profile::{self, Capabilities, Capability, Detail, Executable, Session, SolveProfile};
 use super::record::{EdgeSource, Recorder, rows_around};
 use super::upload::{SeedTexel, seed_texels, write_points};
 use super::{Schedule, Tuning, ValidationLog, VulkanError, embed};
@@ -84,8 +85,7 @@ impl Solver {
     /// Opens a device. With the environment variable `GEOSWEEP_VALIDATION` set to anything but
     /// 0, the validation layers are on, as with [`Solver::with_validation`].
     pub fn new(choice: &DeviceChoice) -> Result<Self, VulkanError> {
-        let validate = std::env::var_os(VALIDATION_VARIABLE).is_some_and(|value| value != "0");
-        Self::open(choice, validate)
+        Self::open(choice, is_validation_wanted())
     }
 
     /// Opens a device under the Khronos validation layers, with synchronization and GPU-assisted
@@ -94,10 +94,33 @@ impl Solver {
         Self::open(choice, true)
     }
 
+    /// Opens a device with all that it offers for [`Solver::profile`], but for what is left out: that
+    /// is as on a device that lacks it. `GEOSWEEP_VALIDATION` counts as in [`Solver::new`].
+    ///
+    /// # Errors
+    /// As [`Solver::new`]; what a device does not offer for profiling is no error.
+    pub fn for_profiling(
+        choice: &DeviceChoice,
+        left_out: &[Capability],
+    ) -> Result<Self, VulkanError> {
+        Self::with(Context::open(choice, is_validation_wanted(), Some(left_out))?)
+    }
+
     fn open(choice: &DeviceChoice, validate: bool) -> Result<Self, VulkanError> {
-        let context = Arc::new(Context::new(choice, validate)?);
+        Self::with(Context::new(choice, validate)?)
+    }
+
+    pub(super) fn with(context: Context) -> Result<Self, VulkanError> {
+        let context = Arc::new(context);
+        let has =
+            |found: fn(&Capabilities) -> bool| context.capabilities.as_ref().is_some_and(found);
+        let tools = embed::Tools {
+            labels: has(|found| found.labels.is_ok()),
+            executables: has(|found| found.executables.is_ok()),
+        };
         let (instance, device) = (&context.instance.handle, &context.device);
-        let pipelines = embed::Solver::new(instance, context.physical_device, device, &[])?;
+        let physical_device = context.physical_device;
+        let pipelines = embed::Solver::with_tools(instance, physical_device, device, &[], tools)?;
         Ok(Self { pipelines, context })
     }
 
@@ -160,7 +183,7 @@ impl Solver {
         seeds: &[Seed],
         method: Method,
     ) -> Result<Solution, VulkanError> {
-        self.solve_planned(surface, seeds, method, Start::Fresh, |_| {})
+        self.solve_planned(surface, seeds, method, Start::Fresh, |_| {}, None)
     }
 
     /// Adds seeds to the last map of the surface, which has converged with the same wavefront.
@@ -170,7 +193,59 @@ impl Solver {
         seeds: &[Seed],
         method: Method,
     ) -> Result<Solution, VulkanError> {
-        self.solve_planned(surface, seeds, method, Start::FromLast, |_| {})
+        self.solve_planned(surface, seeds, method, Start::FromLast, |_| {}, None)
+    }
+
+    /// What the device offers for profiling; `None` unless the solver was made by
+    /// [`Solver::for_profiling`].
+    pub fn capabilities(&self) -> Option<&Capabilities> {
+        self.context.capabilities.as_ref()
+    }
+
+    /// What the driver has made of the pipelines used so far; none where the device does not tell.
+    pub fn executables(&self) -> Result<Vec<Executable>, VulkanError> {
+        match self.capabilities().is_some_and(|found| found.executables.is_ok()) {
+            true => self.pipelines.executables(&self.context.instance.handle, &self.context.device),
+            false => Ok(Vec::new()),
+        }
+    }
+
+    /// Computes the map that [`Solver::solve`] computes, and tells of every pass.
+    ///
+    /// # Errors
+    /// As [`Solver::solve`], and [`VulkanError::NotForProfiling`] unless the solver was made by
+    /// [`Solver::for_profiling`].
+    pub fn profile(
+        &mut self,
+        surface: &mut SurfaceOnDevice,
+        seeds: &[Seed],
+        method: Method,
+        detail: Detail,
+    ) -> Result<(Solution, SolveProfile), VulkanError> {
+        let capabilities = self.capabilities().ok_or(VulkanError::NotForProfiling)?;
+        let schedule = self.schedule(&surface.images, method);
+        let (texels, tuning) = (surface.images.texels, self.tuning());
+        let portions = tuning.portions();
+        let steps = plan::recording(schedule, texels, portions, None, method.stop.iterations);
+        let passes = profile::records(&steps, detail.grain);
+        let [cols, rows] = texels.tiles(tuning.tile);
+        let tiles = cols as usize * rows as usize;
+        let detail = Detail { tiles: detail.tiles && schedule == Schedule::Tiles, ..detail };
+        let room = passes + PASSES_AROUND;
+        let mut session = Session::new(&self.context, capabilities, room, tiles, detail)?;
+        // What has been recorded before is without queries.
+        surface.goes_on = None;
+        let watched = Some(&mut session);
+        let solved = self.solve_planned(surface, seeds, method, Start::Fresh, |_| {}, watched);
+        surface.goes_on = None;
+        let solution = solved?;
+        let profile = session.finish(solution.time);
+        Ok((solution, profile))
+    }
+
+    fn schedule(&self, images: &GridImages, method: Method) -> Schedule {
+        let kind = self.pipelines.limits.kind;
+        method.schedule.unwrap_or_else(|| Schedule::best_on(kind, images.chart))
     }
 
     fn solve_planned(
@@ -180,10 +255,10 @@ impl Solver {
         method: Method,
         start: Start,
         edit: impl Fn(&mut Vec<Step>),
+        mut session: Option<&mut Session>,
     ) -> Result<Solution, VulkanError> {
         let Method { wavefront, stop, .. } = method;
-        let (kind, chart) = (self.pipelines.limits.kind, surface.images.chart);
-        let schedule = method.schedule.unwrap_or_else(|| Schedule::best_on(kind, chart));
+        let schedule = self.schedule(&surface.images, method);
         self.make_passes(&surface.images, schedule, wavefront)?;
         let passes = self.pipelines.passes(schedule, wavefront).expect("they were made above");
         let SurfaceOnDevice { images, first, further, goes_on, .. } = surface;
@@ -195,50 +270,53 @@ impl Solver {
         };
 
         let begin = Instant::now();
+        if let Some(session) = &mut session {
+            session.restart();
+        }
         let seeds = seed_texels(seeds);
-        first.record(|device, commands| {
-            let recorder = self.recorder(device, commands, images);
+        self.record(first, images, session.as_deref(), |recorder| {
             if start == Start::Fresh {
                 recorder.forget();
             }
             recorder.start(stop);
         })?;
-        first.submit_and_wait()?;
+        submit(first, session.as_deref_mut())?;
         for part in seeds.chunks(images.upload.mapped().len() / size_of::<SeedTexel>()) {
             let bytes = bytemuck::cast_slice(part);
             images.upload.mapped()[..bytes.len()].copy_from_slice(bytes);
             let count = part.len() as u32;
-            self.run(images, |recorder| recorder.seed(count, schedule == Schedule::Tiles))?;
+            let watched = session.as_deref_mut();
+            self.watched(images, watched, |recorder| {
+                recorder.seed(count, schedule == Schedule::Tiles);
+            })?;
         }
         let places = seeds.iter().map(|seed| (seed.texel[1] as u32, seed.texel[0] as u32));
         let reached = Reached::around(places).filter(|_| start == Start::Fresh);
         let steps = plan(images.texels, reached, stop.iterations);
-        first.record(|device, commands| {
-            let recorder = self.recorder(device, commands, images);
+        self.record(first, images, session.as_deref(), |recorder| {
             recorder.steps(passes, &steps);
             recorder.outcome(0);
         })?;
-        first.submit_and_wait()?;
+        submit(first, session.as_deref_mut())?;
         let mut outcome = images.outcome(0);
         while !outcome.is_done() {
             // One recording serves all but the last iterations, of which fewer may be left.
             let steps = plan(images.texels, None, stop.iterations - outcome.iterations);
             let wanted = (wavefront, steps);
             if goes_on.as_ref() != Some(&wanted) {
-                further.record(|device, commands| {
-                    let recorder = self.recorder(device, commands, images);
+                self.record(further, images, session.as_deref(), |recorder| {
                     recorder.go_on(&wanted.1);
                     recorder.steps(passes, &wanted.1);
                     recorder.outcome(0);
                 })?;
                 *goes_on = Some(wanted);
             }
-            further.submit_and_wait()?;
+            submit(further, session.as_deref_mut())?;
             outcome = images.outcome(0);
         }
         let time = begin.elapsed();
 
-        let distances = self.read_back(images)?;
+        let distances = self.read_back(images, session)?;
         self.context.check_validation()?;
         let (iterations, residual) = (outcome.iterations, outcome.residual());
         Ok(Solution { distances, schedule, iterations, residual, time })
@@ -265,7 +343,7 @@ impl Solver {
         commands: ash::vk::CommandBuffer,
         grid: &'a GridImages,
     ) -> Recorder<'a> {
-        Recorder { device, commands, pipelines: &self.pipelines.pipelines, grid }
+        Recorder { device, commands, pipelines: &self.pipelines.pipelines, grid, profile: None }
     }
 
     /// Records, submits and waits.
@@ -273,10 +351,48 @@ impl Solver {
         self.context.run(|device, commands| append(self.recorder(device, commands, grid)))
     }
 
-    fn read_back(&self, images: &mut GridImages) -> Result<Vec<f32>, VulkanError> {
+    /// Records a command buffer, between the queries of a session if there is one.
+    fn record(
+        &self,
+        commands: &Commands,
+        grid: &GridImages,
+        session: Option<&Session>,
+        append: impl FnOnce(Recorder),
+    ) -> Result<(), VulkanError> {
+        commands.record(|device, buffer| {
+            let recorder = self.recorder(device, buffer, grid);
+            match session {
+                None => append(recorder),
+                Some(session) => {
+                    session.open(device, buffer);
+                    append(Recorder { profile: Some(session.profile()), ..recorder });
+                    session.close(device, buffer);
+                }
+            }
+        })
+    }
+
+    /// Records, submits and waits, in a session if there is one.
+    fn watched(
+        &self,
+        grid: &GridImages,
+        session: Option<&mut Session>,
+        append: impl FnOnce(Recorder),
+    ) -> Result<(), VulkanError> {
+        let commands = Commands::new(&self.context)?;
+        self.record(&commands, grid, session.as_deref(), append)?;
+        submit(&commands, session)
+    }
+
+    fn read_back(
+        &self,
+        images: &mut GridImages,
+        mut session: Option<&mut Session>,
+    ) -> Result<Vec<f32>, VulkanError> {
         let mut distances = vec![0.0f32; images.chart.points()];
         for rows in bands(images.chart, size_of::<f32>()) {
-            self.run(images, |recorder| recorder.unpack(rows.clone()))?;
+            let watched = session.as_deref_mut();
+            self.watched(images, watched, |recorder| recorder.unpack(rows.clone()))?;
             let part =
                 &mut distances[images.chart.index(rows.start, 0)..images.chart.index(rows.end, 0)];
             let bytes: &mut [u8] = bytemuck::cast_slice_mut(part);
@@ -285,6 +401,22 @@ impl Solver {
         Ok(distances)
     }
 }
+
+fn is_validation_wanted() -> bool {
+    std::env::var_os(VALIDATION_VARIABLE).is_some_and(|value| value != "0")
+}
+
+/// Submits a command buffer and waits, in a session if there is one.
+fn submit(commands: &Commands, session: Option<&mut Session>) -> Result<(), VulkanError> {
+    match session {
+        None => commands.submit_and_wait(),
+        Some(session) => session.submit(commands),
+    }
+}
+
+/// Passes in a submission beside the steps of a plan, at most: copies of what the device decides,
+/// and how the iterations have gone.
+const PASSES_AROUND: u32 = 8;
 
 impl Drop for Solver {
     fn drop(&mut self) {
@@ -356,7 +488,8 @@ mod tests {
                 steps.remove(barrier);
             };
             let method = method(Wavefront::Planar, schedule);
-            let result = solver.solve_planned(&mut on_device, &seeds, method, Start::Fresh, leaky);
+            let start = Start::Fresh;
+            let result = solver.solve_planned(&mut on_device, &seeds, method, start, leaky, None);
             let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
             assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-")), "{messages:?}");
         }

@@ -69,5 +69,5 @@ pub use inputs::{Lookup, PointKind, PointMemory, PointSource, Points, SourceBuff
 pub use paths::{PathFrame, Paths, PathsInfo, StartInput};
 pub use plan::Plan;
 pub use recording::{Frame, Recording};
-pub use solver::Solver;
+pub use solver::{Solver, Tools};
 pub use surface::{Outcome, PackedTimes, ResultImage, Surface, SurfaceInfo};

@@ -3,6 +3,7 @@
 use crate::cpu::Stop;
 use crate::update::Wavefront;
 use crate::vulkan::plan::{self, Portions, Step};
+use crate::vulkan::profile::{Grain, records};
 use crate::vulkan::{Method, Schedule, TexelChart};
 
 /// The passes of a recording, for any surface with a grid of one size.
@@ -38,6 +39,11 @@ impl Plan {
             }
         }
         Self { texels, schedule, wavefront, stop, steps, iterations: planned }
+    }
+
+    /// Most records of a recording of the steps, with those of copies of what the device decides.
+    pub(super) fn records(&self, grain: Grain) -> u32 {
+        records(&self.steps, grain) + 2
     }
 
     /// The passes, to look at.

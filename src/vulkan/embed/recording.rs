@@ -14,6 +14,7 @@ use crate::surface::{Chart, EdgeRule, Spacing};
 use crate::vulkan::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands};
 use crate::vulkan::pipelines::SchedulePipelines;
+use crate::vulkan::profile::{PassKind, Profile};
 use crate::vulkan::record::{EdgeSource, Recorder, rows_around};
 use crate::vulkan::{Schedule, VulkanError};
 
@@ -93,9 +94,18 @@ impl<'a> Recording<'a> {
         solver: &'a Solver,
         surface: &'a Surface,
     ) -> Self {
-        let recorder =
-            Recorder { device, commands, pipelines: &solver.pipelines, grid: &surface.grid };
+        let (pipelines, grid) = (&solver.pipelines, &surface.grid);
+        let recorder = Recorder { device, commands, pipelines, grid, profile: None };
         Self { recorder, solver, surface }
+    }
+
+    /// The same, with the passes taken down in a profile, which starts anew here: resets its
+    /// queries and takes the time. All other calls go to what this returns, and are to run in one
+    /// submission.
+    pub fn profiled(mut self, profile: &'a Profile) -> Self {
+        profile.begin(self.recorder.device, self.recorder.commands);
+        self.recorder.profile = Some(profile);
+        self
     }
 
     /// Brings the new surface's images into their layouts. To be recorded once, before anything
@@ -183,7 +193,9 @@ impl<'a> Recording<'a> {
                 stride: info.memory.stride_words(),
             };
             let pipeline = self.points_pipeline(info.memory);
+            let pass = recorder.pass(PassKind::Points);
             recorder.host_pass(pipeline, set.set, &band, [chart.cols as u32, around.len() as u32]);
+            drop(pass);
             recorder.barrier(SHADER_WRITE, SHADER);
             recorder.measure(source, spacing, rule == EdgeRule::Arc, rows);
         }
@@ -258,6 +270,7 @@ impl<'a> Recording<'a> {
         unreached: f32,
     ) -> Result<ResultImage, VulkanError> {
         let result = self.surface.result(slot, reader.layout)?;
+        let _pass = self.recorder.pass(PassKind::Distances);
         let Self { recorder, surface, solver } = self;
         let chart = surface.grid.chart;
         // Writers of the same slot in commands before are waited for as well.
@@ -291,6 +304,7 @@ impl<'a> Recording<'a> {
         let Self { recorder, surface, solver } = self;
         let set = nth(&surface.sets.lookups, "lookups", number)?;
         let count = surface.lookup_counts[number];
+        let _pass = recorder.pass(PassKind::Lookup);
         recorder.barrier(before.side(), SHADER);
         let places = Places {
             grid: grid_size(surface.grid.chart),
@@ -350,7 +364,9 @@ impl<'a> Recording<'a> {
                 count: together as i32,
             };
             let pipeline = self.solver.pipelines.sources;
+            let pass = recorder.pass(PassKind::Sources);
             recorder.host_pass(pipeline, set.set, &portion, [4 * together, 1]);
+            drop(pass);
             recorder.barrier(SHADER_WRITE, SHADER);
             recorder.seed(4 * together, plan.schedule == Schedule::Tiles);
         }

@@ -1,6 +1,6 @@
 //! The pipelines of a device, shared by all its surfaces.
 
-use ash::vk;
+use ash::{khr, vk};
 use gpu_allocator::vulkan::Allocator;
 
 use super::contours::Contours;
@@ -12,6 +12,7 @@ use crate::surface::Chart;
 use crate::update::Wavefront;
 use crate::vulkan::limits::Limits;
 use crate::vulkan::pipelines::{Pipelines, SchedulePipelines};
+use crate::vulkan::profile::{self, Labels};
 use crate::vulkan::{Method, Schedule, Tuning, VulkanError, requirements};
 
 /// The pipelines of a device of the host's.
@@ -26,6 +27,16 @@ pub struct Solver {
     pub(crate) limits: Limits,
 }
 
+/// What the host has enabled on its instance and device for tools that look on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tools {
+    /// `VK_EXT_debug_utils`: passes get labels, and images, buffers and pipelines names.
+    pub labels: bool,
+    /// `VK_KHR_pipeline_executable_properties` with the feature `pipelineExecutableInfo`: drivers
+    /// tell what they have made of pipelines, by [`Solver::executables`].
+    pub executables: bool,
+}
+
 impl Solver {
     /// Creates the pipelines for these schedules and wavefronts; others can be added later with
     /// [`Solver::add_passes`].
@@ -38,6 +49,20 @@ impl Solver {
         device: &ash::Device,
         passes: &[(Schedule, Wavefront)],
     ) -> Result<Self, VulkanError> {
+        Self::with_tools(instance, physical_device, device, passes, Tools::default())
+    }
+
+    /// The same, for tools that look on.
+    ///
+    /// # Errors
+    /// As [`Solver::new`].
+    pub fn with_tools(
+        instance: &ash::Instance,
+        physical_device: vk::PhysicalDevice,
+        device: &ash::Device,
+        passes: &[(Schedule, Wavefront)],
+        tools: Tools,
+    ) -> Result<Self, VulkanError> {
         // SAFETY: the physical device is from this instance.
         let properties = unsafe { instance.get_physical_device_properties(physical_device) };
         let unmet = requirements::unmet(instance, physical_device);
@@ -46,7 +71,9 @@ impl Solver {
             let device = name.to_string_lossy().into_owned();
             return Err(VulkanError::Unusable { device, unmet: unmet.join("; ") });
         }
-        let pipelines = Pipelines::new(device, Tuning::of(&properties))?;
+        let labels = tools.labels.then(|| Labels::new(instance, device));
+        let tuning = Tuning::of(&properties);
+        let pipelines = Pipelines::new(device, tuning, labels, tools.executables)?;
         let limits = Limits::of(instance, physical_device);
         let mut new = Self { pipelines, passes: Default::default(), limits };
         for &(schedule, wavefront) in passes {
@@ -68,9 +95,41 @@ impl Solver {
         let passes = &mut self.passes[schedule as usize][wavefront as usize];
         if passes.is_none() {
             let new = SchedulePipelines::new(device, &self.pipelines, schedule, wavefront)?;
+            for (name, pipeline) in new.named(schedule, wavefront) {
+                self.pipelines.name(&name, pipeline);
+            }
             *passes = Some(new);
         }
         Ok(())
+    }
+
+    /// Most records that [`Recording::frame`] makes for a surface: room for so many in a
+    /// [`profile::Profile`].
+    pub fn passes_of_frame(&self, surface: &Surface, plan: &Plan, grain: profile::Grain) -> u32 {
+        surface.passes_around() + plan.records(grain)
+    }
+
+    /// What the driver has made of the pipelines; [`Tools::executables`] must be set.
+    ///
+    /// # Errors
+    /// If the driver fails.
+    pub fn executables(
+        &self,
+        instance: &ash::Instance,
+        device: &ash::Device,
+    ) -> Result<Vec<profile::Executable>, VulkanError> {
+        let loader = khr::pipeline_executable_properties::Device::new(instance, device);
+        let plain = self.pipelines.named().map(|(name, pipeline)| (name.to_owned(), pipeline));
+        let mut all = Vec::new();
+        for schedule in Schedule::ALL {
+            for wavefront in Wavefront::ALL {
+                if let Some(passes) = self.passes(schedule, wavefront) {
+                    all.extend(passes.named(schedule, wavefront));
+                }
+            }
+        }
+        all.extend(plain);
+        profile::executables(&loader, &all)
     }
 
     pub(crate) fn passes(

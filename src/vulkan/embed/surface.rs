@@ -6,10 +6,10 @@ use gpu_allocator::vulkan::Allocator;
 use super::host_sets::HostSets;
 use super::inputs::{Lookup, Points, SourceBuffer};
 use super::solver::Solver;
-use crate::constants::{BORDER, TIME};
+use crate::constants::{BORDER, SOURCES_TOGETHER, TIME};
 use crate::surface::{Chart, EdgeRule, SurfaceError};
 use crate::vulkan::VulkanError;
-use crate::vulkan::grid_images::{GridImages, Purpose};
+use crate::vulkan::grid_images::{GridImages, INLINE_SOURCES, POINT_BYTES, Purpose, bands};
 use crate::vulkan::memory::{FORMAT, RESULT_FORMAT};
 
 /// What a surface is made for. The host's images and buffers stay the host's: they must be alive
@@ -210,6 +210,17 @@ impl Surface {
     pub fn outcome(&self, slot: usize) -> Result<Outcome, VulkanError> {
         self.check_slot(slot)?;
         Ok(Outcome::of(self.grid.outcome(slot)))
+    }
+
+    /// Most passes of a frame beside those of its plan.
+    pub(super) fn passes_around(&self) -> u32 {
+        let measured = 2 * bands(self.grid.chart, POINT_BYTES).count() as u32 + 2;
+        let inline = INLINE_SOURCES as u32;
+        let sources = self.sources.iter().map(|sources| sources.count).max();
+        let sources = sources.unwrap_or(0).max(inline);
+        // Sources are taken, found and set in portions; the rest is forgotten, started, copied and
+        // unpacked.
+        measured + 1 + 2 * sources.div_ceil(SOURCES_TOGETHER) + 4
     }
 
     pub(super) fn check_slot(&self, slot: usize) -> Result<(), VulkanError> {

@@ -1,0 +1,67 @@
+//! The device's clock beside the host's.
+
+use std::ffi::CStr;
+use std::time::Instant;
+
+use ash::{ext, khr, vk};
+
+use super::clock::Clock;
+use crate::vulkan::VulkanError;
+
+/// One moment on both clocks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Calibration {
+    ticks: u64,
+    at: Instant,
+    clock: Clock,
+}
+
+impl Calibration {
+    /// Reads the device's clock, by an extension that the device has enabled, between two readings
+    /// of the host's: the best of several tries.
+    pub(crate) fn new(
+        instance: &ash::Instance,
+        device: &ash::Device,
+        extension: &CStr,
+        clock: Clock,
+    ) -> Result<Self, VulkanError> {
+        let info =
+            [vk::CalibratedTimestampInfoKHR::default().time_domain(vk::TimeDomainKHR::DEVICE)];
+        // Both extensions share the function, but for the end of its name.
+        let read = || {
+            // SAFETY: the extension is enabled on the device, which offers its own time domain.
+            unsafe {
+                if extension == khr::calibrated_timestamps::NAME {
+                    let loader = khr::calibrated_timestamps::Device::new(instance, device);
+                    loader.get_calibrated_timestamps(&info)
+                } else {
+                    let loader = ext::calibrated_timestamps::Device::new(instance, device);
+                    loader.get_calibrated_timestamps(&info)
+                }
+            }
+            .map_err(VulkanError::from_call("vkGetCalibratedTimestampsKHR"))
+        };
+        const TRIES: usize = 8;
+        let mut best = None;
+        for _ in 0..TRIES {
+            let before = Instant::now();
+            let (ticks, _) = read()?;
+            let taken = before.elapsed();
+            if best.is_none_or(|(shortest, _, _)| taken < shortest) {
+                best = Some((taken, ticks[0], before + taken / 2));
+            }
+        }
+        let (_, ticks, at) = best.expect("there was a try");
+        Ok(Self { ticks, at, clock })
+    }
+
+    /// Nanoseconds from a moment of the host's to a timestamp of the device's.
+    pub(crate) fn since(&self, start: Instant, timestamp: u64) -> f64 {
+        let host = if self.at >= start {
+            (self.at - start).as_nanos() as f64
+        } else {
+            -((start - self.at).as_nanos() as f64)
+        };
+        host + self.clock.signed_ticks(self.ticks, timestamp) as f64 * self.clock.period
+    }
+}

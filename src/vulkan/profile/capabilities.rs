@@ -1,0 +1,156 @@
+//! What a device offers for profiling.
+
+use std::ffi::CStr;
+use std::fmt;
+
+use ash::{ext, khr, vk};
+
+use super::clock::Clock;
+
+/// What a device may offer for profiling; none of it is needed for a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Capability {
+    /// Timestamps on the queue: GPU time of each pass.
+    Timestamps,
+    /// Pipeline-statistics queries: invocations of each pass.
+    Statistics,
+    /// `VK_KHR_pipeline_executable_properties`: registers, spills and subgroup size of pipelines.
+    Executables,
+    /// Calibrated timestamps: the device's clock beside the host's.
+    Calibration,
+    /// `VK_EXT_debug_utils`: labels and names in tools.
+    Labels,
+}
+
+impl Capability {
+    /// All of them.
+    pub const ALL: [Self; 5] =
+        [Self::Timestamps, Self::Statistics, Self::Executables, Self::Calibration, Self::Labels];
+
+    /// The name used on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Timestamps => "timestamps",
+            Self::Statistics => "statistics",
+            Self::Executables => "executables",
+            Self::Calibration => "calibration",
+            Self::Labels => "labels",
+        }
+    }
+}
+
+impl fmt::Display for Capability {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Why something cannot be profiled; displayed as "not available on this device (the reason)".
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Unavailable(&'static str);
+
+impl Unavailable {
+    /// It was left out on purpose.
+    pub const LEFT_OUT: Self = Self("left out as asked");
+}
+
+impl fmt::Display for Unavailable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "not available on this device ({})", self.0)
+    }
+}
+
+/// What a device offers for profiling, and why it does not offer the rest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Capabilities {
+    /// The queue's clock.
+    pub timestamps: Result<Clock, Unavailable>,
+    /// Whether invocations are counted.
+    pub statistics: Result<(), Unavailable>,
+    /// Whether pipelines tell of their registers.
+    pub executables: Result<(), Unavailable>,
+    /// The extension for calibrated timestamps: the Khronos one or, before it, the vendors'.
+    pub calibration: Result<&'static CStr, Unavailable>,
+    /// Whether tools see labels and names.
+    pub labels: Result<(), Unavailable>,
+}
+
+impl Capabilities {
+    /// Asks a device that meets the [requirements](crate::vulkan::requirements), and its queue
+    /// family. `debug_utils` says whether the instance has `VK_EXT_debug_utils` enabled.
+    pub fn of(
+        instance: &ash::Instance,
+        physical_device: vk::PhysicalDevice,
+        queue_family: u32,
+        debug_utils: bool,
+    ) -> Self {
+        let clock = Clock::of(instance, physical_device, queue_family);
+        // SAFETY: the physical device is from this instance.
+        let (features, extensions) = unsafe {
+            (
+                instance.get_physical_device_features(physical_device),
+                instance.enumerate_device_extension_properties(physical_device).unwrap_or_default(),
+            )
+        };
+        let has = |name: &CStr| {
+            extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name))
+        };
+        let or = |there: bool, reason| if there { Ok(()) } else { Err(Unavailable(reason)) };
+        let calibration = [khr::calibrated_timestamps::NAME, ext::calibrated_timestamps::NAME];
+        let executables = has(khr::pipeline_executable_properties::NAME)
+            && executable_info(instance, physical_device);
+        Self {
+            timestamps: clock.ok_or(Unavailable("its queue for compute writes no timestamps")),
+            statistics: or(
+                features.pipeline_statistics_query != 0,
+                "it counts no invocations: pipelineStatisticsQuery is missing",
+            ),
+            executables: or(executables, "VK_KHR_pipeline_executable_properties is missing"),
+            calibration: calibration
+                .into_iter()
+                .find(|name| has(name))
+                .ok_or(Unavailable("VK_KHR_calibrated_timestamps is missing")),
+            labels: or(debug_utils, "VK_EXT_debug_utils is missing or not enabled"),
+        }
+    }
+
+    /// The same, as on a device that lacks these.
+    pub fn without(mut self, left_out: &[Capability]) -> Self {
+        const GONE: Unavailable = Unavailable::LEFT_OUT;
+        for capability in left_out {
+            match capability {
+                Capability::Timestamps => self.timestamps = Err(GONE),
+                Capability::Statistics => self.statistics = Err(GONE),
+                Capability::Executables => self.executables = Err(GONE),
+                Capability::Calibration => self.calibration = Err(GONE),
+                Capability::Labels => self.labels = Err(GONE),
+            }
+        }
+        self
+    }
+
+    /// Why one of them is not there.
+    pub fn reason(&self, capability: Capability) -> Option<Unavailable> {
+        match capability {
+            Capability::Timestamps => self.timestamps.err(),
+            Capability::Statistics => self.statistics.err(),
+            Capability::Executables => self.executables.err(),
+            Capability::Calibration => self.calibration.err(),
+            Capability::Labels => self.labels.err(),
+        }
+    }
+
+    /// The device extensions to enable for them.
+    pub fn device_extensions(&self) -> Vec<&'static CStr> {
+        let executables = self.executables.map(|()| khr::pipeline_executable_properties::NAME);
+        executables.into_iter().chain(self.calibration).collect()
+    }
+}
+
+fn executable_info(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> bool {
+    let mut executables = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default();
+    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut executables);
+    // SAFETY: the physical device is from this instance, supports Vulkan 1.1 and the extension.
+    unsafe { instance.get_physical_device_features2(physical_device, &mut features) };
+    executables.pipeline_executable_info != 0
+}

@@ -1,0 +1,87 @@
+//! Ticks of a queue's timestamps, as nanoseconds.
+
+use ash::vk;
+
+/// How a queue family counts time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// Nanoseconds of a tick.
+    pub period: f64,
+    /// The bits of a timestamp that count, from 1 to 64; the others are undefined.
+    pub valid_bits: u32,
+}
+
+impl Clock {
+    /// The clock of a queue family; `None` if its queues write no timestamps.
+    pub fn of(
+        instance: &ash::Instance,
+        physical_device: vk::PhysicalDevice,
+        queue_family: u32,
+    ) -> Option<Self> {
+        // SAFETY: the physical device is from this instance.
+        let (properties, families) = unsafe {
+            (
+                instance.get_physical_device_properties(physical_device),
+                instance.get_physical_device_queue_family_properties(physical_device),
+            )
+        };
+        let valid_bits = families.get(queue_family as usize)?.timestamp_valid_bits;
+        let period = f64::from(properties.limits.timestamp_period);
+        (valid_bits > 0 && period > 0.0).then_some(Self { period, valid_bits })
+    }
+
+    /// Ticks from one timestamp to a later one, over at most one wrap of the counter.
+    pub fn ticks(&self, from: u64, to: u64) -> u64 {
+        to.wrapping_sub(from) & self.mask()
+    }
+
+    /// Ticks from one timestamp to another that may lie before it, whichever is nearer.
+    pub fn signed_ticks(&self, from: u64, to: u64) -> i64 {
+        let unused = u64::BITS - self.valid_bits;
+        (to.wrapping_sub(from) << unused) as i64 >> unused
+    }
+
+    /// Nanoseconds from one timestamp to a later one.
+    ///
+    /// ```
+    /// use geosweep::vulkan::profile::Clock;
+    /// let clock = Clock { period: 10.0, valid_bits: 36 };
+    /// assert_eq!(clock.nanoseconds((1 << 36) - 2, 3), 50);
+    /// ```
+    pub fn nanoseconds(&self, from: u64, to: u64) -> u64 {
+        (self.ticks(from, to) as f64 * self.period).round() as u64
+    }
+
+    fn mask(&self) -> u64 {
+        u64::MAX >> (u64::BITS - self.valid_bits)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counters_wrap_and_what_lies_above_them_is_ignored() {
+        for valid_bits in [20, 36, 48, 63, 64] {
+            let clock = Clock { period: 1.0, valid_bits };
+            let last = clock.mask();
+            assert_eq!(clock.ticks(last, 0), 1);
+            assert_eq!(clock.ticks(last - 4, 5), 10);
+            assert_eq!(clock.ticks(3, 3), 0);
+            assert_eq!(clock.signed_ticks(last - 4, 5), 10);
+            assert_eq!(clock.signed_ticks(5, last - 4), -10);
+            if valid_bits < 64 {
+                let garbage = !last;
+                assert_eq!(clock.ticks(7, garbage | 12), 5);
+                assert_eq!(clock.signed_ticks(garbage | 12, 7), -5);
+            }
+        }
+    }
+
+    #[test]
+    fn ticks_are_periods() {
+        let clock = Clock { period: 52.083, valid_bits: 64 };
+        assert_eq!(clock.nanoseconds(1000, 1192), 10_000);
+    }
+}

@@ -1,0 +1,42 @@
+//! What the device has decided, as it is copied beside a recording.
+
+use super::work::Decisions;
+use crate::constants::ROUNDS;
+use crate::vulkan::progress::{DeviceProgress, Outcome, offset};
+
+/// Bytes of a portion of steps: how the iterations had gone before it, then all the progress
+/// after it.
+pub(crate) const BYTES: u64 = BEFORE + size_of::<DeviceProgress>() as u64;
+/// Of the first part.
+pub(crate) const BEFORE: u64 = size_of::<Outcome>() as u64;
+
+/// A portion's decisions, off the device.
+pub(crate) struct ReadBack {
+    before: u32,
+    after: u32,
+    rounds: Vec<u32>,
+}
+
+impl ReadBack {
+    /// From the bytes of a portion.
+    pub(crate) fn new(bytes: &[u8]) -> Self {
+        let (before, after) = bytes.split_at(BEFORE as usize);
+        let iterations = |bytes: &[u8]| {
+            let outcome: Outcome = bytemuck::pod_read_unaligned(&bytes[..BEFORE as usize]);
+            outcome.iterations
+        };
+        let number = |offset: u64| {
+            let at = offset as usize;
+            u32::from_ne_bytes(after[at..at + 4].try_into().expect("these are four bytes"))
+        };
+        Self {
+            before: iterations(before),
+            after: iterations(after),
+            rounds: (0..ROUNDS).map(|round| number(offset::round(round))).collect(),
+        }
+    }
+
+    pub(crate) fn decisions(&self) -> Decisions<'_> {
+        Decisions { before: self.before, after: self.after.max(self.before), rounds: &self.rounds }
+    }
+}

@@ -1,0 +1,110 @@
+//! What a driver has made of a pipeline: registers, spills, the size of subgroups.
+
+use std::ffi::{CStr, c_char};
+
+use ash::{khr, vk};
+
+use crate::vulkan::VulkanError;
+
+/// A pipeline as the driver runs it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Executable {
+    /// The pass or shader that the pipeline is of.
+    pub pipeline: String,
+    /// The driver's name for it.
+    pub name: String,
+    /// Invocations of a subgroup.
+    pub subgroup_size: u32,
+    /// What the driver tells.
+    pub statistics: Vec<Statistic>,
+}
+
+/// A number that a driver tells of an executable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Statistic {
+    /// Such as "Register Count".
+    pub name: String,
+    /// What it means, in the driver's words.
+    pub description: String,
+    /// The number; 0 or 1 for what is true or false.
+    pub value: f64,
+}
+
+/// Reads them. The pipelines, with their names, were created with `CAPTURE_STATISTICS` on a device
+/// with the feature `pipelineExecutableInfo`.
+pub(crate) fn executables(
+    loader: &khr::pipeline_executable_properties::Device,
+    pipelines: &[(String, vk::Pipeline)],
+) -> Result<Vec<Executable>, VulkanError> {
+    let mut found = Vec::new();
+    for (pipeline, handle) in pipelines {
+        let info = vk::PipelineInfoKHR::default().pipeline(*handle);
+        // SAFETY: the pipeline is alive and of this device.
+        let properties = unsafe { loader.get_pipeline_executable_properties(&info) }
+            .map_err(VulkanError::from_call("vkGetPipelineExecutablePropertiesKHR"))?;
+        for (index, executable) in (0..).zip(&properties) {
+            let info =
+                vk::PipelineExecutableInfoKHR::default().pipeline(*handle).executable_index(index);
+            // SAFETY: the pipeline has an executable with this number and captures statistics.
+            let statistics = unsafe { loader.get_pipeline_executable_statistics(&info) }
+                .map_err(VulkanError::from_call("vkGetPipelineExecutableStatisticsKHR"))?;
+            found.push(Executable {
+                pipeline: pipeline.clone(),
+                name: text(&executable.name),
+                subgroup_size: executable.subgroup_size,
+                statistics: statistics.iter().map(Statistic::of).collect(),
+            });
+        }
+    }
+    Ok(found)
+}
+
+impl Statistic {
+    fn of(raw: &vk::PipelineExecutableStatisticKHR) -> Self {
+        use vk::PipelineExecutableStatisticFormatKHR as Format;
+        // SAFETY: the driver has set the field that the format names; all bits are valid in each.
+        let value = unsafe {
+            match raw.format {
+                Format::BOOL32 => f64::from(raw.value.b32),
+                Format::INT64 => raw.value.i64 as f64,
+                Format::UINT64 => raw.value.u64 as f64,
+                _ => raw.value.f64,
+            }
+        };
+        Self { name: text(&raw.name), description: text(&raw.description), value }
+    }
+}
+
+/// Text up to its NUL.
+fn text(chars: &[c_char]) -> String {
+    let bytes: Vec<u8> = chars.iter().map(|&char| char as u8).collect();
+    let text = CStr::from_bytes_until_nul(&bytes).unwrap_or_default();
+    text.to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// No device at hand has the extension, so this holds the reading of it against what the
+    /// specification says of the structures.
+    #[test]
+    fn every_format_of_a_statistic_is_a_number() {
+        use vk::PipelineExecutableStatisticFormatKHR as Format;
+        use vk::PipelineExecutableStatisticValueKHR as Value;
+        for (format, value, expected) in [
+            (Format::BOOL32, Value { b32: 1 }, 1.0),
+            (Format::INT64, Value { i64: -3 }, -3.0),
+            (Format::UINT64, Value { u64: 64 }, 64.0),
+            (Format::FLOAT64, Value { f64: 0.5 }, 0.5),
+        ] {
+            let mut raw =
+                vk::PipelineExecutableStatisticKHR { format, value, ..Default::default() };
+            for (to, from) in raw.name.iter_mut().zip(b"Register Count\0") {
+                *to = *from as c_char;
+            }
+            let read = Statistic::of(&raw);
+            assert_eq!((read.name.as_str(), read.value), ("Register Count", expected));
+        }
+    }
+}

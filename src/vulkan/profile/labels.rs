@@ -1,0 +1,44 @@
+//! Labels of passes and names of objects, for debuggers and profilers that show them.
+
+use std::ffi::CStr;
+use std::fmt;
+
+use ash::{ext, vk};
+
+/// The functions of `VK_EXT_debug_utils`, where the host has enabled it.
+#[derive(Clone)]
+pub(crate) struct Labels(ext::debug_utils::Device);
+
+impl fmt::Debug for Labels {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Labels")
+    }
+}
+
+impl Labels {
+    /// The instance must have `VK_EXT_debug_utils` enabled.
+    pub(crate) fn new(instance: &ash::Instance, device: &ash::Device) -> Self {
+        Self(ext::debug_utils::Device::new(instance, device))
+    }
+
+    pub(crate) fn open(&self, commands: vk::CommandBuffer, label: &CStr) {
+        let label = vk::DebugUtilsLabelEXT::default().label_name(label);
+        // SAFETY: the command buffer is being recorded on this device.
+        unsafe { self.0.cmd_begin_debug_utils_label(commands, &label) };
+    }
+
+    pub(crate) fn close(&self, commands: vk::CommandBuffer) {
+        // SAFETY: every `close` follows an `open` in the same command buffer.
+        unsafe { self.0.cmd_end_debug_utils_label(commands) };
+    }
+
+    /// Names an object. Names are for people: one that cannot be given is no error.
+    pub(crate) fn name(&self, object: impl vk::Handle, name: &str) {
+        let text: Vec<u8> = name.bytes().chain([0]).collect();
+        let Ok(text) = CStr::from_bytes_with_nul(&text) else { return };
+        let info =
+            vk::DebugUtilsObjectNameInfoEXT::default().object_handle(object).object_name(text);
+        // SAFETY: the object is of this device.
+        let _ = unsafe { self.0.set_debug_utils_object_name(&info) };
+    }
+}

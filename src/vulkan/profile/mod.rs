@@ -1,0 +1,70 @@
+//! Low-level profiling: every pass, what it had to do, and what it took.
+//!
+//! Nothing of it is recorded unless it is asked for. A host gives a [`Profile`] a range of its own
+//! query pools ([`Slots`]), records with [`Recording::profiled`], and asks for the records with
+//! [`Profile::resolve`] frames later: no call waits. [`planned`] counts the work of a plan without
+//! a device. [`Solver::for_profiling`] does all of that by itself.
+//!
+//! A [`PassRecord`] is plain values: forward it to whatever shows them; with the feature `tracing`,
+//! `emit` turns records into spans. [`Capabilities`] says what a device does not offer.
+//! `docs/profiling.md` tells how to read what comes out.
+//!
+//! ```no_run
+//! # use geosweep::ash::{self, vk};
+//! # use geosweep::vulkan::{VulkanError, embed};
+//! # fn host(device: &ash::Device, commands: vk::CommandBuffer, timestamps: vk::QueryPool,
+//! #     solver: &embed::Solver, surface: &embed::Surface, plan: &embed::Plan,
+//! #     frame: &embed::Frame, clock: geosweep::vulkan::profile::Clock,
+//! # ) -> Result<(), VulkanError> {
+//! use geosweep::vulkan::profile::{Grain, Profile, QueryRange, Slots};
+//!
+//! // Once for each frame in flight: a range of a pool of `TIMESTAMP` queries.
+//! let passes = solver.passes_of_frame(surface, plan, Grain::Scans);
+//! let range = QueryRange { pool: timestamps, first: 0, count: passes + 1 };
+//! let slots = Slots { timestamps: Some(range), ..Slots::default() };
+//! let profile = Profile::new(passes, Grain::Scans, slots);
+//!
+//! // Every frame:
+//! solver.record(device, commands, surface).profiled(&profile).frame(frame)?;
+//!
+//! // When the frame comes round again, or at any time:
+//! if let Some(resolved) = profile.resolve(device, Some(clock), None)? {
+//!     for pass in &resolved.passes {
+//!         println!("{} {:?} ns", pass.kind.name(), pass.nanoseconds);
+//!     }
+//! }
+//! # Ok(()) }
+//! ```
+//!
+//! [`Recording::profiled`]: super::embed::Recording::profiled
+//! [`Solver::for_profiling`]: super::Solver::for_profiling
+
+mod calibration;
+mod capabilities;
+mod clock;
+mod decisions;
+mod executables;
+mod labels;
+mod pass;
+mod scope;
+mod session;
+mod slots;
+#[cfg(feature = "tracing")]
+mod spans;
+mod work;
+
+pub use capabilities::{Capabilities, Capability, Unavailable};
+pub use clock::Clock;
+pub(crate) use decisions::BEFORE as BEFORE_BYTES;
+pub(crate) use executables::executables;
+pub use executables::{Executable, Statistic};
+pub(crate) use labels::Labels;
+pub use pass::{Area, Grain, PassKind, PassRecord};
+pub(crate) use scope::Scope;
+pub(crate) use session::Session;
+pub use session::{Detail, SolveProfile, SubmissionRecord};
+pub use slots::{Decided, Profile, QueryRange, Resolved, Slots};
+#[cfg(feature = "tracing")]
+pub use spans::emit;
+pub(crate) use work::{Presence, StepCounter, records};
+pub use work::{Work, planned};

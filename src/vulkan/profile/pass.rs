@@ -1,0 +1,183 @@
+//! The record of one pass: plain values, to be kept, compared and forwarded.
+
+use std::ffi::CStr;
+use std::ops::Range;
+
+use super::work::Work;
+use crate::vulkan::plan::Scan;
+
+/// What a pass does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PassKind {
+    /// Brings new images into their layouts, with no edge and no point reached.
+    Prepare,
+    /// Reads a band of the host's points.
+    Points,
+    /// Measures the edges of a band of rows.
+    Edges,
+    /// Computes the surface's Gaussian curvature, in two passes.
+    Curvature,
+    /// Forgets the last map.
+    Forget,
+    /// Sets the progress to its beginning.
+    Start,
+    /// Sets the lists of tiles for more rounds.
+    Resume,
+    /// Takes sources that come with the recording, or finds the texels around them.
+    Sources,
+    /// Sets the texels with sources.
+    Seed,
+    /// One of the four rotated scans, or a block of its lines.
+    Scan(Scan),
+    /// An update of all points at once.
+    AllPoints,
+    /// The tiles on the list of a round.
+    Tiles,
+    /// Brings all tiles back to one image, and decides whether more rounds follow.
+    Settle,
+    /// Decides whether another iteration follows.
+    Count,
+    /// Copies what the device has decided to where a [`super::Profile`] finds it: only recorded
+    /// while profiling.
+    Decisions,
+    /// Copies how the iterations have gone.
+    Outcome,
+    /// Unpacks the map into an image of distances.
+    Distances,
+    /// Unpacks a band of the map into the read-back buffer.
+    Unpack,
+    /// Looks distances up at places of the host's.
+    Lookup,
+}
+
+impl PassKind {
+    /// The name used in reports, and as the label of the pass.
+    pub fn name(self) -> &'static str {
+        self.label().to_str().expect("labels are ASCII")
+    }
+
+    /// Whether a pass of this kind is a dispatch, rather than copies and clears.
+    pub fn is_dispatch(self) -> bool {
+        use PassKind::*;
+        !matches!(self, Prepare | Forget | Start | Resume | Decisions | Outcome)
+    }
+
+    pub(crate) fn label(self) -> &'static CStr {
+        match self {
+            Self::Prepare => c"prepare",
+            Self::Points => c"points",
+            Self::Edges => c"edges",
+            Self::Curvature => c"curvature",
+            Self::Forget => c"forget",
+            Self::Start => c"start",
+            Self::Resume => c"resume",
+            Self::Sources => c"sources",
+            Self::Seed => c"seed",
+            Self::Scan(Scan::Down) => c"scan down",
+            Self::Scan(Scan::Up) => c"scan up",
+            Self::Scan(Scan::Right) => c"scan right",
+            Self::Scan(Scan::Left) => c"scan left",
+            Self::AllPoints => c"all points",
+            Self::Tiles => c"tiles",
+            Self::Settle => c"settle",
+            Self::Count => c"count",
+            Self::Decisions => c"decisions",
+            Self::Outcome => c"outcome",
+            Self::Distances => c"distances",
+            Self::Unpack => c"unpack",
+            Self::Lookup => c"lookup",
+        }
+    }
+}
+
+/// What a record stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Grain {
+    /// A scan, with all its blocks of lines and the barriers between them. Timestamps take time of
+    /// their own, some tens of microseconds on lavapipe, and a scan has a hundred blocks and more.
+    #[default]
+    Scans,
+    /// Each dispatch.
+    Blocks,
+}
+
+/// A box of texels. Rows and columns of texels count the images' border.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Area {
+    /// The first row, and the one after the last.
+    pub rows: [u32; 2],
+    /// The first column, and the one after the last.
+    pub cols: [u32; 2],
+}
+
+impl Area {
+    pub(super) fn new(rows: Range<u32>, cols: Range<u32>) -> Self {
+        Self { rows: [rows.start, rows.end], cols: [cols.start, cols.end] }
+    }
+
+    /// The smallest box around both.
+    fn around(self, other: Self) -> Self {
+        let around = |a: [u32; 2], b: [u32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        Self { rows: around(self.rows, other.rows), cols: around(self.cols, other.cols) }
+    }
+}
+
+/// A pass of a recording, or all blocks of a scan.
+///
+/// What is `None` is not known: it was not measured, or the device decided it and nothing was
+/// read back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PassRecord {
+    /// What it does.
+    pub kind: PassKind,
+    /// The iteration that it belongs to, or the round of tiles: from 0 at the start of the map, or
+    /// of the portion of steps where it is not known what the device has decided. `None` for passes
+    /// outside the iterations too.
+    pub iteration: Option<u32>,
+    /// The box around the texels that it was recorded for; `None` for passes that visit no box, too.
+    pub area: Option<Area>,
+    /// Dispatches that it stands for; none for copies and clears.
+    pub dispatches: u32,
+    /// Workgroups dispatched, in all of them together; none where the map has converged before; `None` for copies and
+    /// clears too.
+    pub groups: Option<[u32; 3]>,
+    /// What it had to move and to compute.
+    pub work: Work,
+    /// When it began, in nanoseconds since the start of the recording.
+    pub begin: Option<u64>,
+    /// Nanoseconds on the device from the end of the pass before to the end of this one, so that
+    /// the barrier between them counts to this one.
+    pub nanoseconds: Option<u64>,
+    /// Invocations of compute shaders, as counted by the device.
+    pub invocations: Option<u64>,
+}
+
+impl PassRecord {
+    pub(crate) fn new(kind: PassKind) -> Self {
+        Self {
+            kind,
+            iteration: None,
+            area: None,
+            dispatches: kind.is_dispatch().into(),
+            groups: None,
+            work: Work::default(),
+            begin: None,
+            nanoseconds: None,
+            invocations: None,
+        }
+    }
+
+    /// Takes the next block of the same scan in.
+    pub(crate) fn absorb(&mut self, next: &Self) {
+        self.area = self.area.zip(next.area).map(|(a, b)| a.around(b));
+        self.dispatches += next.dispatches;
+        self.groups = self.groups.zip(next.groups).map(|(a, b)| [a[0] + b[0], a[1], a[2]]);
+        self.work = self.work.and(next.work);
+    }
+
+    /// Whether the pass lies beyond convergence, or its list of tiles was empty: it was
+    /// dispatched and visited nothing.
+    pub fn is_idle(&self) -> bool {
+        self.groups.is_some_and(|groups| groups.contains(&0))
+    }
+}

@@ -1,0 +1,314 @@
+//! A map that is profiled on a device of our own, submission by submission.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+
+use super::calibration::Calibration;
+use super::capabilities::Capabilities;
+use super::pass::{Grain, PassKind, PassRecord};
+use super::slots::{Decided, Profile, QueryRange, Resolved, Slots, results};
+use crate::constants::ROUNDS;
+use crate::vulkan::VulkanError;
+use crate::vulkan::headless::{Commands, Context};
+use crate::vulkan::memory::{Buffer, BufferInfo};
+
+/// What is looked at while a map is computed, beside times.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Detail {
+    /// What is timed.
+    pub grain: Grain,
+    /// Invocations, where the device counts them.
+    pub invocations: bool,
+    /// Which tiles each round visits.
+    pub tiles: bool,
+}
+
+/// How a map was computed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SolveProfile {
+    /// In their order.
+    pub submissions: Vec<SubmissionRecord>,
+    /// From the first submission to the end of the last before the map is read back, by the host's
+    /// clock.
+    pub time: Duration,
+}
+
+/// A command buffer that was submitted and waited for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SubmissionRecord {
+    /// When it was submitted, by the host's clock, since the start of the map.
+    pub submitted: Duration,
+    /// And when the host knew that it had ended.
+    pub ended: Duration,
+    /// When the device began with it, in nanoseconds on the same clock, where calibrated timestamps
+    /// tell.
+    pub begin: Option<f64>,
+    /// Nanoseconds from its first command to its last, by a pair of timestamps of its own around
+    /// those of the passes.
+    pub nanoseconds: Option<u64>,
+    /// Nanoseconds from its first command to the first pass.
+    pub lead: Option<u64>,
+    /// The passes.
+    pub passes: Vec<PassRecord>,
+    /// The tiles that each round visited, where asked for: numbers, row by row of tiles.
+    pub tiles: Vec<Vec<u32>>,
+}
+
+impl SolveProfile {
+    /// All passes.
+    pub fn passes(&self) -> impl Iterator<Item = &PassRecord> {
+        self.submissions.iter().flat_map(|submission| &submission.passes)
+    }
+
+    /// Nanoseconds of all passes, if they were measured.
+    pub fn pass_nanoseconds(&self) -> Option<u64> {
+        self.passes().map(|pass| pass.nanoseconds).sum()
+    }
+
+    /// Nanoseconds of all command buffers, if they were measured.
+    pub fn nanoseconds(&self) -> Option<u64> {
+        self.submissions.iter().map(|submission| submission.nanoseconds).sum()
+    }
+}
+
+/// The queries and buffers of a solve.
+pub(crate) struct Session {
+    context: Arc<Context>,
+    capabilities: Capabilities,
+    pools: Vec<vk::QueryPool>,
+    profile: Profile,
+    /// The pair around everything.
+    around: Option<QueryRange>,
+    buffer: Option<Buffer>,
+    /// Of the grid.
+    tile_count: usize,
+    start: Instant,
+    calibration: Option<Calibration>,
+    found: SolveProfile,
+}
+
+impl Session {
+    /// For submissions of so many passes at most, on a grid of so many tiles.
+    pub(crate) fn new(
+        context: &Arc<Context>,
+        capabilities: &Capabilities,
+        passes: u32,
+        tile_count: usize,
+        detail: Detail,
+    ) -> Result<Self, VulkanError> {
+        let mut new = Self {
+            context: Arc::clone(context),
+            capabilities: capabilities.clone(),
+            pools: Vec::new(),
+            profile: Profile::new(0, detail.grain, Slots::default()),
+            around: None,
+            buffer: None,
+            tile_count,
+            start: Instant::now(),
+            calibration: None,
+            found: SolveProfile::default(),
+        };
+        let mut slots = Slots::default();
+        if capabilities.timestamps.is_ok() {
+            let none = vk::QueryPipelineStatisticFlags::empty();
+            let pool = new.pool(vk::QueryType::TIMESTAMP, passes + 3, none)?;
+            slots.timestamps = Some(QueryRange { pool, first: 1, count: passes + 1 });
+            new.around = Some(QueryRange { pool, first: 0, count: passes + 3 });
+        }
+        if detail.invocations && capabilities.statistics.is_ok() {
+            let kind = vk::QueryPipelineStatisticFlags::COMPUTE_SHADER_INVOCATIONS;
+            let pool = new.pool(vk::QueryType::PIPELINE_STATISTICS, passes, kind)?;
+            slots.statistics = Some(QueryRange { pool, first: 0, count: passes });
+        }
+        let lists = if detail.tiles { (tile_count * 4) as u64 * u64::from(ROUNDS) } else { 0 };
+        let size = Slots::DECISION_BYTES + lists;
+        let info = BufferInfo { name: "decisions", size, location: MemoryLocation::GpuToCpu };
+        let buffer = Buffer::new(&context.device, &mut context.allocator(), info)?;
+        slots.decisions = Some(Decided { buffer: buffer.buffer, offset: 0, portions: 1 });
+        slots.tile_lists = detail.tiles.then_some((buffer.buffer, Slots::DECISION_BYTES));
+        new.buffer = Some(buffer);
+        new.profile = Profile::new(passes, detail.grain, slots);
+        new.start = Instant::now();
+        if let (Ok(clock), Ok(extension)) = (capabilities.timestamps, capabilities.calibration) {
+            let instance = &context.instance.handle;
+            let found = Calibration::new(instance, &context.device, extension, clock)?;
+            new.calibration = Some(found);
+        }
+        Ok(new)
+    }
+
+    fn pool(
+        &mut self,
+        kind: vk::QueryType,
+        count: u32,
+        statistics: vk::QueryPipelineStatisticFlags,
+    ) -> Result<vk::QueryPool, VulkanError> {
+        let info = vk::QueryPoolCreateInfo::default()
+            .query_type(kind)
+            .query_count(count)
+            .pipeline_statistics(statistics);
+        // SAFETY: the device has the feature that the kind of query needs.
+        let pool = unsafe { self.context.device.create_query_pool(&info, None) }
+            .map_err(VulkanError::from_call("vkCreateQueryPool"))?;
+        self.pools.push(pool);
+        Ok(pool)
+    }
+
+    pub(crate) fn profile(&self) -> &Profile {
+        &self.profile
+    }
+
+    /// The time from now on counts.
+    pub(crate) fn restart(&mut self) {
+        self.start = Instant::now();
+    }
+
+    /// At the beginning of a command buffer.
+    pub(crate) fn open(&self, device: &ash::Device, commands: vk::CommandBuffer) {
+        if let Some(QueryRange { pool, first, count }) = self.around {
+            // SAFETY: the pool is ours, and its last results have been read.
+            unsafe { device.cmd_reset_query_pool(commands, pool, first, count) };
+            self.write(device, commands, first);
+        }
+        self.profile.begin(device, commands);
+    }
+
+    /// At its end.
+    pub(crate) fn close(&self, device: &ash::Device, commands: vk::CommandBuffer) {
+        if let Some(QueryRange { first, count, .. }) = self.around {
+            self.write(device, commands, first + count - 1);
+        }
+    }
+
+    fn write(&self, device: &ash::Device, commands: vk::CommandBuffer, query: u32) {
+        let Some(QueryRange { pool, .. }) = self.around else { return };
+        let stage = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
+        // SAFETY: the pool is ours, and the query was reset at the beginning.
+        unsafe { device.cmd_write_timestamp(commands, stage, pool, query) };
+    }
+
+    /// Submits a command buffer that was recorded between [`Session::open`] and
+    /// [`Session::close`], and waits; nothing else was recorded so since.
+    pub(crate) fn submit(&mut self, commands: &Commands) -> Result<(), VulkanError> {
+        let submitted = self.start.elapsed();
+        commands.submit_and_wait()?;
+        let ended = self.start.elapsed();
+        let device = &self.context.device;
+        let clock = self.capabilities.timestamps.ok();
+        let around = match self.around {
+            Some(range) => {
+                let last = QueryRange { first: range.first + range.count - 1, count: 1, ..range };
+                let first = results(device, range, 1)?;
+                first.zip(results(device, last, 1)?).map(|(first, last)| (first[0], last[0]))
+            }
+            None => None,
+        };
+        let bytes = self.buffer.as_ref().expect("it is there from the start").read();
+        let (decisions, lists) = bytes.split_at(Slots::DECISION_BYTES as usize);
+        let resolved = self.profile.resolve(device, clock, Some(decisions))?;
+        // The submission has been waited for, so that this is the driver's fault.
+        let missing =
+            VulkanError::Call { call: "vkGetQueryPoolResults", result: vk::Result::NOT_READY };
+        let Resolved { passes, start, left_out } = resolved.ok_or(missing)?;
+        debug_assert_eq!(left_out, 0, "the session has room for all passes");
+        let since = |to: Option<u64>| Some(clock?.nanoseconds(around?.0, to?));
+        let tiles = match self.profile.tile_lists() {
+            Some(_) => self.tiles(&passes, lists),
+            None => Vec::new(),
+        };
+        self.found.submissions.push(SubmissionRecord {
+            submitted,
+            ended,
+            begin: self
+                .calibration
+                .zip(around)
+                .map(|(calibration, (first, _))| calibration.since(self.start, first)),
+            nanoseconds: since(around.map(|(_, last)| last)),
+            lead: since(start),
+            passes,
+            tiles,
+        });
+        Ok(())
+    }
+
+    fn tiles(&self, passes: &[PassRecord], lists: &[u8]) -> Vec<Vec<u32>> {
+        let rounds = passes.iter().filter(|pass| pass.kind == PassKind::Tiles);
+        let list = |(pass, bytes): (&PassRecord, &[u8])| {
+            let count = pass.groups.map_or(0, |groups| groups[0] as usize);
+            let number =
+                |bytes: &[u8]| u32::from_ne_bytes(bytes.try_into().expect("these are four bytes"));
+            bytes.chunks_exact(4).take(count).map(number).collect()
+        };
+        rounds.zip(lists.chunks(4 * self.tile_count)).map(list).collect()
+    }
+
+    /// The map is there after so long.
+    pub(crate) fn finish(mut self, time: Duration) -> SolveProfile {
+        let found = std::mem::take(&mut self.found);
+        SolveProfile { time, ..found }
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        let device = &self.context.device;
+        for &pool in &self.pools {
+            // SAFETY: all submissions have been waited for.
+            unsafe { device.destroy_query_pool(pool, None) };
+        }
+        if let Some(buffer) = &mut self.buffer {
+            buffer.destroy(device, &mut self.context.allocator());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cpu::Stop;
+    use crate::surface::{Sources, Spacing, Surface};
+    use crate::vulkan::profile::Capability;
+    use crate::vulkan::{Method, Schedule, Solver};
+    use crate::{DeviceChoice, Wavefront};
+
+    /// Queries, copies of decisions and lists, labels and names leave no message under the
+    /// validation layers, with synchronization validation; whatever is left out, the map is the
+    /// same to the last bit.
+    #[test]
+    fn profiles_leave_no_message_and_no_trace_in_the_map() {
+        let heights = (0..75 * 90).map(|i| f64::from(i % 7 + i / 270).sin()).collect();
+        let surface = Surface::from_heights(75, 90, heights, Spacing::square(1.0)).unwrap();
+        let seeds = Sources::point(3.0, 20.5).seeds(&surface).unwrap();
+        let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
+        let choice = DeviceChoice::Name(device);
+        let left_out: [&[Capability]; 3] = [&[], &[Capability::Labels], &Capability::ALL];
+        for left_out in left_out {
+            let context = Context::open(&choice, true, Some(left_out)).unwrap();
+            let mut solver = Solver::with(context).unwrap();
+            let mut on_device = solver.upload(&surface).unwrap();
+            for schedule in Schedule::ALL {
+                let stop = Stop { tolerance: 1e-6, iterations: 300 };
+                let wavefront = Wavefront::Curved;
+                let method = Method { wavefront, schedule: Some(schedule), stop };
+                let plain = solver.solve(&mut on_device, &seeds, method).unwrap();
+                let detail = Detail { grain: Grain::Blocks, invocations: true, tiles: true };
+                for detail in [detail, Detail::default()] {
+                    let watched = solver.profile(&mut on_device, &seeds, method, detail);
+                    let (watched, profile) = watched.unwrap();
+                    assert_eq!(watched.distances, plain.distances);
+                    assert_eq!(watched.iterations, plain.iterations);
+                    assert!(profile.submissions.len() >= 4, "start, seeds, steps, read-back");
+                }
+                // What was recorded with queries is not submitted again without.
+                let again = solver.solve(&mut on_device, &seeds, method).unwrap();
+                assert_eq!(again.distances, plain.distances);
+            }
+            let log = solver.validation_log().unwrap().clone();
+            drop((on_device, solver));
+            assert_eq!(log.messages(), Vec::<String>::new());
+        }
+    }
+}

@@ -1,0 +1,363 @@
+//! What passes have to move and compute, counted from the plan.
+//!
+//! Counted is what the update of a point needs by itself, once: what workgroups compute twice at
+//! their borders is not added, and what caches save is not subtracted. `docs/speed.md` compares
+//! the same counts with a device's ceilings.
+
+use std::ops::Range;
+
+use super::pass::{Area, Grain, PassKind, PassRecord};
+use crate::constants::WORKGROUP;
+use crate::update::Wavefront;
+use crate::vulkan::plan::{Scan, ScanPass, Step};
+use crate::vulkan::{TexelChart, Tuning};
+
+/// Bytes, texels and updates of a pass; `None` for what is not known, or not counted for passes of
+/// its kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Texels visited, of 2 x 2 points each. Tiles count whole, also where they reach beyond the
+    /// grid.
+    pub texels: Option<u64>,
+    /// Texels that a pass without bounds would have visited as well: the gain of the paper's
+    /// scissor test, of lists of tiles, and of passes beyond convergence. The lines that a scan
+    /// passes over before its first block count to that block.
+    pub skipped: Option<u64>,
+    /// Bytes read.
+    pub bytes_read: Option<u64>,
+    /// Bytes written.
+    pub bytes_written: Option<u64>,
+    /// Updates of a point from one triangle.
+    pub triangles: Option<u64>,
+}
+
+/// Bytes of a texel of four 32-bit numbers.
+const TEXEL: u64 = 16;
+/// Triangles of a point that a scan sees, times the points of a texel.
+const SCAN_TRIANGLES: u64 = 4 * 2;
+const ALL_TRIANGLES: u64 = 4 * 8;
+
+impl Work {
+    /// Bytes read and written.
+    pub fn bytes(&self) -> Option<u64> {
+        Some(self.bytes_read? + self.bytes_written?)
+    }
+
+    /// Of both.
+    pub(super) fn and(self, other: Self) -> Self {
+        let sum = |a: Option<u64>, b: Option<u64>| Some(a? + b?);
+        Self {
+            texels: sum(self.texels, other.texels),
+            skipped: sum(self.skipped, other.skipped),
+            bytes_read: sum(self.bytes_read, other.bytes_read),
+            bytes_written: sum(self.bytes_written, other.bytes_written),
+            triangles: sum(self.triangles, other.triangles),
+        }
+    }
+
+    /// Nothing but bytes.
+    pub(crate) fn of_bytes(read: u64, written: u64) -> Self {
+        Self { bytes_read: Some(read), bytes_written: Some(written), ..Self::default() }
+    }
+
+    /// Of texels that are updated: arrival times of the texel's points read and written and the
+    /// lengths of their edges read; with curved fronts their curvature and the surface's as well.
+    fn of_updates(texels: u64, skipped: u64, curved: bool, triangles: Option<u64>) -> Self {
+        let layers = if curved { 2 } else { 1 };
+        let read = TEXEL * (layers + 4 + u64::from(curved));
+        Self {
+            texels: Some(texels),
+            skipped: Some(skipped),
+            bytes_read: Some(texels * read),
+            bytes_written: Some(texels * layers * TEXEL),
+            triangles: triangles.map(|each| texels * each),
+        }
+    }
+
+    /// Of the same texels, none visited.
+    fn none(self) -> Self {
+        let skipped = self.texels.zip(self.skipped).map(|(texels, skipped)| texels + skipped);
+        let zero = |count: Option<u64>| count.map(|_| 0);
+        Self {
+            texels: zero(self.texels),
+            skipped,
+            bytes_read: zero(self.bytes_read),
+            bytes_written: zero(self.bytes_written),
+            triangles: zero(self.triangles),
+        }
+    }
+}
+
+/// What decides whether a pass visits anything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Presence {
+    /// Nothing: it is dispatched as recorded.
+    Always,
+    /// Whether the map has converged before this iteration of the portion, counted from 0.
+    Iteration(u32),
+    /// The list of this round of the portion, of tiles of so many texels, so many in all.
+    Round { round: u32, texels: u64, tiles: u64, curved: bool },
+}
+
+/// What the device has decided in a portion of steps.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Decisions<'a> {
+    /// Iterations of the map before the portion.
+    pub before: u32,
+    /// And after it.
+    pub after: u32,
+    /// Tiles visited in each round of the portion.
+    pub rounds: &'a [u32],
+}
+
+/// The record of a pass once it is known what the device has decided.
+pub(crate) fn decided(
+    record: PassRecord,
+    presence: Presence,
+    decisions: Option<Decisions>,
+) -> PassRecord {
+    let Some(Decisions { before, after, rounds }) = decisions else {
+        return match presence {
+            Presence::Always => record,
+            _ => PassRecord { groups: None, work: Work::default(), ..record },
+        };
+    };
+    let iteration = record.iteration.map(|iteration| before + iteration);
+    let record = PassRecord { iteration, ..record };
+    match presence {
+        Presence::Iteration(number) if number >= after - before => {
+            PassRecord { groups: Some([0, 1, 1]), work: record.work.none(), ..record }
+        }
+        Presence::Always | Presence::Iteration(_) => record,
+        Presence::Round { round, texels, tiles, curved } => {
+            let visited = rounds.get(round as usize).copied().unwrap_or(0);
+            let skipped = texels * (tiles - u64::from(visited));
+            // How many iterations a tile has taken inside, only its workgroup knows.
+            let work = Work::of_updates(texels * u64::from(visited), skipped, curved, None);
+            PassRecord { groups: Some([visited, 1, 1]), work, ..record }
+        }
+    }
+}
+
+/// Counts the steps of a recording, in their order.
+pub(crate) struct StepCounter {
+    texels: TexelChart,
+    tuning: Tuning,
+    curved: bool,
+    iteration: u32,
+    last: Option<(u32, Scan)>,
+}
+
+impl StepCounter {
+    pub(crate) fn new(texels: TexelChart, tuning: Tuning, curved: bool) -> Self {
+        Self { texels, tuning, curved, iteration: 0, last: None }
+    }
+
+    /// The next step; barriers are none.
+    pub(crate) fn next(&mut self, step: &Step) -> (PassRecord, Presence) {
+        let [cols, rows] = self.texels.inner();
+        let all = u64::from(cols) * u64::from(rows);
+        let everywhere = Area::new(self.texels.inner_rows(), self.texels.inner_cols());
+        let inside =
+            PassRecord { iteration: Some(self.iteration), ..PassRecord::new(PassKind::Count) };
+        let number = Presence::Iteration(self.iteration);
+        match step {
+            Step::Scan(pass) => self.scan(pass),
+            Step::AllPoints { .. } => {
+                let record = PassRecord {
+                    kind: PassKind::AllPoints,
+                    area: Some(everywhere),
+                    groups: Some([cols.div_ceil(WORKGROUP), rows, 1]),
+                    work: Work::of_updates(all, 0, self.curved, Some(ALL_TRIANGLES)),
+                    ..inside
+                };
+                (record, number)
+            }
+            &Step::Tiles { round } => {
+                self.iteration += 1;
+                let record = PassRecord {
+                    kind: PassKind::Tiles,
+                    iteration: Some(round),
+                    area: Some(everywhere),
+                    ..inside
+                };
+                let texels = u64::from(self.tuning.tile / 2).pow(2);
+                let (tiles, curved) = (self.tiles(), self.curved);
+                (record, Presence::Round { round, texels, tiles, curved })
+            }
+            Step::Settle { .. } => {
+                let groups = Some([self.tiles() as u32, 1, 1]);
+                let record =
+                    PassRecord { kind: PassKind::Settle, iteration: None, groups, ..inside };
+                (record, Presence::Always)
+            }
+            Step::Count => {
+                self.iteration += 1;
+                (PassRecord { groups: Some([1; 3]), ..inside }, Presence::Always)
+            }
+            Step::Barrier => (PassRecord { iteration: None, ..inside }, Presence::Always),
+        }
+    }
+
+    fn tiles(&self) -> u64 {
+        let [cols, rows] = self.texels.tiles(self.tuning.tile);
+        u64::from(cols) * u64::from(rows)
+    }
+
+    fn scan(&mut self, pass: &ScanPass) -> (PassRecord, Presence) {
+        let (inner_rows, inner_cols) = (self.texels.inner_rows(), self.texels.inner_cols());
+        let forward = matches!(pass.scan, Scan::Down | Scan::Right);
+        let block = if forward {
+            pass.line..pass.line + pass.lines
+        } else {
+            pass.line + 1 - pass.lines..pass.line + 1
+        };
+        let by_rows = matches!(pass.scan, Scan::Down | Scan::Up);
+        let (inner_lines, length) = if by_rows {
+            (inner_rows, inner_cols.len() as u64)
+        } else {
+            (inner_cols, inner_rows.len() as u64)
+        };
+        let is_first = self.last != Some((self.iteration, pass.scan));
+        self.last = Some((self.iteration, pass.scan));
+        let passed_over = match is_first {
+            false => 0,
+            true if forward => block.start - inner_lines.start,
+            true => inner_lines.end - block.end,
+        };
+        let visited = u64::from(pass.lines) * pass.texels.len() as u64;
+        let skipped = length * u64::from(pass.lines + passed_over) - visited;
+        let area = if by_rows {
+            Area::new(block, pass.texels.clone())
+        } else {
+            Area::new(pass.texels.clone(), block)
+        };
+        let width = |range: &Range<u32>| range.len() as u32;
+        // Passes that are dispatched indirectly have the groups of a whole line.
+        let along = if pass.always { width(&pass.texels) } else { length as u32 };
+        let record = PassRecord {
+            iteration: Some(self.iteration),
+            area: Some(area),
+            groups: Some([along.div_ceil(self.tuning.scan_texels()), 1, 1]),
+            work: Work::of_updates(visited, skipped, self.curved, Some(SCAN_TRIANGLES)),
+            ..PassRecord::new(PassKind::Scan(pass.scan))
+        };
+        let presence =
+            if pass.always { Presence::Always } else { Presence::Iteration(self.iteration) };
+        (record, presence)
+    }
+}
+
+/// How many records the steps make.
+pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
+    let scan = |step: &Step| match step {
+        Step::Scan(pass) if grain == Grain::Scans => Some(pass.scan),
+        _ => None,
+    };
+    let steps: Vec<_> = steps.iter().filter(|step| **step != Step::Barrier).collect();
+    // Iterations end with a count, so that no scan follows one of the same direction.
+    let merged = steps.windows(2).filter(|pair| {
+        let [before, after] = [scan(pair[0]), scan(pair[1])];
+        before.is_some() && before == after
+    });
+    (steps.len() - merged.count()) as u32
+}
+
+/// The passes of a plan, each as if the map had not converged before it, without times. What rounds
+/// of tiles visit is not known from the plan.
+///
+/// ```
+/// use geosweep::surface::Chart;
+/// use geosweep::vulkan::{Schedule, TexelChart, Tuning, plan, profile};
+/// let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
+/// let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4 };
+/// let portions = plan::Portions { lines: tuning.scan_lines, tile: tuning.tile };
+/// let steps = plan::recording(Schedule::Raster, texels, portions, None, 1);
+/// let passes = profile::planned(&steps, texels, tuning, geosweep::Wavefront::Planar);
+/// // Four scans of eight blocks each, and the count. A texel of four points is read and written,
+/// // and has 64 bytes of edge lengths.
+/// assert_eq!(passes.len(), 4 * 8 + 1);
+/// assert_eq!(passes[0].work.texels, Some(4 * 32));
+/// assert_eq!(passes[0].work.bytes(), Some(4 * 32 * (2 * 16 + 64)));
+/// ```
+pub fn planned(
+    steps: &[Step],
+    texels: TexelChart,
+    tuning: Tuning,
+    wavefront: Wavefront,
+) -> Vec<PassRecord> {
+    let mut counter = StepCounter::new(texels, tuning, wavefront == Wavefront::Curved);
+    let passes = steps.iter().filter(|step| **step != Step::Barrier);
+    passes.map(|step| counter.next(step).0).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::Chart;
+    use crate::vulkan::{Schedule, plan};
+
+    const TUNING: Tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4 };
+
+    fn passes(schedule: Schedule, wavefront: Wavefront) -> Vec<(PassRecord, Presence)> {
+        let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();
+        let steps = plan::recording(schedule, texels, TUNING.portions(), None, 2);
+        let mut counter = StepCounter::new(texels, TUNING, wavefront == Wavefront::Curved);
+        let passes = steps.iter().filter(|step| **step != Step::Barrier);
+        passes.map(|step| counter.next(step)).collect()
+    }
+
+    #[test]
+    fn passes_beyond_convergence_skip_what_they_were_recorded_for() {
+        let decisions = Decisions { before: 7, after: 8, rounds: &[] };
+        for schedule in [Schedule::Raster, Schedule::AllPoints] {
+            for (record, presence) in passes(schedule, Wavefront::Planar) {
+                let after = decided(record, presence, Some(decisions));
+                assert_eq!(after.iteration, record.iteration.map(|iteration| 7 + iteration));
+                if record.iteration == Some(0) || presence == Presence::Always {
+                    assert_eq!((after.work, after.is_idle()), (record.work, false));
+                } else {
+                    assert_eq!((after.work.texels, after.is_idle()), (Some(0), true));
+                    assert_eq!(after.work.bytes(), Some(0));
+                    let all = record.work.texels.zip(record.work.skipped).map(|(a, b)| a + b);
+                    assert_eq!(after.work.skipped, all);
+                }
+                let unknown = decided(record, presence, None);
+                let is_known = presence == Presence::Always;
+                assert_eq!(unknown.groups.is_some(), is_known);
+            }
+        }
+    }
+
+    #[test]
+    fn records_of_scans_hold_all_their_blocks() {
+        let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();
+        let steps = |schedule| plan::recording(schedule, texels, TUNING.portions(), None, 2);
+        // Ten rows of texels and seventeen columns in blocks of four.
+        let raster = steps(Schedule::Raster);
+        assert_eq!(records(&raster, Grain::Blocks), 2 * (2 * 3 + 2 * 5 + 1));
+        assert_eq!(records(&raster, Grain::Scans), 2 * (4 + 1));
+        for schedule in [Schedule::AllPoints, Schedule::Tiles] {
+            let steps = steps(schedule);
+            assert_eq!(records(&steps, Grain::Scans), records(&steps, Grain::Blocks));
+        }
+    }
+
+    #[test]
+    fn tiles_are_as_many_as_the_device_has_listed() {
+        let rounds = [2, 0];
+        let decisions = Decisions { before: 3, after: 4, rounds: &rounds };
+        let found: Vec<_> = passes(Schedule::Tiles, Wavefront::Curved)
+            .into_iter()
+            .map(|(record, presence)| decided(record, presence, Some(decisions)))
+            .collect();
+        // Two rounds of 2 x 3 tiles of 8 x 8 texels, then what settles them.
+        assert_eq!(found.len(), 3);
+        let bytes = Some(2 * 64 * (2 * 16 + 16 + 64 + 2 * 16));
+        assert_eq!((found[0].work.texels, found[0].work.skipped), (Some(2 * 64), Some(4 * 64)));
+        assert_eq!((found[0].work.bytes(), found[0].work.triangles), (bytes, None));
+        assert_eq!((found[0].groups, found[0].iteration), (Some([2, 1, 1]), Some(3)));
+        assert!(found[1].is_idle() && found[1].iteration == Some(4));
+        assert_eq!((found[2].kind, found[2].groups), (PassKind::Settle, Some([6, 1, 1])));
+    }
+}
