@@ -73,7 +73,7 @@ fn devices_are_measured() {
         .collect();
     assert!(!usable.is_empty());
     for device in usable {
-        let times = ["dispatch", "skipped_dispatch", "barrier", "submission"];
+        let times = ["dispatch", "indirect_dispatch", "skipped_dispatch", "barrier", "submission"];
         positive(&device["ceilings"], &[&times[..], &["copy", "read_back"]].concat());
     }
     let cpu = measured["cpu"].as_array().unwrap();

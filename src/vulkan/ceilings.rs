@@ -31,6 +31,8 @@ pub struct Ceilings {
     pub triangles: [f64; Wavefront::ALL.len()],
     /// An empty dispatch of one workgroup with the barrier after it.
     pub dispatch: Duration,
+    /// The same, with the number of workgroups from a buffer.
+    pub indirect_dispatch: Duration,
     /// An indirect dispatch of no workgroup with the barrier after it: what a pass costs that is
     /// recorded beyond convergence.
     pub skipped_dispatch: Duration,
@@ -52,6 +54,10 @@ const READ_BACK: usize = 16 << 20;
 const LONG_ENOUGH: Duration = Duration::from_millis(20);
 /// But to no more than so many of what is measured; lavapipe ends loops after 65 535 turns.
 const MOST: u32 = 1 << 14;
+/// Where the buffer of group counts holds zeros...
+const NO_GROUP: u64 = 0;
+/// ... and from where on ones.
+const ONE_GROUP: u64 = 64;
 /// Each recording is submitted so many times, and the shortest counts: other work only adds.
 const TRIES: usize = 5;
 
@@ -145,8 +151,12 @@ impl<'a> Probe<'a> {
                 probe.dispatch(commands, probe.copy, Work { texels: [1, 1], ..nothing });
                 probe.barrier(commands);
             })?,
+            indirect_dispatch: self.each(|probe, commands| {
+                probe.dispatch_indirect(commands, Work { texels: [1, 1], ..nothing }, ONE_GROUP);
+                probe.barrier(commands);
+            })?,
             skipped_dispatch: self.each(|probe, commands| {
-                probe.skip(commands, nothing);
+                probe.dispatch_indirect(commands, nothing, NO_GROUP);
                 probe.barrier(commands);
             })?,
             barrier: self.each(Self::barrier)?,
@@ -155,7 +165,7 @@ impl<'a> Probe<'a> {
         })
     }
 
-    /// Brings images into their layout, no group into a buffer of group counts, and shaders through
+    /// Brings images into their layout, group counts into a buffer of them, and shaders through
     /// the driver's compiler.
     fn prepare(&self) -> Result<(), VulkanError> {
         let grid = self.grid();
@@ -164,7 +174,10 @@ impl<'a> Probe<'a> {
             Recorder { device, commands, pipelines, grid, profile: None }.prepare();
             let groups = self.buffers[0].buffer;
             // SAFETY: the buffer is this probe's, and nothing else uses it.
-            unsafe { device.cmd_fill_buffer(commands, groups, 0, vk::WHOLE_SIZE, 0) };
+            unsafe {
+                device.cmd_fill_buffer(commands, groups, 0, ONE_GROUP, 0);
+                device.cmd_fill_buffer(commands, groups, ONE_GROUP, vk::WHOLE_SIZE, 1);
+            }
             barrier::memory(device, commands, CLEAR, PASS);
             for &pipeline in self.updates.iter().chain([&self.copy]) {
                 self.dispatch(commands, pipeline, Work { texels: [1, 1], repeats: 1 });
@@ -243,11 +256,12 @@ impl<'a> Probe<'a> {
         unsafe { self.context.device.cmd_dispatch(commands, width.div_ceil(WORKGROUP), height, 1) };
     }
 
-    /// An indirect dispatch of no workgroup.
-    fn skip(&self, commands: vk::CommandBuffer, work: Work) {
+    /// An indirect dispatch of as many workgroups as the buffer says at an offset.
+    fn dispatch_indirect(&self, commands: vk::CommandBuffer, work: Work, offset: u64) {
         self.bind(commands, self.copy, work);
-        // SAFETY: a pipeline with the common layout is bound; the buffer holds zeros.
-        unsafe { self.context.device.cmd_dispatch_indirect(commands, self.buffers[0].buffer, 0) };
+        let groups = self.buffers[0].buffer;
+        // SAFETY: a pipeline with the common layout is bound; the buffer holds three numbers there.
+        unsafe { self.context.device.cmd_dispatch_indirect(commands, groups, offset) };
     }
 
     fn bind(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, work: Work) {
@@ -291,8 +305,9 @@ mod tests {
         for rate in [&ceilings.triangles[..], &[ceilings.copy, ceilings.read_back]].concat() {
             assert!((1e6..1e14).contains(&rate), "{ceilings:?}");
         }
-        let Ceilings { dispatch, skipped_dispatch, barrier, submission, .. } = ceilings;
-        for time in [dispatch, skipped_dispatch, barrier, submission] {
+        let Ceilings { dispatch, indirect_dispatch, skipped_dispatch, .. } = ceilings;
+        let Ceilings { barrier, submission, .. } = ceilings;
+        for time in [dispatch, indirect_dispatch, skipped_dispatch, barrier, submission] {
             assert!(time < Duration::from_millis(100), "{ceilings:?}");
         }
     }

@@ -29,8 +29,8 @@ The index, or any part of the name, selects a device for `geosweep distance --de
 
 With --measure: the rate at which bytes are copied (read plus written), the rate of
 updates from single triangles with everything at hand, by wavefront; of a device also
-the time of an empty dispatch with its barrier, of an indirect dispatch of nothing with
-its barrier, of a barrier alone and of an empty submission, and the rate of reading back.
+the time of an empty dispatch with its barrier, direct and indirect, of an indirect
+dispatch of nothing with its barrier, of a barrier alone and of an empty submission, and the rate of reading back.
 
 Examples:
   geosweep devices
@@ -62,6 +62,7 @@ pub struct DeviceCeilings {
     copy: f64,
     triangles: Triangles,
     dispatch: f64,
+    indirect_dispatch: f64,
     skipped_dispatch: f64,
     barrier: f64,
     submission: f64,
@@ -140,6 +141,7 @@ impl From<vulkan::Ceilings> for DeviceCeilings {
             copy: ceilings.copy,
             triangles: ceilings.triangles.into(),
             dispatch: ceilings.dispatch.as_secs_f64(),
+            indirect_dispatch: ceilings.indirect_dispatch.as_secs_f64(),
             skipped_dispatch: ceilings.skipped_dispatch.as_secs_f64(),
             barrier: ceilings.barrier.as_secs_f64(),
             submission: ceilings.submission.as_secs_f64(),
@@ -172,13 +174,18 @@ impl std::fmt::Display for Device<'_> {
 impl std::fmt::Display for DeviceCeilings {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { copy, triangles, read_back, .. } = self;
-        let [dispatch, skipped, barrier, submission] =
-            [self.dispatch, self.skipped_dispatch, self.barrier, self.submission]
-                .map(|seconds| 1e6 * seconds);
+        let [dispatch, indirect, skipped, barrier, submission] = [
+            self.dispatch,
+            self.indirect_dispatch,
+            self.skipped_dispatch,
+            self.barrier,
+            self.submission,
+        ]
+        .map(|seconds| 1e6 * seconds);
         write!(
             f,
-            "copies {:.1} GB/s; {triangles}; dispatch of one group {dispatch:.2} us, of none \
-             {skipped:.2} us, barrier {barrier:.2} us, submission {submission:.0} us; reads back \
+            "copies {:.1} GB/s; {triangles}; dispatch of one group {dispatch:.2} us, indirect \
+             {indirect:.2} us, of none {skipped:.2} us, barrier {barrier:.2} us, submission {submission:.0} us; reads back \
              {:.1} GB/s",
             copy / 1e9,
             read_back / 1e9
