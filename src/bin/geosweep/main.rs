@@ -4,6 +4,7 @@ mod accuracy;
 mod bench;
 mod builtin;
 mod canonical;
+mod columns;
 mod compare;
 mod contours;
 mod devices;

@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 
 use geosweep::cpu::{self, RotatedScan, Stop};
 use geosweep::surface::{EdgeLengths, Seed};
-use geosweep::vulkan::plan::Portions;
 use geosweep::vulkan::{
     self, Schedule, Solution, Solver, SurfaceOnDevice, TexelChart, VulkanError,
 };
@@ -293,7 +292,6 @@ impl Bench<'_> {
                     Ok(Run { time, iterations, residual, updates: None })
                 })?;
                 let tuning = solver.tuning();
-                let portions = Portions { lines: tuning.scan_lines, tile: tuning.tile };
                 let (timing, ceilings) = (self.timings.last_mut(), self.device.as_ref());
                 let (timing, ceilings) = timing.zip(ceilings).expect("it has just been timed");
                 let texels = TexelChart::new(problem.surface.chart()).expect("it was uploaded");
@@ -301,7 +299,7 @@ impl Bench<'_> {
                     schedule,
                     wavefront,
                     texels,
-                    portions,
+                    tuning,
                     &problem.seeds,
                     timing.iterations,
                 );

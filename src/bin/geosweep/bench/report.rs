@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::growth::Growth;
 use super::measure::{Measurements, Timing};
 use super::work::{Shares, Work};
+use crate::columns::{Columns, digits, percent};
 use crate::devices::{CpuCeilings, DeviceCeilings};
 use crate::study::label;
 
@@ -148,39 +149,12 @@ fn table(f: &mut Formatter<'_>, maps: &[Timing]) -> fmt::Result {
         "arithmetic",
         "dispatches",
     ];
-    let lines: Vec<_> = maps.iter().map(line).collect();
-    let widths: Vec<_> = (0..heads.len())
-        .map(|k| lines.iter().map(|line| line[k].len()).chain([heads[k].len()]).max().unwrap_or(0))
-        .collect();
-    // The names of engine and schedule to the left, numbers to the right.
-    let is_text = |k: usize| k == 1 || k == 2;
-    let cells = |f: &mut Formatter<'_>, cells: &[&str]| -> fmt::Result {
-        for (k, (cell, width)) in cells.iter().zip(&widths).enumerate() {
-            if is_text(k) {
-                write!(f, "| {cell:<width$} ")?
-            } else {
-                write!(f, "| {cell:>width$} ")?
-            }
-        }
-        writeln!(f, "|")
-    };
-    cells(f, &heads)?;
-    for (k, width) in widths.iter().enumerate() {
-        let colon = if is_text(k) { '-' } else { ':' };
-        write!(f, "|{}{colon}", "-".repeat(width + 1))?;
-    }
-    writeln!(f, "|")?;
-    for line in &lines {
-        cells(f, &line.each_ref().map(String::as_str))?;
-    }
-    Ok(())
+    let lines = maps.iter().map(line).collect();
+    // The names of engine and schedule are text.
+    write!(f, "{}", Columns { heads, texts: &[1, 2], lines })
 }
 
 fn line(map: &Timing) -> [String; 12] {
-    let share = |share: Option<f64>| match share {
-        Some(share) => format!("{:.0} %", 100.0 * share),
-        None => String::new(),
-    };
     let points = map.points as f64;
     [
         format!("{} x {}", map.rows, map.cols),
@@ -192,25 +166,8 @@ fn line(map: &Timing) -> [String; 12] {
         digits(1e3 * map.median()),
         digits(1e-6 * points / map.median()),
         map.bytes.map_or(String::new(), |bytes| digits(bytes as f64 / points)),
-        share(map.shares.data),
-        share(map.shares.arithmetic),
-        share(map.shares.dispatches),
+        percent(map.shares.data),
+        percent(map.shares.arithmetic),
+        percent(map.shares.dispatches),
     ]
-}
-
-/// With two digits or all before the point.
-fn digits(number: f64) -> String {
-    let decimals = if number < 0.995 { 2 } else { usize::from(number < 9.95) };
-    format!("{number:.decimals$}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_have_two_digits_or_more() {
-        let texts = [0.123, 1.23, 9.96, 123.4].map(digits);
-        assert_eq!(texts, ["0.12", "1.2", "10", "123"]);
-    }
 }

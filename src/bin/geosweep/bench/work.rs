@@ -5,7 +5,8 @@
 
 use geosweep::surface::Seed;
 use geosweep::vulkan::plan::{self, Portions, Reached, Step};
-use geosweep::vulkan::{Schedule, TexelChart};
+use geosweep::vulkan::profile::{self, PassRecord};
+use geosweep::vulkan::{Schedule, TexelChart, Tuning};
 use geosweep::{Wavefront, cpu, vulkan};
 use serde::Serialize;
 
@@ -48,7 +49,7 @@ impl Work {
         schedule: Schedule,
         wavefront: Wavefront,
         texels: TexelChart,
-        portions: Portions,
+        tuning: Tuning,
         seeds: &[Seed],
         iterations: u32,
     ) -> Self {
@@ -56,42 +57,29 @@ impl Work {
         let mut reached = Reached::around(places.map(|(row, col, _)| (row, col)));
         // One submission forgets the last map and one sets the seeds.
         let mut work = Self { submissions: 2, ..Self::default() };
-        let (mut done, mut visited) = (0, 0);
+        let portions = Portions { lines: tuning.scan_lines, tile: tuning.tile };
+        let mut done = 0;
+        // What rounds of tiles visit, the host does not learn from the plan.
+        let counts = schedule != Schedule::Tiles;
+        let (mut bytes, mut triangles) = (0, 0);
         while done < iterations {
             let recording = plan::recording(schedule, texels, portions, reached.take(), u32::MAX);
             work.submissions += 1;
-            for step in &recording {
-                if *step == Step::Barrier {
-                    continue;
-                }
+            let passes = profile::planned(&recording, texels, tuning, wavefront);
+            let steps = recording.iter().filter(|step| **step != Step::Barrier);
+            for (step, PassRecord { work: needed, .. }) in steps.zip(&passes) {
                 let settles = matches!(step, Step::Settle { .. } | Step::Count);
                 if done < iterations || settles {
                     work.dispatches += 1;
-                    visited += texels_of(step, texels);
+                    bytes += needed.bytes().unwrap_or(0);
+                    triangles += needed.triangles.unwrap_or(0);
                 } else {
                     work.skipped_dispatches += 1;
                 }
                 done += u32::from(matches!(step, Step::Count | Step::Tiles { .. }));
             }
         }
-        // A texel of each layer read and written, four points' edges, and their curvature.
-        let bytes = if wavefront == Wavefront::Curved { 9 * 16 } else { 6 * 16 };
-        let triangles = match schedule {
-            Schedule::Raster => 4 * 2,
-            Schedule::AllPoints => 4 * 8,
-            Schedule::Tiles => return work,
-        };
-        Self { bytes: Some(bytes * visited), triangles: Some(triangles * visited), ..work }
-    }
-}
-
-fn texels_of(step: &Step, texels: TexelChart) -> u64 {
-    match step {
-        Step::Scan(_) => plan::texels_scanned(std::slice::from_ref(step)),
-        Step::AllPoints { .. } => {
-            texels.inner_rows().len() as u64 * texels.inner_cols().len() as u64
-        }
-        _ => 0,
+        Self { bytes: counts.then_some(bytes), triangles: counts.then_some(triangles), ..work }
     }
 }
 
@@ -138,9 +126,9 @@ mod tests {
 
     fn work(schedule: Schedule, iterations: u32) -> Work {
         let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
-        let portions = Portions { lines: 4, tile: 16 };
+        let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4 };
         let seeds = [Seed { row: 0, col: 0, time: 0.0, curvature: 0.0 }];
-        Work::on_device(schedule, Wavefront::Planar, texels, portions, &seeds, iterations)
+        Work::on_device(schedule, Wavefront::Planar, texels, tuning, &seeds, iterations)
     }
 
     #[test]
