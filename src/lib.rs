@@ -35,6 +35,7 @@ pub mod geometry;
 pub mod io;
 mod lanes;
 mod map;
+mod method;
 pub mod pairwise;
 mod solve;
 pub mod surface;

@@ -17,6 +17,7 @@ mod pairwise;
 mod path;
 mod picture;
 mod problem;
+mod profile;
 mod ridges;
 mod sample;
 mod spinner;
@@ -82,6 +83,8 @@ enum Command {
     Accuracy(accuracy::Args),
     /// Time the engines and schedules side by side, and say what bounds them
     Bench(bench::Args),
+    /// Profile a map on a Vulkan device: every pass, its cost and what bounds it
+    Profile(Box<profile::Args>),
     /// Redraw a figure of the paper
     Figure(figure::Args),
 }
@@ -112,6 +115,7 @@ fn main() -> ExitCode {
         Command::Builtin(args) => builtin::run(&args),
         Command::Accuracy(args) => accuracy::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Profile(args) => profile::run(&args),
         Command::Figure(args) => figure::run(&args),
     };
     outcome.unwrap_or_else(|error| {

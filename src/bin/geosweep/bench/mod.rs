@@ -6,7 +6,7 @@ mod memory;
 mod plot;
 mod report;
 mod surface;
-mod work;
+pub mod work;
 
 use std::io::Write;
 use std::path::PathBuf;

@@ -17,12 +17,13 @@ pub mod scene;
 mod stencils;
 mod swatches;
 mod text;
+mod visits;
 
 use geosweep::glam::{DVec2, Vec2};
 use geosweep::surface::{Direction, Geometry, Source};
 use geosweep::{DistanceMap, Sources, Surface};
 
-pub use canvas::Canvas;
+pub use canvas::{Canvas, Color};
 pub use colors::Scale;
 pub use curves::{
     CurvePicture, Key, Line, Look, Mark, contour_lines, mark_all, path_line, rgb, ridge_line,
@@ -38,6 +39,8 @@ use raster::{Raster, View};
 pub use regions::Regions;
 use relief::Relief;
 pub use stencils::scan_figure;
+pub use swatches::Swatches;
+pub use visits::{Visit, Visits};
 
 /// What is drawn.
 pub struct Picture<'a> {

@@ -16,10 +16,15 @@ const WANTED_SLOPE: f64 = 0.5;
 const LARGEST_EXAGGERATION: f64 = 12.0;
 
 impl Relief {
+    /// Level ground.
+    pub fn level() -> Self {
+        Self(Vec::new())
+    }
+
     pub fn of(shape: &Surface) -> Self {
         let tangents = Tangents { shape, exaggeration: exaggeration(shape) };
         if matches!(shape.geometry(), Geometry::Metric(_)) {
-            return Self(Vec::new());
+            return Self::level();
         }
         let light = Light::north_west(&tangents);
         let chart = shape.chart();

@@ -1,0 +1,135 @@
+//! The measurements.
+
+use std::error::Error;
+use std::time::Duration;
+
+use geosweep::surface::Chart;
+use geosweep::vulkan::profile::{
+    Capabilities, Capability, Detail, Executable, Grain, SolveProfile,
+};
+use geosweep::vulkan::{self, Schedule, Solver, Tuning};
+use geosweep::{DeviceChoice, Engine, Options, Sources, Surface, Wavefront};
+
+use super::renderdoc::Capture;
+use crate::say;
+use crate::study::progress;
+
+/// What is measured, and how often.
+pub struct Wanted<'a> {
+    pub surface: &'a Surface,
+    pub sources: &'a Sources,
+    pub options: &'a Options,
+    pub repeat: u32,
+    pub without: &'a [Capability],
+    /// What is timed.
+    pub grain: Grain,
+    /// Whether to look which tiles each round visits.
+    pub tiles: bool,
+}
+
+/// All of it.
+pub struct Measured {
+    pub device: String,
+    pub driver: String,
+    pub capabilities: Capabilities,
+    pub ceilings: vulkan::Ceilings,
+    pub chart: Chart,
+    pub tuning: Tuning,
+    pub schedule: Schedule,
+    pub wavefront: Wavefront,
+    pub iterations: u32,
+    pub residual: f64,
+    pub converged: bool,
+    /// Timed, in the order in which they were run.
+    pub runs: Vec<SolveProfile>,
+    /// By the host's clock, each beside a run, without profiling.
+    pub plain: Vec<Duration>,
+    /// With invocations, and lists of tiles if wanted; not timed.
+    pub counted: SolveProfile,
+    pub executables: Vec<Executable>,
+}
+
+impl Measured {
+    /// The run with the median time.
+    pub fn median_run(&self) -> &SolveProfile {
+        let mut runs: Vec<_> = self.runs.iter().collect();
+        runs.sort_by_key(|run| (run.pass_nanoseconds(), run.time));
+        runs[(runs.len() - 1) / 2]
+    }
+}
+
+/// Measures what is wanted.
+pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Box<dyn Error>> {
+    let Wanted { surface, sources, options, .. } = *wanted;
+    let choice = device(&options.engine)?;
+    let method = options.method(surface, sources)?;
+    let mut seeds = sources.seeds(surface)?;
+    // As for a map, which adds the smallest start value in the end.
+    let start = seeds.iter().map(|seed| seed.time).fold(f64::INFINITY, f64::min);
+    seeds.iter_mut().for_each(|seed| seed.time -= start);
+
+    let bar = progress(wanted.repeat as usize + 3);
+    bar.set_message("ceilings");
+    // RenderDoc would take the device of the ceilings for the one to capture.
+    let captured = capture.is_some();
+    let ceilings = |choice: &DeviceChoice| vulkan::Ceilings::measure(choice);
+    let before = if captured { None } else { Some(ceilings(choice)?) };
+    bar.inc(1);
+    bar.set_message("warming up");
+    let mut solver = Solver::for_profiling(choice, wanted.without)?;
+    let mut on_device = solver.upload(surface)?;
+    solver.solve(&mut on_device, &seeds, method)?;
+    if let Some(capture) = capture {
+        let (solved, file) = capture.around(|| solver.solve(&mut on_device, &seeds, method));
+        solved?;
+        say("note", format_args!("RenderDoc has captured a map: {}", file?));
+    }
+    bar.inc(1);
+    let detail = Detail { grain: Grain::Blocks, invocations: true, tiles: wanted.tiles };
+    let (solution, counted) = solver.profile(&mut on_device, &seeds, method, detail)?;
+    bar.inc(1);
+    bar.set_message("timing");
+    let (mut runs, mut plain) = (Vec::new(), Vec::new());
+    for _ in 0..wanted.repeat {
+        plain.push(solver.solve(&mut on_device, &seeds, method)?.time);
+        let detail = Detail { grain: wanted.grain, ..Detail::default() };
+        runs.push(solver.profile(&mut on_device, &seeds, method, detail)?.1);
+        bar.inc(1);
+    }
+    let executables = solver.executables()?;
+    let (device, tuning) = (solver.device_name().to_owned(), solver.tuning());
+    let capabilities = solver.capabilities().expect("it was made for profiling").clone();
+    drop((on_device, solver));
+    let ceilings = before.map_or_else(|| ceilings(choice), Ok)?;
+    bar.finish_and_clear();
+    let driver = vulkan::devices()?.into_iter().find(|found| found.name == device);
+    Ok(Measured {
+        device,
+        driver: driver.map_or(String::new(), |found| found.driver),
+        capabilities,
+        ceilings,
+        chart: surface.chart(),
+        tuning,
+        schedule: solution.schedule,
+        wavefront: method.wavefront,
+        iterations: solution.iterations,
+        residual: solution.residual,
+        converged: solution.residual <= method.stop.tolerance,
+        runs,
+        plain,
+        counted,
+        executables,
+    })
+}
+
+fn device(engine: &Engine) -> Result<&DeviceChoice, String> {
+    match engine {
+        Engine::Auto => Ok(&DeviceChoice::Any),
+        Engine::Vulkan(choice) => Ok(choice),
+        Engine::Cpu | Engine::FastMarching => {
+            Err("profiles are of Vulkan devices; leave --engine \
+                                                   out (`geosweep bench` times the CPU engine)"
+                .into())
+        }
+    }
+}

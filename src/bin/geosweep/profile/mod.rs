@@ -1,0 +1,199 @@
+//! `geosweep profile`: every pass of a map on a Vulkan device, its cost and what bounds it.
+
+mod against;
+mod file;
+mod kinds;
+mod measure;
+mod passes_csv;
+mod picture;
+mod renderdoc;
+mod report;
+mod trace;
+
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::ValueEnum;
+use geosweep::io::{OutputFile, StagedFile};
+use geosweep::vulkan::profile::{Capability, Grain};
+
+use crate::output_file::{output_file, png_output};
+use crate::problem::{self, SolverArgs, SourceArgs, SurfaceArgs, check_outputs};
+use crate::{Outcome, print};
+use against::{Comparison, Earlier};
+use file::Summary;
+use measure::{Measured, Wanted};
+use report::Report;
+
+/// The arguments of `geosweep profile`.
+#[derive(clap::Args)]
+#[command(after_help = examples())]
+pub struct Args {
+    #[command(flatten)]
+    sources: SourceArgs,
+    #[command(flatten)]
+    surface: SurfaceArgs,
+    #[command(flatten)]
+    solver: SolverArgs,
+
+    /// Time so many maps, after some to warm up: drivers compile at the first dispatch. Medians and
+    /// ranges are those of the maps
+    #[arg(long, value_name = "N", default_value_t = 5, help_heading = "Profile")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
+    repeat: u32,
+    /// Time each block of lines of a scan rather than the scan. Timestamps take time of their own,
+    /// so that the whole takes longer
+    #[arg(long, help_heading = "Profile")]
+    blocks: bool,
+    /// Profile as on a device that lacks these
+    #[arg(long, value_enum, value_name = "NAME,...", value_delimiter = ',')]
+    #[arg(help_heading = "Profile")]
+    without: Vec<CapabilityArg>,
+    /// Let RenderDoc, in whose presence the tool must have been started, capture one map
+    #[arg(long, help_heading = "Profile")]
+    renderdoc: bool,
+
+    /// Write the passes of the map with the median time as a trace for Perfetto or
+    /// chrome://tracing
+    #[arg(long, value_name = "FILE.json", help_heading = "Reports")]
+    trace: Option<PathBuf>,
+    /// Write the same passes as a table, a line for each
+    #[arg(long, value_name = "FILE.csv", help_heading = "Reports")]
+    csv: Option<PathBuf>,
+    /// Draw which texels each scan, or which tiles each round, has visited
+    #[arg(long, value_name = "FILE.png", help_heading = "Reports")]
+    picture: Option<PathBuf>,
+    /// Compare with an earlier profile, as --json has printed it: what got slower, by how much, and
+    /// whether that is more than repeated runs differ among themselves
+    #[arg(long, value_name = "FILE.json", help_heading = "Reports")]
+    against: Option<PathBuf>,
+    /// Print one JSON object: device, driver, rows, cols, schedule, wavefront, iterations,
+    /// converged, capabilities (true, or why not), ceilings (as from `geosweep devices`),
+    /// runs, kinds and total. A kind of pass: name, count, dispatches, seconds (of each run), median_seconds,
+    /// median_pass_seconds, share, texels, skipped, bytes_read, bytes_written, triangles,
+    /// invocations, and its shares of the ceilings. Total: seconds of the passes, of the command
+    /// buffers and on the host's clock, with and without profiling
+    #[arg(long, help_heading = "Reports")]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum CapabilityArg {
+    /// Time on the device
+    Timestamps,
+    /// Counted invocations
+    Statistics,
+    /// Registers and spills of pipelines
+    Executables,
+    /// The device's clock beside the host's
+    Calibration,
+    /// Labels and names for tools
+    Labels,
+}
+
+impl From<CapabilityArg> for Capability {
+    fn from(arg: CapabilityArg) -> Self {
+        match arg {
+            CapabilityArg::Timestamps => Self::Timestamps,
+            CapabilityArg::Statistics => Self::Statistics,
+            CapabilityArg::Executables => Self::Executables,
+            CapabilityArg::Calibration => Self::Calibration,
+            CapabilityArg::Labels => Self::Labels,
+        }
+    }
+}
+
+fn examples() -> String {
+    format!(
+        "\
+docs/profiling.md tells how to read the table.
+
+{}
+
+Examples:
+  geosweep profile builtin:sphere:400x400 --source 20,20
+  geosweep profile builtin:maze:257x257 --source 0,0 --schedule tiles --picture rounds.png
+  geosweep profile dem.tif --spacing 30 --source 120,85 --trace trace.json --csv passes.csv
+  geosweep profile builtin:peaks:400x400 --source 20,20 --json > before.json
+  geosweep profile builtin:peaks:400x400 --source 20,20 --against before.json",
+        problem::builtin_names()
+    )
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let options = args.solver.options()?;
+    let outputs = Outputs::new(args)?;
+    let earlier = args.against.as_deref().map(Earlier::read).transpose()?;
+    let capture = args.renderdoc.then(renderdoc::Capture::new).transpose()?;
+    let scene = args.surface.read()?;
+    let sources = args.sources.sources()?;
+    let wanted = Wanted {
+        surface: &scene.surface,
+        sources: &sources,
+        options: &options,
+        repeat: args.repeat,
+        without: &args.without.iter().copied().map(Capability::from).collect::<Vec<_>>(),
+        grain: if args.blocks { Grain::Blocks } else { Grain::Scans },
+        tiles: args.picture.is_some(),
+    };
+    let measured = measure::measure(&wanted, capture)?;
+    if !measured.converged {
+        let tolerance = args.solver.tolerance;
+        problem::warn_of_no_convergence(measured.iterations, measured.residual, tolerance);
+    }
+    let summary = Summary::new(&measured);
+    let comparison = earlier.as_ref().map(|earlier| Comparison::new(earlier, &summary));
+    outputs.write(&measured, &scene, &sources)?;
+    if args.json {
+        let whole = file::Whole { summary: &summary, against: comparison.as_ref() };
+        print(serde_json::to_string_pretty(&whole)?)?;
+    } else {
+        print(Report { measured: &measured, summary: &summary, comparison: comparison.as_ref() })?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The files to write, checked before the work begins.
+struct Outputs {
+    trace: Option<OutputFile>,
+    csv: Option<OutputFile>,
+    picture: Option<OutputFile>,
+}
+
+impl Outputs {
+    fn new(args: &Args) -> Result<Self, Box<dyn Error>> {
+        let named = |path: &Option<PathBuf>, what, extension| {
+            path.as_deref().map(|path| output_file(path, what, extension)).transpose()
+        };
+        let trace = named(&args.trace, "a trace is", "json")?;
+        let csv = named(&args.csv, "a table of passes is", "csv")?;
+        let picture = args.picture.as_deref().map(png_output).transpose()?;
+        let files: Vec<_> = trace.iter().chain(&csv).chain(&picture).collect();
+        let inputs = problem::inputs(&args.surface, &args.sources);
+        check_outputs(&files, inputs.chain(args.against.as_deref()))?;
+        Ok(Self { trace, csv, picture })
+    }
+
+    /// Writes all files, then gives them their names.
+    fn write(
+        self,
+        measured: &Measured,
+        scene: &problem::Scene,
+        sources: &geosweep::Sources,
+    ) -> Result<(), Box<dyn Error>> {
+        let mut staged = Vec::new();
+        let run = measured.median_run();
+        if let Some(output) = self.trace {
+            staged.push(output.stage(|writer| trace::write(writer, measured, run))?);
+        }
+        if let Some(output) = self.csv {
+            staged.push(output.stage(|writer| passes_csv::write(writer, run))?);
+        }
+        if let Some(output) = self.picture {
+            let picture = picture::draw(measured, scene, sources);
+            staged.push(output.stage(|writer| picture.write_png(writer))?);
+        }
+        Ok(staged.into_iter().try_for_each(StagedFile::commit)?)
+    }
+}

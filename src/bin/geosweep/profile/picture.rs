@@ -1,0 +1,171 @@
+//! Which texels each scan has visited, or which tiles each round.
+
+use geosweep::Sources;
+use geosweep::surface::Chart;
+use geosweep::vulkan::profile::{PassKind, PassRecord, SolveProfile};
+use geosweep::vulkan::{Schedule, TexelChart};
+
+use super::measure::Measured;
+use crate::columns::digits;
+use crate::picture::{Canvas, Color, Scale, Swatches, Visit, Visits};
+use crate::problem::Scene;
+
+/// Nothing is visited there.
+const SKIPPED: Color = [0.80, 0.80, 0.81];
+/// Visited in a round before, and not in this one.
+const BEFORE: Color = [0.66, 0.80, 0.88];
+/// Visited in this round.
+const NOW: Color = [0.86, 0.42, 0.18];
+/// Drawn side by side, and one above the other.
+const ACROSS: usize = 4;
+const DOWN: usize = 4;
+
+pub fn draw(measured: &Measured, scene: &Scene, sources: &Sources) -> Canvas {
+    let (rows, key) = match measured.schedule {
+        Schedule::Tiles => rounds(measured),
+        Schedule::Raster | Schedule::AllPoints => scans(measured),
+    };
+    let (title, entries) = key;
+    let (surface, shape) = (&scene.surface, scene.shape());
+    let key = Swatches { title, entries: &entries };
+    Visits { surface, shape, sources, rows: &rows, key }.draw()
+}
+
+type Key = (&'static str, Vec<(Color, String)>);
+
+/// As many of some numbers as are wanted, evenly from the first to the last.
+fn spread(count: usize, wanted: usize) -> Vec<usize> {
+    match count.min(wanted) {
+        shown @ (0 | 1) => (0..shown).collect(),
+        shown => (0..shown).map(|k| k * (count - 1) / (shown - 1)).collect(),
+    }
+}
+
+/// What some passes are, and the share of the texels that they have visited; their time in a run
+/// without other counts.
+fn title(what: String, passes: &[PassRecord], run: &SolveProfile) -> String {
+    let sum = |of: fn(&PassRecord) -> Option<u64>| passes.iter().map(of).sum::<Option<u64>>();
+    let counts = sum(|pass| pass.work.texels).zip(sum(|pass| pass.work.skipped));
+    let share =
+        counts.filter(|(visited, skipped)| visited + skipped > 0).map(|(visited, skipped)| {
+            format!(", {:.0} %", 100.0 * visited as f64 / (visited + skipped) as f64)
+        });
+    let same =
+        |pass: &&PassRecord| (pass.kind, pass.iteration) == (passes[0].kind, passes[0].iteration);
+    let taken = run.passes().filter(same).map(|pass| pass.nanoseconds).sum::<Option<u64>>();
+    let taken = taken.map(|nanoseconds| format!(", {} ms", digits(1e-6 * nanoseconds as f64)));
+    format!("{what}{}{}", share.unwrap_or_default(), taken.unwrap_or_default())
+}
+
+/// A row of scans for the first iteration and for the last, coloured by the order of blocks: those
+/// between visit everything, too.
+fn scans(measured: &Measured) -> (Vec<Vec<Visit>>, Key) {
+    let all: Vec<PassRecord> = measured.counted.passes().copied().collect();
+    let is_visit = |pass: &&PassRecord| {
+        matches!(pass.kind, PassKind::Scan(_) | PassKind::AllPoints) && !pass.is_idle()
+    };
+    let visits: Vec<PassRecord> = all.iter().filter(is_visit).copied().collect();
+    let iterations: Vec<&[PassRecord]> =
+        visits.chunk_by(|a, b| a.iteration == b.iteration).collect();
+    let run = measured.median_run();
+    let scale = Scale::over([0.0, 1.0].into_iter());
+    let row = |number: usize| {
+        let scans = iterations[number].chunk_by(|a, b| {
+            // Two updates of all points are two visits.
+            a.kind == b.kind && a.kind != PassKind::AllPoints
+        });
+        let visit = |passes: &[PassRecord]| {
+            let name = passes[0].kind.name().trim_start_matches("scan ");
+            let name = format!("iteration {}, {name}", number + 1);
+            Visit {
+                title: title(name, passes, run),
+                colors: in_order(measured.chart, passes, &scale),
+            }
+        };
+        scans.map(visit).collect()
+    };
+    let last = iterations.len().saturating_sub(1);
+    let mut shown = vec![0, last];
+    shown.dedup();
+    let rows = shown.into_iter().map(row).collect();
+    let entries = [(0.0, "first"), (0.5, "half-way"), (1.0, "last")]
+        .map(|(at, name)| (scale.color(at), name.to_owned()));
+    let key = entries.into_iter().chain([(SKIPPED, "skipped".into())]).collect();
+    (rows, ("order of visits", key))
+}
+
+fn in_order(chart: Chart, passes: &[PassRecord], scale: &Scale) -> Vec<Color> {
+    let last = (passes.len() - 1).max(1) as f32;
+    let mut colors = vec![SKIPPED; chart.points()];
+    for (number, area) in passes.iter().enumerate().filter_map(|(k, pass)| Some((k, pass.area?))) {
+        let color = scale.color(number as f32 / last);
+        // Two rows and columns of points a texel, after the border of one texel.
+        let points = |[first, end]: [u32; 2], most: usize| {
+            let point = |texel: u32| (2 * (texel as usize - 1)).min(most);
+            point(first)..point(end)
+        };
+        for row in points(area.rows, chart.rows) {
+            for col in points(area.cols, chart.cols) {
+                colors[chart.index(row, col)] = color;
+            }
+        }
+    }
+    colors
+}
+
+/// Some of the rounds, evenly from the first to the last.
+fn rounds(measured: &Measured) -> (Vec<Vec<Visit>>, Key) {
+    let chart = measured.chart;
+    let tile = measured.tuning.tile as usize;
+    let texels = TexelChart::new(chart).expect("it was on the device");
+    let across = (2 * texels.inner_cols().len()).div_ceil(tile);
+    let lists = measured.counted.submissions.iter().flat_map(|found| &found.tiles);
+    let passes = measured.counted.passes().filter(|pass| pass.kind == PassKind::Tiles);
+    let rounds: Vec<(&Vec<u32>, &PassRecord)> =
+        lists.zip(passes).filter(|(list, _)| !list.is_empty()).collect();
+    let shown = spread(rounds.len(), ACROSS * DOWN);
+    let paint = |colors: &mut [Color], list: &[u32], color: Color| {
+        for number in list.iter().map(|&number| number as usize) {
+            let (row, col) = (number / across * tile, number % across * tile);
+            for row in row..(row + tile).min(chart.rows) {
+                for col in col..(col + tile).min(chart.cols) {
+                    colors[chart.index(row, col)] = color;
+                }
+            }
+        }
+    };
+    let mut colors = vec![SKIPPED; chart.points()];
+    let mut visits = Vec::new();
+    for (number, (list, pass)) in rounds.iter().enumerate() {
+        paint(&mut colors, list, NOW);
+        if shown.contains(&number) {
+            let run = measured.median_run();
+            let s = if list.len() == 1 { "" } else { "s" };
+            let what = format!("round {}, {} tile{s}", number + 1, list.len());
+            let title = title(what, &[**pass], run);
+            visits.push(Visit { title, colors: colors.clone() });
+        }
+        paint(&mut colors, list, BEFORE);
+    }
+    let mut rows: Vec<Vec<Visit>> = Vec::new();
+    for visit in visits {
+        match rows.last_mut().filter(|row| row.len() < ACROSS) {
+            Some(row) => row.push(visit),
+            None => rows.push(vec![visit]),
+        }
+    }
+    let key = [(NOW, "in this round"), (BEFORE, "before"), (SKIPPED, "not yet")];
+    (rows, ("tiles visited", key.map(|(color, name)| (color, name.to_owned())).into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_shown_of_many_begins_with_the_first_and_ends_with_the_last() {
+        assert_eq!(spread(1, 4), [0]);
+        assert_eq!(spread(3, 4), [0, 1, 2]);
+        assert_eq!(spread(10, 4), [0, 3, 6, 9]);
+    }
+}
