@@ -495,6 +495,22 @@ mod tests {
         }
     }
 
+    /// What a host's tools see of us is what the layers say of a fault.
+    #[test]
+    fn pipelines_have_names_while_profiling() {
+        let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
+        let context = Context::open(&device, true, Some(&[])).unwrap();
+        let mut solver = Solver::with(context).unwrap();
+        let surface = hill();
+        let mut on_device = solver.upload(&surface).unwrap();
+        let leaky = |steps: &mut Vec<Step>| steps.retain(|step| *step != Step::Barrier);
+        let (method, start) = (method(Wavefront::Planar, Schedule::Raster), Start::Fresh);
+        let seeds = seeds(&surface);
+        let result = solver.solve_planned(&mut on_device, &seeds, method, start, leaky, None);
+        let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
+        assert!(messages.iter().any(|m| m.contains("[raster, planar")), "{messages:?}");
+    }
+
     #[test]
     fn all_barriers_in_place_leave_no_message_to_the_end() {
         let surface = hill();

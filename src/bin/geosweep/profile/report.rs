@@ -127,11 +127,13 @@ impl Report<'_> {
                 100.0 * passes / all
             )?;
         }
-        let medians = median(&total.host).zip(median(&total.host_without_profiling));
-        if let Some((watched, plain)) = medians {
+        // Other work on the machine only adds to what the host sees.
+        let best = |seconds: &[f64]| seconds.iter().copied().reduce(f64::min);
+        let found = best(&total.host).zip(best(&total.host_without_profiling));
+        if let Some((watched, plain)) = found {
             writeln!(
                 f,
-                "On the host's clock: a map in {} ms; without profiling in {} ms ({:+.1} %).",
+                "On the host's clock: a map in {} ms at best; without profiling in {} ms ({:+.1} %).",
                 digits(1e3 * watched),
                 digits(1e3 * plain),
                 100.0 * (watched / plain - 1.0)
