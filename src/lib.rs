@@ -57,6 +57,11 @@ pub use update::Wavefront;
 #[doc = include_str!("../README.md")]
 struct Readme;
 
+/// So does that of the page on profiling.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/profiling.md")]
+struct Profiling;
+
 /// So does that of the page on all pairs.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/pairwise.md")]
