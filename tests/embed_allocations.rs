@@ -18,6 +18,7 @@ use geosweep::vulkan::embed::{
     self, Access, ContourFrame, Frame, LevelInput, Lookup, PathFrame, PathsInfo, PointSource,
     Points, Reader, SourceBuffer, SourceInput, StartInput, SurfaceInfo,
 };
+use geosweep::vulkan::profile::{Grain, Profile, Slots};
 use geosweep::vulkan::{Method, Schedule};
 
 use host::Host;
@@ -103,12 +104,15 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
         let stop = Stop { tolerance: 1e-4, iterations: 100 };
         let method = Method { wavefront, schedule: Some(schedule), stop };
         let plan = solver.plan(chart, method, 4).unwrap();
+        let profile = Profile::new(1000, Grain::Blocks, Slots::default());
         for number in 0..50 {
             let inputs = [SourceInput::Inline(&inline), SourceInput::Buffer(0)];
             let commands = host.commands();
             host.begin(commands);
             let before = allocations();
             let recording = solver.record(&recording_device, commands, &surface);
+            let watched = number % 5 == 0;
+            let recording = if watched { recording.profiled(&profile) } else { recording };
             recording
                 .frame(&Frame {
                     before: Access::COMPUTE_WRITE,
