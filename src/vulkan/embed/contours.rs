@@ -17,6 +17,7 @@ use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE};
 use crate::vulkan::limits::Limits;
 use crate::vulkan::memory::BufferInfo;
 use crate::vulkan::pipelines::spirv;
+use crate::vulkan::profile::PassKind;
 
 /// Room for the contours of a surface, and the passes that find them: [`Recording::contours`].
 ///
@@ -247,6 +248,7 @@ impl Recording<'_> {
         // A row of cells has two of points.
         let rows = chart.rows as u32 - 1;
         for (&pipeline, height) in curves.pipelines.iter().zip([rows, 1, rows]) {
+            let _pass = recorder.pass(PassKind::Contours);
             recorder.host_pass(pipeline, curves.tracing[0].set, &push, [WORKGROUP, height]);
             recorder.barrier(SHADER_WRITE, SHADER);
         }

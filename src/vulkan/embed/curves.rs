@@ -17,6 +17,7 @@ use crate::vulkan::barrier::SHADER_WRITE;
 use crate::vulkan::limits::Limits;
 use crate::vulkan::memory::{Buffer, BufferInfo};
 use crate::vulkan::pipelines::{Pipelines, compute_pipeline, spirv};
+use crate::vulkan::profile::PassKind;
 
 /// A vertex of a contour or path, to be bound as it is: [`CurveVertex::attributes`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -352,6 +353,7 @@ impl Curves {
             capacity: capacity as i32,
         };
         let lifters = if curves == 1 { capacity.div_ceil(WORKGROUP).clamp(1, LIFTERS) } else { 1 };
+        let _pass = recorder.pass(PassKind::Lift);
         recorder.host_pass(pipeline, set.set, &lift, [WORKGROUP * lifters, curves]);
         recorder.barrier(SHADER_WRITE, reader.side());
     }

@@ -17,6 +17,7 @@ use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::limits::Limits;
 use crate::vulkan::memory::BufferInfo;
 use crate::vulkan::pipelines::spirv;
+use crate::vulkan::profile::PassKind;
 
 /// Room for paths on a surface, and the passes that trace them: [`Recording::paths`].
 ///
@@ -247,6 +248,7 @@ impl Recording<'_> {
         let passes = traces(frame.sources) * layout.capacity.div_ceil(STEPS_TOGETHER);
         for pass in 0..=passes {
             let pipeline = curves.pipelines[usize::from(pass > 0)];
+            let _pass = recorder.pass(PassKind::Paths);
             recorder.host_pass(pipeline, set.set, &batch, [layout.curves, 1]);
             recorder.barrier(SHADER_WRITE, SHADER);
         }

@@ -48,6 +48,12 @@ pub enum PassKind {
     Unpack,
     /// Looks distances up at places of the host's.
     Lookup,
+    /// Finds contours, in three passes.
+    Contours,
+    /// Traces paths, some steps of each in a pass.
+    Paths,
+    /// Lifts contours or paths to the surface in space.
+    Lift,
 }
 
 impl PassKind {
@@ -86,6 +92,9 @@ impl PassKind {
             Self::Distances => c"distances",
             Self::Unpack => c"unpack",
             Self::Lookup => c"lookup",
+            Self::Contours => c"contours",
+            Self::Paths => c"paths",
+            Self::Lift => c"lift",
         }
     }
 }
