@@ -21,10 +21,10 @@ layout(local_size_x = WORKGROUP) in;
 // See trace.rs.
 const float AT_POINT = 1e-4;
 const float FITS = 1e-3;
-// Triangles with a smaller squared sine are none, and a start so near to a side, in shares of the
-// cell, crosses it where it is: single precision does not hold such triangles.
-const float FLAT_TRIANGLE = 1e-6;
-const float BESIDE = 1e-3;
+// Triangles with a smaller squared sine, at the side's nearer end, are not held by single precision.
+const float FLAT_TRIANGLE = 3e-7;
+// Points that are nearer to one another, in lengths of their longest edges, coincide.
+const float SAME_POINT = 1e-6;
 
 // One straight line of a path.
 struct Line {
@@ -90,13 +90,16 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
         float nearer = min(ends.x, ends.y);
         float skew = max(ends.x, ends.y) - nearer - base;
         float whole = 4.0 * nearer * base;
-        bool is_beside = support > 2 && own > 1.0 - BESIDE;
+        bool is_flat = whole - skew * skew <= FLAT_TRIANGLE * whole;
+        // A start that lies on a side as far as one can tell.
+        bool is_beside = is_flat && support > 2 && base > 0.0;
         if (reached[a] && reached[b] && max(ends.x, ends.y) < 0.5 * NO_EDGE
-            && (is_beside || whole - skew * skew > FLAT_TRIANGLE * whole)) {
+            && (is_beside || !is_flat)) {
             vec4 times = vec4(time_at(point - step), cell.times[a], cell.times[b],
                               time_at(point + 2 * step));
             Profile profile = profile_of(times, path.start, cell.unit, base);
-            Crossing found = is_beside ? crossing_at(profile, ends, base, weights[b] / own)
+            float foot = clamp(0.5 + 0.5 * (ends.x - ends.y) / base, 0.0, 1.0);
+            Crossing found = is_beside ? crossing_at(profile, ends, base, foot)
                                        : crossing(profile, ends, base);
             int end = found.share < AT_POINT ? a : b;
             if (found.share < AT_POINT || found.share > 1.0 - AT_POINT) {
@@ -194,8 +197,36 @@ bool step_to(int number, inout Path path, inout ivec2 point, ivec2 step) {
     return add(number, path, vec2(point), time_at(point));
 }
 
+// Goes across points in line that coincide, as at a pole, to the one from which an edge leads lowest,
+// and returns this edge; none if none leads lower than `below`.
+ivec2 step_across(inout ivec2 point, float below) {
+    float longest = 0.0;
+    for (int i = 0; i < 8; i++) {
+        float size = edge_length(point + 2 * BORDER, FAN[i]);
+        if (size < FAR) longest = max(longest, size);
+    }
+    ivec2 from = point;
+    ivec2 first = ivec2(0);
+    float earliest = below;
+    for (int i = 0; i < 8; i += 2) {
+        ivec2 at = from;
+        while (edge_length(at + 2 * BORDER, FAN[i]) <= SAME_POINT * longest) {
+            at += FAN[i];
+            for (int j = 0; j < 8; j++) {
+                float time = time_at(at + FAN[j]);
+                if (time < earliest && edge_length(at + 2 * BORDER, FAN[j]) < FAR) {
+                    earliest = time;
+                    first = FAN[j];
+                    point = at;
+                }
+            }
+        }
+    }
+    return first;
+}
+
 // Goes along edges from a point to one where the front has arrived earlier than at all passed, one
-// or two edges away. Fails if there is none.
+// or two edges away, or one from a point that coincides. Fails if there is none.
 bool detour(int number, inout Path path, inout ivec2 point) {
     float below = path.lowest;
     if (time_at(point) < below) return true;
@@ -224,8 +255,12 @@ bool detour(int number, inout Path path, inout ivec2 point) {
         }
     }
     if (earliest == below) {
-        path.status = LOST;
-        return false;
+        ivec2 at = point;
+        first = step_across(point, below);
+        if (first == ivec2(0)) path.status = LOST;
+        if (path.status == LOST || (point != at && !add(number, path, vec2(point), below))) {
+            return false;
+        }
     }
     return step_to(number, path, point, first)
         && (second == ivec2(0) || step_to(number, path, point, second));

@@ -9,6 +9,8 @@ mod faults;
 mod frames;
 mod host;
 mod inputs;
+#[path = "../measure/mod.rs"]
+mod measure;
 mod readme;
 #[cfg(feature = "formats")]
 #[allow(dead_code, clippy::duplicate_mod)] // its main is not called here, and its host is ours

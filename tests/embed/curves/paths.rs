@@ -2,7 +2,7 @@
 
 use geosweep::ash::vk;
 use geosweep::geometry::Paths;
-use geosweep::glam::Vec3;
+use geosweep::glam::{DVec3, Vec3};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::VulkanError;
@@ -15,6 +15,7 @@ use geosweep::{Sources, Spacing, Surface};
 use super::{Scene, lifted_off, vertices};
 use crate::common::rough;
 use crate::host::Host;
+use crate::measure::Random;
 
 fn new_paths(scene: &mut Scene, info: PathsInfo) -> embed::Paths {
     let stage = &mut scene.stage;
@@ -24,12 +25,8 @@ fn new_paths(scene: &mut Scene, info: PathsInfo) -> embed::Paths {
 
 /// Pseudo-random starts, at grid points and between them.
 fn starts(rows: usize, cols: usize, count: usize) -> Vec<[f32; 2]> {
-    let mut state = 1u64;
-    let mut next = || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f32 / (1u64 << 24) as f32
-    };
+    let mut random = Random::new(1);
+    let mut next = || random.next() as f32;
     (0..count)
         .map(|number| {
             let place = [next() * (rows - 1) as f32, next() * (cols - 1) as f32];
@@ -58,14 +55,16 @@ fn end(mut scene: Scene, mut paths: embed::Paths) {
     scene.end();
 }
 
-/// Largest relative differences of lengths, from the CPU's paths on the same map and, from grid points,
-/// from the exact ones.
+/// Relative differences of lengths: from those of the CPU's paths on the same map, of 99 in 100; the
+/// largest from the exact ones, of paths from grid points; and the largest from the map. Lengths below
+/// a twentieth of the largest distance count as so much: beside a grid line single precision rounds
+/// by up to 3e-4 of a cell.
 fn compare(
     name: &str,
     surface: &Surface,
     sources: &[PointSource],
     exact: Option<&[f64]>,
-) -> [f64; 2] {
+) -> [f64; 3] {
     const PATHS: usize = 300;
     let chart = surface.chart();
     let mut scene = Scene::new(Host::with_synchronization_validation(), surface, sources);
@@ -80,7 +79,8 @@ fn compare(
         .iter()
         .fold(Sources::default(), |at, s| at.and_point(s.row.into(), s.col.into(), s.time.into()));
     let on_cpu = Paths::new(surface, &edges, &at, &scene.map.distances).unwrap();
-    let [mut from_cpu, mut from_exact, mut off, mut whole] = [0.0f64; 4];
+    let [mut from_map, mut from_exact, mut off] = [0.0f64; 3];
+    let mut from_cpu = Vec::new();
     for (number, (record, start)) in records.iter().zip(&starts).enumerate() {
         let expected = match on_cpu.trace(start.map(f64::from)) {
             Ok(expected) => expected,
@@ -99,31 +99,32 @@ fn compare(
         assert_eq!([first.row, first.col], *start);
         assert_eq!([last.row, last.col, last.time], [source.row, source.col, source.time]);
         assert_eq!(first.time, record.distance);
-        whole += 1.0;
-        let apart = |a: f32, b: f64| (f64::from(a) - b).abs() / b.max(1e-3);
-        // The first line alone. Beside a grid line distances to it are lost in rounding, up to the
-        // root of single precision's unit, 2.4e-4 of a cell: cells here are at most 3 units.
-        let rounding = 1e-5 * expected.distance + if exact.is_some() { 1e-5 } else { 7e-4 };
-        let off_map = (f64::from(record.distance) - expected.distance).abs();
-        assert!(off_map < rounding, "{name} from {start:?}: {off_map}");
-        from_cpu = from_cpu.max(apart(record.length, expected.length));
+        let least = 0.05 * f64::from(scene.map.report.max_distance);
+        let apart = |a: f32, b: f64| (f64::from(a) - b).abs() / b.max(least);
+        let off_map = apart(record.distance, expected.distance);
+        assert!(off_map < 3e-4, "{name} from {start:?}: {off_map}");
+        from_cpu.push(apart(record.length, expected.length));
+        from_map = from_map.max(apart(record.length, record.distance.into()));
         off = off.max(lifted_off(surface, drawn));
         if let Some(exact) = exact.filter(|_| number % 2 == 0) {
             let exact = exact[chart.index(start[0] as usize, start[1] as usize)];
             from_exact = from_exact.max(apart(record.length, exact));
         }
     }
+    from_cpu.sort_by(f64::total_cmp);
+    let whole = from_cpu.len();
+    let from_cpu = from_cpu[whole * 99 / 100];
     println!(
         "{name}: {whole} paths, lengths {from_cpu:.1e} from the CPU's, {from_exact:.1e} from the \
-         exact, lifted {off:.1e} off"
+         exact, {from_map:.1e} from the map, lifted {off:.1e} off"
     );
-    assert!(whole > 200.0 && off < 1e-5, "{name}: {whole} {off}");
+    assert!(whole > 200 && off < 1e-5, "{name}: {whole} {off}");
     end(scene, paths);
-    [from_cpu, from_exact]
+    [from_cpu, from_exact, from_map]
 }
 
-/// From the CPU's lengths up to 1.1e-4 were measured (peaks, where a path near a ridge can take
-/// either side; else 1.1e-5), from the exact ones 6.6e-4 (peaks; else 3.7e-5). The bar is 2e-3.
+/// The bar is 2e-3. Measured: 6.6e-4 from the exact lengths and 9e-4 from the map (peaks), elsewhere
+/// 4e-5.
 #[test]
 fn lengths_are_the_distances() {
     const POINTS: usize = 257;
@@ -132,15 +133,16 @@ fn lengths_are_the_distances() {
         let source = if builtin == Builtin::Maze { [0.0; 2] } else { [77.0, 102.0] };
         let exact = builtin.reference_distances(POINTS, POINTS, source.map(f64::from));
         let sources = [PointSource::at(source[0], source[1])];
-        let [from_cpu, from_exact] =
+        let [from_cpu, from_exact, from_map] =
             compare(&builtin.to_string(), &surface, &sources, Some(&exact));
-        assert!(from_cpu < 3e-4 && from_exact < 2e-3, "{builtin}: {from_cpu} {from_exact}");
+        assert!(from_cpu < 3e-4, "{builtin}: {from_cpu}");
+        assert!(from_exact < 2e-3 && from_map < 2e-3, "{builtin}: {from_exact} {from_map}");
     }
 }
 
-/// With holes, and from sources between grid points with unlike initial values. 8e-5 was measured,
-/// where single precision decides otherwise between two ways; the CPU's own lengths are up to 3 % off
-/// the map's distances here.
+/// With holes, and from sources between grid points with unlike initial values. The map has ridges
+/// there on which the two may take other sides, and its distances are up to 5 % off the lengths of the
+/// CPU's paths too.
 #[test]
 fn paths_on_rough_surfaces_are_those_of_the_cpu() {
     for (name, one_hole_in) in [("rough, with holes", 11), ("rough", 0)] {
@@ -152,8 +154,8 @@ fn paths_on_rough_surfaces_are_those_of_the_cpu() {
             PointSource { time: 4.0, ..PointSource::at(55.0, 12.0) },
         ];
         for sources in [&one[..], &several] {
-            let [from_cpu, _] = compare(name, &surface, sources, None);
-            assert!(from_cpu < 3e-4, "{name}: {from_cpu}");
+            let [from_cpu, ..] = compare(name, &surface, sources, None);
+            assert!(from_cpu < 5e-4, "{name}: {from_cpu}");
         }
     }
 }
@@ -291,4 +293,66 @@ fn paths_that_make_no_sense_are_errors_before_anything_is_recorded() {
     }
     end(scene, paths);
     other.end();
+}
+
+/// Steep random steps, holes, and cells up to 25 times as long as wide.
+#[test]
+fn every_path_falls_to_a_source() {
+    let mut random = Random::new(5);
+    let mut traced = 0;
+    for _ in 0..8 {
+        let [rows, cols] = [0; 2].map(|_| 2 + (20.0 * random.next()) as usize);
+        let heights = (0..rows * cols).map(|_| 3.0 * random.next()).collect();
+        let [dx, dy] = [0; 2].map(|_| 0.2 + 4.8 * random.next());
+        let filled = 0.5 + 0.5 * random.next();
+        let mask: Vec<_> = (0..rows * cols).map(|i| i == 0 || random.next() < filled).collect();
+        let surface = Surface::from_heights(rows, cols, heights, Spacing { dx, dy }).unwrap();
+        let surface = surface.with_mask(&mask).unwrap();
+        let sources = [PointSource::at(0.0, 0.0)];
+        let mut scene = Scene::new(Host::without_validation(), &surface, &sources);
+        let chart = surface.chart();
+        let starts: Vec<_> = (0..chart.points())
+            .map(|index| chart.position(index))
+            .map(|(row, col)| [row as f32, col as f32])
+            .collect();
+        let info = PathsInfo { paths: starts.len() as u32, vertices: 300 };
+        let paths = new_paths(&mut scene, info);
+        let inline = SourceInput::Inline(&sources);
+        let (records, _) = read(&mut scene, &paths, StartInput::Inline(&starts), inline);
+        for (record, distance) in records.iter().zip(&scene.map.distances) {
+            let reached = distance.is_finite();
+            let expected = if reached { CurveStatus::Complete } else { CurveStatus::Unreached };
+            assert_eq!(record.status(), expected, "{record:?}");
+            if reached {
+                assert_eq!(record.distance, *distance);
+                traced += 1;
+            }
+        }
+        end(scene, paths);
+    }
+    println!("{traced} paths");
+    assert!(traced > 300, "{traced}");
+}
+
+/// All points of the first row coincide, so that no time falls along it. The CPU's path is 10 % too
+/// long; this one looks at all of the pole's points for the one to leave from.
+#[test]
+fn paths_cross_a_pole() {
+    let (rows, cols) = (9, 24);
+    let points = (0..rows * cols).map(|i| {
+        let (polar, angle) = (0.1 * (i / cols) as f64, 0.25 * (i % cols) as f64);
+        DVec3::new(polar * angle.cos(), polar * angle.sin(), 0.0)
+    });
+    let surface = Surface::from_positions(rows, cols, points.collect()).unwrap();
+    let sources = [PointSource::at(6.0, 0.0)];
+    let mut scene = Scene::new(Host::new(), &surface, &sources);
+    let paths = new_paths(&mut scene, PathsInfo { paths: 2, vertices: 60 });
+    let starts = StartInput::Inline(&[[7.0, 13.0], [7.5, 10.25]]);
+    let (records, _) = read(&mut scene, &paths, starts, SourceInput::Inline(&sources));
+    for (record, exact) in records.iter().zip([1.3, 1.35]) {
+        println!("{} of {exact}", record.length);
+        assert_eq!(record.status(), CurveStatus::Complete, "{record:?}");
+        assert!((record.length - exact).abs() < 0.1 * exact, "{record:?}");
+    }
+    end(scene, paths);
 }
