@@ -100,8 +100,14 @@ impl<'a> Spokes<'a> {
         };
         let earlier = |a: &(f64, usize, f64), b: &(f64, usize, f64)| a.0.total_cmp(&b.0);
         // Nearly always beside the neighbour over which the way along an edge is shortest.
-        let along = |to: usize| since[to] + self.length(point, to);
-        let nearest = (0..8).min_by(|&a, &b| along(a).total_cmp(&along(b)))?;
+        let (mut shortest, mut nearest) = (f64::FAR, None);
+        for (to, &since) in since.iter().enumerate().filter(|&(_, &since)| since < f64::FAR) {
+            let along = since + self.length(point, to);
+            if along < shortest {
+                (shortest, nearest) = (along, Some(to));
+            }
+        }
+        let nearest = nearest?;
         let beside = [(nearest + 7) % 8, nearest].into_iter().filter_map(ray).min_by(earlier)?;
         if beside.2 > 0.0 && beside.2 < 1.0 {
             return Some(beside);
@@ -133,9 +139,9 @@ impl<'a> Spokes<'a> {
     }
 
     /// Length of the longest edge of a point.
-    pub(super) fn longest(&self, point: usize) -> f64 {
-        let lengths = (0..8).map(|to| self.length(point, to));
-        lengths.filter(|&length| length < f64::FAR).fold(0.0, f64::max)
+    pub(super) fn longest(&self, point: usize) -> f32 {
+        let lengths = self.spokes.iter().map(|spoke| self.edges.at(point, spoke.edge));
+        lengths.filter(|&length| length < f32::FAR).fold(0.0, f32::max)
     }
 }
 

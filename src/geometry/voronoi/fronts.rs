@@ -75,6 +75,8 @@ pub(super) struct Fronts<'a> {
     news: Vec<(u32, u32)>,
     /// Where the candidates of a point are gathered.
     room: Vec<Candidate>,
+    /// The longest edge of a point, zero where nobody has asked yet.
+    longest: Vec<f32>,
 }
 
 impl<'a> Fronts<'a> {
@@ -105,6 +107,7 @@ impl<'a> Fronts<'a> {
             now: 0,
             queue: BinaryHeap::new(),
             is_queued: vec![false; times.len()],
+            longest: vec![0.0; times.len()],
             times,
             arrivals: Vec::new(),
             news: Vec::new(),
@@ -270,7 +273,8 @@ impl<'a> Fronts<'a> {
             if time >= before {
                 continue;
             }
-            let latest = self.latest(neighbour, self.first(neighbour).1);
+            let (_, first) = self.first(neighbour);
+            let latest = self.latest(neighbour, first);
             if time >= latest {
                 continue;
             }
@@ -297,8 +301,11 @@ impl<'a> Fronts<'a> {
     /// Up to when fronts count at a point, given when the first arrives. Over an edge from one
     /// region to another each front comes by the length of that edge after the other one's, at
     /// most, and is known there that much later.
-    fn latest(&self, point: usize, first: f64) -> f64 {
-        first + 2.0 * self.spokes.longest(point) * (1.0 + 1e-6)
+    fn latest(&mut self, point: usize, first: f64) -> f64 {
+        if self.longest[point] == 0.0 {
+            self.longest[point] = self.spokes.longest(point);
+        }
+        first + 2.0 * f64::from(self.longest[point]) * (1.0 + 1e-6)
     }
 
     /// The arrival of a front at a point through some of the triangles that begin at each of its
@@ -379,13 +386,16 @@ impl<'a> Fronts<'a> {
     /// The label of each grid point, row-major.
     pub(super) fn labels(&self) -> Vec<u32> {
         let chart = self.chart();
-        let label = |index: usize| {
-            let (row, col) = chart.position(index);
-            let point = chart.bordered(row, col);
+        let label = |point: usize| {
             let several = self.labels[point] != NONE && self.labels[point] & SEVERAL != 0;
             if several { self.first(point).0 } else { self.labels[point] }
         };
-        (0..chart.points()).into_par_iter().map(label).collect()
+        let mut labels = vec![NONE; chart.points()];
+        labels.par_chunks_mut(chart.cols).enumerate().for_each(|(row, labels)| {
+            let first = chart.bordered(row, 0);
+            labels.iter_mut().zip(first..).for_each(|(found, point)| *found = label(point));
+        });
+        labels
     }
 
     pub(super) fn chart(&self) -> Chart {
