@@ -9,10 +9,11 @@
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::FRAC_PI_2;
 
-use glam::{DMat2, DVec2};
+use glam::{DMat2, DVec2, Vec2};
+use rayon::prelude::*;
 
 use crate::geometry::MapError;
-use crate::geometry::order::{bordered, by_arrival};
+use crate::geometry::order::{bordered, by_arrival, rank};
 use crate::geometry::spokes::Spokes;
 use crate::surface::{Chart, EdgeLengths, Real, Source, Sources, Surface};
 
@@ -21,8 +22,15 @@ pub(super) struct Sides<'a> {
     spokes: Spokes<'a>,
     times: Vec<f32>,
     start: f64,
-    /// NaN at points that are not visited.
-    angles: Vec<f32>,
+    /// Cosine and sine of each; NaN at points that are not visited.
+    angles: Vec<Vec2>,
+}
+
+/// The first ray that arrives at a point: over which base, and where it crosses that.
+#[derive(Clone, Copy)]
+struct Ray {
+    base: u8,
+    share: f32,
 }
 
 /// Rows and columns around an open end in which angles are measured, not carried: the map's own
@@ -38,7 +46,7 @@ impl<'a> Sides<'a> {
     ) -> Result<Self, MapError> {
         let times = bordered(edges.chart(), distances)?;
         let order = by_arrival(&times);
-        let angles = vec![f32::NAN; times.len()];
+        let angles = vec![Vec2::NAN; times.len()];
         let mut sides = Self { spokes: Spokes::new(edges), times, start: sources.start(), angles };
         let mut seen = HashMap::new();
         for source in sources.iter() {
@@ -60,49 +68,77 @@ impl<'a> Sides<'a> {
                 let late = late.abs();
                 if seen.get(&point).is_none_or(|&other| late < other) {
                     seen.insert(point, late);
-                    sides.angles[point] = nearest.angle as f32;
+                    sides.angles[point] = DVec2::from_angle(nearest.angle).as_vec2();
                 }
             }
         }
+        // Where rays run does not depend on angles, and takes longest.
+        let ray = |point: usize| {
+            let here = rank(sides.times[point], point);
+            let is_before = |other: usize| rank(sides.times[other], other) < here;
+            let is_wanted = sides.times[point] < f32::FAR && !sides.is_known(point);
+            is_wanted
+                .then(|| sides.ray(point, |other| is_before(other) || sides.is_known(other)))?
+        };
+        let points = (0..sides.times.len()).into_par_iter().with_min_len(4096);
+        let rays: Vec<Option<Ray>> = points.map(ray).collect();
         for point in order {
-            sides.visit(point as usize);
+            sides.visit(point as usize, rays[point as usize]);
         }
         Ok(sides)
     }
 
+    fn is_known(&self, point: usize) -> bool {
+        !self.angles[point].is_nan()
+    }
+
+    fn since(&self, point: usize) -> f64 {
+        (f64::from(self.times[point]) - self.start).max(0.0)
+    }
+
+    /// The ray that comes to a point from those of its neighbours that `counts` tells.
+    fn ray(&self, point: usize, counts: impl Fn(usize) -> bool) -> Option<Ray> {
+        let since = std::array::from_fn(|to| {
+            let neighbour = self.spokes.neighbour(point, to);
+            if counts(neighbour) { self.since(neighbour) } else { f64::FAR }
+        });
+        self.spokes
+            .first_ray(point, &since)
+            .map(|(_, base, share)| Ray { base: base as u8, share: share as f32 })
+    }
+
     /// Carries the angle to a point whose earlier neighbours have been visited.
-    fn visit(&mut self, point: usize) {
-        if !self.angles[point].is_nan() {
+    fn visit(&mut self, point: usize, ray: Option<Ray>) {
+        if self.is_known(point) {
             return;
         }
-        let angles: [f32; 8] =
-            std::array::from_fn(|to| self.angles[self.spokes.neighbour(point, to)]);
-        let known = || angles.iter().copied().filter(|angle| !angle.is_nan());
-        if let Some(first) = known().next()
-            && known().all(|angle| angle == first)
-        {
-            self.angles[point] = first;
-            return;
+        let angle = ray.map(|ray| self.along(point, ray)).filter(|angle| !angle.is_nan());
+        let angle = angle.or_else(|| {
+            // One that comes from where no angle is known does not count.
+            let ray = self.ray(point, |other| self.is_known(other))?;
+            Some(self.along(point, ray))
+        });
+        self.angles[point] = angle.unwrap_or(Vec2::NAN);
+    }
+
+    /// The angle that a ray brings to a point.
+    fn along(&self, point: usize, Ray { base, share }: Ray) -> Vec2 {
+        let ends = [usize::from(base), usize::from(base + 1) % 8]
+            .map(|to| self.spokes.neighbour(point, to));
+        let [a, b] = ends.map(|end| self.angles[end]);
+        let arm = |end: usize| self.since(end) * self.angles[end].as_dvec2();
+        match share {
+            0.0 => a,
+            1.0 => b,
+            _ if a == b => a,
+            _ => arm(ends[0]).lerp(arm(ends[1]), f64::from(share)).normalize().as_vec2(),
         }
-        let since = |to: usize| {
-            let time = f64::from(self.times[self.spokes.neighbour(point, to)]) - self.start;
-            if angles[to].is_nan() { f64::FAR } else { time.max(0.0) }
-        };
-        let since: [f64; 8] = std::array::from_fn(since);
-        let Some((_, to, share)) = self.spokes.first_ray(point, &since) else { return };
-        let ends = [to, (to + 1) % 8];
-        let arm = |to: usize| since[to] * DVec2::from_angle(f64::from(angles[to]));
-        self.angles[point] = match share {
-            0.0 => angles[ends[0]],
-            1.0 => angles[ends[1]],
-            _ => arm(ends[0]).lerp(arm(ends[1]), share).to_angle() as f32,
-        };
     }
 
     /// The side at a place on the edge between two grid points, as an angle.
     pub(super) fn on_edge(&self, ends: [(usize, usize); 2], share: f64) -> f64 {
         let points = ends.map(|(row, col)| self.spokes.chart().bordered(row, col));
-        let [a, b] = points.map(|point| f64::from(self.angles[point]));
+        let [a, b] = points.map(|point| self.angles[point].as_dvec2().to_angle());
         let [since_a, since_b] = points.map(|point| f64::from(self.times[point]) - self.start);
         let to = |to: &usize| self.spokes.neighbour(points[0], *to) == points[1];
         let length = (0..8).find(to).map_or(0.0, |to| self.spokes.length(points[0], to));
