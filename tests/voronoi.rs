@@ -202,9 +202,9 @@ fn start_values_shift_borders() {
 }
 
 /// Fifty sources in the plane: labels, junctions and the sum of areas. Two in five junctions lie
-/// beside the triangle with a corner in each region. Those that lie in no other triangle, beyond a
-/// third one or the border, are moved to its side: measured, one in ten, to where distances to the
-/// three sources differ by up to 0.67.
+/// beside the triangle with a corner in each region. Those for which no border leads there, between
+/// two such triangles for example, are moved to its side: measured, 3 of 222 ends, to where
+/// distances to the three sources differ by 0.30.
 #[test]
 fn many_regions_meet_where_they_should() {
     const POINTS: usize = 201;
@@ -239,7 +239,7 @@ fn many_regions_meet_where_they_should() {
     println!("{junctions} ends at junctions, {moved} moved, {worst:.4} cells");
     // Euler: at most 2 n - 5 junctions of three borders.
     assert!(
-        (150..=285).contains(&junctions) && 8 * moved < junctions && worst < 1.0,
+        (150..=285).contains(&junctions) && 30 * moved < junctions && worst < 0.5,
         "{junctions} {worst}"
     );
     assert!(regions.neighbours().len() <= 3 * 50 - 6);

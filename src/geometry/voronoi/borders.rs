@@ -17,7 +17,11 @@ pub(super) struct Split {
     pub parts: Vec<(u32, f64)>,
 }
 
+/// No more edges than this lie between a triangle and the place where its regions meet.
+const FARTHEST: usize = 4;
+
 /// Where the three regions of a triangle meet.
+#[derive(Clone, Copy)]
 struct Junction {
     place: DVec2,
     /// The edge of the triangle beyond which that is, between the corners of two regions: that of the
@@ -66,29 +70,39 @@ pub(super) fn march(fronts: &Fronts, labels: &[u32]) -> (Vec<Border>, Vec<Split>
     let mixed: Vec<Mixed> = rows.flat_map_iter(of_row).collect();
     let segments = mixed.iter().flat_map(Mixed::segments).collect();
     // The triangle across an edge of another one.
-    let across = |triangle: &Mixed, edge: [usize; 2]| {
+    let across = |points: [usize; 3], edge: [usize; 2]| {
         let [a, b] = edge.map(|point| chart.position(point));
         let rows = a.0.max(b.0).saturating_sub(1)..=a.0.min(b.0).min(chart.rows - 2);
         let cols = a.1.max(b.1).saturating_sub(1)..=a.1.min(b.1).min(chart.cols - 2);
         let cells = rows.flat_map(|row| cols.clone().map(move |col| (row, col)));
         let is_across = |other: &Mixed| {
-            edge.iter().all(|point| other.points.contains(point)) && other.points != triangle.points
+            edge.iter().all(|point| other.points.contains(point)) && other.points != points
         };
         cells.flat_map(|(row, col)| of_cell(row, col)).find(is_across)
     };
-    // Where the regions of a triangle meet, and of which edge they meet beyond.
+    // The edges between a triangle and the place where its regions meet, if that lies on the way of
+    // the border between two of them.
+    let passed = |triangle: &Mixed, Junction { place, beyond }: Junction| {
+        let (mut points, mut edge, mut passed) = (triangle.points, beyond?, Vec::new());
+        for _ in 0..FARTHEST {
+            let other = across(points, edge).filter(|other| !other.has_junction())?;
+            passed.push(Edge::between(chart, edge[0], edge[1]).number());
+            if other.contains(place) {
+                return Some(passed);
+            }
+            (points, edge) = (other.points, other.exit(edge)?);
+        }
+        None
+    };
+    // The nodes that lie where three regions meet.
     let mut places: HashMap<u64, DVec2> = HashMap::new();
     for triangle in mixed.iter().filter(|triangle| triangle.has_junction()) {
         let junction = triangle.junction();
-        let beyond = junction.beyond.and_then(|edge| Some((edge, across(triangle, edge)?)));
-        let place = match beyond {
-            Some((edge, other)) if !other.has_junction() && other.contains(junction.place) => {
-                places.insert(Edge::between(chart, edge[0], edge[1]).number(), junction.place);
-                junction.place
-            }
-            _ => triangle.junction_place(),
+        let (place, passed) = match passed(triangle, junction) {
+            Some(passed) => (junction.place, passed),
+            None => (triangle.junction_place(), Vec::new()),
         };
-        places.insert(triangle.junction, place);
+        places.extend(passed.into_iter().chain([triangle.junction]).map(|node| (node, place)));
     }
     let curves = join(segments, |regions, node| {
         if let Some(place) = places.get(&node) {
@@ -122,6 +136,17 @@ impl Mixed<'_, '_> {
     fn has_junction(&self) -> bool {
         let [a, b, c] = self.labels;
         a != b && b != c && c != a
+    }
+
+    /// Of a triangle with two regions, its edge between them that is not the one given.
+    fn exit(&self, entry: [usize; 2]) -> Option<[usize; 2]> {
+        let edge = |k: usize| [k, (k + 1) % 3];
+        let is_exit = |[a, b]: &[usize; 2]| {
+            let is_entry = [a, b].iter().all(|end| entry.contains(&self.points[**end]));
+            self.labels[*a] != self.labels[*b] && !is_entry
+        };
+        let exit = (0..3).map(edge).find(is_exit)?;
+        Some(exit.map(|corner| self.points[corner]))
     }
 
     /// Its edges between regions, counter-clockwise, with the labels before and after.

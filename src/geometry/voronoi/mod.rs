@@ -53,7 +53,7 @@ impl Voronoi {
     /// between grid points; so it is as exact for sources side by side as for distant ones. On
     /// plane, cylinder and sphere of 129 x 129 points it lies within 0.07 of a cell of the exact
     /// bisector of two points, a cell apart or many. A junction of three regions lies where three
-    /// fronts arrive at once, in a triangle with a corner in each or in the one beside it.
+    /// fronts arrive at once, in a triangle with a corner in each or a few beside it.
     ///
     /// # Errors
     /// If a source lies off the surface, or the distances are not as many as the grid has points.
