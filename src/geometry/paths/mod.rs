@@ -7,7 +7,8 @@
 //! first (the Hopf-Lax form of eq. 5). Arrival times along the cell's sides come from cubics
 //! through the squares of the map's values. The steps are as long as the cells, which bounds their
 //! error to second order; lines end at grid points where a path bends around the corner of a hole,
-//! and at the source where it lies in the cell.
+//! and at the source where it lies in the cell. Most lines run on nearly straight: where the one
+//! that does fits the arrival time, no other is looked for.
 
 mod ahead;
 mod cell;
