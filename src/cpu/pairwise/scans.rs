@@ -204,15 +204,14 @@ impl<K: Kernel, const TRACKS: bool> Work for Line<'_, K, TRACKS> {
                 let point = k * WORD + bit as usize;
                 let here = first + point * step;
                 let beside = here.wrapping_add_signed(behind);
-                let [state, before, beside, after] = points
-                    .get_disjoint_mut([here, beside - step, beside, beside + step])
-                    .expect("four points of a bordered array");
-                let behind = [&*before, &*beside, &*after];
-                let coefficients = &coefficients[point];
-                if K::may_change(state, behind, coefficients, how) {
+                let behind = [&points[beside - step], &points[beside], &points[beside + step]];
+                let (mut state, coefficients) = (points[here], &coefficients[point]);
+                if K::may_change(&state, behind, coefficients, how) {
                     // Not as a branch: nobody could foretell it.
-                    let wakes = K::update::<TRACKS>(state, behind, coefficients, how, &mut largest);
+                    let wakes =
+                        K::update::<TRACKS>(&mut state, behind, coefficients, how, &mut largest);
                     changed |= u64::from(wakes) << bit;
+                    points[here] = state;
                 }
             }
             *word = changed;
