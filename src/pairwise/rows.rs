@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use rayon::prelude::*;
+
 use super::engine::RowEngine;
 use super::report::Tally;
 use crate::Error;
@@ -24,12 +26,12 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Room for rows of a matrix.
+/// Room for rows of a matrix, in memory that is there: all threads have touched it.
 pub(super) fn room(rows: usize, points: usize) -> Result<Vec<f32>, Error> {
-    let mut room = Vec::new();
-    let count = rows.checked_mul(points).filter(|&count| room.try_reserve_exact(count).is_ok());
-    let Some(count) = count else { return Err(Error::Memory { rows, points }) };
-    room.resize(count, f32::INFINITY);
+    let count = rows.checked_mul(points);
+    let room = count.and_then(|count| bytemuck::try_zeroed_vec(count).ok());
+    let Some(mut room) = room else { return Err(Error::Memory { rows, points }) };
+    room.par_chunks_mut(points.max(1)).for_each(|row| row.fill(f32::INFINITY));
     Ok(room)
 }
 
