@@ -164,7 +164,10 @@ impl<'a> Pairwise<'a> {
             return Err(Error::Options(message).into());
         }
         let (wave, stop, engine) = (self.wave(), self.stop, &mut self.engine);
-        let (tally, time) = rows::stream(engine, sources, points, wave, stop, sink)?;
+        // In rayon's own threads from the first wave to the last: woken up anew for each, they are
+        // often put on one core.
+        let (tally, time) =
+            rayon::scope(|_| rows::stream(engine, sources, points, wave, stop, sink))?;
         Ok(self.report(sources.len(), tally, time))
     }
 
