@@ -5,7 +5,7 @@ use crate::cpu::Instructions;
 use crate::cpu::stream::stream;
 use crate::cpu::transpose::{Block, transpose};
 use crate::lanes::Work;
-use crate::surface::{Chart, Real};
+use crate::surface::Chart;
 
 /// Where some rows of the grid become parts of the matrix's rows, on their way to memory.
 pub(super) struct Stage {
@@ -41,7 +41,6 @@ impl Stage {
             let rows = first..chart.rows.min(first + self.band);
             for row in rows.clone() {
                 let line = &mut points[chart.bordered(row, 0)..][..chart.cols];
-                instructions.run(Finish(bytemuck::cast_slice_mut(line)));
                 let block = Block {
                     from: 0,
                     from_stride,
@@ -66,18 +65,6 @@ impl Stage {
 /// Enough rows that long stretches go to memory at once, whose ends are few; few enough for a cache.
 fn band(chart: Chart) -> usize {
     (2048 / chart.cols).clamp(1, chart.rows)
-}
-
-/// What was not reached becomes infinite.
-struct Finish<'a>(&'a mut [f32]);
-
-impl Work for Finish<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        self.0.iter_mut().for_each(|n| *n = if *n < f32::FAR { *n } else { f32::INFINITY });
-    }
 }
 
 struct Clear<'a, K: Kernel>(&'a mut [K::State]);
