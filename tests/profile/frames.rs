@@ -1,0 +1,149 @@
+//! Frames of a host.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use geosweep::ash::vk;
+use geosweep::vulkan::Schedule;
+use geosweep::vulkan::embed::Tools;
+use geosweep::vulkan::plan::Step;
+use geosweep::vulkan::profile::{Grain, PassKind, Profile, QueryRange, Slots};
+
+use crate::host::Host;
+use crate::renderer::Renderer;
+
+/// The host's own timestamps around a frame are the total. What lies between its passes, such as
+/// the reset of queries, is in no pass; an interruption of the driver's thread there can only
+/// happen in some of the tries.
+#[test]
+fn the_passes_of_a_frame_add_up_to_its_total() {
+    let renderer = Renderer::new(Host::without_validation(), Schedule::Raster, Tools::default());
+    let shares: Vec<f64> = (0..5)
+        .map(|_| {
+            let (total, passes) = renderer.timed_frame();
+            let of_passes: u64 = passes.iter().map(|pass| pass.nanoseconds.unwrap()).sum();
+            assert!(of_passes <= total, "{of_passes} of {total}");
+            of_passes as f64 / total as f64
+        })
+        .collect();
+    let best = shares.iter().copied().fold(0.0, f64::max);
+    assert!(best > 0.9, "{shares:?}");
+    renderer.end();
+}
+
+/// Under the validation layers, with synchronization validation; labels and names included.
+#[test]
+fn a_frame_is_taken_down_pass_by_pass() {
+    for schedule in Schedule::ALL {
+        let tools = Tools { labels: true, executables: false };
+        let renderer = Renderer::new(Host::new(), schedule, tools);
+        for _ in 0..2 {
+            let (_, passes) = renderer.timed_frame();
+            let outcome = renderer.surface.outcome(0).unwrap();
+            let kinds: Vec<_> = passes.iter().map(|pass| pass.kind).collect();
+            assert_eq!(kinds[..2], [PassKind::Points, PassKind::Edges]);
+            assert_eq!(kinds[kinds.len() - 2..], [PassKind::Outcome, PassKind::Distances]);
+            let most =
+                renderer.solver.passes_of_frame(&renderer.surface, &renderer.plan, Grain::Blocks);
+            assert!(kinds.len() as u32 <= most);
+            // Each iteration that the device has done is there, and no other.
+            let done = passes
+                .iter()
+                .filter(|pass| pass.area.is_some() && !pass.is_idle())
+                .filter_map(|pass| pass.iteration)
+                .max();
+            assert_eq!(done, Some(outcome.iterations - 1), "{schedule}");
+        }
+        assert_eq!(renderer.end(), Vec::<String>::new(), "{schedule}");
+    }
+}
+
+/// Without what the device has decided, nothing is made up.
+#[test]
+fn what_is_not_read_back_is_not_known() {
+    for schedule in Schedule::ALL {
+        let renderer = Renderer::new(Host::without_validation(), schedule, Tools::default());
+        renderer.timed_frame();
+        let device = &renderer.host.device;
+        let resolved = renderer.profile.resolve(device, None, None).unwrap().unwrap();
+        for pass in &resolved.passes {
+            assert_eq!((pass.begin, pass.nanoseconds, pass.invocations), (None, None, None));
+            // All iterations of a frame's plan are dispatched indirectly.
+            if pass.area.is_some() {
+                assert_eq!((pass.groups, pass.work.texels, pass.work.bytes()), (None, None, None));
+                assert!(!pass.is_idle());
+            }
+        }
+        renderer.end();
+    }
+}
+
+/// Recording does not wait for the device, and neither does asking too early.
+#[test]
+fn results_that_are_not_there_are_not_waited_for() {
+    let renderer = Renderer::new(Host::without_validation(), Schedule::Raster, Tools::default());
+    let host = &renderer.host;
+    // The queries are reset and not written.
+    host.run(|commands| unsafe {
+        host.device.cmd_reset_query_pool(commands, renderer.pool, 0, 3);
+    });
+    let commands = host.commands();
+    host.begin(commands);
+    renderer.frame(&host.device, commands, true);
+    host.end(commands);
+    let early = renderer.profile.resolve(&host.device, Some(renderer.clock), None).unwrap();
+    assert_eq!(early, None);
+    host.submit(commands, vk::Fence::null());
+    unsafe { host.device.queue_wait_idle(host.queue) }.unwrap();
+    let late = renderer.profile.resolve(&host.device, Some(renderer.clock), None).unwrap();
+    assert!(late.unwrap().passes.iter().all(|pass| pass.nanoseconds.is_some()));
+    renderer.end();
+}
+
+/// A profile that is too small leaves passes out and says how many.
+#[test]
+fn passes_without_room_are_counted() {
+    let mut renderer = Renderer::new(Host::new(), Schedule::Raster, Tools::default());
+    let all = renderer.timed_frame().1.len() as u32;
+    let timestamps = Some(QueryRange { pool: renderer.pool, first: 2, count: 11 });
+    renderer.profile = Profile::new(100, Grain::Blocks, Slots { timestamps, ..Slots::default() });
+    let device = &renderer.host.device;
+    renderer.host.run(|commands| renderer.frame(device, commands, true));
+    let found = renderer.profile.resolve(device, Some(renderer.clock), None).unwrap().unwrap();
+    // Without a buffer for decisions the two copies of them are not recorded.
+    assert_eq!((found.passes.len(), found.left_out), (10, all - 2 - 10));
+    // An empty range is none.
+    let timestamps = Some(QueryRange { pool: renderer.pool, first: 2, count: 0 });
+    renderer.profile = Profile::new(all, Grain::Blocks, Slots { timestamps, ..Slots::default() });
+    renderer.host.run(|commands| renderer.frame(device, commands, true));
+    let found = renderer.profile.resolve(device, Some(renderer.clock), None).unwrap().unwrap();
+    assert_eq!((found.passes.len(), found.left_out), (all as usize - 2, 0));
+    assert!(found.passes.iter().all(|pass| pass.nanoseconds.is_none()));
+    assert_eq!(renderer.end(), Vec::<String>::new());
+}
+
+static QUERIES: AtomicU32 = AtomicU32::new(0);
+
+extern "system" fn count_query() -> vk::Result {
+    QUERIES.fetch_add(1, Ordering::Relaxed);
+    vk::Result::SUCCESS
+}
+
+/// The functions of the device that only profiling calls are counted.
+#[test]
+fn profiling_that_is_off_records_nothing() {
+    let renderer = Renderer::new(Host::without_validation(), Schedule::Raster, Tools::default());
+    let names =
+        [c"vkCmdWriteTimestamp", c"vkCmdResetQueryPool", c"vkCmdBeginQuery", c"vkCmdEndQuery"];
+    let counting = renderer.host.device_with(|name| {
+        names.contains(&name).then_some(count_query as extern "system" fn() -> vk::Result)
+    });
+    let count = |watched: bool| {
+        QUERIES.store(0, Ordering::Relaxed);
+        renderer.host.run(|commands| renderer.frame(&counting, commands, watched));
+        QUERIES.load(Ordering::Relaxed)
+    };
+    assert_eq!(count(false), 0);
+    let steps = renderer.plan.steps().iter().filter(|step| **step != Step::Barrier).count();
+    assert!(count(true) > steps as u32);
+    renderer.end();
+}

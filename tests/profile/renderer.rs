@@ -1,0 +1,118 @@
+//! A host with one surface, and what its profile needs.
+
+use geosweep::Wavefront;
+use geosweep::ash::vk;
+use geosweep::cpu::Stop;
+use geosweep::surface::Chart;
+use geosweep::vulkan::embed::{
+    self, Access, Frame, Plan, PointKind, PointSource, Points, Reader, SourceInput, SurfaceInfo,
+    Tools,
+};
+use geosweep::vulkan::profile::{Clock, Decided, Grain, PassRecord, Profile, QueryRange, Slots};
+use geosweep::vulkan::{Method, Schedule};
+
+use crate::host::{Host, HostBuffer};
+
+pub const CHART: Chart = Chart { rows: 260, cols: 300 };
+pub const STOP: Stop = Stop { tolerance: 1e-6, iterations: 200 };
+
+/// A renderer with one surface, and what its profile needs.
+pub struct Renderer {
+    pub host: Host,
+    pub solver: embed::Solver,
+    pub surface: embed::Surface,
+    pub plan: Plan,
+    pub points: HostBuffer,
+    pub decisions: HostBuffer,
+    /// Two queries of the host's own and then those of the profile.
+    pub pool: vk::QueryPool,
+    pub profile: Profile,
+    pub clock: Clock,
+}
+
+impl Renderer {
+    pub fn new(mut host: Host, schedule: Schedule, tools: Tools) -> Self {
+        let device = host.device.clone();
+        let heights: Vec<f32> = (0..CHART.points())
+            .map(|i| ((i % 37) as f32 * 0.1).sin() + (i / 3000) as f32)
+            .collect();
+        let points = host.buffer_of(&heights);
+        let passes = [(schedule, Wavefront::Planar)];
+        let (instance, physical_device) = (&host.instance, host.physical_device);
+        let solver =
+            embed::Solver::with_tools(instance, physical_device, &device, &passes, tools).unwrap();
+        let kind = PointKind::Heights(geosweep::Spacing::square(1.0));
+        let inputs = [Points { kind, ..Points::positions(points.handle, 4) }];
+        let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+        let surface = solver.surface(&device, host.allocator(), &info).unwrap();
+        let method = Method { wavefront: Wavefront::Planar, schedule: None, stop: STOP };
+        let plan = solver.plan(CHART, method, 6).unwrap();
+        let grain = Grain::Blocks;
+        let count = solver.passes_of_frame(&surface, &plan, grain);
+        let info = vk::QueryPoolCreateInfo::default()
+            .query_type(vk::QueryType::TIMESTAMP)
+            .query_count(2 + count + 1);
+        let pool = unsafe { device.create_query_pool(&info, None) }.unwrap();
+        let decisions = host.buffer(Slots::DECISION_BYTES, true);
+        let timestamps = Some(QueryRange { pool, first: 2, count: count + 1 });
+        let decided = Decided { buffer: decisions.handle, offset: 0, portions: 1 };
+        let slots = Slots { timestamps, decisions: Some(decided), ..Slots::default() };
+        let profile = Profile::new(count, grain, slots);
+        let family = crate::host::family(&host.instance, host.physical_device);
+        let clock = Clock::of(&host.instance, host.physical_device, family).unwrap();
+        host.run(|commands| solver.record(&device, commands, &surface).prepare());
+        Self { host, solver, surface, plan, points, decisions, pool, profile, clock }
+    }
+
+    pub fn frame(
+        &self,
+        device: &geosweep::ash::Device,
+        commands: vk::CommandBuffer,
+        watched: bool,
+    ) {
+        let recording = self.solver.record(device, commands, &self.surface);
+        let recording = if watched { recording.profiled(&self.profile) } else { recording };
+        recording
+            .frame(&Frame {
+                before: Access::NONE,
+                points: Some(0),
+                sources: SourceInput::Inline(&[PointSource::at(20.0, 31.5)]),
+                plan: &self.plan,
+                slot: 0,
+                reader: Reader::COPY,
+                unreached: f32::INFINITY,
+            })
+            .unwrap();
+    }
+
+    /// A frame between two timestamps of the host's own: the time between them, and the records.
+    pub fn timed_frame(&self) -> (u64, Vec<PassRecord>) {
+        let device = &self.host.device;
+        let stage = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
+        self.host.run(|commands| unsafe {
+            device.cmd_reset_query_pool(commands, self.pool, 0, 2);
+            device.cmd_write_timestamp(commands, stage, self.pool, 0);
+            self.frame(device, commands, true);
+            device.cmd_write_timestamp(commands, stage, self.pool, 1);
+        });
+        let mut own = [0u64; 2];
+        let flags = vk::QueryResultFlags::TYPE_64;
+        unsafe { device.get_query_pool_results(self.pool, 0, &mut own, flags) }.unwrap();
+        let bytes = self.decisions.bytes();
+        let resolved =
+            self.profile.resolve(device, Some(self.clock), Some(bytes)).unwrap().unwrap();
+        assert_eq!(resolved.left_out, 0);
+        (self.clock.nanoseconds(own[0], own[1]), resolved.passes)
+    }
+
+    pub fn end(self) -> Vec<String> {
+        let Self { mut host, mut solver, mut surface, points, decisions, pool, .. } = self;
+        let device = host.device.clone();
+        unsafe { device.destroy_query_pool(pool, None) };
+        surface.destroy(&device, host.allocator());
+        solver.destroy(&device);
+        host.free(points);
+        host.free(decisions);
+        host.messages()
+    }
+}

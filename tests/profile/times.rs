@@ -1,0 +1,43 @@
+//! When passes were at work.
+
+use geosweep::Wavefront;
+use geosweep::vulkan::Schedule;
+use geosweep::vulkan::profile::Detail;
+
+use crate::bench::{Bench, method};
+
+/// The device begins with a submission after the host has submitted it and ends before the host
+/// knows: on one clock, which calibrated timestamps make of two.
+#[test]
+fn calibrated_times_lie_between_submission_and_its_end() {
+    let mut bench = Bench::new(80, 80, &[]);
+    let profile = bench.profile(method(Wavefront::Planar, Schedule::Raster), Detail::default());
+    if bench.solver.capabilities().unwrap().calibration.is_err() {
+        assert!(profile.submissions.iter().all(|found| found.begin.is_none()));
+        return;
+    }
+    // Of the reading of both clocks; a host that is interrupted in all tries reads worse.
+    let slack = 2e6;
+    for found in &profile.submissions {
+        let (begin, taken) = (found.begin.unwrap(), found.nanoseconds.unwrap() as f64);
+        assert!(begin > found.submitted.as_nanos() as f64 - slack, "{found:?}");
+        assert!(begin + taken < found.ended.as_nanos() as f64 + slack, "{found:?}");
+    }
+}
+
+#[test]
+fn passes_follow_one_another_inside_their_submission() {
+    let mut bench = Bench::new(50, 50, &[]);
+    for schedule in Schedule::ALL {
+        let profile = bench.profile(method(Wavefront::Planar, schedule), Detail::default());
+        for submission in &profile.submissions {
+            let mut end = 0;
+            for pass in &submission.passes {
+                assert_eq!(pass.begin, Some(end));
+                end += pass.nanoseconds.unwrap();
+            }
+            assert!(submission.lead.unwrap() + end <= submission.nanoseconds.unwrap());
+        }
+        assert!(profile.pass_nanoseconds().unwrap() <= profile.nanoseconds().unwrap());
+    }
+}

@@ -1,0 +1,157 @@
+//! What passes had to do, against counts of the tests' own.
+
+use geosweep::Wavefront;
+use geosweep::vulkan::Schedule;
+use geosweep::vulkan::plan::{Scan, Step};
+use geosweep::vulkan::profile::{Detail, Grain, PassKind};
+
+use crate::bench::{Bench, method, of_kind, sum};
+use crate::common::some_point;
+
+/// Marks the texels of every block of the plan in a grid of booleans, and holds the records of the
+/// device's passes against the marks, scan by scan.
+#[test]
+fn texels_visited_and_skipped_are_those_of_the_plan() {
+    let sizes = [(61, 90), (90, 61), (3, 200)];
+    for ((rows, cols), grain) in
+        sizes.into_iter().flat_map(|size| [(size, Grain::Blocks), (size, Grain::Scans)])
+    {
+        let mut bench = Bench::new(rows, cols, &[]);
+        let detail = Detail { grain, ..Detail::default() };
+        let profile = bench.profile(method(Wavefront::Planar, Schedule::Raster), detail);
+        // Four iterations a recording.
+        let recordings = of_kind(&profile, PassKind::Count).count() / 4;
+        let (texels, portions) = bench.steps(Schedule::Raster, recordings);
+        let (height, width) = (texels.inner_rows().len(), texels.inner_cols().len());
+        let visits = profile.passes().filter(|pass| pass.area.is_some() && !pass.is_idle());
+        let done = visits.filter_map(|pass| pass.iteration).max().unwrap() + 1;
+        let mut skipped_by_bounds = 0;
+        let mut iteration = 0;
+        for step_list in portions {
+            // Nothing follows the last count but its barrier.
+            let iterations = step_list.split(|step| *step == Step::Count);
+            for steps in iterations.filter(|steps| steps.len() > 1) {
+                for scan in Scan::ALL {
+                    let mut marks = vec![false; height * width];
+                    let mut blocks = 0;
+                    for pass in steps.iter().filter_map(|step| match step {
+                        Step::Scan(pass) if pass.scan == scan => Some(pass),
+                        _ => None,
+                    }) {
+                        blocks += 1;
+                        for k in 0..pass.lines as i32 {
+                            let (dx, dy) = scan.ahead();
+                            let line = (pass.line as i32 + k * (dx + dy)) as usize - 1;
+                            for along in pass.texels.clone() {
+                                let along = along as usize - 1;
+                                let (row, col) =
+                                    if dy != 0 { (line, along) } else { (along, line) };
+                                assert!(!marks[row * width + col], "visited twice: {pass:?}");
+                                marks[row * width + col] = true;
+                            }
+                        }
+                    }
+                    let marked = marks.iter().filter(|&&mark| mark).count() as u64;
+                    let visited = if iteration < done { marked } else { 0 };
+                    let of_scan: Vec<_> = of_kind(&profile, PassKind::Scan(scan))
+                        .filter(|pass| pass.iteration == Some(iteration))
+                        .collect();
+                    let records = if grain == Grain::Blocks { blocks } else { 1 };
+                    assert_eq!(of_scan.len(), records, "{scan:?} of {iteration}");
+                    let dispatches: u32 = of_scan.iter().map(|pass| pass.dispatches).sum();
+                    assert_eq!(dispatches as usize, blocks);
+                    assert_eq!(sum(&of_scan, |pass| pass.work.texels), visited);
+                    let all = (height * width) as u64;
+                    assert_eq!(sum(&of_scan, |pass| pass.work.skipped), all - visited);
+                    skipped_by_bounds += all - marked;
+                }
+                iteration += 1;
+            }
+        }
+        assert!(skipped_by_bounds > 0, "the source is in the middle");
+    }
+}
+
+/// Seven by four points are four by two texels. Planar: 16 bytes of arrival times read and as many
+/// written for each texel, and four points' four edge lengths of 4 bytes. Curved: as many again for
+/// the fronts' curvature, and 16 for the surface's. Two triangles a point.
+#[test]
+fn bytes_agree_with_a_count_by_hand() {
+    let mut bench = Bench::new(7, 4, &[]);
+    for (wavefront, read, written) in
+        [(Wavefront::Planar, 16 + 64, 16), (Wavefront::Curved, 32 + 64 + 16, 32)]
+    {
+        let profile = bench.profile(method(wavefront, Schedule::Raster), Detail::default());
+        // The second iteration visits all of the grid.
+        let second: Vec<_> = profile
+            .passes()
+            .filter(|pass| pass.iteration == Some(1) && matches!(pass.kind, PassKind::Scan(_)))
+            .collect();
+        assert_eq!(sum(&second, |pass| pass.work.texels), 4 * 8);
+        assert_eq!(sum(&second, |pass| pass.work.bytes_read), 4 * 8 * read);
+        assert_eq!(sum(&second, |pass| pass.work.bytes_written), 4 * 8 * written);
+        assert_eq!(sum(&second, |pass| pass.work.triangles), 4 * 8 * 4 * 2);
+        let all_points = bench.profile(method(wavefront, Schedule::AllPoints), Detail::default());
+        let first = of_kind(&all_points, PassKind::AllPoints).next().unwrap();
+        assert_eq!(first.work.bytes(), Some(8 * (read + written)));
+        assert_eq!(first.work.triangles, Some(8 * 4 * 8));
+        let unpack = of_kind(&profile, PassKind::Unpack).next().unwrap();
+        assert_eq!((unpack.work.bytes_read, unpack.work.bytes_written), (Some(112), Some(112)));
+    }
+}
+
+/// The device's own count of invocations says how many groups have run, whatever was planned.
+#[test]
+fn the_device_counts_the_invocations_of_the_groups_in_the_records() {
+    let mut bench = Bench::new(70, 131, &[]);
+    let tuning = bench.solver.tuning();
+    let detail = Detail { grain: Grain::Blocks, invocations: true, tiles: true };
+    for (schedule, group) in [
+        (Schedule::Raster, tuning.scan_width),
+        (Schedule::AllPoints, 64),
+        (Schedule::Tiles, tuning.tile / 2 * 4),
+    ] {
+        let profile = bench.profile(method(Wavefront::PointSource, schedule), detail);
+        let mut counted = 0;
+        for pass in profile.passes() {
+            let is_pass =
+                matches!(pass.kind, PassKind::Scan(_) | PassKind::AllPoints | PassKind::Tiles);
+            if is_pass {
+                let groups: u32 = pass.groups.unwrap().iter().product();
+                assert_eq!(pass.invocations, Some(u64::from(groups * group)), "{pass:?}");
+                counted += usize::from(groups > 0);
+            }
+        }
+        assert!(counted > 4, "{schedule}");
+    }
+}
+
+/// The lists of tiles hold as many tiles as the records, each once, and the first are those around
+/// the source.
+#[test]
+fn tiles_are_listed_as_they_were_visited() {
+    let mut bench = Bench::new(100, 131, &[]);
+    let detail = Detail { tiles: true, ..Detail::default() };
+    let profile = bench.profile(method(Wavefront::Curved, Schedule::Tiles), detail);
+    let tile = bench.solver.tuning().tile as usize;
+    let across = 131usize.div_ceil(tile);
+    let tiles = 100usize.div_ceil(tile) * across;
+    let lists: Vec<_> = profile.submissions.iter().flat_map(|found| &found.tiles).collect();
+    let rounds: Vec<_> = of_kind(&profile, PassKind::Tiles).collect();
+    assert_eq!(lists.len(), rounds.len());
+    let mut seen = vec![false; tiles];
+    for (list, round) in lists.iter().zip(&rounds) {
+        assert_eq!(round.groups, Some([list.len() as u32, 1, 1]));
+        let texels = (tile * tile / 4 * list.len()) as u64;
+        assert_eq!(round.work.texels, Some(texels));
+        assert_eq!(round.work.skipped, Some((tile * tile / 4 * tiles) as u64 - texels));
+        let mut sorted = (*list).clone();
+        sorted.sort_unstable();
+        sorted.dedup();
+        assert_eq!(sorted.len(), list.len());
+        sorted.iter().for_each(|&number| seen[number as usize] = true);
+    }
+    assert!(seen.iter().all(|&seen| seen), "every tile is visited once at least");
+    let (row, col) = some_point(&bench.surface);
+    assert!(lists[0].contains(&((row / tile * across + col / tile) as u32)));
+}
