@@ -13,6 +13,7 @@ mod figure;
 mod level_curves;
 mod offset;
 mod output_file;
+mod over_map;
 mod pairwise;
 mod path;
 mod picture;

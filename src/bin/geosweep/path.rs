@@ -3,14 +3,13 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use geosweep::geometry::{CurveError, Path, PathError, Paths, contours};
+use geosweep::geometry::{CurveError, Path, PathError, Paths};
 use geosweep::io::{Attribute, IoError, Polyline, StagedFile, read_curve};
 use geosweep::surface::EdgeLengths;
 use serde::Serialize;
 
-use crate::picture::{
-    CurvePicture, Key, Paint, contour_lines, mark_all, path_line, rgb, round_levels, scale_of,
-};
+use crate::over_map::draw_over_map;
+use crate::picture::{path_line, rgb};
 use crate::problem::{self, CurveFiles, MapSummary, Problem, ProblemArgs, Scene, place};
 use crate::spinner::Spinner;
 use crate::{Outcome, print};
@@ -76,27 +75,10 @@ pub fn run(args: &Args) -> Outcome {
     let mut staged = files.stage(&scene, polylines(&paths, &scene)?)?;
     if let Some((output, look)) = picture {
         let _spinner = Spinner::new("drawing");
-        let scale = scale_of(&map, &sources);
-        let levels = round_levels(&scale, MOST_LINES);
-        let mut lines = contour_lines(&contours(&map, &sources, &levels), &scale, false);
-        let (path_lines, mut marks): (Vec<_>, Vec<_>) = paths.iter().map(path_line).unzip();
-        let (source_lines, source_marks) = mark_all(&sources);
-        lines.extend(source_lines.into_iter().chain(path_lines));
-        marks.extend(source_marks);
-        let picture = CurvePicture {
-            surface: &scene.surface,
-            shape: scene.shape(),
-            values: &map.distances,
-            paint: Paint::Values(&scale, None),
-            lines: &lines,
-            marks: &marks,
-            key: Key::Scale {
-                quantity: &args.problem.quantity(&scene),
-                scale: &scale,
-                levels: &levels,
-            },
-        };
-        staged.push(output.stage(|writer| picture.draw(look).write_png(writer))?);
+        let curves = paths.iter().map(path_line).unzip();
+        let quantity = args.problem.quantity(&scene);
+        let picture = draw_over_map(&scene, &sources, &map, &quantity, curves, look);
+        staged.push(output.stage(|writer| picture.write_png(writer))?);
     }
     staged.into_iter().try_for_each(StagedFile::commit)?;
     if args.json {
@@ -108,9 +90,6 @@ pub fn run(args: &Args) -> Outcome {
     }
     Ok(ExitCode::SUCCESS)
 }
-
-/// Lines of equal distance under the paths.
-const MOST_LINES: f64 = 20.0;
 
 impl Args {
     fn starts(&self) -> Result<Vec<[f64; 2]>, IoError> {

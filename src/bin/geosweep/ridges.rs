@@ -3,14 +3,13 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use geosweep::geometry::{Contour, CurveError, Ridge, contours, ridges};
+use geosweep::geometry::{CurveError, Ridge, ridges};
 use geosweep::io::{Attribute, Polyline, StagedFile};
 use geosweep::surface::EdgeLengths;
 use serde::Serialize;
 
-use crate::picture::{
-    CurvePicture, Key, Paint, contour_lines, mark_all, rgb, ridge_line, round_levels, scale_of,
-};
+use crate::over_map::draw_over_map;
+use crate::picture::{rgb, ridge_line};
 use crate::problem::{self, CurveFiles, MapSummary, Problem, ProblemArgs, Scene};
 use crate::spinner::Spinner;
 use crate::{Outcome, print};
@@ -64,9 +63,6 @@ Examples:
     )
 }
 
-/// Lines of equal distance under the ridges.
-const MOST_LINES: f64 = 20.0;
-
 pub fn run(args: &Args) -> Outcome {
     let files = CurveFiles::new(&args.output)?;
     let Problem { scene, sources, map, picture } = args.problem.solve(&files, None, None)?;
@@ -80,26 +76,10 @@ pub fn run(args: &Args) -> Outcome {
     let mut staged = files.stage(&scene, polylines(&found, &rows, &scene)?)?;
     if let Some((output, look)) = picture {
         let _spinner = Spinner::new("drawing");
-        let scale = scale_of(&map, &sources);
-        let levels = round_levels(&scale, MOST_LINES);
-        let under: Vec<Contour> = contours(&map, &sources, &levels);
-        let mut lines = contour_lines(&under, &scale, false);
-        let (source_lines, marks) = mark_all(&sources);
-        lines.extend(found.iter().map(ridge_line).chain(source_lines));
-        let picture = CurvePicture {
-            surface: &scene.surface,
-            shape: scene.shape(),
-            values: &map.distances,
-            paint: Paint::Values(&scale, None),
-            lines: &lines,
-            marks: &marks,
-            key: Key::Scale {
-                quantity: &args.problem.quantity(&scene),
-                scale: &scale,
-                levels: &levels,
-            },
-        };
-        staged.push(output.stage(|writer| picture.draw(look).write_png(writer))?);
+        let curves = (found.iter().map(ridge_line).collect(), Vec::new());
+        let quantity = args.problem.quantity(&scene);
+        let picture = draw_over_map(&scene, &sources, &map, &quantity, curves, look);
+        staged.push(output.stage(|writer| picture.write_png(writer))?);
     }
     staged.into_iter().try_for_each(StagedFile::commit)?;
     if args.json {
