@@ -3,11 +3,11 @@
 //!
 //! A binary of its own, since it replaces the global allocator.
 
+#[path = "common/heap.rs"]
+mod heap;
 #[path = "embed/host/mod.rs"]
 mod host;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use geosweep::Wavefront;
@@ -21,33 +21,8 @@ use geosweep::vulkan::embed::{
 use geosweep::vulkan::profile::{Grain, Profile, Slots};
 use geosweep::vulkan::{Method, Schedule};
 
+use heap::allocations;
 use host::Host;
-
-struct Counting;
-
-thread_local! {
-    /// Calls of the allocator's by this thread.
-    static ALLOCATIONS: Cell<u32> = const { Cell::new(0) };
-}
-
-// SAFETY: all is left to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.with(|count| count.set(count.get() + 1));
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
-
-fn allocations() -> u32 {
-    ALLOCATIONS.with(Cell::get)
-}
 
 static DEVICE_CALLS: AtomicU32 = AtomicU32::new(0);
 

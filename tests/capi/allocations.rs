@@ -1,36 +1,13 @@
 //! Recording takes nothing from the heap, through the functions of C as through those of Rust.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::ptr::null_mut;
 
 use geosweep::ash::vk;
 use geosweep::capi::*;
 
+use crate::heap::allocations;
 use crate::host::Host;
 use crate::session::{COPY, Session, frame, method, ok, surface_info, wrong, zero};
-
-struct Counting;
-
-thread_local! {
-    /// Allocations of this thread.
-    static ALLOCATIONS: Cell<u32> = const { Cell::new(0) };
-}
-
-// SAFETY: all is left to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.with(|count| count.set(count.get() + 1));
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 #[test]
 fn recording_allocates_nothing() {
@@ -55,17 +32,17 @@ fn recording_allocates_nothing() {
     for _ in 0..20 {
         let commands = session.host.commands();
         session.host.begin(commands);
-        let before = ALLOCATIONS.get();
+        let before = allocations();
         record(commands, &frame);
-        assert_eq!(ALLOCATIONS.get() - before, 0);
+        assert_eq!(allocations() - before, 0);
         session.host.end(commands);
         session.host.submit(commands, vk::Fence::null());
         unsafe { session.host.device.device_wait_idle() }.unwrap();
     }
     // That the counter counts: a message takes a string.
-    let before = ALLOCATIONS.get();
+    let before = allocations();
     wrong(unsafe { geosweep_record_prepare(surface, vk::CommandBuffer::null()) }, "commands");
-    assert!(ALLOCATIONS.get() > before);
+    assert!(allocations() > before);
     unsafe {
         ok(geosweep_surface_destroy(surface));
         ok(geosweep_plan_destroy(plan));

@@ -3,6 +3,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/heap.rs"]
+mod heap;
 #[path = "../embed/host/mod.rs"]
 mod host;
 
