@@ -3,7 +3,7 @@
 mod measure;
 
 use geosweep::accuracy::Errors;
-use geosweep::cpu::{Instructions, PairwiseScan, Stop, scan_in_turn};
+use geosweep::cpu::{Instructions, PairwiseScan, Stop, scan_outward};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::{MetricTensor, Spacing, Surface, Wavefront};
@@ -75,7 +75,7 @@ fn every_row_is_the_map_of_its_source() {
                         continue;
                     }
                     let seeds = [Seed::at_source(r, c, 0.0)];
-                    let map = scan_in_turn(&edges, &seeds, wavefront, stop).distances();
+                    let map = scan_outward(&edges, &seeds, wavefront, stop).distances();
                     let apart = difference(row, &map);
                     assert!(apart < 1e-5, "{name} {wavefront} {source} {stop:?}: {apart:e}");
                 }

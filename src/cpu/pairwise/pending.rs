@@ -55,8 +55,9 @@ impl Pending {
     }
 
     /// Takes the points of a line that a scan has to visit, if there are any. The scan leaves
-    /// marked those that it has changed, and then has to [`Self::tell`].
-    pub(super) fn take(&mut self, scan: Scan, line: usize) -> Option<&mut [u64]> {
+    /// marked those that it has changed, and then has to [`Self::tell`]. Unless it visits them in
+    /// `all_maps`, it has to visit them another time.
+    pub(super) fn take(&mut self, scan: Scan, line: usize, all_maps: bool) -> Option<&mut [u64]> {
         let (first, end) = (self.first_unknown(scan, line), self.points(scan));
         let visits = self.visits[index(scan)].line_mut(line);
         let taken = self.changed[kind(scan)].line_mut(line);
@@ -65,7 +66,10 @@ impl Pending {
                 bits if bits < WORD => (1 << bits) - 1,
                 _ => u64::MAX,
             };
-            *taken = std::mem::take(visits) & below(end) & !below(first);
+            *taken = *visits & below(end) & !below(first);
+            if all_maps {
+                *visits = 0;
+            }
         }
         taken.iter().any(|&word| word != 0).then_some(taken)
     }
@@ -145,7 +149,7 @@ mod tests {
     /// The points of a line that a scan has to visit.
     fn take(pending: &mut Pending, scan: Scan, line: usize) -> Vec<usize> {
         let points = pending.points(scan).next_multiple_of(WORD);
-        let Some(taken) = pending.take(scan, line) else { return Vec::new() };
+        let Some(taken) = pending.take(scan, line, true) else { return Vec::new() };
         let visited = (0..points).filter(|point| taken[point / WORD] >> (point % WORD) & 1 > 0);
         let visited = visited.collect();
         taken.fill(0);

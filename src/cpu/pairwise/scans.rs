@@ -2,8 +2,11 @@
 
 use std::sync::Mutex;
 
+use bytemuck::Pod;
+
 use super::kernel::{FanSlots, How, Kernel, LANES};
 use super::marks::WORD;
+use super::outward::{Outward, Passing};
 use super::pending::{Pending, SCANS};
 use super::stage::Stage;
 use crate::cpu::{Convergence, Instructions, Progress, Stop};
@@ -24,6 +27,8 @@ pub(super) struct Scans<K: Kernel> {
 struct Maps<K: Kernel> {
     points: Vec<K::State>,
     pending: Pending,
+    /// What the scans of the first iteration are kept to, unless distances were known before.
+    outward: Option<Outward>,
     stage: Stage,
 }
 
@@ -104,6 +109,7 @@ impl<K: Kernel> Scans<K> {
                 let how = How { scan, renews: progress.renews(), wakes };
                 largest = largest.max(self.scan::<TRACKS>(maps, how, instructions));
             }
+            maps.outward = None;
             if !TRACKS {
                 largest = u32::MAX;
             }
@@ -121,7 +127,7 @@ impl<K: Kernel> Scans<K> {
         how: How,
         instructions: Instructions,
     ) -> u32 {
-        let Maps { points, pending, .. } = maps;
+        let Maps { points, pending, outward, .. } = maps;
         let scan = how.scan;
         let (lines, stride) = (pending.lines(scan), self.chart.stride());
         let (step, across) = if scan.by_rows() { (1, stride) } else { (stride, 1) };
@@ -131,16 +137,32 @@ impl<K: Kernel> Scans<K> {
         let mut largest = 0;
         for passed in 0..lines {
             let line = if scan.is_forward() { passed } else { lines - 1 - passed };
-            let Some(marks) = pending.take(scan, line) else { continue };
-            let change = instructions.run(Line::<K, TRACKS> {
+            let passing = match outward {
+                Some(outward) => outward.passing(scan, line),
+                None => Passing::All,
+            };
+            if passing == Passing::None {
+                continue;
+            }
+            let Some(marks) = pending.take(scan, line, passing == Passing::All) else { continue };
+            let maps = match passing {
+                Passing::Some(maps) => maps,
+                _ => [u32::MAX; LANES],
+            };
+            let work = Line::<K> {
                 points,
                 first: (line + 1) * across + step,
                 step,
                 behind,
                 coefficients: &coefficients[line * on_line..][..on_line],
                 marks,
+                maps,
                 how,
-            });
+            };
+            let change = match passing {
+                Passing::All => instructions.run(Visit::<K, TRACKS, true>(work)),
+                _ => instructions.run(Visit::<K, TRACKS, false>(work)),
+            };
             largest = largest.max(change);
             pending.tell(scan, line);
         }
@@ -151,13 +173,18 @@ impl<K: Kernel> Scans<K> {
 
 impl<K: Kernel> Maps<K> {
     fn new(chart: Chart) -> Self {
-        let points = vec![K::UNREACHED; chart.bordered_points()];
-        Self { points, pending: Pending::new(chart, K::BENDS), stage: Stage::new(chart) }
+        Self {
+            points: vec![K::UNREACHED; chart.bordered_points()],
+            pending: Pending::new(chart, K::BENDS),
+            outward: None,
+            stage: Stage::new(chart),
+        }
     }
 
     /// Reaches the sources and what is known.
     fn start(&mut self, chart: Chart, sources: &[Option<usize>], known: Known) {
         self.pending.start(known.count);
+        self.outward = Outward::new(chart, sources).filter(|_| known.count == 0);
         for (point, row) in known.rows.chunks_exact(chart.points()).enumerate() {
             let (at, col) = chart.position(point);
             let numbers: &mut [f32] =
@@ -176,9 +203,8 @@ impl<K: Kernel> Maps<K> {
     }
 }
 
-/// The update of marked points of a line from the line behind. Leaves those marked that have
-/// changed, and returns the largest change.
-struct Line<'a, K: Kernel, const TRACKS: bool> {
+/// The marked points of a line, and the line behind.
+struct Line<'a, K: Kernel> {
     points: &'a mut [K::State],
     /// The first point of the bordered array, from there to the next, and to the neighbour behind.
     first: usize,
@@ -186,15 +212,21 @@ struct Line<'a, K: Kernel, const TRACKS: bool> {
     behind: isize,
     coefficients: &'a [K::Coefficients],
     marks: &'a mut [u64],
+    /// All bits set for the maps that pass the line.
+    maps: [u32; LANES],
     how: How,
 }
 
-impl<K: Kernel, const TRACKS: bool> Work for Line<'_, K, TRACKS> {
+/// The update of the marked points of a line, in `ALL` maps or in those that pass it. Leaves those
+/// marked that have changed, and returns the largest change.
+struct Visit<'a, K: Kernel, const TRACKS: bool, const ALL: bool>(Line<'a, K>);
+
+impl<K: Kernel, const TRACKS: bool, const ALL: bool> Work for Visit<'_, K, TRACKS, ALL> {
     type Output = u32;
 
     #[inline(always)]
     fn run(self) -> u32 {
-        let Self { points, first, step, behind, coefficients, marks, how } = self;
+        let Line { points, first, step, behind, coefficients, marks, maps, how } = self.0;
         let mut largest = [0; LANES];
         for (k, word) in marks.iter_mut().enumerate() {
             let (mut visits, mut changed) = (*word, 0);
@@ -211,11 +243,24 @@ impl<K: Kernel, const TRACKS: bool> Work for Line<'_, K, TRACKS> {
                     let wakes =
                         K::update::<TRACKS>(&mut state, behind, coefficients, how, &mut largest);
                     changed |= u64::from(wakes) << bit;
-                    points[here] = state;
+                    points[here] = if ALL { state } else { merged(state, points[here], maps) };
                 }
             }
             *word = changed;
         }
         if TRACKS { largest.into_iter().max().unwrap_or_default() } else { u32::MAX }
     }
+}
+
+/// A point in the maps that pass it as it has become, in the others as it was.
+#[inline(always)]
+fn merged<S: Pod>(mut new: S, old: S, maps: [u32; LANES]) -> S {
+    let numbers: &mut [[u32; LANES]] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut new));
+    let before: &[[u32; LANES]] = bytemuck::cast_slice(std::slice::from_ref(&old));
+    for (new, old) in numbers.iter_mut().zip(before) {
+        for lane in 0..LANES {
+            new[lane] = (new[lane] & maps[lane]) | (old[lane] & !maps[lane]);
+        }
+    }
+    new
 }

@@ -6,7 +6,7 @@ mod scan_in_turn;
 mod tile_rounds;
 
 pub use all_points::all_points;
-pub use scan_in_turn::scan_in_turn;
+pub use scan_in_turn::{scan_in_turn, scan_outward};
 pub use tile_rounds::{Rounds, tile_rounds};
 
 use super::state::TriangleSlots;

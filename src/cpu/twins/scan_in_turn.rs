@@ -15,11 +15,40 @@ pub fn scan_in_turn<R: Real>(
     wavefront: Wavefront,
     stop: Stop,
 ) -> Solution<R> {
+    scan(edges, seeds, wavefront, stop, false)
+}
+
+/// The same, but that each scan of the first iteration passes only the lines ahead of the source,
+/// or of some source if there are several. This is what the pairwise engines do: lines behind
+/// the source have nothing to bring but what the opposite scan has reached just now.
+pub fn scan_outward<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    stop: Stop,
+) -> Solution<R> {
+    scan(edges, seeds, wavefront, stop, true)
+}
+
+fn scan<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    stop: Stop,
+    outward: bool,
+) -> Solution<R> {
     let chart = edges.chart();
     let (rows, cols) = (chart.rows, chart.cols);
     let triangles = scan_triangles(chart);
     let mut fronts = Fronts::start(edges, seeds, wavefront);
     let mut progress = Progress::new(stop);
+    let ranges = |of: fn(&Seed) -> usize, lines: usize| {
+        let places = || seeds.iter().map(of);
+        let (first, last) = (places().min().unwrap_or(lines), places().max().unwrap_or(0));
+        [first + 1..lines, 0..last]
+    };
+    let away = [ranges(|seed| seed.row, rows), ranges(|seed| seed.col, cols)];
+    let whole = [[0..rows, 0..rows], [0..cols, 0..cols]];
     loop {
         let (mut change, renews) = (R::Bits::default(), progress.renews());
         let mut update = |row: usize, col: usize, scan: u8| {
@@ -27,10 +56,12 @@ pub fn scan_in_turn<R: Real>(
             let front = fronts.through(point, &triangles[usize::from(scan) - 1]);
             change = change.max(fronts.accept(point, front, scan, renews));
         };
-        (0..rows).for_each(|row| (0..cols).for_each(|col| update(row, col, 1)));
-        (0..rows).rev().for_each(|row| (0..cols).for_each(|col| update(row, col, 2)));
-        (0..cols).for_each(|col| (0..rows).for_each(|row| update(row, col, 3)));
-        (0..cols).rev().for_each(|col| (0..rows).for_each(|row| update(row, col, 4)));
+        let is_first = progress.iterations == 0;
+        let [[down, up], [right, left]] = if outward && is_first { &away } else { &whole }.clone();
+        down.for_each(|row| (0..cols).for_each(|col| update(row, col, 1)));
+        up.rev().for_each(|row| (0..cols).for_each(|col| update(row, col, 2)));
+        right.for_each(|col| (0..rows).for_each(|row| update(row, col, 3)));
+        left.rev().for_each(|col| (0..rows).for_each(|row| update(row, col, 4)));
         if progress.is_done::<R>(change) {
             return fronts.finish(progress.iterations, progress.residual);
         }
