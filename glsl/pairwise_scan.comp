@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // A block of lines of a scan of all maps of a batch that are not done; see scan.glsl. The third
-// dimension of the dispatch is the map.
+// dimension of the dispatch is the map. In its first iteration a scan passes only lines ahead of the
+// source. Twin: scan_outward in src/cpu/twins/scan_in_turn.rs.
 
 #include "constants.glsl"
 #include "texel.glsl"
@@ -11,6 +12,8 @@
 #include "pairwise_layers.glsl"
 
 layout(local_size_x_id = 3) in;
+
+layout(constant_id = 8) const int COLS = 1;
 
 ivec3 place_of(ivec2 texel, int layer) {
     return ivec3(texel, layer_of(gl_WorkGroupID.z, layer));
@@ -22,6 +25,13 @@ bool renews_fronts() {
 
 void note_change(uint change) {
     atomicMax(maps[gl_WorkGroupID.z].residual, change);
+}
+
+bool passes(ivec2 point, ivec2 ahead) {
+    if (maps[gl_WorkGroupID.z].iterations > 0u) return true;
+    int source = int(maps[gl_WorkGroupID.z].source);
+    ivec2 way = (point - ivec2(source % COLS, source / COLS) - 2 * BORDER) * ahead;
+    return way.x + way.y > 0;
 }
 
 #include "scan.glsl"

@@ -3,7 +3,7 @@
 // Iterations of four rotated scans over a map that lies in shared memory. One workgroup is one
 // source, one invocation some pairs of neighbouring points of each line. A map that is not done
 // after so many iterations is kept, and goes on in the next dispatch.
-// Twin: src/cpu/twins/scan_in_turn.rs.
+// Twin: scan_outward in src/cpu/twins/scan_in_turn.rs.
 
 #include "constants.glsl"
 #include "texel.glsl"
@@ -136,10 +136,11 @@ void main() {
         for (int scan = 0; scan < 4; scan++) {
             int lines = scan < 2 ? ROWS : COLS;
             int points = scan < 2 ? COLS : ROWS;
-            // Behind the first line there is none, and the first scan of all starts at the source.
-            bool is_first = iterations == 0u && scan == 0;
-            for (int passed = is_first ? source / COLS + 1 : 1; passed < lines; passed++) {
-                bool forward = (scan & 1) == 0;
+            bool forward = (scan & 1) == 0;
+            int source_line = scan < 2 ? source / COLS : source % COLS;
+            // Behind the first line there is none; the first iteration leads away from the source.
+            int start = iterations > 0u ? 1 : forward ? source_line + 1 : lines - source_line;
+            for (int passed = start; passed < lines; passed++) {
                 int line = forward ? passed : lines - 1 - passed;
                 int behind = forward ? line - 1 : line + 1;
                 for (int pair = lane; 2 * pair < points; pair += INVOCATIONS) {

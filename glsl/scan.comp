@@ -22,6 +22,10 @@ void note_change(uint change) {
     atomicMax(residual, change);
 }
 
+bool passes(ivec2 point, ivec2 ahead) {
+    return true;
+}
+
 #include "scan.glsl"
 
 void main() {

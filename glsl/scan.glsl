@@ -11,6 +11,7 @@
 //     ivec3 place_of(ivec2 texel, int layer)            in the images of fronts
 //     bool renews_fronts()                              whether curved fronts are renewed
 //     void note_change(uint change)                     of a front, in units of the last place
+//     bool passes(ivec2 point, ivec2 ahead)             whether the scan gets to a point's line
 
 // The scan's direction: one of the four unit steps.
 layout(constant_id = 0) const int AHEAD_X = 0;
@@ -144,9 +145,11 @@ void scan_block() {
                                   first_line(imageLoad(gaussians, texel + along), ahead).x);
         }
         vec4 g1 = line1.gaussian;
-        accept(earlier(update(left, middle, g1, to_left, to_middle, base_left),
-                       update(middle, right, g1, to_middle, to_right, base_right)),
-               SCAN, may_renew, line1.time, line1.curvature);
+        if (passes(point, ahead)) {
+            accept(earlier(update(left, middle, g1, to_left, to_middle, base_left),
+                           update(middle, right, g1, to_middle, to_right, base_right)),
+                   SCAN, may_renew, line1.time, line1.curvature);
+        }
 
         // Second line, points 0 and 1: left triangles in xy, right triangles in zw.
         ivec2 next = point + ahead;
@@ -167,7 +170,9 @@ void scan_block() {
         if (IS_CURVED) old_curvature = imageLoad(old_fronts, place_of(texel, CURVATURE));
         vec4 line2 = second_line(old, ahead).xyxy;
         vec4 line2_curvature = second_line(old_curvature, ahead).xyxy;
-        accept(earlier(sided, from_right), SCAN, may_renew, line2, line2_curvature);
+        if (passes(next, ahead)) {
+            accept(earlier(sided, from_right), SCAN, may_renew, line2, line2_curvature);
+        }
 
         times.middle = line2.xy;
         curvatures.middle = line2_curvature.xy;

@@ -43,7 +43,8 @@ impl Passes {
         } else {
             let width = (WIDTH, pipelines.tuning.scan_width as i32);
             let lines = (REPEATS, pipelines.tuning.scan_lines as i32);
-            let constants = [wavefront, maps, width, lines];
+            let cols = (COLS, layout.chart.cols as i32);
+            let constants = [wavefront, maps, width, lines, cols];
             passes
                 .extend(Scan::ALL.map(|scan| scan_pass(spirv!("pairwise_scan"), scan, &constants)));
             passes.push((spirv!("pairwise_start"), vec![wavefront, maps]));
