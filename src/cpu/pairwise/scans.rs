@@ -184,7 +184,7 @@ impl<K: Kernel> Maps<K> {
     /// Reaches the sources and what is known.
     fn start(&mut self, chart: Chart, sources: &[Option<usize>], known: Known) {
         self.pending.start(known.count);
-        self.outward = Outward::new(chart, sources).filter(|_| known.count == 0);
+        self.outward = Outward::new(chart, sources);
         for (point, row) in known.rows.chunks_exact(chart.points()).enumerate() {
             let (at, col) = chart.position(point);
             let numbers: &mut [f32] =
