@@ -3,6 +3,7 @@
 //! The loop has no branch, so that the compiler turns points into lanes; see [`Work`].
 
 use super::Instructions;
+use super::settled;
 use super::state::accept;
 use super::tiles::{Scan, TILE};
 use crate::constants::CURVATURE_COUNTS;
@@ -104,6 +105,19 @@ impl<const CIRCULAR: bool> Kernel for Straight<CIRCULAR> {
     fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, _: How) -> Change<R> {
         let line = line.times.stretch(start, points);
         let mut largest = R::Bits::default();
+        let mut settled = true;
+        for i in 0..points {
+            settled &= line.is_settled(i, |triangle, _, now| {
+                if CIRCULAR {
+                    settled::from_point_source(triangle, now)
+                } else {
+                    settled::from_planar(triangle, now)
+                }
+            });
+        }
+        if settled {
+            return Change { any: false, largest };
+        }
         for i in 0..points {
             let (left, right) = (line.left(i), line.right(i));
             let (a, b) = if CIRCULAR {
@@ -130,6 +144,17 @@ impl Kernel for Curved {
         let g = &line.gaussian_behind[start..][..points + 2];
         let line = line.times.stretch(start, points);
         let [mut largest, mut bent, mut tagged] = [R::Bits::default(); 3];
+        let mut settled = true;
+        for i in 0..points {
+            let renewed = how.renews & (curvatures[i].tag() == how.scan.0);
+            let stays = line.is_settled(i, |triangle, across, now| {
+                settled::from_curved(triangle, [k[i + across], k[i + 1]], now)
+            });
+            settled &= stays & !renewed;
+        }
+        if settled {
+            return Change { any: false, largest };
+        }
         for i in 0..points {
             let left = Bends { fronts: [k[i], k[i + 1]], surface: [gaussian[i], g[i], g[i + 1]] };
             let right =
@@ -196,5 +221,17 @@ impl<R: Real> Stretch<'_, R> {
             l2: self.after[i],
             c: self.bases[i + 1],
         }
+    }
+
+    /// Whether no front comes to point i earlier than it has: none is behind it, or neither triangle
+    /// brings one, as a test from [`settled`] says of a triangle whose x1 is the neighbour across
+    /// the diagonal, counted from the point before, and of the time so far.
+    #[inline(always)]
+    fn is_settled(&self, i: usize, test: impl Fn(Triangle<R>, usize, R) -> bool) -> bool {
+        let now = self.times[i];
+        let (left, Triangle { t1, t2, l1, l2, c }) = (self.left(i), self.right(i));
+        let right = Triangle { t1: t2, t2: t1, l1: l2, l2: l1, c };
+        let behind = min(left.t1, min(t1, t2));
+        (behind >= now) | (test(left, 0, now) & test(right, 2, now))
     }
 }

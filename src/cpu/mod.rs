@@ -18,6 +18,7 @@ mod panel;
 mod progress;
 mod raster_scan;
 mod rotated_scan;
+mod settled;
 mod state;
 mod stream;
 mod tiles;

@@ -1,0 +1,167 @@
+//! Which points an update leaves as they are, found without its roots and divisions.
+//!
+//! A front crosses the base x1 x2 of a triangle somewhere, at a time that is no earlier than
+//! linear between t1 and t2 but for a bulge, and has |x0 - x| or more to go from there: at least
+//! u . (x0 - x) for every unit vector u. So it does not arrive before the lesser of
+//! t1 + u . (x0 - x1) and t2 + u . (x0 - x2), less the bulge. Here x1 is the neighbour across the
+//! grid's diagonal and u the direction from it. A scan of the other kind has a triangle on the other
+//! side of that diagonal, and what has come from there is settled: of some four visits of a point
+//! until the map has converged, one or two need the update.
+//!
+//! [`super::pairwise`] has the same test with coefficients computed once for many maps.
+
+use crate::surface::{Real, max, min};
+use crate::update::Triangle;
+
+/// How much later than the present time planar fronts arrive at least.
+struct Lead<R> {
+    /// From x1.
+    across: R,
+    /// From x2, times the length of the edge to x1, which saves a division.
+    beside: R,
+    /// That length.
+    edge: R,
+}
+
+impl<R: Real> Lead<R> {
+    #[inline(always)]
+    fn new(Triangle { t1, t2, l1, l2, c }: Triangle<R>, now: R) -> Self {
+        // Where there is no such triangle, fronts run along its edges only.
+        let projection = min(R::of(0.5) * (l1 * l1 + l2 * l2 - c * c), l1 * l2);
+        Self { across: t1 + l1 - now, beside: (t2 - now) * l1 + projection, edge: l1 }
+    }
+
+    /// Whether it is more than a bulge of `dividend / divisor`; not where edges are missing.
+    #[inline(always)]
+    fn exceeds(self, dividend: R, divisor: R) -> bool {
+        (self.across * divisor > dividend) & (self.beside * divisor > self.edge * dividend)
+    }
+}
+
+/// Whether no planar front comes through a triangle earlier than `now`.
+#[inline(always)]
+pub(super) fn from_planar<R: Real>(triangle: Triangle<R>, now: R) -> bool {
+    let Lead { across, beside, .. } = Lead::new(triangle, now);
+    (across >= R::zero()) & (beside >= R::zero())
+}
+
+/// The same for circular fronts. With its source at a distance of r from the base's nearest point,
+/// the distance from it to the points of the base lies below the chord by c^2 / 8r at most, and r
+/// is not less than t - c / 2 for the earlier end.
+#[inline(always)]
+pub(super) fn from_point_source<R: Real>(triangle: Triangle<R>, now: R) -> bool {
+    let Triangle { t1, t2, c, .. } = triangle;
+    let distance = max(min(t1, t2) - R::of(0.5) * c, R::zero());
+    Lead::new(triangle, now).exceeds(R::of(0.125) * c * c, distance)
+}
+
+/// The same for curved fronts of some curvature at x1 and x2, with nothing that comes at the same
+/// time either. The front's centre is 1 / kappa from the farther end of the base if kappa is the
+/// larger curvature, so at least 1 / kappa - c from all its points.
+#[inline(always)]
+pub(super) fn from_curved<R: Real>(triangle: Triangle<R>, curvatures: [R; 2], now: R) -> bool {
+    let [k1, k2] = curvatures;
+    let kappa = max(max(k1, k2), R::zero()) * triangle.c;
+    let divisor = R::of(8.0) * max(R::one() - kappa, R::zero());
+    // What all this may be rounded by.
+    let slack = R::of(16.0) * R::epsilon() * now;
+    Lead::new(triangle, now).exceeds(triangle.c * kappa + slack * divisor, divisor)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::update::{Bends, curved, planar, point_source};
+    use glam::DVec2;
+
+    /// Triangles of all shapes, obtuse and acute, with the arrival times of a front from everywhere.
+    fn every_triangle(check: impl Fn(Triangle<f32>)) {
+        let steps =
+            |from: f64, to: f64| (0..8).map(move |k| from + (to - from) * f64::from(k) / 7.0);
+        for (angle, length) in
+            steps(0.1, 3.0).flat_map(|a| [0.4, 1.0, 1.4, 3.0].map(move |length| (a, length)))
+        {
+            let (x1, x2) = (DVec2::new(length, 0.0), DVec2::from_angle(angle));
+            for (angle, distance) in
+                steps(-3.1, 3.1).flat_map(|a| [1.5, 4.0, 30.0, 500.0].map(move |far| (a, far)))
+            {
+                let source = DVec2::from_angle(angle) * distance;
+                let [t1, t2] = [x1, x2].map(|corner| corner.distance(source) as f32);
+                let (l1, l2) = (x1.length() as f32, x2.length() as f32);
+                check(Triangle { t1, t2, l1, l2, c: x1.distance(x2) as f32 });
+            }
+        }
+    }
+
+    /// Checks for present times before and after a front that nothing settled arrives earlier, and
+    /// that the test is worth it: that it holds for so many of the times at which nothing arrives.
+    fn assert_settles(
+        share: f64,
+        arrival: impl Fn(Triangle<f32>) -> f32,
+        settled: impl Fn(Triangle<f32>, f32) -> bool,
+    ) {
+        let counts = std::cell::Cell::new([0; 2]);
+        every_triangle(|triangle| {
+            let arrives = arrival(triangle);
+            let first = min(triangle.t1, triangle.t2);
+            for now in (0..100).map(|k| first + 0.04 * k as f32) {
+                let [mut all, mut found] = counts.get();
+                if settled(triangle, now) {
+                    let rounding = 8.0 * f32::EPSILON * now;
+                    assert!(arrives >= now - rounding, "{arrives} before {now}: {triangle:?}");
+                    found += 1;
+                }
+                all += u32::from(arrives >= now);
+                counts.set([all, found]);
+            }
+        });
+        let [all, found] = counts.get().map(f64::from);
+        assert!(found > share * all, "{found} of {all}");
+    }
+
+    #[test]
+    fn no_settled_point_is_reached_earlier_by_a_planar_front() {
+        assert_settles(0.5, planar, from_planar);
+    }
+
+    #[test]
+    fn no_settled_point_is_reached_earlier_by_a_circular_front() {
+        assert_settles(0.3, point_source, from_point_source);
+    }
+
+    #[test]
+    fn no_settled_point_is_reached_earlier_by_a_curved_front() {
+        // Spreading, flat and converging, and different at both ends.
+        for curvatures in
+            [[0.3, 0.2], [0.01, 0.7], [0.0; 2], [-0.2, 0.05], [-0.5, -1.0], [1e18, 2.0]]
+        {
+            let bends = Bends { fronts: curvatures, surface: [0.0; 3] };
+            let share = if curvatures[0] > 1.0 { -1.0 } else { 0.2 };
+            assert_settles(
+                share,
+                |triangle| curved(triangle, bends).time,
+                |triangle, now| {
+                    let settled = from_curved(triangle, curvatures, now);
+                    assert!(!settled || curved(triangle, bends).time > now, "at the same time");
+                    settled
+                },
+            );
+        }
+    }
+
+    #[test]
+    fn nothing_is_settled_where_an_edge_is_missing() {
+        let far = f32::FAR;
+        let whole = Triangle { t1: 1.0, t2: 1.0, l1: 1.4, l2: 1.0, c: 1.0 };
+        for triangle in [
+            Triangle { t1: far, l1: far, c: far, ..whole },
+            Triangle { c: far, ..whole },
+            Triangle { t2: far, l2: far, c: far, ..whole },
+        ] {
+            let now = planar(triangle) + 0.1;
+            assert!(!from_planar(triangle, now), "{triangle:?}");
+            assert!(!from_point_source(triangle, now), "{triangle:?}");
+            assert!(!from_curved(triangle, [0.1; 2], now), "{triangle:?}");
+        }
+    }
+}
