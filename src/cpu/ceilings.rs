@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use super::Instructions;
 use super::line::{How, Line, Times, Update};
 use super::tiles::{Scan, TILE};
+use crate::surface::Real;
 use crate::update::Wavefront;
 
 /// What some threads can do at best in single precision.
@@ -49,7 +50,9 @@ impl Ceilings {
                 2.0 * POINTS as f64
                     * rate(threads, || {
                         let mut line = WarmLine::new(wavefront);
-                        move || line.update()
+                        move || {
+                            line.update();
+                        }
                     })
             }),
         }
@@ -98,7 +101,7 @@ impl WarmLine {
         let instructions = Instructions::best();
         Self {
             how: How { wavefront, scan: Scan::DOWN, renews: true, instructions },
-            times: vec![1e30; POINTS],
+            times: vec![f32::FAR; POINTS],
             curvatures: vec![0.0; POINTS],
             behind: (0..POINTS + 2).map(|i| (1.0 + i as f32).hypot(300.0)).collect(),
             curvatures_behind: (0..POINTS + 2)
@@ -111,7 +114,9 @@ impl WarmLine {
         }
     }
 
-    fn update(&mut self) {
+    /// Updates all points, none of which has been reached: those would be settled. Returns how many.
+    fn update(&mut self) -> u64 {
+        self.times.fill(f32::FAR);
         let (sides, diagonals) = (self.sides.as_slice(), self.diagonals.as_slice());
         let times = Times {
             here: &mut self.times,
@@ -127,7 +132,7 @@ impl WarmLine {
             gaussian_behind: &self.gaussian,
         };
         let update = Update { line, how: self.how, changed: &mut self.changed };
-        std::hint::black_box(self.how.instructions.run(update));
+        std::hint::black_box(self.how.instructions.run(update)).points
     }
 }
 
@@ -149,7 +154,9 @@ mod tests {
     fn the_line_that_is_timed_is_one_that_a_front_reaches() {
         for wavefront in Wavefront::ALL {
             let mut line = WarmLine::new(wavefront);
-            line.update();
+            for _ in 0..2 {
+                assert_eq!(line.update(), POINTS as u64, "none is settled");
+            }
             // The front of a point 301 lines behind, so that it comes through the line behind
             // everywhere. Planar fronts are off by a tenth of a cell.
             for (i, time) in line.times.iter().enumerate() {

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::line::{How, Line, Times, Update};
+use super::line::{How, Line, Times, Update, Updated};
 use crate::surface::Real;
 use crate::update::Wavefront;
 
@@ -27,7 +27,7 @@ impl<R: Real> Field<'_, R> {
         points: Range<usize>,
         how: How,
         changed: &mut [bool],
-    ) -> R::Bits {
+    ) -> Updated<R::Bits> {
         let forward = how.scan.is_forward();
         let line_behind = if forward { line - 1 } else { line + 1 };
         let start = line * self.stride + points.start + 1;

@@ -47,18 +47,33 @@ pub(super) struct How {
 }
 
 /// The update of a line by a scan, and where to mark which stretches of [`TILE`] points it has
-/// changed. The output is the largest change ([`Real::units_between`]).
+/// changed.
 pub(super) struct Update<'a, R> {
     pub line: Line<'a, R>,
     pub how: How,
     pub changed: &'a mut [bool],
 }
 
+/// What updates have come to: the largest change ([`Real::units_between`]), and how many points
+/// have been updated. Those that are settled have not.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Updated<B> {
+    pub largest: B,
+    pub points: u64,
+}
+
+impl<B: Ord> Updated<B> {
+    #[inline(always)]
+    pub(super) fn and(self, other: Self) -> Self {
+        Self { largest: self.largest.max(other.largest), points: self.points + other.points }
+    }
+}
+
 impl<R: Real> Work for Update<'_, R> {
-    type Output = R::Bits;
+    type Output = Updated<R::Bits>;
 
     #[inline(always)]
-    fn run(self) -> R::Bits {
+    fn run(self) -> Updated<R::Bits> {
         let Self { line, how, changed } = self;
         match how.wavefront {
             Wavefront::Planar => each_tile::<R, Straight<false>>(line, how, changed),
@@ -71,23 +86,34 @@ impl<R: Real> Work for Update<'_, R> {
 /// Updates each stretch of [`TILE`] points; the last one overlaps the one before if the line has a
 /// remainder, which does no harm: what has been updated stays as it is.
 #[inline(always)]
-fn each_tile<R: Real, K: Kernel>(mut line: Line<R>, how: How, changed: &mut [bool]) -> R::Bits {
+fn each_tile<R: Real, K: Kernel>(
+    mut line: Line<R>,
+    how: How,
+    changed: &mut [bool],
+) -> Updated<R::Bits> {
     let points = line.times.here.len();
-    let mut largest = R::Bits::default();
+    let mut updated = Updated::default();
     for (tile, changed) in changed.iter_mut().enumerate() {
-        let change = match points.checked_sub(TILE) {
-            Some(last) => K::update(&mut line, (tile * TILE).min(last), TILE, how),
-            None => K::update(&mut line, 0, points, how),
+        let (start, points) = match points.checked_sub(TILE) {
+            Some(last) => ((tile * TILE).min(last), TILE),
+            None => (0, points),
         };
+        let Some(change) = K::update(&mut line, start, points, how) else { continue };
         *changed |= change.any;
-        largest = largest.max(change.largest);
+        updated = updated.and(Updated { largest: change.largest, points: points as u64 });
     }
-    largest
+    updated
 }
 
-/// The update of a stretch of a line by a scan, which may renew fronts.
+/// The update of a stretch of a line by a scan, which may renew fronts; `None` if all its points are
+/// settled.
 trait Kernel {
-    fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, how: How) -> Change<R>;
+    fn update<R: Real>(
+        line: &mut Line<R>,
+        start: usize,
+        points: usize,
+        how: How,
+    ) -> Option<Change<R>>;
 }
 
 /// What an update has changed: anything at all, tags included, and how much
@@ -102,9 +128,13 @@ struct Straight<const CIRCULAR: bool>;
 
 impl<const CIRCULAR: bool> Kernel for Straight<CIRCULAR> {
     #[inline(always)]
-    fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, _: How) -> Change<R> {
+    fn update<R: Real>(
+        line: &mut Line<R>,
+        start: usize,
+        points: usize,
+        _: How,
+    ) -> Option<Change<R>> {
         let line = line.times.stretch(start, points);
-        let mut largest = R::Bits::default();
         let mut settled = true;
         for i in 0..points {
             settled &= line.is_settled(i, |triangle, _, now| {
@@ -116,8 +146,9 @@ impl<const CIRCULAR: bool> Kernel for Straight<CIRCULAR> {
             });
         }
         if settled {
-            return Change { any: false, largest };
+            return None;
         }
+        let mut largest = R::Bits::default();
         for i in 0..points {
             let (left, right) = (line.left(i), line.right(i));
             let (a, b) = if CIRCULAR {
@@ -129,7 +160,7 @@ impl<const CIRCULAR: bool> Kernel for Straight<CIRCULAR> {
             line.times[i] = min(old, min(a, b));
             largest = largest.max(old.units_between(line.times[i]));
         }
-        Change { any: largest > R::Bits::default(), largest }
+        Some(Change { any: largest > R::Bits::default(), largest })
     }
 }
 
@@ -137,13 +168,17 @@ struct Curved;
 
 impl Kernel for Curved {
     #[inline(always)]
-    fn update<R: Real>(line: &mut Line<R>, start: usize, points: usize, how: How) -> Change<R> {
+    fn update<R: Real>(
+        line: &mut Line<R>,
+        start: usize,
+        points: usize,
+        how: How,
+    ) -> Option<Change<R>> {
         let curvatures = &mut line.curvatures[start..][..points];
         let gaussian = &line.gaussian[start..][..points];
         let k = &line.curvatures_behind[start..][..points + 2];
         let g = &line.gaussian_behind[start..][..points + 2];
         let line = line.times.stretch(start, points);
-        let [mut largest, mut bent, mut tagged] = [R::Bits::default(); 3];
         let mut settled = true;
         for i in 0..points {
             let renewed = how.renews & (curvatures[i].tag() == how.scan.0);
@@ -153,8 +188,9 @@ impl Kernel for Curved {
             settled &= stays & !renewed;
         }
         if settled {
-            return Change { any: false, largest };
+            return None;
         }
+        let [mut largest, mut bent, mut tagged] = [R::Bits::default(); 3];
         for i in 0..points {
             let left = Bends { fronts: [k[i], k[i + 1]], surface: [gaussian[i], g[i], g[i + 1]] };
             let right =
@@ -170,7 +206,7 @@ impl Kernel for Curved {
         }
         let any = largest.max(tagged) > R::Bits::default();
         let bent = (R::from_zero(bent) * R::of(CURVATURE_COUNTS)).in_units();
-        Change { any, largest: largest.max(bent) }
+        Some(Change { any, largest: largest.max(bent) })
     }
 }
 

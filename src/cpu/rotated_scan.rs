@@ -5,7 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::field::Field;
-use super::line::How;
+use super::line::{How, Updated};
 use super::panel::{Grid, Panel};
 use super::state::{SEED, Solution, accept, front};
 use super::tiles::{Scan, TILE, Tiles};
@@ -68,7 +68,8 @@ struct Fronts<R> {
     /// The stretches of a band to visit, and the tiles of one of them that have changed.
     runs: Vec<Range<usize>>,
     marks: Vec<bool>,
-    /// Updates of a point since the start.
+    /// Visits and updates of a point since the start.
+    visits: u64,
     updates: u64,
 }
 
@@ -86,6 +87,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
             panel: Panel::new(chart, curved),
             runs: Vec::new(),
             marks: Vec::new(),
+            visits: 0,
             updates: 0,
         };
         Self {
@@ -160,7 +162,14 @@ impl<'a, R: Real> RotatedScan<'a, R> {
         super::state::distances(chart, &self.fronts[0].times)
     }
 
-    /// How many times the last map has updated a point, each time from the two triangles of a scan.
+    /// How many times the scans of the last map have come to a point, and read what its update
+    /// needs.
+    pub fn visits(&self) -> u64 {
+        self.fronts.iter().map(|fronts| fronts.visits).sum()
+    }
+
+    /// How many times they have updated one, each time from two triangles: less often, since of
+    /// points that are settled a simpler test finds that no front comes earlier.
     pub fn updates(&self) -> u64 {
         self.fronts.iter().map(|fronts| fronts.updates).sum()
     }
@@ -184,8 +193,8 @@ impl<'a, R: Real> RotatedScan<'a, R> {
 
     /// No point reached.
     fn forget(&mut self) {
-        for Fronts { times, curvatures, updates, .. } in &mut self.fronts {
-            *updates = 0;
+        for Fronts { times, curvatures, visits, updates, .. } in &mut self.fronts {
+            (*visits, *updates) = (0, 0);
             times.fill(R::FAR);
             curvatures.fill(R::zero());
         }
@@ -235,21 +244,21 @@ impl<'a, R: Real> RotatedScan<'a, R> {
 
 impl<R: Real> Fronts<R> {
     fn scan(&mut self, grid: Grid<R>, tiles: &Tiles, how: How) -> R::Bits {
-        let mut largest = R::Bits::default();
+        let mut updated = Updated::<R::Bits>::default();
         let mut runs = std::mem::take(&mut self.runs);
         for band in tiles.bands(how.scan) {
             tiles.runs(how.scan, band, &self.changed, &mut runs);
             for run in &runs {
-                let change = if how.scan.by_rows() {
+                updated = updated.and(if how.scan.by_rows() {
                     self.scan_rows(grid, tiles, how, band, run)
                 } else {
                     self.scan_cols(grid, tiles, how, band, run)
-                };
-                largest = largest.max(change);
+                });
             }
         }
         self.runs = runs;
-        largest
+        self.updates += updated.points;
+        updated.largest
     }
 
     /// Scans a stretch of the rows of a band.
@@ -260,7 +269,7 @@ impl<R: Real> Fronts<R> {
         how: How,
         band: usize,
         run: &Range<usize>,
-    ) -> R::Bits {
+    ) -> Updated<R::Bits> {
         let chart = grid.edges.chart();
         let mut field = Field {
             stride: chart.stride(),
@@ -272,7 +281,7 @@ impl<R: Real> Fronts<R> {
         let first = tiles.index(how.scan, band, run.start);
         let changed = &mut self.changed[first..first + run.len()];
         let (rows, cols) = (points(band..band + 1, chart.rows), points(run.clone(), chart.cols));
-        self.updates += (rows.len() * cols.len()) as u64;
+        self.visits += (rows.len() * cols.len()) as u64;
         in_order(rows, how.scan, |row| field.update(row + 1, cols.clone(), how, changed))
     }
 
@@ -284,10 +293,10 @@ impl<R: Real> Fronts<R> {
         how: How,
         band: usize,
         run: &Range<usize>,
-    ) -> R::Bits {
+    ) -> Updated<R::Bits> {
         let chart = grid.edges.chart();
         let (rows, cols) = (points(run.clone(), chart.rows), points(band..band + 1, chart.cols));
-        self.updates += (rows.len() * cols.len()) as u64;
+        self.visits += (rows.len() * cols.len()) as u64;
         let panel = &mut self.panel;
         let arrays = [self.times.as_slice(), self.curvatures.as_slice()];
         panel.load(grid, arrays, &cols, rows.clone(), how.scan, how.instructions);
@@ -296,7 +305,7 @@ impl<R: Real> Fronts<R> {
         self.marks.resize(run.len(), false);
         let mut field = panel.field();
         let line = |col: usize| col - cols.start + first;
-        let largest = in_order(cols.clone(), how.scan, |col| {
+        let updated = in_order(cols.clone(), how.scan, |col| {
             field.update(line(col), rows.clone(), how, &mut self.marks)
         });
         for (place, _) in run.clone().zip(&self.marks).filter(|(_, marked)| **marked) {
@@ -305,7 +314,7 @@ impl<R: Real> Fronts<R> {
             let rows = points(place..place + 1, chart.rows);
             panel.store(arrays, chart.stride(), &cols, rows, how.instructions);
         }
-        largest
+        updated
     }
 }
 
@@ -314,15 +323,18 @@ fn points(tiles: Range<usize>, count: usize) -> Range<usize> {
     tiles.start * TILE..(tiles.end * TILE).min(count)
 }
 
-/// The largest change of lines updated in the order of a scan.
+/// Updates lines in the order of a scan.
 fn in_order<B: Ord + Default>(
     lines: Range<usize>,
     scan: Scan,
-    update: impl FnMut(usize) -> B,
-) -> B {
-    let largest =
-        if scan.is_forward() { lines.map(update).max() } else { lines.rev().map(update).max() };
-    largest.unwrap_or_default()
+    update: impl FnMut(usize) -> Updated<B>,
+) -> Updated<B> {
+    let none = Updated::default();
+    if scan.is_forward() {
+        lines.map(update).fold(none, Updated::and)
+    } else {
+        lines.rev().map(update).fold(none, Updated::and)
+    }
 }
 
 /// Makes both copies of the fronts the same again, with the first to arrive at each point.

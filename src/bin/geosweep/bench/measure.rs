@@ -173,7 +173,7 @@ struct Run {
     time: Duration,
     iterations: u32,
     residual: f64,
-    updates: Option<u64>,
+    visits_and_updates: Option<(u64, u64)>,
 }
 
 impl Bench<'_> {
@@ -234,7 +234,7 @@ impl Bench<'_> {
                         time: start.elapsed(),
                         iterations: found.iterations,
                         residual: found.residual,
-                        updates: Some(solver.updates()),
+                        visits_and_updates: Some((solver.visits(), solver.updates())),
                     })
                 })?;
             }
@@ -246,7 +246,7 @@ impl Bench<'_> {
                         time: start.elapsed(),
                         iterations: found.iterations,
                         residual: 0.0,
-                        updates: None,
+                        visits_and_updates: None,
                     })
                 })?;
             }
@@ -289,7 +289,7 @@ impl Bench<'_> {
                         vulkan::Method { wavefront, schedule: Some(schedule), stop: problem.stop };
                     let Solution { iterations, residual, time, .. } =
                         solver.solve(surface, &problem.seeds, how)?;
-                    Ok(Run { time, iterations, residual, updates: None })
+                    Ok(Run { time, iterations, residual, visits_and_updates: None })
                 })?;
                 let tuning = solver.tuning();
                 let (timing, ceilings) = (self.timings.last_mut(), self.device.as_ref());
@@ -348,7 +348,7 @@ impl Bench<'_> {
             }
         }
         times.sort();
-        let work = last.updates.map(|updates| Work::on_cpu(updates, wavefront));
+        let work = last.visits_and_updates.map(|counts| Work::on_cpu(counts, wavefront));
         let mut timing = Timing {
             surface: problem.name.clone(),
             rows: problem.surface.rows(),

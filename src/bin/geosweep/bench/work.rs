@@ -37,11 +37,11 @@ pub struct Shares {
 }
 
 impl Work {
-    /// Of rotated scans on the CPU: a point's arrival time read and written, four lengths of
-    /// edges; curved fronts have their curvature and the surface's besides.
-    pub fn on_cpu(updates: u64, wavefront: Wavefront) -> Self {
+    /// Of rotated scans on the CPU: for each visit a point's arrival time read and written, four
+    /// lengths of edges; curved fronts have their curvature and the surface's besides.
+    pub fn on_cpu((visits, updates): (u64, u64), wavefront: Wavefront) -> Self {
         let bytes = if wavefront == Wavefront::Curved { 36 } else { 24 };
-        Self { bytes: Some(bytes * updates), triangles: Some(2 * updates), ..Self::default() }
+        Self { bytes: Some(bytes * visits), triangles: Some(2 * updates), ..Self::default() }
     }
 
     /// Of a schedule on a device from some seeds, after so many iterations.
@@ -154,9 +154,9 @@ mod tests {
 
     #[test]
     fn shares_are_times_at_the_ceiling() {
-        let work = Work::on_cpu(1000, Wavefront::Planar);
+        let work = Work::on_cpu((1000, 250), Wavefront::Planar);
         let ceilings = cpu::Ceilings { threads: 1, copy: 24e3, triangles: [1e3, 1.0, 1.0] };
         let shares = Shares::on_cpu(work, 4.0, Wavefront::Planar, &ceilings);
-        assert_eq!((shares.data, shares.arithmetic), (Some(0.25), Some(0.5)));
+        assert_eq!((shares.data, shares.arithmetic), (Some(0.25), Some(0.125)));
     }
 }
