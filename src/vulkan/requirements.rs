@@ -89,6 +89,10 @@ pub fn compute_queue_family(
 ) -> Option<u32> {
     // SAFETY: the physical device is from this instance.
     let families = unsafe { instance.get_physical_device_queue_family_properties(physical_device) };
+    compute_family(&families)
+}
+
+fn compute_family(families: &[vk::QueueFamilyProperties]) -> Option<u32> {
     let with = |wanted: vk::QueueFlags, unwanted: vk::QueueFlags| {
         families.iter().position(|family| {
             family.queue_flags.contains(wanted) && !family.queue_flags.intersects(unwanted)
@@ -131,4 +135,24 @@ fn largest(
 pub(crate) fn version_text(version: u32) -> String {
     let (major, minor) = (vk::api_version_major(version), vk::api_version_minor(version));
     format!("{major}.{minor}.{}", vk::api_version_patch(version))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_family_without_graphics_goes_first() {
+        let (graphics, compute) = (vk::QueueFlags::GRAPHICS, vk::QueueFlags::COMPUTE);
+        let chosen = |flags: &[vk::QueueFlags]| {
+            let family =
+                |&queue_flags| vk::QueueFamilyProperties { queue_flags, ..Default::default() };
+            compute_family(&flags.iter().map(family).collect::<Vec<_>>())
+        };
+        let transfer = vk::QueueFlags::TRANSFER;
+        assert_eq!(chosen(&[graphics | compute, transfer, compute | transfer]), Some(2));
+        assert_eq!(chosen(&[graphics, graphics | compute]), Some(1));
+        assert_eq!(chosen(&[graphics, transfer]), None);
+        assert_eq!(chosen(&[]), None);
+    }
 }

@@ -13,14 +13,14 @@ use crate::common::relative_difference;
 use crate::host::{Host, HostBuffer, HostPass};
 use crate::stage::STOP;
 
-const CHART: Chart = Chart { rows: 40, cols: 48 };
+pub const CHART: Chart = Chart { rows: 40, cols: 48 };
 /// Of a vertex: position, normal and texture coordinates.
-const STRIDE: usize = 8;
-const IN_FLIGHT: usize = 2;
-const PASSES: [(Schedule, Wavefront); 1] = [(Schedule::Raster, Wavefront::Curved)];
+pub const STRIDE: usize = 8;
+pub const IN_FLIGHT: usize = 2;
+pub const PASSES: [(Schedule, Wavefront); 1] = [(Schedule::Raster, Wavefront::Curved)];
 
 /// Moves the vertices.
-const DEFORM: &str = "
+pub const DEFORM: &str = "
     @group(0) @binding(0) var<storage, read> phase: array<f32>;
     @group(0) @binding(1) var<storage, read_write> vertices: array<f32>;
     @compute @workgroup_size(64)
@@ -36,7 +36,7 @@ const DEFORM: &str = "
     }";
 
 /// Reads the map, as a shader that draws would.
-const DRAW: &str = "
+pub const DRAW: &str = "
     @group(0) @binding(0) var<storage, read_write> picture: array<f32>;
     @group(0) @binding(1) var distances: texture_2d<f32>;
     @compute @workgroup_size(64)
@@ -158,7 +158,7 @@ impl Renderer {
 }
 
 /// The source of a frame wanders over the grid, in two of four frames between its points.
-fn place(number: usize) -> (f32, f32) {
+pub fn place(number: usize) -> (f32, f32) {
     let turn = 0.1 * number as f32;
     let (row, col) = (19.5 + 15.0 * turn.sin(), 23.5 + 18.0 * (0.7 * turn).cos());
     if number % 4 < 2 { (row.round(), col.round()) } else { (row, col) }
@@ -199,7 +199,7 @@ fn a_deforming_surface_is_drawn_for_200_frames_without_a_message() {
 }
 
 /// The same map, within 1e-5 of the largest distance, from grid points and from between them.
-fn assert_same(headless: &mut Solver, vertices: &[f32], number: usize, picture: &[f32]) {
+pub fn assert_same(headless: &mut Solver, vertices: &[f32], number: usize, picture: &[f32]) {
     let position = |index: usize| {
         let vertex = &vertices[STRIDE * index..];
         DVec3::new(vertex[0].into(), vertex[1].into(), vertex[2].into())
@@ -238,51 +238,4 @@ fn a_reader_that_is_not_named_is_reported() {
     let layout = Reader::COMPUTE.layout;
     let messages = messages_of_two_frames(Reader { access: Access::TRANSFER_READ, layout });
     assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-READ-AFTER-WRITE")), "{messages:?}");
-}
-
-/// As on two queues: we signal a semaphore, and the submission that draws waits for it.
-#[test]
-fn a_reader_on_another_queue_waits_for_a_semaphore() {
-    let renderer = Renderer::new();
-    let Renderer { host, solver, surface, plan, .. } = &renderer;
-    let InFlight { deform, draw, picture, commands, fence, .. } = &renderer.frames[0];
-    let (device, groups) = (&host.device, CHART.points().div_ceil(64) as u32);
-    let drawing = host.commands();
-    host.begin(drawing);
-    host.dispatch(drawing, draw, groups);
-    host.barrier(drawing, Access::COMPUTE_WRITE, Access::HOST_READ);
-    host.end(drawing);
-    host.begin(*commands);
-    host.dispatch(*commands, deform, groups);
-    let frame = Frame {
-        before: Access::COMPUTE_WRITE,
-        points: Some(0),
-        sources: SourceInput::Inline(&[PointSource::at(20.0, 20.0)]),
-        plan,
-        slot: 0,
-        reader: Reader::OTHER_QUEUE,
-        unreached: -1.0,
-    };
-    solver.record(device, *commands, surface).frame(&frame).unwrap();
-    host.end(*commands);
-    unsafe {
-        let semaphore = device.create_semaphore(&Default::default(), None).unwrap();
-        let (ours, theirs, semaphores) = ([*commands], [drawing], [semaphore]);
-        let stages = [vk::PipelineStageFlags::COMPUTE_SHADER];
-        device.reset_fences(&[*fence]).unwrap();
-        let submissions = [
-            vk::SubmitInfo::default().command_buffers(&ours).signal_semaphores(&semaphores),
-            vk::SubmitInfo::default()
-                .command_buffers(&theirs)
-                .wait_semaphores(&semaphores)
-                .wait_dst_stage_mask(&stages),
-        ];
-        device.queue_submit(host.queue, &submissions, *fence).unwrap();
-        device.wait_for_fences(&[*fence], true, u64::MAX).unwrap();
-        device.destroy_semaphore(semaphore, None);
-    }
-    let map = &picture.floats()[..CHART.points()];
-    assert_eq!(map[CHART.index(20, 20)], 0.0);
-    assert!(map.iter().all(|&distance| distance >= 0.0));
-    assert_eq!(renderer.end(), Vec::<String>::new());
 }

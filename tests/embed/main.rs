@@ -5,12 +5,14 @@ mod common;
 mod curves;
 #[path = "../../examples/embed.rs"]
 mod example;
+mod families;
 mod faults;
 mod frames;
 mod host;
 mod inputs;
 #[path = "../measure/mod.rs"]
 mod measure;
+mod queues;
 mod readme;
 #[cfg(feature = "formats")]
 #[allow(dead_code, clippy::duplicate_mod)] // its main is not called here, and its host is ours

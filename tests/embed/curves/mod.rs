@@ -1,6 +1,6 @@
 //! Contours and paths in the host's buffers, against the CPU's on the same map.
 
-mod contours;
+pub mod contours;
 mod draw;
 mod paths;
 
@@ -85,7 +85,8 @@ fn positions(surface: &Surface) -> Vec<f32> {
     (0..chart.points()).flat_map(position).collect()
 }
 
-fn map_of(chart: Chart, distances: Vec<f32>) -> DistanceMap {
+/// A map as if the engine had returned it.
+pub fn map_of(chart: Chart, distances: Vec<f32>) -> DistanceMap {
     let reached = || distances.iter().copied().filter(|distance| distance.is_finite());
     let report = Report {
         engine: "vulkan",

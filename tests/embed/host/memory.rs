@@ -5,10 +5,18 @@ use super::*;
 impl Host {
     /// A storage buffer on the device, or, with `mapped`, one that the program reads and writes.
     pub fn buffer(&mut self, bytes: u64, mapped: bool) -> HostBuffer {
+        self.shared_buffer(bytes, mapped, &[])
+    }
+
+    /// One that these queue families share, if they are several.
+    pub fn shared_buffer(&mut self, bytes: u64, mapped: bool, families: &[u32]) -> HostBuffer {
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::TRANSFER_SRC
             | vk::BufferUsageFlags::TRANSFER_DST;
-        let info = vk::BufferCreateInfo::default().size(bytes).usage(usage);
+        let mut info = vk::BufferCreateInfo::default().size(bytes).usage(usage);
+        if families.len() > 1 {
+            info = info.sharing_mode(vk::SharingMode::CONCURRENT).queue_family_indices(families);
+        }
         let handle = unsafe { self.device.create_buffer(&info, None) }.unwrap();
         let requirements = unsafe { self.device.get_buffer_memory_requirements(handle) };
         let location = if mapped { MemoryLocation::GpuToCpu } else { MemoryLocation::GpuOnly };

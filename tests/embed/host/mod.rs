@@ -1,5 +1,5 @@
-//! A renderer as small as one can be: an instance, a device, an allocator, a queue, and compute
-//! passes of its own, written in WGSL.
+//! A renderer as small as one can be: an instance, a device, an allocator, a queue and one beside it
+//! for compute, and compute passes of its own, written in WGSL.
 
 #![allow(dead_code)] // each test binary uses its part
 
@@ -15,6 +15,9 @@ use geosweep::vulkan::requirements;
 
 mod memory;
 mod passes;
+pub mod queues;
+
+use queues::{HostQueue, Place};
 
 const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
@@ -23,8 +26,12 @@ pub struct Host {
     pub device: ash::Device,
     pub allocator: Option<Allocator>,
     pub physical_device: vk::PhysicalDevice,
+    /// The main queue, for compute and graphics.
     pub queue: vk::Queue,
+    /// For command buffers of the main queue.
     pub pool: vk::CommandPool,
+    /// A queue beside the main one, of another family if the device has one; or the main one.
+    pub compute: HostQueue,
     pub instance: ash::Instance,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
     log: Box<Mutex<Vec<String>>>,
@@ -117,10 +124,14 @@ impl Host {
                     && requirements::unmet(&instance, device).is_empty()
             })
             .expect("the tests need a Vulkan device; ci/setup installs lavapipe");
-        let family = family(&instance, physical_device);
-        let queues = [vk::DeviceQueueCreateInfo::default()
-            .queue_family_index(family)
-            .queue_priorities(&[1.0])];
+        let places = queues::of(&instance, physical_device);
+        let priorities = [1.0; 2];
+        let queues = queues::counts(places).map(|(family, count)| {
+            vk::DeviceQueueCreateInfo::default()
+                .queue_family_index(family)
+                .queue_priorities(&priorities[..count])
+        });
+        let queues: Vec<_> = queues.collect();
         let features = requirements::features();
         let info =
             vk::DeviceCreateInfo::default().queue_create_infos(&queues).enabled_features(&features);
@@ -133,17 +144,14 @@ impl Host {
             buffer_device_address: false,
             allocation_sizes: Default::default(),
         });
-        let queue = unsafe { device.get_device_queue(family, 0) };
-        let pool = vk::CommandPoolCreateInfo::default()
-            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER)
-            .queue_family_index(family);
-        let pool = unsafe { device.create_command_pool(&pool, None) }.unwrap();
+        let [main, compute] = places.map(|place| HostQueue::new(&device, place));
         Self {
             device,
             allocator: Some(allocator.unwrap()),
             physical_device,
-            queue,
-            pool,
+            queue: main.handle,
+            pool: main.pool,
+            compute,
             instance,
             messenger,
             log,
@@ -165,11 +173,15 @@ impl Host {
         self.log.lock().unwrap().clone()
     }
 
-    /// A command buffer.
+    /// A command buffer for the main queue.
     pub fn commands(&self) -> vk::CommandBuffer {
-        let info = vk::CommandBufferAllocateInfo::default()
-            .command_pool(self.pool)
-            .command_buffer_count(1);
+        self.commands_from(self.pool)
+    }
+
+    /// A command buffer.
+    pub fn commands_from(&self, pool: vk::CommandPool) -> vk::CommandBuffer {
+        let info =
+            vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
         unsafe { self.device.allocate_command_buffers(&info) }.unwrap()[0]
     }
 
@@ -249,6 +261,7 @@ impl Drop for Host {
         unsafe {
             let _ = self.device.device_wait_idle();
             self.device.destroy_command_pool(self.pool, None);
+            self.device.destroy_command_pool(self.compute.pool, None);
             self.allocator = None;
             self.device.destroy_device(None);
             if let Some((loader, messenger)) = &self.messenger {
@@ -265,11 +278,10 @@ impl Drop for Host {
     }
 }
 
-/// A queue family for compute and graphics.
+/// The main queue's family.
 pub fn family(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> u32 {
-    let both = vk::QueueFlags::COMPUTE | vk::QueueFlags::GRAPHICS;
-    let families = unsafe { instance.get_physical_device_queue_family_properties(physical_device) };
-    families.iter().position(|family| family.queue_flags.contains(both)).unwrap() as u32
+    let [Place { family, .. }, _] = queues::of(instance, physical_device);
+    family
 }
 
 type Messenger = (ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT);
