@@ -33,18 +33,18 @@ const ROOM: u32 = 8192;
 
 /// How queue families get at what both use.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Way {
+pub enum Way {
     /// Images and the host's buffers are made for both.
     Shared,
     /// They belong to one at a time.
     HandedOver,
 }
 
-struct Renderer {
+pub struct Renderer {
     way: Way,
     /// The main queue's family and that of the other.
     families: [u32; 2],
-    host: Host,
+    pub host: Host,
     solver: embed::Solver,
     surface: embed::Surface,
     plan: embed::Plan,
@@ -69,7 +69,7 @@ struct InFlight {
 }
 
 impl Renderer {
-    fn new(mut host: Host, way: Way, families: [u32; 2]) -> Self {
+    pub fn new(mut host: Host, way: Way, families: [u32; 2]) -> Self {
         let device = host.device.clone();
         let shared = if way == Way::Shared { &families[..] } else { &[] };
         // We take equal families as well, Vulkan does not.
@@ -130,7 +130,7 @@ impl Renderer {
     }
 
     /// For the main queue: moves the vertices.
-    fn deform(&self, commands: vk::CommandBuffer, slot: usize) {
+    pub fn deform(&self, commands: vk::CommandBuffer, slot: usize) {
         let InFlight { deform, vertices, .. } = &self.frames[slot];
         self.host.dispatch(commands, deform, groups());
         if self.way == Way::HandedOver {
@@ -141,7 +141,7 @@ impl Renderer {
     }
 
     /// For the other queue: the map.
-    fn map(&self, commands: vk::CommandBuffer, number: usize, slot: usize) {
+    pub fn map(&self, commands: vk::CommandBuffer, number: usize, slot: usize) {
         let Self { way, host, solver, surface, plan, .. } = self;
         let InFlight { vertices, .. } = &self.frames[slot];
         let (device, families) = (&host.device, self.families);
@@ -168,7 +168,7 @@ impl Renderer {
     }
 
     /// For the other queue, after the map: its contours, and all goes to the main queue's family.
-    fn contour(&self, commands: vk::CommandBuffer, slot: usize) {
+    pub fn contour(&self, commands: vk::CommandBuffer, slot: usize) {
         let Self { way, host, solver, surface, .. } = self;
         let InFlight { vertices, contours, .. } = &self.frames[slot];
         let (device, [main, other]) = (&host.device, self.families);
@@ -186,7 +186,7 @@ impl Renderer {
     }
 
     /// For the main queue: reads the map, the vertices and the contours.
-    fn draw(&self, commands: vk::CommandBuffer, slot: usize) {
+    pub fn draw(&self, commands: vk::CommandBuffer, slot: usize) {
         let InFlight { vertices, contours, draw, copy, lines, .. } = &self.frames[slot];
         let (device, [main, other]) = (&self.host.device, self.families);
         let (families, contours_bytes) = ([other, main], bytes_of(contours));
@@ -252,7 +252,7 @@ impl Renderer {
         assert!(apart < SAME, "frame {number}: contours {apart} cells apart");
     }
 
-    fn end(self) -> Vec<String> {
+    pub fn end(self) -> Vec<String> {
         let Self { mut host, mut solver, mut surface, frames, .. } = self;
         let device = host.device.clone();
         unsafe { device.device_wait_idle() }.unwrap();

@@ -23,8 +23,9 @@ pub struct SurfaceInfo<'a> {
     /// How many frames are in flight: so many images of distances, and records of how iterations
     /// went, are there to be written in turn. At least 1.
     pub slots: usize,
-    /// Queue families that use the images of distances: ours and those of the readers, which may be
-    /// the same. If they differ, no ownership needs to be transferred between them.
+    /// Queue families that use the images of distances and the packed times: ours and those of the
+    /// readers, which may be the same. If they differ, no ownership needs to be transferred between
+    /// them; if this is empty, it does.
     pub queue_families: &'a [u32],
     /// Where points may come from, by number: one for each frame in flight, say.
     pub points: &'a [Points],
