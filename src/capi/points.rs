@@ -227,7 +227,17 @@ impl Copied {
 
     /// Writes them anew.
     pub(super) fn write(&mut self, surface: &Surface) {
-        write_points(surface, 0..surface.rows(), surface.origin(), self.buffer.mapped());
+        let mapped = self.buffer.mapped();
+        // Where they are, so that curves are lifted there; they were single precision before.
+        write_points(surface, 0..surface.rows(), DVec3::ZERO, mapped);
+        let (chart, bytes) = (surface.chart(), 4 * self.layout.floats());
+        for (index, point) in mapped.chunks_exact_mut(bytes).take(chart.points()).enumerate() {
+            let (row, col) = chart.position(index);
+            if !surface.has(row, col) {
+                // NaN but for the slowness: what stood in a hole is no place to lift curves to.
+                point[..bytes - 4].fill(0xFF);
+            }
+        }
     }
 
     pub(super) fn bytes(&self) -> u64 {
