@@ -129,6 +129,7 @@ impl Contours {
         chart: Chart,
         vertices: u32,
     ) -> Result<u64, VulkanError> {
+        limits.texels(chart)?;
         curves::bytes_for(device, &parts(limits, chart, vertices)?.1)
     }
 
