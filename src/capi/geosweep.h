@@ -9,14 +9,18 @@
  * At the end:  geosweep_surface_destroy, geosweep_plan_destroy, geosweep_solver_destroy, before
  *              your device and instance go.
  *
+ * Contours and shortest paths for drawing in the same frame, if wanted: geosweep_contours_create and
+ * geosweep_paths_create once a surface, geosweep_record_contours and geosweep_record_paths after the
+ * map.
+ *
  * Errors. Calls return a GeosweepStatus, and geosweep_last_error says in words what was wrong.
  * A call that fails has made and recorded nothing.
  *
  * Ownership. Your Vulkan objects stay yours and must outlive what was made from them. Arrays and
- * structs are not needed after the call that takes them. Device memory is taken by
- * geosweep_surface_create alone, from the solver's own blocks, never from an allocator of yours:
- * geosweep_surface_bytes_for says beforehand how much. No call submits, waits or maps your memory,
- * and recording allocates nothing.
+ * structs are not needed after the call that takes them. Device memory is taken when surfaces,
+ * contours and paths are created, never else, from the solver's own blocks, never from an allocator
+ * of yours: geosweep_surface_bytes_for and the like say beforehand how much. No call submits, waits
+ * or maps your memory, and recording allocates nothing.
  *
  * Threads. Calls that take a pointer to a const object may run at once on one object: several
  * threads may record, each with a command pool and a surface of its own. The others have the object
@@ -39,13 +43,20 @@
 
 // The version of this header, which `geosweep_solver_create` compares with the library's: it
 // grows with each change that makes programs compile or run differently.
-#define GEOSWEEP_HEADER_VERSION 1
+#define GEOSWEEP_HEADER_VERSION 2
 
 // For `GeosweepFrame::points`: the points have not changed since the last frame.
 #define GEOSWEEP_POINTS_UNCHANGED 4294967295
 
 // Bytes of the record that `geosweep_record_outcome_to` copies.
 #define GEOSWEEP_OUTCOME_BYTES 32
+
+// Bytes of a curve's record in a `GeosweepCurves`: from draw to draw, and what
+// `geosweep_curve_record_from_bytes` reads.
+#define GEOSWEEP_CURVE_RECORD_BYTES 36
+
+// For `GeosweepCurveRecord::source`: the path has not arrived at a source.
+#define GEOSWEEP_NO_SOURCE 4294967295
 
 // What a call has come to. `geosweep_last_error` says the rest in words.
 typedef enum {
@@ -68,6 +79,21 @@ typedef enum {
     // about is in an unknown state: destroy it.
     GEOSWEEP_STATUS_INTERNAL_ERROR = 7,
 } GeosweepStatus;
+
+// What has become of a curve.
+typedef enum {
+    // All of it is there: a path has arrived at a source.
+    GEOSWEEP_CURVE_STATUS_COMPLETE = 0,
+    // There are more vertices than there is room for.
+    GEOSWEEP_CURVE_STATUS_OUT_OF_ROOM = 1,
+    // A path starts where no front arrives: in a hole, or cut off from the sources.
+    GEOSWEEP_CURVE_STATUS_UNREACHED = 2,
+    // A path starts off the grid, at what is not a number, or there is no start for it.
+    GEOSWEEP_CURVE_STATUS_OUTSIDE = 3,
+    // A path ends where the map does not lead on to a source, since it has not converged, belongs
+    // to other sources, or has a pit there.
+    GEOSWEEP_CURVE_STATUS_LOST = 4,
+} GeosweepCurveStatus;
 
 // How the edges between grid points are measured.
 typedef enum {
@@ -110,6 +136,14 @@ typedef enum {
     // Carries its curvature beside the distance: second-order on curved surfaces and around holes.
     GEOSWEEP_WAVEFRONT_CURVED = 2,
 } GeosweepWavefront;
+
+// Room for the contours of a surface, and the passes that find them. Frames in flight on one queue
+// share it; with readers on another queue make one for each.
+typedef struct GeosweepContours GeosweepContours;
+
+// Room for paths on a surface, and the passes that trace them. Frames in flight on one queue share
+// it; with readers on another queue make one for each.
+typedef struct GeosweepPaths GeosweepPaths;
 
 // The passes of a recording, for any surface of one size. It may be used by many recordings at
 // once, on any thread.
@@ -238,8 +272,9 @@ typedef struct {
     // How many images of distances there are, to be written in turn: as many as frames in flight,
     // from 1 to 64.
     uint32_t slots;
-    // The queue families that use the images of distances: ours and the readers'. If they differ,
-    // no ownership needs to be transferred. None: one family uses them.
+    // The queue families that use the images of distances and the packed distances: ours and the
+    // readers'. If they differ, no ownership needs to be transferred. None: one family at a time
+    // uses them.
     const uint32_t *queue_families;
     // How many.
     uint32_t queue_family_count;
@@ -373,6 +408,100 @@ typedef struct {
     float unreached;
 } GeosweepFrame;
 
+// What is known of a curve. In the buffer it starts with a `VkDrawIndirectCommand`;
+// `geosweep_curve_record_from_bytes` reads all of it.
+typedef struct {
+    // What has become of it.
+    GeosweepCurveStatus status;
+    // How many vertices are drawn: of contours those that there was room for, of a path all of them
+    // or none.
+    uint32_t vertex_count;
+    // Its first vertex, counted from that of the first curve.
+    uint32_t first_vertex;
+    // Of contours how many vertices there would be with room for all; of a path how many there are,
+    // as far as it has come.
+    uint32_t vertices;
+    // Of a path that has arrived: at which source, in the order given; or `GEOSWEEP_NO_SOURCE`.
+    uint32_t source;
+    // Of a path: the distance at its start.
+    float distance;
+    // Of a path: its length, measured as the map measures, as far as it has come.
+    float length;
+} GeosweepCurveRecord;
+
+// Where contours or paths are: a buffer with the usages `VERTEX_BUFFER`, `INDIRECT_BUFFER`,
+// `STORAGE_BUFFER` and `TRANSFER_SRC`, which belongs to them.
+//
+// Curve k is drawn by `vkCmdDrawIndirect` with an offset of k x `GEOSWEEP_CURVE_RECORD_BYTES`,
+// contours as a list of lines, a path as a strip of lines, from the buffer bound as a vertex buffer
+// with an offset of `vertices_offset`.
+typedef struct {
+    // The buffer: records from its first byte, then vertices.
+    VkBuffer buffer;
+    // Bytes before the first vertex.
+    uint64_t vertices_offset;
+    // How many curves, and so records, there are: 1 of contours.
+    uint32_t curves;
+    // Room for vertices of each curve.
+    uint32_t capacity;
+} GeosweepCurves;
+
+// Which contours are wanted, and who draws them. Levels are a list, or, if that is null, multiples of
+// a step.
+typedef struct {
+    // The list, ascending, or null.
+    const float *levels;
+    // How many levels: at most 1024. Those beyond the map's largest distance cost next to nothing.
+    uint32_t level_count;
+    // From level to level, without a list; positive, and the first level.
+    float step;
+    // The smallest time of the map's sources, 0 as a rule.
+    float start;
+    // The number of the surface's points to which contours are lifted.
+    uint32_t points;
+    // How you read the contours, this frame and the frame before: the stages
+    // `VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT` and `VK_PIPELINE_STAGE_VERTEX_INPUT_BIT` with
+    // `VK_ACCESS_INDIRECT_COMMAND_READ_BIT` and `VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT` as a rule.
+    GeosweepAccess reader;
+} GeosweepContourFrame;
+
+// Where paths start, where they end, and who draws them. Starts are an array of the program's, which
+// is copied into the command buffer, or, if that is null, in a buffer.
+typedef struct {
+    // How you have written starts and sources.
+    GeosweepAccess before;
+    // Two floats a start, row and column; or null. One that is off the grid or not a number has no
+    // path.
+    const float *starts;
+    // With usage `VK_BUFFER_USAGE_TRANSFER_SRC_BIT`, or null.
+    VkBuffer start_buffer;
+    // Bytes before the first in the buffer; a multiple of 4.
+    uint64_t start_offset;
+    // How many: no more than there is room for, and at most 8192 in an array. Other paths have a
+    // record that says so, and draw nothing.
+    uint32_t start_count;
+    // The number of the surface's points to which paths are lifted.
+    uint32_t points;
+    // All sources of the map, those added to it too.
+    GeosweepSources sources;
+    // How you read the paths, this frame and the frame before, as of `GeosweepContourFrame`.
+    GeosweepAccess reader;
+} GeosweepPathFrame;
+
+// A vertex of a contour or path in the buffer: three attributes of a pipeline, with the formats
+// `VK_FORMAT_R32G32B32_SFLOAT`, `VK_FORMAT_R32_SFLOAT` and `VK_FORMAT_R32G32_SFLOAT` at the
+// offsets 0, 12 and 16.
+typedef struct {
+    // x, y and z, on the surface.
+    float position[3];
+    // The distance there, a contour's level.
+    float time;
+    // Fractional.
+    float row;
+    // Fractional.
+    float col;
+} GeosweepCurveVertex;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -401,12 +530,12 @@ GeosweepStatus geosweep_compute_queue_family(PFN_vkGetInstanceProcAddr get_insta
 // Makes a solver; `geosweep_solver_destroy` destroys it.
 GeosweepStatus geosweep_solver_create(const GeosweepSolverInfo *info, GeosweepSolver **solver);
 
-// Says how many bytes of device memory the solver holds for its surfaces, in blocks: a little more
-// than what `geosweep_surface_bytes` says of each.
+// Says how many bytes of device memory the solver holds for its surfaces, contours and paths, in
+// blocks: a little more than what `geosweep_surface_bytes` and the like say of each.
 GeosweepStatus geosweep_solver_bytes(const GeosweepSolver *solver, uint64_t *bytes);
 
-// Destroys a solver, after its surfaces and plans: while there are any, it is refused. Null is
-// fine.
+// Destroys a solver, after its surfaces, plans, contours and paths: while there are any, it is
+// refused. Null is fine.
 GeosweepStatus geosweep_solver_destroy(GeosweepSolver *solver);
 
 // Says how many bytes of device memory a surface will take, before it is made: 36 a grid point and
@@ -416,8 +545,7 @@ GeosweepStatus geosweep_surface_bytes_for(const GeosweepSolver *solver,
                                           const GeosweepSurfaceInfo *info,
                                           uint64_t *bytes);
 
-// Makes a surface; `geosweep_surface_destroy` destroys it. This is the one call that takes device
-// memory.
+// Makes a surface; `geosweep_surface_destroy` destroys it. Takes device memory.
 GeosweepStatus geosweep_surface_create(const GeosweepSolver *solver,
                                        const GeosweepSurfaceInfo *info,
                                        GeosweepSurface **surface);
@@ -551,6 +679,80 @@ GeosweepStatus geosweep_record_lookup(const GeosweepSurface *surface,
 GeosweepStatus geosweep_record_end(const GeosweepSurface *surface,
                                    VkCommandBuffer commands,
                                    GeosweepAccess after);
+
+// Reads the record of a curve that you have copied from the buffer: `GEOSWEEP_CURVE_RECORD_BYTES`
+// bytes.
+GeosweepStatus geosweep_curve_record_from_bytes(const uint8_t *bytes, GeosweepCurveRecord *record);
+
+// Says how many bytes of device memory contours will take, before they are made: 24 a vertex, and
+// 260 a row of the grid.
+GeosweepStatus geosweep_contours_bytes_for(const GeosweepSolver *solver,
+                                           uint32_t rows,
+                                           uint32_t cols,
+                                           uint32_t vertices,
+                                           uint64_t *bytes);
+
+// Makes room for contours of a surface, of so many vertices, two for each piece between grid lines;
+// `geosweep_contours_destroy` destroys it. Takes device memory and compiles passes.
+GeosweepStatus geosweep_contours_create(const GeosweepSurface *surface,
+                                        uint32_t vertices,
+                                        GeosweepContours **contours);
+
+// Says how many bytes of device memory contours take.
+GeosweepStatus geosweep_contours_bytes(const GeosweepContours *contours, uint64_t *bytes);
+
+// Says where contours are, also before any are recorded: one curve, drawn as a list of lines.
+GeosweepStatus geosweep_contours_curves(const GeosweepContours *contours, GeosweepCurves *curves);
+
+// Finds the contours of the map, lifts them to the surface and leaves them for you to draw, the same
+// in the same order whenever the map is the same. To be recorded after the map, in the same command
+// buffer or after `geosweep_record_begin`. If there are more than there is room for, the southern
+// ones are left out, and their record says how many vertices there are. Gives where they are to
+// `result` unless that is null.
+GeosweepStatus geosweep_record_contours(const GeosweepSurface *surface,
+                                        VkCommandBuffer commands,
+                                        const GeosweepContours *contours,
+                                        const GeosweepContourFrame *frame,
+                                        GeosweepCurves *result);
+
+// Destroys contours, before or after their surface. No submitted work may still use them. Null is
+// fine.
+GeosweepStatus geosweep_contours_destroy(GeosweepContours *contours);
+
+// Says how many bytes of device memory paths will take, before they are made: 24 a vertex of each,
+// and 104 a path.
+GeosweepStatus geosweep_paths_bytes_for(const GeosweepSolver *solver,
+                                        uint32_t path_count,
+                                        uint32_t vertices,
+                                        uint64_t *bytes);
+
+// Makes room for paths on a surface: so many at once, at most 65535, of so many vertices each. A
+// straight way has one at each grid line that it crosses, so that rows + cols + 8 are enough where
+// nothing is in the way. `geosweep_paths_destroy` destroys it. Takes device memory and compiles
+// passes.
+GeosweepStatus geosweep_paths_create(const GeosweepSurface *surface,
+                                     uint32_t path_count,
+                                     uint32_t vertices,
+                                     GeosweepPaths **paths);
+
+// Says how many bytes of device memory paths take.
+GeosweepStatus geosweep_paths_bytes(const GeosweepPaths *paths, uint64_t *bytes);
+
+// Says where paths are, also before any are recorded: a curve each, drawn as a strip of lines.
+GeosweepStatus geosweep_paths_curves(const GeosweepPaths *paths, GeosweepCurves *curves);
+
+// Traces the paths from some places back to the source, lifts them to the surface and leaves them
+// for you to draw. To be recorded after the map, in the same command buffer or after
+// `geosweep_record_begin`. If there is none to draw, its record says why. Gives where they are to
+// `result` unless that is null.
+GeosweepStatus geosweep_record_paths(const GeosweepSurface *surface,
+                                     VkCommandBuffer commands,
+                                     const GeosweepPaths *paths,
+                                     const GeosweepPathFrame *frame,
+                                     GeosweepCurves *result);
+
+// Destroys paths, before or after their surface. No submitted work may still use them. Null is fine.
+GeosweepStatus geosweep_paths_destroy(GeosweepPaths *paths);
 
 #ifdef __cplusplus
 }  // extern "C"

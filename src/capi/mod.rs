@@ -32,8 +32,11 @@
 
 mod arguments;
 mod choices;
+mod contours;
+mod curves;
 mod frame;
 mod loader;
+mod paths;
 mod plan;
 mod points;
 mod record;
@@ -44,10 +47,13 @@ mod surface;
 mod surface_info;
 
 pub use choices::{GeosweepEdgeRule, GeosweepPointKind, GeosweepSchedule, GeosweepWavefront};
+pub use contours::*;
+pub use curves::*;
 pub use frame::{
     GEOSWEEP_POINTS_UNCHANGED, GeosweepAccess, GeosweepFrame, GeosweepReader, GeosweepSource,
     GeosweepSources, geosweep_source_at,
 };
+pub use paths::*;
 pub use plan::*;
 pub use points::GeosweepPoints;
 pub use record::*;
@@ -63,4 +69,6 @@ const _: () = {
     for_any_thread::<GeosweepSolver>();
     for_any_thread::<GeosweepSurface>();
     for_any_thread::<GeosweepPlan>();
+    for_any_thread::<GeosweepContours>();
+    for_any_thread::<GeosweepPaths>();
 };

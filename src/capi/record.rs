@@ -21,7 +21,7 @@ const _: () = assert!(GEOSWEEP_OUTCOME_BYTES as usize == embed::Outcome::BYTES);
 ///
 /// # Safety
 /// The pointer is null or a surface's, and the command buffer null or being recorded.
-unsafe fn record(
+pub(super) unsafe fn record(
     surface: *const GeosweepSurface,
     commands: vk::CommandBuffer,
     append: impl FnOnce(&GeosweepSurface, Recording) -> Result<(), Failure>,
@@ -309,7 +309,7 @@ pub unsafe extern "C" fn geosweep_record_end(
 
 /// # Safety
 /// As of [`Output::new`].
-unsafe fn output_unless_null<T>(pointer: *mut T) -> Result<Option<Output<T>>, Failure> {
+pub(super) unsafe fn output_unless_null<T>(pointer: *mut T) -> Result<Option<Output<T>>, Failure> {
     if pointer.is_null() {
         return Ok(None);
     }

@@ -14,7 +14,7 @@ use crate::vulkan::{VulkanError, embed};
 
 /// The version of this header, which `geosweep_solver_create` compares with the library's: it
 /// grows with each change that makes programs compile or run differently.
-pub const GEOSWEEP_HEADER_VERSION: u32 = 1;
+pub const GEOSWEEP_HEADER_VERSION: u32 = 2;
 
 /// Passes to make, at most; there are nine kinds.
 const MOST_PASSES: usize = 64;
@@ -56,7 +56,7 @@ pub struct GeosweepSolverInfo {
 /// The pipelines of a device, shared by all its surfaces. Any number of threads may use it at once.
 pub struct GeosweepSolver(Arc<Shared>);
 
-/// What solver, surfaces and plans share.
+/// What a solver shares with all that is made by it.
 pub(super) struct Shared {
     pub(super) device: ash::Device,
     pub(super) solver: embed::Solver,
@@ -139,8 +139,8 @@ pub unsafe extern "C" fn geosweep_solver_create(
     })
 }
 
-/// Says how many bytes of device memory the solver holds for its surfaces, in blocks: a little more
-/// than what `geosweep_surface_bytes` says of each.
+/// Says how many bytes of device memory the solver holds for its surfaces, contours and paths, in
+/// blocks: a little more than what `geosweep_surface_bytes` and the like say of each.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_solver_bytes(
     solver: *const GeosweepSolver,
@@ -155,8 +155,8 @@ pub unsafe extern "C" fn geosweep_solver_bytes(
     })
 }
 
-/// Destroys a solver, after its surfaces and plans: while there are any, it is refused. Null is
-/// fine.
+/// Destroys a solver, after its surfaces, plans, contours and paths: while there are any, it is
+/// refused. Null is fine.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_solver_destroy(solver: *mut GeosweepSolver) -> GeosweepStatus {
     guard(|| {
@@ -166,7 +166,9 @@ pub unsafe extern "C" fn geosweep_solver_destroy(solver: *mut GeosweepSolver) ->
         // SAFETY: the caller's promise.
         let others = unsafe { Arc::strong_count(reference(solver, "solver")?.shared()) } - 1;
         if others > 0 {
-            let reason = format!("still has {others} surfaces and plans: destroy them first");
+            let reason = format!(
+                "still has {others} surfaces, plans, contours or paths: destroy them first"
+            );
             return Err(Failure::argument("solver", reason));
         }
         // SAFETY: the caller's promise.

@@ -154,8 +154,7 @@ pub unsafe extern "C" fn geosweep_surface_bytes_for(
     })
 }
 
-/// Makes a surface; `geosweep_surface_destroy` destroys it. This is the one call that takes device
-/// memory.
+/// Makes a surface; `geosweep_surface_destroy` destroys it. Takes device memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_create(
     solver: *const GeosweepSolver,

@@ -62,8 +62,9 @@ pub struct GeosweepSurfaceInfo {
     /// How many images of distances there are, to be written in turn: as many as frames in flight,
     /// from 1 to 64.
     pub slots: u32,
-    /// The queue families that use the images of distances: ours and the readers'. If they differ,
-    /// no ownership needs to be transferred. None: one family uses them.
+    /// The queue families that use the images of distances and the packed distances: ours and the
+    /// readers'. If they differ, no ownership needs to be transferred. None: one family at a time
+    /// uses them.
     pub queue_families: *const u32,
     /// How many.
     pub queue_family_count: u32,

@@ -7,7 +7,7 @@ const HEADER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi/geosweep.h")
 const SOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi");
 
 /// In the order in which one reads the header.
-const FILES: [&str; 10] = [
+const FILES: [&str; 13] = [
     "status",
     "requirements",
     "choices",
@@ -18,6 +18,9 @@ const FILES: [&str; 10] = [
     "plan",
     "frame",
     "record",
+    "curves",
+    "contours",
+    "paths",
 ];
 /// What C does not see.
 const INTERNAL: [&str; 3] = ["arguments", "loader", "mod"];

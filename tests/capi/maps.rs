@@ -247,10 +247,14 @@ fn a_map_in_parts_is_the_map_of_one_frame() {
 
     // A solver outlives what was made by it.
     let destroy = |solver| unsafe { geosweep_solver_destroy(solver) };
-    refused(destroy(session.solver), GeosweepStatus::InvalidArgument, "has 3 surfaces and plans");
+    refused(
+        destroy(session.solver),
+        GeosweepStatus::InvalidArgument,
+        "still has 3 surfaces, plans",
+    );
     ok(unsafe { geosweep_plan_destroy(whole) });
     ok(unsafe { geosweep_plan_destroy(single) });
-    wrong(destroy(session.solver), "has 1 surfaces and plans");
+    wrong(destroy(session.solver), "still has 1 surfaces, plans");
     ok(unsafe { geosweep_surface_destroy(surface) });
     assert!(last_error().contains("has 1"), "a success leaves the message");
     session.end([buffer, more, places, found, record]);

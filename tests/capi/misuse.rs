@@ -8,18 +8,13 @@ use geosweep::capi::*;
 
 use crate::host::Host;
 use crate::session::{
-    COPY, Session, frame, get_instance_proc_addr, method, ok, refused, solver_info, surface_info,
-    wrong, zero,
+    COPY, Session, all_wrong, frame, get_instance_proc_addr, method, ok, refused, solver_info,
+    surface_info, wrong, zero,
 };
 
 const ROWS: u32 = 9;
 const COLS: u32 = 13;
 const POINTS: usize = (ROWS * COLS) as usize;
-
-/// Each call is refused with these words.
-macro_rules! all_wrong {
-    ($($call:expr => $words:literal,)*) => { $(wrong($call, $words);)* };
-}
 
 /// Flat heights in the program's memory.
 fn heights(data: &[f32]) -> GeosweepPoints {
@@ -127,7 +122,7 @@ fn a_solver_is_made_of_what_can_be_used() {
         status
     };
     all_wrong! {
-        create(&zero()) => "info->header_version is 0, and this library was built with header 1",
+        create(&zero()) => "info->header_version is 0, and this library was built with header 2",
         create(&GeosweepSolverInfo { get_instance_proc_addr: None, ..good }) => "is null",
         create(&GeosweepSolverInfo { instance: vk::Instance::null(), ..good }) => "instance is",
         create(&GeosweepSolverInfo { device: vk::Device::null(), ..good }) => "device is the null",

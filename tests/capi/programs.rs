@@ -20,17 +20,27 @@ fn read(file: &str) -> String {
 }
 
 /// By itself, and twice, since headers are included by other headers; and with what the guide shows
-/// in C++.
+/// in C and C++.
 #[test]
 fn the_header_compiles_in_c_and_cpp() {
     let folder = scratch("header");
     let twice = "#include \"geosweep.h\"\n#include \"geosweep.h\"\n";
     let guide = read("docs/embedding.md");
     let [deleters] = blocks(&guide, "cpp")[..] else { panic!("one block of C++ is in the guide") };
+    let [curves] = blocks(&guide, "c")[..] else { panic!("one block of C is in the guide") };
     let with_deleters = format!("#include <memory>\n{twice}{deleters}");
-    for (name, source) in
-        [("twice.c", twice), ("twice.cpp", twice), ("deleters.cpp", &with_deleters)]
-    {
+    let with_curves = format!(
+        "{twice}void record(GeosweepSurface *surface, VkCommandBuffer commands, \
+         GeosweepFrame frame);\n\
+         void record(GeosweepSurface *surface, VkCommandBuffer commands, GeosweepFrame frame) \
+         {{\n{curves}}}\n"
+    );
+    for (name, source) in [
+        ("twice.c", twice),
+        ("twice.cpp", twice),
+        ("deleters.cpp", &with_deleters),
+        ("curves.c", &with_curves),
+    ] {
         fs::write(folder.join(name), source).unwrap();
         check_syntax(&folder.join(name));
     }

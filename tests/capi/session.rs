@@ -37,6 +37,12 @@ pub fn wrong(status: GeosweepStatus, words: &str) {
     refused(status, GeosweepStatus::InvalidArgument, words);
 }
 
+/// Each call is refused with these words.
+macro_rules! all_wrong {
+    ($($call:expr => $words:literal,)*) => { $($crate::session::wrong($call, $words);)* };
+}
+pub(crate) use all_wrong;
+
 /// The loader, loaded as long as the tests run.
 pub fn entry() -> &'static ash::Entry {
     static ENTRY: OnceLock<ash::Entry> = OnceLock::new();
