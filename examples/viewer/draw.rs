@@ -1,8 +1,9 @@
-//! The pass that draws: background, shadow, walls and the surface in its colors.
+//! The pass that draws: background, shadow, walls, the surface in its colors, and lines on it.
 
 use std::ffi::CStr;
 
 use geosweep::ash::vk;
+use geosweep::vulkan::embed::{CurveBuffer, CurveRecord};
 
 use crate::Result;
 use crate::gpu::Gpu;
@@ -12,12 +13,18 @@ use crate::swapchain::Target;
 
 /// Shades of the palette.
 const SHADES: usize = 256;
+/// Lines that a thick one is made of.
+const AROUND: usize = 8;
 
 pub struct Drawing {
     background: vk::Pipeline,
     shadow: vk::Pipeline,
     walls: vk::Pipeline,
     surface: vk::Pipeline,
+    thin: vk::Pipeline,
+    strong: vk::Pipeline,
+    rim: vk::Pipeline,
+    path: vk::Pipeline,
 }
 
 impl Drawing {
@@ -25,13 +32,18 @@ impl Drawing {
         let ground = include_str!("shaders/ground.wgsl");
         let walls = include_str!("shaders/wall.wgsl");
         let surface = include_str!("shaders/surface.wgsl");
+        let lines = include_str!("shaders/line.wgsl");
         let pipeline = |wgsl, vertex: &CStr, fragment: &CStr, topology, depth, blend| {
             let (samples, pass) = (target.samples, target.pass);
+            // All other shaders make their vertices up, or take them from the grid's.
+            let curves = wgsl == lines;
             layout.graphics(
                 gpu,
-                &Draw { wgsl, vertex, fragment, topology, depth, blend, samples, pass },
+                &Draw { wgsl, vertex, fragment, curves, topology, depth, blend, samples, pass },
             )
         };
+        let (pieces, path) = (vk::PrimitiveTopology::LINE_LIST, vk::PrimitiveTopology::LINE_STRIP);
+        let contour = c"contour_vertex";
         let (list, strip) =
             (vk::PrimitiveTopology::TRIANGLE_LIST, vk::PrimitiveTopology::TRIANGLE_STRIP);
         Ok(Self {
@@ -39,16 +51,21 @@ impl Drawing {
             shadow: pipeline(ground, c"shadow_vertex", c"shadow_fragment", strip, false, true)?,
             walls: pipeline(walls, c"vertex", c"fragment", list, true, false)?,
             surface: pipeline(surface, c"vertex", c"fragment", list, true, false)?,
+            thin: pipeline(lines, contour, c"thin_fragment", pieces, true, true)?,
+            strong: pipeline(lines, contour, c"strong_fragment", pieces, true, true)?,
+            rim: pipeline(lines, c"rim_vertex", c"rim_fragment", path, true, false)?,
+            path: pipeline(lines, c"path_vertex", c"path_fragment", path, true, false)?,
         })
     }
 
+    /// Into all of the viewport.
     pub fn record(
         &self,
         gpu: &Gpu,
         layout: &Layout,
         stage: &Stage,
-        commands: vk::CommandBuffer,
-        frame: usize,
+        (commands, frame): (vk::CommandBuffer, usize),
+        viewport: vk::Viewport,
     ) {
         let graphics = vk::PipelineBindPoint::GRAPHICS;
         let sets = [stage.set(frame)];
@@ -56,6 +73,7 @@ impl Drawing {
         let bind = |pipeline| unsafe { device.cmd_bind_pipeline(commands, graphics, pipeline) };
         // SAFETY: the commands are being recorded, in the render pass; all objects are alive.
         unsafe {
+            device.cmd_set_viewport(commands, 0, &[viewport]);
             device.cmd_bind_descriptor_sets(commands, graphics, layout.pipeline, 0, &sets, &[]);
             bind(self.background);
             device.cmd_draw(commands, 3, 1, 0, 0);
@@ -72,12 +90,51 @@ impl Drawing {
             device.cmd_bind_index_buffer(commands, indices, 0, vk::IndexType::UINT32);
             device.cmd_draw_indexed(commands, stage.index_count, 1, 0, 0, 0);
         }
+        if let Some(contours) = stage.lines.contours() {
+            bind(self.thin);
+            draw_thick(gpu, commands, contours, viewport, 0.0);
+            bind(self.strong);
+            draw_thick(gpu, commands, contours, viewport, 1.9);
+        }
+        if let Some(path) = stage.lines.path() {
+            bind(self.rim);
+            draw_thick(gpu, commands, path, viewport, 5.5);
+            bind(self.path);
+            draw_thick(gpu, commands, path, viewport, 2.5);
+        }
     }
 
     pub fn destroy(&self, gpu: &Gpu) {
-        for pipeline in [self.background, self.shadow, self.walls, self.surface] {
+        let lines = [self.thin, self.strong, self.rim, self.path];
+        let areas = [self.background, self.shadow, self.walls, self.surface];
+        for pipeline in areas.into_iter().chain(lines) {
             // SAFETY: nothing is in flight.
             unsafe { gpu.device.destroy_pipeline(pipeline, None) };
+        }
+    }
+}
+
+/// Draws curves so many pixels wide. Lines of one pixel are all that every device has, so thick ones
+/// are several of these, each moved a little.
+fn draw_thick(
+    gpu: &Gpu,
+    commands: vk::CommandBuffer,
+    curves: CurveBuffer,
+    viewport: vk::Viewport,
+    width: f32,
+) {
+    let radius = 0.5 * (width - 1.0).max(0.0);
+    let times = if radius > 0.0 { AROUND } else { 1 };
+    for step in 0..times {
+        let turn = std::f32::consts::TAU * step as f32 / AROUND as f32;
+        let (x, y) = (viewport.x + radius * turn.cos(), viewport.y + radius * turn.sin());
+        let moved = [vk::Viewport { x, y, ..viewport }];
+        // SAFETY: the commands are being recorded, in the render pass; the buffer is alive.
+        unsafe {
+            let (device, buffer, stride) = (&gpu.device, curves.buffer, CurveRecord::BYTES);
+            device.cmd_set_viewport(commands, 0, &moved);
+            device.cmd_bind_vertex_buffers(commands, 0, &[buffer], &[curves.vertices_offset]);
+            device.cmd_draw_indirect(commands, buffer, 0, 1, stride);
         }
     }
 }

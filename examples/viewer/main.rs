@@ -3,16 +3,19 @@
 //! `cargo run --release --features cli --example viewer`
 //!
 //! Click or drag moves the source; drag with the right button turns, the wheel zooms. S is the
-//! next surface, C the next schedule, W the next wavefront, Escape the end.
+//! next surface, C the next schedule, W the next wavefront; L draws lines of equal distance as
+//! lines rather than in the fragment shader, P the shortest path from under the pointer to the
+//! source. Escape is the end.
 //!
 //! docs/figures/viewer.png: `--surface sheet --frames 60 --picture docs/figures/viewer.png`.
 //!
-//! What is geosweep's in here is in `map.rs`; the order of a frame's passes is in `viewer.rs`.
+//! What is geosweep's in here is in `map.rs` and `lines.rs`; the order of a frame's passes is in `viewer.rs`.
 
 mod camera;
 mod draw;
 mod frames;
 mod gpu;
+mod lines;
 mod map;
 mod memory;
 mod options;

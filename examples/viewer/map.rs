@@ -1,4 +1,4 @@
-//! The map of distances of a surface: all that is geosweep's in this program.
+//! The map of distances of a surface: with the lines on it, all that is geosweep's in this program.
 
 use geosweep::Wavefront;
 use geosweep::ash::vk;
@@ -90,6 +90,11 @@ impl Map {
     /// The image of distances in a slot.
     pub fn image(&self, slot: usize) -> Result<ResultImage> {
         Ok(self.surface.result(slot, Reader::FRAGMENT.layout)?)
+    }
+
+    /// What contours and paths are found on.
+    pub fn surface(&self) -> &Surface {
+        &self.surface
     }
 
     /// The slot that is drawn.

@@ -28,7 +28,7 @@ pub struct Pick {
     color: Image,
     depth: Image,
     framebuffer: vk::Framebuffer,
-    /// For the distance passes.
+    /// For the distance passes, or those that trace paths.
     pub source: Buffer,
 }
 
@@ -41,6 +41,7 @@ impl PickPass {
                 wgsl: include_str!("shaders/surface.wgsl"),
                 vertex: c"pick_vertex",
                 fragment: c"pick_fragment",
+                curves: false,
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,
                 depth: true,
                 blend: false,
@@ -59,16 +60,15 @@ impl PickPass {
         }
     }
 
-    /// Records the picture, and the copy.
+    /// Records the picture, and the copy to one of the stage's picks.
     pub fn record(
         &self,
         gpu: &Gpu,
         layout: &Layout,
-        stage: &Stage,
+        (stage, pick): (&Stage, &Pick),
         commands: vk::CommandBuffer,
         frame: usize,
     ) {
-        let pick = &stage.pick;
         let graphics = vk::PipelineBindPoint::GRAPHICS;
         let far = vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 };
         let clear = [vk::ClearValue::default(), vk::ClearValue { depth_stencil: far }];
@@ -115,7 +115,9 @@ impl Pick {
             samples,
         };
         let depth = Image::new(gpu, "picked depth", SIZE, &depth)?;
-        let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_SRC
+            | vk::BufferUsageFlags::TRANSFER_DST;
         let source = Buffer::new(gpu, "source", 16, usage, MemoryLocation::GpuOnly)?;
         let views = [color.view, depth.view];
         let info = vk::FramebufferCreateInfo::default()

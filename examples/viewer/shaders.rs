@@ -3,7 +3,7 @@
 use std::ffi::CStr;
 
 use geosweep::ash::vk;
-use geosweep::vulkan::embed::PointSource;
+use geosweep::vulkan::embed::{CurveVertex, PointSource};
 use naga::back::spv;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -78,7 +78,16 @@ impl Layout {
             stage(vk::ShaderStageFlags::VERTEX, draw.vertex),
             stage(vk::ShaderStageFlags::FRAGMENT, draw.fragment),
         ];
-        let vertices = vk::PipelineVertexInputStateCreateInfo::default();
+        let bindings = [vk::VertexInputBindingDescription::default().stride(CurveVertex::BYTES)];
+        // Nobody asks for the row and the column.
+        let [position, time, _] = CurveVertex::attributes(0, 0);
+        let attributes = [position, time];
+        let mut vertices = vk::PipelineVertexInputStateCreateInfo::default();
+        if draw.curves {
+            vertices = vertices
+                .vertex_binding_descriptions(&bindings)
+                .vertex_attribute_descriptions(&attributes);
+        }
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(draw.topology);
         let viewport =
             vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
@@ -136,6 +145,8 @@ pub struct Draw<'a> {
     pub wgsl: &'a str,
     pub vertex: &'a CStr,
     pub fragment: &'a CStr,
+    /// Whether it is given the vertices of contours or paths.
+    pub curves: bool,
     pub topology: vk::PrimitiveTopology,
     pub depth: bool,
     pub blend: bool,

@@ -1,4 +1,5 @@
-//! A surface on the device: its points and normals, its map, and where its source is.
+//! A surface on the device: its points and normals, its map with the lines on it, and where its
+//! source is.
 
 use geosweep::ash::vk;
 use geosweep::gpu_allocator::MemoryLocation;
@@ -9,6 +10,7 @@ use crate::Result;
 use crate::camera::Camera;
 use crate::frames::IN_FLIGHT;
 use crate::gpu::Gpu;
+use crate::lines::Lines;
 use crate::map::{self, Map};
 use crate::memory::Buffer;
 use crate::pick::{Pick, PickPass};
@@ -20,6 +22,7 @@ pub struct Stage {
     pub camera: Camera,
     pub map: Map,
     pub pick: Pick,
+    pub lines: Lines,
     pub indices: Buffer,
     pub index_count: u32,
     /// Whether normals are to be computed.
@@ -69,6 +72,7 @@ impl Stage {
         let corners = Buffer::filled(gpu, "corners", bytemuck::cast_slice(&corners), storage)?;
         let distances = Buffer::new(gpu, "corner distances", 16, storage, on_device)?;
         let pick = Pick::new(gpu, shared.picking)?;
+        let lines = Lines::new(gpu, shared.picking)?;
         let memory = map::Memory {
             positions: positions.handle,
             source: pick.source.handle,
@@ -84,6 +88,7 @@ impl Stage {
             camera,
             map,
             pick,
+            lines,
             indices,
             index_count,
             unshaded: true,
@@ -144,6 +149,7 @@ impl Stage {
     }
 
     pub fn destroy(&mut self, gpu: &mut Gpu) {
+        self.lines.destroy(gpu);
         self.map.destroy(gpu);
         self.pick.destroy(gpu);
         // SAFETY: nothing is in flight.

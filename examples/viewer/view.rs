@@ -22,8 +22,14 @@ pub struct View {
 }
 
 impl View {
-    /// `pointer` is in pixels from the upper left.
-    pub fn new(camera: &Camera, look: &Look, size: Vec2, pointer: Vec2, phase: f32) -> Self {
+    /// `pointer` is in pixels from the upper left. `spacing` is negative where lines are drawn as
+    /// lines.
+    pub fn new(
+        camera: &Camera,
+        look: &Look,
+        size: Vec2,
+        (pointer, phase, spacing): (Vec2, f32, f32),
+    ) -> Self {
         let projection = camera.projection(size);
         let chart = look.chart;
         Self {
@@ -35,7 +41,7 @@ impl View {
             ground: look.ground,
             phase,
             grid: [chart.cols as u32, chart.rows as u32],
-            spacing: look.spacing,
+            spacing,
             softness: look.softness,
         }
     }

@@ -60,6 +60,10 @@ pub struct Viewer {
     pointer: Vec2,
     /// Whether the source goes to the pointer.
     picks: bool,
+    /// Whether a path starts at the pointer.
+    traces: bool,
+    /// Whether lines of equal distance are drawn as lines.
+    draws_contours: bool,
     /// Whether something has changed that is not yet drawn.
     stale: bool,
     /// Drives the deformation, in seconds.
@@ -116,6 +120,7 @@ impl Viewer {
             for (index, stage) in stages.iter().enumerate() {
                 stage.map.prepare(&gpu, &solver, commands);
                 stage.pick.set(&gpu, commands, map::source(source(index)));
+                stage.lines.start.set(&gpu, commands, [f32::NAN; 4]);
             }
             Ok(())
         })?;
@@ -141,6 +146,8 @@ impl Viewer {
             wavefront,
             pointer: Vec2::ZERO,
             picks: false,
+            traces: false,
+            draws_contours: false,
             stale: true,
             phase: 0.0,
             last_frame: None,
@@ -176,6 +183,25 @@ impl Viewer {
         (self.pointer, self.picks, self.stale) = (pointer, true, true);
     }
 
+    /// Draws the path from under the pointer to the source.
+    pub fn trace(&mut self, pointer: Vec2) -> Result<()> {
+        (self.pointer, self.traces, self.stale) = (pointer, true, true);
+        let Stage { lines, map, .. } = &mut self.stages[self.current];
+        lines.show_path(&mut self.gpu, &self.solver, map.surface())
+    }
+
+    /// Draws lines of equal distance as lines, or in the surface's shader.
+    pub fn switch_lines(&mut self) -> Result<()> {
+        self.draws_contours = !self.draws_contours;
+        self.show_contours()
+    }
+
+    fn show_contours(&mut self) -> Result<()> {
+        self.stale = true;
+        let Stage { lines, map, .. } = &mut self.stages[self.current];
+        lines.show_contours(&mut self.gpu, &self.solver, map.surface(), self.draws_contours)
+    }
+
     pub fn orbit(&mut self, by: Vec2) {
         self.stages[self.current].camera.orbit(by);
         self.stale = true;
@@ -189,7 +215,7 @@ impl Viewer {
 
     pub fn next_surface(&mut self) -> Result<()> {
         self.current = (self.current + 1) % self.stages.len();
-        self.stale = true;
+        self.show_contours()?;
         self.use_method(self.schedule, self.wavefront)
     }
 
@@ -229,6 +255,9 @@ impl Viewer {
             "geosweep: {}, {rows} x {cols} points, {}, {} fronts",
             look.name, self.schedule, self.wavefront
         );
+        if self.draws_contours {
+            title += ", contours as lines";
+        }
         if let Some(milliseconds) = self.timing.milliseconds() {
             title += &format!(", {milliseconds:.2} ms on {}", self.gpu.device_name());
         }
@@ -316,20 +345,29 @@ impl Viewer {
         let stage = &mut self.stages[self.current];
         let (commands, number) = (frame.commands, frame.index);
         let size = Vec2::new(swapchain.size.width as f32, swapchain.size.height as f32);
-        let view = View::new(&stage.camera, &stage.look, size, self.pointer, self.phase);
+        let spacing = stage.look.spacing;
+        let shaded = if self.draws_contours { -spacing } else { spacing };
+        let driven = (self.pointer, self.phase, shaded);
+        let view = View::new(&stage.camera, &stage.look, size, driven);
         self.views[number].bytes_mut()[..size_of::<View>()]
             .copy_from_slice(bytemuck::bytes_of(&view));
 
         stage.record_points(gpu, &self.point_passes, layout, commands, number);
         if std::mem::take(&mut self.picks) {
-            self.picking.record(gpu, layout, stage, commands, number);
+            self.picking.record(gpu, layout, (stage, &stage.pick), commands, number);
             stage.map.moved_source();
         }
-        if stage.map.records() {
+        if std::mem::take(&mut self.traces) {
+            self.picking.record(gpu, layout, (stage, &stage.lines.start), commands, number);
+        }
+        let changed = stage.map.records();
+        if changed {
             timing.start(gpu, frame);
             stage.map.record(gpu, solver, frame)?;
             timing.stop(gpu, frame);
         }
+        let Stage { lines, map, .. } = stage;
+        lines.record(gpu, solver, commands, (map.surface(), changed), spacing)?;
 
         let far = vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 };
         let clear = [vk::ClearValue::default(), vk::ClearValue { depth_stencil: far }];
@@ -339,14 +377,13 @@ impl Viewer {
             .render_area(swapchain.size.into())
             .clear_values(&clear);
         let viewport =
-            [vk::Viewport { width: size.x, height: size.y, max_depth: 1.0, ..Default::default() }];
+            vk::Viewport { width: size.x, height: size.y, max_depth: 1.0, ..Default::default() };
         // SAFETY: the commands are being recorded; all objects are alive.
         unsafe {
             let device = &gpu.device;
             device.cmd_begin_render_pass(commands, &info, vk::SubpassContents::INLINE);
-            device.cmd_set_viewport(commands, 0, &viewport);
             device.cmd_set_scissor(commands, 0, &[swapchain.size.into()]);
-            self.drawing.record(gpu, layout, stage, commands, number);
+            self.drawing.record(gpu, layout, stage, (commands, number), viewport);
             device.cmd_end_render_pass(commands);
         }
         if last && self.options.picture.is_some() {

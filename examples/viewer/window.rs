@@ -75,6 +75,8 @@ impl App {
                 "s" => viewer.next_surface()?,
                 "c" => viewer.next_schedule()?,
                 "w" => viewer.next_wavefront()?,
+                "l" => viewer.switch_lines()?,
+                "p" => viewer.trace(self.pointer)?,
                 _ => {}
             },
             _ => {}

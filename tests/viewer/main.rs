@@ -166,6 +166,102 @@ fn keys_switch_surface_schedule_and_wavefront() {
     viewer.end(&screen);
 }
 
+/// The part of some pixels of a picture that have one of the same kind close by in another.
+fn part_beside(grab: &Grab, other: &Grab, is_one: impl Fn([u8; 3]) -> bool) -> f64 {
+    let close = |at: usize| {
+        let (x, y) = (at % grab.width, at / grab.width);
+        let rows = y.saturating_sub(2)..(y + 3).min(grab.height);
+        let cols = || x.saturating_sub(2)..(x + 3).min(grab.width);
+        rows.into_iter().any(|y| cols().any(|x| is_one(other.at([x as i16, y as i16]))))
+    };
+    let ones: Vec<_> = (0..grab.pixels.len()).filter(|&at| is_one(grab.pixels[at])).collect();
+    ones.iter().filter(|&&at| close(at)).count() as f64 / ones.len() as f64
+}
+
+/// Whether white pixels that were not there lead from one place to another, without gaps that no
+/// ridge explains.
+fn leads(grab: &Grab, before: &Grab, from: [i16; 2], to: [i16; 2]) -> bool {
+    let far = |a: [i16; 2], b: [i16; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+    let white = |(at, pixel): (usize, &[u8; 3])| {
+        let new = *pixel != before.pixels[at] && pixel.iter().all(|&channel| channel > 160);
+        new.then(|| [(at % grab.width) as i16, (at / grab.width) as i16])
+    };
+    let mut left: Vec<_> = grab.pixels.iter().enumerate().filter_map(white).collect();
+    let mut reached = vec![from];
+    while let Some(place) = reached.pop() {
+        if far(place, to) <= 8 {
+            return true;
+        }
+        let (next, rest) = left.into_iter().partition(|&other| far(place, other) <= 10);
+        left = rest;
+        reached.extend::<Vec<_>>(next);
+    }
+    false
+}
+
+#[test]
+fn keys_draw_contours_and_a_path_as_lines() {
+    let screen = Screen::new();
+    let viewer = Viewer::start(&screen, "--size 480x300");
+    let shaded = screen.still(viewer.window);
+    let titled = |part: &str, wanted: bool| {
+        let found = || (screen.title(viewer.window).contains(part) == wanted).then_some(());
+        screen.wait(part, found);
+    };
+    // The same lines, drawn in another way.
+    screen.key(u32::from(b'l'));
+    titled("contours as lines", true);
+    let drawn = screen.still(viewer.window);
+    let changed = drawn.changed(&shaded);
+    let is_ink = |[r, g, b]: [u8; 3]| r.max(g).max(b) < 70;
+    let beside = [part_beside(&drawn, &shaded, is_ink), part_beside(&shaded, &drawn, is_ink)];
+    println!("{changed:.3} changed, ink beside ink: {beside:.3?}");
+    assert!((0.005..0.3).contains(&changed), "{changed}");
+    assert!(beside.iter().all(|&part| part > 0.75), "{beside:?}");
+    screen.key(u32::from(b'l'));
+    titled("contours as lines", false);
+    screen.wait("as before", || (screen.grab(viewer.window) == shaded).then_some(()));
+
+    // A path from under the pointer to the source.
+    let start = [120, 155];
+    let source = shaded.source().unwrap();
+    screen.point(start);
+    screen.key(u32::from(b'p'));
+    let leads_to =
+        |place: [i16; 2]| leads(&screen.grab(viewer.window), &shaded, start, place).then_some(());
+    screen.wait("the path leads to the source", || leads_to(source));
+    let traced = screen.still(viewer.window);
+    assert!(traced.changed(&shaded) < 0.05, "{}", traced.changed(&shaded));
+    // Beside the surface none starts, and the last one stays.
+    screen.point([5, 5]);
+    screen.key(u32::from(b'p'));
+    assert!(screen.still(viewer.window) == traced);
+    // It ends where the source goes.
+    let place = [300, 190];
+    screen.point(place);
+    screen.click(LEFT);
+    screen.wait("the path leads to the new place", || leads_to(place));
+
+    screen.key(u32::from(b'l'));
+    titled("contours as lines", true);
+    let elsewhere = screen.still(viewer.window);
+    let beside = part_beside(&shaded, &elsewhere, is_ink);
+    println!("from another source: {beside:.3}");
+    assert!(beside < 0.65, "{beside}");
+
+    // On a surface that moves contours are found every frame.
+    screen.key(u32::from(b's'));
+    titled("sheet", true);
+    titled("contours as lines", true);
+    let first = screen.grab(viewer.window);
+    screen.wait("it moves", || {
+        let next = screen.grab(viewer.window);
+        (next.part(is_ink) > 0.003 && next.changed(&first) > 0.1).then_some(())
+    });
+    screen.key(ESCAPE);
+    viewer.end(&screen);
+}
+
 #[test]
 fn the_picture_follows_the_camera_and_the_window() {
     let screen = Screen::new();

@@ -14,7 +14,7 @@ struct View {
     // Drives the deformation.
     phase: f32,
     grid: vec2<u32>,
-    // Distance between lines.
+    // Distance between lines; negative if the surface's shader does not draw them.
     spacing: f32,
     // How soft the shadow on the ground is.
     softness: f32,

@@ -1,0 +1,117 @@
+//! Contours and a path of a surface as lines: found by geosweep after the map, and drawn in the same
+//! frame by indirect draws. The program never sees them.
+
+use geosweep::ash::vk;
+use geosweep::vulkan::embed::{
+    Access, ContourFrame, Contours, CurveBuffer, LevelInput, PathFrame, Paths, PathsInfo, Solver,
+    SourceInput, StartInput, Surface,
+};
+
+use crate::Result;
+use crate::gpu::Gpu;
+use crate::pick::{Pick, PickPass};
+
+/// More than maps here have levels: those beyond the farthest point cost next to nothing.
+const LEVELS: usize = 200;
+/// Vertices of all contours.
+const CONTOUR_ROOM: u32 = 400_000;
+/// Vertices of the path, which may wind around a lot.
+const PATH: PathsInfo = PathsInfo { paths: 1, vertices: 4096 };
+
+pub struct Lines {
+    /// Where the path starts; nowhere at first.
+    pub start: Pick,
+    /// Made when they are first wanted.
+    contours: Option<Contours>,
+    path: Option<Paths>,
+    /// Whether contours are drawn.
+    shows_contours: bool,
+    /// Whether they are to be found though the map has not changed.
+    due: bool,
+}
+
+impl Lines {
+    pub fn new(gpu: &mut Gpu, picking: &PickPass) -> Result<Self> {
+        let start = Pick::new(gpu, picking)?;
+        Ok(Self { start, contours: None, path: None, shows_contours: false, due: false })
+    }
+
+    /// Shows contours from the next frame on, or does not.
+    pub fn show_contours(
+        &mut self,
+        gpu: &mut Gpu,
+        solver: &Solver,
+        surface: &Surface,
+        show: bool,
+    ) -> Result<()> {
+        if show && self.contours.is_none() {
+            let device = gpu.device.clone();
+            let made = solver.contours(&device, gpu.allocator(), surface, CONTOUR_ROOM)?;
+            self.contours = Some(made);
+        }
+        (self.shows_contours, self.due) = (show, true);
+        Ok(())
+    }
+
+    /// Shows the path from where the start will be in the next frame.
+    pub fn show_path(&mut self, gpu: &mut Gpu, solver: &Solver, surface: &Surface) -> Result<()> {
+        if self.path.is_none() {
+            let device = gpu.device.clone();
+            self.path = Some(solver.paths(&device, gpu.allocator(), surface, PATH)?);
+        }
+        self.due = true;
+        Ok(())
+    }
+
+    /// Records what finds them, if the map or they have changed, with a level every `spacing`.
+    pub fn record(
+        &mut self,
+        gpu: &Gpu,
+        solver: &Solver,
+        commands: vk::CommandBuffer,
+        (surface, changed): (&Surface, bool),
+        spacing: f32,
+    ) -> Result<()> {
+        let due = std::mem::replace(&mut self.due, false);
+        if !due && !changed {
+            return Ok(());
+        }
+        let recording = solver.record(&gpu.device, commands, surface);
+        if !changed {
+            recording.begin(Access::NONE);
+        }
+        let (points, reader) = (0, Access::DRAW);
+        if let Some(contours) = self.contours.as_ref().filter(|_| self.shows_contours) {
+            let levels = LevelInput::Spacing { step: spacing, count: LEVELS };
+            recording.contours(contours, &ContourFrame { levels, start: 0.0, points, reader })?;
+        }
+        if let Some(path) = &self.path {
+            let buffer = self.start.source.handle;
+            let starts = StartInput::Buffer { buffer, offset: 0, count: 1 };
+            let (before, sources) = (Access::TRANSFER_WRITE, SourceInput::Buffer(0));
+            recording.paths(path, &PathFrame { before, starts, sources, points, reader })?;
+        }
+        Ok(())
+    }
+
+    /// The contours to draw.
+    pub fn contours(&self) -> Option<CurveBuffer> {
+        self.contours.as_ref().filter(|_| self.shows_contours).map(Contours::curves)
+    }
+
+    /// The path to draw.
+    pub fn path(&self) -> Option<CurveBuffer> {
+        self.path.as_ref().map(Paths::curves)
+    }
+
+    pub fn destroy(&mut self, gpu: &mut Gpu) {
+        let device = gpu.device.clone();
+        if let Some(mut contours) = self.contours.take() {
+            contours.destroy(&device, gpu.allocator());
+        }
+        if let Some(mut path) = self.path.take() {
+            path.destroy(&device, gpu.allocator());
+        }
+        self.start.destroy(gpu);
+    }
+}
