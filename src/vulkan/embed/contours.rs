@@ -80,7 +80,8 @@ pub struct ContourFrame<'a> {
     /// The number of the surface's points to which contours are lifted.
     pub points: usize,
     /// How the host reads the contours, this frame and the frame before; [`Access::DRAW`] as a
-    /// rule.
+    /// rule. [`Access::NONE`] on another queue, after a semaphore, with contours for each frame in
+    /// flight.
     pub reader: Access,
 }
 

@@ -99,6 +99,7 @@ pub struct PathFrame<'a> {
     /// The number of the surface's points to which paths are lifted.
     pub points: usize,
     /// How the host reads the paths, this frame and the frame before; [`Access::DRAW`] as a rule.
+    /// [`Access::NONE`] on another queue, after a semaphore, with paths for each frame in flight.
     pub reader: Access,
 }
 
