@@ -34,10 +34,12 @@ fn sum(kinds: &[&Value], name: &str) -> u64 {
 #[test]
 fn a_profile_counts_what_the_schedules_do() {
     let bench = Bench::new();
-    for (schedule, blocks) in [("raster", ""), ("raster", "--blocks"), ("tiles", "")] {
+    for (schedule, grain) in
+        [("raster", "scans"), ("raster", "blocks"), ("raster", "iterations"), ("tiles", "scans")]
+    {
         let line = format!(
             "profile builtin:sphere:61x50 --source 30,20 --wavefront planar --schedule {schedule} \
-             --repeat 3 --json {blocks}"
+             --repeat 3 --json --grain {grain}"
         );
         let report = json(&run(&bench, &line));
         assert_eq!((&report["rows"], &report["cols"]), (&61.into(), &50.into()));
@@ -59,14 +61,21 @@ fn a_profile_counts_what_the_schedules_do() {
             assert_eq!((visited + skipped) % (31 * 25), 0);
             assert!(visited <= 4 * iterations * 31 * 25);
             assert!(visited > 4 * (iterations - 1) * 31 * 25, "bounds are of the first iteration");
-            let scans = with("scan ");
-            assert_eq!(scans.len(), 4);
+            let of_iterations = grain == "iterations";
+            let scans = with(if of_iterations { "iteration" } else { "scan " });
+            assert_eq!(scans.len(), if of_iterations { 1 } else { 4 });
             assert_eq!(sum(&scans, "bytes_read"), visited * 80);
             assert_eq!(sum(&scans, "bytes_written"), visited * 16);
             assert_eq!(sum(&scans, "triangles"), visited * 8);
             let records = sum(&scans, "count");
             let dispatches = sum(&scans, "dispatches");
-            assert_eq!(records, if blocks.is_empty() { 4 * iterations } else { dispatches });
+            let expected = match grain {
+                "iterations" => iterations,
+                "scans" => 4 * iterations,
+                _ => dispatches,
+            };
+            assert_eq!(records, expected, "{grain}");
+            assert!(dispatches > 4 * iterations);
         } else {
             // Rounds of 4 x 4 tiles of 8 x 8 texels.
             assert_eq!((visited % 64, (visited + skipped) % (16 * 64)), (0, 0));
@@ -201,7 +210,8 @@ fn a_trace_is_one_of_the_chrome_format() {
     for (more, with_device, placed) in [
         ("", true, "timestamps"),
         ("--schedule tiles", true, "timestamps"),
-        ("--schedule raster --blocks", true, "timestamps"),
+        ("--schedule raster --grain blocks", true, "timestamps"),
+        ("--schedule raster --grain iterations", true, "timestamps"),
         ("--without calibration", true, "no calibrated"),
         ("--without timestamps", false, "no timestamps"),
     ] {

@@ -11,7 +11,9 @@ use super::barrier::{self, CLEAR, COPY, HOST_READ, NOTHING, PASS, SHADER, SHADER
 use super::grid_images::GridImages;
 use super::pipelines::{Pipelines, SchedulePipelines};
 use super::plan::{Scan, ScanPass, Step};
-use super::profile::{self, PassKind, PassRecord, Presence, Profile, Scope, StepCounter, Work};
+use super::profile::{
+    self, PassKind, PassRecord, Presence, Profile, Scope, StepCounter, Watch, Work,
+};
 use super::progress::{DeviceProgress, Outcome, offset};
 use crate::constants::{CURVATURE, FAR, LAYERS, TIME, WORKGROUP};
 use crate::cpu::Stop;
@@ -121,12 +123,12 @@ pub(crate) const HALO: usize = BEFORE + AFTER;
 impl<'a> Recorder<'a> {
     /// To be kept while a pass is recorded: its label, and its place in the profile.
     pub(crate) fn pass(&self, kind: PassKind) -> Option<Scope<'a>> {
-        Scope::open(self, || (PassRecord::new(kind), Presence::Always))
+        Scope::open(self.watch(), || (PassRecord::new(kind), Presence::Always))
     }
 
-    /// Whether anyone looks on.
-    pub(crate) fn is_watched(&self) -> bool {
-        self.profile.is_some() || self.pipelines.labels.is_some()
+    fn watch(&self) -> Watch<'a> {
+        let Self { device, commands, pipelines, profile, .. } = *self;
+        Watch { device, commands, profile, labels: pipelines.labels.as_ref() }
     }
 
     /// The same, with bytes read and written for each texel of the images, border included.
@@ -134,7 +136,8 @@ impl<'a> Recorder<'a> {
         let extent = self.grid.texels.fronts_extent();
         let texels = u64::from(extent.width) * u64::from(extent.height);
         let work = Work::of_bytes(texels * read, texels * written);
-        Scope::open(self, || (PassRecord { work, ..PassRecord::new(kind) }, Presence::Always))
+        let record = PassRecord { work, ..PassRecord::new(kind) };
+        Scope::open(self.watch(), || (record, Presence::Always))
     }
 
     /// Brings new images into their layout, with no edge and no point reached.
@@ -281,14 +284,7 @@ impl<'a> Recorder<'a> {
                     continue;
                 }
             };
-            if self.is_watched() {
-                let next = counter.next(step);
-                if !open.as_mut().is_some_and(|open| open.absorb(next)) {
-                    // The last pass ends before the next one begins.
-                    drop(open.take());
-                    open = Scope::open(self, || next);
-                }
-            }
+            Scope::go_on(&mut open, self.watch(), || counter.next(step));
             if bound != Some((pipeline, writes)) {
                 self.bind(pipeline, writes);
                 bound = Some((pipeline, writes));
@@ -363,7 +359,8 @@ impl<'a> Recorder<'a> {
         if bytes.is_empty() {
             return;
         }
-        let _pass = self.pass(PassKind::Sources);
+        let record = PassRecord { dispatches: 0, ..PassRecord::new(PassKind::Sources) };
+        let _pass = Scope::open(self.watch(), || (record, Presence::Always));
         self.barrier(SHADER, CLEAR);
         self.update(self.grid.download.buffer, 0, bytes);
         self.barrier(CLEAR, SHADER);
@@ -421,7 +418,7 @@ impl<'a> Recorder<'a> {
         let points = (rows.len() * chart.cols) as u64;
         let work = Work::of_bytes(4 * points, 4 * points);
         let record = PassRecord { work, ..PassRecord::new(PassKind::Unpack) };
-        let _pass = Scope::open(self, || (record, Presence::Always));
+        let _pass = Scope::open(self.watch(), || (record, Presence::Always));
         let band = UnpackBand {
             grid: [chart.cols as i32, chart.rows as i32],
             first_row: rows.start as i32,

@@ -3,7 +3,7 @@
 use geosweep::Wavefront;
 use geosweep::vulkan::Schedule;
 use geosweep::vulkan::plan::{Scan, Step};
-use geosweep::vulkan::profile::{Detail, Grain, PassKind};
+use geosweep::vulkan::profile::{Detail, Grain, PassKind, PassRecord};
 
 use crate::bench::{Bench, method, of_kind, sum};
 use crate::common::some_point;
@@ -70,6 +70,61 @@ fn texels_visited_and_skipped_are_those_of_the_plan() {
         }
         assert!(skipped_by_bounds > 0, "the source is in the middle");
     }
+}
+
+/// A coarser record is the sum of the finer ones, whatever the device has decided in between.
+#[test]
+fn coarser_records_are_sums_of_finer_ones() {
+    let mut bench = Bench::new(61, 90, &[]);
+    for schedule in Schedule::ALL {
+        let records = Grain::ALL.map(|grain| {
+            let detail = Detail { grain, invocations: true, ..Detail::default() };
+            let profile = bench.profile(method(Wavefront::Curved, schedule), detail);
+            profile.passes().copied().collect::<Vec<_>>()
+        });
+        let sums = records.each_ref().map(|passes| {
+            // Passes of an iteration follow one another, and so do those outside of them.
+            let iterations = passes.chunk_by(|a, b| a.iteration == b.iteration);
+            let sums = iterations.map(|passes| {
+                let all: Vec<_> = passes.iter().filter(|pass| pass.area.is_some()).collect();
+                let groups = |pass: &PassRecord| pass.groups.map(|g| g.iter().product::<u32>());
+                let mut groups: u64 = passes.iter().filter_map(groups).map(u64::from).sum::<u64>();
+                // The count that ends an iteration is dispatched beyond convergence, too; the record
+                // of such an iteration says that it was idle.
+                let counts = passes.iter().filter(|pass| pass.kind == PassKind::Count).count();
+                if all.iter().all(|pass| pass.is_idle()) {
+                    groups -= counts as u64;
+                }
+                [
+                    passes.iter().map(|pass| u64::from(pass.dispatches)).sum(),
+                    groups,
+                    sum(&all, |pass| pass.work.texels),
+                    sum(&all, |pass| pass.work.skipped),
+                    sum(&all, |pass| pass.work.bytes()),
+                    sum(&all, |pass| pass.work.triangles.or(Some(0))),
+                    passes.iter().map(|pass| pass.invocations.unwrap_or(0)).sum(),
+                ]
+            });
+            sums.collect::<Vec<_>>()
+        });
+        assert_eq!(sums[0], sums[1], "{schedule}");
+        assert_eq!(sums[1], sums[2], "{schedule}");
+        let counts = records.each_ref().map(Vec::len);
+        assert!(counts.is_sorted(), "{schedule}: {counts:?}");
+        let iterations = of_iterations(&records[0]);
+        assert_eq!(iterations, if schedule == Schedule::Tiles { 0 } else { done(&records[1]) });
+    }
+}
+
+/// Records of iterations that have visited something.
+fn of_iterations(passes: &[PassRecord]) -> usize {
+    passes.iter().filter(|pass| pass.kind == PassKind::Iteration && !pass.is_idle()).count()
+}
+
+/// Iterations in which something was visited.
+fn done(passes: &[PassRecord]) -> usize {
+    let visits = passes.iter().filter(|pass| pass.area.is_some() && !pass.is_idle());
+    visits.filter_map(|pass| pass.iteration).max().map_or(0, |last| last as usize + 1)
 }
 
 /// Seven by four points are four by two texels. Planar: 16 bytes of arrival times read and as many

@@ -60,7 +60,7 @@ pub(crate) use executables::executables;
 pub use executables::{Executable, Statistic};
 pub(crate) use labels::Labels;
 pub use pass::{Area, Grain, PassKind, PassRecord};
-pub(crate) use scope::Scope;
+pub(crate) use scope::{Scope, Watch};
 pub(crate) use session::Session;
 pub use session::{Detail, SolveProfile, SubmissionRecord};
 pub use slots::{Decided, Profile, QueryRange, Resolved, Slots};

@@ -37,6 +37,8 @@ pub enum PassKind {
     Settle,
     /// Decides whether another iteration follows.
     Count,
+    /// An iteration with its count, where no finer records are wanted: [`Grain::Iterations`].
+    Iteration,
     /// Copies what the device has decided to where a [`super::Profile`] finds it: only recorded
     /// while profiling.
     Decisions,
@@ -87,6 +89,7 @@ impl PassKind {
             Self::Tiles => c"tiles",
             Self::Settle => c"settle",
             Self::Count => c"count",
+            Self::Iteration => c"iteration",
             Self::Decisions => c"decisions",
             Self::Outcome => c"outcome",
             Self::Distances => c"distances",
@@ -99,15 +102,54 @@ impl PassKind {
     }
 }
 
-/// What a record stands for.
+/// What a record stands for: the coarser, the fewer timestamps. They take time of their own, 15 to
+/// 25 microseconds each on lavapipe; `docs/profiling.md` says what that adds to maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Grain {
-    /// A scan, with all its blocks of lines and the barriers between them. Timestamps take time of
-    /// their own, some tens of microseconds on lavapipe, and a scan has a hundred blocks and more.
+    /// An iteration: its scans, or its updates of all points, with the count that ends it. A round
+    /// of tiles is a record at any grain.
+    Iterations,
+    /// A scan, with all its blocks of lines, of which there may be a hundred and more, and the
+    /// barriers between them.
     #[default]
     Scans,
     /// Each dispatch.
     Blocks,
+}
+
+impl Grain {
+    /// All of them, the coarsest first.
+    pub const ALL: [Self; 3] = [Self::Iterations, Self::Scans, Self::Blocks];
+
+    /// The name used on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Iterations => "iterations",
+            Self::Scans => "scans",
+            Self::Blocks => "blocks",
+        }
+    }
+
+    /// What the record of a pass of some kind is of.
+    pub(crate) fn kind(self, pass: PassKind) -> PassKind {
+        match pass {
+            PassKind::Scan(_) | PassKind::AllPoints | PassKind::Count
+                if self == Self::Iterations =>
+            {
+                PassKind::Iteration
+            }
+            _ => pass,
+        }
+    }
+
+    /// Whether a record takes in what follows in the same iteration and is of the same kind.
+    pub(crate) fn gathers(self, kind: PassKind) -> bool {
+        match kind {
+            PassKind::Iteration => true,
+            PassKind::Scan(_) => self != Self::Blocks,
+            _ => false,
+        }
+    }
 }
 
 /// A box of texels. Rows and columns of texels count the images' border.
@@ -131,7 +173,7 @@ impl Area {
     }
 }
 
-/// A pass of a recording, or all blocks of a scan.
+/// A pass of a recording, all blocks of a scan, or all passes of an iteration.
 ///
 /// What is `None` is not known: it was not measured, or the device decided it and nothing was
 /// read back.
@@ -147,8 +189,8 @@ pub struct PassRecord {
     pub area: Option<Area>,
     /// Dispatches that it stands for; none for copies and clears.
     pub dispatches: u32,
-    /// Workgroups dispatched, in all of them together; none where the map has converged before; `None` for copies and
-    /// clears too.
+    /// Workgroups dispatched, in all of them together; none where the map has converged before; `None`
+    /// for copies and clears too.
     pub groups: Option<[u32; 3]>,
     /// What it had to move and to compute.
     pub work: Work,
@@ -176,11 +218,15 @@ impl PassRecord {
         }
     }
 
-    /// Takes the next block of the same scan in.
+    /// Takes the next pass of the same scan or iteration in.
     pub(crate) fn absorb(&mut self, next: &Self) {
-        self.area = self.area.zip(next.area).map(|(a, b)| a.around(b));
+        // A count visits no texels.
+        self.area = self.area.zip(next.area).map(|(a, b)| a.around(b)).or(self.area);
         self.dispatches += next.dispatches;
-        self.groups = self.groups.zip(next.groups).map(|(a, b)| [a[0] + b[0], a[1], a[2]]);
+        self.groups = self.groups.zip(next.groups).map(|(a, b)| match a[1..] == b[1..] {
+            true => [a[0] + b[0], a[1], a[2]],
+            false => [a.iter().product::<u32>() + b.iter().product::<u32>(), 1, 1],
+        });
         self.work = self.work.and(next.work);
     }
 

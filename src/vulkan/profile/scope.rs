@@ -1,14 +1,32 @@
 //! Around a pass while it is being recorded: its label, and its queries.
 
-use super::pass::{Grain, PassKind, PassRecord};
+use ash::vk;
+
+use super::labels::Labels;
+use super::pass::PassRecord;
 use super::slots::Profile;
 use super::work::Presence;
-use crate::vulkan::record::Recorder;
+
+/// Who looks on while a command buffer is recorded.
+#[derive(Clone, Copy)]
+pub(crate) struct Watch<'a> {
+    pub(crate) device: &'a ash::Device,
+    pub(crate) commands: vk::CommandBuffer,
+    pub(crate) profile: Option<&'a Profile>,
+    pub(crate) labels: Option<&'a Labels>,
+}
+
+impl Watch<'_> {
+    /// Whether anyone does.
+    pub(crate) fn is_on(&self) -> bool {
+        self.profile.is_some() || self.labels.is_some()
+    }
+}
 
 /// Ends the pass when it is dropped.
 #[must_use]
 pub(crate) struct Scope<'a> {
-    recorder: Recorder<'a>,
+    watch: Watch<'a>,
     pass: (PassRecord, Presence),
     /// In the profile, if it has room.
     number: Option<usize>,
@@ -17,33 +35,50 @@ pub(crate) struct Scope<'a> {
 impl<'a> Scope<'a> {
     /// Opens a pass, if anyone looks on.
     pub(crate) fn open(
-        recorder: &Recorder<'a>,
+        watch: Watch<'a>,
         describe: impl FnOnce() -> (PassRecord, Presence),
     ) -> Option<Self> {
-        let Recorder { device, commands, profile, pipelines, .. } = *recorder;
-        if !recorder.is_watched() {
+        if !watch.is_on() {
             return None;
         }
-        let pass = describe();
-        if let Some(labels) = &pipelines.labels {
+        let Watch { device, commands, profile, labels } = watch;
+        let mut pass = describe();
+        if let Some(profile) = profile {
+            pass.0.kind = profile.grain().kind(pass.0.kind);
+        }
+        if let Some(labels) = labels {
             labels.open(commands, pass.0.kind.label());
         }
         let number = profile.and_then(|profile| profile.open(device, commands));
-        Some(Self { recorder: *recorder, pass, number })
+        Some(Self { watch, pass, number })
     }
-}
 
-impl Scope<'_> {
-    /// Takes the next step of the same scan in, if the profile wants scans; says whether it does.
-    pub(crate) fn absorb(&mut self, (next, presence): (PassRecord, Presence)) -> bool {
-        let wants_scans = |profile: &Profile| profile.grain() == Grain::Scans;
-        let (record, own_presence) = &mut self.pass;
-        let same = matches!(next.kind, PassKind::Scan(_))
-            && (record.kind, record.iteration, *own_presence)
-                == (next.kind, next.iteration, presence)
-            && self.recorder.profile.is_some_and(wants_scans);
+    /// Opens the next pass of a sequence unless the one that is open takes it in; that one ends
+    /// before the next begins.
+    pub(crate) fn go_on(
+        open: &mut Option<Self>,
+        watch: Watch<'a>,
+        describe: impl FnOnce() -> (PassRecord, Presence),
+    ) {
+        if !watch.is_on() {
+            return;
+        }
+        let next = describe();
+        if !open.as_mut().is_some_and(|open| open.absorb(&next.0)) {
+            drop(open.take());
+            *open = Self::open(watch, || next);
+        }
+    }
+
+    /// Takes the next pass of the same scan or iteration in, if the profile wants no finer records;
+    /// says whether it does.
+    fn absorb(&mut self, next: &PassRecord) -> bool {
+        let Some(grain) = self.watch.profile.map(Profile::grain) else { return false };
+        let record = &mut self.pass.0;
+        let same = grain.gathers(record.kind)
+            && (record.kind, record.iteration) == (grain.kind(next.kind), next.iteration);
         if same {
-            record.absorb(&next);
+            record.absorb(next);
         }
         same
     }
@@ -51,11 +86,11 @@ impl Scope<'_> {
 
 impl Drop for Scope<'_> {
     fn drop(&mut self) {
-        let Recorder { device, commands, profile, pipelines, .. } = self.recorder;
+        let Watch { device, commands, profile, labels } = self.watch;
         if let (Some(profile), Some(number)) = (profile, self.number) {
             profile.close(device, commands, number, self.pass);
         }
-        if let Some(labels) = &pipelines.labels {
+        if let Some(labels) = labels {
             labels.close(commands);
         }
     }

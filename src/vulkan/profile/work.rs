@@ -43,8 +43,11 @@ impl Work {
         Some(self.bytes_read? + self.bytes_written?)
     }
 
-    /// Of both.
+    /// Of both, where a count of iterations has none.
     pub(super) fn and(self, other: Self) -> Self {
+        if other == Self::default() {
+            return self;
+        }
         let sum = |a: Option<u64>, b: Option<u64>| Some(a? + b?);
         Self {
             texels: sum(self.texels, other.texels),
@@ -250,15 +253,12 @@ impl StepCounter {
 
 /// How many records the steps make.
 pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
-    let scan = |step: &Step| match step {
-        Step::Scan(pass) if grain == Grain::Scans => Some(pass.scan),
-        _ => None,
-    };
     let steps: Vec<_> = steps.iter().filter(|step| **step != Step::Barrier).collect();
     // Iterations end with a count, so that no scan follows one of the same direction.
-    let merged = steps.windows(2).filter(|pair| {
-        let [before, after] = [scan(pair[0]), scan(pair[1])];
-        before.is_some() && before == after
+    let merged = steps.windows(2).filter(|pair| match (grain, pair[0], pair[1]) {
+        (Grain::Iterations, Step::Scan(_) | Step::AllPoints { .. }, _) => true,
+        (Grain::Scans, Step::Scan(before), Step::Scan(after)) => before.scan == after.scan,
+        _ => false,
     });
     (steps.len() - merged.count()) as u32
 }
@@ -341,6 +341,8 @@ mod tests {
             let steps = steps(schedule);
             assert_eq!(records(&steps, Grain::Scans), records(&steps, Grain::Blocks));
         }
+        let of_iterations = |schedule| records(&steps(schedule), Grain::Iterations);
+        assert_eq!(Schedule::ALL.map(of_iterations), [2, 2, 2 + 1], "two rounds and their end");
     }
 
     #[test]

@@ -23,8 +23,8 @@ pub struct Wanted<'a> {
     pub without: &'a [Capability],
     /// What is timed.
     pub grain: Grain,
-    /// Whether to look which tiles each round visits.
-    pub tiles: bool,
+    /// Whether to look what each block of lines, or each round of tiles, visits.
+    pub visits: bool,
 }
 
 /// All of it.
@@ -44,8 +44,10 @@ pub struct Measured {
     pub runs: Vec<SolveProfile>,
     /// By the host's clock, each beside a run, without profiling.
     pub plain: Vec<Duration>,
-    /// With invocations, and lists of tiles if wanted; not timed.
+    /// With invocations; not timed.
     pub counted: SolveProfile,
+    /// Block by block, with lists of tiles, if wanted; not timed either.
+    pub visits: Option<SolveProfile>,
     pub executables: Vec<Executable>,
 }
 
@@ -85,15 +87,18 @@ pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Bo
         say("note", format_args!("RenderDoc has captured a map: {}", file?));
     }
     bar.inc(1);
-    let detail = Detail { grain: Grain::Blocks, invocations: true, tiles: wanted.tiles };
-    let (solution, counted) = solver.profile(&mut on_device, &seeds, method, detail)?;
+    let timed = Detail { grain: wanted.grain, ..Detail::default() };
+    let counted = Detail { invocations: true, ..timed };
+    let (solution, counted) = solver.profile(&mut on_device, &seeds, method, counted)?;
+    let visits = Detail { grain: Grain::Blocks, tiles: true, invocations: false };
+    let visits = wanted.visits.then(|| solver.profile(&mut on_device, &seeds, method, visits));
+    let visits = visits.transpose()?.map(|(_, visits)| visits);
     bar.inc(1);
     bar.set_message("timing");
     let (mut runs, mut plain) = (Vec::new(), Vec::new());
     for _ in 0..wanted.repeat {
         plain.push(solver.solve(&mut on_device, &seeds, method)?.time);
-        let detail = Detail { grain: wanted.grain, ..Detail::default() };
-        runs.push(solver.profile(&mut on_device, &seeds, method, detail)?.1);
+        runs.push(solver.profile(&mut on_device, &seeds, method, timed)?.1);
         bar.inc(1);
     }
     let executables = solver.executables()?;
@@ -118,6 +123,7 @@ pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Bo
         runs,
         plain,
         counted,
+        visits,
         executables,
     })
 }

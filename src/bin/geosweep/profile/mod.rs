@@ -42,10 +42,11 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 5, help_heading = "Profile")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
-    /// Time each block of lines of a scan rather than the scan. Timestamps take time of their own,
-    /// so that the whole takes longer
-    #[arg(long, help_heading = "Profile")]
-    blocks: bool,
+    /// What is timed by itself. Timestamps take time of their own: coarser ones disturb small maps
+    /// less
+    #[arg(long, value_enum, value_name = "GRAIN", default_value_t = GrainArg::Scans)]
+    #[arg(help_heading = "Profile")]
+    grain: GrainArg,
     /// Profile as on a device that lacks these
     #[arg(long, value_enum, value_name = "NAME,...", value_delimiter = ',')]
     #[arg(help_heading = "Profile")]
@@ -92,6 +93,26 @@ enum CapabilityArg {
     Labels,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum GrainArg {
+    /// Each iteration
+    Iterations,
+    /// Each scan
+    Scans,
+    /// Each block of lines of a scan
+    Blocks,
+}
+
+impl From<GrainArg> for Grain {
+    fn from(arg: GrainArg) -> Self {
+        match arg {
+            GrainArg::Iterations => Self::Iterations,
+            GrainArg::Scans => Self::Scans,
+            GrainArg::Blocks => Self::Blocks,
+        }
+    }
+}
+
 impl From<CapabilityArg> for Capability {
     fn from(arg: CapabilityArg) -> Self {
         match arg {
@@ -134,8 +155,8 @@ pub fn run(args: &Args) -> Outcome {
         options: &options,
         repeat: args.repeat,
         without: &args.without.iter().copied().map(Capability::from).collect::<Vec<_>>(),
-        grain: if args.blocks { Grain::Blocks } else { Grain::Scans },
-        tiles: args.picture.is_some(),
+        grain: args.grain.into(),
+        visits: args.picture.is_some(),
     };
     let measured = measure::measure(&wanted, capture)?;
     if !measured.converged {
@@ -190,8 +211,8 @@ impl Outputs {
         if let Some(output) = self.csv {
             staged.push(output.stage(|writer| passes_csv::write(writer, run))?);
         }
-        if let Some(output) = self.picture {
-            let picture = picture::draw(measured, scene, sources);
+        if let Some((output, visits)) = self.picture.zip(measured.visits.as_ref()) {
+            let picture = picture::draw(measured, visits, scene, sources);
             staged.push(output.stage(|writer| picture.write_png(writer))?);
         }
         Ok(staged.into_iter().try_for_each(StagedFile::commit)?)

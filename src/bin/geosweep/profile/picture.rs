@@ -20,10 +20,15 @@ const NOW: Color = [0.86, 0.42, 0.18];
 const ACROSS: usize = 4;
 const DOWN: usize = 4;
 
-pub fn draw(measured: &Measured, scene: &Scene, sources: &Sources) -> Canvas {
+pub fn draw(
+    measured: &Measured,
+    visits: &SolveProfile,
+    scene: &Scene,
+    sources: &Sources,
+) -> Canvas {
     let (rows, key) = match measured.schedule {
-        Schedule::Tiles => rounds(measured),
-        Schedule::Raster | Schedule::AllPoints => scans(measured),
+        Schedule::Tiles => rounds(measured, visits),
+        Schedule::Raster | Schedule::AllPoints => scans(measured, visits),
     };
     let (title, entries) = key;
     let (surface, shape) = (&scene.surface, scene.shape());
@@ -52,19 +57,20 @@ fn title(what: String, passes: &[PassRecord], run: &SolveProfile) -> String {
         });
     let same =
         |pass: &&PassRecord| (pass.kind, pass.iteration) == (passes[0].kind, passes[0].iteration);
-    let taken = run.passes().filter(same).map(|pass| pass.nanoseconds).sum::<Option<u64>>();
+    let taken: Vec<_> = run.passes().filter(same).map(|pass| pass.nanoseconds).collect();
+    // Coarser records have no time of a scan.
+    let taken = taken.into_iter().reduce(|a, b| Some(a? + b?)).flatten();
     let taken = taken.map(|nanoseconds| format!(", {} ms", digits(1e-6 * nanoseconds as f64)));
     format!("{what}{}{}", share.unwrap_or_default(), taken.unwrap_or_default())
 }
 
 /// A row of scans for the first iteration and for the last, coloured by the order of blocks: those
 /// between visit everything, too.
-fn scans(measured: &Measured) -> (Vec<Vec<Visit>>, Key) {
-    let all: Vec<PassRecord> = measured.counted.passes().copied().collect();
+fn scans(measured: &Measured, visits: &SolveProfile) -> (Vec<Vec<Visit>>, Key) {
     let is_visit = |pass: &&PassRecord| {
         matches!(pass.kind, PassKind::Scan(_) | PassKind::AllPoints) && !pass.is_idle()
     };
-    let visits: Vec<PassRecord> = all.iter().filter(is_visit).copied().collect();
+    let visits: Vec<PassRecord> = visits.passes().filter(is_visit).copied().collect();
     let iterations: Vec<&[PassRecord]> =
         visits.chunk_by(|a, b| a.iteration == b.iteration).collect();
     let run = measured.median_run();
@@ -114,13 +120,13 @@ fn in_order(chart: Chart, passes: &[PassRecord], scale: &Scale) -> Vec<Color> {
 }
 
 /// Some of the rounds, evenly from the first to the last.
-fn rounds(measured: &Measured) -> (Vec<Vec<Visit>>, Key) {
+fn rounds(measured: &Measured, visits: &SolveProfile) -> (Vec<Vec<Visit>>, Key) {
     let chart = measured.chart;
     let tile = measured.tuning.tile as usize;
     let texels = TexelChart::new(chart).expect("it was on the device");
     let across = (2 * texels.inner_cols().len()).div_ceil(tile);
-    let lists = measured.counted.submissions.iter().flat_map(|found| &found.tiles);
-    let passes = measured.counted.passes().filter(|pass| pass.kind == PassKind::Tiles);
+    let lists = visits.submissions.iter().flat_map(|found| &found.tiles);
+    let passes = visits.passes().filter(|pass| pass.kind == PassKind::Tiles);
     let rounds: Vec<(&Vec<u32>, &PassRecord)> =
         lists.zip(passes).filter(|(list, _)| !list.is_empty()).collect();
     let shown = spread(rounds.len(), ACROSS * DOWN);
