@@ -126,6 +126,14 @@ impl<'a> Recorder<'a> {
         Scope::open(self.watch(), || (PassRecord::new(kind), Presence::Always))
     }
 
+    /// The same of a dispatch of so many invocations wide and high, in groups along the width.
+    pub(crate) fn pass_of(&self, kind: PassKind, invocations: [u32; 2]) -> Option<Scope<'a>> {
+        let groups = Some(groups(invocations));
+        Scope::open(self.watch(), || {
+            (PassRecord { groups, ..PassRecord::new(kind) }, Presence::Always)
+        })
+    }
+
     fn watch(&self) -> Watch<'a> {
         let Self { device, commands, pipelines, profile, .. } = *self;
         Watch { device, commands, profile, labels: pipelines.labels.as_ref() }
@@ -165,8 +173,9 @@ impl<'a> Recorder<'a> {
         arcs: bool,
         rows: Range<usize>,
     ) {
-        let _pass = self.pass(PassKind::Edges);
         let (pipelines, chart) = (self.pipelines, self.grid.chart);
+        let size = [chart.cols as u32, rows.len() as u32];
+        let _pass = self.pass_of(PassKind::Edges, size);
         let pipeline = match source {
             EdgeSource::Positions => pipelines.edges_from_positions,
             EdgeSource::Heights => pipelines.edges_from_heights,
@@ -182,7 +191,7 @@ impl<'a> Recorder<'a> {
             arcs: arcs.into(),
         };
         self.bind(pipeline, 0);
-        self.dispatch(&band, chart.cols as u32, rows.len() as u32);
+        self.dispatch(&band, size);
         self.barrier(SHADER_WRITE, SHADER);
     }
 
@@ -191,9 +200,9 @@ impl<'a> Recorder<'a> {
         let texels = self.grid.texels.inner();
         let size = FanSize { texels, share_of_fan: rule.share_of_fan() as f32 };
         for pipeline in [self.pipelines.fan_curvature, self.pipelines.gaussian_curvature] {
-            let _pass = self.pass(PassKind::Curvature);
+            let _pass = self.pass_of(PassKind::Curvature, texels);
             self.bind(pipeline, 0);
-            self.dispatch(&size, texels[0], texels[1]);
+            self.dispatch(&size, texels);
             self.barrier(SHADER_WRITE, SHADER);
         }
     }
@@ -258,10 +267,10 @@ impl<'a> Recorder<'a> {
     /// Sets the texels with sources, `count` of which are in the upload buffer, in image 0, and
     /// puts the tiles around them on the first list if tiles follow.
     pub(crate) fn seed(&self, count: u32, tiles_follow: bool) {
-        let _pass = self.pass(PassKind::Seed);
+        let _pass = self.pass_of(PassKind::Seed, [count, 1]);
         let texels = self.grid.texels.inner();
         self.bind(self.pipelines.seed, 0);
-        self.dispatch(&SeedCount { texels, count, wakes: tiles_follow.into() }, count, 1);
+        self.dispatch(&SeedCount { texels, count, wakes: tiles_follow.into() }, [count, 1]);
         self.barrier(SHADER_WRITE, PASS);
     }
 
@@ -385,7 +394,7 @@ impl<'a> Recorder<'a> {
         pipeline: vk::Pipeline,
         set: vk::DescriptorSet,
         constants: &impl NoUninit,
-        [width, height]: [u32; 2],
+        invocations: [u32; 2],
     ) {
         let (compute, stages) = (vk::PipelineBindPoint::COMPUTE, vk::ShaderStageFlags::COMPUTE);
         // The set that writes image 1 reads image 0.
@@ -397,7 +406,8 @@ impl<'a> Recorder<'a> {
             self.device.cmd_bind_descriptor_sets(self.commands, compute, layout, 0, &sets, &[]);
             let constants = bytes_of(constants);
             self.device.cmd_push_constants(self.commands, layout, stages, 0, constants);
-            self.device.cmd_dispatch(self.commands, width.div_ceil(WORKGROUP), height, 1);
+            let [x, y, z] = groups(invocations);
+            self.device.cmd_dispatch(self.commands, x, y, z);
         }
     }
 
@@ -417,7 +427,9 @@ impl<'a> Recorder<'a> {
         let chart = self.grid.chart;
         let points = (rows.len() * chart.cols) as u64;
         let work = Work::of_bytes(4 * points, 4 * points);
-        let record = PassRecord { work, ..PassRecord::new(PassKind::Unpack) };
+        let size = [chart.cols.div_ceil(2) as u32, rows.len().div_ceil(2) as u32];
+        let groups = Some(groups(size));
+        let record = PassRecord { work, groups, ..PassRecord::new(PassKind::Unpack) };
         let _pass = Scope::open(self.watch(), || (record, Presence::Always));
         let band = UnpackBand {
             grid: [chart.cols as i32, chart.rows as i32],
@@ -426,8 +438,7 @@ impl<'a> Recorder<'a> {
         };
         // The set that writes image 1 reads image 0.
         self.bind(self.pipelines.unpack, 1);
-        let (width, height) = (chart.cols.div_ceil(2), rows.len().div_ceil(2));
-        self.dispatch(&band, width as u32, height as u32);
+        self.dispatch(&band, size);
         self.barrier(SHADER_WRITE, HOST_READ);
     }
 
@@ -489,13 +500,12 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Dispatches `width` x `height` invocations, in groups along the width.
-    fn dispatch(&self, constants: &impl NoUninit, width: u32, height: u32) {
+    /// Dispatches so many invocations wide and high, in groups along the width.
+    fn dispatch(&self, constants: &impl NoUninit, invocations: [u32; 2]) {
         self.push(constants);
+        let [x, y, z] = groups(invocations);
         // SAFETY: a pipeline with the common layout is bound.
-        unsafe {
-            self.device.cmd_dispatch(self.commands, width.div_ceil(WORKGROUP), height, 1);
-        }
+        unsafe { self.device.cmd_dispatch(self.commands, x, y, z) };
     }
 
     fn dispatch_groups(&self, constants: &impl NoUninit, groups: u32) {
@@ -520,6 +530,11 @@ impl<'a> Recorder<'a> {
             self.device.cmd_push_constants(self.commands, layout, stages, 0, bytes_of(constants));
         }
     }
+}
+
+/// Groups of so many invocations wide and high.
+fn groups([width, height]: [u32; 2]) -> [u32; 3] {
+    [width.div_ceil(WORKGROUP), height, 1]
 }
 
 pub(super) fn pipeline_index(scan: Scan) -> usize {

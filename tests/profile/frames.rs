@@ -45,6 +45,9 @@ fn a_frame_is_taken_down_pass_by_pass() {
             let most =
                 renderer.solver.passes_of_frame(&renderer.surface, &renderer.plan, Grain::Blocks);
             assert!(kinds.len() as u32 <= most);
+            // What is dispatched has a size.
+            let sized = passes.iter().filter(|pass| pass.groups.is_some());
+            assert!(sized.eq(passes.iter().filter(|pass| pass.dispatches > 0)), "{passes:?}");
             // Each iteration that the device has done is there, and no other.
             let done = passes
                 .iter()

@@ -4,6 +4,7 @@ mod bench;
 mod capabilities;
 #[path = "../common/mod.rs"]
 mod common;
+mod curves;
 mod frames;
 #[path = "../embed/host/mod.rs"]
 mod host;

@@ -169,9 +169,12 @@ fn the_device_counts_the_invocations_of_the_groups_in_the_records() {
         let profile = bench.profile(method(Wavefront::PointSource, schedule), detail);
         let mut counted = 0;
         for pass in profile.passes() {
-            let is_pass =
-                matches!(pass.kind, PassKind::Scan(_) | PassKind::AllPoints | PassKind::Tiles);
-            if is_pass {
+            let group = match pass.kind {
+                PassKind::Scan(_) | PassKind::AllPoints | PassKind::Tiles => Some(group),
+                PassKind::Seed | PassKind::Unpack => Some(64),
+                _ => None,
+            };
+            if let Some(group) = group {
                 let groups: u32 = pass.groups.unwrap().iter().product();
                 assert_eq!(pass.invocations, Some(u64::from(groups * group)), "{pass:?}");
                 counted += usize::from(groups > 0);

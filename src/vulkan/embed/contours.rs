@@ -5,7 +5,7 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocator;
 
 use super::access::Access;
-use super::curves::{self, CurveBuffer, Curves, CurvesInfo, Layout};
+use super::curves::{self, CurveBuffer, Curves, CurvesInfo, Layout, NamedPass};
 use super::host_sets::Content;
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
@@ -100,10 +100,10 @@ struct Push {
 }
 
 /// The passes, in order.
-const PASSES: [&[u8]; 3] = [
-    spirv!("contour_counts").as_slice(),
-    spirv!("contour_offsets").as_slice(),
-    spirv!("contour_segments").as_slice(),
+const PASSES: [NamedPass; 3] = [
+    ("contour_counts", spirv!("contour_counts")),
+    ("contour_offsets", spirv!("contour_offsets")),
+    ("contour_segments", spirv!("contour_segments")),
 ];
 
 impl Contours {
@@ -137,6 +137,12 @@ impl Contours {
     /// Where the contours are: of a single [`super::CurveRecord`], drawn as a list of lines.
     pub fn curves(&self) -> CurveBuffer {
         self.0.curves()
+    }
+
+    /// Most records that [`Recording::contours`] makes in a [`crate::vulkan::profile::Profile`],
+    /// beside those of [`Solver::passes_of_frame`].
+    pub fn passes(&self) -> u32 {
+        PASSES.len() as u32 + 1
     }
 
     /// Bytes taken from the allocator's memory blocks.
@@ -250,8 +256,9 @@ impl Recording<'_> {
         // A row of cells has two of points.
         let rows = chart.rows as u32 - 1;
         for (&pipeline, height) in curves.pipelines.iter().zip([rows, 1, rows]) {
-            let _pass = recorder.pass(PassKind::Contours);
-            recorder.host_pass(pipeline, curves.tracing[0].set, &push, [WORKGROUP, height]);
+            let size = [WORKGROUP, height];
+            let _pass = recorder.pass_of(PassKind::Contours, size);
+            recorder.host_pass(pipeline, curves.tracing[0].set, &push, size);
             recorder.barrier(SHADER_WRITE, SHADER);
         }
         curves.lift(self, frame.points, frame.reader);

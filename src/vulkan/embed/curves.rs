@@ -206,9 +206,12 @@ pub(super) struct CurvesInfo<'a> {
     pub(super) layout: Layout,
     /// The curves' own, and others that passes use.
     pub(super) buffers: &'a [BufferInfo],
-    /// SPIR-V of the passes that trace.
-    pub(super) passes: &'a [&'a [u8]],
+    /// The passes that trace.
+    pub(super) passes: &'a [NamedPass],
 }
+
+/// The name of a pass, and its SPIR-V.
+pub(super) type NamedPass = (&'static str, &'static [u8]);
 
 impl Curves {
     /// `tracing` says what the sets of the passes that trace read, given the buffers made.
@@ -229,7 +232,7 @@ impl Curves {
             surface: surface.sets.pool,
         };
         let created = new
-            .allocate(device, allocator, info.buffers)
+            .allocate(device, allocator, &solver.pipelines, info.buffers)
             .and_then(|()| new.describe(device, solver, surface, tracing))
             .and_then(|()| new.create_pipelines(device, &solver.pipelines, surface, info.passes));
         match created {
@@ -245,10 +248,12 @@ impl Curves {
         &mut self,
         device: &ash::Device,
         allocator: &mut Allocator,
+        pipelines: &Pipelines,
         infos: &[BufferInfo],
     ) -> Result<(), VulkanError> {
         for &info in infos {
             self.buffers.push(Buffer::new(device, allocator, info)?);
+            pipelines.name(info.name, self.buffer(self.buffers.len() - 1));
         }
         Ok(())
     }
@@ -281,21 +286,26 @@ impl Curves {
         device: &ash::Device,
         pipelines: &Pipelines,
         surface: &Surface,
-        passes: &[&[u8]],
+        passes: &[NamedPass],
     ) -> Result<(), VulkanError> {
-        let layout = pipelines.host_layout;
-        for spirv in passes {
-            self.pipelines.push(compute_pipeline(device, layout, spirv, &[])?);
+        let create = |(name, spirv): NamedPass| {
+            let pipeline = compute_pipeline(device, pipelines.host_layout, spirv, &[])?;
+            pipelines.name(name, pipeline);
+            Ok::<_, VulkanError>(pipeline)
+        };
+        for &pass in passes {
+            self.pipelines.push(create(pass)?);
         }
         let is_buffer = |points: &Points| matches!(points.memory, PointMemory::Buffer { .. });
-        for (from_buffer, spirv) in [
-            (true, spirv!("lift_from_buffer").as_slice()),
-            (false, spirv!("lift_from_image").as_slice()),
-        ] {
+        let lifts: [(bool, NamedPass); 2] = [
+            (true, ("lift_from_buffer", spirv!("lift_from_buffer"))),
+            (false, ("lift_from_image", spirv!("lift_from_image"))),
+        ];
+        for (from_buffer, pass) in lifts {
             if !surface.points.iter().any(|points| is_buffer(points) == from_buffer) {
                 continue;
             }
-            let pipeline = compute_pipeline(device, layout, spirv, &[])?;
+            let pipeline = create(pass)?;
             self.pipelines.push(pipeline);
             for (lifting, points) in self.lifting.iter_mut().zip(&surface.points) {
                 if is_buffer(points) == from_buffer {
@@ -353,8 +363,9 @@ impl Curves {
             capacity: capacity as i32,
         };
         let lifters = if curves == 1 { capacity.div_ceil(WORKGROUP).clamp(1, LIFTERS) } else { 1 };
-        let _pass = recorder.pass(PassKind::Lift);
-        recorder.host_pass(pipeline, set.set, &lift, [WORKGROUP * lifters, curves]);
+        let size = [WORKGROUP * lifters, curves];
+        let _pass = recorder.pass_of(PassKind::Lift, size);
+        recorder.host_pass(pipeline, set.set, &lift, size);
         recorder.barrier(SHADER_WRITE, reader.side());
     }
 

@@ -5,7 +5,7 @@ use bytemuck::NoUninit;
 use gpu_allocator::vulkan::Allocator;
 
 use super::access::Access;
-use super::curves::{self, CurveBuffer, CurveRecord, Curves, CurvesInfo, Layout};
+use super::curves::{self, CurveBuffer, CurveRecord, Curves, CurvesInfo, Layout, NamedPass};
 use super::host_sets::{self, HostSet};
 use super::inputs::SourceInput;
 use super::recording::{Recording, grid_size};
@@ -109,7 +109,7 @@ const START_BYTES: usize = size_of::<[f32; 2]>();
 const MOST_PATHS: u32 = 65_535;
 
 /// The pass that begins, and the one that goes on, over and over.
-const PASSES: [&[u8]; 2] = [spirv!("path_starts").as_slice(), spirv!("paths").as_slice()];
+const PASSES: [NamedPass; 2] = [("path_starts", spirv!("path_starts")), ("paths", spirv!("paths"))];
 
 #[derive(Clone, Copy, NoUninit)]
 #[repr(C)]
@@ -163,6 +163,13 @@ impl Paths {
     /// Where the paths are: a [`super::CurveRecord`] each, drawn as a strip of lines.
     pub fn curves(&self) -> CurveBuffer {
         self.0.curves()
+    }
+
+    /// Most records that [`Recording::paths`] makes in a [`crate::vulkan::profile::Profile`], beside
+    /// those of [`Solver::passes_of_frame`].
+    pub fn passes(&self) -> u32 {
+        // Sources come, paths begin and go on, and are lifted.
+        1 + 1 + passes_that_go_on(self.0.layout, MOST_TRACES) + 1
     }
 
     /// Bytes taken from the allocator's memory blocks.
@@ -246,11 +253,12 @@ impl Recording<'_> {
             first_source: set.first_word,
             sources: sources as i32,
         };
-        let passes = traces(frame.sources) * layout.capacity.div_ceil(STEPS_TOGETHER);
+        let passes = passes_that_go_on(layout, traces(frame.sources));
         for pass in 0..=passes {
             let pipeline = curves.pipelines[usize::from(pass > 0)];
-            let _pass = recorder.pass(PassKind::Paths);
-            recorder.host_pass(pipeline, set.set, &batch, [layout.curves, 1]);
+            let size = [layout.curves, 1];
+            let _pass = recorder.pass_of(PassKind::Paths, size);
+            recorder.host_pass(pipeline, set.set, &batch, size);
             recorder.barrier(SHADER_WRITE, SHADER);
         }
         curves.lift(self, frame.points, frame.reader);
@@ -262,8 +270,15 @@ impl Recording<'_> {
 fn traces(sources: SourceInput) -> u32 {
     match sources {
         SourceInput::Inline(sources) if sources.windows(2).all(|s| s[0].time == s[1].time) => 1,
-        _ => 3,
+        _ => MOST_TRACES,
     }
+}
+
+const MOST_TRACES: u32 = 3;
+
+/// After the one that begins, if paths are traced so often at most.
+fn passes_that_go_on(layout: Layout, traces: u32) -> u32 {
+    traces * layout.capacity.div_ceil(STEPS_TOGETHER)
 }
 
 fn check_starts(starts: StartInput, room: usize) -> Result<(), VulkanError> {

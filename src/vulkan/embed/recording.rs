@@ -193,8 +193,9 @@ impl<'a> Recording<'a> {
                 stride: info.memory.stride_words(),
             };
             let pipeline = self.points_pipeline(info.memory);
-            let pass = recorder.pass(PassKind::Points);
-            recorder.host_pass(pipeline, set.set, &band, [chart.cols as u32, around.len() as u32]);
+            let size = [chart.cols as u32, around.len() as u32];
+            let pass = recorder.pass_of(PassKind::Points, size);
+            recorder.host_pass(pipeline, set.set, &band, size);
             drop(pass);
             recorder.barrier(SHADER_WRITE, SHADER);
             recorder.measure(source, spacing, rule == EdgeRule::Arc, rows);
@@ -270,8 +271,9 @@ impl<'a> Recording<'a> {
         unreached: f32,
     ) -> Result<ResultImage, VulkanError> {
         let result = self.surface.result(slot, reader.layout)?;
-        let _pass = self.recorder.pass(PassKind::Distances);
         let Self { recorder, surface, solver } = self;
+        let texels = surface.grid.texels.inner();
+        let _pass = recorder.pass_of(PassKind::Distances, texels);
         let chart = surface.grid.chart;
         // Writers of the same slot in commands before are waited for as well.
         let (stages, access) = reader.access.side();
@@ -280,9 +282,8 @@ impl<'a> Recording<'a> {
         let layouts = (vk::ImageLayout::UNDEFINED, general);
         recorder.image_barrier(result.image, before, SHADER_WRITE, layouts);
         let size = ResultSize { grid: grid_size(chart), unreached };
-        let [width, height] = surface.grid.texels.inner();
         let set = surface.sets.results[slot].set;
-        recorder.host_pass(solver.pipelines.result, set, &size, [width, height]);
+        recorder.host_pass(solver.pipelines.result, set, &size, texels);
         let layouts = (general, reader.layout);
         recorder.image_barrier(result.image, SHADER_WRITE, reader.access.side(), layouts);
         Ok(result)
@@ -304,7 +305,7 @@ impl<'a> Recording<'a> {
         let Self { recorder, surface, solver } = self;
         let set = nth(&surface.sets.lookups, "lookups", number)?;
         let count = surface.lookup_counts[number];
-        let _pass = recorder.pass(PassKind::Lookup);
+        let _pass = recorder.pass_of(PassKind::Lookup, [count, 1]);
         recorder.barrier(before.side(), SHADER);
         let places = Places {
             grid: grid_size(surface.grid.chart),
@@ -364,8 +365,9 @@ impl<'a> Recording<'a> {
                 count: together as i32,
             };
             let pipeline = self.solver.pipelines.sources;
-            let pass = recorder.pass(PassKind::Sources);
-            recorder.host_pass(pipeline, set.set, &portion, [4 * together, 1]);
+            let size = [4 * together, 1];
+            let pass = recorder.pass_of(PassKind::Sources, size);
+            recorder.host_pass(pipeline, set.set, &portion, size);
             drop(pass);
             recorder.barrier(SHADER_WRITE, SHADER);
             recorder.seed(4 * together, plan.schedule == Schedule::Tiles);

@@ -103,8 +103,9 @@ impl Solver {
         Ok(())
     }
 
-    /// Most records that [`Recording::frame`] makes for a surface: room for so many in a
-    /// [`profile::Profile`].
+    /// Most records that [`Recording::frame`] makes for a surface, and [`Recording::resume`] with
+    /// the same plan: room for so many in a [`profile::Profile`]. What else is recorded with them
+    /// comes on top: [`Contours::passes`], [`Paths::passes`], and one for each lookup.
     pub fn passes_of_frame(&self, surface: &Surface, plan: &Plan, grain: profile::Grain) -> u32 {
         surface.passes_around() + plan.records(grain)
     }

@@ -1,0 +1,78 @@
+//! Contours and paths in a frame.
+
+use geosweep::ash::vk;
+use geosweep::vulkan::Schedule;
+use geosweep::vulkan::embed::{
+    Access, ContourFrame, LevelInput, PathFrame, PathsInfo, PointSource, SourceInput, StartInput,
+    Tools,
+};
+use geosweep::vulkan::profile::{Grain, PassKind, Profile, QueryRange, Slots};
+
+use crate::host::Host;
+use crate::renderer::Renderer;
+
+/// A host that makes room for what it is told has room for all, and no more than that where sources
+/// have unlike initial values, so that paths are traced again.
+#[test]
+fn a_host_can_size_its_queries_for_contours_and_paths() {
+    let tools = Tools { labels: true, executables: false };
+    let mut renderer = Renderer::new(Host::new(), Schedule::Raster, tools);
+    let device = renderer.host.device.clone();
+    let (solver, surface) = (&renderer.solver, &renderer.surface);
+    let allocator = renderer.host.allocator();
+    let mut contours = solver.contours(&device, allocator, surface, 4000).unwrap();
+    let info = PathsInfo { paths: 3, vertices: 700 };
+    let mut paths = solver.paths(&device, allocator, surface, info).unwrap();
+
+    let grain = Grain::Iterations;
+    let of_frame = solver.passes_of_frame(surface, &renderer.plan, grain);
+    let passes = of_frame + contours.passes() + paths.passes();
+    let info = vk::QueryPoolCreateInfo::default()
+        .query_type(vk::QueryType::TIMESTAMP)
+        .query_count(passes + 1);
+    let pool = unsafe { device.create_query_pool(&info, None) }.unwrap();
+    let timestamps = Some(QueryRange { pool, first: 0, count: passes + 1 });
+    let profile = Profile::new(passes, grain, Slots { timestamps, ..Slots::default() });
+
+    let sources =
+        [PointSource::at(20.0, 31.5), PointSource { time: 1.0, ..PointSource::at(9.0, 9.0) }];
+    for (sources, traces) in [(&sources[..], 3), (&sources[..1], 1)] {
+        renderer.host.run(|commands| {
+            let recording = solver.record(&device, commands, surface).profiled(&profile);
+            recording.begin(Access::NONE);
+            recording.measure(0).unwrap();
+            recording.solve(SourceInput::Inline(sources), &renderer.plan).unwrap();
+            let levels = LevelInput::Spacing { step: 10.0, count: 20 };
+            let frame = ContourFrame { levels, start: 0.0, points: 0, reader: Access::DRAW };
+            recording.contours(&contours, &frame).unwrap();
+            let starts = StartInput::Inline(&[[200.5, 250.0], [100.0, 4.0], [250.0, 20.0]]);
+            let frame = PathFrame {
+                before: Access::NONE,
+                starts,
+                sources: SourceInput::Inline(sources),
+                points: 0,
+                reader: Access::DRAW,
+            };
+            recording.paths(&paths, &frame).unwrap();
+        });
+        let found = profile.resolve(&device, Some(renderer.clock), None).unwrap().unwrap();
+        assert_eq!(found.left_out, 0);
+        let kinds: Vec<_> = found.passes.iter().map(|pass| pass.kind).collect();
+        let place = |kind| kinds.iter().position(|&other| other == kind).unwrap();
+        let (first, lift) = (place(PassKind::Contours), place(PassKind::Lift));
+        assert_eq!((lift + 1 - first) as u32, contours.passes());
+        // All that follows is of the paths: the sources, what begins and goes on, the lift.
+        let of_paths = &kinds[lift + 1..];
+        let going_on = (paths.passes() - 3) / 3;
+        assert_eq!(of_paths.len() as u32, 3 + traces * going_on);
+        assert_eq!((of_paths[0], of_paths.last()), (PassKind::Sources, Some(&PassKind::Lift)));
+        for pass in &found.passes[first..] {
+            assert!(pass.nanoseconds.is_some(), "{pass:?}");
+            assert_eq!(pass.groups.is_some(), pass.dispatches > 0, "{pass:?}");
+        }
+    }
+    unsafe { device.destroy_query_pool(pool, None) };
+    contours.destroy(&device, renderer.host.allocator());
+    paths.destroy(&device, renderer.host.allocator());
+    assert_eq!(renderer.end(), Vec::<String>::new());
+}
