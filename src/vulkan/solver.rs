@@ -280,7 +280,7 @@ impl Solver {
             }
             recorder.start(stop);
         })?;
-        submit(first, session.as_deref_mut())?;
+        Session::submit(session.as_deref_mut(), first)?;
         for part in seeds.chunks(images.upload.mapped().len() / size_of::<SeedTexel>()) {
             let bytes = bytemuck::cast_slice(part);
             images.upload.mapped()[..bytes.len()].copy_from_slice(bytes);
@@ -297,7 +297,7 @@ impl Solver {
             recorder.steps(passes, &steps);
             recorder.outcome(0);
         })?;
-        submit(first, session.as_deref_mut())?;
+        Session::submit(session.as_deref_mut(), first)?;
         let mut outcome = images.outcome(0);
         while !outcome.is_done() {
             // One recording serves all but the last iterations, of which fewer may be left.
@@ -311,7 +311,7 @@ impl Solver {
                 })?;
                 *goes_on = Some(wanted);
             }
-            submit(further, session.as_deref_mut())?;
+            Session::submit(session.as_deref_mut(), further)?;
             outcome = images.outcome(0);
         }
         let time = begin.elapsed();
@@ -351,7 +351,7 @@ impl Solver {
         self.context.run(|device, commands| append(self.recorder(device, commands, grid)))
     }
 
-    /// Records a command buffer, between the queries of a session if there is one.
+    /// Records a command buffer, in a session if there is one.
     fn record(
         &self,
         commands: &Commands,
@@ -359,16 +359,8 @@ impl Solver {
         session: Option<&Session>,
         append: impl FnOnce(Recorder),
     ) -> Result<(), VulkanError> {
-        commands.record(|device, buffer| {
-            let recorder = self.recorder(device, buffer, grid);
-            match session {
-                None => append(recorder),
-                Some(session) => {
-                    session.open(device, buffer);
-                    append(Recorder { profile: Some(session.profile()), ..recorder });
-                    session.close(device, buffer);
-                }
-            }
+        Session::record(session, commands, |device, buffer, profile| {
+            append(Recorder { profile, ..self.recorder(device, buffer, grid) });
         })
     }
 
@@ -381,7 +373,7 @@ impl Solver {
     ) -> Result<(), VulkanError> {
         let commands = Commands::new(&self.context)?;
         self.record(&commands, grid, session.as_deref(), append)?;
-        submit(&commands, session)
+        Session::submit(session, &commands)
     }
 
     fn read_back(
@@ -404,14 +396,6 @@ impl Solver {
 
 fn is_validation_wanted() -> bool {
     std::env::var_os(VALIDATION_VARIABLE).is_some_and(|value| value != "0")
-}
-
-/// Submits a command buffer and waits, in a session if there is one.
-fn submit(commands: &Commands, session: Option<&mut Session>) -> Result<(), VulkanError> {
-    match session {
-        None => commands.submit_and_wait(),
-        Some(session) => session.submit(commands),
-    }
 }
 
 /// Passes in a submission beside the steps of a plan, at most: copies of what the device decides,

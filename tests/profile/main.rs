@@ -8,6 +8,7 @@ mod curves;
 mod frames;
 #[path = "../embed/host/mod.rs"]
 mod host;
+mod pairwise;
 mod renderer;
 #[cfg(feature = "tracing")]
 mod spans;

@@ -87,6 +87,11 @@ pub(super) fn numbers(wavefront: Wavefront) -> u32 {
     if wavefront == Wavefront::Curved { LAYERS } else { 1 }
 }
 
+/// Numbers in the fan of a pair of points, as `glsl/pairwise_fans.glsl` has it.
+pub(super) fn fan_numbers(wavefront: Wavefront) -> u64 {
+    if wavefront == Wavefront::Curved { 15 } else { 9 }
+}
+
 /// How the maps of a surface are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layout {
@@ -160,8 +165,7 @@ impl Layout {
     pub(super) fn fans(&self) -> u64 {
         let Chart { rows, cols } = self.chart;
         let pairs = 2 * (rows * cols.div_ceil(2) + cols * rows.div_ceil(2)) as u64;
-        let numbers = if self.wavefront == Wavefront::Curved { 15 } else { 9 };
-        if self.workgroup.is_some() { 4 * numbers * pairs } else { 0 }
+        if self.workgroup.is_some() { 4 * fan_numbers(self.wavefront) * pairs } else { 0 }
     }
 
     /// Bytes of the maps that are kept from one dispatch to the next.

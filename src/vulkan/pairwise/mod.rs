@@ -13,23 +13,27 @@ mod progress;
 mod record;
 mod resources;
 mod steps;
+mod tally;
 
 use std::fmt;
 use std::sync::Arc;
+use std::time::Instant;
 
 use ash::vk;
 
 use super::headless::{Commands, Context};
 use super::plan::{self, Reached};
+use super::profile::{self, Detail, Session, SolveProfile};
 use super::{Schedule, Solver, SurfaceOnDevice, TexelChart, Tuning, VulkanError};
 use crate::cpu::{Convergence, Stop};
 use crate::update::Wavefront;
 use layout::{Layout, Limits};
 use pipelines::Passes;
-use progress::Outcome;
+use progress::{MapProgress, Outcome};
 use record::Recorder;
 use resources::Resources;
 use steps::Step;
+use tally::Tally;
 
 /// Where the maps of many sources lie while a device computes them. Both ways lead to the same
 /// maps, scan by scan.
@@ -152,7 +156,7 @@ impl Solver {
             resources,
             commands,
         };
-        new.submit(self, 0, |recorder| recorder.prepare())?;
+        new.submit(self, 0, None, |recorder| recorder.prepare())?;
         context.check_validation()?;
         Ok(new)
     }
@@ -192,9 +196,46 @@ impl PairwiseOnDevice {
         stop: Stop,
         into: &mut [f32],
     ) -> Result<Convergence, VulkanError> {
+        self.check(solver, surface);
+        self.solve_edited(solver, sources, stop, into, |_| {}, None)
+    }
+
+    /// Computes the same, and tells of every pass of every batch. What a pass had to do is counted
+    /// over all maps of its batch: an iteration visits those that have not converged. Maps in shared
+    /// memory are gone through by pairs of points, so that no texels are counted.
+    ///
+    /// # Errors
+    /// As [`PairwiseOnDevice::solve`], and [`VulkanError::NotForProfiling`] unless the solver was
+    /// made by [`Solver::for_profiling`].
+    ///
+    /// # Panics
+    /// As [`PairwiseOnDevice::solve`].
+    pub fn profile(
+        &mut self,
+        solver: &Solver,
+        surface: &SurfaceOnDevice,
+        sources: &[Option<usize>],
+        stop: Stop,
+        into: &mut [f32],
+        detail: Detail,
+    ) -> Result<(Convergence, SolveProfile), VulkanError> {
+        self.check(solver, surface);
+        let capabilities = solver.capabilities().ok_or(VulkanError::NotForProfiling)?;
+        let scans = self.scans(solver.tuning(), None, stop.iterations);
+        let passes = profile::records(&scans, detail.grain) + PASSES_AROUND;
+        let detail = Detail { tiles: false, ..detail };
+        let mut session = Session::new(&self.context, capabilities, passes, 0, detail)?;
+        let begin = Instant::now();
+        session.restart();
+        let watched = Some(&mut session);
+        let convergence = self.solve_edited(solver, sources, stop, into, |_| {}, watched)?;
+        let time = begin.elapsed();
+        Ok((convergence, session.finish(time)))
+    }
+
+    fn check(&self, solver: &Solver, surface: &SurfaceOnDevice) {
         assert!(Arc::ptr_eq(&self.context, &solver.context), "another solver");
         assert_eq!(self.edges, surface.images.edges.image, "another surface");
-        self.solve_edited(solver, sources, stop, into, |_| {})
     }
 
     fn solve_edited(
@@ -204,6 +245,7 @@ impl PairwiseOnDevice {
         stop: Stop,
         into: &mut [f32],
         edit: impl Fn(&mut Vec<Step>),
+        mut session: Option<&mut Session>,
     ) -> Result<Convergence, VulkanError> {
         let points = self.layout.chart.points();
         assert_eq!(into.len(), sources.len() * points, "a row for each source");
@@ -211,8 +253,9 @@ impl PairwiseOnDevice {
         let batch = self.batch();
         let mut convergence = progress::NOTHING;
         for (sources, rows) in sources.chunks(batch).zip(into.chunks_mut(batch * points)) {
-            convergence =
-                progress::worse(convergence, self.solve_batch(solver, sources, stop, rows, &edit)?);
+            let watched = session.as_deref_mut();
+            let of_batch = self.solve_batch(solver, sources, stop, rows, &edit, watched)?;
+            convergence = progress::worse(convergence, of_batch);
         }
         self.context.check_validation()?;
         Ok(convergence)
@@ -225,6 +268,7 @@ impl PairwiseOnDevice {
         stop: Stop,
         into: &mut [f32],
         edit: impl Fn(&mut Vec<Step>),
+        mut session: Option<&mut Session>,
     ) -> Result<Convergence, VulkanError> {
         let chart = self.layout.chart;
         let texel = |source: usize| {
@@ -244,9 +288,20 @@ impl PairwiseOnDevice {
 
         let schedule = self.schedule();
         let mut steps = steps::first(schedule, self.scans(tuning, Some(reached), stop.iterations));
+        let mut gone = Vec::new();
+        if session.is_some() {
+            gone = MapProgress::read(sources.len(), self.resources.write_staging());
+        }
         let outcome = loop {
             edit(&mut steps);
-            self.submit(solver, sources.len(), |recorder| recorder.steps(&steps))?;
+            let watched = session.as_deref_mut();
+            self.submit(solver, sources.len(), watched, |recorder| recorder.steps(&steps))?;
+            if let Some(session) = &mut session {
+                let before = gone;
+                gone = MapProgress::read(sources.len(), self.resources.read_outcome());
+                let tally = Tally { layout: &self.layout, sources };
+                tally.settle(session.last(), &before, &gone);
+            }
             let outcome = Outcome::read(sources.len(), self.resources.read_outcome());
             if outcome.is_done {
                 break outcome;
@@ -255,7 +310,7 @@ impl PairwiseOnDevice {
             steps = steps::further(schedule, self.scans(tuning, None, left));
         };
         if schedule == PairwiseSchedule::Images {
-            self.submit(solver, sources.len(), |recorder| recorder.steps(&steps::read()))?;
+            self.submit(solver, sources.len(), session, |recorder| recorder.steps(&steps::read()))?;
         }
         let points = chart.points();
         let maps: &[f32] = bytemuck::cast_slice(self.resources.read_distances());
@@ -282,9 +337,10 @@ impl PairwiseOnDevice {
         &self,
         solver: &Solver,
         maps: usize,
+        session: Option<&mut Session>,
         append: impl FnOnce(Recorder),
     ) -> Result<(), VulkanError> {
-        let record = |device: &ash::Device, commands: vk::CommandBuffer| {
+        Session::record(session.as_deref(), &self.commands, |device, commands, profile| {
             append(Recorder {
                 device,
                 commands,
@@ -294,12 +350,16 @@ impl PairwiseOnDevice {
                 layout: &self.layout,
                 texels: self.texels,
                 maps: maps as u32,
+                profile,
             });
-        };
-        self.commands.record(record)?;
-        self.commands.submit_and_wait()
+        })?;
+        Session::submit(session, &self.commands)
     }
 }
+
+/// Passes in a submission beside scans and counts, at most: copies, the first texels, iterations in
+/// shared memory.
+const PASSES_AROUND: u32 = 4;
 
 impl Drop for PairwiseOnDevice {
     fn drop(&mut self) {
@@ -353,7 +413,7 @@ mod tests {
                 }
             };
             let mut rows = vec![0.0; 3 * 600];
-            let result = pairwise.solve_edited(&solver, &SOURCES, STOP, &mut rows, leaky);
+            let result = pairwise.solve_edited(&solver, &SOURCES, STOP, &mut rows, leaky, None);
             let Err(VulkanError::Validation(messages)) = result else {
                 panic!("{schedule}, barrier {which}: {result:?}")
             };
@@ -372,9 +432,49 @@ mod tests {
             let place = steps.iter().position(|step| *step == barrier).unwrap();
             steps.remove(place);
         };
-        let result = pairwise.solve_edited(&solver, &SOURCES, STOP, &mut [0.0; 3 * 600], leaky);
+        let result =
+            pairwise.solve_edited(&solver, &SOURCES, STOP, &mut [0.0; 3 * 600], leaky, None);
         let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
         assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-")), "{messages:?}");
+    }
+
+    /// What a host's tools see of us is what the layers say of a fault.
+    #[test]
+    fn passes_and_images_have_names_while_profiling() {
+        let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
+        let context = Context::open(&device, true, Some(&[])).unwrap();
+        let solver = Solver::with(context).unwrap();
+        let on_device = solver.upload(&hill()).unwrap();
+        let images = Some(PairwiseSchedule::Images);
+        let mut pairwise = solver.pairwise(&on_device, Wavefront::Planar, images).unwrap();
+        let leaky = |steps: &mut Vec<Step>| {
+            steps.retain(|step| *step != Step::Raster(plan::Step::Barrier));
+        };
+        let rows = &mut [0.0; 3 * 600];
+        let result = pairwise.solve_edited(&solver, &SOURCES, STOP, rows, leaky, None);
+        let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
+        let named = |name: &str| messages.iter().any(|message| message.contains(name));
+        assert!(named("[pairwise scan") && named("[batch of fronts"), "{messages:?}");
+    }
+
+    #[test]
+    fn profiles_leave_no_message_to_the_end() {
+        let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
+        let context = Context::open(&device, true, Some(&[])).unwrap();
+        let solver = Solver::with(context).unwrap();
+        let log = solver.validation_log().unwrap().clone();
+        let on_device = solver.upload(&hill()).unwrap();
+        for schedule in PairwiseSchedule::ALL {
+            let mut pairwise =
+                solver.pairwise(&on_device, Wavefront::Curved, Some(schedule)).unwrap();
+            for grain in profile::Grain::ALL {
+                let (rows, detail) =
+                    (&mut [0.0; 3 * 600], Detail { grain, invocations: true, tiles: false });
+                pairwise.profile(&solver, &on_device, &SOURCES, STOP, rows, detail).unwrap();
+            }
+        }
+        drop((on_device, solver));
+        assert_eq!(log.messages(), Vec::<String>::new());
     }
 
     #[test]

@@ -50,7 +50,18 @@ impl Passes {
             passes.push((spirv!("pairwise_start"), vec![wavefront, maps]));
             passes.push((spirv!("pairwise_count"), Vec::new()));
         }
-        SchedulePipelines::of(device, pipelines, &passes).map(Self)
+        let new = SchedulePipelines::of(device, pipelines, &passes).map(Self)?;
+        let names = match layout.workgroup {
+            Some(_) => ["fans", "shared"].map(str::to_owned).to_vec(),
+            None => {
+                let scans = Scan::ALL.map(|scan| format!("scan {}", scan.name()));
+                scans.into_iter().chain(["start", "count"].map(str::to_owned)).collect()
+            }
+        };
+        for (name, &pipeline) in names.iter().zip(&new.0.passes) {
+            pipelines.name(&format!("pairwise {name}, {}", layout.wavefront), pipeline);
+        }
+        Ok(new)
     }
 
     pub(super) fn fans(&self) -> vk::Pipeline {

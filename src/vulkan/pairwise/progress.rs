@@ -72,17 +72,35 @@ pub(super) struct Outcome {
 }
 
 impl Outcome {
-    pub(super) fn read(maps: usize, from: &[u8]) -> Self {
-        let (first, rest) = from.split_at(size_of::<Batch>());
-        let batch: Batch = bytemuck::pod_read_unaligned(first);
+    pub(super) fn read(count: usize, from: &[u8]) -> Self {
+        let batch: Batch = bytemuck::pod_read_unaligned(&from[..size_of::<Batch>()]);
         let mut outcome = Self { is_done: batch.pending == 0, convergence: NOTHING };
-        for bytes in rest.chunks_exact(size_of::<Map>()).take(maps) {
-            let map: Map = bytemuck::pod_read_unaligned(bytes);
+        for map in maps(count, from) {
             let residual = relative_change::<f32>(map.last_residual);
             let of_map = Convergence { iterations: map.iterations, residual };
             outcome.convergence = worse(outcome.convergence, of_map);
         }
         outcome
+    }
+}
+
+fn maps(count: usize, from: &[u8]) -> impl Iterator<Item = Map> {
+    let maps = from[size_of::<Batch>()..].chunks_exact(size_of::<Map>()).take(count);
+    maps.map(bytemuck::pod_read_unaligned)
+}
+
+/// How one map of a batch has gone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct MapProgress {
+    pub(super) iterations: u32,
+    /// Maps without source are from the start.
+    pub(super) is_done: bool,
+}
+
+impl MapProgress {
+    pub(super) fn read(count: usize, from: &[u8]) -> Vec<Self> {
+        let of = |map: Map| Self { iterations: map.iterations, is_done: map.done != 0 };
+        maps(count, from).map(of).collect()
     }
 }
 

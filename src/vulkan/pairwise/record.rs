@@ -3,17 +3,21 @@
 use ash::vk;
 use bytemuck::{NoUninit, bytes_of};
 
-use super::layout::Layout;
+use super::layout::{Layout, numbers};
 use super::pipelines::Passes;
 use super::progress::{self, offset};
 use super::resources::Resources;
 use super::steps::Step;
 use crate::constants::WORKGROUP;
+use crate::update::Wavefront;
 use crate::vulkan::TexelChart;
 use crate::vulkan::barrier::{self, NOTHING, PASS, SHADER, SHADER_WRITE};
 use crate::vulkan::memory::Buffer;
 use crate::vulkan::pipelines::Pipelines;
 use crate::vulkan::plan::{self, Scan, ScanPass};
+use crate::vulkan::profile::{
+    PassKind, PassRecord, Presence, Profile, Scope, StepCounter, Watch, Work,
+};
 use crate::vulkan::record::{Block, UnpackBand};
 
 /// A command buffer that is being recorded for one batch.
@@ -28,6 +32,8 @@ pub(super) struct Recorder<'a> {
     pub(super) texels: TexelChart,
     /// Maps in the batch.
     pub(super) maps: u32,
+    /// Takes the passes down, if anyone looks on.
+    pub(super) profile: Option<&'a Profile>,
 }
 
 #[derive(Clone, Copy, NoUninit)]
@@ -37,7 +43,7 @@ struct FanSize {
     scan: u32,
 }
 
-impl Recorder<'_> {
+impl<'a> Recorder<'a> {
     /// Once, before the first batch: brings images into their layout, or puts the surface's fans into
     /// the order of the scans.
     pub(super) fn prepare(&self) {
@@ -53,19 +59,38 @@ impl Recorder<'_> {
         for scan in 0..Scan::ALL.len() as u32 {
             let (points, lines) = if scan < 2 { (cols, rows) } else { (rows, cols) };
             let groups = [points.div_ceil(2).div_ceil(WORKGROUP), lines, 1];
+            let record = PassRecord { groups: Some(groups), ..PassRecord::new(PassKind::Fans) };
+            let _pass = Scope::open(self.watch(), || (record, Presence::Always));
             self.dispatch(&FanSize { grid: self.grid(), scan }, groups);
         }
         self.barrier(SHADER_WRITE, SHADER);
     }
 
+    /// The records of passes over maps in images are those of one map.
     pub(super) fn steps(&self, steps: &[Step]) {
+        let mut open = None;
+        let is_curved = self.layout.wavefront == Wavefront::Curved;
+        let mut counter = StepCounter::new(self.texels, self.pipelines.tuning, is_curved);
         for step in steps {
+            match step {
+                Step::Barrier(before, after) => {
+                    self.barrier(*before, *after);
+                    continue;
+                }
+                Step::Raster(plan::Step::Barrier) => {
+                    self.barrier(PASS, PASS);
+                    continue;
+                }
+                _ => {}
+            }
+            Scope::go_on(&mut open, self.watch(), || {
+                (self.record_of(step, &mut counter), Presence::Always)
+            });
             match step {
                 Step::Begin => self.copy(self.resources.staging(), self.resources.progress()),
                 Step::Start => {
                     self.bind(self.passes.start(), 0);
-                    let TexelChart { rows, cols } = self.texels;
-                    self.dispatch(&self.grid(), [cols.div_ceil(WORKGROUP), rows, self.maps]);
+                    self.dispatch(&self.grid(), self.start_groups());
                 }
                 Step::Workgroups => {
                     self.bind(self.passes.workgroups(), 0);
@@ -74,15 +99,73 @@ impl Recorder<'_> {
                 Step::Raster(plan::Step::Scan(pass)) => self.scan(pass),
                 Step::Raster(plan::Step::Count) => {
                     self.bind(self.passes.count(), 0);
-                    self.dispatch(&self.maps, [self.maps.div_ceil(WORKGROUP), 1, 1]);
+                    self.dispatch(&self.maps, self.count_groups());
                 }
-                Step::Raster(plan::Step::Barrier) => self.barrier(PASS, PASS),
                 Step::Raster(other) => unreachable!("{other:?} is of another schedule"),
                 Step::Unpack => self.unpack(),
                 Step::Report => self.copy(self.resources.progress(), self.resources.outcome()),
-                Step::Barrier(before, after) => self.barrier(*before, *after),
+                Step::Barrier(..) => {}
             }
         }
+    }
+
+    fn record_of(&self, step: &Step, counter: &mut StepCounter) -> PassRecord {
+        let progress = progress::bytes(self.maps);
+        let copied = |kind, bytes| PassRecord {
+            work: Work::of_bytes(bytes, bytes),
+            ..PassRecord::new(kind)
+        };
+        let dispatched =
+            |kind, groups| PassRecord { groups: Some(groups), ..PassRecord::new(kind) };
+        match step {
+            Step::Begin => copied(PassKind::Start, progress),
+            Step::Report => copied(PassKind::Outcome, progress),
+            Step::Start => {
+                let TexelChart { rows, cols } = self.texels;
+                let texels = u64::from(rows) * u64::from(cols);
+                // Two images.
+                let written = 2 * 16 * texels * u64::from(numbers(self.layout.wavefront));
+                let work = Work::of_bytes(0, written);
+                PassRecord { work, ..dispatched(PassKind::Seed, self.start_groups()) }
+            }
+            Step::Workgroups => PassRecord {
+                iteration: Some(0),
+                ..dispatched(PassKind::Workgroups, [self.maps, 1, 1])
+            },
+            Step::Raster(step) => {
+                let (record, _) = counter.next(step);
+                let groups = match step {
+                    plan::Step::Count => Some(self.count_groups()),
+                    _ => record.groups.map(|[x, y, _]| [x, y, self.maps]),
+                };
+                PassRecord { groups, ..record }
+            }
+            Step::Unpack => {
+                let bytes = 4 * u64::from(self.maps) * self.layout.chart.points() as u64;
+                let groups = Some(self.unpack_groups());
+                PassRecord { groups, ..copied(PassKind::Unpack, bytes) }
+            }
+            Step::Barrier(..) => unreachable!("barriers are no passes"),
+        }
+    }
+
+    fn start_groups(&self) -> [u32; 3] {
+        let TexelChart { rows, cols } = self.texels;
+        [cols.div_ceil(WORKGROUP), rows, self.maps]
+    }
+
+    fn count_groups(&self) -> [u32; 3] {
+        [self.maps.div_ceil(WORKGROUP), 1, 1]
+    }
+
+    fn unpack_groups(&self) -> [u32; 3] {
+        let [cols, rows] = self.grid();
+        [cols.div_ceil(2).div_ceil(WORKGROUP), rows.div_ceil(2), self.maps]
+    }
+
+    fn watch(&self) -> Watch<'a> {
+        let Self { device, commands, pipelines, profile, .. } = *self;
+        Watch { device, commands, profile, labels: pipelines.labels.as_ref() }
     }
 
     fn scan(&self, pass: &ScanPass) {
@@ -107,8 +190,7 @@ impl Recorder<'_> {
         let [cols, rows] = self.grid();
         let grid = [cols as i32, rows as i32];
         let band = UnpackBand { grid, first_row: 0, band_rows: rows as i32 };
-        let groups = [cols.div_ceil(2).div_ceil(WORKGROUP), rows.div_ceil(2), self.maps];
-        self.dispatch(&band, groups);
+        self.dispatch(&band, self.unpack_groups());
     }
 
     /// Columns and rows of points.

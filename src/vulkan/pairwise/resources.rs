@@ -70,6 +70,7 @@ impl Resources {
                 let layers = layout.layers();
                 let info = ImageInfo { name, format: FORMAT, extent, layers, families: &[] };
                 self.fronts.push(Image::new(device, allocator, info)?);
+                pipelines.name(name, self.fronts[self.fronts.len() - 1].image);
             }
         }
         let progress = progress::bytes(layout.maps);
@@ -83,6 +84,7 @@ impl Resources {
         ];
         for (name, size, location) in all.into_iter().filter(|(_, size, _)| *size > 0) {
             self.buffers.push(Buffer::new(device, allocator, BufferInfo { name, size, location })?);
+            pipelines.name(name, self.buffers[self.buffers.len() - 1].buffer);
         }
         self.pool = descriptors::pool(device)?;
         self.sets = descriptors::sets(device, self.pool, pipelines)?;

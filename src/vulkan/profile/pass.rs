@@ -19,13 +19,13 @@ pub enum PassKind {
     Curvature,
     /// Forgets the last map.
     Forget,
-    /// Sets the progress to its beginning.
+    /// Sets the progress to its beginning: of all maps of a batch with their sources.
     Start,
     /// Sets the lists of tiles for more rounds.
     Resume,
     /// Takes sources that come with the recording, or finds the texels around them.
     Sources,
-    /// Sets the texels with sources.
+    /// Sets the texels with sources; for maps of a batch all others, too.
     Seed,
     /// One of the four rotated scans, or a block of its lines.
     Scan(Scan),
@@ -39,6 +39,11 @@ pub enum PassKind {
     Count,
     /// An iteration with its count, where no finer records are wanted: [`Grain::Iterations`].
     Iteration,
+    /// Puts the lengths around a surface's points into the order of the scans, for maps in shared
+    /// memory.
+    Fans,
+    /// Iterations of maps in shared memory, a workgroup each.
+    Workgroups,
     /// Copies what the device has decided to where a [`super::Profile`] finds it: only recorded
     /// while profiling.
     Decisions,
@@ -90,6 +95,8 @@ impl PassKind {
             Self::Settle => c"settle",
             Self::Count => c"count",
             Self::Iteration => c"iteration",
+            Self::Fans => c"fans",
+            Self::Workgroups => c"workgroups",
             Self::Decisions => c"decisions",
             Self::Outcome => c"outcome",
             Self::Distances => c"distances",

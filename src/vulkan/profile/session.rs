@@ -157,8 +157,9 @@ impl Session {
         Ok(pool)
     }
 
-    pub(crate) fn profile(&self) -> &Profile {
-        &self.profile
+    /// The passes that were submitted last.
+    pub(crate) fn last(&mut self) -> &mut [PassRecord] {
+        self.found.submissions.last_mut().map_or(&mut [], |last| &mut last.passes)
     }
 
     /// The time from now on counts.
@@ -167,7 +168,7 @@ impl Session {
     }
 
     /// At the beginning of a command buffer.
-    pub(crate) fn open(&self, device: &ash::Device, commands: vk::CommandBuffer) {
+    fn open(&self, device: &ash::Device, commands: vk::CommandBuffer) {
         if let Some(QueryRange { pool, first, count }) = self.around {
             // SAFETY: the pool is ours, and its last results have been read.
             unsafe { device.cmd_reset_query_pool(commands, pool, first, count) };
@@ -177,7 +178,7 @@ impl Session {
     }
 
     /// At its end.
-    pub(crate) fn close(&self, device: &ash::Device, commands: vk::CommandBuffer) {
+    fn close(&self, device: &ash::Device, commands: vk::CommandBuffer) {
         if let Some(QueryRange { first, count, .. }) = self.around {
             self.write(device, commands, first + count - 1);
         }
@@ -190,9 +191,36 @@ impl Session {
         unsafe { device.cmd_write_timestamp(commands, stage, pool, query) };
     }
 
-    /// Submits a command buffer that was recorded between [`Session::open`] and
-    /// [`Session::close`], and waits; nothing else was recorded so since.
-    pub(crate) fn submit(&mut self, commands: &Commands) -> Result<(), VulkanError> {
+    /// Records a command buffer, between the queries of a session if there is one.
+    pub(crate) fn record(
+        session: Option<&Self>,
+        commands: &Commands,
+        append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&Profile>),
+    ) -> Result<(), VulkanError> {
+        commands.record(|device, buffer| {
+            if let Some(session) = session {
+                session.open(device, buffer);
+            }
+            append(device, buffer, session.map(|session| &session.profile));
+            if let Some(session) = session {
+                session.close(device, buffer);
+            }
+        })
+    }
+
+    /// Submits a command buffer and waits; in a session if there is one, by which it was recorded
+    /// last.
+    pub(crate) fn submit(
+        session: Option<&mut Self>,
+        commands: &Commands,
+    ) -> Result<(), VulkanError> {
+        match session {
+            None => commands.submit_and_wait(),
+            Some(session) => session.watch(commands),
+        }
+    }
+
+    fn watch(&mut self, commands: &Commands) -> Result<(), VulkanError> {
         let submitted = self.start.elapsed();
         commands.submit_and_wait()?;
         let ended = self.start.elapsed();

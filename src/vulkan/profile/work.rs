@@ -77,6 +77,20 @@ impl Work {
         }
     }
 
+    /// What one map takes, of so many of `all` maps of a batch that visit the same texels.
+    pub(crate) fn of_maps(self, maps: u64, all: u64) -> Self {
+        let each = |count: Option<u64>| Some(count? * maps);
+        let texels = each(self.texels);
+        let everywhere = self.texels.zip(self.skipped).map(|(texels, skipped)| texels + skipped);
+        Self {
+            texels,
+            skipped: everywhere.zip(texels).map(|(each, visited)| each * all - visited),
+            bytes_read: each(self.bytes_read),
+            bytes_written: each(self.bytes_written),
+            triangles: each(self.triangles),
+        }
+    }
+
     /// Of the same texels, none visited.
     fn none(self) -> Self {
         let skipped = self.texels.zip(self.skipped).map(|(texels, skipped)| texels + skipped);

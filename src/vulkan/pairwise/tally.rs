@@ -1,0 +1,83 @@
+//! What the passes over a batch had to do, once it is known how its maps have gone.
+
+use super::layout::{self, Layout};
+use super::progress::MapProgress;
+use crate::surface::Chart;
+use crate::vulkan::profile::{PassKind, PassRecord, Work};
+
+/// Triangles of a point that a scan sees.
+const TRIANGLES: u64 = 2;
+
+/// A batch.
+#[derive(Clone, Copy)]
+pub(super) struct Tally<'a> {
+    pub(super) layout: &'a Layout,
+    pub(super) sources: &'a [Option<usize>],
+}
+
+impl Tally<'_> {
+    /// Completes the records of a recording, of which those of maps in images are of one map each.
+    /// `before` and `after` say how each map had gone before it and has gone since.
+    pub(super) fn settle(
+        self,
+        passes: &mut [PassRecord],
+        before: &[MapProgress],
+        after: &[MapProgress],
+    ) {
+        // Maps that are not done have all taken the same number of iterations.
+        let iterations = before.iter().map(|map| map.iterations).max().unwrap_or(0);
+        let maps = self.sources.len() as u64;
+        for pass in passes {
+            pass.iteration = pass.iteration.map(|number| iterations + number);
+            match (pass.kind, pass.iteration) {
+                (PassKind::Seed, _) => {
+                    let present = self.sources.iter().flatten().count();
+                    pass.work = pass.work.of_maps(present as u64, maps);
+                }
+                (PassKind::Workgroups, _) => pass.work = self.in_shared_memory(before, after),
+                (PassKind::Scan(_) | PassKind::Iteration, Some(number)) => {
+                    let goes_on = |map: &&MapProgress| map.iterations > number;
+                    let count = after.iter().filter(goes_on).count() as u64;
+                    pass.work = pass.work.of_maps(count, maps);
+                    if count == 0 {
+                        pass.groups = Some([0, 1, 1]);
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Iterations in shared memory go through lines of points, pair by pair, and read of each pair
+    /// its fan.
+    fn in_shared_memory(self, before: &[MapProgress], after: &[MapProgress]) -> Work {
+        let Layout { chart, wavefront, .. } = *self.layout;
+        let Chart { rows, cols } = chart;
+        // Behind the first line there is none.
+        let [of_rows, of_cols] = [(rows, cols), (cols, rows)].map(|(lines, points)| {
+            let (lines, points) = (lines as u64 - 1, points as u64);
+            [lines * points, lines * points.div_ceil(2)]
+        });
+        let all = [0, 1].map(|k| 2 * (of_rows[k] + of_cols[k]));
+        let kept = self.layout.kept() / u64::from(self.layout.maps);
+        let fan = 4 * layout::fan_numbers(wavefront);
+        let (mut points, mut read, mut written) = (0, 0, 0);
+        for ((source, before), after) in self.sources.iter().zip(before).zip(after) {
+            let Some(source) = source.filter(|_| !before.is_done) else { continue };
+            let iterations = u64::from(after.iterations - before.iterations);
+            let [mut updated, mut pairs] = all.map(|count| count * iterations);
+            if before.iterations == 0 {
+                // The first scan of all starts at the source.
+                let (row, _) = chart.position(source);
+                updated -= (row * cols) as u64;
+                pairs -= (row * cols.div_ceil(2)) as u64;
+            } else {
+                read += kept;
+            }
+            points += updated;
+            read += pairs * fan;
+            written += if after.is_done { 4 * chart.points() as u64 } else { kept };
+        }
+        Work { triangles: Some(TRIANGLES * points), ..Work::of_bytes(read, written) }
+    }
+}
