@@ -1,7 +1,9 @@
 //! A map as a trace in the Chrome format, which Perfetto opens.
 //!
 //! The format: "Trace Event Format", Google, "JSON Object Format" with complete events (`X`) and
-//! metadata (`M`); times in microseconds.
+//! metadata (`M`); times in microseconds. Perfetto's importer is stricter: it cuts times off at whole
+//! nanoseconds (`CoerceToTs` in `src/trace_processor/importers/json`) and leaves out events that
+//! overlap others of their track in part, be it by one (`slice_drop_overlapping_complete_event`).
 
 use std::io::{self, Write};
 
@@ -130,8 +132,29 @@ fn span(thread: u32, category: &str, name: &str, [begin, end]: [i64; 2], args: V
         "tid": thread,
         "cat": category,
         "name": name,
-        "ts": begin as f64 / 1e3,
-        "dur": (end - begin) as f64 / 1e3,
+        "ts": microseconds(begin),
+        "dur": microseconds(end - begin),
         "args": args,
     })
+}
+
+/// As a number of which a thousand times is no less, also once it is rounded.
+fn microseconds(nanoseconds: i64) -> f64 {
+    let nearest = nanoseconds as f64 / 1e3;
+    if 1e3 * nearest < nanoseconds as f64 { nearest.next_up() } else { nearest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nanoseconds_survive_being_cut_off() {
+        // The nearest number to 1.001 falls short.
+        assert_eq!((1e3 * (1001_f64 / 1e3)) as i64, 1000);
+        let spread = (1..100).map(|k| k * 987_654_321_987);
+        for nanoseconds in (0..5000).chain(spread) {
+            assert_eq!((1e3 * microseconds(nanoseconds)) as i64, nanoseconds);
+        }
+    }
 }
