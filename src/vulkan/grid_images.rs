@@ -76,7 +76,7 @@ impl GridImages {
         let created = (|| {
             for info in image_infos(chart, texels, purpose) {
                 images.push(Image::new(device, allocator, info)?);
-                pipelines.name(info.name, images[images.len() - 1].image);
+                pipelines.name_image(info.name, &images[images.len() - 1]);
             }
             for info in buffer_infos(chart, texels, pipelines.tuning, purpose) {
                 buffers.push(Buffer::new(device, allocator, info)?);

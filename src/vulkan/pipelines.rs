@@ -4,6 +4,7 @@ use std::io::Cursor;
 
 use ash::vk;
 
+use super::memory::Image;
 use super::plan::Scan;
 use super::profile::Labels;
 use super::{Schedule, Tuning, VulkanError};
@@ -186,6 +187,12 @@ impl Pipelines {
         if let Some(labels) = &self.labels {
             labels.name(object, name);
         }
+    }
+
+    /// The same of an image and its view, of which layers and tools tell as often.
+    pub(crate) fn name_image(&self, name: &str, image: &Image) {
+        self.name(name, image.image);
+        self.name(name, image.view);
     }
 
     fn create(&mut self, device: &ash::Device) -> Result<(), VulkanError> {

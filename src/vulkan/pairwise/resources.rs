@@ -70,7 +70,7 @@ impl Resources {
                 let layers = layout.layers();
                 let info = ImageInfo { name, format: FORMAT, extent, layers, families: &[] };
                 self.fronts.push(Image::new(device, allocator, info)?);
-                pipelines.name(name, self.fronts[self.fronts.len() - 1].image);
+                pipelines.name_image(name, &self.fronts[self.fronts.len() - 1]);
             }
         }
         let progress = progress::bytes(layout.maps);
