@@ -87,6 +87,33 @@ fn a_profile_counts_what_the_schedules_do() {
     assert_eq!(bench.outputs(), [""; 0]);
 }
 
+/// Maps of all points of a small grid fit one batch.
+#[test]
+fn maps_of_many_sources_are_profiled_at_once() {
+    let bench = Bench::new();
+    let line = "profile builtin:sphere:20x30 --wavefront point --repeat 2 --json";
+    for (more, part) in [("--source 1,1", "--source"), ("--picture a.png", "--picture")] {
+        bench.refuses(&run(&bench, &format!("{line} --pairwise {more}")), &[part, "--pairwise"]);
+    }
+    for (place, schedule, kind) in
+        [("", "pairwise shared memory", "workgroups"), ("=images", "pairwise images", "scan left")]
+    {
+        let output = run(&bench, &format!("{line} --pairwise{place} --trace trace.json"));
+        let report = json(&output);
+        assert_eq!((&report["maps"], &report["schedule"]), (&600.into(), &schedule.into()));
+        assert_eq!(report["converged"], true);
+        let kinds = report["kinds"].as_array().unwrap();
+        let found = kinds.iter().find(|found| found["name"] == kind).unwrap();
+        assert!(found["triangles"].as_u64().unwrap() > 600 * 600, "{found}");
+        assert_eq!(found["texels"].is_u64(), schedule.ends_with("images"), "{found}");
+        times_fit(&report);
+        let tracks = tracks(&std::fs::read_to_string(bench.output("trace.json")).unwrap());
+        let device = tracks.iter().find(|(name, _)| name.starts_with("device: ")).unwrap().1;
+        assert_eq!(depths(device).len(), device.len());
+        assert!(device.iter().any(|event| event.name == kind));
+    }
+}
+
 /// The kinds' times add up to those of the passes, run by run, and these are within the command
 /// buffers'.
 fn times_fit(report: &Value) {

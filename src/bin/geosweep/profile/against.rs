@@ -171,10 +171,14 @@ fn noise(runs: &[f64]) -> Option<f64> {
 
 fn differences(before: &Setting, now: &Setting) -> Vec<String> {
     let size = |setting: &Setting| format!("{} x {} points", setting.rows, setting.cols);
+    let maps = |Setting { maps, .. }: &Setting| {
+        if *maps == 1 { "one map".to_owned() } else { format!("{maps} maps at once") }
+    };
     [
         (before.device.clone(), now.device.clone()),
         (before.driver.clone(), now.driver.clone()),
         (size(before), size(now)),
+        (maps(before), maps(now)),
         (before.schedule.clone(), now.schedule.clone()),
         (before.wavefront.clone(), now.wavefront.clone()),
     ]

@@ -36,8 +36,15 @@ pub struct Setting {
     pub driver: String,
     pub rows: usize,
     pub cols: usize,
+    /// At once; profiles of before there was a choice do not tell.
+    #[serde(default = "one")]
+    pub maps: usize,
     pub schedule: String,
     pub wavefront: String,
+}
+
+fn one() -> usize {
+    1
 }
 
 #[derive(Serialize)]
@@ -117,7 +124,8 @@ impl Summary {
                 driver: measured.driver.clone(),
                 rows: measured.chart.rows,
                 cols: measured.chart.cols,
-                schedule: measured.schedule.name().into(),
+                maps: measured.solved.maps(),
+                schedule: measured.solved.schedule(),
                 wavefront: measured.wavefront.name().into(),
             },
             iterations: measured.iterations,

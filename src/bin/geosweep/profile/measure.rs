@@ -7,17 +7,18 @@ use geosweep::surface::Chart;
 use geosweep::vulkan::profile::{
     Capabilities, Capability, Detail, Executable, Grain, SolveProfile,
 };
-use geosweep::vulkan::{self, Schedule, Solver, Tuning};
+use geosweep::vulkan::{self, PairwiseSchedule, Solver, Tuning};
 use geosweep::{DeviceChoice, Engine, Options, Sources, Surface, Wavefront};
 
 use super::renderdoc::Capture;
+use super::subject::{Solved, Subject};
 use crate::say;
 use crate::study::progress;
 
 /// What is measured, and how often.
 pub struct Wanted<'a> {
     pub surface: &'a Surface,
-    pub sources: &'a Sources,
+    pub of: Of<'a>,
     pub options: &'a Options,
     pub repeat: u32,
     pub without: &'a [Capability],
@@ -25,6 +26,15 @@ pub struct Wanted<'a> {
     pub grain: Grain,
     /// Whether to look what each block of lines, or each round of tiles, visits.
     pub visits: bool,
+}
+
+/// What the profile is of.
+#[derive(Clone, Copy)]
+pub enum Of<'a> {
+    /// The map from some sources.
+    Map(&'a Sources),
+    /// A batch of maps at once, as they are computed for a matrix.
+    Pairwise(Option<PairwiseSchedule>),
 }
 
 /// All of it.
@@ -35,7 +45,7 @@ pub struct Measured {
     pub ceilings: vulkan::Ceilings,
     pub chart: Chart,
     pub tuning: Tuning,
-    pub schedule: Schedule,
+    pub solved: Solved,
     pub wavefront: Wavefront,
     pub iterations: u32,
     pub residual: f64,
@@ -62,14 +72,8 @@ impl Measured {
 
 /// Measures what is wanted.
 pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Box<dyn Error>> {
-    let Wanted { surface, sources, options, .. } = *wanted;
+    let Wanted { surface, options, .. } = *wanted;
     let choice = device(&options.engine)?;
-    let method = options.method(surface, sources)?;
-    let mut seeds = sources.seeds(surface)?;
-    // As for a map, which adds the smallest start value in the end.
-    let start = seeds.iter().map(|seed| seed.time).fold(f64::INFINITY, f64::min);
-    seeds.iter_mut().for_each(|seed| seed.time -= start);
-
     let bar = progress(wanted.repeat as usize + 3);
     bar.set_message("ceilings");
     // RenderDoc would take the device of the ceilings for the one to capture.
@@ -79,32 +83,32 @@ pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Bo
     bar.inc(1);
     bar.set_message("warming up");
     let mut solver = Solver::for_profiling(choice, wanted.without)?;
-    let mut on_device = solver.upload(surface)?;
-    solver.solve(&mut on_device, &seeds, method)?;
+    let (mut subject, method) = Subject::new(&solver, surface, &wanted.of, options)?;
+    subject.solve(&mut solver)?;
     if let Some(capture) = capture {
-        let (solved, file) = capture.around(|| solver.solve(&mut on_device, &seeds, method));
+        let (solved, file) = capture.around(|| subject.solve(&mut solver));
         solved?;
         say("note", format_args!("RenderDoc has captured a map: {}", file?));
     }
     bar.inc(1);
     let timed = Detail { grain: wanted.grain, ..Detail::default() };
     let counted = Detail { invocations: true, ..timed };
-    let (solution, counted) = solver.profile(&mut on_device, &seeds, method, counted)?;
+    let (ended, counted) = subject.profile(&mut solver, counted)?;
     let visits = Detail { grain: Grain::Blocks, tiles: true, invocations: false };
-    let visits = wanted.visits.then(|| solver.profile(&mut on_device, &seeds, method, visits));
+    let visits = wanted.visits.then(|| subject.profile(&mut solver, visits));
     let visits = visits.transpose()?.map(|(_, visits)| visits);
     bar.inc(1);
     bar.set_message("timing");
     let (mut runs, mut plain) = (Vec::new(), Vec::new());
     for _ in 0..wanted.repeat {
-        plain.push(solver.solve(&mut on_device, &seeds, method)?.time);
-        runs.push(solver.profile(&mut on_device, &seeds, method, timed)?.1);
+        plain.push(subject.solve(&mut solver)?);
+        runs.push(subject.profile(&mut solver, timed)?.1);
         bar.inc(1);
     }
     let executables = solver.executables()?;
     let (device, tuning) = (solver.device_name().to_owned(), solver.tuning());
     let capabilities = solver.capabilities().expect("it was made for profiling").clone();
-    drop((on_device, solver));
+    drop((subject, solver));
     let ceilings = before.map_or_else(|| ceilings(choice), Ok)?;
     bar.finish_and_clear();
     let driver = vulkan::devices()?.into_iter().find(|found| found.name == device);
@@ -115,11 +119,11 @@ pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Bo
         ceilings,
         chart: surface.chart(),
         tuning,
-        schedule: solution.schedule,
+        solved: ended.solved,
         wavefront: method.wavefront,
-        iterations: solution.iterations,
-        residual: solution.residual,
-        converged: solution.residual <= method.stop.tolerance,
+        iterations: ended.iterations,
+        residual: ended.residual,
+        converged: ended.residual <= method.stop.tolerance,
         runs,
         plain,
         counted,

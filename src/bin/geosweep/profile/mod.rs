@@ -8,6 +8,7 @@ mod passes_csv;
 mod picture;
 mod renderdoc;
 mod report;
+mod subject;
 mod trace;
 
 use std::error::Error;
@@ -16,6 +17,7 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 use geosweep::io::{OutputFile, StagedFile};
+use geosweep::vulkan::PairwiseSchedule;
 use geosweep::vulkan::profile::{Capability, Grain};
 
 use crate::output_file::{output_file, png_output};
@@ -23,7 +25,7 @@ use crate::problem::{self, SolverArgs, SourceArgs, SurfaceArgs, check_outputs};
 use crate::{Outcome, print};
 use against::{Comparison, Earlier};
 use file::Summary;
-use measure::{Measured, Wanted};
+use measure::{Measured, Of, Wanted};
 use report::Report;
 
 /// The arguments of `geosweep profile`.
@@ -32,6 +34,12 @@ use report::Report;
 pub struct Args {
     #[command(flatten)]
     sources: SourceArgs,
+    /// Not one map but those of a batch of neighbouring points, as the rows of a matrix are computed
+    /// on a Vulkan device: where they lie
+    #[arg(long, value_enum, value_name = "WHERE", num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "auto", group = "sources", help_heading = "Sources")]
+    #[arg(conflicts_with_all = ["source", "source_curve", "schedule", "picture"])]
+    pairwise: Option<PairwiseArg>,
     #[command(flatten)]
     surface: SurfaceArgs,
     #[command(flatten)]
@@ -69,7 +77,7 @@ pub struct Args {
     /// whether that is more than repeated runs differ among themselves
     #[arg(long, value_name = "FILE.json", help_heading = "Reports")]
     against: Option<PathBuf>,
-    /// Print one JSON object: device, driver, rows, cols, schedule, wavefront, iterations,
+    /// Print one JSON object: device, driver, rows, cols, maps (at once), schedule, wavefront, iterations,
     /// converged, capabilities (true, or why not), ceilings (as from `geosweep devices`),
     /// runs, kinds and total. A kind of pass: name, count, dispatches, seconds (of each run), median_seconds,
     /// median_pass_seconds, share, texels, skipped, bytes_read, bytes_written, triangles,
@@ -91,6 +99,26 @@ enum CapabilityArg {
     Calibration,
     /// Labels and names for tools
     Labels,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PairwiseArg {
+    /// In shared memory where they fit
+    Auto,
+    /// Each in the shared memory of a workgroup
+    SharedMemory,
+    /// All in the layers of images
+    Images,
+}
+
+impl From<PairwiseArg> for Option<PairwiseSchedule> {
+    fn from(arg: PairwiseArg) -> Self {
+        match arg {
+            PairwiseArg::Auto => None,
+            PairwiseArg::SharedMemory => Some(PairwiseSchedule::SharedMemory),
+            PairwiseArg::Images => Some(PairwiseSchedule::Images),
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -136,6 +164,7 @@ Examples:
   geosweep profile builtin:sphere:400x400 --source 20,20
   geosweep profile builtin:maze:257x257 --source 0,0 --schedule tiles --picture rounds.png
   geosweep profile dem.tif --spacing 30 --source 120,85 --trace trace.json --csv passes.csv
+  geosweep profile builtin:face:64x64 --pairwise --wavefront point
   geosweep profile builtin:peaks:400x400 --source 20,20 --json > before.json
   geosweep profile builtin:peaks:400x400 --source 20,20 --against before.json",
         problem::builtin_names()
@@ -151,7 +180,7 @@ pub fn run(args: &Args) -> Outcome {
     let sources = args.sources.sources()?;
     let wanted = Wanted {
         surface: &scene.surface,
-        sources: &sources,
+        of: args.pairwise.map_or(Of::Map(&sources), |schedule| Of::Pairwise(schedule.into())),
         options: &options,
         repeat: args.repeat,
         without: &args.without.iter().copied().map(Capability::from).collect::<Vec<_>>(),

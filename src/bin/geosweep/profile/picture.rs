@@ -6,6 +6,7 @@ use geosweep::vulkan::profile::{PassKind, PassRecord, SolveProfile};
 use geosweep::vulkan::{Schedule, TexelChart};
 
 use super::measure::Measured;
+use super::subject::Solved;
 use crate::columns::digits;
 use crate::picture::{Canvas, Color, Scale, Swatches, Visit, Visits};
 use crate::problem::Scene;
@@ -26,9 +27,9 @@ pub fn draw(
     scene: &Scene,
     sources: &Sources,
 ) -> Canvas {
-    let (rows, key) = match measured.schedule {
-        Schedule::Tiles => rounds(measured, visits),
-        Schedule::Raster | Schedule::AllPoints => scans(measured, visits),
+    let (rows, key) = match measured.solved {
+        Solved::Map(Schedule::Tiles) => rounds(measured, visits),
+        _ => scans(measured, visits),
     };
     let (title, entries) = key;
     let (surface, shape) = (&scene.surface, scene.shape());
@@ -76,10 +77,7 @@ fn scans(measured: &Measured, visits: &SolveProfile) -> (Vec<Vec<Visit>>, Key) {
     let run = measured.median_run();
     let scale = Scale::over([0.0, 1.0].into_iter());
     let row = |number: usize| {
-        let scans = iterations[number].chunk_by(|a, b| {
-            // Two updates of all points are two visits.
-            a.kind == b.kind && a.kind != PassKind::AllPoints
-        });
+        let scans = iterations[number].chunk_by(|a, b| a.kind == b.kind);
         let visit = |passes: &[PassRecord]| {
             let name = passes[0].kind.name().trim_start_matches("scan ");
             let name = format!("iteration {}, {name}", number + 1);

@@ -25,7 +25,8 @@ impl Display for Report<'_> {
         let plural = |count: usize| if count == 1 { "" } else { "s" };
         writeln!(
             f,
-            "{} x {} points, {} schedule, {} fronts, {} iteration{}; {} run{}, warmed up.\n",
+            "{}{} x {} points, {} schedule, {} fronts, {} iteration{}; {} run{}, warmed up.\n",
+            if setting.maps > 1 { format!("{} maps of ", setting.maps) } else { String::new() },
             setting.rows,
             setting.cols,
             setting.schedule,

@@ -52,7 +52,7 @@ pub fn write(writer: &mut impl Write, measured: &Measured, run: &SolveProfile) -
             "driver": measured.driver,
             "rows": measured.chart.rows,
             "cols": measured.chart.cols,
-            "schedule": measured.schedule.name(),
+            "schedule": measured.solved.schedule(),
             "wavefront": label(measured.wavefront),
             "iterations": measured.iterations,
             "alignment": alignment,
