@@ -123,15 +123,23 @@ pub(crate) const HALO: usize = BEFORE + AFTER;
 impl<'a> Recorder<'a> {
     /// To be kept while a pass is recorded: its label, and its place in the profile.
     pub(crate) fn pass(&self, kind: PassKind) -> Option<Scope<'a>> {
-        Scope::open(self.watch(), || (PassRecord::new(kind), Presence::Always))
+        self.pass_with(PassRecord::new(kind))
+    }
+
+    /// The same, with what is known of it.
+    pub(crate) fn pass_with(&self, record: PassRecord) -> Option<Scope<'a>> {
+        Scope::open(self.watch(), || (record, Presence::Always))
+    }
+
+    /// The same of a copy of so many bytes.
+    fn pass_of_copy(&self, kind: PassKind, bytes: u64) -> Option<Scope<'a>> {
+        let work = Work::of_bytes(bytes, bytes);
+        self.pass_with(PassRecord { work, ..PassRecord::new(kind) })
     }
 
     /// The same of a dispatch of so many invocations wide and high, in groups along the width.
     pub(crate) fn pass_of(&self, kind: PassKind, invocations: [u32; 2]) -> Option<Scope<'a>> {
-        let groups = Some(groups(invocations));
-        Scope::open(self.watch(), || {
-            (PassRecord { groups, ..PassRecord::new(kind) }, Presence::Always)
-        })
+        self.pass_with(dispatched(kind, invocations))
     }
 
     fn watch(&self) -> Watch<'a> {
@@ -144,8 +152,7 @@ impl<'a> Recorder<'a> {
         let extent = self.grid.texels.fronts_extent();
         let texels = u64::from(extent.width) * u64::from(extent.height);
         let work = Work::of_bytes(texels * read, texels * written);
-        let record = PassRecord { work, ..PassRecord::new(kind) };
-        Scope::open(self.watch(), || (record, Presence::Always))
+        self.pass_with(PassRecord { work, ..PassRecord::new(kind) })
     }
 
     /// Brings new images into their layout, with no edge and no point reached.
@@ -324,7 +331,7 @@ impl<'a> Recorder<'a> {
     /// Copies part of the progress to where a profile finds what the device has decided.
     fn decided(&self, to: u64, from: u64, size: u64) {
         let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
-        let _pass = self.pass(PassKind::Decisions);
+        let _pass = self.pass_of_copy(PassKind::Decisions, size);
         self.copy_for_host(self.grid.progress.buffer, from, (buffer, offset + to), size);
     }
 
@@ -357,9 +364,9 @@ impl<'a> Recorder<'a> {
 
     /// Copies how the iterations have gone to a buffer that has room for it there.
     pub(crate) fn outcome_to(&self, to: vk::Buffer, offset: u64) {
-        let _pass = self.pass(PassKind::Outcome);
-        self.barrier(PASS, COPY);
         let size = size_of::<Outcome>() as u64;
+        let _pass = self.pass_of_copy(PassKind::Outcome, size);
+        self.barrier(PASS, COPY);
         self.copy((self.grid.progress.buffer, 0), (to, offset), size);
     }
 
@@ -368,8 +375,9 @@ impl<'a> Recorder<'a> {
         if bytes.is_empty() {
             return;
         }
-        let record = PassRecord { dispatches: 0, ..PassRecord::new(PassKind::Sources) };
-        let _pass = Scope::open(self.watch(), || (record, Presence::Always));
+        let work = Work::of_bytes(0, bytes.len() as u64);
+        let record = PassRecord { dispatches: 0, work, ..PassRecord::new(PassKind::Sources) };
+        let _pass = self.pass_with(record);
         self.barrier(SHADER, CLEAR);
         self.update(self.grid.download.buffer, 0, bytes);
         self.barrier(CLEAR, SHADER);
@@ -428,9 +436,7 @@ impl<'a> Recorder<'a> {
         let points = (rows.len() * chart.cols) as u64;
         let work = Work::of_bytes(4 * points, 4 * points);
         let size = [chart.cols.div_ceil(2) as u32, rows.len().div_ceil(2) as u32];
-        let groups = Some(groups(size));
-        let record = PassRecord { work, groups, ..PassRecord::new(PassKind::Unpack) };
-        let _pass = Scope::open(self.watch(), || (record, Presence::Always));
+        let _pass = self.pass_with(PassRecord { work, ..dispatched(PassKind::Unpack, size) });
         let band = UnpackBand {
             grid: [chart.cols as i32, chart.rows as i32],
             first_row: rows.start as i32,
@@ -530,6 +536,11 @@ impl<'a> Recorder<'a> {
             self.device.cmd_push_constants(self.commands, layout, stages, 0, bytes_of(constants));
         }
     }
+}
+
+/// The record of a dispatch of so many invocations wide and high, in groups along the width.
+pub(super) fn dispatched(kind: PassKind, invocations: [u32; 2]) -> PassRecord {
+    PassRecord { groups: Some(groups(invocations)), ..PassRecord::new(kind) }
 }
 
 /// Groups of so many invocations wide and high.

@@ -9,7 +9,7 @@ use geosweep::vulkan::plan::Step;
 use geosweep::vulkan::profile::{Grain, PassKind, Profile, QueryRange, Slots};
 
 use crate::host::Host;
-use crate::renderer::Renderer;
+use crate::renderer::{CHART, Renderer};
 
 /// The host's own timestamps around a frame are the total. What lies between its passes, such as
 /// the reset of queries, is in no pass; an interruption of the driver's thread there can only
@@ -45,6 +45,9 @@ fn a_frame_is_taken_down_pass_by_pass() {
             let most =
                 renderer.solver.passes_of_frame(&renderer.surface, &renderer.plan, Grain::Blocks);
             assert!(kinds.len() as u32 <= most);
+            // A distance read and one written at each point.
+            let bytes = passes[kinds.len() - 1].work.bytes();
+            assert_eq!(bytes, Some(2 * 4 * CHART.points() as u64));
             // What is dispatched has a size.
             let sized = passes.iter().filter(|pass| pass.groups.is_some());
             assert!(sized.eq(passes.iter().filter(|pass| pass.dispatches > 0)), "{passes:?}");

@@ -14,8 +14,8 @@ use crate::surface::{Chart, EdgeRule, Spacing};
 use crate::vulkan::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands};
 use crate::vulkan::pipelines::SchedulePipelines;
-use crate::vulkan::profile::{PassKind, Profile};
-use crate::vulkan::record::{EdgeSource, Recorder, rows_around};
+use crate::vulkan::profile::{PassKind, PassRecord, Profile, Work};
+use crate::vulkan::record::{EdgeSource, Recorder, dispatched, rows_around};
 use crate::vulkan::{Schedule, VulkanError};
 
 /// Appends commands for a surface to a command buffer of the host's.
@@ -273,7 +273,10 @@ impl<'a> Recording<'a> {
         let result = self.surface.result(slot, reader.layout)?;
         let Self { recorder, surface, solver } = self;
         let texels = surface.grid.texels.inner();
-        let _pass = recorder.pass_of(PassKind::Distances, texels);
+        let points = size_of::<f32>() as u64 * surface.grid.chart.points() as u64;
+        let work = Work::of_bytes(points, points);
+        let record = PassRecord { work, ..dispatched(PassKind::Distances, texels) };
+        let _pass = recorder.pass_with(record);
         let chart = surface.grid.chart;
         // Writers of the same slot in commands before are waited for as well.
         let (stages, access) = reader.access.side();

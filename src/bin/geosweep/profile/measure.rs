@@ -83,7 +83,8 @@ pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Bo
     bar.inc(1);
     bar.set_message("warming up");
     let mut solver = Solver::for_profiling(choice, wanted.without)?;
-    let (mut subject, method) = Subject::new(&solver, surface, &wanted.of, options)?;
+    let mut subject = Subject::new(&solver, surface, &wanted.of, options)?;
+    let method = subject.method();
     subject.solve(&mut solver)?;
     if let Some(capture) = capture {
         let (solved, file) = capture.around(|| subject.solve(&mut solver));
