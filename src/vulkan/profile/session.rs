@@ -32,7 +32,7 @@ pub struct SolveProfile {
     /// In their order.
     pub submissions: Vec<SubmissionRecord>,
     /// From the first submission to the end of the last before the map is read back, by the host's
-    /// clock.
+    /// clock; of many maps at once to the end of all.
     pub time: Duration,
 }
 

@@ -181,6 +181,7 @@ fn differences(before: &Setting, now: &Setting) -> Vec<String> {
         (maps(before), maps(now)),
         (before.schedule.clone(), now.schedule.clone()),
         (before.wavefront.clone(), now.wavefront.clone()),
+        (before.grain.clone(), now.grain.clone()),
     ]
     .into_iter()
     .filter(|(before, now)| before != now)

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use geosweep::vulkan::profile::{Capability, SolveProfile};
+use geosweep::vulkan::profile::{Capability, Grain, SolveProfile};
 use serde::{Deserialize, Serialize};
 
 use super::against::Comparison;
@@ -36,15 +36,22 @@ pub struct Setting {
     pub driver: String,
     pub rows: usize,
     pub cols: usize,
-    /// At once; profiles of before there was a choice do not tell.
+    /// At once. Profiles of before there was a choice do not tell, nor of the grain.
     #[serde(default = "one")]
     pub maps: usize,
     pub schedule: String,
     pub wavefront: String,
+    /// What is timed.
+    #[serde(default = "scans")]
+    pub grain: String,
 }
 
 fn one() -> usize {
     1
+}
+
+fn scans() -> String {
+    Grain::Scans.name().into()
 }
 
 #[derive(Serialize)]
@@ -127,6 +134,7 @@ impl Summary {
                 maps: measured.solved.maps(),
                 schedule: measured.solved.schedule(),
                 wavefront: measured.wavefront.name().into(),
+                grain: measured.grain.name().into(),
             },
             iterations: measured.iterations,
             residual: measured.residual,

@@ -77,7 +77,7 @@ pub struct Args {
     /// whether that is more than repeated runs differ among themselves
     #[arg(long, value_name = "FILE.json", help_heading = "Reports")]
     against: Option<PathBuf>,
-    /// Print one JSON object: device, driver, rows, cols, maps (at once), schedule, wavefront, iterations,
+    /// Print one JSON object: device, driver, rows, cols, maps (at once), schedule, wavefront, grain, iterations,
     /// converged, capabilities (true, or why not), ceilings (as from `geosweep devices`),
     /// runs, kinds and total. A kind of pass: name, count, dispatches, seconds (of each run), median_seconds,
     /// median_pass_seconds, share, texels, skipped, bytes_read, bytes_written, triangles,

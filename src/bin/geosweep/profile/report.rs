@@ -134,7 +134,8 @@ impl Report<'_> {
         if let Some((watched, plain)) = found {
             writeln!(
                 f,
-                "On the host's clock: a map in {} ms at best; without profiling in {} ms ({:+.1} %).",
+                "On the host's clock: {} in {} ms at best; without profiling in {} ms ({:+.1} %).",
+                if self.summary.setting.maps > 1 { "all maps" } else { "a map" },
                 digits(1e3 * watched),
                 digits(1e3 * plain),
                 100.0 * (watched / plain - 1.0)

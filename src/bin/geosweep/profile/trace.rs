@@ -1,8 +1,8 @@
 //! A map as a trace in the Chrome format, which Perfetto opens.
 //!
 //! The format: "Trace Event Format", Google, "JSON Object Format" with complete events (`X`) and
-//! metadata (`M`); times in microseconds. Perfetto's importer is stricter: it cuts times off at whole
-//! nanoseconds (`CoerceToTs` in `src/trace_processor/importers/json`) and leaves out events that
+//! metadata (`M`); times in microseconds. Perfetto is stricter: some versions cut times off at whole
+//! nanoseconds (`CoerceToTs` in `src/trace_processor/importers/json`), and all leave out events that
 //! overlap others of their track in part, be it by one (`slice_drop_overlapping_complete_event`).
 
 use std::io::{self, Write};
@@ -138,23 +138,27 @@ fn span(thread: u32, category: &str, name: &str, [begin, end]: [i64; 2], args: V
     })
 }
 
-/// As a number of which a thousand times is no less, also once it is rounded.
+/// With a hundredth of a nanosecond more, so that readers that round on their way cut off at the right
+/// one. Exact for two hours.
 fn microseconds(nanoseconds: i64) -> f64 {
-    let nearest = nanoseconds as f64 / 1e3;
-    if 1e3 * nearest < nanoseconds as f64 { nearest.next_up() } else { nearest }
+    (nanoseconds as f64 + 0.01) / 1e3
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Whether a reader takes a number for the next one above or below, or not.
     #[test]
     fn nanoseconds_survive_being_cut_off() {
         // The nearest number to 1.001 falls short.
-        assert_eq!((1e3 * (1001_f64 / 1e3)) as i64, 1000);
-        let spread = (1..100).map(|k| k * 987_654_321_987);
-        for nanoseconds in (0..5000).chain(spread) {
-            assert_eq!((1e3 * microseconds(nanoseconds)) as i64, nanoseconds);
+        assert_eq!((1e3 * 1.001) as i64, 1000);
+        const HOURS: i64 = 7_200_000_000_000;
+        for nanoseconds in (0..5000).chain((0..5000).map(|k| HOURS - 987_654_321 * k)) {
+            let written = microseconds(nanoseconds);
+            for read in [written.next_down(), written, written.next_up()] {
+                assert_eq!((1e3 * read) as i64, nanoseconds);
+            }
         }
     }
 }
