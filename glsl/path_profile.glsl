@@ -122,7 +122,7 @@ Crossing crossing(Profile profile, vec2 ends, float square) {
         float left = 0.0;
         float right = 1.0;
         share = low / (low - high);
-        for (int i = 0; i < 12; i++) {
+        for (int i = 0; i < 30; i++) {
             vec2 here = slope_and_bend(profile, ends, square, share);
             if (here.x < 0.0) {
                 left = share;

@@ -21,6 +21,8 @@ layout(local_size_x = WORKGROUP) in;
 // See trace.rs.
 const float AT_POINT = 1e-4;
 const float FITS = 1e-3;
+const float ROUNDING = 2.4e-7;
+const float LEAST_FALL = 0.5;
 // Triangles with a smaller squared sine, at the side's nearer end, are not held by single precision.
 const float FLAT_TRIANGLE = 3e-7;
 // Points that are nearer to one another, in lengths of their longest edges, coincide.
@@ -64,15 +66,22 @@ bool weights_inside(Place place, Cell cell, out vec4 weights) {
     return corner_weights(reached_corners(cell), place.share, weights);
 }
 
-void offer(Place end, float time, float size, float below, ivec2 cell) {
+// Whether it falls by no less than LEAST_FALL of its length.
+bool falls(Line line, Path path) {
+    float slack = ROUNDING * abs(path.moment + path.below);
+    return path.below - line.time >= LEAST_FALL * line.size - slack;
+}
+
+void offer(Place end, float time, float size, Path path, ivec2 cell) {
+    Line line = Line(true, -1, end, time, size, cell);
     bool is_better = !best.exists || time + size < best.time + best.size;
-    if (is_better && time < below) best = Line(true, -1, end, time, size, cell);
+    if (best.exists && falls(line, path) != falls(best, path)) is_better = falls(line, path);
+    if (is_better && time < path.below) best = line;
 }
 
 // Looks for a better line through a cell.
 void cross_cell(Cell cell, vec4 weights, Path path) {
     float moment = path.moment;
-    float below = path.below;
     vec4 squares = squares_from(cell, weights);
     bvec4 reached = reached_corners(cell);
     int support = 0;
@@ -82,7 +91,7 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
         int b = SIDES[side].y;
         // The place's own edge, or an edge that ends there.
         float own = weights[a] + weights[b];
-        if (support == 1 ? own > 0.0 : own > 0.99999) continue;
+        if (support == 1 ? own > 0.0 : support == 2 && own > 0.9999999) continue;
         ivec2 point = cell.first + CORNERS[a];
         ivec2 step = CORNERS[b] - CORNERS[a];
         vec2 ends = vec2(squares[a], squares[b]);
@@ -101,15 +110,17 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
             float foot = clamp(0.5 + 0.5 * (ends.x - ends.y) / base, 0.0, 1.0);
             Crossing found = is_beside ? crossing_at(profile, ends, base, foot)
                                        : crossing(profile, ends, base);
-            int end = found.share < AT_POINT ? a : b;
-            if (found.share < AT_POINT || found.share > 1.0 - AT_POINT) {
+            int end = found.share > 0.5 ? b : a;
+            float away = found.share > 0.5 ? 1.0 - found.share : found.share;
+            // A line past a point later than its own start does not end there.
+            if (away == 0.0 || (away < AT_POINT && cell.times[end] - moment < path.below)) {
                 Place there = Place(cell.first + CORNERS[end], vec2(0.0));
                 float size = cell.unit * sqrt(max(squares[end], 0.0));
-                offer(there, cell.times[end] - moment, size, below, cell.first);
+                offer(there, cell.times[end] - moment, size, path, cell.first);
             } else {
                 float time = cell.times[a] - moment + cell.unit * found.time;
                 Place there = Place(point, found.share * vec2(step));
-                offer(there, time, cell.unit * found.distance, below, cell.first);
+                offer(there, time, cell.unit * found.distance, path, cell.first);
             }
             continue;
         }
@@ -120,7 +131,7 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
             if (reached[end] && along && squares[end] < 0.5 * NO_EDGE) {
                 Place there = Place(cell.first + CORNERS[end], vec2(0.0));
                 float size = cell.unit * sqrt(max(squares[end], 0.0));
-                offer(there, cell.times[end] - moment, size, below, cell.first);
+                offer(there, cell.times[end] - moment, size, path, cell.first);
             }
         }
     }

@@ -81,6 +81,65 @@ fn lengths_are_the_distances() {
     }
 }
 
+/// Where triangles are obtuse, a line can pass a grid point that the front reaches after the line's own
+/// start; and from beside a grid line, or beside a point on one, paths go on over the cell across it.
+/// Of 1.2 million such paths the worst measured is 8.4e-5 off at 60 degrees and 3.4e-4 at 75.
+#[test]
+fn paths_pass_beside_points_and_start_beside_lines() {
+    const POINTS: usize = 257;
+    for (builtin, source, starts) in [
+        (
+            Builtin::ShearedPlane { degrees: 60.0 },
+            [165.621_813_208_418_44, 81.826_496_356_304_97],
+            &[
+                // Pass 164,84 at a share of 1.2e-4 of an edge.
+                [155.274_717_630_967_27, 95.694_159_850_380_46],
+                [108.079_090_352_481_02, 158.948_116_956_998_3],
+                [145.852_997_442_501_06, 159.000_000_032_571_14],
+                [81.000_000_066_720_7, 220.000_439_692_497_65],
+                [74.0, 230.0 - 3e-4],
+            ][..],
+        ),
+        (
+            Builtin::ShearedPlane { degrees: 75.0 },
+            [77.0, 102.0],
+            &[
+                [60.001_894_295_361_04, 152.995_939_685_050_7],
+                [101.793_380_322_934_78, 32.578_445_006_557_7],
+                [69.569_777_366_125_27, 138.000_000_084_843_92],
+                [69.000_000_014_692_92, 127.000_880_927_571_6],
+            ],
+        ),
+    ] {
+        let surface = builtin.surface(POINTS, POINTS).unwrap();
+        let mut random = Random::new(3);
+        let mut starts = starts.to_vec();
+        starts.extend((0..20_000).map(|_| {
+            [0; 2].map(|_| {
+                let line = (random.next() * (POINTS - 2) as f64).floor();
+                // Anywhere, or so near to a line, or on it.
+                match (4.0 * random.next()) as u32 {
+                    0 => line,
+                    1 => line + random.next(),
+                    2 => line + 10f64.powf(-1.0 - 7.0 * random.next()),
+                    _ => line + 1.0 - 10f64.powf(-1.0 - 7.0 * random.next()),
+                }
+            })
+        }));
+        let mut largest = 0.0f64;
+        for (start, path) in starts.iter().zip(paths(&surface, &at(source), &starts)) {
+            let exact = builtin.exact_distance(POINTS, POINTS, *start, source).unwrap();
+            // Beside the source there is only rounding.
+            if exact > 1e-2 {
+                let error = (path.length - exact).abs() / exact;
+                largest = largest.max(error);
+                assert!(error < 1e-3, "{builtin} from {start:?}: {error:e}");
+            }
+        }
+        println!("{builtin}: {largest:.1e}");
+    }
+}
+
 /// First order is a factor of 4 from 65 to 257 points; 0.9 of the order is asked, since starts are
 /// random: the maze, whose paths bend at corners, has 0.92, the other surfaces 1.8 and more. Below
 /// 1e-6 there is only the rounding of single precision.

@@ -112,7 +112,7 @@ impl Profile {
         let share = if low.slope() < 0.0 && high.slope() > 0.0 {
             let (mut left, mut right) = (0.0, 1.0);
             let mut share = low.slope() / (low.slope() - high.slope());
-            for _ in 0..12 {
+            for _ in 0..30 {
                 let sum = self.sum(share, ends);
                 if sum.slope() < 0.0 {
                     left = share
@@ -134,6 +134,16 @@ impl Profile {
         } else {
             1.0
         };
+        self.crossing_at(share, ends)
+    }
+
+    /// The line that meets the edge at a right angle, or ends at its nearer end.
+    pub(super) fn foot(&self, ends: [f64; 2]) -> Crossing {
+        let share = 0.5 + 0.5 * (ends[0] - ends[1]) / (self.length * self.length);
+        self.crossing_at(share.clamp(0.0, 1.0), ends)
+    }
+
+    fn crossing_at(&self, share: f64, ends: [f64; 2]) -> Crossing {
         let (square, ..) = self.away(share, ends);
         Crossing { share, time: self.time(share), distance: square.max(0.0).sqrt() }
     }

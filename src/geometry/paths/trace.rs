@@ -67,6 +67,18 @@ impl Line {
         self.time + self.length
     }
 
+    /// Whether it is better than another one from where the front arrives at a time: earlier, if
+    /// both or neither of them fall. One that does not, to the other side of a point that is later
+    /// than its surroundings, may be so short that it is hardly late, and leads to and fro.
+    fn is_better(&self, other: &Self, time: f64) -> bool {
+        let falls =
+            |line: &Self| time - line.time >= LEAST_FALL * line.length - ROUNDING * time.abs();
+        match (falls(self), falls(other)) {
+            (a, b) if a != b => a,
+            _ => self.arrival() < other.arrival(),
+        }
+    }
+
     /// Whether it arrives no later than the map says, so that no other can be much better.
     pub(super) fn fits(&self, time: f64) -> bool {
         self.arrival() <= time + FITS * self.length + ROUNDING * time.abs()
@@ -81,6 +93,8 @@ const FITS: f64 = 1e-3;
 /// Maps are rounded to single precision, which over short lines is more than that part of them:
 /// such a part of the arrival time.
 const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
+/// A line falls if it does so by this part of its length.
+const LEAST_FALL: f64 = 0.5;
 /// Squares of lengths of edges that do not exist are larger.
 const NO_EDGE: f64 = FAR * FAR * 1e-20;
 /// Areas whose square is a smaller part of the fourth power of a side are no triangles.
@@ -314,40 +328,44 @@ impl Field<'_> {
         let reached = cell.corners.map(|corner| self.is_reached(corner));
         let support = weights.iter().filter(|weight| **weight > 0.0).count();
         let mut offer = |end: Place, time: f64, length: f64| {
-            let better = best.is_none_or(|best| time + length < best.arrival());
+            let line = Line { end: End::Place(end), time, length, cell: north_west };
+            let better = best.is_none_or(|best| line.is_better(&best, below));
             if better && time < below {
-                *best = Some(Line { end: End::Place(end), time, length, cell: north_west });
+                *best = Some(line);
             }
         };
         for side in SIDES {
             let [a, b] = side;
             // The place's own edge, or an edge that ends there.
             let own = weights[a] + weights[b];
-            if if support == 1 { own > 0.0 } else { own >= 1.0 } {
+            let is_own = match support {
+                1 => own > 0.0,
+                2 => own >= 1.0,
+                _ => false,
+            };
+            if is_own {
                 continue;
             }
             let points = side.map(|corner| cell.corners[corner]);
             let (ends, length) = (side.map(|corner| squares[corner]), cell.length(side));
-            if reached[a] && reached[b] && is_triangle(ends, length * length) {
+            let is_flat = !is_triangle(ends, length * length);
+            // A start that lies on a side as far as one can tell.
+            let is_beside =
+                is_flat && support > 2 && length > 0.0 && ends[0].max(ends[1]) < NO_EDGE;
+            if reached[a] && reached[b] && (is_beside || !is_flat) {
                 let profile = self.profile(moment, points, length);
-                let crossing = profile.crossing(ends);
-                let step = points[1] - points[0];
-                let at_end = if crossing.share < AT_POINT {
-                    Some(0)
-                } else if crossing.share > 1.0 - AT_POINT {
-                    Some(1)
+                let crossing = if is_beside { profile.foot(ends) } else { profile.crossing(ends) };
+                let end = usize::from(crossing.share > 0.5);
+                let away = (crossing.share - end as f64).abs();
+                // A line past a point later than its own start does not end there.
+                let at_point = away == 0.0 || away < AT_POINT && self.time(points[end]) < below;
+                if at_point {
+                    let length = ends[end].max(0.0).sqrt();
+                    offer(Place::Point(points[end]), self.time(points[end]), length);
                 } else {
-                    None
-                };
-                match at_end {
-                    Some(end) => {
-                        let length = ends[end].max(0.0).sqrt();
-                        offer(Place::Point(points[end]), self.time(points[end]), length);
-                    }
-                    None => {
-                        let place = Place::Edge { first: points[0], step, share: crossing.share };
-                        offer(place, crossing.time, crossing.distance);
-                    }
+                    let step = points[1] - points[0];
+                    let place = Place::Edge { first: points[0], step, share: crossing.share };
+                    offer(place, crossing.time, crossing.distance);
                 }
                 continue;
             }
