@@ -20,7 +20,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::Curve;
-use crate::surface::{Chart, EdgeLengths, SourceError, Sources, Surface};
+use crate::surface::{Chart, EdgeLengths, Source, SourceError, Sources, Surface};
 use goals::Goals;
 use trace::{Field, Stuck, Trace};
 
@@ -130,6 +130,8 @@ pub enum PathError {
 pub struct Paths<'a> {
     surface: &'a Surface,
     field: Field<'a>,
+    /// A place of the first source.
+    around: DVec2,
 }
 
 impl<'a> Paths<'a> {
@@ -157,7 +159,12 @@ impl<'a> Paths<'a> {
             times[chart.bordered(row, 0)..][..cols].copy_from_slice(distances);
         }
         let goals = Goals::new(chart, sources, |point| times[point] < f32::INFINITY);
-        Ok(Self { surface, field: Field { edges, times, start: sources.start(), goals } })
+        let place = |source: &Source| match source {
+            Source::Point { at, .. } => Some(*at),
+            Source::Curve { vertices, .. } => vertices.first().copied(),
+        };
+        let around = sources.iter().find_map(place).unwrap_or_default();
+        Ok(Self { surface, field: Field { edges, times, start: sources.start(), goals }, around })
     }
 
     /// The path from a place, as fractional row and column, to its source.
@@ -190,6 +197,15 @@ impl<'a> Paths<'a> {
 
     /// The paths from many places, in their order, traced in parallel.
     pub fn trace_all(&self, starts: &[[f64; 2]]) -> Vec<Result<Path, PathError>> {
-        starts.par_iter().map(|&start| self.trace(start)).collect()
+        // Those from neighbouring directions run side by side, and so what one of them has read is at
+        // hand for the next.
+        let direction = |&[row, col]: &[f64; 2]| (col - self.around.y).atan2(row - self.around.x);
+        let mut order: Vec<(f64, usize)> =
+            starts.iter().enumerate().map(|(number, start)| (direction(start), number)).collect();
+        order.sort_unstable_by(|(a, i), (b, j)| a.total_cmp(b).then(i.cmp(j)));
+        let trace = |(_, number)| (number, self.trace(starts[number]));
+        let mut paths: Vec<(usize, _)> = order.into_par_iter().map(trace).collect();
+        paths.sort_unstable_by_key(|(number, _)| *number);
+        paths.into_iter().map(|(_, path)| path).collect()
     }
 }
