@@ -67,7 +67,9 @@ pub(super) struct Fronts<'a> {
     labels: Vec<u32>,
     /// The rank of the last point that need not be visited any more.
     now: u64,
-    /// The ranks of points to be visited, and which they are.
+    /// The ranks of points to be visited: of those known to be from the first, the earliest last, and
+    /// of others; and which they are.
+    ahead: Vec<u64>,
     queue: BinaryHeap<Reverse<u64>>,
     is_queued: Vec<bool>,
     arrivals: Vec<Arrival>,
@@ -105,6 +107,7 @@ impl<'a> Fronts<'a> {
             start: sources.start(),
             labels: vec![NONE; times.len()],
             now: 0,
+            ahead: Vec::new(),
             queue: BinaryHeap::new(),
             is_queued: vec![false; times.len()],
             longest: vec![0.0; times.len()],
@@ -119,13 +122,17 @@ impl<'a> Fronts<'a> {
         let guess = Guess::new(&fronts.spokes, &fronts.times, &seeds);
         let of_seeds = std::mem::replace(&mut fronts.labels, guess.labels);
         seeds.iter().for_each(|&(point, _)| fronts.labels[point] = of_seeds[point]);
-        guess.doubtful.into_iter().for_each(|point| fronts.enqueue(point as usize));
+        fronts.ahead =
+            guess.doubtful.par_iter().map(|&point| fronts.rank(point as usize)).collect();
+        fronts.ahead.par_sort_unstable_by(|a, b| b.cmp(a));
+        fronts.ahead.dedup();
+        guess.doubtful.into_iter().for_each(|point| fronts.is_queued[point as usize] = true);
         Ok(fronts)
     }
 
     /// Visits what is in the queue, and what that adds to it.
     fn follow(&mut self) {
-        while let Some(Reverse(rank)) = self.queue.pop() {
+        while let Some(rank) = self.next() {
             self.now = rank;
             let point = (rank & u64::from(u32::MAX)) as usize;
             let guess = self.labels[point];
@@ -139,6 +146,15 @@ impl<'a> Fronts<'a> {
             }
         }
         self.now = u64::MAX;
+    }
+
+    /// Takes the first point that is to be visited.
+    fn next(&mut self) -> Option<u64> {
+        match (self.ahead.last(), self.queue.peek()) {
+            (Some(known), Some(Reverse(other))) if known < other => self.ahead.pop(),
+            (Some(_), None) => self.ahead.pop(),
+            _ => self.queue.pop().map(|Reverse(rank)| rank),
+        }
     }
 
     fn rank(&self, point: usize) -> u64 {

@@ -34,22 +34,19 @@ impl Guess {
         }
         let is_reached = |point: &usize| times[*point] < f32::FAR;
         let rank_of = |point: usize| rank(times[point], point);
-        let before = |point: usize| {
-            let here = rank_of(point);
-            spokes.neighbours(point).filter(move |&neighbour| rank_of(neighbour) < here)
-        };
         // Up to a point that is labelled, and back down.
         let follow = |way: &mut Vec<usize>, from: usize| {
-            let mut point = from;
+            let (mut point, mut here) = (from, rank_of(from));
             let label = loop {
                 let label = labels[point].load(Relaxed);
                 if label != NO_REGION {
                     break label;
                 }
                 way.push(point);
-                match before(point).min_by_key(|&point| rank_of(point)) {
-                    Some(earliest) => point = earliest,
-                    None => break NO_REGION,
+                let earliest = spokes.neighbours(point).map(|other| (rank_of(other), other)).min();
+                match earliest {
+                    Some((rank, earliest)) if rank < here => (point, here) = (earliest, rank),
+                    _ => break NO_REGION,
                 }
             };
             way.drain(..).for_each(|point| labels[point].store(label, Relaxed));
