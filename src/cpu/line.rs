@@ -3,7 +3,7 @@
 //! The loop has no branch, so that the compiler turns points into lanes; see [`Work`].
 
 use super::Instructions;
-use super::settled;
+use super::settled::{Visited, stays};
 use super::state::accept;
 use super::tiles::{Scan, TILE};
 use crate::constants::CURVATURE_COUNTS;
@@ -137,13 +137,8 @@ impl<const CIRCULAR: bool> Kernel for Straight<CIRCULAR> {
         let line = line.times.stretch(start, points);
         let mut settled = true;
         for i in 0..points {
-            settled &= line.is_settled(i, |triangle, _, now| {
-                if CIRCULAR {
-                    settled::from_point_source(triangle, now)
-                } else {
-                    settled::from_planar(triangle, now)
-                }
-            });
+            let wavefront = if CIRCULAR { Wavefront::PointSource } else { Wavefront::Planar };
+            settled &= stays(wavefront, line.visited(i, [R::zero(); 3]));
         }
         if settled {
             return None;
@@ -182,10 +177,8 @@ impl Kernel for Curved {
         let mut settled = true;
         for i in 0..points {
             let renewed = how.renews & (curvatures[i].tag() == how.scan.0);
-            let stays = line.is_settled(i, |triangle, across, now| {
-                settled::from_curved(triangle, [k[i + across], k[i + 1]], now)
-            });
-            settled &= stays & !renewed;
+            let visited = line.visited(i, [k[i], k[i + 1], k[i + 2]]);
+            settled &= stays(Wavefront::Curved, visited) & !renewed;
         }
         if settled {
             return None;
@@ -259,15 +252,14 @@ impl<R: Real> Stretch<'_, R> {
         }
     }
 
-    /// Whether no front comes to point i earlier than it has: none is behind it, or neither triangle
-    /// brings one, as a test from [`settled`] says of a triangle whose x1 is the neighbour across
-    /// the diagonal, counted from the point before, and of the time so far.
+    /// Point i before its update, with the curvatures of the fronts behind it.
     #[inline(always)]
-    fn is_settled(&self, i: usize, test: impl Fn(Triangle<R>, usize, R) -> bool) -> bool {
-        let now = self.times[i];
-        let (left, Triangle { t1, t2, l1, l2, c }) = (self.left(i), self.right(i));
-        let right = Triangle { t1: t2, t2: t1, l1: l2, l2: l1, c };
-        let behind = min(left.t1, min(t1, t2));
-        (behind >= now) | (test(left, 0, now) & test(right, 2, now))
+    fn visited(&self, i: usize, [before, beside, after]: [R; 3]) -> Visited<R> {
+        let Triangle { t1, t2, l1, l2, c } = self.right(i);
+        Visited {
+            now: self.times[i],
+            triangles: [self.left(i), Triangle { t1: t2, t2: t1, l1: l2, l2: l1, c }],
+            curvatures: [[before, beside], [after, beside]],
+        }
     }
 }

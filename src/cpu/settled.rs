@@ -11,7 +11,43 @@
 //! [`super::pairwise`] has the same test with coefficients computed once for many maps.
 
 use crate::surface::{Real, max, min};
-use crate::update::Triangle;
+use crate::update::{Triangle, Wavefront};
+
+/// A point that a scan visits, before any update.
+pub(super) struct Visited<R> {
+    /// Arrival time.
+    pub now: R,
+    /// The two triangles of the scan, x1 being the neighbour across the diagonal in both.
+    pub triangles: [Triangle<R>; 2],
+    /// Of the fronts at x1 and x2 of each; of no account unless the wavefront is curved.
+    pub curvatures: [[R; 2]; 2],
+}
+
+/// Whether no front comes to a point earlier than it has: none is behind it, or neither triangle
+/// brings one.
+#[inline(always)]
+pub(super) fn stays<R: Real>(wavefront: Wavefront, visited: Visited<R>) -> bool {
+    let Visited { now, triangles: [left, right], curvatures: [k_left, k_right] } = visited;
+    let behind = min(left.t1, min(left.t2, right.t1));
+    let settled =
+        from_triangle(wavefront, left, k_left, now) & from_triangle(wavefront, right, k_right, now);
+    (behind >= now) | settled
+}
+
+/// Whether no front comes through a triangle earlier than `now`.
+#[inline(always)]
+fn from_triangle<R: Real>(
+    wavefront: Wavefront,
+    triangle: Triangle<R>,
+    curvatures: [R; 2],
+    now: R,
+) -> bool {
+    match wavefront {
+        Wavefront::Planar => from_planar(triangle, now),
+        Wavefront::PointSource => from_point_source(triangle, now),
+        Wavefront::Curved => from_curved(triangle, curvatures, now),
+    }
+}
 
 /// How much later than the present time planar fronts arrive at least.
 struct Lead<R> {
@@ -38,28 +74,28 @@ impl<R: Real> Lead<R> {
     }
 }
 
-/// Whether no planar front comes through a triangle earlier than `now`.
+/// Of planar fronts.
 #[inline(always)]
-pub(super) fn from_planar<R: Real>(triangle: Triangle<R>, now: R) -> bool {
+fn from_planar<R: Real>(triangle: Triangle<R>, now: R) -> bool {
     let Lead { across, beside, .. } = Lead::new(triangle, now);
     (across >= R::zero()) & (beside >= R::zero())
 }
 
-/// The same for circular fronts. With its source at a distance of r from the base's nearest point,
+/// Of circular fronts. With its source at a distance of r from the base's nearest point,
 /// the distance from it to the points of the base lies below the chord by c^2 / 8r at most, and r
 /// is not less than t - c / 2 for the earlier end.
 #[inline(always)]
-pub(super) fn from_point_source<R: Real>(triangle: Triangle<R>, now: R) -> bool {
+fn from_point_source<R: Real>(triangle: Triangle<R>, now: R) -> bool {
     let Triangle { t1, t2, c, .. } = triangle;
     let distance = max(min(t1, t2) - R::of(0.5) * c, R::zero());
     Lead::new(triangle, now).exceeds(R::of(0.125) * c * c, distance)
 }
 
-/// The same for curved fronts of some curvature at x1 and x2, with nothing that comes at the same
+/// Of curved fronts with some curvature at x1 and x2, with nothing that comes at the same
 /// time either. The front's centre is 1 / kappa from the farther end of the base if kappa is the
 /// larger curvature, so at least 1 / kappa - c from all its points.
 #[inline(always)]
-pub(super) fn from_curved<R: Real>(triangle: Triangle<R>, curvatures: [R; 2], now: R) -> bool {
+fn from_curved<R: Real>(triangle: Triangle<R>, curvatures: [R; 2], now: R) -> bool {
     let [k1, k2] = curvatures;
     let kappa = max(max(k1, k2), R::zero()) * triangle.c;
     let divisor = R::of(8.0) * max(R::one() - kappa, R::zero());

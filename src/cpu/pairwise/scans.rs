@@ -27,7 +27,7 @@ pub(super) struct Scans<K: Kernel> {
 struct Maps<K: Kernel> {
     points: Vec<K::State>,
     pending: Pending,
-    /// What the scans of the first iteration are kept to, unless distances were known before.
+    /// What the scans of the first iteration are kept to; none afterwards.
     outward: Option<Outward>,
     stage: Stage,
 }
