@@ -220,9 +220,10 @@ impl<'a> Fronts<'a> {
                 return;
             }
         }
-        let mut found = self.candidates(point);
+        let lengths = std::array::from_fn(|to| self.spokes.length(point, to));
+        let mut found = self.candidates(point, &lengths);
         for candidate in &mut found {
-            let arrival = self.through(point, candidate, 0..8);
+            let arrival = self.through(point, candidate, 0..8, |to| lengths[to]);
             candidate.time = candidate.time.min(arrival);
         }
         if found.len() > 1 {
@@ -247,13 +248,13 @@ impl<'a> Fronts<'a> {
     }
 
     /// All fronts that a point's neighbours have, and those of sources beside it.
-    fn candidates(&mut self, point: usize) -> Vec<Candidate> {
+    fn candidates(&mut self, point: usize, lengths: &[f64; 8]) -> Vec<Candidate> {
         let mut found = std::mem::take(&mut self.room);
         found.clear();
         let fresh = |(label, time)| Candidate { label, time, since: [f64::FAR; 8] };
         found.extend(self.arrivals_at(point).map(fresh));
-        for to in 0..8 {
-            if self.spokes.length(point, to) >= f64::FAR {
+        for (to, &length) in lengths.iter().enumerate() {
+            if length >= f64::FAR {
                 continue;
             }
             for (label, time) in self.arrivals_at(self.spokes.neighbour(point, to)) {
@@ -301,7 +302,8 @@ impl<'a> Fronts<'a> {
                 let time = self.time(self.spokes.neighbour(neighbour, to), label);
                 front.since[to] = self.since(label, time);
             }
-            let arrival = self.through(neighbour, &front, [(back + 7) % 8, back]);
+            let length = |to: usize| self.spokes.length(neighbour, to);
+            let arrival = self.through(neighbour, &front, [(back + 7) % 8, back], length);
             if arrival <= latest && arrival < before * (1.0 - 1e-9) {
                 self.insert(neighbour, label, arrival);
                 self.enqueue_after(neighbour);
@@ -325,12 +327,13 @@ impl<'a> Fronts<'a> {
     }
 
     /// The arrival of a front at a point through some of the triangles that begin at each of its
-    /// neighbours.
+    /// neighbours, so far away.
     fn through(
         &self,
         point: usize,
         front: &Candidate,
         triangles: impl IntoIterator<Item = usize>,
+        length: impl Fn(usize) -> f64,
     ) -> f64 {
         let Origin { circular, initial } = self.origins[front.label as usize];
         let arrival = |to: usize| {
@@ -339,7 +342,7 @@ impl<'a> Fronts<'a> {
             if t1.min(t2) >= f64::FAR {
                 return f64::FAR;
             }
-            let [l1, l2] = ends.map(|to| self.spokes.length(point, to));
+            let [l1, l2] = ends.map(&length);
             if t1.max(t2) >= f64::FAR {
                 return (t1 + l1).min(t2 + l2);
             }
