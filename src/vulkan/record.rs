@@ -15,6 +15,7 @@ use super::profile::{
     self, PassKind, PassRecord, Presence, Profile, Scope, StepCounter, Watch, Work,
 };
 use super::progress::{DeviceProgress, Outcome, offset};
+use super::upload::SeedTexel;
 use crate::constants::{CURVATURE, FAR, LAYERS, TIME, WORKGROUP};
 use crate::cpu::Stop;
 use crate::surface::{Chart, EdgeRule, Spacing};
@@ -40,6 +41,21 @@ pub(crate) enum EdgeSource {
     Positions,
     Heights,
     Metric,
+}
+
+impl EdgeSource {
+    /// Numbers of a point, without its slowness.
+    pub(crate) fn components(self) -> u64 {
+        match self {
+            Self::Positions | Self::Metric => 3,
+            Self::Heights => 1,
+        }
+    }
+
+    /// Bytes of a point in the upload buffer, which holds its slowness too.
+    pub(crate) fn bytes(self) -> u64 {
+        4 * (self.components() + 1)
+    }
 }
 
 #[derive(Clone, Copy, NoUninit)]
@@ -142,6 +158,18 @@ impl<'a> Recorder<'a> {
         self.pass_with(dispatched(kind, invocations))
     }
 
+    /// The same, with bytes read and written for each invocation.
+    pub(crate) fn pass_of_each(
+        &self,
+        kind: PassKind,
+        invocations: [u32; 2],
+        [read, written]: [u64; 2],
+    ) -> Option<Scope<'a>> {
+        let count = invocations.map(u64::from).iter().product::<u64>();
+        let work = Work::of_bytes(count * read, count * written);
+        self.pass_with(PassRecord { work, ..dispatched(kind, invocations) })
+    }
+
     fn watch(&self) -> Watch<'a> {
         let Self { device, commands, pipelines, profile, .. } = *self;
         Watch { device, commands, profile, labels: pipelines.labels.as_ref() }
@@ -182,7 +210,12 @@ impl<'a> Recorder<'a> {
     ) {
         let (pipelines, chart) = (self.pipelines, self.grid.chart);
         let size = [chart.cols as u32, rows.len() as u32];
-        let _pass = self.pass_of(PassKind::Edges, size);
+        let around = rows_around(&rows, chart);
+        // Four lengths of each point.
+        let [read, written] = [source.bytes() * around.len() as u64, 16 * rows.len() as u64]
+            .map(|bytes| bytes * chart.cols as u64);
+        let work = Work::of_bytes(read, written);
+        let _pass = self.pass_with(PassRecord { work, ..dispatched(PassKind::Edges, size) });
         let pipeline = match source {
             EdgeSource::Positions => pipelines.edges_from_positions,
             EdgeSource::Heights => pipelines.edges_from_heights,
@@ -192,7 +225,7 @@ impl<'a> Recorder<'a> {
             grid: [chart.cols as i32, chart.rows as i32],
             first_row: rows.start as i32,
             band_rows: rows.len() as i32,
-            buffer_row: rows_around(&rows, chart).start as i32,
+            buffer_row: around.start as i32,
             dx: spacing.dx as f32,
             dy: spacing.dy as f32,
             arcs: arcs.into(),
@@ -207,7 +240,9 @@ impl<'a> Recorder<'a> {
         let texels = self.grid.texels.inner();
         let size = FanSize { texels, share_of_fan: rule.share_of_fan() as f32 };
         for pipeline in [self.pipelines.fan_curvature, self.pipelines.gaussian_curvature] {
-            let _pass = self.pass_of(PassKind::Curvature, texels);
+            // Lengths of the edges of four points, and a number of each besides in the second pass.
+            let read = if pipeline == self.pipelines.fan_curvature { 64 } else { 64 + 16 };
+            let _pass = self.pass_of_each(PassKind::Curvature, texels, [read, 16]);
             self.bind(pipeline, 0);
             self.dispatch(&size, texels);
             self.barrier(SHADER_WRITE, SHADER);
@@ -274,7 +309,10 @@ impl<'a> Recorder<'a> {
     /// Sets the texels with sources, `count` of which are in the upload buffer, in image 0, and
     /// puts the tiles around them on the first list if tiles follow.
     pub(crate) fn seed(&self, count: u32, tiles_follow: bool) {
-        let _pass = self.pass_of(PassKind::Seed, [count, 1]);
+        // A texel's seeds, and its fronts in one image and the other.
+        let fronts = 16 * u64::from(LAYERS);
+        let each = [size_of::<SeedTexel>() as u64 + fronts, fronts];
+        let _pass = self.pass_of_each(PassKind::Seed, [count, 1], each);
         let texels = self.grid.texels.inner();
         self.bind(self.pipelines.seed, 0);
         self.dispatch(&SeedCount { texels, count, wakes: tiles_follow.into() }, [count, 1]);

@@ -45,9 +45,19 @@ fn a_frame_is_taken_down_pass_by_pass() {
             let most =
                 renderer.solver.passes_of_frame(&renderer.surface, &renderer.plan, Grain::Blocks);
             assert!(kinds.len() as u32 <= most);
+            let of = |kind: PassKind| {
+                let work = passes.iter().find(|pass| pass.kind == kind)?.work;
+                work.bytes_read.zip(work.bytes_written)
+            };
             // A distance read and one written at each point.
             let bytes = passes[kinds.len() - 1].work.bytes();
             assert_eq!(bytes, Some(2 * 4 * CHART.points() as u64));
+            // Heights are read and put beside their slowness, and four lengths of edges measured.
+            let points = CHART.points() as u64;
+            assert_eq!(of(PassKind::Points), Some((4 * points, 8 * points)));
+            assert_eq!(of(PassKind::Edges), Some((8 * points, 16 * points)));
+            // One source has four texels around it: their seeds, and both layers of their fronts.
+            assert_eq!(of(PassKind::Seed), Some((4 * (48 + 32), 4 * 32)));
             // What is dispatched has a size.
             let sized = passes.iter().filter(|pass| pass.groups.is_some());
             assert!(sized.eq(passes.iter().filter(|pass| pass.dispatches > 0)), "{passes:?}");

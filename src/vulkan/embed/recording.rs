@@ -194,7 +194,9 @@ impl<'a> Recording<'a> {
             };
             let pipeline = self.points_pipeline(info.memory);
             let size = [chart.cols as u32, around.len() as u32];
-            let pass = recorder.pass_of(PassKind::Points, size);
+            let slowness = u64::from(info.slowness.is_some());
+            let each = [4 * (source.components() + slowness), source.bytes()];
+            let pass = recorder.pass_of_each(PassKind::Points, size, each);
             recorder.host_pass(pipeline, set.set, &band, size);
             drop(pass);
             recorder.barrier(SHADER_WRITE, SHADER);
@@ -308,7 +310,8 @@ impl<'a> Recording<'a> {
         let Self { recorder, surface, solver } = self;
         let set = nth(&surface.sets.lookups, "lookups", number)?;
         let count = surface.lookup_counts[number];
-        let _pass = recorder.pass_of(PassKind::Lookup, [count, 1]);
+        // A place and the points around it.
+        let _pass = recorder.pass_of_each(PassKind::Lookup, [count, 1], [2 * 4 + 4 * 4, 4]);
         recorder.barrier(before.side(), SHADER);
         let places = Places {
             grid: grid_size(surface.grid.chart),
