@@ -94,13 +94,14 @@ fn each_tile<R: Real, K: Kernel>(
     let points = line.times.here.len();
     let mut updated = Updated::default();
     for (tile, changed) in changed.iter_mut().enumerate() {
-        let (start, points) = match points.checked_sub(TILE) {
+        let (start, count) = match points.checked_sub(TILE) {
             Some(last) => ((tile * TILE).min(last), TILE),
             None => (0, points),
         };
-        let Some(change) = K::update(&mut line, start, points, how) else { continue };
+        let Some(change) = K::update(&mut line, start, count, how) else { continue };
         *changed |= change.any;
-        updated = updated.and(Updated { largest: change.largest, points: points as u64 });
+        let of_tile = (points - tile * TILE).min(TILE) as u64;
+        updated = updated.and(Updated { largest: change.largest, points: of_tile });
     }
     updated
 }
