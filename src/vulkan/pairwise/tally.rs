@@ -53,29 +53,28 @@ impl Tally<'_> {
     fn in_shared_memory(self, before: &[MapProgress], after: &[MapProgress]) -> Work {
         let Layout { chart, wavefront, .. } = *self.layout;
         let Chart { rows, cols } = chart;
-        // Behind the first line there is none.
+        // Behind the first line there is none. Two scans go over rows, two over columns.
         let [of_rows, of_cols] = [(rows, cols), (cols, rows)].map(|(lines, points)| {
             let (lines, points) = (lines as u64 - 1, points as u64);
             [lines * points, lines * points.div_ceil(2)]
         });
-        let all = [0, 1].map(|k| 2 * (of_rows[k] + of_cols[k]));
+        let [points_once, pairs_once] = [0, 1].map(|k| of_rows[k] + of_cols[k]);
         let kept = self.layout.kept() / u64::from(self.layout.maps);
         let fan = 4 * layout::fan_numbers(wavefront);
         let (mut points, mut read, mut written) = (0, 0, 0);
-        for ((source, before), after) in self.sources.iter().zip(before).zip(after) {
-            let Some(source) = source.filter(|_| !before.is_done) else { continue };
+        // Maps without source are done from the start.
+        for (before, after) in before.iter().zip(after).filter(|(before, _)| !before.is_done) {
             let iterations = u64::from(after.iterations - before.iterations);
-            let [mut updated, mut pairs] = all.map(|count| count * iterations);
+            let mut passed = 2 * iterations;
             if before.iterations == 0 {
-                // The first scan of all starts at the source.
-                let (row, _) = chart.position(source);
-                updated -= (row * cols) as u64;
-                pairs -= (row * cols.div_ceil(2)) as u64;
+                // In the first iteration opposite scans lead away from the source, and pass each
+                // line but its own once between them.
+                passed -= 1;
             } else {
                 read += kept;
             }
-            points += updated;
-            read += pairs * fan;
+            points += passed * points_once;
+            read += passed * pairs_once * fan;
             written += if after.is_done { 4 * chart.points() as u64 } else { kept };
         }
         Work { triangles: Some(TRIANGLES * points), ..Work::of_bytes(read, written) }
