@@ -13,8 +13,9 @@ use super::grid_images::{GridImages, Purpose};
 use super::headless::{Commands, Context};
 use super::memory::{Buffer, BufferInfo};
 use super::pipelines::{compute_pipeline, constant, spirv};
+use super::profile::Clock;
 use super::record::Recorder;
-use super::{VulkanError, embed};
+use super::{VulkanError, embed, requirements};
 use crate::DeviceChoice;
 use crate::constants::{LAYERS, WORKGROUP};
 use crate::surface::Chart;
@@ -38,6 +39,9 @@ pub struct Ceilings {
     pub skipped_dispatch: Duration,
     /// A barrier alone.
     pub barrier: Duration,
+    /// What a timestamp adds to a dispatch and its barrier; `None` where queues for compute write
+    /// none.
+    pub timestamp: Option<Duration>,
     /// An empty submission, until the host knows that it has ended.
     pub submission: Duration,
     /// Bytes a second from the device's memory into an array of the host's.
@@ -54,6 +58,8 @@ const READ_BACK: usize = 16 << 20;
 const LONG_ENOUGH: Duration = Duration::from_millis(20);
 /// But to no more than so many of what is measured; lavapipe ends loops after 65 535 turns.
 const MOST: u32 = 1 << 14;
+/// Timestamps in a recording.
+const TIMESTAMPS: u32 = 128;
 /// Where the buffer of group counts holds zeros...
 const NO_GROUP: u64 = 0;
 /// ... and from where on ones.
@@ -84,6 +90,8 @@ struct Probe<'a> {
     /// By wavefront.
     updates: Vec<vk::Pipeline>,
     commands: Commands,
+    /// Null where there are none.
+    timestamps: vk::QueryPool,
 }
 
 #[derive(Clone, Copy, NoUninit)]
@@ -104,6 +112,7 @@ impl<'a> Probe<'a> {
             copy: vk::Pipeline::null(),
             updates: Vec::new(),
             commands: Commands::new(context)?,
+            timestamps: vk::QueryPool::null(),
         };
         let chart = Chart { rows: SIDE, cols: SIDE };
         let sizes = (chart, new.solver.limits.texels(chart)?);
@@ -123,6 +132,16 @@ impl<'a> Probe<'a> {
             let constants = [(constant::WAVEFRONT, wavefront as i32)];
             let spirv = spirv!("ceiling_updates");
             new.updates.push(compute_pipeline(device, layout, spirv, &constants)?);
+        }
+        let family = requirements::compute_queue_family(instance, context.physical_device)
+            .expect("a context's device meets the requirements");
+        if Clock::of(instance, context.physical_device, family).is_some() {
+            let info = vk::QueryPoolCreateInfo::default()
+                .query_type(vk::QueryType::TIMESTAMP)
+                .query_count(TIMESTAMPS);
+            // SAFETY: the device's queue writes timestamps.
+            new.timestamps = unsafe { device.create_query_pool(&info, None) }
+                .map_err(VulkanError::from_call("vkCreateQueryPool"))?;
         }
         Ok(new)
     }
@@ -144,13 +163,15 @@ impl<'a> Probe<'a> {
             *triangles = f64::from(4 * COMPUTED * COMPUTED) / repeated.as_secs_f64();
         }
         let nothing = Work { texels: [0, 1], repeats: 0 };
+        let one_group = |probe: &Self, commands| {
+            probe.dispatch(commands, probe.copy, Work { texels: [1, 1], ..nothing });
+            probe.barrier(commands);
+        };
+        let dispatch = self.each(one_group)?;
         Ok(Ceilings {
             copy: f64::from(copied) / copy.as_secs_f64(),
             triangles,
-            dispatch: self.each(|probe, commands| {
-                probe.dispatch(commands, probe.copy, Work { texels: [1, 1], ..nothing });
-                probe.barrier(commands);
-            })?,
+            dispatch,
             indirect_dispatch: self.each(|probe, commands| {
                 probe.dispatch_indirect(commands, Work { texels: [1, 1], ..nothing }, ONE_GROUP);
                 probe.barrier(commands);
@@ -160,6 +181,7 @@ impl<'a> Probe<'a> {
                 probe.barrier(commands);
             })?,
             barrier: self.each(Self::barrier)?,
+            timestamp: self.timestamp(one_group)?,
             submission: self.time(|_, _| {})?,
             read_back: self.read_back()?,
         })
@@ -248,6 +270,41 @@ impl<'a> Probe<'a> {
         barrier::memory(&self.context.device, commands, PASS, PASS);
     }
 
+    /// What a timestamp after each of many adds to one.
+    fn timestamp(
+        &self,
+        one: impl Fn(&Self, vk::CommandBuffer),
+    ) -> Result<Option<Duration>, VulkanError> {
+        if self.timestamps == vk::QueryPool::null() {
+            return Ok(None);
+        }
+        let [mut without, mut with] = [Duration::MAX; 2];
+        // In turns, since it is a small difference, and other work comes and goes.
+        for _ in 0..TRIES {
+            without = without.min(self.time(|probe, commands| {
+                (0..TIMESTAMPS).for_each(|_| one(probe, commands));
+            })?);
+            with = with.min(self.time(|probe, commands| {
+                let device = &probe.context.device;
+                // SAFETY: the pool holds so many queries, which no other submission uses.
+                unsafe { device.cmd_reset_query_pool(commands, probe.timestamps, 0, TIMESTAMPS) };
+                for query in 0..TIMESTAMPS {
+                    one(probe, commands);
+                    probe.write_timestamp(commands, query);
+                }
+            })?);
+        }
+        Ok(Some(with.saturating_sub(without) / TIMESTAMPS))
+    }
+
+    fn write_timestamp(&self, commands: vk::CommandBuffer, query: u32) {
+        let stage = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
+        // SAFETY: the query is the pool's, and was reset at the beginning.
+        unsafe {
+            self.context.device.cmd_write_timestamp(commands, stage, self.timestamps, query);
+        }
+    }
+
     /// One invocation for each texel.
     fn dispatch(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, work: Work) {
         self.bind(commands, pipeline, work);
@@ -285,6 +342,8 @@ impl Drop for Probe<'_> {
             // SAFETY: all submissions have been waited for; null handles are allowed.
             unsafe { device.destroy_pipeline(pipeline, None) };
         }
+        // SAFETY: as above.
+        unsafe { device.destroy_query_pool(self.timestamps, None) };
         self.images.iter_mut().for_each(|images| images.destroy(device, allocator));
         self.buffers.iter_mut().for_each(|buffer| buffer.destroy(device, allocator));
         self.solver.destroy(device);
@@ -306,8 +365,9 @@ mod tests {
             assert!((1e6..1e14).contains(&rate), "{ceilings:?}");
         }
         let Ceilings { dispatch, indirect_dispatch, skipped_dispatch, .. } = ceilings;
-        let Ceilings { barrier, submission, .. } = ceilings;
-        for time in [dispatch, indirect_dispatch, skipped_dispatch, barrier, submission] {
+        let Ceilings { barrier, timestamp, submission, .. } = ceilings;
+        let times = [dispatch, indirect_dispatch, skipped_dispatch, barrier, submission];
+        for time in times.into_iter().chain(timestamp) {
             assert!(time < Duration::from_millis(100), "{ceilings:?}");
         }
     }

@@ -362,7 +362,7 @@ impl<'a> Recorder<'a> {
         let all = size_of::<DeviceProgress>() as u64;
         self.decided(profile::BEFORE_BYTES, 0, all);
         if let Some(profile) = self.profile {
-            profile.end_portion();
+            profile.end_portion(self.device, self.commands);
         }
     }
 

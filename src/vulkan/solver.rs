@@ -274,26 +274,33 @@ impl Solver {
             session.restart();
         }
         let seeds = seed_texels(seeds);
-        self.record(first, images, session.as_deref(), |recorder| {
+        let begin_map = |recorder: &Recorder| {
             if start == Start::Fresh {
                 recorder.forget();
             }
             recorder.start(stop);
-        })?;
-        Session::submit(session.as_deref_mut(), first)?;
-        for part in seeds.chunks(images.upload.mapped().len() / size_of::<SeedTexel>()) {
-            let bytes = bytemuck::cast_slice(part);
-            images.upload.mapped()[..bytes.len()].copy_from_slice(bytes);
-            let count = part.len() as u32;
-            let watched = session.as_deref_mut();
-            self.watched(images, watched, |recorder| {
-                recorder.seed(count, schedule == Schedule::Tiles);
-            })?;
+        };
+        let wakes = schedule == Schedule::Tiles;
+        // Those that the upload buffer does not hold beside the last go ahead.
+        let most = images.upload.mapped().len() / size_of::<SeedTexel>();
+        let (ahead, last) = seeds.split_at(seeds.len().saturating_sub(1) / most * most);
+        if !ahead.is_empty() {
+            self.watched(images, session.as_deref_mut(), |recorder| begin_map(&recorder))?;
         }
+        for part in ahead.chunks(most) {
+            let count = write_seeds(part, images);
+            let watched = session.as_deref_mut();
+            self.watched(images, watched, |recorder| recorder.seed(count, wakes))?;
+        }
+        let count = write_seeds(last, images);
         let places = seeds.iter().map(|seed| (seed.texel[1] as u32, seed.texel[0] as u32));
         let reached = Reached::around(places).filter(|_| start == Start::Fresh);
         let steps = plan(images.texels, reached, stop.iterations);
         self.record(first, images, session.as_deref(), |recorder| {
+            if ahead.is_empty() {
+                begin_map(&recorder);
+            }
+            recorder.seed(count, wakes);
             recorder.steps(passes, &steps);
             recorder.outcome(0);
         })?;
@@ -392,6 +399,13 @@ impl Solver {
         }
         Ok(distances)
     }
+}
+
+/// Puts seeds where `seed.comp` reads them; how many they are.
+fn write_seeds(seeds: &[SeedTexel], images: &mut GridImages) -> u32 {
+    let bytes = bytemuck::cast_slice(seeds);
+    images.upload.mapped()[..bytes.len()].copy_from_slice(bytes);
+    seeds.len() as u32
 }
 
 fn is_validation_wanted() -> bool {

@@ -29,7 +29,8 @@ fn a_device_that_lacks_something_still_gives_the_rest() {
             let method = method(Wavefront::Curved, schedule);
             let Bench { seeds, solver, on_device, .. } = &mut bench;
             let plain = solver.solve(on_device, seeds, method).unwrap();
-            let detail = Detail { grain: Grain::Blocks, invocations: true, tiles: true };
+            let detail =
+                Detail { grain: Grain::Blocks, invocations: true, tiles: true, whole: true };
             let (watched, profile) = solver.profile(on_device, seeds, method, detail).unwrap();
             assert_eq!(watched.distances, plain.distances);
             assert_eq!((watched.iterations, watched.residual), (plain.iterations, plain.residual));

@@ -57,7 +57,7 @@ fn each_iteration_visits_the_maps_that_have_not_converged() {
         let everywhere = 4 * (texels.inner_rows().len() * texels.inner_cols().len()) as u64;
 
         for grain in Grain::ALL {
-            let detail = Detail { grain, invocations: true, tiles: false };
+            let detail = Detail { grain, invocations: true, ..Detail::default() };
             let mut rows = vec![0.0; plain.len()];
             let (convergence, profile) = pairwise
                 .profile(solver, on_device, &sources, CONVERGED, &mut rows, detail)

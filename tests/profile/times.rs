@@ -2,7 +2,7 @@
 
 use geosweep::Wavefront;
 use geosweep::vulkan::Schedule;
-use geosweep::vulkan::profile::Detail;
+use geosweep::vulkan::profile::{Detail, Grain};
 
 use crate::bench::{Bench, method};
 
@@ -28,15 +28,22 @@ fn calibrated_times_lie_between_submission_and_its_end() {
 #[test]
 fn passes_follow_one_another_inside_their_submission() {
     let mut bench = Bench::new(50, 50, &[]);
-    for schedule in Schedule::ALL {
-        let profile = bench.profile(method(Wavefront::Planar, schedule), Detail::default());
+    let details = Grain::ALL
+        .into_iter()
+        .flat_map(|grain| [true, false].map(|whole| Detail { grain, whole, ..Detail::default() }));
+    for (schedule, detail) in details.flat_map(|detail| Schedule::ALL.map(|of| (of, detail))) {
+        let profile = bench.profile(method(Wavefront::Planar, schedule), detail);
         for submission in &profile.submissions {
             let mut end = 0;
             for pass in &submission.passes {
                 assert_eq!(pass.begin, Some(end));
                 end += pass.nanoseconds.unwrap();
             }
-            assert!(submission.lead.unwrap() + end <= submission.nanoseconds.unwrap());
+            let (lead, whole) = (submission.lead.unwrap(), submission.nanoseconds.unwrap());
+            match detail.whole {
+                true => assert!(lead + end <= whole),
+                false => assert_eq!((lead, end), (0, whole)),
+            }
         }
         assert!(profile.pass_nanoseconds().unwrap() <= profile.nanoseconds().unwrap());
     }

@@ -77,7 +77,8 @@ fn texels_visited_and_skipped_are_those_of_the_plan() {
 fn coarser_records_are_sums_of_finer_ones() {
     let mut bench = Bench::new(61, 90, &[]);
     for schedule in Schedule::ALL {
-        let records = Grain::ALL.map(|grain| {
+        let finer = [Grain::Iterations, Grain::Scans, Grain::Blocks];
+        let records = finer.map(|grain| {
             let detail = Detail { grain, invocations: true, ..Detail::default() };
             let profile = bench.profile(method(Wavefront::Curved, schedule), detail);
             profile.passes().copied().collect::<Vec<_>>()
@@ -109,10 +110,42 @@ fn coarser_records_are_sums_of_finer_ones() {
         });
         assert_eq!(sums[0], sums[1], "{schedule}");
         assert_eq!(sums[1], sums[2], "{schedule}");
+        portions_are_sums(&mut bench, schedule, &records[0]);
         let counts = records.each_ref().map(Vec::len);
         assert!(counts.is_sorted(), "{schedule}: {counts:?}");
         let iterations = of_iterations(&records[0]);
         assert_eq!(iterations, if schedule == Schedule::Tiles { 0 } else { done(&records[1]) });
+    }
+}
+
+/// A record of a portion is the sum of its iterations, or rounds, and of what it copies.
+fn portions_are_sums(bench: &mut Bench, schedule: Schedule, of_iterations: &[PassRecord]) {
+    let detail = Detail { grain: Grain::Portions, invocations: true, ..Detail::default() };
+    let profile = bench.profile(method(Wavefront::Curved, schedule), detail);
+    let portions: Vec<_> = of_kind(&profile, PassKind::Portion).collect();
+    assert_eq!(portions.len(), profile.submissions.len() - 1, "all but the read-back");
+    let visits: Vec<_> = of_iterations.iter().filter(|pass| pass.area.is_some()).collect();
+    for of in [
+        |pass: &PassRecord| pass.work.texels,
+        |pass: &PassRecord| pass.work.skipped,
+        |pass: &PassRecord| pass.work.triangles.or(Some(0)),
+    ] {
+        assert_eq!(sum(&portions, of), sum(&visits, of), "{schedule}");
+    }
+    let is_decision = |pass: &&PassRecord| pass.kind == PassKind::Decisions;
+    let copied: Vec<_> = of_iterations.iter().filter(is_decision).collect();
+    let bytes = |pass: &PassRecord| pass.work.bytes();
+    assert_eq!(sum(&portions, bytes), sum(&visits, bytes) + sum(&copied, bytes), "{schedule}");
+    let steps = |pass: &&PassRecord| {
+        pass.area.is_some() || [PassKind::Count, PassKind::Settle].contains(&pass.kind)
+    };
+    let dispatches =
+        |passes: &[&PassRecord]| passes.iter().map(|pass| pass.dispatches).sum::<u32>();
+    let of_steps: Vec<_> = of_iterations.iter().filter(steps).collect();
+    assert_eq!(dispatches(&portions), dispatches(&of_steps), "{schedule}");
+    for portion in portions {
+        assert!(portion.nanoseconds.is_none_or(|time| time > 0), "{portion:?}");
+        assert!(!portion.is_idle() && portion.iteration.is_none());
     }
 }
 
@@ -160,7 +193,7 @@ fn bytes_agree_with_a_count_by_hand() {
 fn the_device_counts_the_invocations_of_the_groups_in_the_records() {
     let mut bench = Bench::new(70, 131, &[]);
     let tuning = bench.solver.tuning();
-    let detail = Detail { grain: Grain::Blocks, invocations: true, tiles: true };
+    let detail = Detail { grain: Grain::Blocks, invocations: true, tiles: true, whole: true };
     for (schedule, group) in [
         (Schedule::Raster, tuning.scan_width),
         (Schedule::AllPoints, 64),

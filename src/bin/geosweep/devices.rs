@@ -30,7 +30,9 @@ The index, or any part of the name, selects a device for `geosweep distance --de
 With --measure: the rate at which bytes are copied (read plus written), the rate of
 updates from single triangles with everything at hand, by wavefront; of a device also
 the time of an empty dispatch with its barrier, direct and indirect, of an indirect
-dispatch of nothing with its barrier, of a barrier alone and of an empty submission, and the rate of reading back.
+dispatch of nothing with its barrier, of a barrier alone, of what a timestamp adds
+(null or nothing where there are none) and of an empty submission, and the rate of
+reading back.
 
 Examples:
   geosweep devices
@@ -65,6 +67,7 @@ pub struct DeviceCeilings {
     indirect_dispatch: f64,
     skipped_dispatch: f64,
     barrier: f64,
+    timestamp: Option<f64>,
     submission: f64,
     read_back: f64,
 }
@@ -144,6 +147,7 @@ impl From<vulkan::Ceilings> for DeviceCeilings {
             indirect_dispatch: ceilings.indirect_dispatch.as_secs_f64(),
             skipped_dispatch: ceilings.skipped_dispatch.as_secs_f64(),
             barrier: ceilings.barrier.as_secs_f64(),
+            timestamp: ceilings.timestamp.map(|time| time.as_secs_f64()),
             submission: ceilings.submission.as_secs_f64(),
             read_back: ceilings.read_back,
         }
@@ -185,11 +189,13 @@ impl std::fmt::Display for DeviceCeilings {
         write!(
             f,
             "copies {:.1} GB/s; {triangles}; dispatch of one group {dispatch:.2} us, indirect \
-             {indirect:.2} us, of none {skipped:.2} us, barrier {barrier:.2} us, submission {submission:.0} us; reads back \
-             {:.1} GB/s",
+             {indirect:.2} us, of none {skipped:.2} us, barrier {barrier:.2} us, ",
             copy / 1e9,
-            read_back / 1e9
-        )
+        )?;
+        if let Some(timestamp) = self.timestamp {
+            write!(f, "timestamp {:.2} us, ", 1e6 * timestamp)?;
+        }
+        write!(f, "submission {submission:.0} us; reads back {:.1} GB/s", read_back / 1e9)
     }
 }
 

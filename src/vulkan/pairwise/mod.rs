@@ -23,7 +23,7 @@ use ash::vk;
 
 use super::headless::{Commands, Context};
 use super::plan::{self, Reached};
-use super::profile::{self, Detail, Session, SolveProfile};
+use super::profile::{self, Detail, Grain, Session, SolveProfile};
 use super::{Schedule, Solver, SurfaceOnDevice, TexelChart, Tuning, VulkanError};
 use crate::cpu::{Convergence, Stop};
 use crate::update::Wavefront;
@@ -223,7 +223,12 @@ impl PairwiseOnDevice {
         let capabilities = solver.capabilities().ok_or(VulkanError::NotForProfiling)?;
         let scans = self.scans(solver.tuning(), None, stop.iterations);
         let passes = profile::records(&scans, detail.grain) + PASSES_AROUND;
-        let detail = Detail { tiles: false, ..detail };
+        // Each map converges by itself, so that the work is only known by iteration.
+        let grain = match detail.grain {
+            Grain::Portions => Grain::Iterations,
+            finer => finer,
+        };
+        let detail = Detail { grain, tiles: false, ..detail };
         let mut session = Session::new(&self.context, capabilities, passes, 0, detail)?;
         let begin = Instant::now();
         session.restart();
@@ -468,8 +473,8 @@ mod tests {
             let mut pairwise =
                 solver.pairwise(&on_device, Wavefront::Curved, Some(schedule)).unwrap();
             for grain in profile::Grain::ALL {
-                let (rows, detail) =
-                    (&mut [0.0; 3 * 600], Detail { grain, invocations: true, tiles: false });
+                let rows = &mut [0.0; 3 * 600];
+                let detail = Detail { grain, invocations: true, ..Detail::default() };
                 pairwise.profile(&solver, &on_device, &SOURCES, STOP, rows, detail).unwrap();
             }
         }

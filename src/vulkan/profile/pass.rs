@@ -39,6 +39,9 @@ pub enum PassKind {
     Count,
     /// An iteration with its count, where no finer records are wanted: [`Grain::Iterations`].
     Iteration,
+    /// All iterations or rounds of a recording and what ends them, where no finer records are
+    /// wanted: [`Grain::Portions`].
+    Portion,
     /// Puts the lengths around a surface's points into the order of the scans, for maps in shared
     /// memory.
     Fans,
@@ -95,6 +98,7 @@ impl PassKind {
             Self::Settle => c"settle",
             Self::Count => c"count",
             Self::Iteration => c"iteration",
+            Self::Portion => c"portion",
             Self::Fans => c"fans",
             Self::Workgroups => c"workgroups",
             Self::Decisions => c"decisions",
@@ -109,12 +113,15 @@ impl PassKind {
     }
 }
 
-/// What a record stands for: the coarser, the fewer timestamps. They take time of their own, 15 to
-/// 25 microseconds each on lavapipe; `docs/profiling.md` says what that adds to maps.
+/// What a record stands for: the coarser, the fewer timestamps. They take time of their own:
+/// [`crate::vulkan::Ceilings::timestamp`], 15 to 25 microseconds each on lavapipe;
+/// `docs/profiling.md` says what that adds to maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Grain {
-    /// An iteration: its scans, or its updates of all points, with the count that ends it. A round
-    /// of tiles is a record at any grain.
+    /// A portion of steps: all iterations or rounds of a recording. Of maps at once, an iteration.
+    Portions,
+    /// An iteration: its scans, or its updates of all points, with the count that ends it; or a
+    /// round of tiles.
     Iterations,
     /// A scan, with all its blocks of lines, of which there may be a hundred and more, and the
     /// barriers between them.
@@ -126,11 +133,12 @@ pub enum Grain {
 
 impl Grain {
     /// All of them, the coarsest first.
-    pub const ALL: [Self; 3] = [Self::Iterations, Self::Scans, Self::Blocks];
+    pub const ALL: [Self; 4] = [Self::Portions, Self::Iterations, Self::Scans, Self::Blocks];
 
     /// The name used on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Portions => "portions",
             Self::Iterations => "iterations",
             Self::Scans => "scans",
             Self::Blocks => "blocks",
@@ -139,12 +147,10 @@ impl Grain {
 
     /// What the record of a pass of some kind is of.
     pub(crate) fn kind(self, pass: PassKind) -> PassKind {
-        match pass {
-            PassKind::Scan(_) | PassKind::AllPoints | PassKind::Count
-                if self == Self::Iterations =>
-            {
-                PassKind::Iteration
-            }
+        use PassKind::*;
+        match (self, pass) {
+            (Self::Iterations, Scan(_) | AllPoints | Count) => Iteration,
+            (Self::Portions, Scan(_) | AllPoints | Count | Tiles | Settle | Decisions) => Portion,
             _ => pass,
         }
     }
@@ -152,7 +158,7 @@ impl Grain {
     /// Whether a record takes in what follows in the same iteration and is of the same kind.
     pub(crate) fn gathers(self, kind: PassKind) -> bool {
         match kind {
-            PassKind::Iteration => true,
+            PassKind::Iteration | PassKind::Portion => true,
             PassKind::Scan(_) => self != Self::Blocks,
             _ => false,
         }
@@ -235,6 +241,34 @@ impl PassRecord {
             false => [a.iter().product::<u32>() + b.iter().product::<u32>(), 1, 1],
         });
         self.work = self.work.and(next.work);
+    }
+
+    /// All passes of a portion, each with what is known of its work.
+    pub(super) fn of_portion(passes: &[Self]) -> Self {
+        let mut all = Self { dispatches: 0, ..Self::new(PassKind::Portion) };
+        let visits: Vec<_> = passes.iter().filter(|pass| pass.area.is_some()).collect();
+        let sum = |of: fn(&Work) -> Option<u64>| -> Option<u64> {
+            visits.iter().map(|pass| of(&pass.work)).sum()
+        };
+        // What visits no texels only adds to the bytes.
+        let bytes = |of: fn(&Work) -> Option<u64>| {
+            let others = passes.iter().filter(|pass| pass.area.is_none());
+            let others: u64 = others.filter_map(|pass| of(&pass.work)).sum();
+            sum(of).map(|bytes| bytes + others)
+        };
+        all.work = Work {
+            texels: sum(|work| work.texels),
+            skipped: sum(|work| work.skipped),
+            bytes_read: bytes(|work| work.bytes_read),
+            bytes_written: bytes(|work| work.bytes_written),
+            triangles: sum(|work| work.triangles),
+        };
+        let groups = |pass: &Self| Some(pass.groups?.iter().product::<u32>());
+        let dispatched = passes.iter().filter(|pass| pass.dispatches > 0);
+        all.groups = dispatched.map(groups).sum::<Option<u32>>().map(|groups| [groups, 1, 1]);
+        all.dispatches = passes.iter().map(|pass| pass.dispatches).sum();
+        all.area = visits.iter().filter_map(|pass| pass.area).reduce(Area::around);
+        all
     }
 
     /// Whether the pass lies beyond convergence, or its list of tiles was empty: it was

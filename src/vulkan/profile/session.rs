@@ -22,8 +22,11 @@ pub struct Detail {
     pub grain: Grain,
     /// Invocations, where the device counts them.
     pub invocations: bool,
-    /// Which tiles each round visits.
+    /// Which tiles each round visits; not known of records of whole portions.
     pub tiles: bool,
+    /// The time of whole submissions by a pair of timestamps of their own around those of the
+    /// passes, which take time as well.
+    pub whole: bool,
 }
 
 /// How a map was computed.
@@ -46,10 +49,11 @@ pub struct SubmissionRecord {
     /// When the device began with it, in nanoseconds on the same clock, where calibrated timestamps
     /// tell.
     pub begin: Option<f64>,
-    /// Nanoseconds from its first command to its last, by a pair of timestamps of its own around
-    /// those of the passes.
+    /// Nanoseconds from its first command to its last; from the first pass to the end of the last
+    /// unless [`Detail::whole`] was asked for.
     pub nanoseconds: Option<u64>,
-    /// Nanoseconds from its first command to the first pass.
+    /// Nanoseconds from its first command to the first pass; none unless [`Detail::whole`] was
+    /// asked for.
     pub lead: Option<u64>,
     /// The passes.
     pub passes: Vec<PassRecord>,
@@ -80,7 +84,7 @@ pub(crate) struct Session {
     capabilities: Capabilities,
     pools: Vec<vk::QueryPool>,
     profile: Profile,
-    /// The pair around everything.
+    /// The pair around everything, where wanted.
     around: Option<QueryRange>,
     buffer: Option<Buffer>,
     /// Of the grid.
@@ -116,7 +120,8 @@ impl Session {
             let none = vk::QueryPipelineStatisticFlags::empty();
             let pool = new.pool(vk::QueryType::TIMESTAMP, passes + 3, none)?;
             slots.timestamps = Some(QueryRange { pool, first: 1, count: passes + 1 });
-            new.around = Some(QueryRange { pool, first: 0, count: passes + 3 });
+            let around = QueryRange { pool, first: 0, count: passes + 3 };
+            new.around = detail.whole.then_some(around);
         }
         if detail.invocations && capabilities.statistics.is_ok() {
             let kind = vk::QueryPipelineStatisticFlags::COMPUTE_SHADER_INVOCATIONS;
@@ -226,14 +231,6 @@ impl Session {
         let ended = self.start.elapsed();
         let device = &self.context.device;
         let clock = self.capabilities.timestamps.ok();
-        let around = match self.around {
-            Some(range) => {
-                let last = QueryRange { first: range.first + range.count - 1, count: 1, ..range };
-                let first = results(device, range, 1)?;
-                first.zip(results(device, last, 1)?).map(|(first, last)| (first[0], last[0]))
-            }
-            None => None,
-        };
         let bytes = self.buffer.as_ref().expect("it is there from the start").read();
         let (decisions, lists) = bytes.split_at(Slots::DECISION_BYTES as usize);
         let resolved = self.profile.resolve(device, clock, Some(decisions))?;
@@ -242,7 +239,24 @@ impl Session {
             VulkanError::Call { call: "vkGetQueryPoolResults", result: vk::Result::NOT_READY };
         let Resolved { passes, start, left_out } = resolved.ok_or(missing)?;
         debug_assert_eq!(left_out, 0, "the session has room for all passes");
-        let since = |to: Option<u64>| Some(clock?.nanoseconds(around?.0, to?));
+        let around = match self.around {
+            Some(range) => {
+                let last = QueryRange { first: range.first + range.count - 1, count: 1, ..range };
+                let first = results(device, range, 1)?;
+                first.zip(results(device, last, 1)?).map(|(first, last)| [first[0], last[0]])
+            }
+            None => None,
+        };
+        let since = |from: u64, to: u64| Some(clock?.nanoseconds(from, to));
+        let of_passes = || match passes.last() {
+            Some(last) => Some(last.begin? + last.nanoseconds?),
+            None => start.and(Some(0)),
+        };
+        let nanoseconds = match around {
+            Some([first, last]) => since(first, last),
+            None => of_passes(),
+        };
+        let first = around.map(|[first, _]| first).or(start);
         let tiles = match self.profile.tile_lists() {
             Some(_) => self.tiles(&passes, lists),
             None => Vec::new(),
@@ -252,10 +266,10 @@ impl Session {
             ended,
             begin: self
                 .calibration
-                .zip(around)
-                .map(|(calibration, (first, _))| calibration.since(self.start, first)),
-            nanoseconds: since(around.map(|(_, last)| last)),
-            lead: since(start),
+                .zip(first)
+                .map(|(calibration, first)| calibration.since(self.start, first)),
+            nanoseconds,
+            lead: first.zip(start).and_then(|(first, start)| since(first, start)),
             passes,
             tiles,
         });
@@ -322,13 +336,16 @@ mod tests {
                 let wavefront = Wavefront::Curved;
                 let method = Method { wavefront, schedule: Some(schedule), stop };
                 let plain = solver.solve(&mut on_device, &seeds, method).unwrap();
-                let detail = Detail { grain: Grain::Blocks, invocations: true, tiles: true };
-                for detail in [detail, Detail::default()] {
+                let all =
+                    Detail { invocations: true, tiles: true, whole: true, ..Detail::default() };
+                let of = |grain| Detail { grain, ..all };
+                let details = Grain::ALL.map(of).into_iter().chain([Detail::default()]);
+                for detail in details {
                     let watched = solver.profile(&mut on_device, &seeds, method, detail);
                     let (watched, profile) = watched.unwrap();
                     assert_eq!(watched.distances, plain.distances);
                     assert_eq!(watched.iterations, plain.iterations);
-                    assert!(profile.submissions.len() >= 4, "start, seeds, steps, read-back");
+                    assert!(profile.submissions.len() >= 2, "steps and read-back");
                 }
                 // What was recorded with queries is not submitted again without.
                 let again = solver.solve(&mut on_device, &seeds, method).unwrap();

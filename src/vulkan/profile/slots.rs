@@ -6,7 +6,7 @@ use ash::vk;
 
 use super::clock::Clock;
 use super::decisions::{self, ReadBack};
-use super::pass::{Grain, PassRecord};
+use super::pass::{Grain, PassKind, PassRecord};
 use super::work::{Presence, decided};
 use crate::vulkan::VulkanError;
 
@@ -28,7 +28,7 @@ pub struct QueryRange {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Slots {
     /// `passes + 1` queries of a pool of type `TIMESTAMP`: the first at the start of the recording,
-    /// the next at the end of each pass in turn.
+    /// the next at the end of each pass in turn; with [`Grain::Portions`] the last ones stay unused.
     pub timestamps: Option<QueryRange>,
     /// `passes` queries of a pool of type `PIPELINE_STATISTICS` with the one statistic
     /// `COMPUTE_SHADER_INVOCATIONS`, one for each pass; the device feature `pipelineStatisticsQuery`
@@ -75,6 +75,10 @@ pub struct Profile {
 /// What has been taken down so far.
 struct Taken {
     entries: Vec<Entry>,
+    /// Timestamps after the first.
+    timestamps: u32,
+    /// Whether the last entries still wait for theirs.
+    waits: bool,
     /// Ended.
     portions: u32,
     /// Passes without room.
@@ -87,6 +91,9 @@ struct Entry {
     presence: Presence,
     /// That it belongs to.
     portion: u32,
+    /// The number of the one at its end, of the first entry of a recording 1. Entries that are one
+    /// record share it.
+    timestamp: u32,
 }
 
 /// What a recording has taken, read back.
@@ -121,6 +128,8 @@ impl Profile {
             room,
             taken: Mutex::new(Taken {
                 entries: Vec::with_capacity(room),
+                timestamps: 0,
+                waits: false,
                 portions: 0,
                 left_out: 0,
             }),
@@ -139,6 +148,7 @@ impl Profile {
     pub(crate) fn begin(&self, device: &ash::Device, commands: vk::CommandBuffer) {
         let mut taken = self.taken();
         taken.entries.clear();
+        (taken.timestamps, taken.waits) = (0, false);
         (taken.portions, taken.left_out) = (0, 0);
         drop(taken);
         for range in [self.slots.timestamps, self.slots.statistics].into_iter().flatten() {
@@ -179,11 +189,22 @@ impl Profile {
             // SAFETY: the query was begun by `open`.
             unsafe { device.cmd_end_query(commands, pool, first + number as u32) };
         }
-        self.write_timestamp(device, commands, number as u32 + 1);
         // The steps of a portion come before the copy of what was decided in it.
         let mut taken = self.taken();
-        let portion = taken.portions;
-        taken.entries.push(Entry { record, presence, portion });
+        let (portion, timestamp) = (taken.portions, taken.timestamps + 1);
+        taken.entries.push(Entry { record, presence, portion, timestamp });
+        taken.waits = true;
+        if record.kind != PassKind::Portion {
+            self.end_record(device, commands, &mut taken);
+        }
+    }
+
+    /// After the last of the entries that are one record.
+    fn end_record(&self, device: &ash::Device, commands: vk::CommandBuffer, taken: &mut Taken) {
+        if std::mem::take(&mut taken.waits) {
+            taken.timestamps += 1;
+            self.write_timestamp(device, commands, taken.timestamps);
+        }
     }
 
     /// Where to copy the decisions of this portion, if there is room.
@@ -200,8 +221,10 @@ impl Profile {
     }
 
     /// After a portion of steps.
-    pub(crate) fn end_portion(&self) {
-        self.taken().portions += 1;
+    pub(crate) fn end_portion(&self, device: &ash::Device, commands: vk::CommandBuffer) {
+        let mut taken = self.taken();
+        self.end_record(device, commands, &mut taken);
+        taken.portions += 1;
     }
 
     fn write_timestamp(&self, device: &ash::Device, commands: vk::CommandBuffer, number: u32) {
@@ -225,9 +248,9 @@ impl Profile {
         decisions: Option<&[u8]>,
     ) -> Result<Option<Resolved>, VulkanError> {
         let taken = self.taken();
-        let Taken { entries, portions: ended, left_out } = &*taken;
+        let Taken { entries, timestamps, portions: ended, left_out, .. } = &*taken;
         let times = match self.slots.timestamps {
-            Some(range) => results(device, range, entries.len() + 1)?,
+            Some(range) => results(device, range, *timestamps as usize + 1)?,
             None => Some(Vec::new()),
         };
         let invocations = match self.slots.statistics {
@@ -242,21 +265,33 @@ impl Profile {
             .take(*ended as usize)
             .map(ReadBack::new)
             .collect();
-        let passes = entries.iter().enumerate().map(|(number, entry)| {
+        let with_invocations = |(number, entry): (usize, &Entry)| {
             let found = portions.get(entry.portion as usize).map(ReadBack::decisions);
             let record = decided(entry.record, entry.presence, found);
+            PassRecord { invocations: invocations.get(number).copied(), ..record }
+        };
+        let found: Vec<_> = entries.iter().enumerate().map(with_invocations).collect();
+        let mut rest = &found[..];
+        let passes = entries.chunk_by(|a, b| a.timestamp == b.timestamp).map(|entries| {
+            let (passes, following) = rest.split_at(entries.len());
+            rest = following;
+            let number = entries[0].timestamp as usize;
             let time = |number: usize| times.get(number).copied();
             let at = |number: usize| Some(clock?.nanoseconds(time(0)?, time(number)?));
-            let (begin, end) = (at(number), at(number + 1));
+            let (begin, end) = (at(number - 1), at(number));
+            let record = match passes {
+                [pass] => *pass,
+                passes => PassRecord::of_portion(passes),
+            };
             PassRecord {
                 begin,
                 nanoseconds: begin.zip(end).map(|(begin, end)| end.saturating_sub(begin)),
-                invocations: invocations.get(number).copied(),
                 ..record
             }
         });
+        let passes = passes.collect();
         let start = clock.and(times.first().copied());
-        Ok(Some(Resolved { passes: passes.collect(), start, left_out: *left_out }))
+        Ok(Some(Resolved { passes, start, left_out: *left_out }))
     }
 }
 

@@ -270,7 +270,9 @@ pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
     let steps: Vec<_> = steps.iter().filter(|step| **step != Step::Barrier).collect();
     // Iterations end with a count, so that no scan follows one of the same direction.
     let merged = steps.windows(2).filter(|pair| match (grain, pair[0], pair[1]) {
-        (Grain::Iterations, Step::Scan(_) | Step::AllPoints { .. }, _) => true,
+        // What happens in an iteration beyond convergence is only known later, so that a portion
+        // takes room for all of its iterations.
+        (Grain::Iterations | Grain::Portions, Step::Scan(_) | Step::AllPoints { .. }, _) => true,
         (Grain::Scans, Step::Scan(before), Step::Scan(after)) => before.scan == after.scan,
         _ => false,
     });

@@ -4,6 +4,7 @@ use std::fmt::{self, Display, Formatter};
 use std::fs;
 use std::path::Path;
 
+use geosweep::vulkan::profile::Grain;
 use serde::{Deserialize, Serialize};
 
 use super::file::{Setting, Summary};
@@ -32,6 +33,11 @@ struct EarlierTotal {
 }
 
 impl Earlier {
+    /// What was timed, if this tool has such a grain.
+    pub fn grain(&self) -> Option<Grain> {
+        Grain::ALL.into_iter().find(|grain| grain.name() == self.setting.grain)
+    }
+
     pub fn read(path: &Path) -> Result<Self, String> {
         let name = path.display();
         let text = fs::read_to_string(path).map_err(|error| format!("{name}: {error}"))?;

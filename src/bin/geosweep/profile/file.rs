@@ -95,8 +95,9 @@ pub struct KindRow {
 pub struct Total {
     /// All passes, on the device.
     pub passes: Vec<f64>,
-    /// All command buffers, on the device.
-    pub command_buffers: Vec<f64>,
+    /// The share of the passes in the command buffers' time on the device, in a run in which that
+    /// was measured.
+    pub share_of_command_buffers: Option<f64>,
     /// By the host's clock.
     pub host: Vec<f64>,
     /// By the host's clock, without profiling.
@@ -146,7 +147,11 @@ impl Summary {
             kinds: kinds(measured).into_iter().map(|kind| KindRow::new(kind, all)).collect(),
             total: Total {
                 passes,
-                command_buffers: seconds(SolveProfile::nanoseconds),
+                share_of_command_buffers: measured
+                    .counted
+                    .pass_nanoseconds()
+                    .zip(measured.counted.nanoseconds().filter(|&whole| whole > 0))
+                    .map(|(passes, whole)| passes as f64 / whole as f64),
                 host: host.map(|time| time.as_secs_f64()).collect(),
                 host_without_profiling: measured.plain.iter().map(Duration::as_secs_f64).collect(),
             },

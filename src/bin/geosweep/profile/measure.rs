@@ -22,8 +22,8 @@ pub struct Wanted<'a> {
     pub options: &'a Options,
     pub repeat: u32,
     pub without: &'a [Capability],
-    /// What is timed.
-    pub grain: Grain,
+    /// What is timed; `None` for whatever disturbs the map little.
+    pub grain: Option<Grain>,
     /// Whether to look what each block of lines, or each round of tiles, visits.
     pub visits: bool,
 }
@@ -48,6 +48,8 @@ pub struct Measured {
     pub solved: Solved,
     pub wavefront: Wavefront,
     pub grain: Grain,
+    /// What a finer grain, scans, would have added to a map's time, if that was too much.
+    pub by_scans: Option<f64>,
     pub iterations: u32,
     pub residual: f64,
     pub converged: bool,
@@ -55,7 +57,7 @@ pub struct Measured {
     pub runs: Vec<SolveProfile>,
     /// By the host's clock, each beside a run, without profiling.
     pub plain: Vec<Duration>,
-    /// With invocations; not timed.
+    /// With invocations, and the time of whole command buffers; not timed otherwise.
     pub counted: SolveProfile,
     /// Block by block, with lists of tiles, if wanted; not timed either.
     pub visits: Option<SolveProfile>,
@@ -93,10 +95,15 @@ pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Bo
         say("note", format_args!("RenderDoc has captured a map: {}", file?));
     }
     bar.inc(1);
-    let timed = Detail { grain: wanted.grain, ..Detail::default() };
-    let counted = Detail { invocations: true, ..timed };
+    let timestamp = before.and_then(|ceilings| ceilings.timestamp);
+    let (grain, by_scans) = match wanted.grain {
+        Some(grain) => (grain, None),
+        None => grain_for(&mut subject, &mut solver, timestamp)?,
+    };
+    let timed = Detail { grain, ..Detail::default() };
+    let counted = Detail { invocations: true, whole: true, ..timed };
     let (ended, counted) = subject.profile(&mut solver, counted)?;
-    let visits = Detail { grain: Grain::Blocks, tiles: true, invocations: false };
+    let visits = Detail { grain: Grain::Blocks, tiles: true, ..Detail::default() };
     let visits = wanted.visits.then(|| subject.profile(&mut solver, visits));
     let visits = visits.transpose()?.map(|(_, visits)| visits);
     bar.inc(1);
@@ -123,7 +130,8 @@ pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Bo
         tuning,
         solved: ended.solved,
         wavefront: method.wavefront,
-        grain: wanted.grain,
+        grain,
+        by_scans,
         iterations: ended.iterations,
         residual: ended.residual,
         converged: ended.residual <= method.stop.tolerance,
@@ -135,6 +143,42 @@ pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Bo
     })
 }
 
+/// The finest grain, up to scans, whose timestamps add little to a map's time, and what those of
+/// scans would add, if it is coarser.
+fn grain_for(
+    subject: &mut Subject,
+    solver: &mut Solver,
+    timestamp: Option<Duration>,
+) -> Result<(Grain, Option<f64>), Box<dyn Error>> {
+    let Some(timestamp) = timestamp else { return Ok((Grain::default(), None)) };
+    let mut shortest = Duration::MAX;
+    for _ in 0..UNDISTURBED {
+        shortest = shortest.min(subject.solve(solver)?);
+    }
+    let mut added = |grain| -> Result<f64, Box<dyn Error>> {
+        let (_, profile) = subject.profile(solver, Detail { grain, ..Detail::default() })?;
+        let timestamps = profile.passes().count() + profile.submissions.len();
+        Ok(timestamps as f64 * timestamp.as_secs_f64() / shortest.as_secs_f64())
+    };
+    Ok(finest(added(Grain::Scans)?, added(Grain::Iterations)?))
+}
+
+/// Of grains that add so much to a map's time.
+fn finest(by_scans: f64, by_iterations: f64) -> (Grain, Option<f64>) {
+    if by_scans <= ADDED {
+        (Grain::Scans, None)
+    } else if by_iterations <= ADDED {
+        (Grain::Iterations, Some(by_scans))
+    } else {
+        (Grain::Portions, Some(by_scans))
+    }
+}
+
+/// What timestamps may add to a map's time.
+const ADDED: f64 = 0.025;
+/// The shortest of so many maps is taken for an undisturbed one.
+const UNDISTURBED: u32 = 3;
+
 fn device(engine: &Engine) -> Result<&DeviceChoice, String> {
     match engine {
         Engine::Auto => Ok(&DeviceChoice::Any),
@@ -144,5 +188,17 @@ fn device(engine: &Engine) -> Result<&DeviceChoice, String> {
                                                    out (`geosweep bench` times the CPU engine)"
                 .into())
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grains_are_as_fine_as_the_map_bears() {
+        assert_eq!(finest(0.02, 0.01), (Grain::Scans, None));
+        assert_eq!(finest(0.07, 0.02), (Grain::Iterations, Some(0.07)));
+        assert_eq!(finest(0.3, 0.1), (Grain::Portions, Some(0.3)));
     }
 }

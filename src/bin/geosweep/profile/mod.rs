@@ -50,9 +50,8 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 5, help_heading = "Profile")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
-    /// What is timed by itself. Timestamps take time of their own: coarser ones disturb small maps
-    /// less
-    #[arg(long, value_enum, value_name = "GRAIN", default_value_t = GrainArg::Scans)]
+    /// What is timed by itself. Timestamps take time of their own: fewer disturb small maps less
+    #[arg(long, value_enum, value_name = "GRAIN", default_value_t = GrainArg::Auto)]
     #[arg(help_heading = "Profile")]
     grain: GrainArg,
     /// Profile as on a device that lacks these
@@ -123,6 +122,11 @@ impl From<PairwiseArg> for Option<PairwiseSchedule> {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum GrainArg {
+    /// Each scan, or something coarser if timestamps would add more than 2.5 % to a map's time; with
+    /// --against what was timed then
+    Auto,
+    /// All iterations of a recording together
+    Portions,
     /// Each iteration
     Iterations,
     /// Each scan
@@ -131,12 +135,14 @@ enum GrainArg {
     Blocks,
 }
 
-impl From<GrainArg> for Grain {
+impl From<GrainArg> for Option<Grain> {
     fn from(arg: GrainArg) -> Self {
         match arg {
-            GrainArg::Iterations => Self::Iterations,
-            GrainArg::Scans => Self::Scans,
-            GrainArg::Blocks => Self::Blocks,
+            GrainArg::Auto => None,
+            GrainArg::Portions => Some(Grain::Portions),
+            GrainArg::Iterations => Some(Grain::Iterations),
+            GrainArg::Scans => Some(Grain::Scans),
+            GrainArg::Blocks => Some(Grain::Blocks),
         }
     }
 }
@@ -184,7 +190,8 @@ pub fn run(args: &Args) -> Outcome {
         options: &options,
         repeat: args.repeat,
         without: &args.without.iter().copied().map(Capability::from).collect::<Vec<_>>(),
-        grain: args.grain.into(),
+        // The same kinds of records are to be compared.
+        grain: Option::from(args.grain).or(earlier.as_ref().and_then(Earlier::grain)),
         visits: args.picture.is_some(),
     };
     let measured = measure::measure(&wanted, capture)?;

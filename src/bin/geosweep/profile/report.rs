@@ -25,7 +25,8 @@ impl Display for Report<'_> {
         let plural = |count: usize| if count == 1 { "" } else { "s" };
         writeln!(
             f,
-            "{}{} x {} points, {} schedule, {} fronts, {} iteration{}; {} run{}, warmed up.\n",
+            "{}{} x {} points, {} schedule, {} fronts, {} iteration{}; {} run{}, warmed up, timed \
+             by {}.\n",
             if setting.maps > 1 { format!("{} maps of ", setting.maps) } else { String::new() },
             setting.rows,
             setting.cols,
@@ -34,7 +35,8 @@ impl Display for Report<'_> {
             summary.iterations,
             plural(summary.iterations as usize),
             summary.runs,
-            plural(summary.runs)
+            plural(summary.runs),
+            setting.grain
         )?;
         writeln!(f, "{} ({}): {}.\n", setting.device, setting.driver, summary.ceilings)?;
         table(f, summary)?;
@@ -119,13 +121,12 @@ impl Report<'_> {
     fn totals(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let total = &self.summary.total;
         writeln!(f)?;
-        if let Some((passes, all)) = median(&total.passes).zip(median(&total.command_buffers)) {
+        if let Some((passes, share)) = median(&total.passes).zip(total.share_of_command_buffers) {
             writeln!(
                 f,
-                "On the device: passes {} ms of {} ms in command buffers ({:.1} %).",
+                "On the device: passes {} ms, {:.1} % of the time of command buffers.",
                 digits(1e3 * passes),
-                digits(1e3 * all),
-                100.0 * passes / all
+                100.0 * share
             )?;
         }
         // Other work on the machine only adds to what the host sees.
@@ -139,6 +140,14 @@ impl Report<'_> {
                 digits(1e3 * watched),
                 digits(1e3 * plain),
                 100.0 * (watched / plain - 1.0)
+            )?;
+        }
+        if let Some(added) = self.measured.by_scans {
+            writeln!(
+                f,
+                "With --grain scans, which shows each scan, timestamps would add about {:.0} % to \
+                 a map's time.",
+                100.0 * added
             )?;
         }
         Ok(())
