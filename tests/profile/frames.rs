@@ -6,7 +6,7 @@ use geosweep::ash::vk;
 use geosweep::vulkan::Schedule;
 use geosweep::vulkan::embed::Tools;
 use geosweep::vulkan::plan::Step;
-use geosweep::vulkan::profile::{Grain, PassKind, Profile, QueryRange, Slots};
+use geosweep::vulkan::profile::{Grain, PassKind, PassRecord, Profile, QueryRange, Slots};
 
 use crate::host::Host;
 use crate::renderer::{CHART, Renderer};
@@ -135,6 +135,27 @@ fn passes_without_room_are_counted() {
     assert_eq!((found.passes.len(), found.left_out), (all as usize - 2, 0));
     assert!(found.passes.iter().all(|pass| pass.nanoseconds.is_none()));
     assert_eq!(renderer.end(), Vec::<String>::new());
+}
+
+/// A frame's map is one record, and the first timestamps are those that are used.
+#[test]
+fn a_portion_of_a_frame_is_one_record() {
+    for schedule in Schedule::ALL {
+        let mut renderer = Renderer::new(Host::new(), schedule, Tools::default());
+        let (_, finer) = renderer.timed_frame();
+        renderer.profile = Profile::new(1000, Grain::Portions, renderer.slots);
+        let (total, passes) = renderer.timed_frame();
+        let kinds: Vec<_> = passes.iter().map(|pass| pass.kind).collect();
+        use PassKind::*;
+        assert_eq!(kinds, [Points, Edges, Portion, Outcome, Distances], "{schedule}");
+        let sum: u64 = passes.iter().map(|pass| pass.nanoseconds.unwrap()).sum();
+        assert!(sum <= total, "{schedule}: {sum} of {total}");
+        let texels = |passes: &[PassRecord]| -> u64 {
+            passes.iter().filter_map(|pass| pass.work.texels).sum()
+        };
+        assert_eq!(texels(&passes), texels(&finer), "{schedule}");
+        assert_eq!(renderer.end(), Vec::<String>::new(), "{schedule}");
+    }
 }
 
 static QUERIES: AtomicU32 = AtomicU32::new(0);

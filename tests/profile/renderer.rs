@@ -26,6 +26,7 @@ pub struct Renderer {
     pub decisions: HostBuffer,
     /// Two queries of the host's own and then those of the profile.
     pub pool: vk::QueryPool,
+    pub slots: Slots,
     pub profile: Profile,
     pub clock: Clock,
 }
@@ -61,7 +62,7 @@ impl Renderer {
         let family = crate::host::family(&host.instance, host.physical_device);
         let clock = Clock::of(&host.instance, host.physical_device, family).unwrap();
         host.run(|commands| solver.record(&device, commands, &surface).prepare());
-        Self { host, solver, surface, plan, points, decisions, pool, profile, clock }
+        Self { host, solver, surface, plan, points, decisions, pool, slots, profile, clock }
     }
 
     pub fn frame(

@@ -118,7 +118,7 @@ fn coarser_records_are_sums_of_finer_ones() {
     }
 }
 
-/// A record of a portion is the sum of its iterations, or rounds, and of what it copies.
+/// A record of a portion is the sum of its iterations, or rounds, and of what comes before them.
 fn portions_are_sums(bench: &mut Bench, schedule: Schedule, of_iterations: &[PassRecord]) {
     let detail = Detail { grain: Grain::Portions, invocations: true, ..Detail::default() };
     let profile = bench.profile(method(Wavefront::Curved, schedule), detail);
@@ -132,17 +132,14 @@ fn portions_are_sums(bench: &mut Bench, schedule: Schedule, of_iterations: &[Pas
     ] {
         assert_eq!(sum(&portions, of), sum(&visits, of), "{schedule}");
     }
-    let is_decision = |pass: &&PassRecord| pass.kind == PassKind::Decisions;
-    let copied: Vec<_> = of_iterations.iter().filter(is_decision).collect();
-    let bytes = |pass: &PassRecord| pass.work.bytes();
-    assert_eq!(sum(&portions, bytes), sum(&visits, bytes) + sum(&copied, bytes), "{schedule}");
-    let steps = |pass: &&PassRecord| {
-        pass.area.is_some() || [PassKind::Count, PassKind::Settle].contains(&pass.kind)
-    };
+    let outside = [PassKind::Outcome, PassKind::Unpack];
+    let inside: Vec<_> = of_iterations.iter().filter(|p| !outside.contains(&p.kind)).collect();
+    let bytes = |pass: &&PassRecord| pass.work.bytes().unwrap_or(0);
+    let all_bytes: u64 = inside.iter().map(bytes).sum();
+    assert_eq!(portions.iter().map(bytes).sum::<u64>(), all_bytes, "{schedule}");
     let dispatches =
         |passes: &[&PassRecord]| passes.iter().map(|pass| pass.dispatches).sum::<u32>();
-    let of_steps: Vec<_> = of_iterations.iter().filter(steps).collect();
-    assert_eq!(dispatches(&portions), dispatches(&of_steps), "{schedule}");
+    assert_eq!(dispatches(&portions), dispatches(&inside), "{schedule}");
     for portion in portions {
         assert!(portion.nanoseconds.is_none_or(|time| time > 0), "{portion:?}");
         assert!(!portion.is_idle() && portion.iteration.is_none());

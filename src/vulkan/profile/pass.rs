@@ -39,8 +39,8 @@ pub enum PassKind {
     Count,
     /// An iteration with its count, where no finer records are wanted: [`Grain::Iterations`].
     Iteration,
-    /// All iterations or rounds of a recording and what ends them, where no finer records are
-    /// wanted: [`Grain::Portions`].
+    /// From the sources, or from where the last recording has ended, through all iterations or rounds
+    /// of a recording, where no finer records are wanted: [`Grain::Portions`].
     Portion,
     /// Puts the lengths around a surface's points into the order of the scans, for maps in shared
     /// memory.
@@ -118,7 +118,8 @@ impl PassKind {
 /// `docs/profiling.md` says what that adds to maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Grain {
-    /// A portion of steps: all iterations or rounds of a recording. Of maps at once, an iteration.
+    /// A portion: from its sources through all iterations or rounds of a recording. Of maps at once,
+    /// an iteration.
     Portions,
     /// An iteration: its scans, or its updates of all points, with the count that ends it; or a
     /// round of tiles.
@@ -150,6 +151,7 @@ impl Grain {
         use PassKind::*;
         match (self, pass) {
             (Self::Iterations, Scan(_) | AllPoints | Count) => Iteration,
+            (Self::Portions, Forget | Start | Resume | Sources | Seed) => Portion,
             (Self::Portions, Scan(_) | AllPoints | Count | Tiles | Settle | Decisions) => Portion,
             _ => pass,
         }

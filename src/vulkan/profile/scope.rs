@@ -49,7 +49,7 @@ impl<'a> Scope<'a> {
         if let Some(labels) = labels {
             labels.open(commands, pass.0.kind.label());
         }
-        let number = profile.and_then(|profile| profile.open(device, commands));
+        let number = profile.and_then(|profile| profile.open(device, commands, pass.0.kind));
         Some(Self { watch, pass, number })
     }
 

@@ -184,6 +184,7 @@ impl Session {
 
     /// At its end.
     fn close(&self, device: &ash::Device, commands: vk::CommandBuffer) {
+        self.profile.end(device, commands);
         if let Some(QueryRange { first, count, .. }) = self.around {
             self.write(device, commands, first + count - 1);
         }

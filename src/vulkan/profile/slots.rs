@@ -160,9 +160,17 @@ impl Profile {
         self.write_timestamp(device, commands, 0);
     }
 
-    /// Before a pass: its number, if there is room for it.
-    pub(crate) fn open(&self, device: &ash::Device, commands: vk::CommandBuffer) -> Option<usize> {
+    /// Before a pass of a kind: its number, if there is room for it.
+    pub(crate) fn open(
+        &self,
+        device: &ash::Device,
+        commands: vk::CommandBuffer,
+        kind: PassKind,
+    ) -> Option<usize> {
         let mut taken = self.taken();
+        if kind != PassKind::Portion {
+            self.end_record(device, commands, &mut taken);
+        }
         let number = taken.entries.len();
         if number == self.room {
             taken.left_out += 1;
@@ -222,9 +230,13 @@ impl Profile {
 
     /// After a portion of steps.
     pub(crate) fn end_portion(&self, device: &ash::Device, commands: vk::CommandBuffer) {
-        let mut taken = self.taken();
-        self.end_record(device, commands, &mut taken);
-        taken.portions += 1;
+        self.end(device, commands);
+        self.taken().portions += 1;
+    }
+
+    /// After the last pass.
+    pub(super) fn end(&self, device: &ash::Device, commands: vk::CommandBuffer) {
+        self.end_record(device, commands, &mut self.taken());
     }
 
     fn write_timestamp(&self, device: &ash::Device, commands: vk::CommandBuffer, number: u32) {
