@@ -137,12 +137,8 @@ const AFTER: usize = 1;
 pub(crate) const HALO: usize = BEFORE + AFTER;
 
 impl<'a> Recorder<'a> {
-    /// To be kept while a pass is recorded: its label, and its place in the profile.
-    pub(crate) fn pass(&self, kind: PassKind) -> Option<Scope<'a>> {
-        self.pass_with(PassRecord::new(kind))
-    }
-
-    /// The same, with what is known of it.
+    /// To be kept while a pass is recorded: its label, and its place in the profile with what is
+    /// known of it.
     pub(crate) fn pass_with(&self, record: PassRecord) -> Option<Scope<'a>> {
         Scope::open(self.watch(), || (record, Presence::Always))
     }
@@ -153,12 +149,8 @@ impl<'a> Recorder<'a> {
         self.pass_with(PassRecord { work, ..PassRecord::new(kind) })
     }
 
-    /// The same of a dispatch of so many invocations wide and high, in groups along the width.
-    pub(crate) fn pass_of(&self, kind: PassKind, invocations: [u32; 2]) -> Option<Scope<'a>> {
-        self.pass_with(dispatched(kind, invocations))
-    }
-
-    /// The same, with bytes read and written for each invocation.
+    /// The same of a dispatch of so many invocations wide and high, with bytes read and written for
+    /// each of them.
     pub(crate) fn pass_of_each(
         &self,
         kind: PassKind,
@@ -259,7 +251,10 @@ impl<'a> Recorder<'a> {
 
     /// Before the seeds of a map, or of what is added to one: no iteration is done.
     pub(crate) fn start(&self, stop: Stop) {
-        let _pass = self.pass(PassKind::Start);
+        // The progress, and of each tile its state, the round it waits for and two lists.
+        let written = size_of::<DeviceProgress>() as u64 + 4 * self.tile_bytes();
+        let work = Work::of_bytes(0, written);
+        let _pass = self.pass_with(PassRecord { work, ..PassRecord::new(PassKind::Start) });
         let texels = self.grid.texels.inner();
         let tuning = self.pipelines.tuning;
         let [row, col] = texels.map(|texels| texels.div_ceil(tuning.scan_texels()));
@@ -280,18 +275,19 @@ impl<'a> Recorder<'a> {
         if rounds == 0 {
             return;
         }
-        let _pass = self.pass(PassKind::Resume);
+        let later = DeviceProgress::before_rounds();
+        let later = &bytes_of(&later)[offset::round(1) as usize..];
+        let (list, tiles) = (size_of::<u32>() as u64, self.tile_bytes());
+        let work = Work::of_bytes(list, list + later.len() as u64 + tiles);
+        let _pass = self.pass_with(PassRecord { work, ..PassRecord::new(PassKind::Resume) });
         let progress = &self.grid.progress;
         self.barrier(PASS, TRANSFER);
         let (from, to) = (offset::round(rounds), offset::round(0));
-        self.copy((progress.buffer, from), (progress.buffer, to), size_of::<u32>() as u64);
+        self.copy((progress.buffer, from), (progress.buffer, to), list);
         self.barrier(COPY, CLEAR);
-        let later = DeviceProgress::before_rounds();
-        self.write(offset::round(1), &bytes_of(&later)[offset::round(1) as usize..]);
+        self.write(offset::round(1), later);
         // Where tiles wait; their states are zero after they have settled, and the lists stay.
-        let [cols, rows] = self.grid.texels.tiles(self.pipelines.tuning.tile);
-        let bytes = u64::from(cols) * u64::from(rows) * size_of::<u32>() as u64;
-        self.fill(self.grid.tiles.buffer, bytes, bytes);
+        self.fill(self.grid.tiles.buffer, tiles, tiles);
         self.barrier(CLEAR, PASS);
     }
 
@@ -311,7 +307,7 @@ impl<'a> Recorder<'a> {
     pub(crate) fn seed(&self, count: u32, tiles_follow: bool) {
         // A texel's seeds, and its fronts in one image and the other.
         let fronts = 16 * u64::from(LAYERS);
-        let each = [size_of::<SeedTexel>() as u64 + fronts, fronts];
+        let each = [SeedTexel::BYTES + fronts, fronts];
         let _pass = self.pass_of_each(PassKind::Seed, [count, 1], each);
         let texels = self.grid.texels.inner();
         self.bind(self.pipelines.seed, 0);
@@ -376,11 +372,16 @@ impl<'a> Recorder<'a> {
     /// Copies the list of tiles of a round to where a profile finds it.
     fn tile_list(&self, round: u32) {
         let Some((buffer, offset)) = self.profile.and_then(Profile::tile_lists) else { return };
-        let [cols, rows] = self.grid.texels.tiles(self.pipelines.tuning.tile);
-        let bytes = u64::from(cols) * u64::from(rows) * size_of::<u32>() as u64;
+        let bytes = self.tile_bytes();
         let from = (2 + u64::from(round % 2)) * bytes;
         let to = (buffer, offset + u64::from(round) * bytes);
         self.copy_for_host(self.grid.tiles.buffer, from, to, bytes);
+    }
+
+    /// Bytes of one number for each tile.
+    fn tile_bytes(&self) -> u64 {
+        let [cols, rows] = self.grid.texels.tiles(self.pipelines.tuning.tile);
+        u64::from(cols) * u64::from(rows) * size_of::<u32>() as u64
     }
 
     fn copy_for_host(&self, from: vk::Buffer, start: u64, to: (vk::Buffer, u64), size: u64) {
@@ -577,7 +578,7 @@ impl<'a> Recorder<'a> {
 }
 
 /// The record of a dispatch of so many invocations wide and high, in groups along the width.
-pub(super) fn dispatched(kind: PassKind, invocations: [u32; 2]) -> PassRecord {
+pub(crate) fn dispatched(kind: PassKind, invocations: [u32; 2]) -> PassRecord {
     PassRecord { groups: Some(groups(invocations)), ..PassRecord::new(kind) }
 }
 

@@ -50,6 +50,11 @@ pub(crate) struct SeedTexel {
     pub(crate) curvatures: [f32; 4],
 }
 
+impl SeedTexel {
+    /// Bytes that shaders read and write.
+    pub(crate) const BYTES: u64 = (size_of::<Self>() - size_of::<[i32; 2]>()) as u64;
+}
+
 /// Groups seeds by texel, since each texel is written by one invocation.
 pub(crate) fn seed_texels(seeds: &[Seed]) -> Vec<SeedTexel> {
     let mut placed: Vec<_> =

@@ -6,10 +6,10 @@ use geosweep::vulkan::embed::{
     Access, ContourFrame, LevelInput, PathFrame, PathsInfo, PointSource, SourceInput, StartInput,
     Tools,
 };
-use geosweep::vulkan::profile::{Grain, PassKind, Profile, QueryRange, Slots};
+use geosweep::vulkan::profile::{Grain, PassKind, PassRecord, Profile, QueryRange, Slots};
 
 use crate::host::Host;
-use crate::renderer::Renderer;
+use crate::renderer::{CHART, Renderer};
 
 /// A host that makes room for what it is told has room for all, and no more than that where sources
 /// have unlike initial values, so that paths are traced again.
@@ -66,6 +66,28 @@ fn a_host_can_size_its_queries_for_contours_and_paths() {
         let going_on = (paths.passes() - 3) / 3;
         assert_eq!(of_paths.len() as u32, 3 + traces * going_on);
         assert_eq!((of_paths[0], of_paths.last()), (PassKind::Sources, Some(&PassKind::Lift)));
+        let moved = |pass: &PassRecord| (pass.work.bytes_read, pass.work.bytes_written);
+        // Each point's time; a row of cells has a count, and so have its 64 strips; and a record is
+        // six numbers. How many segments are written, and lifted, the device finds.
+        let (times, rows) = (4 * CHART.points() as u64, CHART.rows as u64 - 1);
+        let of_contours: Vec<_> = found.passes[first..=lift].iter().map(moved).collect();
+        assert_eq!(
+            of_contours,
+            [
+                (Some(times), Some(4 * 65 * rows)),
+                (Some(4 * rows), Some(4 * rows + 4 * 6)),
+                (Some(times + 4 * 65 * rows), None),
+                (None, None),
+            ]
+        );
+        // Three starts with four times around each, and all sources; nine numbers of a record and
+        // fifteen of a state for each path, and three of its first vertex.
+        let all = 16 * sources.len() as u64;
+        let of_paths: Vec<_> = found.passes[lift + 1..].iter().map(moved).collect();
+        assert_eq!(of_paths[0], (Some(0), Some(all)));
+        let begin = (Some(3 * 4 * (2 + 4) + all), Some(3 * 4 * (9 + 15 + 3)));
+        assert_eq!(of_paths[1], begin);
+        assert!(of_paths[2..].iter().all(|&bytes| bytes == (None, None)));
         for pass in &found.passes[first..] {
             assert!(pass.nanoseconds.is_some(), "{pass:?}");
             assert_eq!(pass.groups.is_some(), pass.dispatches > 0, "{pass:?}");

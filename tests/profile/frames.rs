@@ -6,7 +6,7 @@ use geosweep::ash::vk;
 use geosweep::vulkan::Schedule;
 use geosweep::vulkan::embed::Tools;
 use geosweep::vulkan::plan::Step;
-use geosweep::vulkan::profile::{Grain, PassKind, PassRecord, Profile, QueryRange, Slots};
+use geosweep::vulkan::profile::{Decided, Grain, PassKind, PassRecord, Profile, QueryRange, Slots};
 
 use crate::host::Host;
 use crate::renderer::{CHART, Renderer};
@@ -56,8 +56,13 @@ fn a_frame_is_taken_down_pass_by_pass() {
             let points = CHART.points() as u64;
             assert_eq!(of(PassKind::Points), Some((4 * points, 8 * points)));
             assert_eq!(of(PassKind::Edges), Some((8 * points, 16 * points)));
-            // One source has four texels around it: their seeds, and both layers of their fronts.
-            assert_eq!(of(PassKind::Seed), Some((4 * (48 + 32), 4 * 32)));
+            // One source of four numbers comes with the commands, and has four texels around it:
+            // their place, times and curvatures; and both layers of their fronts.
+            assert_eq!(of(PassKind::Sources), Some((0, 16)));
+            let find = |pass: &&PassRecord| pass.kind == PassKind::Sources && pass.dispatches > 0;
+            let work = passes.iter().find(find).unwrap().work;
+            assert_eq!((work.bytes_read, work.bytes_written), (Some(16), Some(4 * 40)));
+            assert_eq!(of(PassKind::Seed), Some((4 * (40 + 32), 4 * 32)));
             // What is dispatched has a size.
             let sized = passes.iter().filter(|pass| pass.groups.is_some());
             assert!(sized.eq(passes.iter().filter(|pass| pass.dispatches > 0)), "{passes:?}");
@@ -85,8 +90,11 @@ fn what_is_not_read_back_is_not_known() {
             assert_eq!((pass.begin, pass.nanoseconds, pass.invocations), (None, None, None));
             // All iterations of a frame's plan are dispatched indirectly.
             if pass.area.is_some() {
-                assert_eq!((pass.groups, pass.work.texels, pass.work.bytes()), (None, None, None));
+                assert_eq!((pass.groups, pass.work), (None, Work::default()));
                 assert!(!pass.is_idle());
+            }
+            if let PassKind::Count | PassKind::Settle = pass.kind {
+                assert_eq!(pass.work, Work::default());
             }
         }
         renderer.end();

@@ -17,7 +17,8 @@ use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE};
 use crate::vulkan::limits::Limits;
 use crate::vulkan::memory::BufferInfo;
 use crate::vulkan::pipelines::spirv;
-use crate::vulkan::profile::PassKind;
+use crate::vulkan::profile::{PassKind, PassRecord, Work};
+use crate::vulkan::record::dispatched;
 
 /// Room for the contours of a surface, and the passes that find them: [`Recording::contours`].
 ///
@@ -255,15 +256,30 @@ impl Recording<'_> {
         };
         // A row of cells has two of points.
         let rows = chart.rows as u32 - 1;
-        for (&pipeline, height) in curves.pipelines.iter().zip([rows, 1, rows]) {
+        let heights = [rows, 1, rows];
+        for ((&pipeline, height), work) in curves.pipelines.iter().zip(heights).zip(works(chart)) {
             let size = [WORKGROUP, height];
-            let _pass = recorder.pass_of(PassKind::Contours, size);
+            let record = PassRecord { work, ..dispatched(PassKind::Contours, size) };
+            let _pass = recorder.pass_with(record);
             recorder.host_pass(pipeline, curves.tracing[0].set, &push, size);
             recorder.barrier(SHADER_WRITE, SHADER);
         }
         curves.lift(self, frame.points, frame.reader);
         Ok(contours.curves())
     }
+}
+
+/// What the passes move: times of all points, and the counts of rows of cells and of their strips.
+/// How many segments the last one writes, the device finds.
+fn works(chart: Chart) -> [Work; 3] {
+    let number = size_of::<u32>() as u64;
+    let (times, rows) = (number * chart.points() as u64, number * (chart.rows as u64 - 1));
+    let (counts, record) = (rows * ROW_WORDS as u64, 6 * number);
+    [
+        Work::of_bytes(times, counts),
+        Work::of_bytes(rows, rows + record),
+        Work { bytes_read: Some(times + counts), ..Work::default() },
+    ]
 }
 
 #[cfg(test)]

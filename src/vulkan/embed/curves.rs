@@ -18,6 +18,7 @@ use crate::vulkan::limits::Limits;
 use crate::vulkan::memory::{Buffer, BufferInfo};
 use crate::vulkan::pipelines::{Pipelines, compute_pipeline, spirv};
 use crate::vulkan::profile::PassKind;
+use crate::vulkan::record::dispatched;
 
 /// A vertex of a contour or path, to be bound as it is: [`CurveVertex::attributes`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -364,7 +365,8 @@ impl Curves {
         };
         let lifters = if curves == 1 { capacity.div_ceil(WORKGROUP).clamp(1, LIFTERS) } else { 1 };
         let size = [WORKGROUP * lifters, curves];
-        let _pass = recorder.pass_of(PassKind::Lift, size);
+        // How many vertices there are to lift, the device finds.
+        let _pass = recorder.pass_with(dispatched(PassKind::Lift, size));
         recorder.host_pass(pipeline, set.set, &lift, size);
         recorder.barrier(SHADER_WRITE, reader.side());
     }

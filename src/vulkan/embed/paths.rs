@@ -7,17 +7,18 @@ use gpu_allocator::vulkan::Allocator;
 use super::access::Access;
 use super::curves::{self, CurveBuffer, CurveRecord, Curves, CurvesInfo, Layout, NamedPass};
 use super::host_sets::{self, HostSet};
-use super::inputs::SourceInput;
+use super::inputs::{PointSource, SourceInput};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
 use super::surface::Surface;
-use crate::constants::{PATH_WORDS, STEPS_TOGETHER};
+use crate::constants::{CURVE_WORDS, PATH_WORDS, STEPS_TOGETHER};
 use crate::vulkan::VulkanError;
 use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::limits::Limits;
 use crate::vulkan::memory::BufferInfo;
 use crate::vulkan::pipelines::spirv;
-use crate::vulkan::profile::PassKind;
+use crate::vulkan::profile::{PassKind, PassRecord, Work};
+use crate::vulkan::record::dispatched;
 
 /// Room for paths on a surface, and the passes that trace them: [`Recording::paths`].
 ///
@@ -257,13 +258,32 @@ impl Recording<'_> {
         for pass in 0..=passes {
             let pipeline = curves.pipelines[usize::from(pass > 0)];
             let size = [layout.curves, 1];
-            let _pass = recorder.pass_of(PassKind::Paths, size);
+            // How many steps paths take, the device finds.
+            let work = match pass {
+                0 => work_of_starts(layout.curves, count as u64, sources as u64),
+                _ => Work::default(),
+            };
+            let record = PassRecord { work, ..dispatched(PassKind::Paths, size) };
+            let _pass = recorder.pass_with(record);
             recorder.host_pass(pipeline, set.set, &batch, size);
             recorder.barrier(SHADER_WRITE, SHADER);
         }
         curves.lift(self, frame.points, frame.reader);
         Ok(paths.curves())
     }
+}
+
+/// What it moves to begin a path at each of so many starts: the start, the times around it, and the
+/// sources; for each record itself and the path's state, and a vertex of each path.
+fn work_of_starts(records: u32, starts: u64, sources: u64) -> Work {
+    let number = size_of::<f32>() as u64;
+    let sources = if starts > 0 { size_of::<PointSource>() as u64 * sources } else { 0 };
+    let records = number * u64::from(CURVE_WORDS + PATH_WORDS) * u64::from(records);
+    // A vertex is lifted later: its time, row and column.
+    Work::of_bytes(
+        starts * (START_BYTES as u64 + 4 * number) + sources,
+        records + starts * 3 * number,
+    )
 }
 
 /// How often a path may be traced: again where sources have unlike initial values.

@@ -5,7 +5,7 @@ use bytemuck::NoUninit;
 
 use super::access::{Access, Reader};
 use super::host_sets::HostSet;
-use super::inputs::{PointKind, PointMemory, SourceInput};
+use super::inputs::{PointKind, PointMemory, PointSource, SourceInput};
 use super::plan::Plan;
 use super::solver::Solver;
 use super::surface::{ResultImage, Surface};
@@ -16,6 +16,7 @@ use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands};
 use crate::vulkan::pipelines::SchedulePipelines;
 use crate::vulkan::profile::{PassKind, PassRecord, Profile, Work};
 use crate::vulkan::record::{EdgeSource, Recorder, dispatched, rows_around};
+use crate::vulkan::upload::SeedTexel;
 use crate::vulkan::{Schedule, VulkanError};
 
 /// Appends commands for a surface to a command buffer of the host's.
@@ -372,7 +373,9 @@ impl<'a> Recording<'a> {
             };
             let pipeline = self.solver.pipelines.sources;
             let size = [4 * together, 1];
-            let pass = recorder.pass_of(PassKind::Sources, size);
+            // Four invocations share a source. How many edges around it they need, its place says.
+            let each = [size_of::<PointSource>() as u64 / 4, SeedTexel::BYTES];
+            let pass = recorder.pass_of_each(PassKind::Sources, size, each);
             recorder.host_pass(pipeline, set.set, &portion, size);
             drop(pass);
             recorder.barrier(SHADER_WRITE, SHADER);

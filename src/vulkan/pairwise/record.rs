@@ -3,7 +3,7 @@
 use ash::vk;
 use bytemuck::{NoUninit, bytes_of};
 
-use super::layout::{Layout, numbers};
+use super::layout::{Layout, fan_numbers, numbers};
 use super::pipelines::Passes;
 use super::progress::{self, offset};
 use super::resources::Resources;
@@ -59,7 +59,14 @@ impl<'a> Recorder<'a> {
         for scan in 0..Scan::ALL.len() as u32 {
             let (points, lines) = if scan < 2 { (cols, rows) } else { (rows, cols) };
             let groups = [points.div_ceil(2).div_ceil(WORKGROUP), lines, 1];
-            let record = PassRecord { groups: Some(groups), ..PassRecord::new(PassKind::Fans) };
+            // A pair's fan, out of the images and into its place.
+            let pairs = u64::from(points.div_ceil(2)) * u64::from(lines);
+            let bytes = 4 * fan_numbers(self.layout.wavefront) * pairs;
+            let record = PassRecord {
+                groups: Some(groups),
+                work: Work::of_bytes(bytes, bytes),
+                ..PassRecord::new(PassKind::Fans)
+            };
             let _pass = Scope::open(self.watch(), || (record, Presence::Always));
             self.dispatch(&FanSize { grid: self.grid(), scan }, groups);
         }

@@ -35,12 +35,15 @@ impl Tally<'_> {
                     pass.work = pass.work.of_maps(present as u64, maps);
                 }
                 (PassKind::Workgroups, _) => pass.work = self.in_shared_memory(before, after),
-                (PassKind::Scan(_) | PassKind::Iteration, Some(number)) => {
+                (PassKind::Scan(_) | PassKind::Count | PassKind::Iteration, Some(number)) => {
                     let goes_on = |map: &&MapProgress| map.iterations > number;
                     let count = after.iter().filter(goes_on).count() as u64;
                     pass.work = pass.work.of_maps(count, maps);
-                    if count == 0 {
+                    if count == 0 && pass.kind != PassKind::Count {
                         pass.groups = Some([0, 1, 1]);
+                    }
+                    if !matches!(pass.kind, PassKind::Scan(_)) {
+                        pass.work = pass.work.and(of_ends(number, after));
                     }
                 }
                 _ => {}
@@ -79,4 +82,17 @@ impl Tally<'_> {
         }
         Work { triangles: Some(TRIANGLES * points), ..Work::of_bytes(read, written) }
     }
+}
+
+/// What the count of an iteration moves beside what each map that was not done takes: of those that
+/// were, that they are; of those that are done now, that, and that one map less is pending; and if
+/// none is, no groups for rows and columns (`glsl/pairwise_count.comp`).
+fn of_ends(number: u32, after: &[MapProgress]) -> Work {
+    let count = |is: fn(u32, u32) -> bool| {
+        let maps = after.iter().filter(|map| map.is_done && is(map.iterations, number + 1));
+        maps.count() as u64
+    };
+    let (before, now) = (count(|last, this| last < this), count(|last, this| last == this));
+    let groups = if now > 0 && before + now == after.len() as u64 { 2 } else { 0 };
+    Work::of_bytes(4 * (before + now), 4 * (2 * now + groups))
 }

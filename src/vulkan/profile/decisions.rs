@@ -14,6 +14,7 @@ pub(crate) const BEFORE: u64 = size_of::<Outcome>() as u64;
 pub(crate) struct ReadBack {
     before: u32,
     after: u32,
+    is_done: bool,
     rounds: Vec<u32>,
 }
 
@@ -21,22 +22,22 @@ impl ReadBack {
     /// From the bytes of a portion.
     pub(crate) fn new(bytes: &[u8]) -> Self {
         let (before, after) = bytes.split_at(BEFORE as usize);
-        let iterations = |bytes: &[u8]| {
-            let outcome: Outcome = bytemuck::pod_read_unaligned(&bytes[..BEFORE as usize]);
-            outcome.iterations
-        };
+        let outcome =
+            |bytes: &[u8]| -> Outcome { bytemuck::pod_read_unaligned(&bytes[..BEFORE as usize]) };
         let number = |offset: u64| {
             let at = offset as usize;
             u32::from_ne_bytes(after[at..at + 4].try_into().expect("these are four bytes"))
         };
         Self {
-            before: iterations(before),
-            after: iterations(after),
+            before: outcome(before).iterations,
+            after: outcome(after).iterations,
+            is_done: outcome(after).is_done(),
             rounds: (0..ROUNDS).map(|round| number(offset::round(round))).collect(),
         }
     }
 
     pub(crate) fn decisions(&self) -> Decisions<'_> {
-        Decisions { before: self.before, after: self.after.max(self.before), rounds: &self.rounds }
+        let Self { before, after, is_done, ref rounds } = *self;
+        Decisions { before, after: after.max(before), is_done, rounds }
     }
 }

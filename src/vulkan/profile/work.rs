@@ -1,4 +1,5 @@
-//! What passes have to move and compute, counted from the plan.
+//! What passes have to move and compute, counted from the plan, and from what the device has
+//! decided where that is read back.
 //!
 //! Counted is what the update of a point needs by itself, once: what workgroups compute twice at
 //! their borders is not added, and what caches save is not subtracted. `docs/speed.md` compares
@@ -14,6 +15,42 @@ use crate::vulkan::{TexelChart, Tuning};
 
 /// Bytes, texels and updates of a pass; `None` for what is not known, or not counted for passes of
 /// its kind.
+///
+/// What is moved, a number of 4 bytes counting once however many invocations look at it:
+///
+/// | pass | reads | writes |
+/// |---|---|---|
+/// | prepare, forget | | the images, their border too |
+/// | points | of each point what is looked at | that and its slowness |
+/// | edges | the points around the band | four lengths a point |
+/// | curvature | four lengths a point; in the second pass a number more | a number a point |
+/// | start | | the progress, and four numbers a tile; many maps at once: a copy of their progress |
+/// | resume | a number | the progress of rounds, and a number a tile |
+/// | sources | four numbers each | the same as a copy, ten for each of four texels as a dispatch |
+/// | seed | ten numbers a texel, and both layers of its fronts | those |
+/// | scans, all points, tiles | a texel's fronts, 16 lengths, with curved fronts its curvature | its fronts |
+/// | settle | `None`: as many tiles as the device has to bring back | `None` |
+/// | count | of a map that goes on seven numbers of its progress, of one that is done one | five, and four more if it is done now; or none |
+/// | fans | the numbers of each pair's fan | the same |
+/// | workgroups | the fans of all pairs in all scans, and the map if it was begun before | the map |
+/// | decisions, outcome | what is copied | the same |
+/// | distances, unpack | each point's time | the same |
+/// | lookup | of each place two numbers, and four times around it | a distance |
+/// | contours: counts | each point's time | a number for each row of cells, and for each of its 64 strips |
+/// | their offsets | a number for each row of cells | the same, and six of the record |
+/// | their segments | times and numbers again | `None`: as many as the device finds |
+/// | paths: starts | of each two numbers and four times, and four numbers of each source | 24 numbers for each that there is room for, three for each start |
+/// | their steps | `None`: as many as the device takes | `None` |
+/// | lift | `None`: as many vertices as the device has found | `None` |
+///
+/// A count of many maps that finds one done reads and writes how many are pending, writes that this
+/// one is done, and with the last of them two numbers more.
+///
+/// Where a place may be bad, it counts as if it were good: all four texels around a source lie on the
+/// grid and are no other source's, places looked up and starts lie on the grid where the map is
+/// reached, and there is room for all contours. Not counted is what depends on where things lie, and is
+/// little beside the rest: the lengths of edges around a source, the tiles that seeds and rounds put on
+/// lists, the levels that a search for contours looks at, and the numbers by which rounds are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// Texels visited, of 2 x 2 points each. Tiles count whole, also where they reach beyond the
@@ -33,6 +70,15 @@ pub struct Work {
 
 /// Bytes of a texel of four 32-bit numbers.
 const TEXEL: u64 = 16;
+/// What a count of an iteration reads of the progress, and what it writes: `glsl/progress.comp`.
+/// Whether the map is done, the change, its tolerance, iterations and their limit, those since a
+/// point was first reached, and whether fronts may be renewed; without the first and both limits, and
+/// with the last iteration's change.
+const COUNT: Work = Work::of_bytes(4 * 7, 4 * 5);
+/// What it reads if the map is done.
+const COUNT_BEYOND: Work = Work::of_bytes(4, 0);
+/// What it writes besides if the map is done now: that, and no groups for rows, columns and the grid.
+const COUNT_LAST: Work = Work::of_bytes(0, 4 * 4);
 /// Triangles of a point that a scan sees, times the points of a texel.
 const SCAN_TRIANGLES: u64 = 4 * 2;
 const ALL_TRIANGLES: u64 = 4 * 8;
@@ -43,24 +89,28 @@ impl Work {
         Some(self.bytes_read? + self.bytes_written?)
     }
 
-    /// Of both, where a count of iterations has none.
-    pub(super) fn and(self, other: Self) -> Self {
-        if other == Self::default() {
-            return self;
-        }
+    /// Of both, the other of the same kind or a count of an iteration, which visits no texels.
+    pub(crate) fn and(self, other: Self) -> Self {
         let sum = |a: Option<u64>, b: Option<u64>| Some(a? + b?);
+        let visits = |a: Option<u64>, b: Option<u64>| Some(a? + b.unwrap_or(0));
         Self {
-            texels: sum(self.texels, other.texels),
-            skipped: sum(self.skipped, other.skipped),
+            texels: visits(self.texels, other.texels),
+            skipped: visits(self.skipped, other.skipped),
             bytes_read: sum(self.bytes_read, other.bytes_read),
             bytes_written: sum(self.bytes_written, other.bytes_written),
-            triangles: sum(self.triangles, other.triangles),
+            triangles: visits(self.triangles, other.triangles),
         }
     }
 
     /// Nothing but bytes.
-    pub(crate) fn of_bytes(read: u64, written: u64) -> Self {
-        Self { bytes_read: Some(read), bytes_written: Some(written), ..Self::default() }
+    pub(crate) const fn of_bytes(read: u64, written: u64) -> Self {
+        Self {
+            texels: None,
+            skipped: None,
+            bytes_read: Some(read),
+            bytes_written: Some(written),
+            triangles: None,
+        }
     }
 
     /// Of texels that are updated: arrival times of the texel's points read and written and the
@@ -112,6 +162,8 @@ pub(crate) enum Presence {
     Always,
     /// Whether the map has converged before this iteration of the portion, counted from 0.
     Iteration(u32),
+    /// The same of the count that ends an iteration, and whether it was the last.
+    Count,
     /// The list of this round of the portion, of tiles of so many texels, so many in all.
     Round { round: u32, texels: u64, tiles: u64, curved: bool },
 }
@@ -123,6 +175,8 @@ pub(crate) struct Decisions<'a> {
     pub before: u32,
     /// And after it.
     pub after: u32,
+    /// Whether the map is done then.
+    pub is_done: bool,
     /// Tiles visited in each round of the portion.
     pub rounds: &'a [u32],
 }
@@ -133,19 +187,22 @@ pub(crate) fn decided(
     presence: Presence,
     decisions: Option<Decisions>,
 ) -> PassRecord {
-    let Some(Decisions { before, after, rounds }) = decisions else {
+    let Some(Decisions { before, after, is_done, rounds }) = decisions else {
         return match presence {
             Presence::Always => record,
+            Presence::Count => PassRecord { work: Work::default(), ..record },
             _ => PassRecord { groups: None, work: Work::default(), ..record },
         };
     };
-    let iteration = record.iteration.map(|iteration| before + iteration);
-    let record = PassRecord { iteration, ..record };
-    match presence {
-        Presence::Iteration(number) if number >= after - before => {
+    let number = record.iteration.unwrap_or(0);
+    let is_beyond = number >= after - before;
+    let record = PassRecord { iteration: record.iteration.map(|_| before + number), ..record };
+    let record = match presence {
+        Presence::Iteration(_) if is_beyond => {
             PassRecord { groups: Some([0, 1, 1]), work: record.work.none(), ..record }
         }
-        Presence::Always | Presence::Iteration(_) => record,
+        Presence::Count if is_beyond => PassRecord { work: record.work.none(), ..record },
+        Presence::Always | Presence::Iteration(_) | Presence::Count => record,
         Presence::Round { round, texels, tiles, curved } => {
             let visited = rounds.get(round as usize).copied().unwrap_or(0);
             let skipped = texels * (tiles - u64::from(visited));
@@ -153,7 +210,16 @@ pub(crate) fn decided(
             let work = Work::of_updates(texels * u64::from(visited), skipped, curved, None);
             PassRecord { groups: Some([visited, 1, 1]), work, ..record }
         }
+    };
+    if !matches!(record.kind, PassKind::Count | PassKind::Iteration) {
+        return record;
     }
+    let more = match is_beyond {
+        true => COUNT_BEYOND,
+        false if is_done && before + number + 1 == after => COUNT_LAST,
+        false => Work::of_bytes(0, 0),
+    };
+    PassRecord { work: record.work.and(more), ..record }
 }
 
 /// Counts the steps of a recording, in their order.
@@ -210,7 +276,7 @@ impl StepCounter {
             }
             Step::Count => {
                 self.iteration += 1;
-                (PassRecord { groups: Some([1; 3]), ..inside }, Presence::Always)
+                (PassRecord { groups: Some([1; 3]), work: COUNT, ..inside }, Presence::Count)
             }
             Step::Barrier => (PassRecord { iteration: None, ..inside }, Presence::Always),
         }
@@ -325,12 +391,18 @@ mod tests {
 
     #[test]
     fn passes_beyond_convergence_skip_what_they_were_recorded_for() {
-        let decisions = Decisions { before: 7, after: 8, rounds: &[] };
+        let decisions = Decisions { before: 7, after: 8, is_done: true, rounds: &[] };
         for schedule in [Schedule::Raster, Schedule::AllPoints] {
             for (record, presence) in passes(schedule, Wavefront::Planar) {
                 let after = decided(record, presence, Some(decisions));
                 assert_eq!(after.iteration, record.iteration.map(|iteration| 7 + iteration));
-                if record.iteration == Some(0) || presence == Presence::Always {
+                if presence == Presence::Count {
+                    // Seven numbers are looked at and five written, four more at the end; or one is.
+                    let found = after.work.bytes_read.zip(after.work.bytes_written);
+                    let last = record.iteration == Some(0);
+                    assert_eq!(found, Some(if last { (4 * 7, 4 * (5 + 4)) } else { (4, 0) }));
+                    assert!(!after.is_idle());
+                } else if record.iteration == Some(0) {
                     assert_eq!((after.work, after.is_idle()), (record.work, false));
                 } else {
                     assert_eq!((after.work.texels, after.is_idle()), (Some(0), true));
@@ -339,8 +411,8 @@ mod tests {
                     assert_eq!(after.work.skipped, all);
                 }
                 let unknown = decided(record, presence, None);
-                let is_known = presence == Presence::Always;
-                assert_eq!(unknown.groups.is_some(), is_known);
+                assert_eq!(unknown.work, Work::default());
+                assert_eq!(unknown.groups.is_some(), presence == Presence::Count);
             }
         }
     }
@@ -364,7 +436,7 @@ mod tests {
     #[test]
     fn tiles_are_as_many_as_the_device_has_listed() {
         let rounds = [2, 0];
-        let decisions = Decisions { before: 3, after: 4, rounds: &rounds };
+        let decisions = Decisions { before: 3, after: 4, is_done: true, rounds: &rounds };
         let found: Vec<_> = passes(Schedule::Tiles, Wavefront::Curved)
             .into_iter()
             .map(|(record, presence)| decided(record, presence, Some(decisions)))
