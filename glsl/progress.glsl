@@ -16,4 +16,5 @@ layout(set = 0, binding = 6) restrict buffer Progress {
     uint rounds[3 * (ROUNDS + 1)]; // of the tiles to visit in each round
     uint unsettled[ROUNDS]; // largest change of a round that another one has to pass on
     uint reached;           // 1 once a round has reached a point
+    uint settled;           // texels that settle.comp has copied, for profiles
 };

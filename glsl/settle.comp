@@ -39,6 +39,10 @@ void main() {
     if (number == 0u && gl_LocalInvocationIndex == 0u && done == 0u) count_rounds();
     if ((tiles[number] & 1u) != 0u) {
         ivec2 corner = TEXELS * ivec2(int(number) % tile_grid.x, int(number) / tile_grid.x);
+        if (gl_LocalInvocationIndex == 0u) {
+            ivec2 size = min(ivec2(TEXELS), texels - corner);
+            atomicAdd(settled, uint(size.x * size.y));
+        }
         for (uint i = gl_LocalInvocationIndex; i < TEXELS * TEXELS; i += WORKGROUP) {
             ivec2 texel = corner + ivec2(int(i) % TEXELS, int(i) / TEXELS);
             if (any(greaterThanEqual(texel, texels))) continue;

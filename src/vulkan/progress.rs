@@ -34,6 +34,7 @@ pub(crate) struct DeviceProgress {
     rounds: [u32; SLOTS],
     unsettled: [u32; ROUNDS as usize],
     reached: u32,
+    settled: u32,
 }
 
 impl Outcome {
@@ -64,6 +65,9 @@ pub(crate) mod offset {
     pub(crate) const fn round(round: u32) -> u64 {
         GRID_GROUPS + 12 + 12 * round as u64
     }
+
+    /// The texels that were brought back to one image.
+    pub(crate) const SETTLED: u64 = size_of::<DeviceProgress>() as u64 - 4;
 }
 
 impl DeviceProgress {
@@ -89,6 +93,7 @@ impl DeviceProgress {
             rounds,
             unsettled: [0; ROUNDS as usize],
             reached: 0,
+            settled: 0,
         }
     }
 

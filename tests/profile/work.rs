@@ -6,7 +6,7 @@ use geosweep::vulkan::plan::{Scan, Step};
 use geosweep::vulkan::profile::{Detail, Grain, PassKind, PassRecord};
 
 use crate::bench::{Bench, method, of_kind, sum};
-use crate::common::some_point;
+use crate::common::{seeds_at, some_point};
 
 /// Marks the texels of every block of the plan in a grid of booleans, and holds the records of the
 /// device's passes against the marks, scan by scan.
@@ -185,9 +185,9 @@ fn bytes_agree_with_a_count_by_hand() {
     }
 }
 
-/// The progress is 533 numbers: eight of how a map goes, three each that rows, columns and the grid are
-/// dispatched by, and 128 rounds and the next, the largest change of 128 rounds, and whether a point was
-/// reached. A tile has four. A count looks at seven numbers and writes five, in the last iteration four
+/// The progress is 534 numbers: eight of how a map goes, three each that rows, columns and the grid are
+/// dispatched by, and 128 rounds and the next, the largest change of 128 rounds, whether a point was
+/// reached, and how many texels have settled. A tile has four. A count looks at seven numbers and writes five, in the last iteration four
 /// more; beyond, it looks at one.
 #[test]
 fn counts_and_starts_agree_with_a_count_by_hand() {
@@ -206,10 +206,53 @@ fn counts_and_starts_agree_with_a_count_by_hand() {
             assert_eq!(moved(pass), Some(by_hand), "{schedule}: {pass:?}");
         }
         let start = of_kind(&profile, PassKind::Start).next().unwrap();
-        let progress = 4 * (8 + 3 * (3 + 128 + 1) + 128 + 1);
+        let progress = 4 * (8 + 3 * (3 + 128 + 1) + 128 + 2);
         assert_eq!(moved(start), Some((0, progress + 4 * 4 * tiles)));
     }
     assert_eq!(seen, [true; 3], "before the last iteration, at it, and beyond");
+}
+
+/// A tile lies in the other image once it is visited an odd number of times, by the lists of rounds;
+/// its texels on the grid are brought back, eight numbers each, after a look at the state of every
+/// tile. Before further rounds the number of tiles on the next list is copied, the numbers of the
+/// other 128 lists and all that follow them are written, and what tiles wait for.
+#[test]
+fn what_settles_is_what_lies_in_the_other_image() {
+    let mut bench = Bench::new(100, 131, &[]);
+    bench.seeds = seeds_at(&bench.surface, (0, 0));
+    let tile = bench.solver.tuning().tile as usize / 2;
+    let (height, width) = (50, 66);
+    let (down, across) = (50usize.div_ceil(tile), 66usize.div_ceil(tile));
+    let detail = Detail { tiles: true, ..Detail::default() };
+    let profile = bench.profile(method(Wavefront::Curved, Schedule::Tiles), detail);
+    let (mut settled, mut beyond) = (0, 0);
+    for submission in &profile.submissions {
+        let mut in_other = vec![false; down * across];
+        for &number in submission.tiles.iter().flatten() {
+            in_other[number as usize] ^= true;
+        }
+        let texels = |number: usize| {
+            let (row, col) = (tile * (number / across), tile * (number % across));
+            (tile.min(height - row) * tile.min(width - col)) as u64
+        };
+        let tiles: Vec<_> = (0..down * across).filter(|&number| in_other[number]).collect();
+        let texels: u64 = tiles.iter().map(|&number| texels(number)).sum();
+        settled += texels;
+        beyond += (tiles.len() * tile * tile) as u64 - texels;
+        let by_hand = 4 * (down * across) as u64 + 2 * 16 * texels;
+        for pass in &submission.passes {
+            match pass.kind {
+                PassKind::Settle => assert_eq!(moved(pass), Some((by_hand, by_hand))),
+                PassKind::Resume => {
+                    let written = 4 * (1 + 3 * 128 + 128 + 2 + down * across) as u64;
+                    assert_eq!(moved(pass), Some((4, written)));
+                }
+                _ => {}
+            }
+        }
+    }
+    assert!(settled > 0 && beyond > 0);
+    assert!(of_kind(&profile, PassKind::Resume).count() > 0);
 }
 
 /// Bytes read and written.

@@ -16,6 +16,7 @@ pub(crate) struct ReadBack {
     after: u32,
     is_done: bool,
     rounds: Vec<u32>,
+    settled: u32,
 }
 
 impl ReadBack {
@@ -33,11 +34,12 @@ impl ReadBack {
             after: outcome(after).iterations,
             is_done: outcome(after).is_done(),
             rounds: (0..ROUNDS).map(|round| number(offset::round(round))).collect(),
+            settled: number(offset::SETTLED),
         }
     }
 
     pub(crate) fn decisions(&self) -> Decisions<'_> {
-        let Self { before, after, is_done, ref rounds } = *self;
-        Decisions { before, after: after.max(before), is_done, rounds }
+        let Self { before, after, is_done, ref rounds, settled } = *self;
+        Decisions { before, after: after.max(before), is_done, rounds, settled }
     }
 }

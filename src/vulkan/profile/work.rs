@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 use super::pass::{Area, Grain, PassKind, PassRecord};
-use crate::constants::WORKGROUP;
+use crate::constants::{LAYERS, WORKGROUP};
 use crate::update::Wavefront;
 use crate::vulkan::plan::{Scan, ScanPass, Step};
 use crate::vulkan::{TexelChart, Tuning};
@@ -29,7 +29,7 @@ use crate::vulkan::{TexelChart, Tuning};
 /// | sources | four numbers each | the same as a copy, ten for each of four texels as a dispatch |
 /// | seed | ten numbers a texel, and both layers of its fronts | those |
 /// | scans, all points, tiles | a texel's fronts, 16 lengths, with curved fronts its curvature | its fronts |
-/// | settle | `None`: as many tiles as the device has to bring back | `None` |
+/// | settle | a number a tile, and both layers of the texels that are brought back | the same |
 /// | count | of a map that goes on seven numbers of its progress, of one that is done one | five, and four more if it is done now; or none |
 /// | fans | the numbers of each pair's fan | the same |
 /// | workgroups | the fans of all pairs in all scans, and the map if it was begun before | the map |
@@ -164,6 +164,8 @@ pub(crate) enum Presence {
     Iteration(u32),
     /// The same of the count that ends an iteration, and whether it was the last.
     Count,
+    /// How many texels of so many tiles lie in the other image after the rounds of the portion.
+    Settle { tiles: u64 },
     /// The list of this round of the portion, of tiles of so many texels, so many in all.
     Round { round: u32, texels: u64, tiles: u64, curved: bool },
 }
@@ -179,6 +181,8 @@ pub(crate) struct Decisions<'a> {
     pub is_done: bool,
     /// Tiles visited in each round of the portion.
     pub rounds: &'a [u32],
+    /// Texels brought back to one image after them.
+    pub settled: u32,
 }
 
 /// The record of a pass once it is known what the device has decided.
@@ -187,10 +191,12 @@ pub(crate) fn decided(
     presence: Presence,
     decisions: Option<Decisions>,
 ) -> PassRecord {
-    let Some(Decisions { before, after, is_done, rounds }) = decisions else {
+    let Some(Decisions { before, after, is_done, rounds, settled }) = decisions else {
         return match presence {
             Presence::Always => record,
-            Presence::Count => PassRecord { work: Work::default(), ..record },
+            Presence::Count | Presence::Settle { .. } => {
+                PassRecord { work: Work::default(), ..record }
+            }
             _ => PassRecord { groups: None, work: Work::default(), ..record },
         };
     };
@@ -203,6 +209,10 @@ pub(crate) fn decided(
         }
         Presence::Count if is_beyond => PassRecord { work: record.work.none(), ..record },
         Presence::Always | Presence::Iteration(_) | Presence::Count => record,
+        Presence::Settle { tiles } => {
+            let bytes = 4 * tiles + u64::from(LAYERS) * TEXEL * u64::from(settled);
+            PassRecord { work: Work::of_bytes(bytes, bytes), ..record }
+        }
         Presence::Round { round, texels, tiles, curved } => {
             let visited = rounds.get(round as usize).copied().unwrap_or(0);
             let skipped = texels * (tiles - u64::from(visited));
@@ -269,10 +279,11 @@ impl StepCounter {
                 (record, Presence::Round { round, texels, tiles, curved })
             }
             Step::Settle { .. } => {
-                let groups = Some([self.tiles() as u32, 1, 1]);
+                let tiles = self.tiles();
+                let groups = Some([tiles as u32, 1, 1]);
                 let record =
                     PassRecord { kind: PassKind::Settle, iteration: None, groups, ..inside };
-                (record, Presence::Always)
+                (record, Presence::Settle { tiles })
             }
             Step::Count => {
                 self.iteration += 1;
@@ -391,7 +402,7 @@ mod tests {
 
     #[test]
     fn passes_beyond_convergence_skip_what_they_were_recorded_for() {
-        let decisions = Decisions { before: 7, after: 8, is_done: true, rounds: &[] };
+        let decisions = Decisions { before: 7, after: 8, is_done: true, rounds: &[], settled: 0 };
         for schedule in [Schedule::Raster, Schedule::AllPoints] {
             for (record, presence) in passes(schedule, Wavefront::Planar) {
                 let after = decided(record, presence, Some(decisions));
@@ -436,7 +447,8 @@ mod tests {
     #[test]
     fn tiles_are_as_many_as_the_device_has_listed() {
         let rounds = [2, 0];
-        let decisions = Decisions { before: 3, after: 4, is_done: true, rounds: &rounds };
+        let decisions =
+            Decisions { before: 3, after: 4, is_done: true, rounds: &rounds, settled: 37 };
         let found: Vec<_> = passes(Schedule::Tiles, Wavefront::Curved)
             .into_iter()
             .map(|(record, presence)| decided(record, presence, Some(decisions)))
@@ -449,5 +461,7 @@ mod tests {
         assert_eq!((found[0].groups, found[0].iteration), (Some([2, 1, 1]), Some(3)));
         assert!(found[1].is_idle() && found[1].iteration == Some(4));
         assert_eq!((found[2].kind, found[2].groups), (PassKind::Settle, Some([6, 1, 1])));
+        // A state of each tile, and eight numbers of each texel that is brought back, both ways.
+        assert_eq!(found[2].work.bytes(), Some(2 * (6 * 4 + 37 * 2 * 16)));
     }
 }
