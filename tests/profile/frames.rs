@@ -82,11 +82,17 @@ fn a_frame_is_taken_down_pass_by_pass() {
 #[test]
 fn what_is_not_read_back_is_not_known() {
     for schedule in Schedule::ALL {
-        let renderer = Renderer::new(Host::without_validation(), schedule, Tools::default());
+        let mut renderer = Renderer::new(Host::without_validation(), schedule, Tools::default());
         renderer.timed_frame();
         let device = &renderer.host.device;
         let resolved = renderer.profile.resolve(device, None, None).unwrap().unwrap();
-        for pass in &resolved.passes {
+        // Nor is what the host gives without having said that it has room for it.
+        renderer.profile = Profile::new(1000, Grain::Blocks, Slots::default());
+        renderer.host.run(|commands| renderer.frame(device, commands, true));
+        let bytes = renderer.decisions.bytes();
+        let without = renderer.profile.resolve(device, None, Some(bytes)).unwrap().unwrap();
+        assert_eq!(without.left_out, 0);
+        for pass in resolved.passes.iter().chain(&without.passes) {
             assert_eq!((pass.begin, pass.nanoseconds, pass.invocations), (None, None, None));
             // All iterations of a frame's plan are dispatched indirectly.
             if pass.area.is_some() {

@@ -270,11 +270,12 @@ impl Profile {
             None => Some(Vec::new()),
         };
         let Some((times, invocations)) = times.zip(invocations) else { return Ok(None) };
+        let room = self.slots.decisions.map_or(0, |decided| decided.portions);
         let portions: Vec<ReadBack> = decisions
             .map(|bytes| bytes.chunks_exact(Slots::DECISION_BYTES as usize))
             .into_iter()
             .flatten()
-            .take(*ended as usize)
+            .take(room.min(*ended) as usize)
             .map(ReadBack::new)
             .collect();
         let with_invocations = |(number, entry): (usize, &Entry)| {

@@ -16,7 +16,8 @@ use crate::vulkan::{TexelChart, Tuning};
 /// Bytes, texels and updates of a pass; `None` for what is not known, or not counted for passes of
 /// its kind.
 ///
-/// What is moved, a number of 4 bytes counting once however many invocations look at it:
+/// What is moved, in numbers of 4 bytes. One counts once for the texel, place or map that needs it,
+/// however many invocations look at it:
 ///
 /// | pass | reads | writes |
 /// |---|---|---|
@@ -26,13 +27,13 @@ use crate::vulkan::{TexelChart, Tuning};
 /// | curvature | four lengths a point; in the second pass a number more | a number a point |
 /// | start | | the progress, and four numbers a tile; many maps at once: a copy of their progress |
 /// | resume | a number | the progress of rounds, and a number a tile |
-/// | sources | four numbers each | the same as a copy, ten for each of four texels as a dispatch |
-/// | seed | ten numbers a texel, and both layers of its fronts | those |
-/// | scans, all points, tiles | a texel's fronts, 16 lengths, with curved fronts its curvature | its fronts |
+/// | sources | as a dispatch four numbers each | ten for each of four texels; as a copy four each |
+/// | seed | ten numbers a texel, both layers of its fronts | its fronts; many maps at once: those of all |
+/// | scans, all points, tiles | a texel's times and 16 lengths; with curved fronts their curvature and the surface's | times; with curved fronts their curvature |
 /// | settle | a number a tile, and both layers of the texels that are brought back | the same |
 /// | count | of a map that goes on seven numbers of its progress, of one that is done one | five, and four more if it is done now; or none |
 /// | fans | the numbers of each pair's fan | the same |
-/// | workgroups | the fans of all pairs in all scans, and the map if it was begun before | the map |
+/// | workgroups | the fans of all pairs in all scans, and maps that were begun before | distances, or maps to go on with |
 /// | decisions, outcome | what is copied | the same |
 /// | distances, unpack | each point's time | the same |
 /// | lookup | of each place two numbers, and four times around it | a distance |
@@ -43,8 +44,8 @@ use crate::vulkan::{TexelChart, Tuning};
 /// | their steps | `None`: as many as the device takes | `None` |
 /// | lift | `None`: as many vertices as the device has found | `None` |
 ///
-/// A count of many maps that finds one done reads and writes how many are pending, writes that this
-/// one is done, and with the last of them two numbers more.
+/// With many maps at once, the count by which one is done reads and writes how many are pending and
+/// writes that this one is not, and with the last of them two numbers more, in place of the four.
 ///
 /// Where a place may be bad, it counts as if it were good: all four texels around a source lie on the
 /// grid and are no other source's, places looked up and starts lie on the grid where the map is
