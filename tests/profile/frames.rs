@@ -6,7 +6,7 @@ use geosweep::ash::vk;
 use geosweep::vulkan::Schedule;
 use geosweep::vulkan::embed::Tools;
 use geosweep::vulkan::plan::Step;
-use geosweep::vulkan::profile::{Decided, Grain, PassKind, PassRecord, Profile, QueryRange, Slots};
+use geosweep::vulkan::profile::{Grain, PassKind, PassRecord, Profile, QueryRange, Slots, Work};
 
 use crate::host::Host;
 use crate::renderer::{CHART, Renderer};
