@@ -18,7 +18,8 @@ pub(super) fn bordered(chart: Chart, distances: &[f32]) -> Result<Vec<f32>, MapE
     let lines = times.par_chunks_mut(chart.stride()).skip(1).zip(distances.par_chunks(cols));
     lines.for_each(|(line, distances)| {
         for (time, &distance) in line[1..].iter_mut().zip(distances) {
-            *time = if distance.is_finite() { distance } else { f32::FAR };
+            // Adding zero leaves no -0, which would come before 0 without being smaller.
+            *time = if distance.is_finite() { distance + 0.0 } else { f32::FAR };
         }
     });
     Ok(times)

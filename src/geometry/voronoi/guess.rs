@@ -11,7 +11,8 @@ use rayon::prelude::*;
 use super::NO_REGION;
 use crate::geometry::order::rank;
 use crate::geometry::spokes::Spokes;
-use crate::surface::Real;
+use crate::lanes::{Instructions, Work};
+use crate::surface::{Chart, Direction, Real};
 
 /// Labels by the earliest neighbours alone.
 pub(super) struct Guess {
@@ -22,51 +23,151 @@ pub(super) struct Guess {
     pub doubtful: Vec<u32>,
 }
 
-/// Points that are followed by one task.
-const AT_ONCE: usize = 1 << 14;
+/// Set in what stands for a label that is not known yet: which neighbour has the same one, in the
+/// order of their indices.
+const LINK: u32 = 1 << 31;
 
 impl Guess {
     /// `seeds` are the points that sources seed, each with the label of the first of them.
     pub(super) fn new(spokes: &Spokes, times: &[f32], seeds: &[(usize, u32)]) -> Self {
-        let labels: Vec<AtomicU32> = times.iter().map(|_| AtomicU32::new(NO_REGION)).collect();
+        let chart = spokes.chart();
+        let mut labels: Vec<AtomicU32> = times.iter().map(|_| AtomicU32::new(NO_REGION)).collect();
+        let rows = || (0..chart.rows).into_par_iter();
+        let instructions = Instructions::best();
+        labels.par_chunks_mut(chart.stride()).skip(1).zip(rows()).for_each(|(line, row)| {
+            let line = &mut line[1..=chart.cols];
+            instructions.run(Earliest { chart, times, first: chart.bordered(row, 0), line });
+        });
         for &(point, label) in seeds {
-            labels[point].store(label, Relaxed);
+            *labels[point].get_mut() = label;
         }
-        let is_reached = |point: &usize| times[*point] < f32::FAR;
-        let rank_of = |point: usize| rank(times[point], point);
-        // Up to a point that is labelled, and back down.
-        let follow = |way: &mut Vec<usize>, from: usize| {
-            let (mut point, mut here) = (from, rank_of(from));
-            let label = loop {
-                let label = labels[point].load(Relaxed);
-                if label != NO_REGION {
-                    break label;
-                }
-                way.push(point);
-                let earliest = spokes.neighbours(point).map(|other| (rank_of(other), other)).min();
-                match earliest {
-                    Some((rank, earliest)) if rank < here => (point, here) = (earliest, rank),
-                    _ => break NO_REGION,
-                }
-            };
-            way.drain(..).for_each(|point| labels[point].store(label, Relaxed));
-        };
-        let all = || (0..times.len()).into_par_iter().with_min_len(AT_ONCE);
-        all().filter(is_reached).for_each_init(Vec::new, follow);
+        let mut offsets = Direction::ALL.map(|to| chart.offset(to));
+        offsets.sort_unstable();
+        rows().for_each(|row| {
+            let first = chart.bordered(row, 0);
+            (first..first + chart.cols).for_each(|point| resolve(&labels, &offsets, point));
+        });
         let labels: Vec<u32> = labels.into_iter().map(AtomicU32::into_inner).collect();
 
+        let is_reached = |point: &usize| times[*point] < f32::FAR;
         let in_doubt = |point: &usize| {
             let label = labels[*point];
-            let (here, mut neighbours) = (rank_of(*point), spokes.neighbours(*point));
-            // Few neighbours have another label, and only theirs is asked for its rank.
-            let other = |neighbour| labels[neighbour] != label && rank_of(neighbour) < here;
-            label == NO_REGION || neighbours.any(other)
+            let (here, mut neighbours) = (rank(times[*point], *point), spokes.neighbours(*point));
+            let before = |other| rank(times[other], other) < here;
+            label == NO_REGION || neighbours.any(|other| labels[other] != label && before(other))
         };
-        let mut doubtful: Vec<u32> =
-            all().filter(is_reached).filter(in_doubt).map(|point| point as u32).collect();
+        let of_row = |differences: &mut Vec<u32>, row: usize| {
+            let first = chart.bordered(row, 0);
+            differences.resize(chart.cols, 0);
+            instructions.run(Differences { chart, labels: &labels, first, differences });
+            let found = differences.iter().zip(first..).filter(|&(&difference, _)| difference != 0);
+            let found = found.map(|(_, point)| point).filter(is_reached).filter(in_doubt);
+            found.map(|point| point as u32).collect::<Vec<u32>>()
+        };
+        let found: Vec<Vec<u32>> = rows().map_init(Vec::new, of_row).collect();
+        let mut doubtful = found.concat();
         let around = |&(point, _): &(usize, u32)| spokes.neighbours(point).chain([point]);
         let beside_seeds = seeds.iter().flat_map(around).filter(is_reached);
         doubtful.extend(beside_seeds.map(|point| point as u32));
         Self { labels, doubtful }
+    }
+}
+
+/// Gives a point the label at the end of its links, and all on the way. What other threads find
+/// there is the same.
+fn resolve(labels: &[AtomicU32], offsets: &[isize; 8], point: usize) {
+    let next = |point: usize| {
+        let link = labels[point].load(Relaxed);
+        let is_link = link & LINK != 0 && link != NO_REGION;
+        if is_link {
+            Ok(point.wrapping_add_signed(offsets[(link & 7) as usize]))
+        } else {
+            Err(link)
+        }
+    };
+    let mut end = point;
+    let label = loop {
+        match next(end) {
+            Ok(following) => end = following,
+            Err(label) => break label,
+        }
+    };
+    let mut here = point;
+    while let Ok(following) = next(here) {
+        labels[here].store(label, Relaxed);
+        here = following;
+    }
+}
+
+/// Links each point of a row to the earliest of the neighbours that come before it.
+struct Earliest<'a> {
+    chart: Chart,
+    times: &'a [f32],
+    first: usize,
+    line: &'a mut [AtomicU32],
+}
+
+impl Work for Earliest<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { chart, times, first, line } = self;
+        let (stride, points) = (chart.stride(), line.len());
+        let above = &times[first - stride - 1..][..points + 2];
+        let beside = &times[first - 1..][..points + 2];
+        let below = &times[first + stride - 1..][..points + 2];
+        for (point, line) in line.iter_mut().enumerate() {
+            // In the order of their indices, so that the first of equally early ones is kept.
+            let mut earliest = (f32::FAR, NO_REGION);
+            earliest = earlier(earliest, above[point], LINK);
+            earliest = earlier(earliest, above[point + 1], LINK | 1);
+            earliest = earlier(earliest, above[point + 2], LINK | 2);
+            earliest = earlier(earliest, beside[point], LINK | 3);
+            earliest = earlier(earliest, beside[point + 1], NO_REGION);
+            earliest = earlier(earliest, beside[point + 2], LINK | 4);
+            earliest = earlier(earliest, below[point], LINK | 5);
+            earliest = earlier(earliest, below[point + 1], LINK | 6);
+            earliest = earlier(earliest, below[point + 2], LINK | 7);
+            let is_reached = beside[point + 1] < f32::FAR;
+            *line.get_mut() = if is_reached { earliest.1 } else { NO_REGION };
+        }
+    }
+}
+
+#[inline(always)]
+fn earlier((earliest, link): (f32, u32), time: f32, to: u32) -> (f32, u32) {
+    let is_earlier = time < earliest;
+    (if is_earlier { time } else { earliest }, if is_earlier { to } else { link })
+}
+
+/// Finds which points of a row have no label, or a neighbour with another one: those get other
+/// numbers than zero.
+struct Differences<'a> {
+    chart: Chart,
+    labels: &'a [u32],
+    first: usize,
+    differences: &'a mut [u32],
+}
+
+impl Work for Differences<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { chart, labels, first, differences } = self;
+        let (stride, points) = (chart.stride(), differences.len());
+        let above = &labels[first - stride - 1..][..points + 2];
+        let beside = &labels[first - 1..][..points + 2];
+        let below = &labels[first + stride - 1..][..points + 2];
+        for (point, difference) in differences.iter_mut().enumerate() {
+            let here = beside[point + 1];
+            let above =
+                (above[point] ^ here) | (above[point + 1] ^ here) | (above[point + 2] ^ here);
+            let below =
+                (below[point] ^ here) | (below[point + 1] ^ here) | (below[point + 2] ^ here);
+            let beside = (beside[point] ^ here) | (beside[point + 2] ^ here);
+            *difference = above | beside | below | u32::from(here == NO_REGION);
+        }
     }
 }
