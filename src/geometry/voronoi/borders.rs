@@ -14,7 +14,8 @@ use crate::geometry::triangles::{Edge, corners, triangles};
 #[derive(Clone, Debug)]
 pub(super) struct Split {
     pub points: [usize; 3],
-    pub parts: Vec<(u32, f64)>,
+    /// Regions may come twice.
+    pub parts: [(u32, f64); 3],
 }
 
 /// No more edges than this lie between a triangle and the place where its regions meet.
@@ -68,7 +69,7 @@ pub(super) fn march(fronts: &Fronts, labels: &[u32]) -> (Vec<Border>, Vec<Split>
     };
     let rows = (0..chart.rows.saturating_sub(1)).into_par_iter();
     let mixed: Vec<Mixed> = rows.flat_map_iter(of_row).collect();
-    let segments = mixed.iter().flat_map(Mixed::segments).collect();
+    let segments = mixed.par_iter().flat_map_iter(Mixed::segments).collect();
     // The triangle across an edge of another one.
     let across = |points: [usize; 3], edge: [usize; 2]| {
         let [a, b] = edge.map(|point| chart.position(point));
@@ -111,7 +112,7 @@ pub(super) fn march(fronts: &Fronts, labels: &[u32]) -> (Vec<Border>, Vec<Split>
         edge_place(fronts, labels, Edge::from_number(node), regions).to_array()
     });
     let borders = curves.into_iter().map(|(regions, curve)| Border { regions, curve });
-    (borders.collect(), mixed.iter().map(Mixed::split).collect())
+    (borders.collect(), mixed.par_iter().map(Mixed::split).collect())
 }
 
 /// Where a border crosses an edge.
@@ -236,14 +237,14 @@ impl Mixed<'_, '_> {
                 let polygon = [self.place(k), cut(k, next), junction, cut(k, previous)];
                 (self.labels[k], part(&polygon))
             };
-            [0, 1, 2].map(of_corner).to_vec()
+            [0, 1, 2].map(of_corner)
         } else {
             // The corner that is alone.
             let alone = (0..3).find(|k| self.labels[(k + 1) % 3] == self.labels[(k + 2) % 3]);
             let k = alone.unwrap_or(0);
             let [next, previous] = [(k + 1) % 3, (k + 2) % 3];
             let part = part(&[self.place(k), cut(k, next), cut(k, previous)]);
-            vec![(self.labels[k], part), (self.labels[next], 1.0 - part)]
+            [(self.labels[k], part), (self.labels[next], 1.0 - part), (self.labels[previous], 0.0)]
         };
         Split { points: self.points, parts }
     }
