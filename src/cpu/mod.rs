@@ -33,6 +33,7 @@ pub use pairwise::PairwiseScan;
 pub(crate) use progress::Progress;
 pub use raster_scan::raster_scan;
 pub use rotated_scan::{Convergence, RotatedScan, rotated_scan};
+pub(crate) use settled::{Visited, stays};
 pub use state::Solution;
 pub use twins::{Rounds, all_points, scan_in_turn, scan_outward, tile_rounds};
 

@@ -14,7 +14,7 @@ use crate::surface::{Real, max, min};
 use crate::update::{Triangle, Wavefront};
 
 /// A point that a scan visits, before any update.
-pub(super) struct Visited<R> {
+pub(crate) struct Visited<R> {
     /// Arrival time.
     pub now: R,
     /// The two triangles of the scan, x1 being the neighbour across the diagonal in both.
@@ -26,7 +26,7 @@ pub(super) struct Visited<R> {
 /// Whether no front comes to a point earlier than it has: none is behind it, or neither triangle
 /// brings one.
 #[inline(always)]
-pub(super) fn stays<R: Real>(wavefront: Wavefront, visited: Visited<R>) -> bool {
+pub(crate) fn stays<R: Real>(wavefront: Wavefront, visited: Visited<R>) -> bool {
     let Visited { now, triangles: [left, right], curvatures: [k_left, k_right] } = visited;
     let behind = min(left.t1, min(left.t2, right.t1));
     let settled =

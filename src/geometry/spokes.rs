@@ -139,6 +139,7 @@ impl<'a> Spokes<'a> {
     }
 
     /// Length of the longest edge of a point.
+    #[inline]
     pub(super) fn longest(&self, point: usize) -> f32 {
         let lengths = self.spokes.iter().map(|spoke| self.edges.at(point, spoke.edge));
         lengths.filter(|&length| length < f32::FAR).fold(0.0, f32::max)
@@ -146,6 +147,7 @@ impl<'a> Spokes<'a> {
 }
 
 /// A length in double precision, in which "no such edge" is another number.
+#[inline]
 fn wide(length: f32) -> f64 {
     if length < f32::FAR { f64::from(length) } else { f64::FAR }
 }

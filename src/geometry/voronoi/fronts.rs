@@ -18,11 +18,12 @@ use rayon::prelude::*;
 
 use super::NO_REGION;
 use super::guess::Guess;
+use crate::cpu::{Visited, stays};
 use crate::geometry::MapError;
 use crate::geometry::order::{bordered, rank};
 use crate::geometry::spokes::Spokes;
-use crate::surface::{Chart, EdgeLengths, Real, Source, Sources, Surface};
-use crate::update::{Triangle, planar, point_source};
+use crate::surface::{Chart, EdgeLengths, Real, Source, Sources, Surface, max, min};
+use crate::update::{Triangle, Wavefront, planar, point_source};
 
 /// No further front, and the label of a point that has not been visited.
 const NONE: u32 = NO_REGION;
@@ -46,12 +47,22 @@ struct Candidate {
     time: f64,
     /// Since its start, at the point's neighbours.
     since: [f64; 8],
+    /// Which of those it has reached, and the last of these times.
+    known: u8,
+    last: f64,
+}
+
+/// A front at a point that its source seeds.
+struct Start {
+    point: usize,
+    label: u32,
+    time: f64,
 }
 
 /// How the front of a source is continued.
 #[derive(Clone, Copy, Debug)]
 struct Origin {
-    circular: bool,
+    wavefront: Wavefront,
     initial: f64,
 }
 
@@ -77,8 +88,6 @@ pub(super) struct Fronts<'a> {
     news: Vec<(u32, u32)>,
     /// Where the candidates of a point are gathered.
     room: Vec<Candidate>,
-    /// The longest edge of a point, zero where nobody has asked yet.
-    longest: Vec<f32>,
 }
 
 impl<'a> Fronts<'a> {
@@ -101,27 +110,25 @@ impl<'a> Fronts<'a> {
         distances: &[f32],
     ) -> Result<Self, MapError> {
         let times = bordered(edges.chart(), distances)?;
+        let spokes = Spokes::new(edges);
+        let starts = starts(edges.chart(), surface, sources)?;
+        let guess = Guess::new(&spokes, &times, &first_labels(&starts));
         let mut fronts = Self {
-            spokes: Spokes::new(edges),
+            spokes,
             origins: sources.iter().map(Origin::of).collect(),
             start: sources.start(),
-            labels: vec![NONE; times.len()],
+            labels: guess.labels,
             now: 0,
             ahead: Vec::new(),
             queue: BinaryHeap::new(),
             is_queued: vec![false; times.len()],
-            longest: vec![0.0; times.len()],
             times,
             arrivals: Vec::new(),
             news: Vec::new(),
             room: Vec::new(),
         };
-        let seeds = fronts.start(surface, sources)?;
-        let seeds: Vec<(usize, u32)> =
-            seeds.into_iter().map(|point| (point, fronts.first(point).0)).collect();
-        let guess = Guess::new(&fronts.spokes, &fronts.times, &seeds);
-        let of_seeds = std::mem::replace(&mut fronts.labels, guess.labels);
-        seeds.iter().for_each(|&(point, _)| fronts.labels[point] = of_seeds[point]);
+        starts.iter().for_each(|start| fronts.labels[start.point] = NONE);
+        starts.iter().for_each(|start| fronts.insert(start.point, start.label, start.time));
         fronts.ahead =
             guess.doubtful.par_iter().map(|&point| fronts.rank(point as usize)).collect();
         fronts.ahead.par_sort_unstable_by(|a, b| b.cmp(a));
@@ -184,51 +191,25 @@ impl<'a> Fronts<'a> {
         if label & SEVERAL != 0 || self.rank(point) <= self.now { label } else { NONE }
     }
 
-    /// Arrivals at the points that sources seed, which are returned. Of two sources that are the
-    /// same the second has none.
-    fn start(&mut self, surface: &Surface, sources: &Sources) -> Result<Vec<usize>, MapError> {
-        let all: Vec<&Source> = sources.iter().collect();
-        let mut points = Vec::new();
-        for (label, source) in all.iter().enumerate() {
-            let seeds = Sources::from_iter([(*source).clone()]).seeds(surface)?;
-            if all[..label].contains(source) {
-                continue;
-            }
-            for seed in seeds {
-                let point = self.spokes.chart().bordered(seed.row, seed.col);
-                self.insert(point, label as u32, seed.time);
-                points.push(point);
-            }
-        }
-        Ok(points)
-    }
-
     /// Labels a point whose earlier neighbours have all been visited.
     fn visit(&mut self, point: usize) {
-        let here = self.labels[point];
-        if here == NONE {
-            let mut common = NONE;
-            let agree = (0..8).all(|to| {
-                let label = self.label(self.spokes.neighbour(point, to));
-                if common == NONE {
-                    common = label;
-                }
-                label == NONE || label == common && label & SEVERAL == 0
-            });
-            if agree && common != NONE {
-                self.labels[point] = common;
-                return;
-            }
-        }
         let lengths = std::array::from_fn(|to| self.spokes.length(point, to));
-        let mut found = self.candidates(point, &lengths);
+        let (mut found, visited, is_alone) = self.candidates(point, &lengths);
+        if let [single] = &found[..]
+            && is_alone
+        {
+            self.labels[point] = single.label;
+            self.room = found;
+            return;
+        }
         for candidate in &mut found {
-            let arrival = self.through(point, candidate, 0..8, |to| lengths[to]);
-            candidate.time = candidate.time.min(arrival);
+            let arrival = self.arrival(point, candidate, &lengths);
+            candidate.time = min(candidate.time, arrival);
         }
         if found.len() > 1 {
-            let first = found.iter().map(|candidate| candidate.time).fold(f64::FAR, f64::min);
-            let latest = self.latest(point, first);
+            let first = found.iter().map(|candidate| candidate.time).fold(f64::FAR, min);
+            let there = lengths.iter().copied().filter(|&length| length < f64::FAR);
+            let latest = latest(first, there.fold(0.0, max));
             found.retain(|candidate| candidate.time <= latest);
         }
         found.retain(|candidate| candidate.time < f64::FAR);
@@ -240,39 +221,55 @@ impl<'a> Fronts<'a> {
                 several.iter().for_each(|front| self.insert(point, front.label, front.time));
             }
         }
-        self.news.extend(found.iter().map(|front| (point as u32, front.label)));
+        for front in &found {
+            // Nobody has to be told who knows of a front before it comes here.
+            if front.known != visited || self.since(front.label, front.time) < front.last {
+                self.news.push((point as u32, front.label));
+            }
+        }
         self.room = found;
         while let Some((point, label)) = self.news.pop() {
             self.tell(point as usize, label);
         }
     }
 
-    /// All fronts that a point's neighbours have, and those of sources beside it.
-    fn candidates(&mut self, point: usize, lengths: &[f64; 8]) -> Vec<Candidate> {
+    /// All fronts that a point's neighbours have, and those of sources beside it; which neighbours
+    /// have any; and whether all have one alone.
+    fn candidates(&mut self, point: usize, lengths: &[f64; 8]) -> (Vec<Candidate>, u8, bool) {
         let mut found = std::mem::take(&mut self.room);
         found.clear();
-        let fresh = |(label, time)| Candidate { label, time, since: [f64::FAR; 8] };
+        let fresh =
+            |(label, time)| Candidate { label, time, since: [f64::FAR; 8], known: 0, last: 0.0 };
         found.extend(self.arrivals_at(point).map(fresh));
+        let (mut visited, mut is_alone) = (0, found.is_empty());
         for (to, &length) in lengths.iter().enumerate() {
-            if length >= f64::FAR {
+            let neighbour = self.spokes.neighbour(point, to);
+            let label = self.label(neighbour);
+            if label == NONE || length >= f64::FAR {
                 continue;
             }
-            for (label, time) in self.arrivals_at(self.spokes.neighbour(point, to)) {
+            visited |= 1 << to;
+            is_alone &= label & SEVERAL == 0;
+            for (label, time) in self.arrivals_of(neighbour, label) {
                 let place = found.iter().position(|candidate| candidate.label == label);
                 let place = place.unwrap_or_else(|| {
                     found.push(fresh((label, f64::FAR)));
                     found.len() - 1
                 });
-                found[place].since[to] = self.since(label, time);
+                let since = self.since(label, time);
+                let candidate = &mut found[place];
+                candidate.since[to] = since;
+                candidate.known |= 1 << to;
+                candidate.last = max(candidate.last, since);
             }
         }
-        found
+        (found, visited, is_alone)
     }
 
     /// From the start of a front to its arrival somewhere.
     fn since(&self, label: u32, time: f64) -> f64 {
         if time < f64::FAR {
-            (time - self.origins[label as usize].initial).max(0.0)
+            max(time - self.origins[label as usize].initial, 0.0)
         } else {
             f64::FAR
         }
@@ -291,19 +288,30 @@ impl<'a> Fronts<'a> {
                 continue;
             }
             let (_, first) = self.first(neighbour);
-            let latest = self.latest(neighbour, first);
+            let latest = latest(first, f64::from(self.spokes.longest(neighbour)));
             if time >= latest {
                 continue;
             }
             // Through the two triangles on either side of the edge between them.
             let back = (to + 4) % 8;
-            let mut front = Candidate { label, time: before, since: [f64::FAR; 8] };
-            for to in [(back + 7) % 8, back, (back + 1) % 8] {
+            let [right, left] = [(back + 7) % 8, (back + 1) % 8];
+            let mut since = [f64::FAR; 8];
+            for to in [right, back, left] {
                 let time = self.time(self.spokes.neighbour(neighbour, to), label);
-                front.since[to] = self.since(label, time);
+                since[to] = self.since(label, time);
             }
             let length = |to: usize| self.spokes.length(neighbour, to);
-            let arrival = self.through(neighbour, &front, [(back + 7) % 8, back], length);
+            let triangles = [right, left].map(|side| {
+                let ends = [back, side];
+                self.triangle(neighbour, ends, &since, ends.map(length))
+            });
+            let Origin { wavefront, initial } = self.origins[label as usize];
+            let now = min(latest, before) - initial;
+            if stays(wavefront, Visited { now, triangles, curvatures: [[0.0; 2]; 2] }) {
+                continue;
+            }
+            let [left, right] = triangles.map(|triangle| self.through(label, triangle));
+            let arrival = initial + min(left, right);
             if arrival <= latest && arrival < before * (1.0 - 1e-9) {
                 self.insert(neighbour, label, arrival);
                 self.enqueue_after(neighbour);
@@ -316,41 +324,58 @@ impl<'a> Fronts<'a> {
         self.label(point) != NONE && self.times[point] < f32::FAR
     }
 
-    /// Up to when fronts count at a point, given when the first arrives. Over an edge from one
-    /// region to another each front comes by the length of that edge after the other one's, at
-    /// most, and is known there that much later.
-    fn latest(&mut self, point: usize, first: f64) -> f64 {
-        if self.longest[point] == 0.0 {
-            self.longest[point] = self.spokes.longest(point);
+    /// When a front arrives at a point from its neighbours.
+    fn arrival(&self, point: usize, front: &Candidate, lengths: &[f64; 8]) -> f64 {
+        let (mut shortest, mut nearest) = (f64::FAR, 0);
+        for (to, (since, length)) in front.since.iter().zip(lengths).enumerate() {
+            let along = since + length;
+            if along < shortest {
+                (shortest, nearest) = (along, to);
+            }
         }
-        first + 2.0 * f64::from(self.longest[point]) * (1.0 + 1e-6)
+        if shortest >= f64::FAR {
+            return f64::FAR;
+        }
+        let through = |to: usize| {
+            let ends = [to, (to + 1) % 8];
+            let triangle = self.triangle(point, ends, &front.since, ends.map(|to| lengths[to]));
+            self.through(front.label, triangle)
+        };
+        // Nearly always beside the neighbour over which the way along an edge is shortest, and on
+        // the side where the next one is shorter.
+        let [right, left] = [(nearest + 7) % 8, (nearest + 1) % 8];
+        let [to_right, to_left] = [right, left].map(|to| front.since[to] + lengths[to]);
+        let beside = if to_right < to_left { [right, nearest] } else { [nearest, right] };
+        let found = beside.into_iter().map(through).find(|&time| time < shortest);
+        let first = found.unwrap_or_else(|| (0..8).map(through).fold(shortest, min));
+        self.origins[front.label as usize].initial + first
     }
 
-    /// The arrival of a front at a point through some of the triangles that begin at each of its
-    /// neighbours, so far away.
-    fn through(
+    /// The triangle of a point with two neighbours, one beside the other.
+    #[inline(always)]
+    fn triangle(
         &self,
         point: usize,
-        front: &Candidate,
-        triangles: impl IntoIterator<Item = usize>,
-        length: impl Fn(usize) -> f64,
-    ) -> f64 {
-        let Origin { circular, initial } = self.origins[front.label as usize];
-        let arrival = |to: usize| {
-            let ends = [to, (to + 1) % 8];
-            let [t1, t2] = ends.map(|to| front.since[to]);
-            if t1.min(t2) >= f64::FAR {
-                return f64::FAR;
-            }
-            let [l1, l2] = ends.map(&length);
-            if t1.max(t2) >= f64::FAR {
-                return (t1 + l1).min(t2 + l2);
-            }
-            let triangle = Triangle { t1, t2, l1, l2, c: self.spokes.base(point, to) };
-            if circular { point_source(triangle) } else { planar(triangle) }
-        };
-        let first = triangles.into_iter().map(arrival).fold(f64::FAR, f64::min);
-        if first < f64::FAR { initial + first } else { f64::FAR }
+        ends: [usize; 2],
+        since: &[f64; 8],
+        [l1, l2]: [f64; 2],
+    ) -> Triangle<f64> {
+        let [t1, t2] = ends.map(|to| since[to]);
+        let first = if (ends[0] + 1) % 8 == ends[1] { ends[0] } else { ends[1] };
+        Triangle { t1, t2, l1, l2, c: self.spokes.base(point, first) }
+    }
+
+    /// The time since a front's start at which it arrives through a triangle.
+    #[inline(always)]
+    fn through(&self, label: u32, triangle: Triangle<f64>) -> f64 {
+        let Triangle { t1, t2, l1, l2, .. } = triangle;
+        if max(t1, t2) >= f64::FAR {
+            return min(t1 + l1, t2 + l2);
+        }
+        match self.origins[label as usize].wavefront {
+            Wavefront::PointSource => point_source(triangle),
+            _ => planar(triangle),
+        }
     }
 
     /// When a front arrives at a point, [`Real::FAR`] if that is not known.
@@ -361,7 +386,11 @@ impl<'a> Fronts<'a> {
 
     /// The fronts known at a point.
     fn arrivals_at(&self, point: usize) -> impl Iterator<Item = (u32, f64)> {
-        let here = self.label(point);
+        self.arrivals_of(point, self.label(point))
+    }
+
+    /// The fronts known at a point, given what is known of its label.
+    fn arrivals_of(&self, point: usize, here: u32) -> impl Iterator<Item = (u32, f64)> {
         let several = here != NONE && here & SEVERAL != 0;
         let single = (here & SEVERAL == 0).then(|| (here, f64::from(self.times[point])));
         let mut next = if several { here & !SEVERAL } else { NONE };
@@ -441,11 +470,50 @@ impl<'a> Fronts<'a> {
     }
 }
 
+/// Up to when fronts count at a point, given when the first arrives and its longest edge. Over an
+/// edge from one region to another each front comes by the length of that edge after the other
+/// one's, at most, and is known there that much later.
+fn latest(first: f64, longest: f64) -> f64 {
+    first + 2.0 * longest * (1.0 + 1e-6)
+}
+
+/// The fronts at the points that sources seed. Of two sources that are the same the second has
+/// none.
+fn starts(chart: Chart, surface: &Surface, sources: &Sources) -> Result<Vec<Start>, MapError> {
+    let all: Vec<&Source> = sources.iter().collect();
+    let mut starts = Vec::new();
+    for (label, source) in all.iter().enumerate() {
+        let seeds = Sources::from_iter([(*source).clone()]).seeds(surface)?;
+        if !all[..label].contains(source) {
+            starts.extend(seeds.into_iter().map(|seed| Start {
+                point: chart.bordered(seed.row, seed.col),
+                label: label as u32,
+                time: seed.time,
+            }));
+        }
+    }
+    Ok(starts)
+}
+
+/// The points that sources seed, each with the label of the first front there.
+fn first_labels(starts: &[Start]) -> Vec<(usize, u32)> {
+    let mut order: Vec<&Start> = starts.iter().collect();
+    order.sort_by(|a, b| {
+        a.point.cmp(&b.point).then(a.time.total_cmp(&b.time)).then(a.label.cmp(&b.label))
+    });
+    order.dedup_by_key(|start| start.point);
+    order.into_iter().map(|start| (start.point, start.label)).collect()
+}
+
 impl Origin {
     fn of(source: &Source) -> Self {
         match source {
-            Source::Point { initial, .. } => Self { circular: true, initial: *initial },
-            Source::Curve { initial, .. } => Self { circular: false, initial: *initial },
+            Source::Point { initial, .. } => {
+                Self { wavefront: Wavefront::PointSource, initial: *initial }
+            }
+            Source::Curve { initial, .. } => {
+                Self { wavefront: Wavefront::Planar, initial: *initial }
+            }
         }
     }
 }
