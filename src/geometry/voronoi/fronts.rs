@@ -455,18 +455,33 @@ impl<'a> Fronts<'a> {
     pub(super) fn squared(&self, index: usize, label: u32) -> Option<f64> {
         let (row, col) = self.chart().position(index);
         let time = self.time(self.chart().bordered(row, col), label);
-        (time < f64::FAR).then(|| (time - self.start).powi(2))
+        (time < f64::FAR).then(|| self.square(time))
     }
 
     /// Where on the edge between two points of different regions both fronts arrive at once: from
     /// the first (0) to the second (1).
     pub(super) fn meeting(&self, points: [usize; 2], labels: [u32; 2]) -> f64 {
-        let lead =
-            |point: usize| Some(self.squared(point, labels[1])? - self.squared(point, labels[0])?);
-        match points.map(lead) {
+        match points.map(|point| self.lead(point, labels)) {
             [Some(here), Some(there)] if here > there => (here / (here - there)).clamp(0.0, 1.0),
             _ => 0.5,
         }
+    }
+
+    /// By how much the squared time of the second front is later than that of the first, if both
+    /// are known at a point of the grid.
+    fn lead(&self, index: usize, labels: [u32; 2]) -> Option<f64> {
+        let (row, col) = self.chart().position(index);
+        let mut times = [f64::FAR; 2];
+        for (label, time) in self.arrivals_at(self.chart().bordered(row, col)) {
+            let known = labels.iter().zip(&mut times).filter(|(known, _)| **known == label);
+            known.for_each(|(_, known)| *known = time);
+        }
+        let [first, second] = times.map(|time| (time < f64::FAR).then(|| self.square(time)));
+        Some(second? - first?)
+    }
+
+    fn square(&self, time: f64) -> f64 {
+        (time - self.start).powi(2)
     }
 }
 
