@@ -1,6 +1,7 @@
-//! What is made of a distance map of 1200 x 1200 points, beside the time of the map itself:
-//! `cargo bench --bench geometry`, or with `-- WORD` those whose names have the word. Edge lengths
-//! are measured outside the measured time, as for a surface that is kept.
+//! What is made of a distance map of 1200 x 1200 points, beside the time of the map itself from the
+//! same sources: `cargo bench --bench geometry`, or with `-- WORD` those whose names have the word.
+//! Edge lengths are measured outside the measured time, as for a surface that is kept, but within
+//! that of `distance_map`.
 //!
 //! All of them run in turn, round by round, so that what else the machine does falls on all alike:
 //! a share of a map's time means more than either time.
@@ -21,6 +22,7 @@ const PATHS: usize = 1000;
 
 /// Something to be timed.
 struct Case<'a> {
+    sources: &'static str,
     name: String,
     run: Box<dyn FnMut() + 'a>,
     times: Vec<Duration>,
@@ -34,14 +36,20 @@ struct Cases<'a> {
 
 impl<'a> Cases<'a> {
     /// Adds a case; maps are timed whatever the words.
-    fn add<T>(&mut self, name: impl Into<String>, mut run: impl FnMut() -> T + 'a) {
+    fn add<T>(
+        &mut self,
+        sources: &'static str,
+        name: impl Into<String>,
+        mut run: impl FnMut() -> T + 'a,
+    ) {
         let name = name.into();
-        let is_wanted = self.words.iter().all(|word| name.contains(word.as_str()));
+        let full = format!("{name}, {sources}");
+        let is_wanted = self.words.iter().all(|word| full.contains(word.as_str()));
         if is_wanted || name.starts_with("map") {
             let run = Box::new(move || {
                 black_box(run());
             });
-            self.cases.push(Case { name, run, times: Vec::new() });
+            self.cases.push(Case { sources, name, run, times: Vec::new() });
         }
     }
 
@@ -56,21 +64,22 @@ impl<'a> Cases<'a> {
                 }
             }
         }
-        let maps: Vec<f64> = self
-            .cases
-            .iter()
-            .filter(|case| case.name.starts_with("map"))
-            .map(Case::median)
-            .collect();
         for case in &self.cases {
             let median = case.median();
-            let shares: String = maps.iter().map(|map| format!("{:>9.2}", median / map)).collect();
-            println!("{:<38} {:>9.2}{shares}", case.name, 1e3 * median);
+            let same = |map: &&Case| map.is_map() && map.sources == case.sources;
+            let maps = self.cases.iter().filter(same).map(Case::median);
+            let shares: String = maps.map(|map| format!("{:>9.2}", median / map)).collect();
+            let name = format!("{}, {}", case.name, case.sources);
+            println!("{name:<40} {:>9.2}{shares}", 1e3 * median);
         }
     }
 }
 
 impl Case<'_> {
+    fn is_map(&self) -> bool {
+        self.name.starts_with("map")
+    }
+
     /// In seconds.
     fn median(&self) -> f64 {
         let mut times = self.times.clone();
@@ -108,7 +117,10 @@ fn main() {
     for builtin in [Builtin::Sphere, Builtin::Peaks] {
         let surface = builtin.surface(side, side).expect("built-in surfaces fit");
         let edges = EdgeLengths::<f32>::new(&surface).expect("built-in surfaces fit");
-        println!("\n{builtin}, {side} x {side} points: median ms, and shares of the maps' times");
+        println!(
+            "\n{builtin}, {side} x {side} points: median ms, and shares of the times of the map by \
+             a kept solver and by distance_map"
+        );
         let (corner, middle) = (side as f64 / 20.0, (side / 2) as f64);
         let from_corner = points(&[[corner; 2]]);
         let sets = [
@@ -124,32 +136,34 @@ fn main() {
         let levels = Levels::Count(10).on(&curve_map, &curve).expect("ten are not too many");
 
         let mut cases = Cases { words: &words, cases: Vec::new() };
-        for wavefront in [Wavefront::PointSource, Wavefront::Curved] {
-            let mut solver = RotatedScan::new(&edges, wavefront);
-            let seeds = from_corner.seeds(&surface).expect("it lies on the surface");
-            cases.add(format!("map, {wavefront}"), move || solver.solve(&seeds, STOP).iterations);
+        let with_curve = sets.iter().map(|(name, sources)| (*name, sources));
+        for (name, sources) in with_curve.chain([("a curve", &curve)]) {
+            let (mut solver, surface) = (RotatedScan::new(&edges, Wavefront::Curved), &surface);
+            let seeds = sources.seeds(surface).expect("they lie on the surface");
+            cases.add(name, "map, kept solver", move || solver.solve(&seeds, STOP).iterations);
+            cases.add(name, "map", move || solve(surface, sources));
         }
         for ((name, sources), map) in sets.iter().zip(&maps) {
             let (surface, edges, starts) = (&surface, &edges, &starts);
             if sources.iter().count() > 1 {
-                cases.add(format!("Voronoi regions, {name}"), move || {
+                cases.add(name, "Voronoi regions", move || {
                     Voronoi::new(surface, edges, sources, &map.distances)
                 });
             }
-            cases.add(format!("10 contours, {name}"), move || {
+            cases.add(name, "10 contours", move || {
                 let levels = Levels::Count(10).on(map, sources).expect("ten are not too many");
                 contours(map, sources, &levels)
             });
-            cases.add(format!("{PATHS} paths, {name}"), move || {
+            cases.add(name, format!("{PATHS} paths"), move || {
                 let paths = Paths::new(surface, edges, sources, &map.distances);
                 paths.expect("they lie on the surface").trace_all(starts)
             });
-            cases.add(format!("ridges, {name}"), move || ridges(edges, &map.distances, 30.0));
+            cases.add(name, "ridges", move || ridges(edges, &map.distances, 30.0));
         }
-        cases.add("10 offset curves", || {
+        cases.add("a curve", "10 offset curves", || {
             offset_curves(&surface, &edges, &curve, &curve_map, &levels, Side::Left)
         });
-        cases.add("50 farthest points", || {
+        cases.add("1 source", "50 farthest points", || {
             let points = FarthestPoints::new(&surface, &edges, &from_corner);
             points.expect("it lies on the surface").take(49).count()
         });
