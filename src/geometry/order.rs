@@ -96,6 +96,14 @@ mod tests {
     }
 
     #[test]
+    fn equal_times_have_one_rank_whatever_their_sign() {
+        let chart = Chart { rows: 1, cols: 3 };
+        let times = bordered(chart, &[-0.0, 0.0, f32::INFINITY]).unwrap();
+        let [first, second, last] = [0, 1, 2].map(|col| times[chart.bordered(0, col)]);
+        assert_eq!((rank(first, 9), last), (rank(second, 9), f32::FAR));
+    }
+
+    #[test]
     fn points_come_in_the_order_of_their_times() {
         for spread in [1.0, 0.0, 1e-30, 1e30] {
             let time = |k: u32| if k % 7 == 3 { f32::FAR } else { (k * 37 % 101) as f32 * spread };
