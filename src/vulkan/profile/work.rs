@@ -222,7 +222,15 @@ pub(crate) fn decided(
             PassRecord { groups: Some([visited, 1, 1]), work, ..record }
         }
     };
-    if !matches!(record.kind, PassKind::Count | PassKind::Iteration) {
+    let counts = match record.kind {
+        PassKind::Count | PassKind::Iteration => true,
+        // What comes before the iterations has no number, and rounds of tiles are not counted.
+        PassKind::Portion => {
+            record.iteration.is_some() && !matches!(presence, Presence::Round { .. })
+        }
+        _ => false,
+    };
+    if !counts {
         return record;
     }
     let more = match is_beyond {
