@@ -69,6 +69,32 @@ fn errors(builtin: Builtin, points: usize) -> [f64; 3] {
     [sum / starts.len() as f64, largest, own]
 }
 
+/// Paths are traced side by side; what they are does not depend on that.
+#[test]
+fn paths_together_are_what_they_are_alone() {
+    const POINTS: usize = 65;
+    for builtin in [Builtin::Peaks, Builtin::Face, Builtin::Maze] {
+        let surface = builtin.surface(POINTS, POINTS).unwrap();
+        let edges = EdgeLengths::new(&surface).unwrap();
+        // The second one's paths are traced twice.
+        let sources = match builtin {
+            Builtin::Maze => at([0.0, 0.0]),
+            _ => Sources::point(33.25, 40.5).and_point(20.0, 20.5, 0.1),
+        };
+        let map = rotated::<f32>(&surface, &sources, Wavefront::Curved, CONVERGED).distances();
+        let paths = Paths::new(&surface, &edges, &sources, &map).unwrap();
+        let mut random = Random::new(4);
+        let last = (POINTS - 1) as f64;
+        let starts: Vec<_> = (0..1000).map(|_| [0; 2].map(|_| last * random.next())).collect();
+        let together = paths.trace_all(&starts);
+        let found = together.iter().flatten().count();
+        assert!(found > 400, "{builtin}: {found}");
+        for (start, path) in starts.iter().zip(together) {
+            assert_eq!(path, paths.trace(*start), "{builtin} from {start:?}");
+        }
+    }
+}
+
 /// The bar is 2e-3. Measured at 257 points a side: lengths 5.0e-4 (peaks), elsewhere below 6e-5;
 /// from the map's value 1.3e-3 (peaks).
 #[test]

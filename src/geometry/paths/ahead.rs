@@ -1,77 +1,241 @@
-//! The next line of a path where nothing bends it much, for a fraction of what a search costs.
+//! The next lines of several paths where nothing bends them much, for a fraction of what searches
+//! cost.
 
 use glam::DVec2;
 
-use super::cell::Cell;
-use super::trace::{AT_POINT, End, Field, Line, Place, is_triangle};
+use super::cell::{self, SIDES, corners};
+use super::profile::{Crossing, Profile};
+use super::trace::{AT_POINT, Field, Place, fits, is_triangle};
+use crate::lanes::{Instructions, Work};
+use crate::surface::Chart;
+
+/// Paths that go on side by side: twice as many as the widest vectors hold in double precision, so
+/// that one half is at work while the other one waits for roots.
+pub(super) const LANES: usize = 16;
 
 /// A heading that leaves a cell within less than this part of itself leaves it over the edge that it
 /// came by.
 const LEAVES_AT_ONCE: f64 = 1e-9;
 
 /// Where a path enters a cell.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
     pub north_west: usize,
-    /// Over which side, by its corners, and at which share of it.
-    pub side: [usize; 2],
+    /// Its row and column.
+    pub corner: DVec2,
+    /// Over which of the cell's [`SIDES`], and at which share of it.
+    pub side: usize,
     pub share: f64,
 }
 
-impl Field<'_> {
-    /// The line across the cell that a path has come to, if it ends on the side to which the line
-    /// before points and fits the arrival time `below`, so that a search would find nothing better:
-    /// but beside sources, at corners of holes and where fronts meet, it does.
-    pub(super) fn ahead(
-        &self,
-        moment: f64,
-        entry: Entry,
-        heading: DVec2,
-        below: f64,
-    ) -> Option<Line> {
-        let Entry { north_west, side: own, share } = entry;
-        if self.goals.touches(north_west) {
-            return None;
-        }
-        let (side, near) = exit(own, share, heading)?;
-        let cell = Cell::new(self.edges, north_west);
-        let points = side.map(|corner| cell.corners[corner]);
-        let (ends, length) = (cell.between_sides(own, share, side), cell.length(side));
-        let is_reached = points.iter().all(|&point| self.is_reached(point));
-        if !(is_reached && is_triangle(ends, length * length)) {
-            return None;
-        }
-        let crossing = self.profile(moment, points, length).crossing_near(near, ends)?;
-        let end =
-            Place::Edge { first: points[0], step: points[1] - points[0], share: crossing.share };
-        let line = Line {
-            end: End::Place(end),
-            time: crossing.time,
-            length: crossing.distance,
-            cell: north_west,
+impl Entry {
+    /// The same place as one that leads out of a cell.
+    fn across(chart: Chart, north_west: usize, corner: DVec2, side: usize, share: f64) -> Self {
+        let (north_west, step) = match side {
+            0 => (north_west - chart.stride(), DVec2::new(-1.0, 0.0)),
+            1 => (north_west - 1, DVec2::new(0.0, -1.0)),
+            2 => (north_west + 1, DVec2::new(0.0, 1.0)),
+            _ => (north_west + chart.stride(), DVec2::new(1.0, 0.0)),
         };
-        let between = (AT_POINT..=1.0 - AT_POINT).contains(&crossing.share);
-        (between && line.time < below && line.fits(below)).then_some(line)
+        Self { north_west, corner: corner + step, side: SIDES.len() - 1 - side, share }
+    }
+
+    /// Row and column in the cell.
+    fn inside(&self) -> DVec2 {
+        // Corners count rows by two and columns by one.
+        let [first, last] =
+            SIDES[self.side].map(|corner| DVec2::new((corner / 2) as f64, (corner % 2) as f64));
+        first + self.share * (last - first)
+    }
+
+    /// Row and column.
+    pub(super) fn at(&self) -> DVec2 {
+        self.corner + self.inside()
+    }
+
+    pub(super) fn place(&self, chart: Chart) -> Place {
+        let [first, last] = SIDES[self.side].map(|end| corners(chart, self.north_west)[end]);
+        Place::Edge { first, step: last - first, share: self.share }
     }
 }
 
-/// The side of a cell, by its corners, and the share of it at which a straight line on the grid
-/// leaves the cell that enters it at a share of another.
-fn exit(own: [usize; 2], share: f64, heading: DVec2) -> Option<([usize; 2], f64)> {
-    // Corners count rows by two and columns by one.
-    let place = |corner: usize| DVec2::new((corner / 2) as f64, (corner % 2) as f64);
-    let at = place(own[0]).lerp(place(own[1]), share);
-    let until = |at: f64, by: f64| match by {
-        _ if by > 0.0 => (1.0 - at) / by,
-        _ if by < 0.0 => -at / by,
-        _ => f64::INFINITY,
-    };
-    let (by_row, by_col) = (until(at.x, heading.x), until(at.y, heading.y));
-    let (way, side, share) = if by_row < by_col {
-        let side = if heading.x > 0.0 { [2, 3] } else { [0, 1] };
-        (by_row, side, at.y + by_row * heading.y)
-    } else {
-        let side = if heading.y > 0.0 { [1, 3] } else { [0, 2] };
-        (by_col, side, at.x + by_col * heading.x)
-    };
-    (way > LEAVES_AT_ONCE && way < f64::INFINITY).then_some((side, share))
+/// A line across a cell.
+pub(super) struct Crossed {
+    /// Where it ends, as a place that leads into the next cell.
+    pub end: Entry,
+    /// Arrival time there.
+    pub time: f64,
+    pub length: f64,
+    /// The cell, by its north-western corner.
+    pub cell: usize,
+}
+
+/// A number for each path.
+type Lanes = [f64; LANES];
+
+/// The cells that paths have come to, and the lines across them.
+#[derive(Default)]
+pub(super) struct Ahead {
+    entries: [Option<Entry>; LANES],
+    headings: Headings,
+    cells: Cells,
+}
+
+impl Ahead {
+    /// A path that has come to a cell, since some moment and at a time `below`.
+    pub(super) fn enter(
+        &mut self,
+        lane: usize,
+        entry: Entry,
+        heading: DVec2,
+        [moment, below]: [f64; 2],
+    ) {
+        let inside = entry.inside();
+        let Headings { inside: [row, col], heading: [by_row, by_col], .. } = &mut self.headings;
+        (row[lane], col[lane]) = (inside.x, inside.y);
+        (by_row[lane], by_col[lane]) = (heading.x, heading.y);
+        let cells = &mut self.cells;
+        (cells.moment[lane], cells.below[lane], cells.share[lane]) = (moment, below, entry.share);
+        self.entries[lane] = Some(entry);
+    }
+
+    /// Finds the lines of all.
+    pub(super) fn look(&mut self, field: &Field) {
+        let instructions = Instructions::best();
+        instructions.run(&mut self.headings);
+        let Headings { side, near, leaves, .. } = &self.headings;
+        let cells = &mut self.cells;
+        cells.share_ahead = *near;
+        for lane in 0..LANES {
+            let Some(Entry { north_west, side: own, .. }) = self.entries[lane] else { continue };
+            if !leaves[lane] || field.goals.touches(north_west) {
+                self.entries[lane] = None;
+                continue;
+            }
+            let (own, ahead) = (SIDES[own], SIDES[side[lane] as usize]);
+            let corners = corners(field.chart(), north_west);
+            let ends = ahead.map(|corner| corners[corner]);
+            if !ends.iter().all(|&end| field.is_reached(end)) {
+                self.entries[lane] = None;
+                continue;
+            }
+            let length = |ends| cell::length(field.edges, &corners, ends);
+            cells.own_length[lane] = length(own);
+            cells.length[lane] = length(ahead);
+            for (all, from) in cells.across.iter_mut().zip(own) {
+                for (all, to) in all.iter_mut().zip(ahead) {
+                    all[lane] = length([from, to]);
+                }
+            }
+            let times = field.times_along(ends);
+            for (all, time) in cells.times.iter_mut().zip(times) {
+                all[lane] = time;
+            }
+        }
+        instructions.run(cells);
+    }
+
+    /// The line across the cell that a path has come to, if it ends on the side to which the line
+    /// before points and fits the arrival time, so that a search would find nothing better:
+    /// but beside sources, at corners of holes and where fronts meet, it does.
+    pub(super) fn take(&mut self, chart: Chart, lane: usize) -> Option<Crossed> {
+        let Entry { north_west, corner, .. } = self.entries[lane].take()?;
+        let Cells { found: [share, time, length], is_good, .. } = &self.cells;
+        let side = self.headings.side[lane] as usize;
+        let end = Entry::across(chart, north_west, corner, side, share[lane]);
+        let (time, length) = (time[lane], length[lane]);
+        is_good[lane].then_some(Crossed { end, time, length, cell: north_west })
+    }
+}
+
+/// Where straight lines on the grid leave cells.
+#[derive(Default)]
+struct Headings {
+    /// Row and column in the cell.
+    inside: [Lanes; 2],
+    /// By rows and by columns.
+    heading: [Lanes; 2],
+    /// Which of the cell's [`SIDES`] the line leaves it by, and at which share of it.
+    side: [u64; LANES],
+    near: Lanes,
+    /// Whether it does so elsewhere than it came.
+    leaves: [bool; LANES],
+}
+
+impl Work for &mut Headings {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for lane in 0..LANES {
+            let [row, col] = self.inside.each_ref().map(|all| all[lane]);
+            let [by_row, by_col] = self.heading.each_ref().map(|all| all[lane]);
+            let until = |at: f64, by: f64| {
+                let way = (if by > 0.0 { 1.0 } else { 0.0 } - at) / by;
+                if by == 0.0 { f64::INFINITY } else { way }
+            };
+            let (to_row, to_col) = (until(row, by_row), until(col, by_col));
+            let is_row = to_row < to_col;
+            let way = if is_row { to_row } else { to_col };
+            let on_row = if by_row > 0.0 { 3 } else { 0 };
+            let on_col = if by_col > 0.0 { 2 } else { 1 };
+            self.side[lane] = if is_row { on_row } else { on_col };
+            self.near[lane] = if is_row { col + way * by_col } else { row + way * by_row };
+            self.leaves[lane] = (way > LEAVES_AT_ONCE) & (way < f64::INFINITY);
+        }
+    }
+}
+
+/// Where lines across cells arrive first.
+#[derive(Default)]
+struct Cells {
+    moment: Lanes,
+    /// Arrival times where the lines start.
+    below: Lanes,
+    /// Shares of the sides that they start on.
+    share: Lanes,
+    /// Near where they end on those ahead.
+    share_ahead: Lanes,
+    /// Of the sides that they start on.
+    own_length: Lanes,
+    /// From either end of these to either end of those ahead.
+    across: [[Lanes; 2]; 2],
+    /// Of the sides ahead.
+    length: Lanes,
+    /// At four points in a row, the middle ones being the ends of the sides ahead.
+    times: [Lanes; 4],
+    /// At which shares the lines end, the arrival times there, and the lines' lengths.
+    found: [Lanes; 3],
+    is_good: [bool; LANES],
+}
+
+impl Work for &mut Cells {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for lane in 0..LANES {
+            let times = self.times.each_ref().map(|all| all[lane]);
+            let (share, length, below) = (self.share[lane], self.length[lane], self.below[lane]);
+            let rest = 1.0 - share;
+            let spread = rest * share * (self.own_length[lane] * self.own_length[lane]);
+            let square = |end: usize| {
+                let [a, b] = self.across.each_ref().map(|all| all[end][lane]);
+                rest * (a * a) + share * (b * b) - spread
+            };
+            let ends = [square(0), square(1)];
+            let profile = Profile::new(self.moment[lane], times, length);
+            let (Crossing { share, time, distance }, is_settled) =
+                profile.crossing_near(self.share_ahead[lane], ends);
+            self.found[0][lane] = share;
+            self.found[1][lane] = time;
+            self.found[2][lane] = distance;
+            let is_between = (share - 0.5).abs() <= 0.5 - AT_POINT;
+            self.is_good[lane] = is_settled
+                & is_triangle(ends, length * length)
+                & is_between
+                & (time < below)
+                & fits(time, distance, below);
+        }
+    }
 }

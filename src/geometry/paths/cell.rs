@@ -11,6 +11,9 @@ pub(super) const SIDES: [[usize; 2]; 4] = [[0, 1], [0, 2], [1, 3], [2, 3]];
 /// Which of a cell's lengths is that between two corners; a corner is no way from itself.
 const BETWEEN: [[usize; 4]; 4] = [[6, 0, 1, 2], [0, 6, 3, 4], [1, 3, 6, 5], [2, 4, 5, 6]];
 
+/// Where these lengths are stored: in which of the planes of edges, and at which corner.
+const STORED_AT: [(usize, usize); 6] = [(0, 0), (1, 2), (3, 3), (2, 2), (1, 3), (0, 2)];
+
 /// The four corners of a cell, north-west, north-east, south-west and south-east, and the lengths
 /// between them.
 ///
@@ -28,25 +31,15 @@ impl Cell {
     /// The cell to the south-east of a point of the bordered array.
     pub(super) fn new(edges: &EdgeLengths<f32>, north_west: usize) -> Self {
         let corners = corners(edges.chart(), north_west);
-        let [_, north_east, south_west, south_east] = corners;
-        let [to_east, to_north, to_north_east, to_north_west] = edges.planes();
-        let (north, west) = (to_east[north_west], to_north[south_west]);
-        let (falling, rising) = (to_north_west[south_east], to_north_east[south_west]);
-        let (east, south) = (to_north[south_east], to_east[south_west]);
-        debug_assert_eq!(north_east, north_west + 1);
-        let lengths = [north, west, falling, rising, east, south, 0.0].map(f64::from);
-        Self { corners, lengths }
+        let planes = edges.planes();
+        let [north, west, falling, rising, east, south] =
+            STORED_AT.map(|(plane, corner)| planes[plane][corners[corner]].into());
+        Self { corners, lengths: [north, west, falling, rising, east, south, 0.0] }
     }
 
     /// Length between two corners.
     pub(super) fn length(&self, [a, b]: [usize; 2]) -> f64 {
         self.lengths[BETWEEN[a][b]]
-    }
-
-    /// Squared length between two corners.
-    fn square_between(&self, a: usize, b: usize) -> f64 {
-        let length = self.length([a, b]);
-        length * length
     }
 
     fn squares(&self) -> [[f64; 4]; 4] {
@@ -62,20 +55,6 @@ impl Cell {
         products.map(|product| product - spread)
     }
 
-    /// Those from a share of one side to the ends of another.
-    pub(super) fn between_sides(
-        &self,
-        [a, b]: [usize; 2],
-        share: f64,
-        ends: [usize; 2],
-    ) -> [f64; 2] {
-        let rest = 1.0 - share;
-        let spread = rest * share * self.square_between(a, b);
-        ends.map(|end| {
-            rest * self.square_between(a, end) + share * self.square_between(b, end) - spread
-        })
-    }
-
     /// Squared distance of two places.
     pub(super) fn square(&self, a: &Weights, b: &Weights) -> f64 {
         let apart = std::array::from_fn(|k| a[k] - b[k]);
@@ -83,7 +62,17 @@ impl Cell {
     }
 }
 
+/// Length between two corners of a cell, without a look at the others.
+#[inline]
+pub(super) fn length(edges: &EdgeLengths<f32>, corners: &[usize; 4], [a, b]: [usize; 2]) -> f64 {
+    // A corner reads what is at hand, rather than branch.
+    let (plane, corner) = STORED_AT[BETWEEN[a][b] % STORED_AT.len()];
+    let length = f64::from(edges.planes()[plane][corners[corner]]);
+    if a == b { 0.0 } else { length }
+}
+
 /// The corners of the cell to the south-east of a point of the bordered array.
+#[inline]
 pub(super) fn corners(chart: Chart, north_west: usize) -> [usize; 4] {
     let south_west = north_west + chart.stride();
     [north_west, north_west + 1, south_west, south_west + 1]

@@ -34,6 +34,8 @@ pub(super) struct Nearest {
 pub(super) struct Goals {
     /// For each cell, by its north-western corner in a bordered array.
     touched: Vec<bool>,
+    /// The first and the last of them.
+    range: [usize; 2],
     by_cell: HashMap<usize, Vec<Goal>>,
 }
 
@@ -43,8 +45,11 @@ const ON_LINE: f64 = 1e-9;
 impl Goals {
     /// `there` tells which points of the bordered array are points of the surface.
     pub(super) fn new(chart: Chart, sources: &Sources, there: impl Fn(usize) -> bool) -> Self {
-        let mut goals =
-            Self { touched: vec![false; chart.bordered_points()], by_cell: HashMap::new() };
+        let mut goals = Self {
+            touched: vec![false; chart.bordered_points()],
+            range: [usize::MAX, 0],
+            by_cell: HashMap::new(),
+        };
         for (index, source) in sources.iter().enumerate() {
             let (vertices, initial) = match source {
                 Source::Point { at, initial } => (std::slice::from_ref(at), *initial),
@@ -83,13 +88,16 @@ impl Goals {
                 let goal = Goal { source, initial, ends, weights: [first, last] };
                 self.by_cell.entry(north_west).or_default().push(goal);
                 self.touched[north_west] = true;
+                let [first, last] = self.range;
+                self.range = [first.min(north_west), last.max(north_west)];
             }
         }
     }
 
     /// Whether a source lies in a cell.
     pub(super) fn touches(&self, north_west: usize) -> bool {
-        self.touched[north_west]
+        let [first, last] = self.range;
+        (first..=last).contains(&north_west) && self.touched[north_west]
     }
 
     /// The place of a source in a cell from which the front arrives first at a place there, over

@@ -15,6 +15,7 @@ mod cell;
 mod goals;
 mod profile;
 mod trace;
+mod walk;
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -106,6 +107,9 @@ pub enum PathError {
     },
 }
 
+/// Paths that one thread traces in one go: many to one that waits for the longest of them.
+const TOGETHER: usize = 64;
+
 /// A distance map, ready for tracing paths.
 ///
 /// ```
@@ -173,26 +177,7 @@ impl<'a> Paths<'a> {
     /// If the place is outside the grid, in a hole or not reached by any source, or the map is not
     /// that of the sources ([`PathError::Lost`]).
     pub fn trace(&self, start: [f64; 2]) -> Result<Path, PathError> {
-        let [row, col] = start;
-        let (last_row, last_col) = (self.surface.rows() - 1, self.surface.cols() - 1);
-        let inside =
-            (0.0..=last_row as f64).contains(&row) && (0.0..=last_col as f64).contains(&col);
-        if !inside {
-            return Err(PathError::Outside { row, col, last_row, last_col });
-        }
-        let start = DVec2::new(row, col);
-        if !self.surface.contains(start) {
-            return Err(PathError::Hole { row, col });
-        }
-        if !self.field.reaches(start) {
-            return Err(PathError::Unreachable { row, col });
-        }
-        let Trace { vertices, time, length, source } = self
-            .field
-            .trace(start)
-            .map_err(|Stuck(at)| PathError::Lost { row, col, lost_row: at.x, lost_col: at.y })?;
-        let vertices = vertices.into_iter().map(|at| at.to_array()).collect();
-        Ok(Path { curve: Curve { vertices, closed: false }, distance: time, length, source })
+        self.trace_some(&[start]).remove(0)
     }
 
     /// The paths from many places, in their order, traced in parallel.
@@ -203,9 +188,50 @@ impl<'a> Paths<'a> {
         let mut order: Vec<(f64, usize)> =
             starts.iter().enumerate().map(|(number, start)| (direction(start), number)).collect();
         order.sort_unstable_by(|(a, i), (b, j)| a.total_cmp(b).then(i.cmp(j)));
-        let trace = |(_, number)| (number, self.trace(starts[number]));
-        let mut paths: Vec<(usize, _)> = order.into_par_iter().map(trace).collect();
+        let order: Vec<usize> = order.into_iter().map(|(_, number)| number).collect();
+        let trace = |numbers: &[usize]| {
+            let starts: Vec<_> = numbers.iter().map(|&number| starts[number]).collect();
+            numbers.iter().copied().zip(self.trace_some(&starts)).collect::<Vec<_>>()
+        };
+        let mut paths: Vec<_> = order.par_chunks(TOGETHER).flat_map_iter(trace).collect();
         paths.sort_unstable_by_key(|(number, _)| *number);
         paths.into_iter().map(|(_, path)| path).collect()
+    }
+
+    /// The paths from some places, in their order, by one thread.
+    fn trace_some(&self, starts: &[[f64; 2]]) -> Vec<Result<Path, PathError>> {
+        let places: Vec<_> = starts.iter().map(|&start| self.place(start)).collect();
+        let there: Vec<_> = places.iter().flatten().copied().collect();
+        let mut traces = self.field.traces(&there).into_iter();
+        places
+            .into_iter()
+            .map(|place| {
+                let DVec2 { x: row, y: col } = place?;
+                let Trace { vertices, time, length, source } =
+                    traces.next().expect("each place has a trace").map_err(|Stuck(at)| {
+                        PathError::Lost { row, col, lost_row: at.x, lost_col: at.y }
+                    })?;
+                let vertices = vertices.into_iter().map(|at| at.to_array()).collect();
+                let curve = Curve { vertices, closed: false };
+                Ok(Path { curve, distance: time, length, source })
+            })
+            .collect()
+    }
+
+    /// The place that a path starts from, if a front reaches it.
+    fn place(&self, [row, col]: [f64; 2]) -> Result<DVec2, PathError> {
+        let (last_row, last_col) = (self.surface.rows() - 1, self.surface.cols() - 1);
+        let inside =
+            (0.0..=last_row as f64).contains(&row) && (0.0..=last_col as f64).contains(&col);
+        let start = DVec2::new(row, col);
+        if !inside {
+            Err(PathError::Outside { row, col, last_row, last_col })
+        } else if !self.surface.contains(start) {
+            Err(PathError::Hole { row, col })
+        } else if !self.field.reaches(start) {
+            Err(PathError::Unreachable { row, col })
+        } else {
+            Ok(start)
+        }
     }
 }

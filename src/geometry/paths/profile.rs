@@ -42,43 +42,39 @@ impl Profile {
     /// A cubic where the surface is smooth. Where fronts meet, one of the second differences sees
     /// the kink and the other one, the smaller, does not. With neither neighbour, the front is
     /// taken for a circular one around a point of the plane.
+    #[inline(always)]
     pub(super) fn new(start: f64, times: [f64; 4], length: f64) -> Self {
         let since = times.map(|time| (time - start).max(0.0));
         let [before, first, last, after] = since.map(|since| since * since);
         let length_squared = length * length;
         let rise = last - first;
         let (left, right) = (before + last - 2.0 * first, first + after - 2.0 * last);
-        let bends = match (left < f64::INFINITY, right < f64::INFINITY) {
-            (true, true) => {
-                let (small, large) =
-                    if left.abs() < right.abs() { (left, right) } else { (right, left) };
-                if small * large > 0.0 && large.abs() < KINK * small.abs() {
-                    [left, right]
-                } else {
-                    [small; 2]
-                }
-            }
-            (true, false) => [left; 2],
-            (false, true) => [right; 2],
-            // Not where its centre would lie beside the edge: two fronts meet there.
-            (false, false) if rise.abs() >= length_squared || first.min(last) >= length_squared => {
-                [2.0 * length_squared; 2]
-            }
-            (false, false) => [0.0; 2],
-        };
+        // One that is missing is infinite, and so the larger.
+        let is_left_small = left.abs() < right.abs();
+        let small = if is_left_small { left } else { right };
+        let large = if is_left_small { right } else { left };
+        let is_smooth = (small * large > 0.0) & (large.abs() < KINK * small.abs());
+        // Not where its centre would lie beside the edge: two fronts meet there.
+        let is_circle = (rise.abs() >= length_squared) | (first.min(last) >= length_squared);
+        let circle = if is_circle { 2.0 * length_squared } else { 0.0 };
+        let one = if small.abs() < f64::INFINITY { small } else { circle };
+        let bends = [left, right].map(|bend| if is_smooth { bend } else { one });
         let profile = Self { start, first, rise, bends, since: [since[1], since[2]], length };
-        if profile.is_distance() { profile } else { Self { bends: [0.0; 2], ..profile } }
+        let is_distance = profile.is_distance();
+        Self { bends: bends.map(|bend| if is_distance { bend } else { 0.0 }), ..profile }
     }
 
     /// Whether the time half-way differs from those at the ends by no more than the way is long.
+    #[inline(always)]
     fn is_distance(&self) -> bool {
         let [first, last] = self.since;
         let (way, middle) = ((0.5 + MARGIN) * self.length, self.squared(0.5).0.max(0.0));
         let (earliest, latest) = (first.max(last) - way, first.min(last) + way);
-        middle <= latest * latest && (earliest <= 0.0 || middle >= earliest * earliest)
+        (middle <= latest * latest) & ((earliest <= 0.0) | (middle >= earliest * earliest))
     }
 
     /// The square of the time since the start, and its two derivatives.
+    #[inline(always)]
     fn squared(&self, share: f64) -> (f64, f64, f64) {
         let Self { first, rise, bends: [left, right], .. } = *self;
         let rest = 1.0 - share;
@@ -96,6 +92,7 @@ impl Profile {
     }
 
     /// As late as the way from either end allows, since the start.
+    #[inline(always)]
     fn earliest(&self, share: f64) -> f64 {
         let [first, last] = self.since;
         (first - share * self.length).max(last - (1.0 - share) * self.length)
@@ -148,30 +145,39 @@ impl Profile {
         Crossing { share, time: self.time(share), distance: square.max(0.0).sqrt() }
     }
 
-    /// The same near a share that is known well, for less: `None` where Newton's method does not
-    /// settle in a few steps strictly between the ends.
-    pub(super) fn crossing_near(&self, mut share: f64, ends: [f64; 2]) -> Option<Crossing> {
-        for _ in 0..4 {
-            let [p, q] = self.squares(share, ends);
-            let [p_root, q_root] = [p, q].map(|square| square.value.sqrt());
-            // The sum's derivatives but for common factors, without a division.
-            let slope = 2.0 * p.value * q.value * (p.slope * q_root + q.slope * p_root);
-            let bend = p.bend_of_root() * q.value * q_root + q.bend_of_root() * p.value * p_root;
-            let change = -slope / bend;
-            share += change;
-            if !(bend > 0.0 && share > 0.0 && share < 1.0) {
-                return None;
-            }
-            let half = 0.5 / (p_root * q_root);
-            let [time, distance] = [p.root(p_root, half * q_root), q.root(q_root, half * p_root)]
-                .map(|t| t.after(change));
-            // What is left is of the order of the square, over the way to the edge in its lengths.
-            if change * change * self.length < 1e-5 * distance {
-                let time = self.start + time.max(self.earliest(share));
-                return Some(Crossing { share, time, distance });
-            }
-        }
-        None
+    /// The same near a share that is known well, for less, and whether two steps of Newton's method
+    /// settle strictly between the ends.
+    #[inline(always)]
+    pub(super) fn crossing_near(&self, share: f64, ends: [f64; 2]) -> (Crossing, bool) {
+        let (first, [is_one, first_settled]) = self.newton(share, ends);
+        let (second, [is_other, second_settled]) = self.newton(first.share, ends);
+        let crossing = Crossing {
+            share: if first_settled { first.share } else { second.share },
+            time: if first_settled { first.time } else { second.time },
+            distance: if first_settled { first.distance } else { second.distance },
+        };
+        (crossing, is_one & (first_settled | (is_other & second_settled)))
+    }
+
+    /// A step of Newton's method: what it leads to, whether that is a smallest sum strictly between
+    /// the ends, and whether it is exact enough.
+    #[inline(always)]
+    fn newton(&self, share: f64, ends: [f64; 2]) -> (Crossing, [bool; 2]) {
+        let [p, q] = self.squares(share, ends);
+        let [p_root, q_root] = [p, q].map(|square| square.value.sqrt());
+        // The sum's derivatives but for common factors, without a division.
+        let slope = 2.0 * p.value * q.value * (p.slope * q_root + q.slope * p_root);
+        let bend = p.bend_of_root() * q.value * q_root + q.bend_of_root() * p.value * p_root;
+        let change = -slope / bend;
+        let share = share + change;
+        let half = 0.5 / (p_root * q_root);
+        let [time, distance] =
+            [p.root(p_root, half * q_root), q.root(q_root, half * p_root)].map(|t| t.after(change));
+        let is_inside = (bend > 0.0) & (share > 0.0) & (share < 1.0);
+        // What is left is of the order of the square, over the way to the edge in its lengths.
+        let is_exact = change * change * self.length < 1e-5 * distance;
+        let time = self.start + time.max(self.earliest(share));
+        (Crossing { share, time, distance }, [is_inside, is_exact])
     }
 
     /// Arrival time since the start and distance together at a share of the edge.
@@ -184,6 +190,7 @@ impl Profile {
     }
 
     /// The squares of both, not quite zero.
+    #[inline(always)]
     fn squares(&self, share: f64, ends: [f64; 2]) -> [Term; 2] {
         let floor = 1e-16 * self.length * self.length;
         [self.squared(share), self.away(share, ends)].map(|(value, slope, bend)| Term {
@@ -194,6 +201,7 @@ impl Profile {
     }
 
     /// The squared distance of a place from a share of the edge, and its first two derivatives.
+    #[inline(always)]
     fn away(&self, share: f64, ends: [f64; 2]) -> (f64, f64, f64) {
         let (length_squared, rise) = (self.length * self.length, ends[1] - ends[0]);
         let square = ends[0] + share * (rise - (1.0 - share) * length_squared);
@@ -212,17 +220,20 @@ struct Term {
 
 impl Term {
     /// Its root, given the value of that and a half over it.
+    #[inline(always)]
     fn root(self, value: f64, half: f64) -> Self {
         let slope = self.slope * half;
         Self { value, slope, bend: (self.bend - 2.0 * slope * slope) * half }
     }
 
     /// The second derivative of its root, times four and the root's third power.
+    #[inline(always)]
     fn bend_of_root(self) -> f64 {
         2.0 * self.bend * self.value - self.slope * self.slope
     }
 
     /// Its value a small change of the share further.
+    #[inline(always)]
     fn after(self, change: f64) -> f64 {
         self.value + change * (self.slope + 0.5 * change * self.bend)
     }

@@ -63,7 +63,7 @@ pub(super) enum End {
 }
 
 impl Line {
-    fn arrival(&self) -> f64 {
+    pub(super) fn arrival(&self) -> f64 {
         self.time + self.length
     }
 
@@ -80,9 +80,15 @@ impl Line {
     }
 
     /// Whether it arrives no later than the map says, so that no other can be much better.
-    pub(super) fn fits(&self, time: f64) -> bool {
-        self.arrival() <= time + FITS * self.length + ROUNDING * time.abs()
+    fn fits(&self, time: f64) -> bool {
+        fits(self.time, self.length, time)
     }
+}
+
+/// The same for a line of a length that ends at a time.
+#[inline(always)]
+pub(super) fn fits(end: f64, length: f64, time: f64) -> bool {
+    end + length <= time + FITS * length + ROUNDING * time.abs()
 }
 
 /// A line that ends nearer than this to a grid point, in shares of the edge, ends there.
@@ -101,7 +107,7 @@ const NO_EDGE: f64 = FAR * FAR * 1e-20;
 const FLAT: f64 = 1e-14;
 
 impl Field<'_> {
-    fn chart(&self) -> Chart {
+    pub(super) fn chart(&self) -> Chart {
         self.edges.chart()
     }
 
@@ -119,7 +125,7 @@ impl Field<'_> {
     }
 
     /// The place at a row and column, if it has been reached.
-    fn place(&self, at: DVec2) -> Option<Place> {
+    pub(super) fn place(&self, at: DVec2) -> Option<Place> {
         let (row, col) = (at.x as usize, at.y as usize);
         let (v, u) = (at.x.fract(), at.y.fract());
         let north_west = self.chart().bordered(row, col);
@@ -141,7 +147,7 @@ impl Field<'_> {
         }
     }
 
-    fn position(&self, place: Place) -> DVec2 {
+    pub(super) fn position(&self, place: Place) -> DVec2 {
         let at = |point: usize| {
             let stride = self.chart().stride();
             DVec2::new((point / stride) as f64 - 1.0, (point % stride) as f64 - 1.0)
@@ -185,104 +191,18 @@ impl Field<'_> {
     }
 
     /// The cell that a path from a cell enters over an edge, and where.
-    fn entry(&self, place: Place, from: usize) -> Option<Entry> {
+    pub(super) fn entry(&self, place: Place, from: usize) -> Option<Entry> {
         let Place::Edge { first, step, share } = place else { return None };
-        let [north, west, east, south] = SIDES;
-        let (before, sides) =
-            if step == 1 { (self.chart().stride(), [north, south]) } else { (1, [west, east]) };
+        let (before, sides) = if step == 1 { (self.chart().stride(), [0, 3]) } else { (1, [1, 2]) };
         let (north_west, side) =
             if first == from { (first - before, sides[1]) } else { (first, sides[0]) };
-        Some(Entry { north_west, side, share })
-    }
-
-    /// The path from a place to its source.
-    ///
-    /// Squares of times are smooth at a source if they count from its own initial value, which is
-    /// known once a path has found it.
-    pub(super) fn trace(&self, start: DVec2) -> Result<Trace, Stuck> {
-        let (trace, initial) = self.trace_since(self.start, start)?;
-        if initial == self.start {
-            return Ok(trace);
-        }
-        match self.trace_since(initial, start) {
-            Ok((again, _)) if again.source == trace.source => Ok(again),
-            _ => Ok(trace),
-        }
-    }
-
-    /// The path and its source's initial value, from squares of times since some moment.
-    fn trace_since(&self, moment: f64, start: DVec2) -> Result<(Trace, f64), Stuck> {
-        let mut place = self.place(start).ok_or(Stuck(start))?;
-        let mut time = match place {
-            Place::Point(point) => self.time(point),
-            _ => f64::INFINITY,
-        };
-        let mut trace = Trace { vertices: vec![start], time, length: 0.0, source: 0 };
-        // From the start to each vertex.
-        let mut lengths = vec![0.0];
-        let mut from = usize::MAX;
-        // Of the grid points passed, and left, not for a later one.
-        let mut lowest = f64::INFINITY;
-        // Every step falls, so that none can be taken twice; a path that takes more steps than
-        // there are edges falls by less and less.
-        for _ in 0..4 * self.chart().points() + 64 {
-            if let Place::Point(point) = place {
-                lowest = lowest.min(self.time(point));
-            }
-            let ahead = match (&trace.vertices[..], self.entry(place, from)) {
-                ([.., before, at], Some(entry)) => self.ahead(moment, entry, *at - *before, time),
-                _ => None,
-            };
-            let Some(line) = ahead.or_else(|| self.line(moment, place, time, from)) else {
-                let stuck = || Stuck(self.position(place));
-                let point = self.lower_end(place);
-                let detour = self.detour(point, lowest).ok_or_else(stuck)?;
-                let at = self.position(Place::Point(point));
-                // Back at a point that it has passed, a path goes on from there without the loop.
-                if let Some(passed) = trace.vertices.iter().position(|vertex| *vertex == at) {
-                    trace.vertices.truncate(passed + 1);
-                    lengths.truncate(passed + 1);
-                    trace.length = lengths[passed];
-                } else if let Place::Edge { first, step, share } = place {
-                    let length = self.length(first, first + step);
-                    trace.length += length * if point == first { share } else { 1.0 - share };
-                    trace.vertices.push(at);
-                }
-                lengths.resize(trace.vertices.len(), trace.length);
-                for ends in detour.windows(2) {
-                    trace.length += self.length(ends[0], ends[1]);
-                    trace.vertices.push(self.position(Place::Point(ends[1])));
-                    lengths.push(trace.length);
-                }
-                let end = detour.last().copied().unwrap_or(point);
-                (place, time) = (Place::Point(end), self.time(end));
-                continue;
-            };
-            if trace.time == f64::INFINITY {
-                trace.time = line.arrival();
-            }
-            trace.length += line.length;
-            match line.end {
-                End::Source(source, at) => {
-                    // A path that starts at its source is a single place.
-                    if trace.vertices.last() != Some(&at) {
-                        trace.vertices.push(at);
-                    }
-                    return Ok((Trace { source, ..trace }, line.time));
-                }
-                End::Place(next) => {
-                    trace.vertices.push(self.position(next));
-                    lengths.push(trace.length);
-                    (place, time, from) = (next, line.time, line.cell);
-                }
-            }
-        }
-        Err(Stuck(self.position(place)))
+        let corner = self.position(Place::Point(north_west));
+        Some(Entry { north_west, corner, side, share })
     }
 
     /// The straight line across a cell, ending lower than `below`, on which the front arrives
     /// first; the cell beside the one the path comes `from` is tried first.
-    fn line(&self, moment: f64, place: Place, below: f64, from: usize) -> Option<Line> {
+    pub(super) fn line(&self, moment: f64, place: Place, below: f64, from: usize) -> Option<Line> {
         let (mut cells, count) = self.cells(place);
         if cells[0].0 == from {
             cells[..count].rotate_left(1);
@@ -353,7 +273,7 @@ impl Field<'_> {
             let is_beside =
                 is_flat && support > 2 && length > 0.0 && ends[0].max(ends[1]) < NO_EDGE;
             if reached[a] && reached[b] && (is_beside || !is_flat) {
-                let profile = self.profile(moment, points, length);
+                let profile = Profile::new(moment, self.times_along(points), length);
                 let crossing = if is_beside { profile.foot(ends) } else { profile.crossing(ends) };
                 let end = usize::from(crossing.share > 0.5);
                 let away = (crossing.share - end as f64).abs();
@@ -380,14 +300,14 @@ impl Field<'_> {
         }
     }
 
-    /// The arrival times along the edge between two points.
-    pub(super) fn profile(&self, moment: f64, [first, last]: [usize; 2], length: f64) -> Profile {
+    /// The arrival times at the ends of an edge and at the points next to them in its line.
+    #[inline]
+    pub(super) fn times_along(&self, [first, last]: [usize; 2]) -> [f64; 4] {
         let step = last - first;
-        let points = [first - step, first, last, last + step];
-        Profile::new(moment, points.map(|point| self.time(point)), length)
+        [first - step, first, last, last + step].map(|point| self.time(point))
     }
 
-    fn length(&self, a: usize, b: usize) -> f64 {
+    pub(super) fn length(&self, a: usize, b: usize) -> f64 {
         let to = Direction::ALL
             .into_iter()
             .find(|&to| a.wrapping_add_signed(self.chart().offset(to)) == b)
@@ -396,7 +316,7 @@ impl Field<'_> {
     }
 
     /// The earliest of a place's own grid points.
-    fn lower_end(&self, place: Place) -> usize {
+    pub(super) fn lower_end(&self, place: Place) -> usize {
         let (cells, _) = self.cells(place);
         let (north_west, weights) = cells[0];
         let corners = super::cell::corners(self.chart(), north_west);
@@ -409,7 +329,7 @@ impl Field<'_> {
     /// The way along edges from a point to one where the front has arrived earlier than `below`,
     /// or that has a source beside it, over no later points than needed: across points that
     /// coincide, as at a pole, and out of pits that rounding leaves between long triangles.
-    fn detour(&self, from: usize, below: f64) -> Option<Vec<usize>> {
+    pub(super) fn detour(&self, from: usize, below: f64) -> Option<Vec<usize>> {
         let Chart { rows, cols } = self.chart();
         let mut back = HashMap::from([(from, from)]);
         let mut open = BinaryHeap::from([Reverse((self.times[from].to_bits(), from))]);
@@ -441,7 +361,8 @@ impl Field<'_> {
 }
 
 /// Whether a place and an edge, both given by squared lengths, span a triangle.
+#[inline(always)]
 pub(super) fn is_triangle(ends: [f64; 2], base: f64) -> bool {
     let skew = ends[1] - ends[0] - base;
-    ends[0].max(ends[1]) < NO_EDGE && 4.0 * ends[0] * base - skew * skew > FLAT * base * base
+    (ends[0].max(ends[1]) < NO_EDGE) & (4.0 * ends[0] * base - skew * skew > FLAT * base * base)
 }
