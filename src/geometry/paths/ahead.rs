@@ -28,8 +28,11 @@ pub(super) struct Entry {
     pub share: f64,
 }
 
+// Inlined, all that goes with every line: numbers that are stored one by one and read back as one
+// would wait for one another.
 impl Entry {
     /// The same place as one that leads out of a cell.
+    #[inline(always)]
     fn across(chart: Chart, north_west: usize, corner: DVec2, side: usize, share: f64) -> Self {
         let (north_west, step) = match side {
             0 => (north_west - chart.stride(), DVec2::new(-1.0, 0.0)),
@@ -41,6 +44,7 @@ impl Entry {
     }
 
     /// Row and column in the cell.
+    #[inline(always)]
     fn inside(&self) -> DVec2 {
         // Corners count rows by two and columns by one.
         let [first, last] =
@@ -49,10 +53,12 @@ impl Entry {
     }
 
     /// Row and column.
+    #[inline(always)]
     pub(super) fn at(&self) -> DVec2 {
         self.corner + self.inside()
     }
 
+    #[inline(always)]
     pub(super) fn place(&self, chart: Chart) -> Place {
         let [first, last] = SIDES[self.side].map(|end| corners(chart, self.north_west)[end]);
         Place::Edge { first, step: last - first, share: self.share }
@@ -83,6 +89,7 @@ pub(super) struct Ahead {
 
 impl Ahead {
     /// A path that has come to a cell, since some moment and at a time `below`.
+    #[inline(always)]
     pub(super) fn enter(
         &mut self,
         lane: usize,
@@ -138,6 +145,7 @@ impl Ahead {
     /// The line across the cell that a path has come to, if it ends on the side to which the line
     /// before points and fits the arrival time, so that a search would find nothing better:
     /// but beside sources, at corners of holes and where fronts meet, it does.
+    #[inline(always)]
     pub(super) fn take(&mut self, chart: Chart, lane: usize) -> Option<Crossed> {
         let Entry { north_west, corner, .. } = self.entries[lane].take()?;
         let Cells { found: [share, time, length], is_good, .. } = &self.cells;

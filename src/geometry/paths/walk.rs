@@ -54,6 +54,7 @@ impl Walk {
     }
 
     /// Follows a line across the cell ahead.
+    #[inline(always)]
     fn advance(&mut self, field: &Field, line: &Crossed) -> Result<(), Stuck> {
         self.count(field)?;
         self.trace.length += line.length;
