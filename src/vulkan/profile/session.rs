@@ -8,6 +8,7 @@ use gpu_allocator::MemoryLocation;
 
 use super::calibration::Calibration;
 use super::capabilities::Capabilities;
+use super::labels::Labels;
 use super::pass::{Grain, PassKind, PassRecord};
 use super::slots::{Decided, Profile, QueryRange, Resolved, Slots, results};
 use crate::constants::ROUNDS;
@@ -132,6 +133,10 @@ impl Session {
         let size = Slots::DECISION_BYTES + lists;
         let info = BufferInfo { name: "decisions", size, location: MemoryLocation::GpuToCpu };
         let buffer = Buffer::new(&context.device, &mut context.allocator(), info)?;
+        if capabilities.labels.is_ok() {
+            let labels = Labels::new(&context.instance.handle, &context.device);
+            labels.name(buffer.buffer, info.name);
+        }
         slots.decisions = Some(Decided { buffer: buffer.buffer, offset: 0, portions: 1 });
         slots.tile_lists = detail.tiles.then_some((buffer.buffer, Slots::DECISION_BYTES));
         new.buffer = Some(buffer);

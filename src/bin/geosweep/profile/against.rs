@@ -127,7 +127,7 @@ impl Comparison {
         let before_of = |name: &str| earlier.kinds.iter().find(|kind| kind.name == name);
         let totals = [
             ("all passes", &earlier.total.passes, &now.total.passes),
-            ("map, host's clock", &earlier.total.host, &now.total.host),
+            ("all, host's clock", &earlier.total.host, &now.total.host),
         ];
         let mut changes: Vec<_> = totals
             .into_iter()

@@ -77,11 +77,11 @@ pub struct Args {
     #[arg(long, value_name = "FILE.json", help_heading = "Reports")]
     against: Option<PathBuf>,
     /// Print one JSON object: device, driver, rows, cols, maps (at once), schedule, wavefront, grain, iterations,
-    /// converged, capabilities (true, or why not), ceilings (as from `geosweep devices`),
-    /// runs, kinds and total. A kind of pass: name, count, dispatches, seconds (of each run), median_seconds,
+    /// residual, converged, capabilities (true, or why not), ceilings (as from `geosweep devices`),
+    /// executables, runs, kinds and total. A kind of pass: name, count, dispatches, seconds (of each run), median_seconds,
     /// median_pass_seconds, share, texels, skipped, bytes_read, bytes_written, triangles,
-    /// invocations, and its shares of the ceilings. Total: seconds of the passes, of the command
-    /// buffers and on the host's clock, with and without profiling
+    /// invocations, and its shares of the ceilings. Total: seconds of the passes, their share of the
+    /// command buffers' time, and seconds on the host's clock, with and without profiling
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
