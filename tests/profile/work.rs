@@ -140,6 +140,10 @@ fn portions_are_sums(bench: &mut Bench, schedule: Schedule, of_iterations: &[Pas
     let dispatches =
         |passes: &[&PassRecord]| passes.iter().map(|pass| pass.dispatches).sum::<u32>();
     assert_eq!(dispatches(&portions), dispatches(&inside), "{schedule}");
+    let invocations = |pass: &PassRecord| pass.invocations.or(Some(0));
+    assert_eq!(sum(&portions, invocations), sum(&inside, invocations), "{schedule}");
+    let counts = bench.solver.capabilities().unwrap().statistics.is_ok();
+    assert!(portions.iter().all(|pass| pass.invocations.is_some() == counts), "{schedule}");
     for portion in portions {
         assert!(portion.nanoseconds.is_none_or(|time| time > 0), "{portion:?}");
         assert!(!portion.is_idle() && portion.iteration.is_none());

@@ -269,6 +269,7 @@ impl PassRecord {
         let dispatched = passes.iter().filter(|pass| pass.dispatches > 0);
         all.groups = dispatched.map(groups).sum::<Option<u32>>().map(|groups| [groups, 1, 1]);
         all.dispatches = passes.iter().map(|pass| pass.dispatches).sum();
+        all.invocations = passes.iter().map(|pass| pass.invocations).sum();
         all.area = visits.iter().filter_map(|pass| pass.area).reduce(Area::around);
         all
     }

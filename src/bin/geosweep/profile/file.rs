@@ -115,11 +115,8 @@ pub struct Whole<'a> {
 
 impl Summary {
     pub fn new(measured: &Measured) -> Self {
-        let seconds = |of: fn(&SolveProfile) -> Option<u64>| {
-            let of_runs = measured.runs.iter().filter_map(of);
-            of_runs.map(|nanoseconds| 1e-9 * nanoseconds as f64).collect::<Vec<_>>()
-        };
-        let passes = seconds(SolveProfile::pass_nanoseconds);
+        let passes = measured.runs.iter().filter_map(SolveProfile::pass_nanoseconds);
+        let passes: Vec<_> = passes.map(|nanoseconds| 1e-9 * nanoseconds as f64).collect();
         let all = median(&passes);
         let offered = |capability| match measured.capabilities.reason(capability) {
             None => Offered::Is(true),
