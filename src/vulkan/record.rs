@@ -357,6 +357,10 @@ impl<'a> Recorder<'a> {
         drop(open);
         let all = size_of::<DeviceProgress>() as u64;
         self.decided(profile::BEFORE_BYTES, 0, all);
+    }
+
+    /// After the steps of a plan, and what belongs to them.
+    pub(crate) fn end_portion(&self) {
         if let Some(profile) = self.profile {
             profile.end_portion(self.device, self.commands);
         }

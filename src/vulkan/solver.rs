@@ -303,6 +303,7 @@ impl Solver {
             recorder.seed(count, wakes);
             recorder.steps(passes, &steps);
             recorder.outcome(0);
+            recorder.end_portion();
         })?;
         Session::submit(session.as_deref_mut(), first)?;
         let mut outcome = images.outcome(0);
@@ -315,6 +316,7 @@ impl Solver {
                     recorder.go_on(&wanted.1);
                     recorder.steps(passes, &wanted.1);
                     recorder.outcome(0);
+                    recorder.end_portion();
                 })?;
                 *goes_on = Some(wanted);
             }

@@ -240,6 +240,7 @@ impl<'a> Recording<'a> {
         let passes = self.check(plan)?;
         self.recorder.go_on(plan.steps());
         self.recorder.steps(passes, plan.steps());
+        self.recorder.end_portion();
         Ok(())
     }
 
@@ -382,6 +383,7 @@ impl<'a> Recording<'a> {
             recorder.seed(4 * together, plan.schedule == Schedule::Tiles);
         }
         recorder.steps(passes, plan.steps());
+        recorder.end_portion();
         Ok(())
     }
 

@@ -40,7 +40,8 @@ pub enum PassKind {
     /// An iteration with its count, where no finer records are wanted: [`Grain::Iterations`].
     Iteration,
     /// From the sources, or from where the last recording has ended, through all iterations or rounds
-    /// of a recording, where no finer records are wanted: [`Grain::Portions`].
+    /// of a recording, where no finer records are wanted: [`Grain::Portions`]. Headless, it takes the
+    /// next [`PassKind::Outcome`] in.
     Portion,
     /// Puts the lengths around a surface's points into the order of the scans, for maps in shared
     /// memory.
@@ -118,8 +119,8 @@ impl PassKind {
 /// `docs/profiling.md` says what that adds to maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Grain {
-    /// A portion: from its sources through all iterations or rounds of a recording. Of maps at once,
-    /// an iteration.
+    /// A portion: from its sources through all iterations or rounds of a recording; headless, with
+    /// how they have gone. Of maps at once, an iteration.
     Portions,
     /// An iteration: its scans, or its updates of all points, with the count that ends it; or a
     /// round of tiles.

@@ -352,8 +352,11 @@ mod tests {
                     assert_eq!(watched.distances, plain.distances);
                     assert_eq!(watched.iterations, plain.iterations);
                     // Every recording tells how it has gone, and then the map is read back.
-                    let outcomes = profile.passes().filter(|p| p.kind == PassKind::Outcome);
-                    let recordings = outcomes.count();
+                    let ends = match detail.grain {
+                        Grain::Portions => PassKind::Portion,
+                        _ => PassKind::Outcome,
+                    };
+                    let recordings = profile.passes().filter(|pass| pass.kind == ends).count();
                     assert!(recordings >= 1 && profile.submissions.len() == recordings + 1);
                 }
                 // What was recorded with queries is not submitted again without.

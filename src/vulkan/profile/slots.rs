@@ -168,7 +168,8 @@ impl Profile {
         kind: PassKind,
     ) -> Option<usize> {
         let mut taken = self.taken();
-        if kind != PassKind::Portion {
+        // How the iterations of a portion have gone belongs to it, if it has not ended.
+        if !matches!(kind, PassKind::Portion | PassKind::Outcome) {
             self.end_record(device, commands, &mut taken);
         }
         let number = taken.entries.len();
