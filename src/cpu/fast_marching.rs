@@ -11,9 +11,9 @@ use crate::update::{Triangle, Wavefront};
 /// Solves by fast marching (Algorithm 1): points are fixed in the order in which the front
 /// reaches them, and a point is updated from fixed points only.
 ///
-/// With the planar wavefront and no obtuse triangle this is the raster scans' converged map.
-/// Where triangles are obtuse, or fronts circular, a point can be fixed too early, and the map
-/// is an upper bound of the converged one; see [`fast_marching_with`].
+/// With the planar wavefront and no obtuse triangle this is the raster scans' converged map; where
+/// triangles are obtuse a point can be fixed too early, and the map is an upper bound of it; see
+/// [`fast_marching_with`]. Circular and curved fronts that are fixed too early can err either way.
 pub fn fast_marching<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
