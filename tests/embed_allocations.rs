@@ -16,7 +16,7 @@ use geosweep::cpu::Stop;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
     self, Access, ContourFrame, Frame, LevelInput, Lookup, PathFrame, PathsInfo, PointSource,
-    Points, Reader, SourceBuffer, SourceInput, StartInput, SurfaceInfo,
+    Points, Reader, RegionFrame, SourceBuffer, SourceInput, StartInput, SurfaceInfo,
 };
 use geosweep::vulkan::profile::{Grain, Profile, Slots};
 use geosweep::vulkan::{Method, Schedule};
@@ -69,6 +69,8 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
     let mut contours = solver.contours(&device, allocator, &surface, 1000).unwrap();
     let info = PathsInfo { paths: 3, vertices: 600 };
     let mut paths = solver.paths(&device, allocator, &surface, info).unwrap();
+    let regions = solver.regions(&device, allocator, &surface, Wavefront::Curved);
+    let mut regions = regions.unwrap();
     host.run(|commands| solver.record(&device, commands, &surface).prepare());
 
     // Commands alone reach the device.
@@ -118,6 +120,12 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
                 reader: Access::DRAW,
             };
             recording.paths(&paths, &frame).unwrap();
+            let frame = RegionFrame {
+                before: Access::NONE,
+                sources: inputs[1 - number % 2],
+                reader: Access::VERTEX_READ,
+            };
+            recording.regions(&regions, &frame).unwrap();
             recording.end(Access::TRANSFER_READ);
             assert_eq!(allocations() - before, 0, "{schedule}, frame {number}");
             assert_eq!(DEVICE_CALLS.load(Ordering::Relaxed), 0, "{schedule}, frame {number}");
@@ -137,6 +145,7 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
 
     contours.destroy(&device, host.allocator());
     paths.destroy(&device, host.allocator());
+    regions.destroy(&device, host.allocator());
     surface.destroy(&device, host.allocator());
     solver.destroy(&device);
     [points, sources, places, found].into_iter().for_each(|buffer| host.free(buffer));

@@ -112,11 +112,33 @@ impl<'a, R: Real> Fronts<'a, R> {
         slots: &TriangleSlots,
         time: impl Fn(usize) -> R,
     ) -> Front<R> {
+        let (x1, x2, triangle) = self.triangle(point, slots, time);
+        self.arrival(point, x1, x2, triangle)
+    }
+
+    /// A triangle of a point, with arrival times seen through `time`, and the curvatures of the
+    /// fronts at its two other corners; zero unless the wavefront is curved.
+    pub(super) fn seen_through(
+        &self,
+        point: usize,
+        slots: &TriangleSlots,
+        time: impl Fn(usize) -> R,
+    ) -> (Triangle<R>, [R; 2]) {
+        let (x1, x2, triangle) = self.triangle(point, slots, time);
+        (triangle, [x1, x2].map(|corner| self.at(corner)[1]))
+    }
+
+    #[inline]
+    fn triangle(
+        &self,
+        point: usize,
+        slots: &TriangleSlots,
+        time: impl Fn(usize) -> R,
+    ) -> (usize, usize, Triangle<R>) {
         let x1 = point.wrapping_add_signed(slots.x1);
         let x2 = point.wrapping_add_signed(slots.x2);
         let [l1, l2, c] = slots.lengths(self.edges, point);
-        let triangle = Triangle { t1: time(x1), t2: time(x2), l1, l2, c };
-        self.arrival(point, x1, x2, triangle)
+        (x1, x2, Triangle { t1: time(x1), t2: time(x2), l1, l2, c })
     }
 
     /// Accepts a front at a point if it is the first; returns the change of the time.

@@ -5,10 +5,12 @@
 //! and choose between the results, without a branch, so that compilers turn rows of points into
 //! lanes.
 
+mod crossing;
 mod curved;
 mod planar;
 mod point_source;
 
+pub(crate) use crossing::base_crossing;
 pub use curved::{Bends, Front, curved};
 pub use planar::planar;
 pub use point_source::point_source;

@@ -150,7 +150,7 @@ pub enum VulkanError {
     /// Contours or paths were made for another surface.
     #[error("the contours or paths were made for another surface than the recording's")]
     OtherSurface,
-    /// Contours or paths cannot be made or recorded as asked.
+    /// Contours, paths or regions cannot be made or recorded as asked.
     #[error("no {what}: {reason}")]
     Curves {
         /// Which of them.

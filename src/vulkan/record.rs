@@ -529,7 +529,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// Zeroes part of a buffer.
-    fn fill(&self, buffer: vk::Buffer, offset: u64, size: u64) {
+    pub(crate) fn fill(&self, buffer: vk::Buffer, offset: u64, size: u64) {
         // SAFETY: the part lies in the buffer, which nothing else uses until the next barrier.
         unsafe { self.device.cmd_fill_buffer(self.commands, buffer, offset, size, 0) };
     }

@@ -9,6 +9,7 @@ mod frames;
 #[path = "../embed/host/mod.rs"]
 mod host;
 mod pairwise;
+mod regions;
 mod renderer;
 #[cfg(feature = "tracing")]
 mod spans;

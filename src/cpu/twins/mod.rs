@@ -2,10 +2,12 @@
 //! against the other, after any number of iterations. They are slow.
 
 mod all_points;
+mod regions;
 mod scan_in_turn;
 mod tile_rounds;
 
 pub use all_points::all_points;
+pub use regions::regions;
 pub use scan_in_turn::{scan_in_turn, scan_outward};
 pub use tile_rounds::{Rounds, tile_rounds};
 

@@ -15,7 +15,8 @@ pub fn scan_in_turn<R: Real>(
     wavefront: Wavefront,
     stop: Stop,
 ) -> Solution<R> {
-    scan(edges, seeds, wavefront, stop, false)
+    let (fronts, progress) = scan(edges, seeds, wavefront, stop, false);
+    fronts.finish(progress.iterations, progress.residual)
 }
 
 /// The same, but that each scan of the first iteration passes only the lines ahead of the source,
@@ -27,16 +28,18 @@ pub fn scan_outward<R: Real>(
     wavefront: Wavefront,
     stop: Stop,
 ) -> Solution<R> {
-    scan(edges, seeds, wavefront, stop, true)
+    let (fronts, progress) = scan(edges, seeds, wavefront, stop, true);
+    fronts.finish(progress.iterations, progress.residual)
 }
 
-fn scan<R: Real>(
-    edges: &EdgeLengths<R>,
+/// The fronts after so many scans, and how they went.
+pub(super) fn scan<'a, R: Real>(
+    edges: &'a EdgeLengths<R>,
     seeds: &[Seed],
     wavefront: Wavefront,
     stop: Stop,
     outward: bool,
-) -> Solution<R> {
+) -> (Fronts<'a, R>, Progress) {
     let chart = edges.chart();
     let (rows, cols) = (chart.rows, chart.cols);
     let triangles = scan_triangles(chart);
@@ -63,7 +66,7 @@ fn scan<R: Real>(
         right.for_each(|col| (0..rows).for_each(|row| update(row, col, 3)));
         left.rev().for_each(|col| (0..rows).for_each(|row| update(row, col, 4)));
         if progress.is_done::<R>(change) {
-            return fronts.finish(progress.iterations, progress.residual);
+            return (fronts, progress);
         }
     }
 }

@@ -175,15 +175,23 @@ impl Layout {
 
     /// Refuses what shaders do not see in one buffer, or cannot count.
     pub(super) fn check(self, what: &'static str, limits: &Limits) -> Result<(), VulkanError> {
-        let most = limits.storage_range.min(i32::MAX as u64);
-        let bytes = self.bytes();
-        if bytes > most {
-            let reason =
-                format!("their buffer would have {bytes} bytes, and shaders see {most} at most");
-            return Err(VulkanError::Curves { what, reason });
-        }
-        Ok(())
+        check_bytes(what, limits, self.bytes())
     }
+}
+
+/// Refuses a buffer of which shaders see only a part.
+pub(super) fn check_bytes(
+    what: &'static str,
+    limits: &Limits,
+    bytes: u64,
+) -> Result<(), VulkanError> {
+    let most = limits.storage_range.min(i32::MAX as u64);
+    if bytes > most {
+        let reason =
+            format!("their buffer would have {bytes} bytes, and shaders see {most} at most");
+        return Err(VulkanError::Curves { what, reason });
+    }
+    Ok(())
 }
 
 /// Buffers, descriptors and pipelines of contours or paths on a surface.

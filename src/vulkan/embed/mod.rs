@@ -59,6 +59,7 @@ mod inputs;
 mod paths;
 mod plan;
 mod recording;
+mod regions;
 mod solver;
 mod surface;
 
@@ -69,5 +70,6 @@ pub use inputs::{Lookup, PointKind, PointMemory, PointSource, Points, SourceBuff
 pub use paths::{PathFrame, Paths, PathsInfo, StartInput};
 pub use plan::Plan;
 pub use recording::{Frame, Recording};
+pub use regions::{RegionBuffer, RegionFrame, Regions};
 pub use solver::{Solver, Tools};
 pub use surface::{Outcome, PackedTimes, ResultImage, Surface, SurfaceInfo};

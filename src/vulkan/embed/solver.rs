@@ -7,6 +7,7 @@ use super::contours::Contours;
 use super::paths::{Paths, PathsInfo};
 use super::plan::Plan;
 use super::recording::Recording;
+use super::regions::Regions;
 use super::surface::{Surface, SurfaceInfo};
 use crate::surface::Chart;
 use crate::update::Wavefront;
@@ -105,7 +106,8 @@ impl Solver {
 
     /// Most records that [`Recording::frame`] makes for a surface, and [`Recording::resume`] with
     /// the same plan: room for so many in a [`profile::Profile`]. What else is recorded with them
-    /// comes on top: [`Contours::passes`], [`Paths::passes`], and one for each lookup.
+    /// comes on top: [`Contours::passes`], [`Paths::passes`], [`Regions::passes`], and one for each
+    /// lookup.
     pub fn passes_of_frame(&self, surface: &Surface, plan: &Plan, grain: profile::Grain) -> u32 {
         surface.passes_around() + plan.records(grain)
     }
@@ -247,6 +249,34 @@ impl Solver {
         info: PathsInfo,
     ) -> Result<Paths, VulkanError> {
         Paths::new(device, allocator, (self, surface), info)
+    }
+
+    /// Bytes that regions take from the allocator's memory blocks on this device, before they are
+    /// made.
+    ///
+    /// # Errors
+    /// As [`Solver::regions`].
+    pub fn bytes_for_regions(
+        &self,
+        device: &ash::Device,
+        chart: Chart,
+    ) -> Result<u64, VulkanError> {
+        Regions::bytes_for(device, &self.limits, chart)
+    }
+
+    /// Makes room for the regions of maps of a surface with one wavefront: 24 bytes a grid point. The
+    /// one call that allocates for regions, and creates their pipelines.
+    ///
+    /// # Errors
+    /// If shaders do not see so much in one buffer, or memory runs out. Nothing is left behind then.
+    pub fn regions(
+        &self,
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        surface: &Surface,
+        wavefront: Wavefront,
+    ) -> Result<Regions, VulkanError> {
+        Regions::new(device, allocator, (self, surface), wavefront)
     }
 
     /// Records for a surface into a command buffer that the host has begun, on a queue family for

@@ -65,6 +65,8 @@ pub enum PassKind {
     Paths,
     /// Lifts contours or paths to the surface in space.
     Lift,
+    /// Finds the regions nearest to each source, in passes over all points.
+    Regions,
 }
 
 impl PassKind {
@@ -110,6 +112,7 @@ impl PassKind {
             Self::Contours => c"contours",
             Self::Paths => c"paths",
             Self::Lift => c"lift",
+            Self::Regions => c"regions",
         }
     }
 }

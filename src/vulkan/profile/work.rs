@@ -43,6 +43,10 @@ use crate::vulkan::{TexelChart, Tuning};
 /// | paths: starts | of each two numbers and four times, and four numbers of each source | 24 numbers for each that there is room for, three for each start |
 /// | their steps | `None`: as many as the device takes | `None` |
 /// | lift | `None`: as many vertices as the device has found | `None` |
+/// | regions: as a clear | | two numbers a point |
+/// | their sources, twice | four numbers each | `None`: as many points as lie around them |
+/// | the beginnings of ways | of each point two numbers, its time and four lengths; with curved fronts their curvature and the surface's | three numbers |
+/// | the ways, then what is left | `None`: as many points as the ways lead past | `None` |
 ///
 /// With many maps at once, the count by which one is done reads and writes how many are pending and
 /// writes that this one is not, and with the last of them two numbers more, in place of the four.

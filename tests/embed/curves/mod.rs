@@ -1,8 +1,9 @@
-//! Contours and paths in the host's buffers, against the CPU's on the same map.
+//! Contours, paths and regions in the host's buffers, against the CPU's on the same map.
 
 pub mod contours;
 mod draw;
 mod paths;
+mod regions;
 
 use geosweep::ash::vk;
 use geosweep::surface::Chart;
@@ -75,7 +76,7 @@ impl Scene {
 }
 
 /// x, y and z of each point, NaN in holes.
-fn positions(surface: &Surface) -> Vec<f32> {
+pub fn positions(surface: &Surface) -> Vec<f32> {
     let chart = surface.chart();
     let position = |index| {
         let (row, col) = chart.position(index);

@@ -1,0 +1,30 @@
+// Where the straight line on which a front arrives at x0 crosses the base of its triangle, from 0 at
+// x1 to 1 at x2: at one of these if it runs along an edge, or if one of them is not reached.
+// Include after update.glsl. Twin: src/update/crossing.rs.
+float base_crossing(vec2 times, vec2 curvatures, vec2 sides, float base) {
+    bool swap = times.x < times.y;
+    float t = swap ? times.y : times.x;
+    float near_t = swap ? times.x : times.y;
+    float k = swap ? curvatures.y : curvatures.x;
+    float near_k = swap ? curvatures.x : curvatures.y;
+    float l = swap ? sides.y : sides.x;
+    float near_l = swap ? sides.x : sides.y;
+    Shape shape = shape_of(vec4(l), vec4(near_l), vec4(base));
+    float d = (near_t - t) * shape.per_base.x;
+    float kappa = 0.0;
+    if (WAVEFRONT == 1) kappa = base / max(t, 0.25 * base);
+    if (WAVEFRONT == 2) {
+        float near_kappa = near_k * base;
+        float passed = near_kappa / max(1.0 - near_kappa * d, FOCUS);
+        kappa = 0.5 * (passed + (k < SOURCE_CURVATURE ? k * base : passed));
+    }
+    float h = sqrt(max(shape.height_squared.x, 0.0));
+    float cos_a = 0.5 * kappa * ((1.0 - d) * (1.0 + d)) - d;
+    float sin_a = sqrt(max((1.0 - cos_a) * (1.0 + cos_a), 0.0));
+    float crossing = cos_a * h + sin_a * shape.foot.x;
+    float width = sin_a + kappa * h;
+    bool is_front = shape.whole.x && d > -1.0 && cos_a <= 1.0 && width > 0.0;
+    float along_edge = t + l <= near_t + near_l ? 0.0 : 1.0;
+    float from_far = is_front ? clamp(crossing / width, 0.0, 1.0) : along_edge;
+    return swap ? 1.0 - from_far : from_far;
+}

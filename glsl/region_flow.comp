@@ -1,0 +1,66 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Makes the ways of all points longer, by those of the points around where they lead, and takes
+// over the label of the nearest point there once it is known. One invocation is one point.
+
+#include "constants.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+#include "regions.glsl"
+
+// Follows the ways of the points around a place on, or takes the label of the nearest one. False
+// where there is none.
+bool step_on(inout uint link, inout vec2 place) {
+    vec2 first = floor(place);
+    vec2 uv = place - first;
+    vec2 not_uv = 1.0 - uv;
+    vec4 weights = vec4(not_uv.x * not_uv.y, uv.x * not_uv.y, not_uv.x * uv.y, uv.x * uv.y);
+    int corner = index_of(ivec2(first));
+    ivec4 corners = corner + ivec4(0, 1, grid.x, grid.x + 1);
+    uvec4 links = uvec4(NO_REGION);
+    float heaviest = 0.0;
+    int nearest = 0;
+    for (int i = 0; i < 4; i++) {
+        if (weights[i] <= 0.0) continue;
+        links[i] = regions[link_word(from, corners[i])];
+        if (links[i] != NO_REGION && weights[i] > heaviest) {
+            heaviest = weights[i];
+            nearest = i;
+        }
+    }
+    if (heaviest == 0.0) return false;
+    if (is_known(links[nearest])) {
+        link = links[nearest];
+        return true;
+    }
+    vec2 on = place_at(from, corners[nearest]);
+    vec2 off = vec2(0.0);
+    float sum = 0.0;
+    for (int i = 0; i < 4; i++) {
+        if (is_known(links[i])) continue;
+        vec2 apart = place_at(from, corners[i]) - on;
+        // Elsewhere the front comes from another side.
+        if (max(abs(apart.x), abs(apart.y)) > NEAR_PLACES) continue;
+        sum += weights[i];
+        off += weights[i] * apart;
+    }
+    // Rounding must not lead off the grid.
+    place = clamp(on + off / sum, vec2(0.0), vec2(grid - 1));
+    return true;
+}
+
+void main() {
+    ivec2 point = ivec2(gl_GlobalInvocationID.xy);
+    if (point.x >= grid.x) return;
+    int index = index_of(point);
+    uint link = regions[link_word(from, index)];
+    if (!is_known(link)) {
+        vec2 place = place_at(from, index);
+        for (int i = 0; i < FLOW_JUMPS; i++) {
+            if (is_known(link) || !step_on(link, place)) break;
+        }
+        write_place(1 - from, index, place);
+    }
+    regions[link_word(1 - from, index)] = link;
+}

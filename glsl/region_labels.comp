@@ -1,0 +1,23 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Gives points whose way has led nowhere the label of the first of their ancestors that has one:
+// the nearer end of the base that their way crosses, and so on, always earlier. One invocation is
+// one point.
+
+#include "constants.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+#include "regions.glsl"
+
+void main() {
+    ivec2 point = ivec2(gl_GlobalInvocationID.xy);
+    if (point.x >= grid.x) return;
+    int index = index_of(point);
+    uint link = regions[link_word(from, index)];
+    for (int i = 0; i < FLOW_JUMPS && !is_known(link); i++) {
+        link = regions[link_word(from, int(link))];
+    }
+    if (is_last != 0u && link != NO_REGION) link &= ~KNOWN;
+    regions[link_word(1 - from, index)] = link;
+}

@@ -1,0 +1,38 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// The earliest of the sources' own fronts at the points around them, and in a second pass the number
+// of the first source that brings it. One invocation is one source. Both are kept as complements,
+// so that zero is none, and found by atomics whose order does not matter.
+
+#include "constants.glsl"
+#include "texel.glsl"
+#include "fan.glsl"
+#include "cell.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+#include "regions.glsl"
+#include "source.glsl"
+#include "source_arrival.glsl"
+#include "start.glsl"
+
+void main() {
+    int number = int(gl_GlobalInvocationID.x);
+    if (number >= count) return;
+    Source own = source(number);
+    if (!counts(own)) return;
+    ivec2 first = ivec2(ceil(place_of(own))) - 1;
+    for (int i = 0; i < 9; i++) {
+        ivec2 point = first + ivec2(i % 3, i / 3);
+        if (any(lessThan(point, ivec2(0))) || any(greaterThanEqual(point, grid))) continue;
+        float time = arrival(own, point).x;
+        if (time >= FAR) continue;
+        int index = index_of(point);
+        uint start = ~rank_of(time);
+        if (is_last == 0u) {
+            atomicMax(regions[link_word(1, index)], start);
+        } else if (regions[link_word(1, index)] == start) {
+            atomicMax(regions[link_word(0, index)], ~uint(number));
+        }
+    }
+}

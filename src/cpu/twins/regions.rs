@@ -1,0 +1,190 @@
+//! Labels by the nearest source. The twin of `glsl/region_*.comp`.
+
+use super::super::Stop;
+use super::super::state::{Fronts, TriangleSlots};
+use super::scan_in_turn::scan;
+use crate::constants::{FLOW_JUMPS, NEAR_PLACES};
+use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
+use crate::update::{Wavefront, base_crossing};
+
+/// Column and row.
+type Place = [f32; 2];
+
+/// What is known of a point's region.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Link {
+    Label(u32),
+    /// That of an earlier point, if its way leads nowhere.
+    Parent(usize),
+    /// No front arrives.
+    Nothing,
+}
+
+/// For each grid point, row-major, the label of the seed from which its front has come, and
+/// [`u32::MAX`] where none arrives.
+pub fn regions(
+    edges: &EdgeLengths<f32>,
+    seeds: &[(Seed, u32)],
+    wavefront: Wavefront,
+    stop: Stop,
+) -> Vec<u32> {
+    let chart = edges.chart();
+    let all: Vec<Seed> = seeds.iter().map(|(seed, _)| *seed).collect();
+    let (fronts, _) = scan(edges, &all, wavefront, stop, false);
+    let starts = starts(chart, seeds);
+    let triangles = Direction::ALL.map(|to| TriangleSlots::new(chart, to, to.next()));
+    let begin = |index| begin(chart, &fronts, &triangles, wavefront, starts[index], index);
+    let (mut links, mut places): (Vec<Link>, Vec<Place>) = (0..chart.points()).map(begin).unzip();
+    for _ in 0..rounds(chart) {
+        let flow = |index| flow(chart, &links, &places, index);
+        (links, places) = (0..chart.points()).map(flow).unzip();
+    }
+    for _ in 0..rounds(chart) {
+        links = (0..chart.points()).map(|index| jump(&links, index)).collect();
+    }
+    let label = |link| if let Link::Label(label) = link { label } else { u32::MAX };
+    links.into_iter().map(label).collect()
+}
+
+/// As many as the longest way needs: each makes ways longer by a factor of one more than
+/// [`FLOW_JUMPS`].
+fn rounds(chart: Chart) -> u32 {
+    let (mut rounds, mut reach) = (1, u64::from(FLOW_JUMPS) + 1);
+    while reach < chart.points() as u64 {
+        (rounds, reach) = (rounds + 1, reach * (u64::from(FLOW_JUMPS) + 1));
+    }
+    rounds
+}
+
+/// The earliest seed of each point, the first of equally early ones.
+fn starts(chart: Chart, seeds: &[(Seed, u32)]) -> Vec<Option<(f32, u32)>> {
+    let mut starts: Vec<Option<(f32, u32)>> = vec![None; chart.points()];
+    for (seed, label) in seeds {
+        let start = (seed.time as f32, *label);
+        let first = starts[chart.index(seed.row, seed.col)].get_or_insert(start);
+        if start.0 < first.0 || (start.0 == first.0 && start.1 < first.1) {
+            *first = start;
+        }
+    }
+    starts
+}
+
+/// Where the way to a point crosses the base of its triangle.
+fn begin(
+    chart: Chart,
+    fronts: &Fronts<f32>,
+    triangles: &[TriangleSlots; 8],
+    wavefront: Wavefront,
+    start: Option<(f32, u32)>,
+    index: usize,
+) -> (Link, Place) {
+    let (row, col) = chart.position(index);
+    let own = [col as f32, row as f32];
+    let point = chart.bordered(row, col);
+    let here = fronts.time(point);
+    if here >= f32::FAR {
+        return (Link::Nothing, own);
+    }
+    // Ways lead to earlier points alone, so that none leads in a circle.
+    let earlier = |other: usize| {
+        let time = fronts.time(other);
+        let is_before = time < here || (time == here && other < point);
+        if is_before { time } else { f32::FAR }
+    };
+    let mut first = (f32::FAR, 0);
+    for (number, triangle) in triangles.iter().enumerate() {
+        let time = fronts.through_known(point, triangle, earlier).time;
+        if time < first.0 {
+            first = (time, number);
+        }
+    }
+    if let Some((time, label)) = start
+        && time <= first.0
+    {
+        return (Link::Label(label), own);
+    }
+    if first.0 >= f32::FAR {
+        return (Link::Nothing, own);
+    }
+    let to = Direction::ALL[first.1];
+    let (triangle, curvatures) = fronts.seen_through(point, &triangles[first.1], earlier);
+    let share = base_crossing(wavefront, triangle, curvatures);
+    let step = |to: Direction| [to.step().1 as f32, to.step().0 as f32];
+    let (a, b) = (step(to), step(to.next()));
+    let place = [0, 1].map(|k| own[k] + (a[k] + share * (b[k] - a[k])));
+    let nearer = if share > 0.5 { to.next() } else { to };
+    let (row, col) = chart.neighbour(row, col, nearer).expect("fronts come from the grid");
+    (Link::Parent(chart.index(row, col)), place)
+}
+
+/// Follows the ways of other points on.
+fn flow(chart: Chart, links: &[Link], places: &[Place], index: usize) -> (Link, Place) {
+    let (mut link, mut place) = (links[index], places[index]);
+    for _ in 0..FLOW_JUMPS {
+        if !matches!(link, Link::Parent(_)) {
+            break;
+        }
+        match step(chart, links, places, place) {
+            Some(Ok(on)) => place = on,
+            Some(Err(label)) => link = Link::Label(label),
+            None => break,
+        }
+    }
+    (link, place)
+}
+
+/// Where the way leads on from a place, or the label there.
+fn step(
+    chart: Chart,
+    links: &[Link],
+    places: &[Place],
+    place: Place,
+) -> Option<Result<Place, u32>> {
+    let first = place.map(f32::floor);
+    let [u, v] = [place[0] - first[0], place[1] - first[1]];
+    let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
+    let corner = |k: usize| {
+        let index = chart.index(first[1] as usize + k / 2, first[0] as usize + k % 2);
+        (weights[k], index)
+    };
+    let corners = (0..4).filter(|&k| weights[k] > 0.0).map(corner);
+    let corners: Vec<_> = corners.filter(|&(_, index)| links[index] != Link::Nothing).collect();
+    let mut heaviest = (0.0, 0);
+    for &(weight, index) in &corners {
+        if weight > heaviest.0 {
+            heaviest = (weight, index);
+        }
+    }
+    if heaviest.0 == 0.0 {
+        return None;
+    }
+    if let Link::Label(label) = links[heaviest.1] {
+        return Some(Err(label));
+    }
+    let on = places[heaviest.1];
+    let (mut off, mut sum) = ([0.0; 2], 0.0);
+    for &(weight, index) in &corners {
+        if !matches!(links[index], Link::Parent(_)) {
+            continue;
+        }
+        let apart = [places[index][0] - on[0], places[index][1] - on[1]];
+        if apart[0].abs().max(apart[1].abs()) <= NEAR_PLACES as f32 {
+            sum += weight;
+            off = [off[0] + weight * apart[0], off[1] + weight * apart[1]];
+        }
+    }
+    let last = [chart.cols - 1, chart.rows - 1];
+    Some(Ok([0, 1].map(|k| (on[k] + off[k] / sum).clamp(0.0, last[k] as f32))))
+}
+
+/// Where ways lead nowhere, the label of the first of a point's ancestors that has one.
+fn jump(links: &[Link], index: usize) -> Link {
+    let mut link = links[index];
+    for _ in 0..FLOW_JUMPS {
+        match link {
+            Link::Parent(parent) => link = links[parent],
+            _ => break,
+        }
+    }
+    link
+}

@@ -1,0 +1,325 @@
+//! Regions of the points nearest to each source, on the device.
+
+use ash::vk;
+use bytemuck::NoUninit;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::Allocator;
+
+use super::access::Access;
+use super::curves;
+use super::host_sets::{self, HostSet, Part};
+use super::inputs::{PointSource, SourceInput};
+use super::recording::{Recording, grid_size};
+use super::solver::Solver;
+use super::surface::Surface;
+use crate::constants::FLOW_JUMPS;
+use crate::surface::Chart;
+use crate::update::Wavefront;
+use crate::vulkan::VulkanError;
+use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE};
+use crate::vulkan::limits::Limits;
+use crate::vulkan::memory::{Buffer, BufferInfo};
+use crate::vulkan::pipelines::{Pipelines, compute_pipeline, constant, spirv};
+use crate::vulkan::profile::{PassKind, PassRecord, Work};
+use crate::vulkan::record::dispatched;
+
+/// Room for the regions of the points nearest to each source, and the passes that find them:
+/// [`Recording::regions`].
+///
+/// ```no_run
+/// # use geosweep::ash::{self, vk};
+/// # use geosweep::gpu_allocator::vulkan::Allocator;
+/// # use geosweep::vulkan::{VulkanError, embed::*};
+/// # use geosweep::Wavefront;
+/// # fn host(
+/// #     device: &ash::Device, allocator: &mut Allocator, solver: &Solver, surface: &Surface,
+/// #     commands: vk::CommandBuffer,
+/// # ) -> Result<(), VulkanError> {
+/// // Once, for maps with the curved wavefront:
+/// let mut regions = solver.regions(device, allocator, surface, Wavefront::Curved)?;
+/// let labels = regions.labels();
+/// let shaders_see =
+///     vk::DescriptorBufferInfo { buffer: labels.buffer, offset: 0, range: labels.bytes };
+///
+/// // Every frame, after the map of the same sources:
+/// let sources = [PointSource::at(120.5, 80.25), PointSource::at(30.0, 200.0)];
+/// solver.record(device, commands, surface).regions(&regions, &RegionFrame {
+///     before: Access::NONE,
+///     sources: SourceInput::Inline(&sources),
+///     reader: Access::FRAGMENT_READ,
+/// })?;
+/// // A fragment shader at row r and column c finds 0 or 1 in labels[r * N + c].
+///
+/// // At the end, once no frame is in flight:
+/// regions.destroy(device, allocator);
+/// # Ok(()) }
+/// ```
+///
+/// Dropping it frees nothing: the host calls [`Regions::destroy`], before or after the surface's.
+#[derive(Debug)]
+pub struct Regions {
+    chart: Chart,
+    wavefront: Wavefront,
+    buffer: Option<Buffer>,
+    /// Of the inline sources, and of the surface's source buffers.
+    sets: Vec<HostSet>,
+    pipelines: Vec<vk::Pipeline>,
+    pool: vk::DescriptorPool,
+    /// Of the surface's own sets, which tells surfaces apart.
+    surface: vk::DescriptorPool,
+}
+
+/// Labels in a buffer with the usages `STORAGE_BUFFER`, `VERTEX_BUFFER` and `TRANSFER_SRC`, from its
+/// first byte: a 32-bit unsigned number for each grid point, row-major. So shaders find that of a vertex
+/// by its number, or it is an attribute of the vertices, `R32_UINT` and 4 bytes apart: labels are not
+/// for filtering, and an image would add nothing but layouts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RegionBuffer {
+    /// The buffer, which is longer.
+    pub buffer: vk::Buffer,
+    /// Bytes of all labels: 4 M N.
+    pub bytes: u64,
+}
+
+/// What [`Recording::regions`] takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RegionFrame<'a> {
+    /// How the host has written the sources.
+    pub before: Access,
+    /// All sources of the map, those added to it too. Their places in this list are the labels.
+    pub sources: SourceInput<'a>,
+    /// How the host reads the labels, this frame and the frame before. [`Access::NONE`] on another
+    /// queue, after a semaphore, with regions for each frame in flight.
+    pub reader: Access,
+}
+
+#[derive(Clone, Copy, NoUninit)]
+#[repr(C)]
+struct Push {
+    grid: [i32; 2],
+    first_word: i32,
+    count: i32,
+    from: i32,
+    is_last: u32,
+}
+
+/// The passes, in order.
+const PASSES: [(&str, &[u8]); 4] = [
+    ("region_starts", spirv!("region_starts")),
+    ("region_ways", spirv!("region_ways")),
+    ("region_flow", spirv!("region_flow")),
+    ("region_labels", spirv!("region_labels")),
+];
+/// Of a point two links, of one word, and two places.
+const POINT_WORDS: u64 = 2 + 2 * 2;
+const WORD: u64 = size_of::<u32>() as u64;
+
+impl Regions {
+    pub(super) fn new(
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        (solver, surface): (&Solver, &Surface),
+        wavefront: Wavefront,
+    ) -> Result<Self, VulkanError> {
+        let chart = surface.grid.chart;
+        let info = info(&solver.limits, chart)?;
+        let mut new = Self {
+            chart,
+            wavefront,
+            buffer: Some(Buffer::new(device, allocator, info)?),
+            sets: Vec::new(),
+            pipelines: Vec::new(),
+            pool: vk::DescriptorPool::null(),
+            surface: surface.sets.pool,
+        };
+        solver.pipelines.name(info.name, new.labels().buffer);
+        let created = new
+            .describe(device, solver, surface, info.size)
+            .and_then(|()| new.create_pipelines(device, &solver.pipelines));
+        match created {
+            Ok(()) => Ok(new),
+            Err(error) => {
+                new.destroy(device, allocator);
+                Err(error)
+            }
+        }
+    }
+
+    fn describe(
+        &mut self,
+        device: &ash::Device,
+        solver: &Solver,
+        surface: &Surface,
+        bytes: u64,
+    ) -> Result<(), VulkanError> {
+        let limits = &solver.limits;
+        let output = Part::new(limits, "regions", self.labels().buffer, 0, bytes)?;
+        let mut contents = vec![host_sets::inline_sources_content(limits, &surface.grid)?];
+        for sources in &surface.sources {
+            contents.push(host_sets::sources_content(limits, sources)?);
+        }
+        let contents: Vec<_> = contents.into_iter().map(|input| input.and_output(output)).collect();
+        (self.pool, self.sets) = host_sets::describe(device, &solver.pipelines, &contents)?;
+        Ok(())
+    }
+
+    fn create_pipelines(
+        &mut self,
+        device: &ash::Device,
+        pipelines: &Pipelines,
+    ) -> Result<(), VulkanError> {
+        let constants = [(constant::WAVEFRONT, self.wavefront as i32)];
+        for (name, spirv) in PASSES {
+            let pipeline = compute_pipeline(device, pipelines.host_layout, spirv, &constants)?;
+            pipelines.name(name, pipeline);
+            self.pipelines.push(pipeline);
+        }
+        Ok(())
+    }
+
+    pub(super) fn bytes_for(
+        device: &ash::Device,
+        limits: &Limits,
+        chart: Chart,
+    ) -> Result<u64, VulkanError> {
+        limits.texels(chart)?;
+        info(limits, chart)?.bytes(device)
+    }
+
+    /// Where the labels are.
+    pub fn labels(&self) -> RegionBuffer {
+        let buffer = self.buffer.as_ref().map_or(vk::Buffer::null(), |buffer| buffer.buffer);
+        RegionBuffer { buffer, bytes: WORD * self.chart.points() as u64 }
+    }
+
+    /// Most records that [`Recording::regions`] makes in a [`crate::vulkan::profile::Profile`],
+    /// beside those of [`Solver::passes_of_frame`].
+    pub fn passes(&self) -> u32 {
+        // Numbers are cleared and sources come, are looked at twice, and ways begin.
+        1 + 1 + 2 + 1 + 2 * rounds(self.chart)
+    }
+
+    /// Bytes taken from the allocator's memory blocks.
+    pub fn bytes(&self) -> u64 {
+        self.buffer.as_ref().map_or(0, Buffer::bytes)
+    }
+
+    /// Frees everything. No submitted work may still use the regions. A second call does nothing.
+    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+        // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
+        unsafe {
+            for pipeline in self.pipelines.drain(..) {
+                device.destroy_pipeline(pipeline, None);
+            }
+            device.destroy_descriptor_pool(self.pool, None);
+        }
+        self.pool = vk::DescriptorPool::null();
+        if let Some(mut buffer) = self.buffer.take() {
+            buffer.destroy(device, allocator);
+        }
+    }
+}
+
+fn info(limits: &Limits, chart: Chart) -> Result<BufferInfo, VulkanError> {
+    let size = (WORD * POINT_WORDS).saturating_mul(chart.points() as u64);
+    curves::check_bytes("regions", limits, size)?;
+    Ok(BufferInfo { name: "regions", size, location: MemoryLocation::GpuOnly })
+}
+
+/// So many passes follow a way past as many points as the grid has, each making it longer by a
+/// factor.
+fn rounds(chart: Chart) -> u32 {
+    let factor = u64::from(FLOW_JUMPS) + 1;
+    let reaches = |rounds: &u32| factor.saturating_pow(*rounds) >= chart.points() as u64;
+    (1..).find(reaches).expect("powers grow beyond any number of points")
+}
+
+impl Recording<'_> {
+    /// Finds which source is the nearest to each grid point, initial values included, and leaves the
+    /// labels for the host to read: the source's place in the list, counting from 0, and
+    /// [`crate::geometry::NO_REGION`] in holes and where no front arrives. To be recorded after the
+    /// map, in the same command buffer or after [`Recording::begin`]; the commands wait for what
+    /// `before` has written and until the reader of commands before has done, and the reader of
+    /// commands after waits for them.
+    ///
+    /// Labels follow the map: each point has that of the source to which its front leads back, found
+    /// in as many passes as the logarithm of the grid's points says, whatever the map is. The same
+    /// map gives the same labels. They are those of [`crate::geometry::Voronoi`] but for points
+    /// within a cell of a border, or two, where sources are four cells apart or more; the border
+    /// behind a closer pair may turn about it, by up to 18 degrees on the plane, where both lie in one
+    /// cell. Of sources at one place the first has the region. A curve that is many sources in the
+    /// list has as many labels: shaders can look up in a table of the host's which curve one is of.
+    ///
+    /// # Errors
+    /// If the regions were made for another surface, or the sources are too many.
+    pub fn regions(
+        &self,
+        regions: &Regions,
+        frame: &RegionFrame,
+    ) -> Result<RegionBuffer, VulkanError> {
+        if self.surface.sets.pool != regions.surface {
+            return Err(VulkanError::OtherSurface);
+        }
+        self.check_sources(frame.sources)?;
+        let (recorder, labels, chart) = (&self.recorder, regions.labels(), regions.chart);
+        let (stages, access) = frame.reader.and(frame.before).side();
+        let ours = (CLEAR.0 | SHADER.0, CLEAR.1 | SHADER.1);
+        recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);
+        let record = PassRecord { dispatches: 0, ..PassRecord::new(PassKind::Regions) };
+        let work = Work::of_bytes(0, 2 * labels.bytes);
+        let pass = recorder.pass_with(PassRecord { work, ..record });
+        recorder.fill(labels.buffer, 0, 2 * labels.bytes);
+        drop(pass);
+        recorder.barrier(CLEAR, SHADER);
+        let (set, count) = match frame.sources {
+            SourceInput::Inline(sources) => {
+                recorder.write_sources(bytemuck::cast_slice(sources));
+                (regions.sets[0], sources.len() as u32)
+            }
+            SourceInput::Buffer(number) => {
+                (regions.sets[1 + number], self.surface.sources[number].count)
+            }
+        };
+        let push = Push {
+            grid: grid_size(chart),
+            first_word: set.first_word,
+            count: count as i32,
+            from: 0,
+            is_last: 0,
+        };
+        let run = |pass: usize, size, push: Push, work, last: Access| {
+            let _pass =
+                recorder.pass_with(PassRecord { work, ..dispatched(PassKind::Regions, size) });
+            recorder.host_pass(regions.pipelines[pass], set.set, &push, size);
+            recorder.barrier(SHADER_WRITE, last.side());
+        };
+        let (ours, all) = (Access::new(SHADER.0, SHADER.1), [chart.cols as u32, chart.rows as u32]);
+        for is_last in [0, 1] {
+            run(0, [count, 1], Push { is_last, ..push }, work_of_starts(count), ours);
+        }
+        run(1, all, push, work_of_ways(chart, regions.wavefront), ours);
+        let rounds = rounds(chart);
+        // How far ways lead, the device finds.
+        let passes = (0..2 * rounds).map(|number| if number < rounds { 2 } else { 3 });
+        for (number, pass) in (0..).zip(passes) {
+            let is_last = number + 1 == 2 * rounds;
+            let push = Push { from: number as i32 % 2, is_last: is_last.into(), ..push };
+            run(pass, all, push, Work::default(), if is_last { frame.reader } else { ours });
+        }
+        Ok(labels)
+    }
+}
+
+/// What it takes to look at so many sources once; around how many points they lie, their places say.
+fn work_of_starts(count: u32) -> Work {
+    let bytes = size_of::<PointSource>() as u64 * u64::from(count);
+    Work { bytes_read: Some(bytes), ..Work::default() }
+}
+
+/// What is read to begin the ways to all points: the earliest source's front and its number, the map's
+/// and four lengths. What is written: a link and a place.
+fn work_of_ways(chart: Chart, wavefront: Wavefront) -> Work {
+    let curvatures = if wavefront == Wavefront::Curved { 2 } else { 0 };
+    let points = WORD * chart.points() as u64;
+    Work::of_bytes(points * (2 + 1 + 4 + curvatures), points * 3)
+}
