@@ -1,5 +1,5 @@
 //! What a frame costs: the time to record a map into a command buffer, and to run it, by size of the
-//! grid and schedule; and to find contours and paths on it.
+//! grid and schedule; and to find contours, paths and regions on it.
 //!
 //! `cargo bench --bench recording`
 
@@ -15,7 +15,7 @@ use geosweep::cpu::Stop;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
     self, Access, ContourFrame, Frame, LevelInput, PathFrame, PathsInfo, PointSource, Points,
-    Reader, SourceInput, StartInput, SurfaceInfo,
+    Reader, RegionFrame, SourceInput, StartInput, SurfaceInfo,
 };
 use geosweep::vulkan::{Method, Schedule};
 
@@ -92,10 +92,58 @@ fn record(criterion: &mut Criterion) {
             });
         }
         curves(&mut group, &mut host, &solver, &surface);
+        regions(&mut group, &mut host, &solver, &surface);
         surface.destroy(&device, host.allocator());
         host.free(points);
     }
     solver.destroy(&device);
+}
+
+/// Regions of twenty sources, on a map of their own.
+fn regions(
+    group: &mut BenchmarkGroup<WallTime>,
+    host: &mut Host,
+    solver: &embed::Solver,
+    surface: &embed::Surface,
+) {
+    let device = host.device.clone();
+    let (chart, wavefront) = (surface.chart(), Wavefront::Curved);
+    let sources: Vec<_> =
+        spread(20, chart.rows).into_iter().map(|[row, col]| PointSource::at(row, col)).collect();
+    let sources = SourceInput::Inline(&sources);
+    let stop = Stop { tolerance: 1e-4, iterations: 200 };
+    let method = Method { wavefront, schedule: Some(Schedule::Raster), stop };
+    let plan = solver.plan(chart, method, 4).expect("the passes are there");
+    group.bench_function(BenchmarkId::new("map of 20 sources, run", chart.rows), |bencher| {
+        bencher.iter(|| {
+            host.run(|commands| {
+                let recording = solver.record(&device, commands, surface);
+                recording.begin(Access::NONE);
+                recording.solve(sources, &plan).expect("the sources are right");
+            });
+        });
+    });
+    let made = solver.regions(&device, host.allocator(), surface, wavefront);
+    let mut made = made.expect("there is memory");
+    let frame = RegionFrame { before: Access::NONE, sources, reader: Access::VERTEX_READ };
+    group.bench_function(BenchmarkId::new("20 regions, run", chart.rows), |bencher| {
+        bencher.iter(|| {
+            host.run(|commands| {
+                let recording = solver.record(&device, commands, surface);
+                recording.regions(&made, &frame).map(drop).expect("the sources are right");
+            });
+        });
+    });
+    made.destroy(&device, host.allocator());
+}
+
+/// Places spread over the grid by the golden ratio.
+fn spread(count: u32, side: usize) -> Vec<[f32; 2]> {
+    let place = |k: u32| {
+        let share = |x: f32| (0.5 + x * k as f32).fract() * (side - 1) as f32;
+        [share(0.618_034), share(0.381_966 * 0.618_034)]
+    };
+    (0..count).map(place).collect()
 }
 
 /// Ten and a hundred contours, one path and a thousand, on the map that is there.
@@ -127,12 +175,7 @@ fn curves(
         let info = PathsInfo { paths, vertices: 3 * side as u32 };
         let made = solver.paths(&device, host.allocator(), surface, info);
         let mut made = made.expect("there is memory");
-        // Spread over the grid by the golden ratio.
-        let start = |k: u32| {
-            let share = |x: f32| (0.5 + x * k as f32).fract() * (side - 1) as f32;
-            [share(0.618_034), share(0.381_966 * 0.618_034)]
-        };
-        let starts: Vec<_> = (0..paths).map(start).collect();
+        let starts = spread(paths, side);
         let frame = PathFrame {
             before: Access::NONE,
             starts: StartInput::Inline(&starts),
