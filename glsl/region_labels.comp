@@ -15,7 +15,7 @@ void main() {
     if (point.x >= grid.x) return;
     int index = index_of(point);
     uint link = regions[link_word(from, index)];
-    for (int i = 0; i < FLOW_JUMPS && !is_known(link); i++) {
+    for (int i = 0; i < PARENT_JUMPS && !is_known(link); i++) {
         link = regions[link_word(from, int(link))];
     }
     if (is_last != 0u && link != NO_REGION) link &= ~KNOWN;

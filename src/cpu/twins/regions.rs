@@ -3,7 +3,7 @@
 use super::super::Stop;
 use super::super::state::{Fronts, TriangleSlots};
 use super::scan_in_turn::scan;
-use crate::constants::{FLOW_JUMPS, NEAR_PLACES};
+use crate::constants::{FLOW_JUMPS, NEAR_PLACES, PARENT_JUMPS};
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
 use crate::update::{Wavefront, base_crossing};
 
@@ -35,23 +35,23 @@ pub fn regions(
     let triangles = Direction::ALL.map(|to| TriangleSlots::new(chart, to, to.next()));
     let begin = |index| begin(chart, &fronts, &triangles, wavefront, starts[index], index);
     let (mut links, mut places): (Vec<Link>, Vec<Place>) = (0..chart.points()).map(begin).unzip();
-    for _ in 0..rounds(chart) {
+    for _ in 0..rounds(chart, FLOW_JUMPS) {
         let flow = |index| flow(chart, &links, &places, index);
         (links, places) = (0..chart.points()).map(flow).unzip();
     }
-    for _ in 0..rounds(chart) {
+    for _ in 0..rounds(chart, PARENT_JUMPS) {
         links = (0..chart.points()).map(|index| jump(&links, index)).collect();
     }
     let label = |link| if let Link::Label(label) = link { label } else { u32::MAX };
     links.into_iter().map(label).collect()
 }
 
-/// As many as the longest way needs: each makes ways longer by a factor of one more than
-/// [`FLOW_JUMPS`].
-fn rounds(chart: Chart) -> u32 {
-    let (mut rounds, mut reach) = (1, u64::from(FLOW_JUMPS) + 1);
+/// So many follow a way past as many points as the grid has, if each makes it longer by a factor of
+/// one more than the jumps.
+fn rounds(chart: Chart, jumps: u32) -> u32 {
+    let (mut rounds, mut reach) = (1, u64::from(jumps) + 1);
     while reach < chart.points() as u64 {
-        (rounds, reach) = (rounds + 1, reach * (u64::from(FLOW_JUMPS) + 1));
+        (rounds, reach) = (rounds + 1, reach * (u64::from(jumps) + 1));
     }
     rounds
 }
@@ -180,7 +180,7 @@ fn step(
 /// Where ways lead nowhere, the label of the first of a point's ancestors that has one.
 fn jump(links: &[Link], index: usize) -> Link {
     let mut link = links[index];
-    for _ in 0..FLOW_JUMPS {
+    for _ in 0..PARENT_JUMPS {
         match link {
             Link::Parent(parent) => link = links[parent],
             _ => break,

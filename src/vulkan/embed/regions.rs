@@ -12,7 +12,7 @@ use super::inputs::{PointSource, SourceInput};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
 use super::surface::Surface;
-use crate::constants::FLOW_JUMPS;
+use crate::constants::{FLOW_JUMPS, PARENT_JUMPS};
 use crate::surface::Chart;
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
@@ -196,7 +196,8 @@ impl Regions {
     /// beside those of [`Solver::passes_of_frame`].
     pub fn passes(&self) -> u32 {
         // Numbers are cleared and sources come, are looked at twice, and ways begin.
-        1 + 1 + 2 + 1 + 2 * rounds(self.chart)
+        let [flowing, jumping] = rounds(self.chart);
+        1 + 1 + 2 + 1 + flowing + jumping
     }
 
     /// Bytes taken from the allocator's memory blocks.
@@ -226,12 +227,15 @@ fn info(limits: &Limits, chart: Chart) -> Result<BufferInfo, VulkanError> {
     Ok(BufferInfo { name: "regions", size, location: MemoryLocation::GpuOnly })
 }
 
-/// So many passes follow a way past as many points as the grid has, each making it longer by a
-/// factor.
-fn rounds(chart: Chart) -> u32 {
-    let factor = u64::from(FLOW_JUMPS) + 1;
-    let reaches = |rounds: &u32| factor.saturating_pow(*rounds) >= chart.points() as u64;
-    (1..).find(reaches).expect("powers grow beyond any number of points")
+/// How many passes make ways longer, and how many go from parent to parent: so many as lead past as many
+/// points as the grid has, and in all an even number, which leaves the labels where they belong.
+fn rounds(chart: Chart) -> [u32; 2] {
+    let [flowing, jumping] = [FLOW_JUMPS, PARENT_JUMPS].map(|jumps| {
+        let reaches =
+            |rounds: &u32| (u64::from(jumps) + 1).saturating_pow(*rounds) >= chart.points() as u64;
+        (1..).find(reaches).expect("powers grow beyond any number of points")
+    });
+    [flowing, jumping + (flowing + jumping) % 2]
 }
 
 impl Recording<'_> {
@@ -245,9 +249,10 @@ impl Recording<'_> {
     /// Labels follow the map: each point has that of the source to which its front leads back, found
     /// in as many passes as the logarithm of the grid's points says, whatever the map is. The same
     /// map gives the same labels. They are those of [`crate::geometry::Voronoi`] but for points
-    /// within a cell of a border, or two, where sources are four cells apart or more; the border
-    /// behind a closer pair may turn about it, by up to 18 degrees on the plane, where both lie in one
-    /// cell. Of sources at one place the first has the region. A curve that is many sources in the
+    /// within a cell of a border, or two (three with planar fronts), where sources are four cells apart
+    /// or more; the border behind a closer pair may turn about it, by up to 18 degrees on the plane,
+    /// where both lie in one cell. A point as far from two sources has one of their labels, always the
+    /// same. Of sources at one place the first has the region. A curve that is many sources in the
     /// list has as many labels: shaders can look up in a table of the host's which curve one is of.
     ///
     /// # Errors
@@ -298,12 +303,12 @@ impl Recording<'_> {
             run(0, [count, 1], Push { is_last, ..push }, work_of_starts(count), ours);
         }
         run(1, all, push, work_of_ways(chart, regions.wavefront), ours);
-        let rounds = rounds(chart);
+        let [flowing, jumping] = rounds(chart);
         // How far ways lead, the device finds.
-        let passes = (0..2 * rounds).map(|number| if number < rounds { 2 } else { 3 });
-        for (number, pass) in (0..).zip(passes) {
-            let is_last = number + 1 == 2 * rounds;
+        for number in 0..flowing + jumping {
+            let is_last = number + 1 == flowing + jumping;
             let push = Push { from: number as i32 % 2, is_last: is_last.into(), ..push };
+            let pass = if number < flowing { 2 } else { 3 };
             run(pass, all, push, Work::default(), if is_last { frame.reader } else { ours });
         }
         Ok(labels)
