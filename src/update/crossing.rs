@@ -40,3 +40,57 @@ pub(crate) fn base_crossing<R: Real>(
     let from_far = if is_front { max(min(crossing / width, one), zero) } else { along_edge };
     if swap { one - from_far } else { from_far }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+
+    const X1: DVec2 = DVec2::new(0.0, 0.0);
+    const X2: DVec2 = DVec2::new(1.0, 0.2);
+    const X0: DVec2 = DVec2::new(0.4, 0.9);
+
+    fn triangle(t1: f64, t2: f64) -> Triangle<f64> {
+        Triangle { t1, t2, l1: X0.distance(X1), l2: X0.distance(X2), c: X1.distance(X2) }
+    }
+
+    /// Where the line from a place to x0 crosses the base.
+    fn exact(from: DVec2) -> f64 {
+        let (along, to) = (X2 - X1, X0 - from);
+        (from - X1).perp_dot(to) / along.perp_dot(to)
+    }
+
+    #[test]
+    fn lines_from_points_cross_the_base_where_they_do() {
+        for source in [DVec2::new(0.3, -0.8), DVec2::new(0.9, -30.0), DVec2::new(-0.1, -2.0)] {
+            let times = [X1, X2].map(|end| source.distance(end));
+            let ends = triangle(times[0], times[1]);
+            let curvatures = times.map(|time| 1.0 / time);
+            let of = |wavefront| base_crossing(wavefront, ends, curvatures);
+            approx::assert_abs_diff_eq!(of(Wavefront::PointSource), exact(source), epsilon = 1e-12);
+            approx::assert_abs_diff_eq!(of(Wavefront::Curved), exact(source), epsilon = 1e-12);
+        }
+        // A straight front, as from far away.
+        let ahead = DVec2::new(0.1, 1.0).normalize();
+        let ends = triangle(5.0 + X1.dot(ahead), 5.0 + X2.dot(ahead));
+        let found = base_crossing(Wavefront::Planar, ends, [0.0; 2]);
+        approx::assert_abs_diff_eq!(found, exact(X0 - ahead), epsilon = 1e-12);
+        approx::assert_abs_diff_eq!(
+            base_crossing(Wavefront::Curved, ends, [0.0; 2]),
+            found,
+            epsilon = 1e-12
+        );
+    }
+
+    #[test]
+    fn fronts_along_edges_come_from_their_ends() {
+        for wavefront in Wavefront::ALL {
+            let of = |t1, t2| base_crossing(wavefront, triangle(t1, t2), [0.1; 2]);
+            assert_eq!((of(2.0, f64::FAR), of(f64::FAR, 2.0)), (0.0, 1.0));
+            // Earlier there by more than the base is long.
+            assert_eq!((of(2.0, 9.0), of(9.0, 2.0)), (0.0, 1.0));
+            let flat = Triangle { l1: 3.0, l2: 1.0, c: 1.0, t1: 2.0, t2: 2.1 };
+            assert_eq!(base_crossing(wavefront, flat, [0.1; 2]), 1.0);
+        }
+    }
+}
