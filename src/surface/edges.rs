@@ -101,6 +101,27 @@ impl<R: Real> EdgeLengths<R> {
         Ok(Self { chart, lengths, rule, gaussian_curvature: OnceLock::new() })
     }
 
+    /// The edges between the points of a part of the grid, from its first row and column.
+    ///
+    /// # Panics
+    /// If the grid has no such part.
+    pub(crate) fn window(&self, [row, col]: [usize; 2], chart: Chart) -> Self {
+        let mut lengths = [(); 4].map(|_| vec![R::FAR; chart.bordered_points()]);
+        for ((to, window), whole) in STORED.into_iter().zip(&mut lengths).zip(self.planes()) {
+            for line in 0..chart.rows {
+                let first = self.chart.bordered(row + line, col);
+                let window = &mut window[chart.bordered(line, 0)..][..chart.cols];
+                window.copy_from_slice(&whole[first..][..chart.cols]);
+                for (at, length) in window.iter_mut().enumerate() {
+                    if chart.neighbour(line, at, to).is_none() {
+                        *length = R::FAR;
+                    }
+                }
+            }
+        }
+        Self { chart, lengths, rule: self.rule, gaussian_curvature: OnceLock::new() }
+    }
+
     /// The grid's size.
     pub fn chart(&self) -> Chart {
         self.chart
@@ -233,4 +254,24 @@ fn check<R: Real>(row: usize, lengths: &[Vec<R>; 4]) -> Result<(), SurfaceError>
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::builtin::Builtin;
+    use super::*;
+
+    #[test]
+    fn a_window_has_the_edges_between_its_points() {
+        let whole = EdgeLengths::<f32>::new(&Builtin::Peaks.surface(9, 12).unwrap()).unwrap();
+        let ([row, col], chart) = ([3, 4], Chart { rows: 4, cols: 8 });
+        let window = whole.window([row, col], chart);
+        for (r, c) in (0..chart.rows).flat_map(|r| (0..chart.cols).map(move |c| (r, c))) {
+            for to in Direction::ALL {
+                let there = chart.neighbour(r, c, to).is_some();
+                let expected = if there { whole.length(row + r, col + c, to) } else { f32::FAR };
+                assert_eq!(window.length(r, c, to), expected, "{r},{c} {to:?}");
+            }
+        }
+    }
 }

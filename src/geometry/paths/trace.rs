@@ -29,6 +29,8 @@ pub(super) struct Trace {
     pub time: f64,
     pub length: f64,
     pub source: usize,
+    /// The source's initial value.
+    pub initial: f64,
 }
 
 /// Where a path cannot go on.
@@ -188,6 +190,19 @@ impl Field<'_> {
             }
             Place::Inside { north_west, weights } => ([(north_west, weights), none, none, none], 1),
         }
+    }
+
+    /// The reached corners of the cells that a place lies in, and how far they are.
+    pub(super) fn corners(&self, place: Place) -> impl Iterator<Item = (usize, f64)> {
+        let (cells, count) = self.cells(place);
+        cells.into_iter().take(count).flat_map(|(north_west, weights)| {
+            let cell = Cell::new(self.edges, north_west);
+            let squares = cell.from(&weights);
+            (0..4)
+                .map(move |corner| (cell.corners[corner], squares[corner]))
+                .filter(|&(corner, square)| self.is_reached(corner) && square < NO_EDGE)
+                .map(|(corner, square)| (corner, square.max(0.0).sqrt()))
+        })
     }
 
     /// The cell that a path from a cell enters over an edge, and where.

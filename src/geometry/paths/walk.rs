@@ -46,7 +46,7 @@ impl Walk {
             from: usize::MAX,
             entry: None,
             lowest: f64::INFINITY,
-            trace: Trace { vertices: vec![start], time, length: 0.0, source: 0 },
+            trace: Trace { vertices: vec![start], time, length: 0.0, source: 0, initial: 0.0 },
             lengths: vec![0.0],
             lines: 0,
             before: None,
@@ -97,6 +97,7 @@ impl Walk {
                     self.trace.vertices.push(at);
                 }
                 self.trace.source = source;
+                self.trace.initial = line.time;
                 return Ok(Some(line.time));
             }
             End::Place(next) => {

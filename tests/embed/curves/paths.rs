@@ -78,7 +78,7 @@ fn compare(
     let at = sources
         .iter()
         .fold(Sources::default(), |at, s| at.and_point(s.row.into(), s.col.into(), s.time.into()));
-    let on_cpu = Paths::new(surface, &edges, &at, &scene.map.distances).unwrap();
+    let on_cpu = Paths::new(surface, &edges, &at, &scene.map.distances).unwrap().along_the_map();
     let [mut from_map, mut from_exact, mut off] = [0.0f64; 3];
     let mut from_cpu = Vec::new();
     for (number, (record, start)) in records.iter().zip(&starts).enumerate() {

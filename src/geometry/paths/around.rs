@@ -1,0 +1,250 @@
+//! Paths from where fronts meet, by way of a map of the surroundings of their start.
+//!
+//! Beside the cut locus the map's values come in part from the front on the other side and are early,
+//! and so a path that starts there runs along it, longer than it need be. A few cells further on the
+//! shortest path has left it behind: on the cut locus it leads away to one side or the other, and none
+//! from elsewhere comes near it. So where a path has become longer than the map's value, a map of the
+//! distances from its start tells the shortest ways to places some cells away, and from those places
+//! paths are traced on.
+
+use std::iter::once;
+
+use glam::DVec2;
+
+use super::goals::Goals;
+use super::trace::{Field, Place, Trace};
+use crate::cpu::{RotatedScan, Stop};
+use crate::surface::{Chart, EdgeLengths, Seed, Sources};
+use crate::update::Wavefront;
+
+/// Paths that are longer than the map's value by less than this part of it are left as they are: a
+/// quarter of what they may be.
+const TOO_LONG: f64 = 5e-4;
+/// How far the map around a start goes, in cells.
+const REACH: usize = 16;
+/// Places on its border from which the rest of the way is traced.
+const TRIED: usize = 12;
+/// And then beside the best of them, in cells.
+const BESIDE: [f64; 6] = [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75];
+/// Converged to the rounding of single precision.
+const STOP: Stop = Stop { tolerance: 1e-6, iterations: 100 };
+
+/// A part of the grid around a place.
+struct Window {
+    /// Its first row and column.
+    first: [usize; 2],
+    chart: Chart,
+    /// Whether it ends where the grid does, at its first and last row and column.
+    is_border: [[bool; 2]; 2],
+}
+
+impl Window {
+    fn around(at: DVec2, grid: Chart) -> Self {
+        let along = |at: f64, points: usize| {
+            let (first, last) =
+                ((at.floor() as usize).saturating_sub(REACH), at.ceil() as usize + REACH);
+            let last = last.min(points - 1);
+            (first, last + 1 - first, [first == 0, last == points - 1])
+        };
+        let (row, rows, rows_end) = along(at.x, grid.rows);
+        let (col, cols, cols_end) = along(at.y, grid.cols);
+        let chart = Chart { rows, cols };
+        Self { first: [row, col], chart, is_border: [rows_end, cols_end] }
+    }
+
+    fn origin(&self) -> DVec2 {
+        let [row, col] = self.first;
+        DVec2::new(row as f64, col as f64)
+    }
+
+    fn contains(&self, at: DVec2) -> bool {
+        let inside = at - self.origin();
+        let last = DVec2::new(self.chart.rows as f64 - 1.0, self.chart.cols as f64 - 1.0);
+        inside.cmpge(DVec2::ZERO).all() && inside.cmple(last).all()
+    }
+
+    /// Its outermost points, but for those on the grid's border.
+    fn rim(&self) -> impl Iterator<Item = (usize, usize)> {
+        let Chart { rows, cols } = self.chart;
+        let [[north, south], [west, east]] = self.is_border;
+        let is_rim = move |row: usize, col: usize| {
+            (row == 0 && !north)
+                || (row == rows - 1 && !south)
+                || (col == 0 && !west)
+                || (col == cols - 1 && !east)
+        };
+        let points = (0..rows).flat_map(move |row| (0..cols).map(move |col| (row, col)));
+        points.filter(move |&(row, col)| is_rim(row, col))
+    }
+
+    /// Places on its outermost lines beside a point there.
+    fn beside(&self, at: DVec2) -> impl Iterator<Item = DVec2> {
+        let is_row = at.x == 0.0 || at.x == self.chart.rows as f64 - 1.0;
+        let along = if is_row { DVec2::Y } else { DVec2::X };
+        let places = BESIDE.into_iter().map(move |share| self.origin() + at + share * along);
+        places.filter(|&place| self.contains(place)).map(|place| place - self.origin())
+    }
+}
+
+/// A way over a place of a window.
+struct Way {
+    at: DVec2,
+    /// From there back to the window's start.
+    first: Trace,
+    rest: Trace,
+}
+
+impl Way {
+    fn time(&self) -> f64 {
+        self.first.length + self.rest.arrival()
+    }
+}
+
+impl Trace {
+    /// When the front arrives at its start by this way.
+    fn arrival(&self) -> f64 {
+        self.initial + self.length
+    }
+
+    fn is_too_long(&self) -> bool {
+        self.length > (1.0 + TOO_LONG) * (self.time - self.initial)
+    }
+}
+
+impl Field<'_> {
+    /// A trace, or a shorter one from the same start where it is longer than the map's value.
+    pub(super) fn shortest(&self, trace: Trace) -> Trace {
+        if !trace.is_too_long() {
+            return trace;
+        }
+        match self.around(&trace) {
+            Some(other) if other.arrival() < trace.arrival() => other,
+            _ => trace,
+        }
+    }
+
+    /// The shortest way over the rim of a window around a path's start, if that does not reach as
+    /// far as its source.
+    fn around(&self, trace: &Trace) -> Option<Trace> {
+        let (&start, &end) = (trace.vertices.first()?, trace.vertices.last()?);
+        let window = Window::around(start, self.chart());
+        if window.contains(end) {
+            return None;
+        }
+        let edges = self.edges.window(window.first, window.chart);
+        let near = self.near(start, &window, &edges)?;
+        let [row, col] = window.first;
+        let time = |(r, c): (usize, usize)| {
+            let rest = self.time(self.chart().bordered(row + r, col + c));
+            near.time(window.chart.bordered(r, c)) + rest
+        };
+        let mut rim: Vec<_> = window.rim().map(|at| (time(at), at)).collect();
+        rim.retain(|(time, _)| *time < f64::INFINITY);
+        rim.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        rim.truncate(TRIED);
+        let points: Vec<_> =
+            rim.iter().map(|&(_, (r, c))| DVec2::new(r as f64, c as f64)).collect();
+        let by_point = self.over(&near, window.origin(), &points)?;
+        let places: Vec<_> = window.beside(by_point.at).collect();
+        let by_place = self.over(&near, window.origin(), &places);
+        let Way { at: _, first, rest } = match by_place {
+            Some(way) if way.time() < by_point.time() => way,
+            _ => by_point,
+        };
+        // But for the start, which is exact.
+        let back = first.vertices.iter().rev().skip(1).map(|&vertex| vertex + window.origin());
+        Some(Trace {
+            vertices: once(start).chain(back).chain(rest.vertices.into_iter().skip(1)).collect(),
+            length: first.length + rest.length,
+            time: trace.time,
+            ..rest
+        })
+    }
+
+    /// The shortest way over one of some places in a window.
+    fn over(&self, near: &Field, origin: DVec2, places: &[DVec2]) -> Option<Way> {
+        let rests: Vec<_> = places.iter().map(|&at| at + origin).collect();
+        let ways = near.traces(places).into_iter().zip(self.traces(&rests)).zip(places);
+        ways.filter_map(|((first, rest), &at)| {
+            Some(Way { at, first: first.ok()?, rest: rest.ok()? })
+        })
+        .min_by(|a, b| a.time().total_cmp(&b.time()))
+    }
+
+    /// The map of the distances from a place within a window.
+    fn near<'a>(
+        &self,
+        start: DVec2,
+        window: &Window,
+        edges: &'a EdgeLengths<f32>,
+    ) -> Option<Field<'a>> {
+        let at = start - window.origin();
+        let local = |point: usize| {
+            let (row, col) = (point / self.chart().stride() - 1, point % self.chart().stride() - 1);
+            (row - window.first[0], col - window.first[1])
+        };
+        let seeds: Vec<_> = match self.place(start)? {
+            Place::Point(point) => {
+                let (row, col) = local(point);
+                vec![Seed::at_source(row, col, 0.0)]
+            }
+            place => self
+                .corners(place)
+                .map(|(point, away)| {
+                    let (row, col) = local(point);
+                    let curvature = (1.0 / away).min(Seed::AT_SOURCE);
+                    Seed { row, col, time: away, curvature }
+                })
+                .collect(),
+        };
+        let mut solver = RotatedScan::new(edges, Wavefront::Curved);
+        solver.solve(&seeds, STOP);
+        let chart = window.chart;
+        let mut times = vec![f32::INFINITY; chart.bordered_points()];
+        for (row, distances) in solver.distances().chunks(chart.cols).enumerate() {
+            times[chart.bordered(row, 0)..][..chart.cols].copy_from_slice(distances);
+        }
+        let there = |point: usize| times[point] < f32::INFINITY;
+        let goals = Goals::new(chart, &Sources::point(at.x, at.y), there);
+        Some(Field { edges, times, start: 0.0, goals })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Paths;
+    use crate::surface::builtin::Builtin;
+
+    /// A path that has been bent aside is replaced by the straight one, and a straight one is kept.
+    #[test]
+    fn a_detour_is_cut_short() {
+        const POINTS: usize = 81;
+        let surface = Builtin::Plane.surface(POINTS, POINTS).unwrap();
+        let edges = EdgeLengths::new(&surface).unwrap();
+        let (source, start) = (DVec2::new(5.0, 7.0), DVec2::new(60.25, 66.5));
+        let sources = Sources::point(source.x, source.y);
+        let map = Builtin::Plane.exact_distances(POINTS, POINTS, source.to_array()).unwrap();
+        let map: Vec<_> = map.into_iter().map(|distance| distance as f32).collect();
+        let paths = Paths::new(&surface, &edges, &sources, &map).unwrap();
+        let exact = start.distance(source) / (POINTS - 1) as f64;
+        let trace = |length| Trace {
+            vertices: vec![start, source],
+            time: exact,
+            length,
+            source: 0,
+            initial: 0.0,
+        };
+        let kept = paths.field.shortest(trace((1.0 + 0.9 * TOO_LONG) * exact));
+        assert_eq!(kept.vertices, [start, source]);
+        let shorter = paths.field.shortest(trace(1.01 * exact));
+        let (first, last) = (shorter.vertices[0], shorter.vertices[shorter.vertices.len() - 1]);
+        assert_eq!((first, last), (start, source));
+        assert!((shorter.length - exact).abs() < 1e-5 * exact, "{} {exact}", shorter.length);
+        for vertex in &shorter.vertices[1..] {
+            let on_line =
+                (vertex.x - vertex.x.round()).abs().min((vertex.y - vertex.y.round()).abs());
+            assert!(on_line < 1e-12, "{vertex}");
+        }
+    }
+}
