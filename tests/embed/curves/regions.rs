@@ -350,8 +350,8 @@ fn curves_of_many_sources_have_the_regions_of_curves() {
 }
 
 /// A few points around a close pair decide all that lies behind it, so that a border there turns about
-/// the pair, and all the wrong labels lie between it and where it should be. Measured: 18.2 and 5.7
-/// degrees, and where both are grid points 1.9 at most.
+/// the pair, and all the wrong labels lie between it and where it should be. Measured: 17.5 and 4.8
+/// degrees, and nothing beyond a cell from the border where both are grid points.
 #[test]
 fn borders_behind_close_pairs_turn_by_a_bounded_angle() {
     let chart = Chart { rows: 97, cols: 97 };
@@ -362,10 +362,10 @@ fn borders_behind_close_pairs_turn_by_a_bounded_angle() {
     // A pair, and the largest angle in degrees.
     for ([a, b], most) in [
         ([[48.2, 48.3], [48.7, 48.8]], 20.0),
-        ([[48.25, 48.5], [49.5, 49.25]], 7.0),
+        ([[48.25, 48.5], [49.5, 49.25]], 6.0),
         ([[48.0, 48.0], [48.0, 49.0]], 1.0),
         ([[48.0, 48.0], [49.0, 50.0]], 1.0),
-        ([[48.0, 48.0], [49.0, 51.0]], 3.0),
+        ([[48.0, 48.0], [49.0, 51.0]], 1.0),
     ] {
         let sources = at(&[a, b]);
         let found = atlas.find(SourceInput::Inline(&sources));
