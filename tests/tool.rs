@@ -59,6 +59,27 @@ fn the_nearest_source_counts_with_its_start_value() {
 }
 
 #[test]
+fn start_values_have_digits_left_for_distances() {
+    let bench = Bench::new();
+    for start in ["1e39", "-1e39", "1e30"] {
+        let output = bench.distance("builtin:plane:30x40", &format!("-s 1,2,{start} -o map.npy"));
+        bench.refuses(&output, &["initial value", "source 1,2", "5e29", "subtract the smallest"]);
+    }
+    let said = |words: &str| {
+        let output = bench.distance("builtin:plane:30x40", &format!("{words} -o map.npy"));
+        assert!(output.status.success(), "{}", stderr(&output));
+        stderr(&output)
+    };
+    let all = said("-s 1,2,1e8 -s 3,4,100000001");
+    assert!(all.contains("note: distances beyond a start value of 100000001"), "{all}");
+    assert!(all.contains("subtract the smallest, 100000000, from all"), "{all}");
+    let one = said("-s 1,2 -s 3,4,1e8");
+    assert!(one.contains("rounded") && !one.contains("subtract"), "{one}");
+    // Points are a 39th apart, and 12.5 is rounded by 7e-7.
+    assert_eq!(said("-s 1,2,12.5 -s 3,4"), "");
+}
+
+#[test]
 fn engines_and_fronts_can_be_chosen() {
     let bench = Bench::new();
     for (words, key, value) in [

@@ -89,6 +89,7 @@ pub fn run(args: &Args) -> Outcome {
         args.solve(&scene.surface, &sources, &options)?
     };
     args.comment(&scene.surface, &solved);
+    problem::comment_on_starts(&scene.surface, &sources);
     outputs.write(&scene, &sources, &solved)?;
     if args.json {
         print(serde_json::to_string(&Summary::new(&scene.surface, args, &solved))?)?;

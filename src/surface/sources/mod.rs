@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::Surface;
+use super::{FAR, Surface};
 pub(crate) use cell::{corner_weights, grid_crossings};
 use pieces::{Pieces, Vertex, bends};
 
@@ -30,6 +30,9 @@ pub enum Source {
         initial: f64,
     },
 }
+
+/// Initial values are smaller than this, so that the difference of two of them lies below [`FAR`].
+const LARGEST_INITIAL: f64 = 0.5 * FAR;
 
 /// The sources of one distance map: the distance to the nearest of them, initial values
 /// included, is what the map holds.
@@ -107,8 +110,10 @@ pub enum SourceError {
         /// Column of that point.
         col: usize,
     },
-    /// An initial value is NaN or infinite.
-    #[error("the initial value {initial} of source {row},{col} is not finite")]
+    /// An initial value is NaN, infinite or too large for single precision.
+    #[error(
+        "the initial value {initial} of source {row},{col} is not a finite number below {LARGEST_INITIAL:e} in size; subtract the smallest initial value from all, or choose a larger unit"
+    )]
     Initial {
         /// Row of the source.
         row: f64,
@@ -120,6 +125,15 @@ pub enum SourceError {
     /// A curve has no vertex.
     #[error("a source curve has no vertex; give at least one row and column")]
     EmptyCurve,
+}
+
+impl Source {
+    /// Arrival time at the source.
+    pub fn initial(&self) -> f64 {
+        match self {
+            Self::Point { initial, .. } | Self::Curve { initial, .. } => *initial,
+        }
+    }
 }
 
 impl FromIterator<Source> for Sources {
@@ -168,17 +182,12 @@ impl Sources {
     /// Whether all sources have the same initial value.
     pub(crate) fn start_together(&self) -> bool {
         let start = self.start();
-        self.iter().all(|source| match source {
-            Source::Point { initial, .. } | Source::Curve { initial, .. } => *initial == start,
-        })
+        self.iter().all(|source| source.initial() == start)
     }
 
     /// The smallest initial value.
     pub fn start(&self) -> f64 {
-        let initial = |source: &Source| match source {
-            Source::Point { initial, .. } | Source::Curve { initial, .. } => *initial,
-        };
-        self.iter().map(initial).fold(f64::INFINITY, f64::min)
+        self.iter().map(Source::initial).fold(f64::INFINITY, f64::min)
     }
 
     /// Initial values at grid points, in row-major order, the smallest where several meet.
@@ -216,7 +225,7 @@ impl Sources {
                     *initial
                 }
             };
-            if !initial.is_finite() {
+            if initial.is_nan() || initial.abs() >= LARGEST_INITIAL {
                 let at = pieces.first();
                 return Err(SourceError::Initial { row: at.x, col: at.y, initial });
             }
@@ -384,5 +393,19 @@ mod tests {
         assert_eq!(Sources::default().seeds(&surface), Err(SourceError::None));
         let infinite = Sources::default().and_point(0.0, 0.0, f64::INFINITY).seeds(&surface);
         assert!(matches!(infinite, Err(SourceError::Initial { .. })));
+    }
+
+    #[test]
+    fn initial_values_that_single_precision_lacks_are_refused() {
+        for initial in [f64::NAN, f64::INFINITY, 1e39, -1e39, 1e30] {
+            let point = Sources::default().and_point(1.0, 2.0, initial).seeds(&flat(5, 6));
+            let Err(SourceError::Initial { row: 1.0, col: 2.0, .. }) = point else {
+                panic!("{initial}: {point:?}")
+            };
+            let curve = Sources::default().and_curve([[1.0, 2.0], [3.0, 2.0]], initial);
+            let curve = curve.seeds(&flat(5, 6)).unwrap_err().to_string();
+            assert!(curve.contains("initial value") && curve.contains("5e29"), "{curve}");
+        }
+        assert!(Sources::default().and_point(1.0, 2.0, -1e29).seeds(&flat(5, 6)).is_ok());
     }
 }

@@ -82,10 +82,7 @@ pub fn scale_of(map: &DistanceMap, sources: &Sources) -> Scale {
 
 /// The smallest distance, which need not occur at a grid point.
 fn start(sources: &Sources) -> f32 {
-    let initial = sources.iter().map(|source| match source {
-        Source::Point { initial, .. } | Source::Curve { initial, .. } => *initial as f32,
-    });
-    initial.fold(f32::INFINITY, f32::min)
+    sources.start() as f32
 }
 
 /// Mean distance between columns over mean distance between rows, heights seen from above.

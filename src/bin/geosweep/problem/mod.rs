@@ -13,7 +13,8 @@ mod surface;
 use std::path::Path;
 
 use geosweep::surface::builtin::Builtin;
-use geosweep::{DistanceMap, Options, Report, Sources, distance_map};
+use geosweep::surface::{Direction, EdgeLengths, Real};
+use geosweep::{DistanceMap, Options, Report, Sources, Surface, distance_map};
 
 pub use args::{Problem, ProblemArgs};
 pub use curve_files::CurveFiles;
@@ -51,6 +52,7 @@ pub fn solve(
     let _spinner = Spinner::new("computing distances");
     let map = distance_map(&scene.surface, sources, options)?;
     comment(&map.report, solver);
+    comment_on_starts(&scene.surface, sources);
     Ok(map)
 }
 
@@ -75,6 +77,51 @@ pub fn comment(report: &Report, solver: &SolverArgs) {
         let points = report.points;
         say("note", format_args!("{unreached} of {points} points cannot be reached"));
     }
+}
+
+/// Says where start values leave too few of single precision's digits to the distances.
+pub fn comment_on_starts(surface: &Surface, sources: &Sources) {
+    let rounded = |start: f64| start.abs() * 0.5 * f64::from(f32::EPSILON);
+    let largest = sources.iter().map(|source| source.initial().abs()).fold(0.0, f64::max);
+    // Surfaces are measured only where it may matter.
+    if largest == 0.0 {
+        return;
+    }
+    let Some(edge) = EdgeLengths::new(surface).ok().as_ref().and_then(mean_edge) else { return };
+    if rounded(largest) > ROUNDING * edge {
+        let smallest = sources.start();
+        let advice = match rounded(smallest) > ROUNDING * edge {
+            true => format!("; subtract the smallest, {smallest}, from all"),
+            false => String::new(),
+        };
+        say(
+            "note",
+            format_args!(
+                "distances beyond a start value of {largest} are rounded by up to {:.1e}, where \
+                 neighbouring points are {edge:.1e} apart{advice}",
+                rounded(largest)
+            ),
+        );
+    }
+}
+
+/// Rounding of distances that is worth a word, as a fraction of a typical edge.
+const ROUNDING: f64 = 1e-3;
+
+/// The mean length of the edges along rows and columns.
+fn mean_edge(edges: &EdgeLengths<f32>) -> Option<f64> {
+    let chart = edges.chart();
+    let (mut sum, mut count) = (0.0, 0u32);
+    for (row, col) in (0..chart.points()).map(|point| chart.position(point)) {
+        for to in [Direction::East, Direction::North] {
+            let length = edges.length(row, col, to);
+            if length < f32::FAR {
+                sum += f64::from(length);
+                count += 1;
+            }
+        }
+    }
+    (count > 0).then(|| sum / f64::from(count))
 }
 
 pub fn warn_of_no_convergence(iterations: u32, residual: f64, tolerance: f64) {
