@@ -259,6 +259,30 @@ fn compare_measures_and_its_status_tells() {
     }
     bench.refuses(&bench.run(["compare", &a, &other]), &["2 x 3", "3 x 2"]);
     bench.refuses(&bench.run(["compare", &a, "missing.npy"]), &["missing.npy"]);
+    for (name, value) in [("nan.npy", f64::NAN), ("below.npy", -inf)] {
+        let wrong = bench.array(name, &[2, 3], &[0.0, 1.0, 2.0, 4.0, value, inf]);
+        for pair in [[&wrong, &a], [&a, &wrong], [&wrong, &wrong]] {
+            let output = bench.run(["compare"].into_iter().chain(pair.map(|name| &**name)));
+            bench.refuses(&output, &[name, "row 1, column 1", "+infinity"]);
+        }
+    }
+    // No scale: nothing is reached, or nothing is far.
+    let none = bench.array("none.npy", &[2, 3], &[inf; 6]);
+    let zero = bench.array("zero.npy", &[2, 3], &[0.0; 6]);
+    for (pair, status, part) in [
+        ([&none, &none], 0, "equal: neither map reaches any point"),
+        ([&none, &zero], 1, "no point is finite in both"),
+        ([&zero, &none], 1, "in A: 6, in B: 0"),
+        ([&zero, &zero], 0, "over 6 points"),
+        ([&a, &zero], 1, "3.500e0 (at row 1, column 0)"),
+    ] {
+        let output = bench.run(["compare"].into_iter().chain(pair.map(|name| &**name)));
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(output.status.code(), Some(status), "{text}");
+        assert!(text.contains(part) && !text.contains(" of "), "{text}");
+    }
+    let found = json(&bench.run(["compare", &none, &none, "--json"]));
+    assert_eq!((&found["at"], &found["scale"]), (&Value::Null, &Value::Null));
     bench.refuses(&bench.run(["compare", &a, &b, "--tolerance", "nan"]), &["tolerance"]);
 }
 
