@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use geosweep::Spacing;
 use geosweep::io::{
-    Grid, IoError, MapFormat, SurfaceFile, read_curve, read_map, read_mask, read_metric,
+    Grid, IoError, MapFormat, SurfaceFile, read_curves, read_map, read_mask, read_metric,
     read_slowness, write_npy,
 };
 use geosweep::surface::Geometry;
@@ -172,7 +172,14 @@ fn every_array_finds_its_meaning() {
     assert_eq!(read_slowness(&path).unwrap().values, [2.0; ROWS * COLS]);
 
     let path = folder.file("c.npy", &npy(&[2, 2], &[1.0, 2.0, 3.0, 4.5]));
-    assert_eq!(read_curve(&path).unwrap(), [[1.0, 2.0], [3.0, 4.5]]);
+    assert_eq!(read_curves(&path).unwrap(), [[[1.0, 2.0], [3.0, 4.5]]]);
+    let mut table = [7.0; 15];
+    (table[0], table[1], table[10], table[11]) = (1.0, 2.0, 3.0, 4.5);
+    table[5..10].fill(f64::NAN);
+    let path = folder.file("t.npy", &npy(&[3, 5], &table));
+    assert_eq!(read_curves(&path).unwrap(), [[[1.0, 2.0]], [[3.0, 4.5]]]);
+    let path = folder.file("w.npy", &npy(&[5, 3], &table));
+    assert!(read_curves(&path).unwrap_err().to_string().contains("(K, 2)"));
 
     let mut pixels = [255; ROWS * COLS];
     pixels[4] = 0;

@@ -7,7 +7,7 @@ use std::fs;
 use std::io::Cursor;
 use std::process::Output;
 
-use bench::{Bench, json, stderr};
+use bench::{Bench, json, map, stderr};
 use geosweep::glam::{DVec2, DVec3};
 use geosweep::io::read_map;
 use geosweep::surface::builtin::Builtin;
@@ -510,6 +510,48 @@ fn samples_are_far_from_one_another() {
         let line = format!("sample {flat} --spacing 1 {rest} -o s.npy");
         bench.refuses(&run(&bench, &line), &[part]);
     }
+}
+
+/// What one command writes, the others read.
+#[test]
+fn samples_and_curves_are_inputs_too() {
+    let bench = Bench::new();
+    let plane = "builtin:plane:17x19 --engine cpu";
+    done(&bench, "sample builtin:plane:17x19 -k 5 -o s.csv -o s.npy");
+    let samples = curves(&read(&bench, "s.npy")).concat();
+    assert_eq!(samples.len(), 5);
+
+    // Samples of a table are points.
+    let words: Vec<_> = samples.iter().map(|v| format!("-s {},{}", v[0], v[1])).collect();
+    done(&bench, &format!("distance {plane} -o points.npy {}", words.join(" ")));
+    done(&bench, &format!("distance {plane} -o table.npy --source-curve s.csv"));
+    assert_eq!(map(&bench.output("points.npy")), map(&bench.output("table.npy")));
+
+    let ends = |file: &str| {
+        let line = format!("path {plane} -s 8,9 -o p.npy --json --from-file {file}");
+        let report = json(&done(&bench, &line));
+        report["paths"].as_array().unwrap().iter().map(|path| path["from"].clone()).collect()
+    };
+    let [from_csv, from_npy]: [Vec<Value>; 2] = ["s.csv", "s.npy"].map(ends);
+    assert_eq!((from_csv.len(), &from_csv), (5, &from_npy));
+    for format in ["csv", "npy"] {
+        let line = format!("pairwise builtin:plane:17x19 --sources s.{format} -o {format}-d.npy");
+        done(&bench, &line);
+    }
+    assert_eq!(map(&bench.output("csv-d.npy")), map(&bench.output("npy-d.npy")));
+
+    // Curves stay apart: nothing between two circles is a source.
+    done(&bench, &format!("contours {plane} -s 4,4 -s 12,14 --levels 0.1 -o c.csv -o c.npy"));
+    for format in ["csv", "npy"] {
+        done(&bench, &format!("distance {plane} --source-curve c.{format} -o {format}.npy"));
+    }
+    let distances = map(&bench.output("csv.npy"));
+    assert_eq!(distances, map(&bench.output("npy.npy")));
+    assert!(distances[8 * 19 + 9] > 0.2, "{}", distances[8 * 19 + 9]);
+    let bench = Bench::new();
+    let named = bench.input("xy.csv", "x,y\n1,2\n");
+    let refused = run(&bench, &format!("distance {plane} --source-curve {named} -o d.npy"));
+    bench.refuses(&refused, &["xy.csv", "header `x,y`", "row and col"]);
 }
 
 #[test]

@@ -22,7 +22,7 @@ mod png;
 mod surface_file;
 mod tiff;
 
-pub use arrays::{Grid, read_curve, read_mask, read_metric, read_points, read_slowness};
+pub use arrays::{Grid, read_curves, read_mask, read_metric, read_points, read_slowness};
 pub use atomic::{OutputFile, StagedFile};
 pub use curves::{Attribute, CurveFormat, Drawing, Polyline};
 pub use error::IoError;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use geosweep::geometry::{CurveError, Path, PathError, Paths};
-use geosweep::io::{Attribute, IoError, Polyline, StagedFile, read_curve};
+use geosweep::io::{Attribute, IoError, Polyline, StagedFile, read_curves};
 use geosweep::surface::EdgeLengths;
 use serde::Serialize;
 
@@ -27,8 +27,9 @@ pub struct Args {
     #[arg(long, value_name = "R,C", value_parser = place, allow_hyphen_values = true)]
     #[arg(required_unless_present = "from_file")]
     from: Vec<[f64; 2]>,
-    /// A file of starts, after those of --from: an .npy array (K, 2) of rows and columns, or a text
-    /// file with a line `row,col` for each
+    /// A file of starts, after those of --from: an .npy array (K, 2) of rows and columns or (K, 5) as
+    /// `geosweep sample` writes, or a text file with a line `row,col` for each, which may have more
+    /// columns if its first line names them
     #[arg(long, value_name = "FILE")]
     from_file: Option<PathBuf>,
 
@@ -93,8 +94,8 @@ pub fn run(args: &Args) -> Outcome {
 
 impl Args {
     fn starts(&self) -> Result<Vec<[f64; 2]>, IoError> {
-        let file = self.from_file.as_deref().map(read_curve).transpose()?;
-        Ok(self.from.iter().copied().chain(file.unwrap_or_default()).collect())
+        let file = self.from_file.as_deref().map(read_curves).transpose()?;
+        Ok(self.from.iter().copied().chain(file.unwrap_or_default().concat()).collect())
     }
 }
 

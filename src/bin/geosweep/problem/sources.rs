@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use geosweep::Sources;
-use geosweep::io::{IoError, read_curve};
+use geosweep::io::{IoError, read_curves};
 
 use super::numbers;
 
@@ -15,8 +15,10 @@ pub struct SourceArgs {
     #[arg(short, long, value_name = "R,C[,T0]", group = "sources", help_heading = "Sources")]
     #[arg(value_parser = point, allow_hyphen_values = true)]
     source: Vec<[f64; 3]>,
-    /// A curve, every point of which is a source: an .npy array (K, 2) of rows and columns, or a
-    /// text file with a line `row,col` per vertex; repeatable
+    /// Curves, every point of which is a source: an .npy array (K, 2) of rows and columns of one
+    /// curve, or (K, 5) as this tool writes curves, which rows of NaN divide; or a text file with a
+    /// line `row,col` per vertex, which may have more columns if its first line names them, where
+    /// `curve` divides curves and 1 in `closed` closes them; repeatable
     #[arg(long, value_name = "FILE", group = "sources", help_heading = "Sources")]
     pub source_curve: Vec<PathBuf>,
 }
@@ -40,8 +42,9 @@ impl SourceArgs {
         let points = self.source.iter().fold(Sources::default(), |sources, &[row, col, start]| {
             sources.and_point(row, col, start)
         });
-        self.source_curve
-            .iter()
-            .try_fold(points, |sources, path| Ok(sources.and_curve(read_curve(path)?, 0.0)))
+        self.source_curve.iter().try_fold(points, |sources, path| {
+            let curves = read_curves(path)?.into_iter();
+            Ok(curves.fold(sources, |sources, curve| sources.and_curve(curve, 0.0)))
+        })
     }
 }
