@@ -210,6 +210,8 @@ fn what_makes_no_matrix_is_refused() {
     refuses("-o d.npy --sources 0..9 --upper", &["--upper"]);
     refuses("-o d.npy --sources 0..9 --symmetrize", &["--symmetrize"]);
     refuses("-o d.npy --wavefront curved --from-symmetry", &["point-source"]);
+    refuses("-o d.npy --schedule tiles", &["schedule", "single maps", "leave"]);
+    refuses("-o d.npy --engine vulkan --schedule raster", &["schedule", "single maps"]);
     refuses("-o d.npy --engine fast-marching --from-symmetry", &["CPU"]);
     let off = bench.input("off.txt", "3,15\n");
     refuses(&format!("-o d.npy --sources {off}"), &["off.txt", "15", "0 to 14"]);

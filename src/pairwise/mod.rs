@@ -53,16 +53,24 @@ pub struct Pairwise<'a> {
 
 impl<'a> Pairwise<'a> {
     /// Prepares a surface. Options mean what they mean for a single map, but for
+    /// [`Options::schedule`], which rows do not have, and
     /// [`Engine::Auto`](crate::Engine::Auto), which is the CPU here. That computes sixteen maps at
     /// once in the lanes of one instruction stream ([`PairwiseScan`](crate::cpu::PairwiseScan)),
     /// curved wavefronts map by map ([`RotatedScan`](crate::cpu::RotatedScan)), on all of rayon's
     /// threads.
     ///
     /// # Errors
-    /// If an option is out of range, an edge of the surface is too long or too short for single
+    /// If an option is out of range, a schedule is given, an edge of the surface is too long or too short for single
     /// precision, or the Vulkan device asked for cannot be used.
     pub fn new(surface: &'a Surface, options: &Options) -> Result<Self, Error> {
         let stop = options.stop(surface)?;
+        if options.schedule.is_some() {
+            return Err(Error::Options(
+                "a schedule is for single maps; the rows of a matrix have one order of updates on \
+                 each engine, leave the schedule out"
+                    .into(),
+            ));
+        }
         let wavefront = options.wavefront_from_a_point(surface);
         let engine = RowEngine::new(surface, wavefront, &options.engine)?;
         Ok(Self { surface, engine, wavefront, stop })

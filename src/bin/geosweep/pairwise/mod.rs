@@ -32,7 +32,7 @@ use sources::RowsOf;
 
 /// The arguments of `geosweep pairwise`.
 #[derive(clap::Args)]
-#[command(after_help = examples())]
+#[command(after_help = examples(), mut_arg("schedule", |schedule| schedule.hide(true)))]
 pub struct Args {
     #[command(flatten)]
     surface: SurfaceArgs,
@@ -43,7 +43,8 @@ pub struct Args {
     output: Option<PathBuf>,
     /// Only the rows of these points, (k, n): a range A..B of rows of the matrix, without B; or a
     /// file: .npy, (k,) for rows of the matrix or (k, 2) for rows and columns of the grid, as
-    /// `geosweep sample` writes, or text with a line `row,col` per point
+    /// `geosweep sample` writes, or text with a line `row,col` per point, which may have more columns
+    /// if its first line names them
     #[arg(long, value_name = "A..B|FILE", help_heading = "Matrix")]
     sources: Option<RowsOf>,
     /// Only the rows of k points that are far from one another, (k, n): the point next to the middle

@@ -17,7 +17,7 @@ pub struct SolverArgs {
     #[arg(long, value_name = "NAME|INDEX", help_heading = "Solver")]
     device: Option<String>,
     /// The order of updates on a Vulkan device, the same map from each; any but auto implies
-    /// --engine vulkan
+    /// --engine vulkan, and is for single maps
     #[arg(long, value_enum, default_value_t, help_heading = "Solver")]
     schedule: ScheduleArg,
     /// Stop after this many iterations: of four scans, of two updates of all points, or rounds of
@@ -46,7 +46,7 @@ enum WavefrontArg {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum EngineArg {
-    /// The first usable Vulkan device, else the CPU
+    /// The first usable Vulkan device, else the CPU; for `pairwise` the CPU
     #[default]
     Auto,
     /// A Vulkan device, or an error
