@@ -146,7 +146,7 @@ fn geotiff_in_degrees_asks_for_the_spacing() {
     for (name, bytes, reason) in files {
         let path = folder.file(name, &bytes);
         let error = SurfaceFile::read(&path).unwrap().into_surface(None).unwrap_err().to_string();
-        assert!(error.contains(reason) && error.contains("give the spacing"), "{error}");
+        assert!(error.contains(reason) && error.contains("--spacing"), "{error}");
         let given = Some(Spacing { dx: 74.0, dy: 92.0 });
         let surface = SurfaceFile::read(&path).unwrap().into_surface(given).unwrap();
         assert_eq!(surface.position(1, 1).unwrap().to_array(), [74.0, 92.0, 8.0], "{name}");

@@ -180,7 +180,12 @@ fn curves_on_a_geotiff_lie_where_it_does() {
     let utm = [1024, 0, 1, 1, 3072, 0, 1, 32616];
     let dem = bench.input("dem.tif", geotiff(41, 31, corner, &utm));
     let line = "-s 20,15 --every 100 -o c.geojson --engine cpu";
-    done(&bench, &format!("contours {dem} {line}"));
+    let output = done(&bench, &format!("contours {dem} {line}"));
+    assert!(stderr(&output).contains("dem.tif: pixel size and heights are taken as metres"));
+    let said =
+        bench.input("said.tif", geotiff(41, 31, corner, &[&utm[..], &[3076, 0, 1, 9001]].concat()));
+    let output = done(&bench, &format!("contours {said} -s 20,15 --every 100 --json"));
+    assert!(!stderr(&output).contains("metres"), "{}", stderr(&output));
     let file: Value = serde_json::from_str(&text(&bench, "c.geojson")).unwrap();
     assert_eq!(file["crs"]["properties"]["name"], "urn:ogc:def:crs:EPSG::32616");
     // Pixels lie by their middles: half a pixel from the corner.

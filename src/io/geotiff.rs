@@ -4,7 +4,7 @@
 use ::tiff::TiffResult;
 use ::tiff::tags::Tag;
 
-use super::surface_file::FileSpacing;
+use super::surface_file::{FileSpacing, LinearUnit};
 use super::tiff::TiffDecoder;
 use super::{CoordinateSystem, Georeference};
 use crate::surface::Spacing;
@@ -19,7 +19,10 @@ mod geo_key {
     pub const GEOGRAPHIC_SYSTEM: u16 = 2048;
     pub const PROJECTED_SYSTEM: u16 = 3072;
     pub const PROJECTED_LINEAR_UNITS: u16 = 3076;
+    pub const VERTICAL_UNITS: u16 = 4099;
     pub const METRE: u16 = 9001;
+    pub const FOOT: u16 = 9002;
+    pub const US_SURVEY_FOOT: u16 = 9003;
     /// EPSG codes end below; above are "undefined" and "user-defined".
     pub const LARGEST_CODE: u16 = 32766;
 }
@@ -73,15 +76,41 @@ impl GeoTags {
                 "the file gives its pixel size in degrees, or does not say in what unit",
             );
         }
-        let unit = self.key(geo_key::PROJECTED_LINEAR_UNITS);
-        if unit.is_some_and(|unit| unit != geo_key::METRE) {
-            return FileSpacing::Unusable(
-                "the file gives its pixel size in a unit other than metres",
-            );
-        }
+        let unit = match self.unit() {
+            Ok(unit) => unit,
+            Err(why) => return FileSpacing::Unusable(why),
+        };
         match scale[..] {
-            [dx, dy, ..] => FileSpacing::Known(Spacing { dx, dy }),
+            [dx, dy, ..] => FileSpacing::Known(Spacing { dx, dy }, unit),
             _ => FileSpacing::Unusable("the file's pixel size is incomplete"),
+        }
+    }
+
+    /// The unit of pixel sizes and heights, which must be one.
+    fn unit(&self) -> Result<LinearUnit, &'static str> {
+        let across = self.key(geo_key::PROJECTED_LINEAR_UNITS);
+        let name = |unit| match unit {
+            geo_key::METRE => Some("m"),
+            geo_key::FOOT => Some("ft"),
+            geo_key::US_SURVEY_FOOT => Some("US ft"),
+            _ => None,
+        };
+        // Heights are in metres unless the file says otherwise.
+        match (across, self.key(geo_key::VERTICAL_UNITS).unwrap_or(geo_key::METRE)) {
+            (None, geo_key::METRE) => Ok(LinearUnit { name: name(geo_key::METRE), said: false }),
+            (None, _) => {
+                Err("the file gives its heights in a unit other than metres, and does not \
+                              say in what unit its pixel size is (key ProjLinearUnits)")
+            }
+            (Some(across), up) if across == up && across <= geo_key::LARGEST_CODE => {
+                Ok(LinearUnit { name: name(across), said: true })
+            }
+            (Some(geo_key::METRE), _) => {
+                Err("the file gives its heights in a unit other than its \
+                                              pixel size's, which is in metres")
+            }
+            _ => Err("the file gives its pixel size in a unit other than metres, and not its \
+                      heights in the same"),
         }
     }
 
@@ -185,5 +214,31 @@ mod tests {
         assert!(missing(tags(&[1, 1, 0, 1, 1024, 0, 1, 1])).contains("ProjectedCRS"));
         let user_defined = [1, 1, 0, 2, 1024, 0, 1, 2, 2048, 0, 1, 32767];
         assert!(missing(tags(&user_defined)).contains("GeodeticCRS"));
+    }
+
+    #[test]
+    fn pixel_sizes_count_where_heights_are_in_the_same_unit() {
+        let spacing = |units: &[[u16; 2]]| {
+            let entries = units.iter().flat_map(|&[key, unit]| [key, 0, 1, unit]);
+            tags(&UTM.into_iter().chain(entries).collect::<Vec<_>>()).spacing()
+        };
+        let known = |name, said| {
+            FileSpacing::Known(Spacing { dx: 30.0, dy: 20.0 }, LinearUnit { name, said })
+        };
+        assert_eq!(spacing(&[]), known(Some("m"), false));
+        assert_eq!(spacing(&[[4099, 9001]]), known(Some("m"), false));
+        assert_eq!(spacing(&[[3076, 9001]]), known(Some("m"), true));
+        assert_eq!(spacing(&[[3076, 9003], [4099, 9003]]), known(Some("US ft"), true));
+        assert_eq!(spacing(&[[3076, 9036], [4099, 9036]]), known(None, true));
+        for units in [
+            &[[3076, 9001], [4099, 9002]][..],
+            &[[3076, 9002]],
+            &[[3076, 9002], [4099, 9003]],
+            &[[4099, 9002]],
+            &[[3076, 32767], [4099, 32767]],
+        ] {
+            let found = spacing(units);
+            assert!(matches!(found, FileSpacing::Unusable(_)), "{units:?}: {found:?}");
+        }
     }
 }

@@ -37,10 +37,19 @@ enum Content {
 pub(super) enum FileSpacing {
     /// Nothing.
     Unknown,
-    /// A distance.
-    Known(Spacing),
+    /// A distance, in the unit of the heights.
+    Known(Spacing, LinearUnit),
     /// Something of no use, and why.
     Unusable(&'static str),
+}
+
+/// The unit of lengths in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct LinearUnit {
+    /// If it is a usual one.
+    pub name: Option<&'static str>,
+    /// Whether the file says it, or it is what files without a word mean.
+    pub said: bool,
 }
 
 impl SurfaceFile {
@@ -73,6 +82,13 @@ impl SurfaceFile {
         matches!(self.content, Content::Heights(_, FileSpacing::Unknown))
     }
 
+    /// Whether the file holds heights and the distance between its points on a map, and leaves it
+    /// to the reader that this is in metres.
+    pub fn assumes_metres(&self) -> bool {
+        let Content::Heights(_, FileSpacing::Known(_, unit)) = self.content else { return false };
+        !unit.said
+    }
+
     /// Where on the Earth the grid's points lie.
     ///
     /// # Errors
@@ -81,9 +97,11 @@ impl SurfaceFile {
         self.georeference.clone().map_err(|reason| IoError::content(&self.path, reason))
     }
 
-    /// The unit of lengths, if the file says it: `m` for projected GeoTIFFs in metres.
+    /// The unit of lengths, if the file has one: `m` for projected GeoTIFFs in metres, `ft` or `US ft`
+    /// where pixel sizes and heights are in feet.
     pub fn unit(&self) -> Option<&'static str> {
-        matches!(self.content, Content::Heights(_, FileSpacing::Known(_))).then_some("m")
+        let Content::Heights(_, FileSpacing::Known(_, unit)) = self.content else { return None };
+        unit.name
     }
 
     /// The surface. Heights take the given spacing, else the file's, else 1.
@@ -116,10 +134,11 @@ impl SurfaceFile {
             }
             Content::Heights(Grid { rows, cols, values }, from_file) => {
                 let spacing = match (spacing, from_file) {
-                    (Some(spacing), _) | (None, FileSpacing::Known(spacing)) => spacing,
+                    (Some(spacing), _) | (None, FileSpacing::Known(spacing, _)) => spacing,
                     (None, FileSpacing::Unknown) => Spacing::square(1.0),
                     (None, FileSpacing::Unusable(why)) => {
-                        let cure = "give the spacing in the unit of the heights (metres, usually)";
+                        let cure = "give the spacing in the unit of the heights (metres, usually), as with \
+                                    the tool's --spacing DX,DY";
                         return Err(IoError::content(&path, format!("{why}; {cure}")));
                     }
                 };

@@ -29,7 +29,7 @@ pub struct PictureArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
     #[arg(help_heading = "Picture")]
     toward: Option<DVec3>,
-    /// The unit of lengths, for the legend (default: m for a projected GeoTIFF, else none)
+    /// The unit of lengths, for the legend (default: what a projected GeoTIFF says, else none)
     #[arg(long, value_name = "NAME", help_heading = "Picture")]
     unit: Option<String>,
 }

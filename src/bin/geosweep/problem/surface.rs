@@ -73,7 +73,7 @@ pub struct Scene {
     shape: Option<Surface>,
     /// Where it lies on the Earth, or why that is not known.
     pub georeference: Result<Georeference, String>,
-    /// The unit of lengths, if the file says it.
+    /// The unit of lengths, if the file has one.
     pub unit: Option<&'static str>,
 }
 
@@ -161,6 +161,17 @@ impl SurfaceArgs {
                         "note",
                         format_args!(
                             "{name}: heights are taken as 1 apart; --spacing says otherwise"
+                        ),
+                    );
+                }
+                if file.assumes_metres() && self.spacing.is_none() {
+                    let name = path.display();
+                    say(
+                        "note",
+                        format_args!(
+                            "{name}: pixel size and heights are taken as metres, since the file \
+                             does not say its unit (GeoTIFF key ProjLinearUnits); --spacing says \
+                             otherwise"
                         ),
                     );
                 }
