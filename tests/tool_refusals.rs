@@ -13,6 +13,7 @@ fn wrong_words_are_refused() {
     let bench = Bench::new();
     let flat = bench.flat(5, 7);
     let positions = bench.array("positions.npy", &[5, 7, 3], &vec![0.5; 105]);
+    let metric = bench.array("metric.npy", &[5, 7, 2, 2], &[1.0, 0.0, 0.0, 1.0].repeat(35));
     for (surface, words, parts) in [
         (&*flat, "-o map.npy", &["--source", "--source-curve"][..]),
         (&flat, "-s 1,1", &["--output"]),
@@ -33,6 +34,7 @@ fn wrong_words_are_refused() {
         (&flat, "-s 1,1 --tolerance -1 -o map.npy", &["tolerance -1"]),
         (&flat, "-s 1,1 --tolerance nan -o map.npy", &["tolerance NaN"]),
         (&flat, "-s 1,1 --device 0 -o map.npy", &["--device", "--engine vulkan"]),
+        (&flat, "-s 1,1 --edges chord --metric METRIC -o map.npy", &["--edges", "leave"]),
         (&flat, "-s 1,1 --wavefront round -o map.npy", &["round", "planar"]),
         ("builtin:plane:0x0", "-s 0,0 -o map.npy", &["0 x 0", "empty"]),
         ("builtin:plane:1000000x1000000", "-s 0,0 -o map.npy", &["too large", "268435456"]),
@@ -40,7 +42,12 @@ fn wrong_words_are_refused() {
         ("builtin:plane", "-s 0,0 -o map.npy", &["ROWSxCOLS"]),
         ("builtin:teapot:9x9", "-s 0,0 -o map.npy", &["teapot", "plane", "torus"]),
     ] {
-        bench.refuses(&bench.distance(surface, words), parts);
+        let words = words.replace("METRIC", &metric);
+        bench.refuses(&bench.distance(surface, &words), parts);
+    }
+    for stop in ["--iterations 3", "--tolerance 1e-3"] {
+        let line = format!("distance {flat} --engine fast-marching -s 1,1 -o map.npy {stop}");
+        bench.refuses(&bench.run(line.split_whitespace()), &["--iterations", "fast marching"]);
     }
 }
 

@@ -80,6 +80,12 @@ pub fn device_choice(text: &str) -> DeviceChoice {
 
 impl SolverArgs {
     pub fn options(&self) -> Result<Options, String> {
+        let stops = self.iterations.is_some() || self.tolerance != DEFAULT_TOLERANCE;
+        if self.engine == EngineArg::FastMarching && stops {
+            return Err("--iterations and --tolerance are for engines that iterate, which fast \
+                        marching does not; leave them out"
+                .into());
+        }
         Ok(Options {
             engine: self.engine()?,
             schedule: self.schedule()?,

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use geosweep::io::{self, Georeference, SurfaceFile};
+use geosweep::surface::Geometry;
 use geosweep::{EdgeRule, Spacing, Surface};
 
 use super::numbers;
@@ -39,15 +40,15 @@ pub struct SurfaceArgs {
     /// and one column (axis 1)
     #[arg(long, value_name = "FILE", help_heading = "Surface")]
     metric: Option<PathBuf>,
-    /// How long the surface is between neighbouring points; a metric has its own lengths
-    #[arg(long, value_enum, default_value_t, help_heading = "Surface")]
-    edges: EdgesArg,
+    /// How long the surface is between neighbouring points (default: arc); a metric has its own
+    /// lengths
+    #[arg(long, value_enum, help_heading = "Surface")]
+    edges: Option<EdgesArg>,
 }
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, ValueEnum)]
 enum EdgesArg {
     /// Along the surface where it bends alike at both ends, else the chord
-    #[default]
     Arc,
     /// Straight: the surface is the polyhedron of its points
     Chord,
@@ -107,9 +108,17 @@ impl Scene {
             surface =
                 surface.with_slowness(slowness).map_err(|e| format!("{}: {e}", path.display()))?;
         }
+        if args.edges.is_some() && matches!(surface.geometry(), Geometry::Metric(_)) {
+            return Err(
+                "--edges is for positions and heights; a metric has its own lengths, leave \
+                        one of them out"
+                    .into(),
+            );
+        }
         let surface = surface.with_edge_rule(match args.edges {
-            EdgesArg::Arc => EdgeRule::Arc,
-            EdgesArg::Chord => EdgeRule::Chord,
+            None => EdgeRule::default(),
+            Some(EdgesArg::Arc) => EdgeRule::Arc,
+            Some(EdgesArg::Chord) => EdgeRule::Chord,
         });
         // A slowness makes times of lengths, another metric may be in another unit.
         let unit = unit.filter(|_| shape.is_none() && surface.slowness().is_none());
