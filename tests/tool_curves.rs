@@ -311,6 +311,9 @@ fn levels_that_the_map_lacks_have_no_curves() {
     let none = "contours builtin:plane:17x17 -s 8,8 --levels 99 --engine cpu -o n.npy -o n.csv";
     done(&bench, none);
     assert!(self::curves(&read(&bench, "n.npy")).concat().is_empty());
+    let wide = "contours builtin:plane:17x17 -s 8,8 --every 1e9 --engine cpu -o n.npy";
+    let said = stderr(&done(&bench, wide));
+    assert!(said.contains("no curve: the distances on the grid run from 0 to 0.7"), "{said}");
 
     let bench = Bench::new();
     for (levels, part) in [
@@ -319,12 +322,43 @@ fn levels_that_the_map_lacks_have_no_curves() {
         ("--every=-2", "positive"),
         ("--every 1e-9", "too many"),
         ("--count 100000", "too many"),
+        ("--count 0", "give 1 or more"),
         ("--count 3 --every 2", "cannot be used with"),
         ("", "--levels"),
     ] {
         let line = format!("contours builtin:plane:17x17 -s 8,8 {levels} -o c.npy --engine cpu");
         bench.refuses(&run(&bench, &line), &[part]);
     }
+}
+
+#[test]
+fn curves_closer_to_a_source_than_the_grid_are_said_to_be_cut() {
+    let bench = Bench::new();
+    let plane = bench.flat(9, 9);
+    let said = |line: &str| {
+        let line = line.replace("PLANE", &format!("{plane} --spacing 1 --engine cpu --json"));
+        let output = done(&bench, &line);
+        let curves = json(&output)["levels"][0]["curves"].as_u64().unwrap();
+        assert!(!String::from_utf8(output.stdout.clone()).unwrap().contains("-0.0"));
+        (curves, stderr(&output))
+    };
+    // The corners of the source's cell are 0.42 to 0.99 away.
+    let (none, text) = said("contours PLANE -s 4.3,4.3 --levels 0.1");
+    assert!(none == 0 && text.contains("no curve at 0.1: the distances on the grid run from 0.42"));
+    let (some, text) = said("contours PLANE -s 4.3,4.3 --levels 0.6");
+    assert!(some > 0 && text.contains("the curves at 0.6 run between"), "{some} {text}");
+    assert_eq!(said("contours PLANE -s 4.3,4.3 --levels 1"), (1, String::new()));
+    // At a point of the grid circles are whole however small.
+    assert_eq!(said("contours PLANE -s 4,4 --levels 0.001"), (1, String::new()));
+    let line = bench.input("line.csv", "4.2,1.5\n4.2,6.5\n");
+    let near = format!("offset PLANE --source-curve {line} --distances 0.3");
+    let (_, text) = said(&near);
+    assert!(text.contains("the curves at 0.3 run between"), "{text}");
+    assert_eq!(said(&near.replace("0.3", "1.5")).1, "");
+
+    let bench = Bench::new();
+    let before = format!("offset {plane} -s 4,4 --engine cpu --distances 1,-1 -o c.npy");
+    bench.refuses(&run(&bench, &before), &["--distances -1", "nearer than the sources"]);
 }
 
 #[test]

@@ -1,12 +1,14 @@
 //! `geosweep contours`: curves of equal distance.
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use geosweep::geometry::{Contour, Levels, contours};
-use geosweep::{DistanceMap, Sources};
+use geosweep::surface::{Source, SourceError};
+use geosweep::{DistanceMap, Sources, Surface};
 
 use crate::level_curves::LevelCurves;
-use crate::problem::{self, CurveFiles, ProblemArgs, numbers};
+use crate::problem::{self, CurveFiles, Problem, ProblemArgs, numbers};
 use crate::{Outcome, say};
 
 /// The arguments of `geosweep contours`.
@@ -39,11 +41,18 @@ struct LevelArgs {
     #[arg(allow_hyphen_values = true)]
     levels: Option<Numbers>,
     /// At so many distances, equally spaced between the smallest and the largest
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count)]
     count: Option<usize>,
     /// At all multiples of a distance
     #[arg(long, value_name = "D", allow_hyphen_values = true)]
     every: Option<f64>,
+}
+
+fn count(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count @ 1..) => Ok(count),
+        _ => Err(format!("`{text}` is no number of distances; give 1 or more")),
+    }
 }
 
 /// Numbers in one argument.
@@ -89,18 +98,58 @@ pub fn run(args: &Args) -> Outcome {
     let problem = args.problem.solve(&files, None, None)?;
     let levels = args.levels.levels().on(&problem.map, &problem.sources)?;
     let found = contours(&problem.map, &problem.sources, &levels);
-    comment(&found, &problem.map, &problem.sources);
+    comment(&found, &problem)?;
+    if found.is_empty() {
+        let [low, high] = extent(&problem.map);
+        say("note", format_args!("no curve: the distances on the grid run from {low} to {high}"));
+    }
     let quantity = args.problem.quantity(&problem.scene);
     LevelCurves { kind: "contour", side: None, problem, found }.write(files, &quantity, args.json)
 }
 
-/// Names the levels that have no curve.
-pub fn comment(found: &[Contour], map: &DistanceMap, sources: &Sources) {
-    let empty = found.iter().filter(|contour| contour.curves.is_empty());
-    let levels: Vec<_> = empty.map(|contour| contour.level.to_string()).collect();
-    if !levels.is_empty() {
-        let (low, high) = (sources.start(), map.report.max_distance);
-        let levels = levels.join(", ");
-        say("note", format_args!("no curve at {levels}: the distances run from {low} to {high}"));
+/// Names the levels that have no curve, or perhaps a part of it.
+pub fn comment(found: &[Contour], problem: &Problem) -> Result<(), SourceError> {
+    let Problem { scene, sources, map, .. } = problem;
+    let levels = |which: &dyn Fn(&Contour) -> bool| {
+        let levels = found.iter().filter(|contour| which(contour));
+        levels.map(|contour| contour.level.to_string()).collect::<Vec<_>>().join(", ")
+    };
+    let none = levels(&|contour| contour.curves.is_empty());
+    if !none.is_empty() {
+        let [low, high] = extent(map);
+        say(
+            "note",
+            format_args!("no curve at {none}: the distances on the grid run from {low} to {high}"),
+        );
     }
+    let near = sources
+        .iter()
+        .map(|source| beside(source, &scene.surface))
+        .collect::<Result<Vec<_>, _>>()?;
+    let cut = levels(&|contour| {
+        !contour.curves.is_empty() && near.iter().any(|near| near.contains(&contour.level))
+    });
+    if !cut.is_empty() {
+        say(
+            "note",
+            format_args!(
+                "the curves at {cut} run between a source and the points of the grid beside it, \
+                 closer than the grid's spacing there, and parts of them are missing; a finer grid \
+                 has them whole"
+            ),
+        );
+    }
+    Ok(())
+}
+
+/// The smallest and the largest distance on the grid.
+fn extent(map: &DistanceMap) -> [f32; 2] {
+    let reached = map.distances.iter().copied().filter(|distance| distance.is_finite());
+    [reached.fold(f32::INFINITY, f32::min), map.report.max_distance]
+}
+
+/// The distances from a source to the points of the grid beside it.
+fn beside(source: &Source, surface: &Surface) -> Result<Range<f64>, SourceError> {
+    let seeds = Sources::from_iter([source.clone()]).seeds(surface)?;
+    Ok(source.initial()..seeds.iter().map(|seed| seed.time).fold(source.initial(), f64::max))
 }

@@ -117,7 +117,8 @@ impl Level {
             curves: curves.len(),
             closed: curves.iter().filter(|curve| curve.closed).count(),
             vertices: curves.iter().map(|curve| curve.vertices.len()).sum(),
-            length: lengths.iter().sum(),
+            // The sum of nothing is -0.
+            length: 0.0 + lengths.iter().sum::<f64>(),
         }
     }
 }

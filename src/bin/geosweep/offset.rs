@@ -69,6 +69,14 @@ pub fn run(args: &Args) -> Outcome {
     let files = CurveFiles::new(&args.output)?;
     let problem = args.problem.solve(&files, None, None)?;
     let Problem { scene, sources, map, .. } = &problem;
+    if let Some(before) = args.distances.0.iter().find(|&&distance| distance < sources.start()) {
+        let start = sources.start();
+        return Err(format!(
+            "--distances {before}: nothing is nearer than the sources, where distances start with \
+             {start}; give more"
+        )
+        .into());
+    }
     let levels = Levels::List(args.distances.0.clone()).on(map, sources)?;
     let side = args.side.side();
     let found = match side {
@@ -78,7 +86,7 @@ pub fn run(args: &Args) -> Outcome {
             offset_curves(&scene.surface, &edges, sources, map, &levels, side)?
         }
     };
-    comment(&found, map, sources);
+    comment(&found, &problem)?;
     let (quantity, side) = (args.problem.quantity(scene), side.map(|(_, name)| name));
     LevelCurves { kind: "offset", side, problem, found }.write(files, &quantity, args.json)
 }
