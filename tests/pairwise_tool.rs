@@ -206,6 +206,10 @@ fn what_makes_no_matrix_is_refused() {
     refuses("-o d.tif", &["d.tif", ".npy"]);
     refuses("-o d.npy --sources 7..7", &["empty range"]);
     refuses("-o d.npy --sources 170..181", &["170..181", "180 points"]);
+    for range in ["3..", "..3", "-1..3", "a..b"] {
+        refuses(&format!("-o d.npy --sources={range}"), &[range, "0..100"]);
+    }
+    refuses("-o d.npy --sources ../nowhere.txt", &["../nowhere.txt", "cannot be read"]);
     refuses("-o d.npy --sources nowhere.txt", &["nowhere.txt"]);
     refuses("-o d.npy --sources 0..9 --upper", &["--upper"]);
     refuses("-o d.npy --sources 0..9 --symmetrize", &["--symmetrize"]);

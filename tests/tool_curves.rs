@@ -542,7 +542,7 @@ fn samples_are_far_from_one_another() {
     let bench = Bench::new();
     for (rest, part) in [
         ("-k 0", "--count 1"),
-        ("-k 3 --first 30,2", "30"),
+        ("-k 3 --first 30,2", "--first 30,2 lies outside the grid"),
         ("-k 3 --first 3", "R,C"),
         ("", "--count"),
     ] {

@@ -1,5 +1,6 @@
 //! `geosweep sample`: points spread over a surface.
 
+use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -82,7 +83,12 @@ pub fn run(args: &Args) -> Outcome {
 
     let edges = EdgeLengths::new(surface)?;
     let first = args.first.unwrap_or_else(|| middle(surface));
-    let (points, samples) = farthest_points(surface, &edges, first, args.count)?;
+    let sampled = farthest_points(surface, &edges, first, args.count);
+    let (points, samples) = sampled.map_err(|error| match error {
+        // The source is a sample here.
+        geosweep::Error::Source(error) => error.to_string().replacen("source", "--first", 1).into(),
+        error => Box::<dyn Error>::from(error),
+    })?;
 
     let polyline = |(index, sample): (usize, &Sample)| {
         let curve = Curve { vertices: vec![[sample.row, sample.col]], closed: false };

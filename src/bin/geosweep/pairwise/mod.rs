@@ -16,7 +16,7 @@ use geosweep::io::{
 };
 use geosweep::pairwise::{Pairwise, PairwiseReport, Rows};
 use geosweep::surface::{Chart, EdgeLengths};
-use geosweep::{Engine, Surface};
+use geosweep::{DeviceChoice, Engine, Surface};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
@@ -264,7 +264,9 @@ impl Args {
         let engine = match &options.engine {
             Engine::Auto | Engine::Cpu => "cpu".into(),
             Engine::FastMarching => "fast-marching".into(),
-            Engine::Vulkan(device) => format!("vulkan {device:?}"),
+            Engine::Vulkan(DeviceChoice::Any) => "vulkan".into(),
+            Engine::Vulkan(DeviceChoice::Name(name)) => format!("vulkan on {name}"),
+            Engine::Vulkan(DeviceChoice::Index(index)) => format!("vulkan on device {index}"),
         };
         let sources = match sources {
             [first, .., last] if last - first + 1 == sources.len() && sources.is_sorted() => {

@@ -18,13 +18,21 @@ impl FromStr for RowsOf {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let ends = text.split_once("..").map(|(first, end)| (first.parse(), end.parse()));
-        match ends {
-            Some((Ok(first), Ok(end))) if first < end => Ok(Self::Range(first..end)),
-            Some((Ok(first), Ok(end))) => {
+        // A path that leads upwards has two points too, and a slash beside them.
+        let file = || Ok(Self::File(text.into()));
+        let Some((first, end)) = text.split_once("..") else { return file() };
+        if [first, end].iter().any(|end| end.contains(['/', '\\', '.'])) {
+            return file();
+        }
+        match (first.parse(), end.parse()) {
+            (Ok(first), Ok(end)) if first < end => Ok(Self::Range(first..end)),
+            (Ok(first), Ok(end)) => {
                 Err(format!("{first}..{end} is an empty range; it goes from A to before B"))
             }
-            _ => Ok(Self::File(text.into())),
+            _ => Err(format!(
+                "`{text}` is no range of rows; it goes from A to before B, as in 0..100, both whole \
+                 numbers (./{text} is a file)"
+            )),
         }
     }
 }
