@@ -230,6 +230,26 @@ fn pictures_show_the_map_and_have_a_sensible_size() {
 }
 
 #[test]
+fn a_map_is_written_only_if_it_is_asked_for() {
+    let bench = Bench::new();
+    let report = json(&bench.distance("builtin:plane:9x9", "-s 1,1 --json"));
+    assert_eq!(report["reached"], 81);
+    assert_eq!(bench.outputs(), [""; 0]);
+    for (unit, picture) in [("", "bare.png"), ("--unit furlongs", "named.png")] {
+        let words = format!("-s 1,1 --picture {picture} {unit}");
+        let output = bench.distance("builtin:plane:9x9", &words);
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+    assert_eq!(bench.outputs(), ["bare.png", "named.png"]);
+    // The unit's name is in the legend, which is wider for it.
+    let width = |name: &str| {
+        let bytes = fs::read(bench.output(name)).unwrap();
+        png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap().info().width
+    };
+    assert!(width("named.png") > width("bare.png"));
+}
+
+#[test]
 fn compare_measures_and_its_status_tells() {
     let bench = Bench::new();
     let inf = f64::INFINITY;

@@ -1,10 +1,10 @@
 //! `geosweep distance`: from a surface and sources to a map.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use geosweep::io::{self, MapFormat, OutputFile};
+use geosweep::io::{self, IoError, MapFormat, OutputFile};
 use geosweep::{
     DistanceMap, ErrorEstimate, Options, Sources, Surface, distance_map, estimate_error,
 };
@@ -23,7 +23,8 @@ pub struct Args {
     /// Where to write the map: .npy (M, N), .tif or .exr, float32, +infinity at holes and where no
     /// source reaches
     #[arg(short, long, value_name = "MAP")]
-    output: PathBuf,
+    #[arg(required_unless_present_any = ["error", "picture", "json"])]
+    output: Option<PathBuf>,
 
     #[command(flatten)]
     sources: SourceArgs,
@@ -46,6 +47,10 @@ pub struct Args {
     /// Draw the map: colours and lines of equal distance over the shaded surface
     #[arg(long, value_name = "FILE.png", help_heading = "Reports")]
     picture: Option<PathBuf>,
+    /// The unit of lengths, for the picture's legend (default: what a projected GeoTIFF says, else
+    /// none)
+    #[arg(long, value_name = "NAME", help_heading = "Reports")]
+    unit: Option<String>,
     /// Print one JSON object: engine, device, fallback, schedule, wavefront, iterations,
     /// iteration_bound (Theorem 1's, where it applies), residual, converged, solve_seconds, rows,
     /// cols, points, reached, max_distance, farthest (row and column of the first point that is so
@@ -90,7 +95,8 @@ pub fn run(args: &Args) -> Outcome {
     };
     args.comment(&scene.surface, &solved);
     problem::comment_on_starts(&scene.surface, &sources);
-    outputs.write(&scene, &sources, &solved)?;
+    let quantity = scene.quantity(args.unit.as_deref().or(scene.unit));
+    outputs.write(&scene, &sources, &quantity, &solved)?;
     if args.json {
         print(serde_json::to_string(&Summary::new(&scene.surface, args, &solved))?)?;
     }
@@ -166,28 +172,20 @@ impl Args {
 
 /// The files to write, checked before the work begins.
 struct Outputs {
-    map: OutputFile,
-    format: MapFormat,
+    map: Option<(OutputFile, MapFormat)>,
     error: Option<(OutputFile, MapFormat)>,
     picture: Option<OutputFile>,
 }
 
 impl Outputs {
     fn new(args: &Args) -> Result<Self, Box<dyn Error>> {
-        let format = MapFormat::of(&args.output)?;
-        let map = OutputFile::new(&args.output)?;
-        let error = match &args.error {
-            None => None,
-            Some(path) => {
-                let format = MapFormat::of(path)?;
-                Some((OutputFile::new(path)?, format))
-            }
-        };
+        let map = args.output.as_deref().map(map_output).transpose()?;
+        let error = args.error.as_deref().map(map_output).transpose()?;
         let picture = args.picture.as_deref().map(png_output).transpose()?;
-        let error_file = error.as_ref().map(|(file, _)| file);
-        let files: Vec<_> = std::iter::once(&map).chain(error_file).chain(&picture).collect();
+        let maps = map.iter().chain(&error).map(|(file, _)| file);
+        let files: Vec<_> = maps.chain(&picture).collect();
         check_outputs(&files, problem::inputs(&args.surface, &args.sources))?;
-        Ok(Self { map, format, error, picture })
+        Ok(Self { map, error, picture })
     }
 
     /// Writes all files, then gives them their names.
@@ -195,23 +193,32 @@ impl Outputs {
         self,
         scene: &Scene,
         sources: &Sources,
+        quantity: &str,
         Solved { map, estimate }: &Solved,
     ) -> Result<(), Box<dyn Error>> {
         let (rows, cols) = (map.chart.rows, map.chart.cols);
-        let staged_map =
-            self.map.stage(|writer| self.format.write(writer, rows, cols, &map.distances))?;
-        let mut staged = vec![staged_map];
+        let mut staged = Vec::new();
+        if let Some((output, format)) = self.map {
+            staged.push(output.stage(|writer| format.write(writer, rows, cols, &map.distances))?);
+        }
         if let Some(((output, format), Estimate { errors, .. })) = self.error.zip(estimate.as_ref())
         {
             staged.push(output.stage(|writer| format.write(writer, rows, cols, errors))?);
         }
         if let Some(output) = self.picture {
             let _spinner = Spinner::new("drawing");
-            let picture = Picture { surface: &scene.surface, shape: scene.shape(), map, sources };
+            let (surface, shape) = (&scene.surface, scene.shape());
+            let picture = Picture { surface, shape, map, sources, quantity };
             staged.push(output.stage(|writer| picture.draw().write_png(writer))?);
         }
         Ok(staged.into_iter().try_for_each(io::StagedFile::commit)?)
     }
+}
+
+/// A map to write, in the format that its name says.
+fn map_output(path: &Path) -> Result<(OutputFile, MapFormat), IoError> {
+    let format = MapFormat::of(path)?;
+    Ok((OutputFile::new(path)?, format))
 }
 
 #[derive(Serialize)]

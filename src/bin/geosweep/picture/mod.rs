@@ -50,11 +50,13 @@ pub struct Picture<'a> {
     pub shape: &'a Surface,
     pub map: &'a DistanceMap,
     pub sources: &'a Sources,
+    /// What the map's values are, with their unit.
+    pub quantity: &'a str,
 }
 
 impl Picture<'_> {
     pub fn draw(&self) -> Canvas {
-        let Self { surface, shape, map, sources } = *self;
+        let Self { surface, shape, map, sources, quantity } = *self;
         let view = View::new(surface.chart(), aspect(shape));
         let scale = scale_of(map, sources);
         let isolines = Isolines::over(&scale, MOST_LINES, view.thickness());
@@ -65,7 +67,6 @@ impl Picture<'_> {
             relief: &Relief::of(shape),
             paint: Paint::Values(&scale, Some(&isolines)),
         };
-        let quantity = if surface.slowness().is_some() { "travel time" } else { "distance" };
         let legend = Legend { quantity, scale: &scale, lines: Lines::Every(&isolines) };
         let picture = raster.draw();
         let (mut canvas, corner) = legend.beside(&picture, Legend::text_size(&picture), 0);

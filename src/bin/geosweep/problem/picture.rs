@@ -77,11 +77,7 @@ impl PictureArgs {
 
     /// What a map's values are, with their unit.
     pub fn quantity(&self, scene: &Scene) -> String {
-        let name = if scene.surface.slowness().is_some() { "travel time" } else { "distance" };
-        match self.unit(scene) {
-            Some(unit) => format!("{name} ({unit})"),
-            None => name.into(),
-        }
+        scene.quantity(self.unit(scene))
     }
 
     pub fn unit<'a>(&'a self, scene: &Scene) -> Option<&'a str> {

@@ -128,6 +128,12 @@ impl Scene {
     pub fn shape(&self) -> &Surface {
         self.shape.as_ref().unwrap_or(&self.surface)
     }
+
+    /// What a map's values are, with their unit.
+    pub fn quantity(&self, unit: Option<&str>) -> String {
+        let name = if self.surface.slowness().is_some() { "travel time" } else { "distance" };
+        unit.map_or(name.into(), |unit| format!("{name} ({unit})"))
+    }
 }
 
 impl SurfaceArgs {
