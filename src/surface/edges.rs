@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::arc::EdgeRule;
 use super::chart::{Chart, Direction};
 use super::gaussian_curvature::gaussian_curvature;
+use super::geometry::Geometry;
 use super::measure::RowBends;
 use super::points::Row;
 use super::real::Real;
@@ -68,7 +69,8 @@ impl<R: Real> EdgeLengths<R> {
     ///
     /// # Errors
     /// [`SurfaceError::EdgeLength`] if a length is neither zero (points that coincide, at a pole
-    /// for example) nor between [`SHORTEST_EDGE`] and [`LONGEST_EDGE`].
+    /// for example) nor between [`SHORTEST_EDGE`] and [`LONGEST_EDGE`]; [`SurfaceError::TooLarge`] if
+    /// a height or coordinate there lies beyond the latter.
     pub fn new(surface: &Surface) -> Result<Self, SurfaceError> {
         let (chart, origin) = (surface.chart(), surface.origin());
         // Zeros come without work; every one of them is written below, by many threads at once.
@@ -223,7 +225,7 @@ impl Surface {
             let below = self.row(Some(row + 1), origin);
             bends([&above, &here, &below], &mut bends_here);
             if self.measure_row([&above, &here], [&bends_above, &bends_here], &mut lengths) {
-                check(row, &lengths)?;
+                check(row, &lengths).map_err(|error| self.cause(error))?;
             }
             store(row, &lengths);
             (above, here) = (here, below);
@@ -239,6 +241,33 @@ impl Surface {
         let sample = |(row, col)| self.geometry().sample(chart, row, col);
         let slowness = |(row, col)| self.slowness().map_or(1.0, |s| s[chart.index(row, col)]);
         0.5 * (slowness(from) + slowness(to)) * sample(from).length_to(sample(to))
+    }
+}
+
+impl Surface {
+    /// A value that is no length of any kind, where it makes an edge too long: often it stands for
+    /// no data and nobody says so.
+    fn cause(&self, error: SurfaceError) -> SurfaceError {
+        let SurfaceError::EdgeLength { row, col, .. } = error else { return error };
+        let beyond = |value: &f64| value.abs() > LONGEST_EDGE;
+        // The bends of an edge depend on as many points around it.
+        let rows = row.saturating_sub(2)..(row + 3).min(self.rows());
+        for (row, col) in rows.flat_map(|row| {
+            let cols = col.saturating_sub(2)..(col + 3).min(self.cols());
+            cols.map(move |col| (row, col))
+        }) {
+            let index = self.chart().index(row, col);
+            let value = match self.geometry() {
+                _ if !self.has(row, col) => None,
+                Geometry::Heights { heights, .. } => Some(heights[index]).filter(beyond),
+                Geometry::Positions(at) => at[index].to_array().into_iter().find(beyond),
+                Geometry::Metric(_) => None,
+            };
+            if let Some(value) = value {
+                return SurfaceError::TooLarge { what: self.geometry().what(), value, row, col };
+            }
+        }
+        error
     }
 }
 
@@ -260,6 +289,7 @@ fn check<R: Real>(row: usize, lengths: &[Vec<R>; 4]) -> Result<(), SurfaceError>
 mod tests {
     use super::super::builtin::Builtin;
     use super::*;
+    use crate::surface::Spacing;
 
     #[test]
     fn a_window_has_the_edges_between_its_points() {
@@ -273,5 +303,33 @@ mod tests {
                 assert_eq!(window.length(r, c, to), expected, "{r},{c} {to:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_value_that_stands_for_no_data_is_named() {
+        let mut heights = vec![0.0; 30];
+        heights[3 * 6 + 4] = -3.4e38;
+        let spacing = Spacing::square(1.0);
+        let surface = Surface::from_heights(5, 6, heights.clone(), spacing).unwrap();
+        let positions = heights
+            .iter()
+            .zip(0..)
+            .map(|(&height, k)| DVec3::new(f64::from(k % 6), f64::from(k / 6), height));
+        let bent = Surface::from_positions(5, 6, positions.collect()).unwrap();
+        for (surface, what) in [(&surface, "height"), (&bent, "position")] {
+            for rule in [EdgeRule::Arc, EdgeRule::Chord] {
+                let error = surface.clone().with_edge_rule(rule).check_edges().unwrap_err();
+                let named = SurfaceError::TooLarge { what, value: -3.4e38, row: 3, col: 4 };
+                assert_eq!(error, named);
+                assert!(error.to_string().contains("no data"), "{error}");
+            }
+            let mut mask = [true; 30];
+            mask[3 * 6 + 4] = false;
+            assert_eq!(surface.clone().with_mask(&mask).unwrap().check_edges(), Ok(()));
+        }
+        // Edges that are too long by the spacing alone are named as before.
+        let wide = Surface::from_heights(5, 6, vec![0.0; 30], Spacing::square(1e20)).unwrap();
+        let error = wide.check_edges().unwrap_err();
+        assert!(matches!(error, SurfaceError::EdgeLength { row: 0, .. }), "{error}");
     }
 }

@@ -138,6 +138,20 @@ pub enum SurfaceError {
         /// The tensor's entry for columns.
         cc: f64,
     },
+    /// A coordinate makes edges too long for single precision arithmetic.
+    #[error(
+        "{what} at row {row}, column {col}: {value:e} is too large, as edges may be no longer than {LONGEST_EDGE:e} units; if it stands for no data, make it NaN, mask it out or name it as the file's no-data value, else choose a larger unit of length"
+    )]
+    TooLarge {
+        /// Which array.
+        what: &'static str,
+        /// The value.
+        value: f64,
+        /// Row of the value.
+        row: usize,
+        /// Column of the value.
+        col: usize,
+    },
     /// An edge is too long or too short for single precision arithmetic.
     #[error(
         "the edge from row {row}, column {col} to its {direction:?} neighbour is {length:e} units long; choose a unit of length in which edges lie between {SHORTEST_EDGE:e} and {LONGEST_EDGE:e}"
