@@ -50,7 +50,7 @@ impl Legend<'_> {
             width: size,
             height: picture.height.saturating_sub(above).max(10 * size),
         };
-        let labels = self.labels(bar.height / (2 * size));
+        let labels = self.labels(2.0 * size as f64 / bar.height as f64);
         let tick = size / 4;
         let label_left = bar.left + bar.width + 2 * tick;
         let text_end = |left: usize, text: &str| left + pen.width(text).ceil() as usize;
@@ -100,9 +100,9 @@ impl Legend<'_> {
         }
     }
 
-    /// The strong lines or as many of the given ones as have room, or the smallest value where
-    /// there is none; from low to high.
-    fn labels(&self, room: usize) -> Vec<(f64, String)> {
+    /// The strong lines or as many of the given ones as have room, each a part of the bar as long as
+    /// `room`, or the smallest value where there is none; from low to high.
+    fn labels(&self, room: f64) -> Vec<(f64, String)> {
         let (low, high) = (f64::from(self.scale.low), f64::from(self.scale.high));
         let within = |value: &f64| (low..=high).contains(value);
         let largest = low.abs().max(high.abs());
@@ -114,9 +114,10 @@ impl Legend<'_> {
             }
             Lines::At(levels) => {
                 let levels: Vec<f64> = levels.iter().copied().filter(within).collect();
+                let every = (levels.len() as f64 * room).ceil().max(1.0) as usize;
+                let levels = apart(levels.into_iter().step_by(every), 0.5 * room * (high - low));
                 let format = NumberFormat::telling_apart(&levels, largest);
-                let every = levels.len().div_ceil(room.max(1)).max(1);
-                (levels.into_iter().step_by(every).collect(), format)
+                (levels, format)
             }
         };
         if values.is_empty() {
@@ -124,6 +125,17 @@ impl Legend<'_> {
         }
         values.into_iter().map(|value| (value, format.text(value))).collect()
     }
+}
+
+/// Ascending values without those too near the one before.
+fn apart(values: impl Iterator<Item = f64>, least: f64) -> Vec<f64> {
+    let mut kept: Vec<f64> = Vec::new();
+    for value in values {
+        if kept.last().is_none_or(|last| value - last >= least) {
+            kept.push(value);
+        }
+    }
+    kept
 }
 
 impl Bar {
@@ -156,7 +168,8 @@ impl NumberFormat {
     /// For values that are no multiples of a round step: as many digits as tell them apart.
     fn telling_apart(values: &[f64], largest: f64) -> Self {
         let gaps = values.windows(2).map(|pair| pair[1] - pair[0]);
-        let gap = gaps.fold(values.first().map_or(1.0, |first| first.abs()), f64::min);
+        let alone = values.first().map_or(1.0, |first| first.abs());
+        let gap = gaps.reduce(f64::min).unwrap_or(alone);
         let are_told = |decimals: &usize| {
             let rounded = |value: f64| (value * 10f64.powi(*decimals as i32)).round();
             let error =
@@ -220,5 +233,19 @@ mod tests {
         assert_eq!(apart(&[12.5, 25.0, 37.5]), "12.5");
         assert_eq!(apart(&[1.0 / 3.0, 2.0 / 3.0]), "0.333");
         assert_eq!(apart(&[3171.9, 6343.8]), "3172");
+        assert_eq!(apart(&[5.0, 5.01, 5.02]), "5.00");
+    }
+
+    #[test]
+    fn labels_do_not_collide() {
+        let scale = Scale::over([0.0, 10.0].into_iter());
+        let labels = |levels: &[f64]| {
+            let legend = Legend { quantity: "", scale: &scale, lines: Lines::At(levels) };
+            legend.labels(0.05).into_iter().map(|(_, label)| label).collect::<Vec<_>>()
+        };
+        assert_eq!(labels(&[1e-6, 5.0, 5.01, 5.02]), ["0", "5"]);
+        assert_eq!(labels(&[1.0, 2.0, 3.5]), ["1.0", "2.0", "3.5"]);
+        let many: Vec<f64> = (0..=100).map(|k| f64::from(k) / 10.0).collect();
+        assert!((10..=21).contains(&labels(&many).len()));
     }
 }
