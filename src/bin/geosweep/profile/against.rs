@@ -40,8 +40,8 @@ impl Earlier {
 
     pub fn read(path: &Path) -> Result<Self, String> {
         let name = path.display();
-        let text = fs::read_to_string(path).map_err(|error| format!("{name}: {error}"))?;
-        serde_json::from_str(&text).map_err(|error| {
+        let text = fs::read(path).map_err(|error| format!("{name}: {error}"))?;
+        serde_json::from_slice(&text).map_err(|error| {
             format!("{name}: this is no profile as `geosweep profile --json` prints it: {error}")
         })
     }
