@@ -246,7 +246,7 @@ fn a_surface_is_made_of_what_can_be_used() {
         with(masked) => "no point of the surface is left",
         with(metric(&data)) => "row 0, column 0 is not positive definite",
         with(metric(&huge)) => "data has an entry beyond 1e12 at row 0, column 1",
-        with(heights(&huge)) => "units long",
+        with(heights(&huge)) => "height at row 0, column 3",
     }
     let mut held = 0;
     ok(unsafe { geosweep_solver_bytes(solver, &mut held) });
