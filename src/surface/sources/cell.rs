@@ -31,21 +31,13 @@ pub(super) struct Cell {
 /// The cells that contain a place: one inside a cell, two on an edge. A place at a grid point
 /// is a cell of its own, since its neighbours' first update is exact already.
 pub(super) fn cells_around(surface: &Surface, at: DVec2) -> Vec<Cell> {
-    if at.x.fract() == 0.0 && at.y.fract() == 0.0 {
-        let (row, col) = (at.x as usize, at.y as usize);
-        return vec![Cell { rows: (row, row), cols: (col, col) }];
-    }
-    cells_touching(surface, at)
-}
-
-/// The same, but that a place at a grid point is in the up to four cells that meet there.
-pub(super) fn cells_touching(surface: &Surface, at: DVec2) -> Vec<Cell> {
+    let at_point = at.x.fract() == 0.0 && at.y.fract() == 0.0;
     let spans = |x: f64, points: usize| -> Vec<(usize, usize)> {
         let low = x as usize;
         if x.fract() != 0.0 {
             return vec![(low, low + 1)];
         }
-        if points == 1 {
+        if at_point || points == 1 {
             return vec![(low, low)];
         }
         [low.checked_sub(1), Some(low)]

@@ -195,8 +195,7 @@ impl Sources {
     /// A source at a grid point seeds that point. A source elsewhere seeds the corners of the
     /// cells it touches with their distances to it, which is exact where the cell is flat; from
     /// points they follow the surface as its edges do. A curve seeds the corners of every cell it
-    /// runs through, so it has no gaps, and of all cells that touch its ends and sharp bends, around
-    /// which its front fans out.
+    /// runs through, so it has no gaps.
     pub fn seeds(&self, surface: &Surface) -> Result<Vec<Seed>, SourceError> {
         let mut seeds = BTreeMap::new();
         for source in self.iter() {
@@ -210,14 +209,12 @@ impl Sources {
                     let bends = bends(surface, vertices);
                     let vertices: Vec<_> = vertices.iter().copied().zip(bends).collect();
                     let first = *vertices.first().ok_or(SourceError::EmptyCurve)?;
-                    if vertices.iter().all(|vertex| vertex.0 == first.0) {
+                    let last = *vertices.last().unwrap_or(&first);
+                    // An end on a side of a cell touches the cell beyond it too.
+                    let closed = vertices.len() > 1 && first.0 == last.0;
+                    if !closed {
                         pieces.add(surface, [first, first])?;
-                    } else {
-                        // They touch the cells beyond the curve, too.
-                        let corners = vertices.iter().filter(|v| matches!(v.1, Vertex::Corner));
-                        for &(at, _) in corners {
-                            pieces.add_corner(surface, at)?;
-                        }
+                        pieces.add(surface, [last, last])?;
                     }
                     for ends in vertices.windows(2) {
                         pieces.add(surface, [ends[0], ends[1]])?;
@@ -264,29 +261,6 @@ mod tests {
             approx::assert_relative_eq!(beyond.time, 1f64.hypot(0.5), epsilon = 1e-12);
             assert!(at(0, col).is_some(), "and so is that above");
         }
-    }
-
-    /// Where the front is a circle around the end; beside the curve it is straight.
-    #[test]
-    fn the_end_of_a_curve_at_a_grid_point_is_surrounded() {
-        let seeds = Sources::curve([[4.0, 2.0], [4.0, 6.0]]).seeds(&flat(9, 9)).unwrap();
-        assert_eq!(seeds.len(), 3 * 7);
-        for Seed { row, col, time, curvature } in seeds {
-            let beyond = 2usize.saturating_sub(col).max(col.saturating_sub(6)) as f64;
-            let exact = beyond.hypot(row as f64 - 4.0);
-            approx::assert_relative_eq!(time, exact, epsilon = 1e-15);
-            if beyond > 0.0 {
-                approx::assert_relative_eq!(curvature, 1.0 / exact, max_relative = 1e-12);
-            } else if (3..=5).contains(&col) {
-                assert_eq!(curvature, 0.0, "{row},{col}");
-            }
-        }
-        // Of a cell with a missing corner, half is left.
-        let mut mask = vec![true; 81];
-        mask[3 * 9 + 7] = false;
-        let surface = flat(9, 9).with_mask(&mask).unwrap();
-        let seeds = Sources::curve([[4.0, 2.0], [4.0, 6.0]]).seeds(&surface).unwrap();
-        assert_eq!(seeds.len(), 3 * 7 - 1);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DVec2, DVec3};
 
-use super::cell::{Cell, cells_around, cells_touching, grid_crossings};
+use super::cell::{Cell, cells_around, grid_crossings};
 use super::rise::Rise;
 use super::{Seed, SourceError};
 use crate::surface::{Sample, Surface};
@@ -92,43 +92,20 @@ impl Pieces {
             let (a, b) = (from.lerp(to, cut[0]), from.lerp(to, cut[1]));
             // Both ends of a piece lie on the border of the cell that its middle is in.
             let middle = 0.5 * (a + b);
-            let cells = cells_around(surface, middle);
-            if !self.add_to(surface, cells, [a, b], (cut[0], cut[1]), ends) {
+            let mut found = false;
+            for cell in cells_around(surface, middle) {
+                let ab = cell.sample(surface, a).zip(cell.sample(surface, b));
+                let Some((a, b)) = ab else { continue };
+                let rise = if from == to { Rise::at(surface, cell, middle) } else { None };
+                let piece = Piece { cell, a, b, middle, cut: (cut[0], cut[1]), ends, rise };
+                self.by_cell.entry((cell.rows.0, cell.cols.0)).or_default().push(piece);
+                found = true;
+            }
+            if !found {
                 return Err(SourceError::Hole { row: middle.x, col: middle.y });
             }
         }
         Ok(())
-    }
-
-    /// Adds the place where a curve ends or turns sharply, in all cells that touch it: there the
-    /// front fans out, while on the curve itself it is straight.
-    pub(super) fn add_corner(&mut self, surface: &Surface, at: DVec2) -> Result<(), SourceError> {
-        let ends = [(at, Vertex::Corner); 2];
-        self.add(surface, ends)?;
-        self.add_to(surface, cells_touching(surface, at), [at; 2], (0.0, 1.0), ends);
-        Ok(())
-    }
-
-    /// Adds a piece to each of some cells that have its ends; whether any has.
-    fn add_to(
-        &mut self,
-        surface: &Surface,
-        cells: Vec<Cell>,
-        [from, to]: [DVec2; 2],
-        cut: (f64, f64),
-        ends: [(DVec2, Vertex); 2],
-    ) -> bool {
-        let (middle, is_point) = (0.5 * (from + to), ends[0].0 == ends[1].0);
-        let mut found = false;
-        for cell in cells {
-            let ab = cell.sample(surface, from).zip(cell.sample(surface, to));
-            let Some((a, b)) = ab else { continue };
-            let rise = if is_point { Rise::at(surface, cell, middle) } else { None };
-            let piece = Piece { cell, a, b, middle, cut, ends, rise };
-            self.by_cell.entry((cell.rows.0, cell.cols.0)).or_default().push(piece);
-            found = true;
-        }
-        found
     }
 
     /// The first place of the source.
