@@ -1,12 +1,11 @@
 //! Contours and paths in a frame.
 
-use geosweep::ash::vk;
 use geosweep::vulkan::Schedule;
 use geosweep::vulkan::embed::{
     Access, ContourFrame, LevelInput, PathFrame, PathsInfo, PointSource, SourceInput, StartInput,
     Tools,
 };
-use geosweep::vulkan::profile::{Grain, PassKind, PassRecord, Profile, QueryRange, Slots};
+use geosweep::vulkan::profile::{PassKind, PassRecord};
 
 use crate::host::Host;
 use crate::renderer::{CHART, Renderer};
@@ -24,15 +23,7 @@ fn a_host_can_size_its_queries_for_contours_and_paths() {
     let info = PathsInfo { paths: 3, vertices: 700 };
     let mut paths = solver.paths(&device, allocator, surface, info).unwrap();
 
-    let grain = Grain::Iterations;
-    let of_frame = solver.passes_of_frame(surface, &renderer.plan, grain);
-    let passes = of_frame + contours.passes() + paths.passes();
-    let info = vk::QueryPoolCreateInfo::default()
-        .query_type(vk::QueryType::TIMESTAMP)
-        .query_count(passes + 1);
-    let pool = unsafe { device.create_query_pool(&info, None) }.unwrap();
-    let timestamps = Some(QueryRange { pool, first: 0, count: passes + 1 });
-    let profile = Profile::new(passes, grain, Slots { timestamps, ..Slots::default() });
+    let (profile, pool) = renderer.profile_with(contours.passes() + paths.passes());
 
     let sources =
         [PointSource::at(20.0, 31.5), PointSource { time: 1.0, ..PointSource::at(9.0, 9.0) }];

@@ -1,10 +1,9 @@
 //! Regions in a frame.
 
 use geosweep::Wavefront;
-use geosweep::ash::vk;
 use geosweep::vulkan::Schedule;
 use geosweep::vulkan::embed::{Access, PointSource, RegionFrame, SourceInput, Tools};
-use geosweep::vulkan::profile::{Grain, PassKind, PassRecord, Profile, QueryRange, Slots};
+use geosweep::vulkan::profile::{PassKind, PassRecord};
 
 use crate::host::Host;
 use crate::renderer::{CHART, Renderer};
@@ -20,15 +19,7 @@ fn a_host_can_size_its_queries_for_regions() {
     let made = solver.regions(&device, allocator, surface, Wavefront::Planar);
     let mut regions = made.unwrap();
 
-    let grain = Grain::Iterations;
-    let of_frame = solver.passes_of_frame(surface, &renderer.plan, grain);
-    let passes = of_frame + regions.passes();
-    let info = vk::QueryPoolCreateInfo::default()
-        .query_type(vk::QueryType::TIMESTAMP)
-        .query_count(passes + 1);
-    let pool = unsafe { device.create_query_pool(&info, None) }.unwrap();
-    let timestamps = Some(QueryRange { pool, first: 0, count: passes + 1 });
-    let profile = Profile::new(passes, grain, Slots { timestamps, ..Slots::default() });
+    let (profile, pool) = renderer.profile_with(regions.passes());
 
     let sources = [PointSource::at(20.0, 31.5), PointSource::at(200.25, 9.0)];
     renderer.host.run(|commands| {

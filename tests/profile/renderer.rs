@@ -65,6 +65,19 @@ impl Renderer {
         Self { host, solver, surface, plan, points, decisions, pool, slots, profile, clock }
     }
 
+    /// A profile of recordings with so many passes beside those of a frame, by iterations, and its
+    /// own queries.
+    pub fn profile_with(&self, more: u32) -> (Profile, vk::QueryPool) {
+        let grain = Grain::Iterations;
+        let passes = self.solver.passes_of_frame(&self.surface, &self.plan, grain) + more;
+        let info = vk::QueryPoolCreateInfo::default()
+            .query_type(vk::QueryType::TIMESTAMP)
+            .query_count(passes + 1);
+        let pool = unsafe { self.host.device.create_query_pool(&info, None) }.unwrap();
+        let timestamps = Some(QueryRange { pool, first: 0, count: passes + 1 });
+        (Profile::new(passes, grain, Slots { timestamps, ..Slots::default() }), pool)
+    }
+
     pub fn frame(
         &self,
         device: &geosweep::ash::Device,
