@@ -32,7 +32,8 @@ pub struct SolverArgs {
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum WavefrontArg {
-    /// Curved; but point on a surface with a slowness, for point sources that start together
+    /// Curved; but point on a surface with a slowness, for point sources that start together, and
+    /// planar for fast marching
     #[default]
     Auto,
     /// Carries its curvature: the most accurate on smooth surfaces, around walls and from curves,
@@ -53,7 +54,7 @@ enum EngineArg {
     Vulkan,
     /// Raster scans on the CPU
     Cpu,
-    /// Fast marching on the CPU, the sequential reference
+    /// Fast marching on the CPU, the sequential reference for the planar front
     FastMarching,
 }
 
