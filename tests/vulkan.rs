@@ -6,7 +6,7 @@ use common::*;
 use geosweep::cpu::{self, Rounds, Solution, Stop};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
-use geosweep::vulkan::plan::{self, Portions, Step};
+use geosweep::vulkan::plan::{self, Step};
 use geosweep::vulkan::{Method, Schedule, Solver, TexelChart, Tuning, VulkanError};
 use geosweep::{
     DeviceChoice, EdgeRule, Engine, MetricTensor, Options, Sources, Spacing, Surface, Wavefront,
@@ -199,8 +199,8 @@ fn twin(
         Schedule::Raster => cpu::scan_in_turn(edges, seeds, wavefront, stop),
         Schedule::AllPoints => cpu::all_points(edges, seeds, wavefront, stop),
         Schedule::Tiles => {
-            let portions = Portions { lines: tuning.scan_lines, tile: tuning.tile };
             let texels = TexelChart::new(edges.chart()).unwrap();
+            let portions = tuning.portions(wavefront, texels);
             let recording = plan::recording(schedule, texels, portions, None, u32::MAX);
             let recorded = recording.iter().filter(|step| matches!(step, Step::Tiles { .. }));
             let rounds = Rounds {

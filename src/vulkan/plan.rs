@@ -119,8 +119,6 @@ impl Reached {
     }
 }
 
-/// Iterations of four scans in a recording, at most.
-const SCAN_ITERATIONS: u32 = 4;
 /// Iterations of two updates of all points in a recording, at most.
 const ALL_POINTS_ITERATIONS: u32 = 32;
 
@@ -135,7 +133,7 @@ const ALL_POINTS_ITERATIONS: u32 = 32;
 /// use geosweep::vulkan::{Schedule, TexelChart, plan};
 /// let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
 /// let source = plan::Reached { rows: 1..2, cols: 1..2 };
-/// let portions = plan::Portions { lines: 1, tile: 16 };
+/// let portions = plan::Portions { lines: 1, iterations: 4, tile: 16 };
 /// let steps = plan::recording(Schedule::Raster, texels, portions, Some(source), 100);
 /// // From a corner, the first scan visits about half of the texels.
 /// assert!(plan::texels_scanned(&steps[..64]) < 32 * 32 * 6 / 10);
@@ -152,7 +150,7 @@ pub fn recording(
         Schedule::Raster => {
             let mut always = reached.is_some();
             let mut reached = reached.unwrap_or_else(|| Reached::everywhere(texels));
-            for _ in 0..most.min(SCAN_ITERATIONS) {
+            for _ in 0..most.min(portions.iterations) {
                 for (index, scan) in Scan::ALL.into_iter().enumerate() {
                     let passes = scan_passes(texels, scan, portions.lines, &mut reached);
                     for pass in passes {
@@ -190,6 +188,8 @@ pub fn recording(
 pub struct Portions {
     /// Lines of texels in a dispatch of a scan.
     pub lines: u32,
+    /// Iterations of four scans in a recording, at most.
+    pub iterations: u32,
     /// Points on a side of a tile.
     pub tile: u32,
 }
@@ -246,7 +246,7 @@ mod tests {
         TexelChart::new(Chart { rows, cols }).unwrap()
     }
 
-    const POINTS: Portions = Portions { lines: 1, tile: 16 };
+    const POINTS: Portions = Portions { lines: 1, iterations: 4, tile: 16 };
 
     fn scans(steps: &[Step]) -> impl Iterator<Item = &ScanPass> {
         steps.iter().filter_map(|step| if let Step::Scan(pass) = step { Some(pass) } else { None })

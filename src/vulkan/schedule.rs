@@ -4,7 +4,9 @@ use std::fmt;
 
 use ash::vk;
 
+use super::TexelChart;
 use super::plan::Portions;
+use crate::Wavefront;
 use crate::surface::Chart;
 
 /// The order of updates on the device. All lead to the same map.
@@ -91,9 +93,11 @@ impl Tuning {
         (tile + 2).pow(2) * (16 + 4 + 4 * 8) + 16
     }
 
-    /// What a plan needs to know of them.
-    pub(crate) fn portions(&self) -> Portions {
-        Portions { lines: self.scan_lines, tile: self.tile }
+    /// What a plan for a grid needs to know of them.
+    pub fn portions(&self, wavefront: Wavefront, texels: TexelChart) -> Portions {
+        let small = texels.rows.max(texels.cols) <= SMALL_SIDE;
+        let iterations = if small && wavefront != Wavefront::Planar { 5 } else { 4 };
+        Portions { lines: self.scan_lines, iterations, tile: self.tile }
     }
 
     /// Texels of a line that a workgroup of a raster scan writes.
@@ -101,6 +105,11 @@ impl Tuning {
         self.scan_width - 2 * (self.scan_lines - 1)
     }
 }
+
+/// Up to so many texels a side, circular and curved fronts on smooth surfaces settle in five
+/// iterations (measured: sphere, peaks, cone and torus of 33 to 129 points); beyond, and planar
+/// fronts anywhere, in four. A second submission costs a small map 6 % of its time on lavapipe.
+const SMALL_SIDE: u32 = 96;
 
 /// Where a schedule is the best one.
 struct Choice {

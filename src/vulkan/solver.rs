@@ -225,7 +225,7 @@ impl Solver {
         let capabilities = self.capabilities().ok_or(VulkanError::NotForProfiling)?;
         let schedule = self.schedule(&surface.images, method);
         let (texels, tuning) = (surface.images.texels, self.tuning());
-        let portions = tuning.portions();
+        let portions = tuning.portions(method.wavefront, texels);
         let steps = plan::recording(schedule, texels, portions, None, method.stop.iterations);
         let passes = profile::records(&steps, detail.grain);
         let [cols, rows] = texels.tiles(tuning.tile);
@@ -262,7 +262,7 @@ impl Solver {
         self.make_passes(&surface.images, schedule, wavefront)?;
         let passes = self.pipelines.passes(schedule, wavefront).expect("they were made above");
         let SurfaceOnDevice { images, first, further, goes_on, .. } = surface;
-        let portions = self.pipelines.pipelines.tuning.portions();
+        let portions = self.pipelines.pipelines.tuning.portions(wavefront, images.texels);
         let plan = |texels, reached, most| {
             let mut steps = plan::recording(schedule, texels, portions, reached, most);
             edit(&mut steps);

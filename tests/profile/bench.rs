@@ -2,7 +2,7 @@
 
 use geosweep::surface::Seed;
 use geosweep::vulkan::plan;
-use geosweep::vulkan::plan::{Portions, Reached, Step};
+use geosweep::vulkan::plan::{Reached, Step};
 use geosweep::vulkan::profile::{Capability, Detail, PassKind, PassRecord, SolveProfile};
 use geosweep::vulkan::{Method, Schedule, Solver, SurfaceOnDevice, TexelChart};
 use geosweep::{DeviceChoice, Surface, Wavefront};
@@ -40,10 +40,10 @@ impl Bench {
     }
 
     /// The steps as they are recorded, portion by portion, and the texels.
-    pub fn steps(&self, schedule: Schedule, portions: usize) -> (TexelChart, Vec<Vec<Step>>) {
+    pub fn steps(&self, method: Method, portions: usize) -> (TexelChart, Vec<Vec<Step>>) {
         let texels = TexelChart::new(self.surface.chart()).unwrap();
-        let tuning = self.solver.tuning();
-        let sizes = Portions { lines: tuning.scan_lines, tile: tuning.tile };
+        let sizes = self.solver.tuning().portions(method.wavefront, texels);
+        let schedule = method.schedule.unwrap();
         let places = self.seeds.iter().map(|seed| TexelChart::texel_of(seed.row, seed.col));
         let mut reached = Reached::around(places.map(|(row, col, _)| (row, col)));
         let steps = (0..portions)

@@ -8,68 +8,73 @@ use geosweep::vulkan::profile::{Detail, Grain, PassKind, PassRecord};
 use crate::bench::{Bench, method, of_kind, sum};
 use crate::common::{seeds_at, some_point};
 
-/// Marks the texels of every block of the plan in a grid of booleans, and holds the records of the
-/// device's passes against the marks, scan by scan.
 #[test]
 fn texels_visited_and_skipped_are_those_of_the_plan() {
-    let sizes = [(61, 90), (90, 61), (3, 200)];
-    for ((rows, cols), grain) in
-        sizes.into_iter().flat_map(|size| [(size, Grain::Blocks), (size, Grain::Scans)])
-    {
-        let mut bench = Bench::new(rows, cols, &[]);
-        let detail = Detail { grain, ..Detail::default() };
-        let profile = bench.profile(method(Wavefront::Planar, Schedule::Raster), detail);
-        // Four iterations a recording.
-        let recordings = of_kind(&profile, PassKind::Count).count() / 4;
-        let (texels, portions) = bench.steps(Schedule::Raster, recordings);
-        let (height, width) = (texels.inner_rows().len(), texels.inner_cols().len());
-        let visits = profile.passes().filter(|pass| pass.area.is_some() && !pass.is_idle());
-        let done = visits.filter_map(|pass| pass.iteration).max().unwrap() + 1;
-        let mut skipped_by_bounds = 0;
-        let mut iteration = 0;
-        for step_list in portions {
-            // Nothing follows the last count but its barrier.
-            let iterations = step_list.split(|step| *step == Step::Count);
-            for steps in iterations.filter(|steps| steps.len() > 1) {
-                for scan in Scan::ALL {
-                    let mut marks = vec![false; height * width];
-                    let mut blocks = 0;
-                    for pass in steps.iter().filter_map(|step| match step {
-                        Step::Scan(pass) if pass.scan == scan => Some(pass),
-                        _ => None,
-                    }) {
-                        blocks += 1;
-                        for k in 0..pass.lines as i32 {
-                            let (dx, dy) = scan.ahead();
-                            let line = (pass.line as i32 + k * (dx + dy)) as usize - 1;
-                            for along in pass.texels.clone() {
-                                let along = along as usize - 1;
-                                let (row, col) =
-                                    if dy != 0 { (line, along) } else { (along, line) };
-                                assert!(!marks[row * width + col], "visited twice: {pass:?}");
-                                marks[row * width + col] = true;
-                            }
-                        }
-                    }
-                    let marked = marks.iter().filter(|&&mark| mark).count() as u64;
-                    let visited = if iteration < done { marked } else { 0 };
-                    let of_scan: Vec<_> = of_kind(&profile, PassKind::Scan(scan))
-                        .filter(|pass| pass.iteration == Some(iteration))
-                        .collect();
-                    let records = if grain == Grain::Blocks { blocks } else { 1 };
-                    assert_eq!(of_scan.len(), records, "{scan:?} of {iteration}");
-                    let dispatches: u32 = of_scan.iter().map(|pass| pass.dispatches).sum();
-                    assert_eq!(dispatches as usize, blocks);
-                    assert_eq!(sum(&of_scan, |pass| pass.work.texels), visited);
-                    let all = (height * width) as u64;
-                    assert_eq!(sum(&of_scan, |pass| pass.work.skipped), all - visited);
-                    skipped_by_bounds += all - marked;
-                }
-                iteration += 1;
+    for (rows, cols) in [(61, 90), (90, 61), (3, 180)] {
+        for grain in [Grain::Blocks, Grain::Scans] {
+            // As many iterations a recording.
+            for (wavefront, iterations) in [(Wavefront::Planar, 4), (Wavefront::Curved, 5)] {
+                let mut bench = Bench::new(rows, cols, &[]);
+                hold_against_the_plan(&mut bench, grain, wavefront, iterations);
             }
         }
-        assert!(skipped_by_bounds > 0, "the source is in the middle");
     }
+}
+
+/// Marks the texels of every block of the plan in a grid of booleans, and holds the records of the
+/// device's passes against the marks, scan by scan.
+fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, iterations: usize) {
+    let detail = Detail { grain, ..Detail::default() };
+    let method = method(wavefront, Schedule::Raster);
+    let profile = bench.profile(method, detail);
+    let recordings = of_kind(&profile, PassKind::Count).count() / iterations;
+    let (texels, portions) = bench.steps(method, recordings);
+    let (height, width) = (texels.inner_rows().len(), texels.inner_cols().len());
+    let visits = profile.passes().filter(|pass| pass.area.is_some() && !pass.is_idle());
+    let done = visits.filter_map(|pass| pass.iteration).max().unwrap() + 1;
+    let mut skipped_by_bounds = 0;
+    let mut iteration = 0;
+    for step_list in portions {
+        // Nothing follows the last count but its barrier.
+        let iterations = step_list.split(|step| *step == Step::Count);
+        for steps in iterations.filter(|steps| steps.len() > 1) {
+            for scan in Scan::ALL {
+                let mut marks = vec![false; height * width];
+                let mut blocks = 0;
+                for pass in steps.iter().filter_map(|step| match step {
+                    Step::Scan(pass) if pass.scan == scan => Some(pass),
+                    _ => None,
+                }) {
+                    blocks += 1;
+                    for k in 0..pass.lines as i32 {
+                        let (dx, dy) = scan.ahead();
+                        let line = (pass.line as i32 + k * (dx + dy)) as usize - 1;
+                        for along in pass.texels.clone() {
+                            let along = along as usize - 1;
+                            let (row, col) = if dy != 0 { (line, along) } else { (along, line) };
+                            assert!(!marks[row * width + col], "visited twice: {pass:?}");
+                            marks[row * width + col] = true;
+                        }
+                    }
+                }
+                let marked = marks.iter().filter(|&&mark| mark).count() as u64;
+                let visited = if iteration < done { marked } else { 0 };
+                let of_scan: Vec<_> = of_kind(&profile, PassKind::Scan(scan))
+                    .filter(|pass| pass.iteration == Some(iteration))
+                    .collect();
+                let records = if grain == Grain::Blocks { blocks } else { 1 };
+                assert_eq!(of_scan.len(), records, "{scan:?} of {iteration}");
+                let dispatches: u32 = of_scan.iter().map(|pass| pass.dispatches).sum();
+                assert_eq!(dispatches as usize, blocks);
+                assert_eq!(sum(&of_scan, |pass| pass.work.texels), visited);
+                let all = (height * width) as u64;
+                assert_eq!(sum(&of_scan, |pass| pass.work.skipped), all - visited);
+                skipped_by_bounds += all - marked;
+            }
+            iteration += 1;
+        }
+    }
+    assert!(skipped_by_bounds > 0, "the source is in the middle");
 }
 
 /// A coarser record is the sum of the finer ones, whatever the device has decided in between.

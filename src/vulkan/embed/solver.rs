@@ -168,7 +168,8 @@ impl Solver {
             return Err(VulkanError::NoPasses { schedule, wavefront: method.wavefront });
         }
         let texels = self.limits.texels(chart)?;
-        Ok(Plan::new(self.pipelines.tuning.portions(), texels, schedule, method, iterations))
+        let portions = self.pipelines.tuning.portions(method.wavefront, texels);
+        Ok(Plan::new(portions, texels, schedule, method, iterations))
     }
 
     /// Bytes that a surface takes from the allocator's memory blocks on this device, before it is

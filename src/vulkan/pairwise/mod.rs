@@ -90,6 +90,7 @@ pub struct PairwiseOnDevice {
     /// The edge lengths that are bound.
     edges: vk::Image,
     texels: TexelChart,
+    wavefront: Wavefront,
     layout: Layout,
     passes: Passes,
     resources: Resources,
@@ -151,6 +152,7 @@ impl Solver {
             context: Arc::clone(context),
             edges: grid.edges.image,
             texels,
+            wavefront,
             layout,
             passes,
             resources,
@@ -334,7 +336,8 @@ impl PairwiseOnDevice {
         if self.schedule() == PairwiseSchedule::SharedMemory {
             return Vec::new();
         }
-        plan::recording(Schedule::Raster, self.texels, tuning.portions(), reached, most)
+        let portions = tuning.portions(self.wavefront, self.texels);
+        plan::recording(Schedule::Raster, self.texels, portions, reached, most)
     }
 
     /// Records commands for so many maps, submits them and waits.

@@ -373,13 +373,14 @@ pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
 /// of tiles visit is not known from the plan.
 ///
 /// ```
+/// use geosweep::Wavefront;
 /// use geosweep::surface::Chart;
 /// use geosweep::vulkan::{Schedule, TexelChart, Tuning, plan, profile};
 /// let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
 /// let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4 };
-/// let portions = plan::Portions { lines: tuning.scan_lines, tile: tuning.tile };
+/// let portions = tuning.portions(Wavefront::Planar, texels);
 /// let steps = plan::recording(Schedule::Raster, texels, portions, None, 1);
-/// let passes = profile::planned(&steps, texels, tuning, geosweep::Wavefront::Planar);
+/// let passes = profile::planned(&steps, texels, tuning, Wavefront::Planar);
 /// // Four scans of eight blocks each, and the count. A texel of four points is read and written,
 /// // and has 64 bytes of edge lengths.
 /// assert_eq!(passes.len(), 4 * 8 + 1);
@@ -407,7 +408,8 @@ mod tests {
 
     fn passes(schedule: Schedule, wavefront: Wavefront) -> Vec<(PassRecord, Presence)> {
         let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();
-        let steps = plan::recording(schedule, texels, TUNING.portions(), None, 2);
+        let portions = TUNING.portions(wavefront, texels);
+        let steps = plan::recording(schedule, texels, portions, None, 2);
         let mut counter = StepCounter::new(texels, TUNING, wavefront == Wavefront::Curved);
         let passes = steps.iter().filter(|step| **step != Step::Barrier);
         passes.map(|step| counter.next(step)).collect()
@@ -444,7 +446,8 @@ mod tests {
     #[test]
     fn records_of_scans_hold_all_their_blocks() {
         let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();
-        let steps = |schedule| plan::recording(schedule, texels, TUNING.portions(), None, 2);
+        let portions = TUNING.portions(Wavefront::Planar, texels);
+        let steps = |schedule| plan::recording(schedule, texels, portions, None, 2);
         // Ten rows of texels and seventeen columns in blocks of four.
         let raster = steps(Schedule::Raster);
         assert_eq!(records(&raster, Grain::Blocks), 2 * (2 * 3 + 2 * 5 + 1));

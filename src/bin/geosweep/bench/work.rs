@@ -4,7 +4,7 @@
 //! workgroups, and what caches save, is not.
 
 use geosweep::surface::Seed;
-use geosweep::vulkan::plan::{self, Portions, Reached, Step};
+use geosweep::vulkan::plan::{self, Reached, Step};
 use geosweep::vulkan::profile::{self, PassRecord};
 use geosweep::vulkan::{Schedule, TexelChart, Tuning};
 use geosweep::{Wavefront, cpu, vulkan};
@@ -56,7 +56,7 @@ impl Work {
         let places = seeds.iter().map(|seed| TexelChart::texel_of(seed.row, seed.col));
         let mut reached = Reached::around(places.map(|(row, col, _)| (row, col)));
         let mut work = Self::default();
-        let portions = Portions { lines: tuning.scan_lines, tile: tuning.tile };
+        let portions = tuning.portions(wavefront, texels);
         let mut done = 0;
         // What rounds of tiles visit, the host does not learn from the plan.
         let counts = schedule != Schedule::Tiles;
