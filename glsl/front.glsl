@@ -41,5 +41,6 @@ uint change_of(vec4 old_time, vec4 time, vec4 old_curvature, vec4 curvature) {
     if (WAVEFRONT != 2) return largest(units);
     vec4 bends = abs(curvature - old_curvature) * time;
     float bend = max(max(bends.x, bends.y), max(bends.z, bends.w)) * (CURVATURE_COUNTS / PRECISION);
-    return max(largest(units), uint(min(bend, 4e9)));
+    // However large, it is not taken for a point's first front.
+    return max(largest(units), uint(min(bend, 1.0 / PRECISION)));
 }

@@ -97,6 +97,26 @@ fn directed_and_rotated_scans_converge_to_the_same_map() {
     println!("f32 and f64: {:.1e}", worst[2]);
 }
 
+/// Where neighbours are many grid steps higher or lower, fronts are so bent that a change of their
+/// curvature must not be taken for a point's first front, after which they are renewed again.
+#[test]
+fn fronts_settle_on_the_roughest_surfaces() {
+    // Found among 150 surfaces: those where a change of curvature was taken for that.
+    let cases = [
+        (88, 30.0, [0.0, 0.0]),
+        (96, 3000.0, [48.0, 48.0]),
+        (103, 3000.0, [0.0, 0.0]),
+        (143, 30.0, [0.0, 0.0]),
+        (143, 30.0, [30.0, 7.0]),
+    ];
+    for (seed, steps, source) in cases {
+        let surface = random_surface(seed, steps, 0.0, false);
+        let map = rotated::<f32>(&surface, &at(source), Wavefront::Curved, CONVERGED);
+        println!("{seed}, {steps} steps: {} iterations", map.iterations);
+        assert!(map.residual <= CONVERGED.tolerance, "{seed}, {steps}: {}", map.residual);
+    }
+}
+
 /// Fast marching with planar fronts fixes points in the right order where no triangle is obtuse
 /// at the point it updates; which surfaces those are is measured, not listed.
 #[test]

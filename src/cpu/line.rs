@@ -2,11 +2,10 @@
 //!
 //! The loop has no branch, so that the compiler turns points into lanes; see [`Work`].
 
-use super::Instructions;
 use super::settled::{Visited, stays};
 use super::state::accept;
 use super::tiles::{Scan, TILE};
-use crate::constants::CURVATURE_COUNTS;
+use super::{Instructions, bend_units};
 use crate::lanes::Work;
 use crate::surface::{Real, min};
 use crate::update::{Bends, Front, Triangle, Wavefront, curved, planar, point_source};
@@ -199,8 +198,7 @@ impl Kernel for Curved {
             tagged = tagged.max(curvature.units_between(curvatures[i]));
         }
         let any = largest.max(tagged) > R::Bits::default();
-        let bent = (R::from_zero(bent) * R::of(CURVATURE_COUNTS)).in_units();
-        Some(Change { any, largest: largest.max(bent) })
+        Some(Change { any, largest: largest.max(bend_units(R::from_zero(bent))) })
     }
 }
 

@@ -30,7 +30,7 @@ pub use ceilings::Ceilings;
 pub use connections::Connections;
 pub use fast_marching::{fast_marching, fast_marching_with};
 pub use pairwise::PairwiseScan;
-pub(crate) use progress::Progress;
+pub(crate) use progress::{Progress, bend_units};
 pub use raster_scan::raster_scan;
 pub use rotated_scan::{Convergence, RotatedScan, rotated_scan};
 pub(crate) use settled::{Visited, stays};

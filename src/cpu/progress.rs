@@ -6,8 +6,15 @@
 //! around corners their fronts can then take turns for ever: three of 48 random surfaces did.
 
 use super::Stop;
-use crate::constants::{FIRST_REACHED, PATIENCE};
-use crate::surface::{Real, relative_change};
+use crate::constants::{CURVATURE_COUNTS, FIRST_REACHED, PATIENCE};
+use crate::surface::{Real, min, relative_change};
+
+/// What a change of curvature counts, in units of the arrival time: `bend` is its size times that
+/// time. However large, it is not taken for a point's first front.
+#[inline(always)]
+pub(crate) fn bend_units<R: Real>(bend: R) -> R::Bits {
+    min(bend * R::of(CURVATURE_COUNTS), R::one()).in_units()
+}
 
 /// How the iterations so far have gone.
 #[derive(Clone, Copy, Debug)]

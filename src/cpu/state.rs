@@ -1,6 +1,7 @@
 //! Arrival times in a bordered array, and the update of one point in it.
 
-use crate::constants::{CURVATURE_COUNTS, WHOLE};
+use super::bend_units;
+use crate::constants::WHOLE;
 use crate::surface::EdgeSlot;
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
 use crate::update::{Bends, Front, Triangle, Wavefront, curved, planar, point_source};
@@ -226,8 +227,7 @@ impl<'a, R: Real> Fronts<'a, R> {
 #[inline(always)]
 fn change<R: Real>(before: [R; 2], after: [R; 2]) -> R::Bits {
     let bend = (after[1] - before[1]).abs() * after[0];
-    let bend = (bend * R::of(CURVATURE_COUNTS)).in_units();
-    before[0].units_between(after[0]).max(bend)
+    before[0].units_between(after[0]).max(bend_units(bend))
 }
 
 /// The arrival time and the tagged curvature at a point after one of the scans, numbered from 1,

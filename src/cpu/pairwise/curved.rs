@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::kernel::{Fan, How, Kernel, LANES, Lanes};
-use crate::constants::CURVATURE_COUNTS;
+use crate::cpu::bend_units;
 use crate::cpu::state::{SEED, accept, front};
 use crate::surface::{Real, Seed};
 use crate::update::{Bends, Front, Triangle, curved};
@@ -68,7 +68,7 @@ impl Kernel for Curved {
             let (new, bent) = accept(time, curvature, first, how.scan.0, how.renews);
             (here.times.0[lane], here.curvatures.0[lane]) = (new, bent);
             if TRACKS {
-                let bend = ((bent - curvature).abs() * new * f32::of(CURVATURE_COUNTS)).in_units();
+                let bend = bend_units((bent - curvature).abs() * new);
                 let change = time.units_between(new).max(bend);
                 wakes |= change.max(curvature.units_between(bent)) > how.wakes;
                 *largest = (*largest).max(change);
