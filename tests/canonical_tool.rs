@@ -110,6 +110,11 @@ fn bad_input_is_refused_and_nothing_written() {
     refused("diagonal.npy", &[2, 2], &[1.0; 4], &["to itself is 1"]);
     refused("zero.npy", &[2, 2], &[0.0; 4], &["all distances are zero"]);
     let run = |line: &str| bench.run(words(line));
+    // Noise of a hundred grid steps.
+    let heights: Vec<_> = (0..21 * 21).map(|i| (i * i * 7919 % 1009) as f64 / 10.0).collect();
+    let noise = bench.array("noise.npy", &[21, 21], &heights);
+    let rough = format!("canonical {noise} --spacing 1 -o form.npy");
+    bench.refuses(&run(&rough), &["too rough", "finer grid"]);
     bench.refuses(&run("canonical builtin:plane:1x3 -o form.npy"), &["3 points", "at least 4"]);
     bench.refuses(&run("canonical builtin:plane:3x3 -o form.obj"), &[".npy or .ply"]);
     let ply = "canonical builtin:plane:3x3 -o form.ply --dimensions 4";

@@ -15,7 +15,7 @@ fn wrong_words_are_refused() {
     let positions = bench.array("positions.npy", &[5, 7, 3], &vec![0.5; 105]);
     let metric = bench.array("metric.npy", &[5, 7, 2, 2], &[1.0, 0.0, 0.0, 1.0].repeat(35));
     for (surface, words, parts) in [
-        (&*flat, "-o map.npy", &["--source", "--source-curve"][..]),
+        (&*flat, "-o map.npy", &["--source", "--source-curve", "--source-points"][..]),
         (&flat, "-s 1,1", &["--output"]),
         (&flat, "-s nan,1 -o map.npy", &["nan", "finite number"]),
         (&flat, "-s 1,inf -o map.npy", &["inf", "finite number"]),
@@ -145,6 +145,8 @@ fn wrong_companions_are_refused_by_name() {
         (format!("--source-curve {outside}"), &["1,9", "outside"]),
         (format!("--source-curve {blank}"), &["blank.txt", "no vertex"]),
         (format!("--source-curve {doubles}"), &["doubles.npy", "(K, 2)"]),
+        (format!("--source-points {curve}"), &["curve.txt", "line 3", "row,col"]),
+        (format!("--source-points {outside}"), &["1,9", "outside"]),
     ] {
         bench.refuses(&bench.distance(&flat, &format!("-s 0,0 -o map.npy {words}")), parts);
     }

@@ -64,7 +64,12 @@ fn samples_and_curves_are_inputs_too() {
     let words: Vec<_> = samples.iter().map(|v| format!("-s {},{}", v[0], v[1])).collect();
     done(&bench, &format!("distance {plane} -o points.npy {}", words.join(" ")));
     done(&bench, &format!("distance {plane} -o table.npy --source-curve s.csv"));
-    assert_eq!(map(&bench.output("points.npy")), map(&bench.output("table.npy")));
+    let points = map(&bench.output("points.npy"));
+    assert_eq!(points, map(&bench.output("table.npy")));
+    for format in ["csv", "npy"] {
+        done(&bench, &format!("distance {plane} -o {format}.npy --source-points s.{format}"));
+        assert_eq!(points, map(&bench.output(&format!("{format}.npy"))), "{format}");
+    }
 
     let ends = |file: &str| {
         let line = format!("path {plane} -s 8,9 -o p.npy --json --from-file {file}");

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use geosweep::geometry::canonical::{
-    self, CanonicalForm, Distances, FormOptions, canonical_form_with,
+    self, CanonicalError, CanonicalForm, Distances, FormOptions, canonical_form_with,
 };
 use geosweep::glam::DVec3;
 use geosweep::io::{
@@ -101,7 +101,16 @@ pub fn run(args: &Args) -> Outcome {
     let outputs = Outputs::new(args)?;
     let start = Instant::now();
     let Problem { chart, points, matrix, given } = Problem::read(args)?;
-    let (distances, kept) = Distances::of_largest_piece(points, matrix)?;
+    let (distances, kept) = match Distances::of_largest_piece(points, matrix) {
+        Err(CanonicalError::Asymmetric { there, back, .. }) if chart.is_some() => {
+            return Err(format!(
+                "the surface is too rough for its grid: the distance between two of its points came \
+                 out as {there} there and as {back} back; smooth it, or take a finer grid"
+            )
+            .into());
+        }
+        distances => distances?,
+    };
     let distance_seconds = start.elapsed().as_secs_f64();
     let left_out = given - kept.len();
     if left_out > 0 {

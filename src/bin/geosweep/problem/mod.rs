@@ -61,7 +61,7 @@ pub fn inputs<'a>(
     surface: &'a SurfaceArgs,
     sources: &'a SourceArgs,
 ) -> impl Iterator<Item = &'a Path> {
-    surface.inputs().chain(&sources.source_curve).map(AsRef::as_ref)
+    surface.inputs().chain(sources.files()).map(AsRef::as_ref)
 }
 
 /// What the user should know though the map is there.

@@ -20,7 +20,11 @@ pub struct SourceArgs {
     /// line `row,col` per vertex, which may have more columns if its first line names them, where
     /// `curve` divides curves and 1 in `closed` closes them; repeatable
     #[arg(long, value_name = "FILE", group = "sources", help_heading = "Sources")]
-    pub source_curve: Vec<PathBuf>,
+    source_curve: Vec<PathBuf>,
+    /// Point sources: rows and columns in a file as for --source-curve, of which only the vertices
+    /// count, as samples are written; repeatable
+    #[arg(long, value_name = "FILE", group = "sources", help_heading = "Sources")]
+    source_points: Vec<PathBuf>,
 }
 
 fn point(text: &str) -> Result<[f64; 3], String> {
@@ -42,9 +46,18 @@ impl SourceArgs {
         let points = self.source.iter().fold(Sources::default(), |sources, &[row, col, start]| {
             sources.and_point(row, col, start)
         });
+        let points = self.source_points.iter().try_fold(points, |sources, path| {
+            let places = read_curves(path)?.into_iter().flatten();
+            Ok::<_, IoError>(places.fold(sources, |all, [row, col]| all.and_point(row, col, 0.0)))
+        })?;
         self.source_curve.iter().try_fold(points, |sources, path| {
             let curves = read_curves(path)?.into_iter();
             Ok(curves.fold(sources, |sources, curve| sources.and_curve(curve, 0.0)))
         })
+    }
+
+    /// The files that sources are read from.
+    pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        self.source_curve.iter().chain(&self.source_points)
     }
 }

@@ -38,7 +38,7 @@ pub struct Args {
     /// on a Vulkan device: where they lie
     #[arg(long, value_enum, value_name = "WHERE", num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "auto", group = "sources", help_heading = "Sources")]
-    #[arg(conflicts_with_all = ["source", "source_curve", "schedule", "picture"])]
+    #[arg(conflicts_with_all = ["source", "source_curve", "source_points", "schedule", "picture"])]
     pairwise: Option<PairwiseArg>,
     #[command(flatten)]
     surface: SurfaceArgs,
