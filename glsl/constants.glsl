@@ -34,6 +34,8 @@
 #define FIRST_REACHED 167772160
 // Rounds of tiles in a recording, at most, and an even number of them.
 #define ROUNDS 128
+// Words of 32 dispatches of scans of a recording, for profiles: whether they have visited their block.
+#define VISIT_WORDS 1024
 // Sources that one dispatch looks at, of which each looks at all others.
 #define SOURCES_TOGETHER 256
 // Longest length of an edge: squares and sums of such lengths stay within single precision and below

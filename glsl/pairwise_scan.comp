@@ -13,6 +13,8 @@
 
 layout(local_size_x_id = 3) in;
 
+// Most lines of texels in a block.
+layout(constant_id = 4) const int LINES = 1;
 layout(constant_id = 8) const int COLS = 1;
 
 ivec3 place_of(ivec2 texel, int layer) {
@@ -26,6 +28,8 @@ bool renews_fronts() {
 void note_change(uint change) {
     atomicMax(maps[gl_WorkGroupID.z].residual, change);
 }
+
+void note_moved(uint moved, ivec2 texel) {}
 
 bool passes(ivec2 point, ivec2 ahead) {
     if (maps[gl_WorkGroupID.z].iterations > 0u) return true;

@@ -6,6 +6,7 @@
 #include "constants.glsl"
 #include "progress.glsl"
 #include "count.glsl"
+#include "blocks.glsl"
 
 layout(local_size_x = 1) in;
 
@@ -14,9 +15,8 @@ void main() {
     last_residual = residual;
     if (was_last(residual, tolerance, most, iterations, since_reached, renews)) {
         done = 1u;
-        row_groups[0] = 0u;
-        col_groups[0] = 0u;
         grid_groups[0] = 0u;
+        for (int i = 1; i < blocks.length(); i += 3) blocks[i] = 0u;
     }
     residual = 0u;
 }

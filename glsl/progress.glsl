@@ -10,11 +10,10 @@ layout(set = 0, binding = 6) restrict buffer Progress {
     uint tolerance;     // residual at which a map has converged
     uint most;          // iterations, at most
     // What the dispatches of further iterations read, zero groups once the map is done.
-    uint row_groups[3];    // of a row of texels
-    uint col_groups[3];    // of a column
     uint grid_groups[3];   // of the grid
     uint rounds[3 * (ROUNDS + 1)]; // of the tiles to visit in each round
     uint unsettled[ROUNDS]; // largest change of a round that another one has to pass on
     uint reached;           // 1 once a round has reached a point
     uint settled;           // texels that settle.comp has copied, for profiles
+    uint visits[VISIT_WORDS]; // a bit for each dispatch of a scan that has visited its block, for profiles
 };

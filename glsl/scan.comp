@@ -7,6 +7,7 @@
 #include "update.glsl"
 #include "front.glsl"
 #include "progress.glsl"
+#include "blocks.glsl"
 
 layout(local_size_x_id = 3) in;
 
@@ -22,12 +23,35 @@ void note_change(uint change) {
     atomicMax(residual, change);
 }
 
+void note_moved(uint moved, ivec2 texel);
+
 bool passes(ivec2 point, ivec2 ahead) {
     return true;
 }
 
 #include "scan.glsl"
 
+void note_moved(uint moved, ivec2 texel) {
+    bool by_rows = AHEAD_Y != 0;
+    int forth = by_rows ? DOWN : RIGHT;
+    int way = AHEAD_X + AHEAD_Y;
+    int first_line = (by_rows ? texel.y : texel.x) - BORDER;
+    int block = first_line / LINES;
+    int in_block = first_line - block * LINES;
+    make_due(way > 0 ? forth + 1 : forth, block, pitch);
+    // Which of the lines visited are the last of the block forth and back, if they are.
+    int last_forth = (LINES - 1 - in_block) * way;
+    int last_back = -in_block * way;
+    if (last_forth >= 0 && (moved >> last_forth & 1u) != 0u) make_due(forth, block + 1, pitch);
+    if (last_back >= 0 && (moved >> last_back & 1u) != 0u) make_due(forth + 1, block - 1, pitch);
+    make_both_due(by_rows ? RIGHT : DOWN, (by_rows ? texel.x : texel.y) - BORDER, pitch);
+}
+
 void main() {
+    // What the dispatch was made by has been read.
+    if (gl_GlobalInvocationID.x == 0u) {
+        blocks[due_at(int(SCAN) - 1, (line - BORDER) / LINES, pitch)] = 0u;
+        if (note >= 0) visits[note / 32] |= 1u << (note & 31);
+    }
     scan_block();
 }

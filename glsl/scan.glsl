@@ -12,12 +12,13 @@
 //     bool renews_fronts()                              whether curved fronts are renewed
 //     void note_change(uint change)                     of a front, in units of the last place
 //     bool passes(ivec2 point, ivec2 ahead)             whether the scan gets to a point's line
+//     void note_moved(uint moved, ivec2 texel)          in which lines, bit by bit from that of the
+//                                                       texel on, a front has changed at all
+//     int LINES                                         most lines of texels in a block
 
 // The scan's direction: one of the four unit steps.
 layout(constant_id = 0) const int AHEAD_X = 0;
 layout(constant_id = 1) const int AHEAD_Y = 1;
-// Most lines of texels in a block.
-layout(constant_id = 4) const int LINES = 1;
 
 // The image that the scan writes is bound twice, so that reads of the line behind and writes of
 // this line can be told apart.
@@ -33,6 +34,8 @@ layout(push_constant) uniform Block {
     int first; // the first texel visited in each
     int count; // how many
     int last;  // the last texel of a line of the grid
+    int pitch; // blocks of a scan: see blocks.glsl
+    int note;  // number of the dispatch in the recording, for profiles; or negative
 };
 
 const ivec2 ahead = ivec2(AHEAD_X, AHEAD_Y);
@@ -45,6 +48,10 @@ const bool IS_CURVED = WAVEFRONT == 2;
 
 // Arrival times and curvatures of the line of points just updated, in turns, for the neighbours.
 shared vec4 passed[2][gl_WorkGroupSize.x];
+
+bool differ(vec4 a, vec4 b) {
+    return any(notEqual(floatBitsToUint(a), floatBitsToUint(b)));
+}
 
 // Lines of points before the texel's, at points -2 to 3; its own are 0 and 1.
 struct Behind {
@@ -102,6 +109,7 @@ void scan_block() {
     Behind curvatures = zero;
     Behind bends = zero;
     uint change = 0u;
+    uint moved = 0u;
 
     for (int k = 0; k < LINES; k++) {
         if (k >= lines) break;
@@ -183,7 +191,9 @@ void scan_block() {
             imageStore(new_fronts, place_of(texel, TIME), new);
             if (IS_CURVED) imageStore(new_fronts, place_of(texel, CURVATURE), new_curvature);
             change = max(change, change_of(old, new, old_curvature, new_curvature));
+            if (differ(old, new) || differ(old_curvature, new_curvature)) moved |= 1u << k;
         }
     }
     if (change > 0u) note_change(change);
+    if (moved != 0u) note_moved(moved, line * abs(ahead) + place * along);
 }

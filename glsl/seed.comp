@@ -2,12 +2,13 @@
 #extension GL_GOOGLE_include_directive : require
 // Initial values of the sources, where they are earlier than what is there. One invocation is one
 // texel with sources in it, or nothing if its column is negative. If tiles follow, those around the
-// texel are put on the first list.
+// texel are put on the first list; if scans follow, the blocks with the texel are due in all of them.
 // Twin: Fronts::start in src/cpu/state.rs.
 
 #include "constants.glsl"
 #include "progress.glsl"
 #include "tiles.glsl"
+#include "blocks.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
@@ -27,8 +28,11 @@ layout(set = 0, binding = 7) readonly restrict buffer Seeds {
 layout(push_constant) uniform Count {
     ivec2 texels; // columns and rows of texels, without the border
     int count;
-    uint wakes;   // 1 if tiles follow
+    uint follows; // what does: see SCANS_FOLLOW and TILES_FOLLOW
 };
+
+const uint SCANS_FOLLOW = 0u;
+const uint TILES_FOLLOW = 2u;
 
 void main() {
     int index = int(gl_GlobalInvocationID.x);
@@ -40,7 +44,12 @@ void main() {
     bvec4 first = lessThan(seeds[index].times, time);
     imageStore(seeded_fronts, ivec3(texel, TIME), mix(time, seeds[index].times, first));
     imageStore(seeded_fronts, ivec3(texel, CURVATURE), mix(curvature, seeds[index].curvatures, first));
-    if (wakes == 0u) return;
+    if (follows == SCANS_FOLLOW) {
+        int pitch = pitch_of(texels);
+        make_both_due(DOWN, texel.y - BORDER, pitch);
+        make_both_due(RIGHT, texel.x - BORDER, pitch);
+    }
+    if (follows != TILES_FOLLOW) return;
     ivec2 tile_grid = tiles_of(texels);
     ivec2 low = max((texel - BORDER - 1), ivec2(0)) / TEXELS;
     ivec2 high = min((texel - BORDER + 1) / TEXELS, tile_grid - 1);

@@ -6,7 +6,7 @@ use geosweep::cpu::{self, Connections, Stop};
 use geosweep::glam::DVec3;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
-use geosweep::{Surface, Wavefront};
+use geosweep::{Sources, Surface, Wavefront};
 use measure::{
     CONVERGED, CONVERGED_F64, Random, at, builtins, difference, directed, errors, largest_angle,
     marched, off_centre, rotated,
@@ -247,6 +247,32 @@ fn every_iteration_lowers_the_map_or_leaves_it() {
             let after = solve(count);
             assert!(before.iter().zip(&after).all(|(before, after)| after <= before));
             before = after;
+        }
+    }
+}
+
+/// Blocks in which nothing can change are passed over, to the last bit and in every iteration, and some
+/// are. Blocks of one line, of few, and of more than there are.
+#[test]
+fn scans_of_blocks_that_are_due_are_whole_scans() {
+    for (name, surface) in random_surfaces().into_iter().step_by(5) {
+        let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+        let seeds = Sources::point(20.0, 30.5).and_point(0.0, 0.0, 1.0).seeds(&surface);
+        let seeds = seeds.or_else(|_| Sources::point(0.0, 0.0).seeds(&surface)).unwrap();
+        for wavefront in Wavefront::ALL {
+            for lines in [1, 4, 7, 100] {
+                let stop = Stop { tolerance: 1e-6, iterations: 60 };
+                let whole = cpu::scan_in_turn(&edges, &seeds, wavefront, stop);
+                let (due, visits) = cpu::scan_due(&edges, &seeds, wavefront, stop, lines);
+                let what = format!("{name}, {wavefront}, {lines} lines");
+                assert_eq!(whole.distances(), due.distances(), "{what}");
+                assert_eq!(whole.iterations, due.iterations, "{what}");
+                assert_eq!(whole.residual, due.residual, "{what}");
+                assert_eq!(visits.len(), due.iterations as usize, "{what}");
+                let all = visits.iter().flatten().flatten();
+                let skipped = all.filter(|&&visited| !visited).count();
+                assert!(lines == 100 || skipped > 0, "{what}");
+            }
         }
     }
 }

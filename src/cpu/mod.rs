@@ -35,7 +35,9 @@ pub use raster_scan::raster_scan;
 pub use rotated_scan::{Convergence, RotatedScan, rotated_scan};
 pub(crate) use settled::{Visited, stays};
 pub use state::Solution;
-pub use twins::{Rounds, all_points, regions, scan_in_turn, scan_outward, tile_rounds};
+pub use twins::{
+    Rounds, Visits, all_points, regions, scan_due, scan_in_turn, scan_outward, tile_rounds,
+};
 
 /// When raster scans stop: at whichever comes first.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -176,7 +176,7 @@ impl<'a, R: Real> Fronts<'a, R> {
     }
 
     /// Arrival time and tagged curvature at a point; zero unless the wavefront is curved.
-    fn at(&self, point: usize) -> [R; 2] {
+    pub(super) fn at(&self, point: usize) -> [R; 2] {
         [self.times[point], self.curvatures.get(point).copied().unwrap_or(R::zero())]
     }
 

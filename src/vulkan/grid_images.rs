@@ -9,7 +9,8 @@ use gpu_allocator::vulkan::Allocator;
 use super::descriptors;
 use super::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo, RESULT_FORMAT};
 use super::pipelines::{Pipelines, binding};
-use super::progress::{DeviceProgress, Outcome};
+use super::plan::Scan;
+use super::progress::{self, Outcome};
 use super::record::HALO;
 use super::upload::SOURCE_BYTES;
 use super::{TexelChart, Tuning, VulkanError};
@@ -51,6 +52,7 @@ pub(crate) struct GridImages {
     pub(crate) progress: Buffer,
     pub(crate) outcome: Buffer,
     pub(crate) tiles: Buffer,
+    pub(crate) blocks: Buffer,
     pub(crate) upload: Buffer,
     /// Distances to read back, or sources that a recording brings with it.
     pub(crate) download: Buffer,
@@ -95,8 +97,8 @@ impl GridImages {
         let results = images.split_off(4);
         let [edges, gaussian, fronts0, fronts1] =
             images.try_into().expect("four images come before the results");
-        let [progress, outcome, tiles, upload, download] =
-            buffers.try_into().expect("five buffers were created");
+        let [progress, outcome, tiles, blocks, upload, download] =
+            buffers.try_into().expect("six buffers were created");
         let mut new = Self {
             chart,
             texels,
@@ -107,6 +109,7 @@ impl GridImages {
             progress,
             outcome,
             tiles,
+            blocks,
             upload,
             download,
             sets: [vk::DescriptorSet::null(); 2],
@@ -157,6 +160,7 @@ impl GridImages {
                 (binding::UPLOAD, &self.upload),
                 (binding::DOWNLOAD, &self.download),
                 (binding::TILES, &self.tiles),
+                (binding::BLOCKS, &self.blocks),
             ] {
                 descriptors::write_buffer(device, set, index, buffer);
             }
@@ -174,7 +178,8 @@ impl GridImages {
     pub(crate) fn bytes(&self) -> u64 {
         let images = [&self.edges, &self.gaussian, &self.fronts[0], &self.fronts[1]];
         let images = images.into_iter().chain(&self.results);
-        let buffers = [&self.progress, &self.outcome, &self.tiles, &self.upload, &self.download];
+        let Self { progress, outcome, tiles, blocks, upload, download, .. } = self;
+        let buffers = [progress, outcome, tiles, blocks, upload, download];
         images.map(|image| image.bytes()).sum::<u64>()
             + buffers.iter().map(|buffer| buffer.bytes()).sum::<u64>()
     }
@@ -189,8 +194,8 @@ impl GridImages {
         for image in images.into_iter().chain(&mut self.results) {
             image.destroy(device, allocator);
         }
-        let Self { progress, outcome, tiles, upload, download, .. } = self;
-        for buffer in [progress, outcome, tiles, upload, download] {
+        let Self { progress, outcome, tiles, blocks, upload, download, .. } = self;
+        for buffer in [progress, outcome, tiles, blocks, upload, download] {
             buffer.destroy(device, allocator);
         }
     }
@@ -225,7 +230,7 @@ fn buffer_infos(
     texels: TexelChart,
     tuning: Tuning,
     purpose: Purpose,
-) -> [BufferInfo; 5] {
+) -> [BufferInfo; 6] {
     use MemoryLocation::{CpuToGpu, GpuOnly, GpuToCpu};
     let upload = (band_rows(chart, POINT_BYTES) + HALO) * chart.cols * POINT_BYTES;
     let upload = upload.max(LEAST_UPLOAD_BYTES);
@@ -239,9 +244,10 @@ fn buffer_infos(
         }
     };
     [
-        ("progress", size_of::<DeviceProgress>(), GpuOnly),
+        ("progress", progress::BYTES as usize, GpuOnly),
         ("outcome", outcomes * size_of::<Outcome>(), GpuToCpu),
         ("tiles", tiles_bytes(texels, tuning.tile), GpuOnly),
+        ("blocks", blocks_bytes(texels, tuning.scan_lines), GpuOnly),
         ("upload", upload, upload_location),
         last,
     ]
@@ -252,6 +258,11 @@ fn buffer_infos(
 fn tiles_bytes(texels: TexelChart, tile: u32) -> usize {
     let [cols, rows] = texels.tiles(tile);
     4 * size_of::<u32>() * cols as usize * rows as usize
+}
+
+/// For each scan and block what its dispatch reads.
+fn blocks_bytes(texels: TexelChart, lines: u32) -> usize {
+    Scan::ALL.len() * texels.block_pitch(lines) as usize * size_of::<[u32; 3]>()
 }
 
 /// Rows of a band: even, so that a texel lies in one band.

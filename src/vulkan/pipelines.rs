@@ -23,9 +23,10 @@ pub(crate) mod binding {
     pub(crate) const UPLOAD: u32 = 7;
     pub(crate) const DOWNLOAD: u32 = 8;
     pub(crate) const TILES: u32 = 9;
+    pub(crate) const BLOCKS: u32 = 10;
     /// The bindings from 0 up to here are storage images, the rest storage buffers.
     pub(crate) const IMAGES: u32 = 6;
-    pub(crate) const ALL: u32 = 10;
+    pub(crate) const ALL: u32 = 11;
 }
 
 /// The bindings of the set that holds the host's own images and buffers, and images of distances.
@@ -210,11 +211,11 @@ impl Pipelines {
         self.edges_from_metric = plain(spirv!("edges_from_metric"))?;
         self.fan_curvature = plain(spirv!("fan_curvature"))?;
         self.gaussian_curvature = plain(spirv!("gaussian_curvature"))?;
-        let tile = [(constant::TILE, self.tuning.tile as i32)];
-        let tiled = |spirv: &[u8]| of(self.layout, spirv, &tile);
-        self.seed = tiled(spirv!("seed"))?;
+        let tile = (constant::TILE, self.tuning.tile as i32);
+        let lines = (constant::REPEATS, self.tuning.scan_lines as i32);
+        self.seed = of(self.layout, spirv!("seed"), &[tile, lines])?;
         self.progress = plain(spirv!("progress"))?;
-        self.settle = tiled(spirv!("settle"))?;
+        self.settle = of(self.layout, spirv!("settle"), &[tile])?;
         self.unpack = plain(spirv!("unpack"))?;
         let hosted = |spirv: &[u8]| of(self.host_layout, spirv, &[]);
         self.points_from_buffer = hosted(spirv!("points_from_buffer"))?;

@@ -2,9 +2,11 @@
 //!
 //! An iteration of the raster schedule is four rotated scans; a scan is one dispatch for each
 //! block of lines (rows or columns) of texels, each followed by a barrier. In the first iteration
-//! bounds play the part of the paper's scissor test: what lies outside the box that the fronts can
-//! have reached is infinite before and after, and is not visited. All further passes are
-//! dispatched indirectly, and visit nothing once the map has converged.
+//! from sources that the host knows, bounds play the part of the paper's scissor test: what lies
+//! outside the box that the fronts can have reached is infinite before and after, and is not visited.
+//! All other passes are dispatched indirectly, by arguments that the device sets: a scan visits the
+//! blocks in which, or on the line behind which, something has changed since its last visit
+//! (`glsl/blocks.glsl`), and nothing once the map has converged. No host reads anything for it.
 
 use std::ops::Range;
 
@@ -49,7 +51,9 @@ impl Scan {
     }
 }
 
-/// A block of lines of texels of a scan. Rows and columns of texels count the images' border.
+/// A block of lines of texels of a scan, or those of its lines that lie within bounds. Blocks follow one
+/// another from the first row, or column, of the grid on, whichever way the scan goes. Rows and columns
+/// of texels count the images' border.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ScanPass {
     /// The scan.
@@ -62,8 +66,8 @@ pub struct ScanPass {
     pub texels: Range<u32>,
     /// Which of the two images of fronts the scan writes; it reads the other.
     pub writes: usize,
-    /// Whether the pass is dispatched in any case, as in the first iteration, or only while the map
-    /// has not converged.
+    /// Whether the pass is dispatched in any case, as in the first iteration, or only if something can
+    /// change in the block and the map has not converged.
     pub always: bool,
 }
 
@@ -224,10 +228,13 @@ fn scan_passes(texels: TexelChart, scan: Scan, block: u32, reached: &mut Reached
     let mut passes = Vec::with_capacity(visited.len().div_ceil(block as usize));
     let mut passed = 0;
     while passed < visited.len() as u32 {
-        let count = block.min(visited.len() as u32 - passed);
+        let left = visited.len() as u32 - passed;
+        let line = if forward { visited.start + passed } else { visited.end - 1 - passed };
+        // Blocks lie where they would if all lines were visited.
+        let in_block = (line - inner_lines.start) % block;
+        let count = if forward { block - in_block } else { in_block + 1 }.min(left);
         along.start = along.start.saturating_sub(count).max(inner_along.start);
         along.end = (along.end + count).min(inner_along.end);
-        let line = if forward { visited.start + passed } else { visited.end - 1 - passed };
         let texels = along.clone();
         passes.push(ScanPass { scan, line, lines: count, texels, writes: 1, always: true });
         passed += count;
@@ -271,8 +278,23 @@ mod tests {
         assert_eq!((passes[0].line, passes[0].texels.clone()), (3, 4..7));
         assert_eq!((passes[1].line, passes[1].texels.clone()), (4, 3..8));
         let steps = raster(texels(12, 20), 3, Some(reached));
-        let first = scans(&steps).next().unwrap();
-        assert_eq!((first.line, first.lines, first.texels.clone()), (3, 3, 2..9));
+        // The third line is the last of a block.
+        let passes: Vec<_> = scans(&steps).take(2).collect();
+        assert_eq!((passes[0].line, passes[0].lines, passes[0].texels.clone()), (3, 1, 4..7));
+        assert_eq!((passes[1].line, passes[1].lines, passes[1].texels.clone()), (4, 3, 1..10));
+    }
+
+    #[test]
+    fn blocks_of_all_scans_lie_on_one_another() {
+        let texels = texels(27, 38);
+        let bounds = Reached { rows: 6..8, cols: 10..11 };
+        for reached in [None, Some(bounds)] {
+            for pass in scans(&raster(texels, 4, reached)) {
+                let (x, y) = pass.scan.ahead();
+                let ends = [0, pass.lines as i32 - 1].map(|k| pass.line as i32 + k * (x + y) - 1);
+                assert_eq!(ends[0] / 4, ends[1] / 4, "{pass:?}");
+            }
+        }
     }
 
     #[test]

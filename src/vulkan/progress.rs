@@ -2,7 +2,7 @@
 
 use bytemuck::{AnyBitPattern, NoUninit};
 
-use crate::constants::ROUNDS;
+use crate::constants::{ROUNDS, VISIT_WORDS};
 use crate::cpu::Stop;
 
 const SLOTS: usize = 3 * (ROUNDS as usize + 1);
@@ -23,13 +23,11 @@ pub(crate) struct Outcome {
     most: u32,
 }
 
-/// All of it.
+/// All of it but the visits of scans, which follow.
 #[derive(Clone, Copy, Debug, NoUninit)]
 #[repr(C)]
 pub(crate) struct DeviceProgress {
     outcome: Outcome,
-    row_groups: [u32; 3],
-    col_groups: [u32; 3],
     grid_groups: [u32; 3],
     rounds: [u32; SLOTS],
     unsettled: [u32; ROUNDS as usize],
@@ -53,13 +51,18 @@ impl Outcome {
     }
 }
 
+/// Dispatches of scans in a recording of which profiles learn whether they have visited something.
+pub(crate) const VISITS: u32 = 32 * VISIT_WORDS;
+/// Bytes of the visits of scans.
+pub(crate) const VISIT_BYTES: u64 = VISIT_WORDS as u64 * size_of::<u32>() as u64;
+/// Bytes of all the progress.
+pub(crate) const BYTES: u64 = size_of::<DeviceProgress>() as u64 + VISIT_BYTES;
+
 /// Where the parts lie, in bytes.
 pub(crate) mod offset {
     use super::*;
 
-    pub(crate) const ROW_GROUPS: u64 = size_of::<Outcome>() as u64;
-    pub(crate) const COL_GROUPS: u64 = ROW_GROUPS + 12;
-    pub(crate) const GRID_GROUPS: u64 = COL_GROUPS + 12;
+    pub(crate) const GRID_GROUPS: u64 = size_of::<Outcome>() as u64;
 
     /// The tiles of a round.
     pub(crate) const fn round(round: u32) -> u64 {
@@ -68,12 +71,14 @@ pub(crate) mod offset {
 
     /// The texels that were brought back to one image.
     pub(crate) const SETTLED: u64 = size_of::<DeviceProgress>() as u64 - 4;
+
+    /// A bit for each dispatch of a scan.
+    pub(crate) const VISITS: u64 = size_of::<DeviceProgress>() as u64;
 }
 
 impl DeviceProgress {
-    /// Before the first iteration; a row and a column of texels take so many groups, and so does
-    /// the whole grid.
-    pub(crate) fn start(stop: Stop, row: u32, col: u32, grid: [u32; 2]) -> Self {
+    /// Before the first iteration; the whole grid takes so many groups.
+    pub(crate) fn start(stop: Stop, grid: [u32; 2]) -> Self {
         let mut rounds = [1; SLOTS];
         rounds.iter_mut().step_by(3).for_each(|tiles| *tiles = 0);
         Self {
@@ -87,8 +92,6 @@ impl DeviceProgress {
                 tolerance: (stop.tolerance / f64::from(f32::EPSILON)) as u32,
                 most: stop.iterations,
             },
-            row_groups: [row, 1, 1],
-            col_groups: [col, 1, 1],
             grid_groups: [grid[0], grid[1], 1],
             rounds,
             unsettled: [0; ROUNDS as usize],
@@ -100,6 +103,6 @@ impl DeviceProgress {
     /// Before more rounds of tiles: all slots but the first, and what follows them, are to be
     /// written.
     pub(crate) fn before_rounds() -> Self {
-        Self::start(Stop::after(1), 0, 0, [0; 2])
+        Self::start(Stop::after(1), [0; 2])
     }
 }

@@ -6,7 +6,6 @@ use std::ops::Range;
 use ash::vk;
 use bytemuck::{NoUninit, bytes_of};
 
-use super::TexelChart;
 use super::barrier::{self, CLEAR, COPY, HOST_READ, NOTHING, PASS, SHADER, SHADER_WRITE, TRANSFER};
 use super::grid_images::GridImages;
 use super::pipelines::{Pipelines, SchedulePipelines};
@@ -14,9 +13,10 @@ use super::plan::{Scan, ScanPass, Step};
 use super::profile::{
     self, PassKind, PassRecord, Presence, Profile, Scope, StepCounter, Watch, Work,
 };
-use super::progress::{DeviceProgress, Outcome, offset};
+use super::progress::{self, DeviceProgress, Outcome, VISIT_BYTES, VISITS, offset};
 use super::upload::SeedTexel;
-use crate::constants::{CURVATURE, FAR, LAYERS, TIME, WORKGROUP};
+use super::{Schedule, TexelChart};
+use crate::constants::{BORDER, CURVATURE, FAR, LAYERS, TIME, WORKGROUP};
 use crate::cpu::Stop;
 use crate::surface::{Chart, EdgeRule, Spacing};
 
@@ -90,7 +90,7 @@ pub(super) struct UnpackBand {
 struct SeedCount {
     texels: [u32; 2],
     count: u32,
-    wakes: u32,
+    follows: u32,
 }
 
 /// The constants of a block of lines of a scan.
@@ -102,10 +102,12 @@ pub(super) struct Block {
     first: u32,
     pub(super) count: u32,
     last: u32,
+    pitch: u32,
+    note: i32,
 }
 
 impl Block {
-    pub(super) fn of(pass: &ScanPass, texels: TexelChart) -> Self {
+    pub(super) fn of(pass: &ScanPass, texels: TexelChart, lines: u32) -> Self {
         let by_rows = matches!(pass.scan, Scan::Down | Scan::Up);
         Self {
             line: pass.line,
@@ -113,6 +115,8 @@ impl Block {
             first: pass.texels.start,
             count: pass.texels.len() as u32,
             last: if by_rows { texels.inner_cols() } else { texels.inner_rows() }.end - 1,
+            pitch: texels.block_pitch(lines),
+            note: -1,
         }
     }
 }
@@ -130,6 +134,9 @@ struct Round {
 pub(crate) fn rows_around(band: &Range<usize>, chart: Chart) -> Range<usize> {
     band.start.saturating_sub(BEFORE)..(band.end + AFTER).min(chart.rows)
 }
+
+/// Blocks of lines that an update of a buffer starts: 3 KiB.
+const BLOCKS_TOGETHER: usize = 256;
 
 const BEFORE: usize = 2;
 const AFTER: usize = 1;
@@ -249,22 +256,45 @@ impl<'a> Recorder<'a> {
         self.barrier(CLEAR, SHADER);
     }
 
-    /// Before the seeds of a map, or of what is added to one: no iteration is done.
-    pub(crate) fn start(&self, stop: Stop) {
-        // The progress, and of each tile its state, the round it waits for and two lists.
-        let written = size_of::<DeviceProgress>() as u64 + 4 * self.tile_bytes();
+    /// Before the seeds of a map, or of what is added to one: no iteration is done. All blocks of
+    /// lines are due in all scans of what is added, since the images of fronts may be out of step
+    /// where the map has converged, and since other schedules know of no blocks.
+    pub(crate) fn start(&self, stop: Stop, schedule: Schedule, is_added: bool) {
+        // The progress, of each tile its state, the round it waits for and two lists, and for scans
+        // by what each block is dispatched.
+        let is_raster = schedule == Schedule::Raster;
+        let blocks = if is_raster { 3 * self.block_words() } else { 0 };
+        let written = size_of::<DeviceProgress>() as u64 + 4 * self.tile_bytes() + 4 * blocks;
         let work = Work::of_bytes(0, written);
         let _pass = self.pass_with(PassRecord { work, ..PassRecord::new(PassKind::Start) });
         let texels = self.grid.texels.inner();
-        let tuning = self.pipelines.tuning;
-        let [row, col] = texels.map(|texels| texels.div_ceil(tuning.scan_texels()));
         let grid = [texels[0].div_ceil(WORKGROUP), texels[1]];
-        let progress = DeviceProgress::start(stop, row, col, grid);
+        let progress = DeviceProgress::start(stop, grid);
         self.barrier(COPY, CLEAR);
         self.barrier(PASS, CLEAR);
         self.write(0, bytes_of(&progress));
         self.fill(self.grid.tiles.buffer, 0, vk::WHOLE_SIZE);
+        if is_raster {
+            self.start_blocks(is_added);
+        }
         self.barrier(CLEAR, PASS);
+    }
+
+    /// Writes by what blocks of lines are dispatched, whether all are due or none.
+    fn start_blocks(&self, are_due: bool) {
+        let tuning = self.pipelines.tuning;
+        let groups = self.grid.texels.inner().map(|length| length.div_ceil(tuning.scan_texels()));
+        let both = 2 * u64::from(self.grid.texels.block_pitch(tuning.scan_lines));
+        // Rows are as long as there are columns.
+        for (first, groups) in [0, both].into_iter().zip(groups) {
+            let blocks = [[groups, are_due.into(), 1]; BLOCKS_TOGETHER];
+            for from in (0..both).step_by(BLOCKS_TOGETHER) {
+                let count = BLOCKS_TOGETHER.min((both - from) as usize);
+                let bytes = bytemuck::cast_slice(&blocks[..count]);
+                let offset = (first + from) * size_of::<[u32; 3]>() as u64;
+                self.update(self.grid.blocks.buffer, offset, bytes);
+            }
+        }
     }
 
     /// Before more iterations of a map, by a recording as long as the last. For rounds of tiles,
@@ -303,15 +333,15 @@ impl<'a> Recorder<'a> {
     }
 
     /// Sets the texels with sources, `count` of which are in the upload buffer, in image 0, and
-    /// puts the tiles around them on the first list if tiles follow.
-    pub(crate) fn seed(&self, count: u32, tiles_follow: bool) {
+    /// has the schedule begin with the tiles, or blocks of lines, around them.
+    pub(crate) fn seed(&self, count: u32, schedule: Schedule) {
         // A texel's seeds, and its fronts in one image and the other.
         let fronts = 16 * u64::from(LAYERS);
         let each = [SeedTexel::BYTES + fronts, fronts];
         let _pass = self.pass_of_each(PassKind::Seed, [count, 1], each);
         let texels = self.grid.texels.inner();
         self.bind(self.pipelines.seed, 0);
-        self.dispatch(&SeedCount { texels, count, wakes: tiles_follow.into() }, [count, 1]);
+        self.dispatch(&SeedCount { texels, count, follows: schedule as u32 }, [count, 1]);
         self.barrier(SHADER_WRITE, PASS);
     }
 
@@ -320,7 +350,10 @@ impl<'a> Recorder<'a> {
         let mut bound = None;
         let mut open: Option<Scope> = None;
         let texels = self.grid.texels.inner();
+        let progress = self.grid.progress.buffer;
         let mut counter = StepCounter::new(self.grid.texels, self.pipelines.tuning, passes.curved);
+        let notes = self.forget_visits();
+        let mut scans = 0;
         self.decided(0, 0, profile::BEFORE_BYTES);
         for step in steps {
             let (pipeline, writes) = match *step {
@@ -340,10 +373,15 @@ impl<'a> Recorder<'a> {
                 bound = Some((pipeline, writes));
             }
             match *step {
-                Step::Scan(ref pass) => self.scan(pass),
-                Step::AllPoints { .. } => self.dispatch_while(&texels, offset::GRID_GROUPS),
+                Step::Scan(ref pass) => {
+                    self.scan(pass, if notes.contains(&scans) { scans as i32 } else { -1 });
+                    scans += 1;
+                }
+                Step::AllPoints { .. } => {
+                    self.dispatch_while(&texels, progress, offset::GRID_GROUPS)
+                }
                 Step::Tiles { round } => {
-                    self.dispatch_while(&Round { texels, round }, offset::round(round));
+                    self.dispatch_while(&Round { texels, round }, progress, offset::round(round));
                     self.tile_list(round);
                 }
                 Step::Settle { rounds } => {
@@ -355,8 +393,7 @@ impl<'a> Recorder<'a> {
             }
         }
         drop(open);
-        let all = size_of::<DeviceProgress>() as u64;
-        self.decided(profile::BEFORE_BYTES, 0, all);
+        self.decided(profile::BEFORE_BYTES, 0, progress::BYTES);
     }
 
     /// After the steps of a plan, and what belongs to them.
@@ -364,6 +401,17 @@ impl<'a> Recorder<'a> {
         if let Some(profile) = self.profile {
             profile.end_portion(self.device, self.commands);
         }
+    }
+
+    /// The dispatches of scans that are to note whether they have visited something: as many as there
+    /// is room for, if a profile wants to know.
+    fn forget_visits(&self) -> Range<u32> {
+        if self.profile.and_then(Profile::decisions).is_none() {
+            return 0..0;
+        }
+        self.barrier(PASS, CLEAR);
+        self.fill(self.grid.progress.buffer, offset::VISITS, VISIT_BYTES);
+        0..VISITS
     }
 
     /// Copies part of the progress to where a profile finds what the device has decided.
@@ -386,6 +434,12 @@ impl<'a> Recorder<'a> {
     fn tile_bytes(&self) -> u64 {
         let [cols, rows] = self.grid.texels.tiles(self.pipelines.tuning.tile);
         u64::from(cols) * u64::from(rows) * size_of::<u32>() as u64
+    }
+
+    /// Blocks of lines of all scans, with those beyond the grid.
+    fn block_words(&self) -> u64 {
+        let pitch = self.grid.texels.block_pitch(self.pipelines.tuning.scan_lines);
+        Scan::ALL.len() as u64 * u64::from(pitch)
     }
 
     fn copy_for_host(&self, from: vk::Buffer, start: u64, to: (vk::Buffer, u64), size: u64) {
@@ -491,16 +545,16 @@ impl<'a> Recorder<'a> {
         self.barrier(SHADER_WRITE, HOST_READ);
     }
 
-    fn scan(&self, pass: &ScanPass) {
-        let block = Block::of(pass, self.grid.texels);
+    fn scan(&self, pass: &ScanPass, note: i32) {
+        let tuning = self.pipelines.tuning;
+        let block = Block { note, ..Block::of(pass, self.grid.texels, tuning.scan_lines) };
         if pass.always {
-            self.dispatch_groups(&block, block.count.div_ceil(self.pipelines.tuning.scan_texels()));
+            self.dispatch_groups(&block, block.count.div_ceil(tuning.scan_texels()));
         } else {
-            let by_rows = matches!(pass.scan, Scan::Down | Scan::Up);
-            self.dispatch_while(
-                &block,
-                if by_rows { offset::ROW_GROUPS } else { offset::COL_GROUPS },
-            );
+            let number = 1 + (block.line - BORDER) / tuning.scan_lines;
+            let number = pipeline_index(pass.scan) as u32 * block.pitch + number;
+            let offset = u64::from(number) * size_of::<[u32; 3]>() as u64;
+            self.dispatch_while(&block, self.grid.blocks.buffer, offset);
         }
     }
 
@@ -563,13 +617,11 @@ impl<'a> Recorder<'a> {
         unsafe { self.device.cmd_dispatch(self.commands, groups, 1, 1) };
     }
 
-    /// Dispatches as many groups as the progress says here.
-    fn dispatch_while(&self, constants: &impl NoUninit, offset: u64) {
+    /// Dispatches as many groups as a buffer says here.
+    fn dispatch_while(&self, constants: &impl NoUninit, buffer: vk::Buffer, offset: u64) {
         self.push(constants);
         // SAFETY: a pipeline with the common layout is bound, and three numbers are at the offset.
-        unsafe {
-            self.device.cmd_dispatch_indirect(self.commands, self.grid.progress.buffer, offset);
-        }
+        unsafe { self.device.cmd_dispatch_indirect(self.commands, buffer, offset) };
     }
 
     fn push(&self, constants: &impl NoUninit) {

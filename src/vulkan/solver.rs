@@ -278,9 +278,8 @@ impl Solver {
             if start == Start::Fresh {
                 recorder.forget();
             }
-            recorder.start(stop);
+            recorder.start(stop, schedule, start == Start::FromLast);
         };
-        let wakes = schedule == Schedule::Tiles;
         // Those that the upload buffer does not hold beside the last go ahead.
         let most = images.upload.mapped().len() / size_of::<SeedTexel>();
         let (ahead, last) = seeds.split_at(seeds.len().saturating_sub(1) / most * most);
@@ -290,7 +289,7 @@ impl Solver {
         for part in ahead.chunks(most) {
             let count = write_seeds(part, images);
             let watched = session.as_deref_mut();
-            self.watched(images, watched, |recorder| recorder.seed(count, wakes))?;
+            self.watched(images, watched, |recorder| recorder.seed(count, schedule))?;
         }
         let count = write_seeds(last, images);
         let places = seeds.iter().map(|seed| (seed.texel[1] as u32, seed.texel[0] as u32));
@@ -300,7 +299,7 @@ impl Solver {
             if ahead.is_empty() {
                 begin_map(&recorder);
             }
-            recorder.seed(count, wakes);
+            recorder.seed(count, schedule);
             recorder.steps(passes, &steps);
             recorder.outcome(0);
             recorder.end_portion();

@@ -53,6 +53,13 @@ impl TexelChart {
         self.inner().map(|texels| (2 * texels).div_ceil(points))
     }
 
+    /// Blocks of so many rows of texels, or columns, and one more on each side of the grid: how far
+    /// those of the four scans lie apart.
+    pub(crate) fn block_pitch(self, lines: u32) -> u32 {
+        let [cols, rows] = self.inner();
+        cols.max(rows).div_ceil(lines) + 2
+    }
+
     /// Extent of an image with one texel for 2 x 2 points.
     pub fn fronts_extent(self) -> vk::Extent3D {
         vk::Extent3D { width: self.cols, height: self.rows, depth: 1 }

@@ -71,7 +71,7 @@ fn all_that_a_device_lacks_is_named() {
         ("Vulkan 1.0", "1.1"),
         ("32 invocations", "64"),
         ("4 storage images", "7"),
-        ("4 storage buffers", "6"),
+        ("4 storage buffers", "7"),
         ("four 32-bit floats", ""),
         ("one 32-bit float", ""),
     ] {

@@ -1,6 +1,8 @@
 //! What passes had to do, against counts of the tests' own.
 
 use geosweep::Wavefront;
+use geosweep::cpu::scan_due;
+use geosweep::surface::EdgeLengths;
 use geosweep::vulkan::Schedule;
 use geosweep::vulkan::plan::{Scan, Step};
 use geosweep::vulkan::profile::{Detail, Grain, PassKind, PassRecord};
@@ -21,8 +23,10 @@ fn texels_visited_and_skipped_are_those_of_the_plan() {
     }
 }
 
-/// Marks the texels of every block of the plan in a grid of booleans, and holds the records of the
-/// device's passes against the marks, scan by scan.
+/// Marks the texels of every block of the plan in a grid of booleans, if its twin says that it was due,
+/// and holds the records of the device's passes against the marks, scan by scan. The first iteration has
+/// to be the same. Later the device rounds a front otherwise than the twin here and there, and what has
+/// changed in its last digit alone makes a block due as well: up to a tenth of the texels may differ.
 fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, iterations: usize) {
     let detail = Detail { grain, ..Detail::default() };
     let method = method(wavefront, Schedule::Raster);
@@ -30,9 +34,11 @@ fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, 
     let recordings = of_kind(&profile, PassKind::Count).count() / iterations;
     let (texels, portions) = bench.steps(method, recordings);
     let (height, width) = (texels.inner_rows().len(), texels.inner_cols().len());
-    let visits = profile.passes().filter(|pass| pass.area.is_some() && !pass.is_idle());
-    let done = visits.filter_map(|pass| pass.iteration).max().unwrap() + 1;
-    let mut skipped_by_bounds = 0;
+    let lines = bench.solver.tuning().scan_lines;
+    let edges = EdgeLengths::<f32>::new(&bench.surface).unwrap();
+    let (_, due) = scan_due(&edges, &bench.seeds, wavefront, method.stop, lines as usize);
+    let (mut skipped_by_bounds, mut not_due) = (0, 0);
+    let (mut expected, mut different) = (0, 0);
     let mut iteration = 0;
     for step_list in portions {
         // Nothing follows the last count but its barrier.
@@ -46,6 +52,13 @@ fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, 
                     _ => None,
                 }) {
                     blocks += 1;
+                    let block = (pass.line - 1) / lines;
+                    let of_iteration = due.get(iteration as usize);
+                    let is_due = of_iteration.is_some_and(|due| due[scan as usize][block as usize]);
+                    if !pass.always && !is_due {
+                        not_due += u32::from(of_iteration.is_some());
+                        continue;
+                    }
                     for k in 0..pass.lines as i32 {
                         let (dx, dy) = scan.ahead();
                         let line = (pass.line as i32 + k * (dx + dy)) as usize - 1;
@@ -57,8 +70,7 @@ fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, 
                         }
                     }
                 }
-                let marked = marks.iter().filter(|&&mark| mark).count() as u64;
-                let visited = if iteration < done { marked } else { 0 };
+                let visited = marks.iter().filter(|&&mark| mark).count() as u64;
                 let of_scan: Vec<_> = of_kind(&profile, PassKind::Scan(scan))
                     .filter(|pass| pass.iteration == Some(iteration))
                     .collect();
@@ -66,15 +78,22 @@ fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, 
                 assert_eq!(of_scan.len(), records, "{scan:?} of {iteration}");
                 let dispatches: u32 = of_scan.iter().map(|pass| pass.dispatches).sum();
                 assert_eq!(dispatches as usize, blocks);
-                assert_eq!(sum(&of_scan, |pass| pass.work.texels), visited);
+                let found = sum(&of_scan, |pass| pass.work.texels);
+                if iteration == 0 || iteration as usize >= due.len() {
+                    assert_eq!(found, visited, "{scan:?} of {iteration}");
+                }
+                expected += visited;
+                different += found.abs_diff(visited);
                 let all = (height * width) as u64;
-                assert_eq!(sum(&of_scan, |pass| pass.work.skipped), all - visited);
-                skipped_by_bounds += all - marked;
+                assert_eq!(sum(&of_scan, |pass| pass.work.skipped), all - found);
+                skipped_by_bounds += if iteration == 0 { all - visited } else { 0 };
             }
             iteration += 1;
         }
     }
     assert!(skipped_by_bounds > 0, "the source is in the middle");
+    assert!(not_due > 0, "the last iteration changes little");
+    assert!(10 * different <= expected, "{different} of {expected} texels");
 }
 
 /// A coarser record is the sum of the finer ones, whatever the device has decided in between.
@@ -97,10 +116,10 @@ fn coarser_records_are_sums_of_finer_ones() {
                 let mut groups: u64 = passes.iter().filter_map(groups).map(u64::from).sum::<u64>();
                 // The count that ends an iteration is dispatched beyond convergence, too; the record
                 // of such an iteration says that it was idle.
-                let counts = passes.iter().filter(|pass| pass.kind == PassKind::Count).count();
-                if all.iter().all(|pass| pass.is_idle()) {
-                    groups -= counts as u64;
-                }
+                let beyond = |pass: &&PassRecord| {
+                    pass.kind == PassKind::Count && moved(pass) == Some((4, 0))
+                };
+                groups -= passes.iter().filter(beyond).count() as u64;
                 [
                     passes.iter().map(|pass| u64::from(pass.dispatches)).sum(),
                     groups,
@@ -119,7 +138,8 @@ fn coarser_records_are_sums_of_finer_ones() {
         let counts = records.each_ref().map(Vec::len);
         assert!(counts.is_sorted(), "{schedule}: {counts:?}");
         let iterations = of_iterations(&records[0]);
-        assert_eq!(iterations, if schedule == Schedule::Tiles { 0 } else { done(&records[1]) });
+        let done = bench.iterations(method(Wavefront::Curved, schedule));
+        assert_eq!(iterations, if schedule == Schedule::Tiles { 0 } else { done });
     }
 }
 
@@ -154,15 +174,10 @@ fn portions_are_sums(bench: &mut Bench, schedule: Schedule, of_iterations: &[Pas
     }
 }
 
-/// Records of iterations that have visited something.
-fn of_iterations(passes: &[PassRecord]) -> usize {
-    passes.iter().filter(|pass| pass.kind == PassKind::Iteration && !pass.is_idle()).count()
-}
-
-/// Iterations in which something was visited.
-fn done(passes: &[PassRecord]) -> usize {
-    let visits = passes.iter().filter(|pass| pass.area.is_some() && !pass.is_idle());
-    visits.filter_map(|pass| pass.iteration).max().map_or(0, |last| last as usize + 1)
+/// Records of iterations that were counted.
+fn of_iterations(passes: &[PassRecord]) -> u32 {
+    let counted = |pass: &&PassRecord| pass.kind == PassKind::Iteration && !pass.is_idle();
+    passes.iter().filter(counted).count() as u32
 }
 
 /// Seven by four points are four by two texels. Planar: 16 bytes of arrival times read and as many
@@ -175,15 +190,13 @@ fn bytes_agree_with_a_count_by_hand() {
         [(Wavefront::Planar, 16 + 64, 16), (Wavefront::Curved, 32 + 64 + 16, 32)]
     {
         let profile = bench.profile(method(wavefront, Schedule::Raster), Detail::default());
-        // The second iteration visits all of the grid.
-        let second: Vec<_> = profile
-            .passes()
-            .filter(|pass| pass.iteration == Some(1) && matches!(pass.kind, PassKind::Scan(_)))
-            .collect();
-        assert_eq!(sum(&second, |pass| pass.work.texels), 4 * 8);
-        assert_eq!(sum(&second, |pass| pass.work.bytes_read), 4 * 8 * read);
-        assert_eq!(sum(&second, |pass| pass.work.bytes_written), 4 * 8 * written);
-        assert_eq!(sum(&second, |pass| pass.work.triangles), 4 * 8 * 4 * 2);
+        let scans: Vec<_> =
+            profile.passes().filter(|pass| matches!(pass.kind, PassKind::Scan(_))).collect();
+        let texels = sum(&scans, |pass| pass.work.texels);
+        assert!(texels >= 8);
+        assert_eq!(sum(&scans, |pass| pass.work.bytes_read), texels * read);
+        assert_eq!(sum(&scans, |pass| pass.work.bytes_written), texels * written);
+        assert_eq!(sum(&scans, |pass| pass.work.triangles), texels * 4 * 2);
         let all_points = bench.profile(method(wavefront, Schedule::AllPoints), Detail::default());
         let first = of_kind(&all_points, PassKind::AllPoints).next().unwrap();
         assert_eq!(first.work.bytes(), Some(8 * (read + written)));
@@ -193,10 +206,11 @@ fn bytes_agree_with_a_count_by_hand() {
     }
 }
 
-/// The progress is 534 numbers: eight of how a map goes, three each that rows, columns and the grid are
-/// dispatched by, and 128 rounds and the next, the largest change of 128 rounds, whether a point was
-/// reached, and how many texels have settled. A tile has four. A count looks at seven numbers and writes five, in the last iteration four
-/// more; beyond, it looks at one.
+/// The progress is 528 numbers: eight of how a map goes, three that the grid is dispatched by, and 128
+/// rounds and the next, the largest change of 128 rounds, whether a point was reached, and how many
+/// texels have settled. A tile has four. For scans, blocks of four lines have three in each, and one on
+/// each side of the longer side of the grid. A count looks at seven numbers and writes five, in the last
+/// iteration two more; beyond, it looks at one.
 #[test]
 fn counts_and_starts_agree_with_a_count_by_hand() {
     let mut bench = Bench::new(61, 90, &[]);
@@ -205,17 +219,18 @@ fn counts_and_starts_agree_with_a_count_by_hand() {
     let mut seen = [false; 3];
     for schedule in [Schedule::Raster, Schedule::AllPoints] {
         let profile = bench.profile(method(Wavefront::Planar, schedule), Detail::default());
-        let passes: Vec<_> = profile.passes().copied().collect();
-        let last = done(&passes) as u32 - 1;
+        let last = bench.iterations(method(Wavefront::Planar, schedule)) - 1;
         for pass in of_kind(&profile, PassKind::Count) {
             let place = (pass.iteration.unwrap().cmp(&last) as i8 + 1) as usize;
             seen[place] = true;
-            let by_hand = [(4 * 7, 4 * 5), (4 * 7, 4 * (5 + 4)), (4, 0)][place];
+            let by_hand = [(4 * 7, 4 * 5), (4 * 7, 4 * (5 + 2)), (4, 0)][place];
             assert_eq!(moved(pass), Some(by_hand), "{schedule}: {pass:?}");
         }
         let start = of_kind(&profile, PassKind::Start).next().unwrap();
-        let progress = 4 * (8 + 3 * (3 + 128 + 1) + 128 + 2);
-        assert_eq!(moved(start), Some((0, progress + 4 * 4 * tiles)));
+        let progress = 4 * (8 + 3 * (1 + 128 + 1) + 128 + 2);
+        let lines = u64::from(bench.solver.tuning().scan_lines);
+        let blocks = if schedule == Schedule::Raster { 4 * (45u64.div_ceil(lines) + 2) } else { 0 };
+        assert_eq!(moved(start), Some((0, progress + 4 * 4 * tiles + 4 * 3 * blocks)));
     }
     assert_eq!(seen, [true; 3], "before the last iteration, at it, and beyond");
 }

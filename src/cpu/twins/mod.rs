@@ -3,11 +3,13 @@
 
 mod all_points;
 mod regions;
+mod scan_due;
 mod scan_in_turn;
 mod tile_rounds;
 
 pub use all_points::all_points;
 pub use regions::regions;
+pub use scan_due::{Visits, scan_due};
 pub use scan_in_turn::{scan_in_turn, scan_outward};
 pub use tile_rounds::{Rounds, tile_rounds};
 

@@ -11,13 +11,13 @@ use super::solver::Solver;
 use super::surface::{ResultImage, Surface};
 use crate::constants::SOURCES_TOGETHER;
 use crate::surface::{Chart, EdgeRule, Spacing};
+use crate::vulkan::VulkanError;
 use crate::vulkan::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands};
 use crate::vulkan::pipelines::SchedulePipelines;
 use crate::vulkan::profile::{PassKind, PassRecord, Profile, Work};
 use crate::vulkan::record::{EdgeSource, Recorder, dispatched, rows_around};
 use crate::vulkan::upload::SeedTexel;
-use crate::vulkan::{Schedule, VulkanError};
 
 /// Appends commands for a surface to a command buffer of the host's.
 ///
@@ -217,7 +217,7 @@ impl<'a> Recording<'a> {
         self.check(plan)?;
         self.check_sources(sources)?;
         self.recorder.forget();
-        self.start(sources, plan)
+        self.start(sources, plan, false)
     }
 
     /// Adds sources to the map, which has converged with the same wavefront.
@@ -227,7 +227,7 @@ impl<'a> Recording<'a> {
     pub fn add(&self, sources: SourceInput, plan: &Plan) -> Result<(), VulkanError> {
         self.check(plan)?;
         self.check_sources(sources)?;
-        self.start(sources, plan)
+        self.start(sources, plan, true)
     }
 
     /// Goes on with a map that may not have converged, by as many iterations again. In a later
@@ -352,10 +352,10 @@ impl<'a> Recording<'a> {
     }
 
     /// Starts a map on what is there, and runs the plan's steps.
-    fn start(&self, sources: SourceInput, plan: &Plan) -> Result<(), VulkanError> {
+    fn start(&self, sources: SourceInput, plan: &Plan, is_added: bool) -> Result<(), VulkanError> {
         let passes = self.check(plan)?;
         let Self { recorder, surface, .. } = self;
-        recorder.start(plan.stop);
+        recorder.start(plan.stop, plan.schedule, is_added);
         let (set, count) = match sources {
             SourceInput::Inline(sources) => {
                 recorder.write_sources(bytemuck::cast_slice(sources));
@@ -380,7 +380,7 @@ impl<'a> Recording<'a> {
             recorder.host_pass(pipeline, set.set, &portion, size);
             drop(pass);
             recorder.barrier(SHADER_WRITE, SHADER);
-            recorder.seed(4 * together, plan.schedule == Schedule::Tiles);
+            recorder.seed(4 * together, plan.schedule);
         }
         recorder.steps(passes, plan.steps());
         recorder.end_portion();

@@ -177,7 +177,7 @@ impl<'a> Recorder<'a> {
 
     fn scan(&self, pass: &ScanPass) {
         self.bind(self.passes.scan(pass.scan), pass.writes);
-        let block = Block::of(pass, self.texels);
+        let block = Block::of(pass, self.texels, self.pipelines.tuning.scan_lines);
         if pass.always {
             let groups = block.count.div_ceil(self.pipelines.tuning.scan_texels());
             self.dispatch(&block, [groups, 1, self.maps]);

@@ -1,12 +1,12 @@
 //! What the device has decided, as it is copied beside a recording.
 
 use super::work::Decisions;
-use crate::constants::ROUNDS;
-use crate::vulkan::progress::{DeviceProgress, Outcome, offset};
+use crate::constants::{ROUNDS, VISIT_WORDS};
+use crate::vulkan::progress::{self, Outcome, offset};
 
 /// Bytes of a portion of steps: how the iterations had gone before it, then all the progress
 /// after it.
-pub(crate) const BYTES: u64 = BEFORE + size_of::<DeviceProgress>() as u64;
+pub(crate) const BYTES: u64 = BEFORE + progress::BYTES;
 /// Of the first part.
 pub(crate) const BEFORE: u64 = size_of::<Outcome>() as u64;
 
@@ -17,6 +17,7 @@ pub(crate) struct ReadBack {
     is_done: bool,
     rounds: Vec<u32>,
     settled: u32,
+    visits: Vec<u32>,
 }
 
 impl ReadBack {
@@ -35,11 +36,12 @@ impl ReadBack {
             is_done: outcome(after).is_done(),
             rounds: (0..ROUNDS).map(|round| number(offset::round(round))).collect(),
             settled: number(offset::SETTLED),
+            visits: (0..VISIT_WORDS).map(|k| number(offset::VISITS + 4 * u64::from(k))).collect(),
         }
     }
 
     pub(crate) fn decisions(&self) -> Decisions<'_> {
-        let Self { before, after, is_done, ref rounds, settled } = *self;
-        Decisions { before, after: after.max(before), is_done, rounds, settled }
+        let Self { before, after, is_done, ref rounds, settled, ref visits } = *self;
+        Decisions { before, after: after.max(before), is_done, rounds, settled, visits }
     }
 }

@@ -39,6 +39,7 @@
 //! [`Recording::profiled`]: super::embed::Recording::profiled
 //! [`Solver::for_profiling`]: super::Solver::for_profiling
 
+mod blocks;
 mod calibration;
 mod capabilities;
 mod clock;

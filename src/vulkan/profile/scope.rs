@@ -64,7 +64,7 @@ impl<'a> Scope<'a> {
             return;
         }
         let next = describe();
-        if !open.as_mut().is_some_and(|open| open.absorb(&next.0)) {
+        if !open.as_mut().is_some_and(|open| open.absorb(&next)) {
             drop(open.take());
             *open = Self::open(watch, || next);
         }
@@ -72,13 +72,14 @@ impl<'a> Scope<'a> {
 
     /// Takes the next pass of the same scan or iteration in, if the profile wants no finer records;
     /// says whether it does.
-    fn absorb(&mut self, next: &PassRecord) -> bool {
+    fn absorb(&mut self, (next, presence): &(PassRecord, Presence)) -> bool {
         let Some(grain) = self.watch.profile.map(Profile::grain) else { return false };
         let record = &mut self.pass.0;
         let same = grain.gathers(record.kind)
             && (record.kind, record.iteration) == (grain.kind(next.kind), next.iteration);
         if same {
             record.absorb(next);
+            self.pass.1.absorb(*presence);
         }
         same
     }

@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 
+use super::blocks::Blocks;
 use super::pass::{Area, Grain, PassKind, PassRecord};
 use crate::constants::{LAYERS, WORKGROUP};
 use crate::update::Wavefront;
@@ -31,7 +32,7 @@ use crate::vulkan::{TexelChart, Tuning};
 /// | seed | ten numbers a texel, both layers of its fronts | its fronts; many maps at once: those of all |
 /// | scans, all points, tiles | a texel's times and 16 lengths; with curved fronts their curvature and the surface's | times; with curved fronts their curvature |
 /// | settle | a number a tile, and both layers of the texels that are brought back | the same |
-/// | count | of a map that goes on seven numbers of its progress, of one that is done one | five, and four more if it is done now; or none |
+/// | count | of a map that goes on seven numbers of its progress, of one that is done one | five, and two more if it is done now; or none |
 /// | fans | the numbers of each pair's fan | the same |
 /// | workgroups | the fans of all pairs in all scans, and maps that were begun before | distances, or maps to go on with |
 /// | decisions, outcome | what is copied | the same |
@@ -49,7 +50,7 @@ use crate::vulkan::{TexelChart, Tuning};
 /// | the ways, then what is left | `None`: as many points as the ways lead past | `None` |
 ///
 /// With many maps at once, the count by which one is done reads and writes how many are pending and
-/// writes that this one is not, and with the last of them two numbers more, in place of the four.
+/// writes that this one is not, and with the last of them two numbers more, in place of the two.
 ///
 /// Where a place may be bad, it counts as if it were good: all four texels around a source lie on the
 /// grid and are no other source's, places looked up and starts lie on the grid where the map is
@@ -82,8 +83,8 @@ const TEXEL: u64 = 16;
 const COUNT: Work = Work::of_bytes(4 * 7, 4 * 5);
 /// What it reads if the map is done.
 const COUNT_BEYOND: Work = Work::of_bytes(4, 0);
-/// What it writes besides if the map is done now: that, and no groups for rows, columns and the grid.
-const COUNT_LAST: Work = Work::of_bytes(0, 4 * 4);
+/// What it writes besides if the map is done now: that, and no groups for the grid.
+const COUNT_LAST: Work = Work::of_bytes(0, 4 * 2);
 /// Triangles of a point that a scan sees, times the points of a texel.
 const SCAN_TRIANGLES: u64 = 4 * 2;
 const ALL_TRIANGLES: u64 = 4 * 8;
@@ -132,6 +133,23 @@ impl Work {
         }
     }
 
+    /// Of texels that a scan updates.
+    pub(super) fn of_scan(texels: u64, skipped: u64, curved: bool) -> Self {
+        Self::of_updates(texels, skipped, curved, Some(SCAN_TRIANGLES))
+    }
+
+    /// The same, but for texels that have not been visited.
+    pub(super) fn without(self, unvisited: Self) -> Self {
+        let less = |a: Option<u64>, b: Option<u64>| Some(a? - b?);
+        Self {
+            texels: less(self.texels, unvisited.texels),
+            skipped: self.skipped.zip(unvisited.texels).map(|(a, b)| a + b),
+            bytes_read: less(self.bytes_read, unvisited.bytes_read),
+            bytes_written: less(self.bytes_written, unvisited.bytes_written),
+            triangles: less(self.triangles, unvisited.triangles),
+        }
+    }
+
     /// What one map takes, of so many of `all` maps of a batch that visit the same texels.
     pub(crate) fn of_maps(self, maps: u64, all: u64) -> Self {
         let each = |count: Option<u64>| Some(count? * maps);
@@ -165,8 +183,10 @@ impl Work {
 pub(crate) enum Presence {
     /// Nothing: it is dispatched as recorded.
     Always,
-    /// Whether the map has converged before this iteration of the portion, counted from 0.
-    Iteration(u32),
+    /// Which blocks of lines are due.
+    Scans(Blocks),
+    /// Whether the map has converged before the iteration of the portion.
+    Iteration,
     /// The same of the count that ends an iteration, and whether it was the last.
     Count,
     /// How many texels of so many tiles lie in the other image after the rounds of the portion.
@@ -175,8 +195,17 @@ pub(crate) enum Presence {
     Round { round: u32, texels: u64, tiles: u64, curved: bool },
 }
 
+impl Presence {
+    /// Of a pass with the next of the same scan or iteration.
+    pub(super) fn absorb(&mut self, next: Self) {
+        if let (Self::Scans(blocks), Self::Scans(next)) = (self, next) {
+            blocks.absorb(next);
+        }
+    }
+}
+
 /// What the device has decided in a portion of steps.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Decisions<'a> {
     /// Iterations of the map before the portion.
     pub before: u32,
@@ -188,6 +217,8 @@ pub(crate) struct Decisions<'a> {
     pub rounds: &'a [u32],
     /// Texels brought back to one image after them.
     pub settled: u32,
+    /// A bit for each dispatch of a scan in the portion: whether it has visited its block.
+    pub visits: &'a [u32],
 }
 
 /// The record of a pass once it is known what the device has decided.
@@ -196,7 +227,7 @@ pub(crate) fn decided(
     presence: Presence,
     decisions: Option<Decisions>,
 ) -> PassRecord {
-    let Some(Decisions { before, after, is_done, rounds, settled }) = decisions else {
+    let Some(Decisions { before, after, is_done, rounds, settled, visits }) = decisions else {
         return match presence {
             Presence::Always => record,
             Presence::Count | Presence::Settle { .. } => {
@@ -209,11 +240,16 @@ pub(crate) fn decided(
     let is_beyond = number >= after - before;
     let record = PassRecord { iteration: record.iteration.map(|_| before + number), ..record };
     let record = match presence {
-        Presence::Iteration(_) if is_beyond => {
+        Presence::Iteration | Presence::Scans(_) if is_beyond => {
             PassRecord { groups: Some([0, 1, 1]), work: record.work.none(), ..record }
         }
         Presence::Count if is_beyond => PassRecord { work: record.work.none(), ..record },
-        Presence::Always | Presence::Iteration(_) | Presence::Count => record,
+        Presence::Always | Presence::Iteration | Presence::Count => record,
+        Presence::Scans(blocks) => blocks.visited(record, visits).unwrap_or(PassRecord {
+            groups: None,
+            work: Work::default(),
+            ..record
+        }),
         Presence::Settle { tiles } => {
             let bytes = 4 * tiles + u64::from(LAYERS) * TEXEL * u64::from(settled);
             PassRecord { work: Work::of_bytes(bytes, bytes), ..record }
@@ -251,12 +287,15 @@ pub(crate) struct StepCounter {
     tuning: Tuning,
     curved: bool,
     iteration: u32,
+    /// Dispatches of scans so far, and before this iteration.
+    scans: u32,
+    first_scan: u32,
     last: Option<(u32, Scan)>,
 }
 
 impl StepCounter {
     pub(crate) fn new(texels: TexelChart, tuning: Tuning, curved: bool) -> Self {
-        Self { texels, tuning, curved, iteration: 0, last: None }
+        Self { texels, tuning, curved, iteration: 0, scans: 0, first_scan: 0, last: None }
     }
 
     /// The next step; barriers are none.
@@ -266,7 +305,6 @@ impl StepCounter {
         let everywhere = Area::new(self.texels.inner_rows(), self.texels.inner_cols());
         let inside =
             PassRecord { iteration: Some(self.iteration), ..PassRecord::new(PassKind::Count) };
-        let number = Presence::Iteration(self.iteration);
         match step {
             Step::Scan(pass) => self.scan(pass),
             Step::AllPoints { .. } => {
@@ -277,7 +315,7 @@ impl StepCounter {
                     work: Work::of_updates(all, 0, self.curved, Some(ALL_TRIANGLES)),
                     ..inside
                 };
-                (record, number)
+                (record, Presence::Iteration)
             }
             &Step::Tiles { round } => {
                 self.iteration += 1;
@@ -300,6 +338,7 @@ impl StepCounter {
             }
             Step::Count => {
                 self.iteration += 1;
+                self.first_scan = self.scans;
                 (PassRecord { groups: Some([1; 3]), work: COUNT, ..inside }, Presence::Count)
             }
             Step::Barrier => (PassRecord { iteration: None, ..inside }, Presence::Always),
@@ -346,11 +385,16 @@ impl StepCounter {
             iteration: Some(self.iteration),
             area: Some(area),
             groups: Some([along.div_ceil(self.tuning.scan_texels()), 1, 1]),
-            work: Work::of_updates(visited, skipped, self.curved, Some(SCAN_TRIANGLES)),
+            work: Work::of_scan(visited, skipped, self.curved),
             ..PassRecord::new(PassKind::Scan(pass.scan))
         };
-        let presence =
-            if pass.always { Presence::Always } else { Presence::Iteration(self.iteration) };
+        let (texels, tuning, curved) = (self.texels, self.tuning, self.curved);
+        let (iteration, first) = (self.first_scan, self.scans);
+        self.scans += 1;
+        let presence = match pass.always {
+            true => Presence::Always,
+            false => Presence::Scans(Blocks { texels, tuning, curved, iteration, first, count: 1 }),
+        };
         (record, presence)
     }
 }
@@ -401,6 +445,7 @@ pub fn planned(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constants::VISIT_WORDS;
     use crate::surface::Chart;
     use crate::vulkan::{Schedule, plan};
 
@@ -417,16 +462,18 @@ mod tests {
 
     #[test]
     fn passes_beyond_convergence_skip_what_they_were_recorded_for() {
-        let decisions = Decisions { before: 7, after: 8, is_done: true, rounds: &[], settled: 0 };
+        let visits = [u32::MAX; VISIT_WORDS as usize];
+        let before = Decisions { before: 7, after: 8, ..Decisions::default() };
+        let decisions = Decisions { is_done: true, visits: &visits, ..before };
         for schedule in [Schedule::Raster, Schedule::AllPoints] {
             for (record, presence) in passes(schedule, Wavefront::Planar) {
                 let after = decided(record, presence, Some(decisions));
                 assert_eq!(after.iteration, record.iteration.map(|iteration| 7 + iteration));
                 if presence == Presence::Count {
-                    // Seven numbers are looked at and five written, four more at the end; or one is.
+                    // Seven numbers are looked at and five written, two more at the end; or one is.
                     let found = after.work.bytes_read.zip(after.work.bytes_written);
                     let last = record.iteration == Some(0);
-                    assert_eq!(found, Some(if last { (4 * 7, 4 * (5 + 4)) } else { (4, 0) }));
+                    assert_eq!(found, Some(if last { (4 * 7, 4 * (5 + 2)) } else { (4, 0) }));
                     assert!(!after.is_idle());
                 } else if record.iteration == Some(0) {
                     assert_eq!((after.work, after.is_idle()), (record.work, false));
@@ -440,6 +487,47 @@ mod tests {
                 assert_eq!(unknown.work, Work::default());
                 assert_eq!(unknown.groups.is_some(), presence == Presence::Count);
             }
+        }
+    }
+
+    /// Ten rows of texels and seventeen columns in blocks of four; the device has visited the last two
+    /// rows in both scans, and in the scan left the last column.
+    #[test]
+    fn blocks_that_were_not_due_are_skipped() {
+        let mut visits = [0; VISIT_WORDS as usize];
+        // Three blocks down, three up, five right and five left.
+        for number in [2, 3, 11] {
+            visits[0] |= 1 << number;
+        }
+        let decisions = Decisions { after: 2, visits: &visits, ..Decisions::default() };
+        for wavefront in Wavefront::ALL {
+            let (mut visited, mut skipped) = ([0; 4], [0; 4]);
+            for (number, (record, presence)) in
+                passes(Schedule::Raster, wavefront).into_iter().enumerate().take(16)
+            {
+                let found = decided(record, presence, Some(decisions));
+                assert_eq!(found.is_idle(), ![2, 3, 11].contains(&number), "{number}");
+                let PassKind::Scan(scan) = found.kind else { panic!("{found:?}") };
+                visited[scan as usize] += found.work.texels.unwrap();
+                skipped[scan as usize] += found.work.skipped.unwrap();
+                let each = if wavefront == Wavefront::Curved { 144 } else { 96 };
+                assert_eq!(found.work.bytes(), found.work.texels.map(|texels| texels * each));
+                assert_eq!(found.work.triangles, found.work.texels.map(|texels| texels * 8));
+            }
+            assert_eq!(visited, [2 * 17, 2 * 17, 0, 10]);
+            assert_eq!(skipped, visited.map(|texels| 10 * 17 - texels));
+            let merged = passes(Schedule::Raster, wavefront).into_iter().take(16);
+            let (record, presence) = merged
+                .reduce(|(mut record, mut presence), (next, following)| {
+                    record.absorb(&next);
+                    presence.absorb(following);
+                    (record, presence)
+                })
+                .unwrap();
+            let found = decided(record, presence, Some(decisions));
+            assert_eq!(found.work.texels, Some(4 * 17 + 10));
+            assert_eq!(found.work.skipped, Some(4 * 10 * 17 - (4 * 17 + 10)));
+            assert_eq!((found.groups, found.dispatches), (Some([3, 1, 1]), 16));
         }
     }
 
@@ -463,8 +551,14 @@ mod tests {
     #[test]
     fn tiles_are_as_many_as_the_device_has_listed() {
         let rounds = [2, 0];
-        let decisions =
-            Decisions { before: 3, after: 4, is_done: true, rounds: &rounds, settled: 37 };
+        let decisions = Decisions {
+            before: 3,
+            after: 4,
+            is_done: true,
+            rounds: &rounds,
+            settled: 37,
+            visits: &[],
+        };
         let found: Vec<_> = passes(Schedule::Tiles, Wavefront::Curved)
             .into_iter()
             .map(|(record, presence)| decided(record, presence, Some(decisions)))

@@ -65,15 +65,15 @@ fn title(what: String, passes: &[PassRecord], run: &SolveProfile) -> String {
     format!("{what}{}{}", share.unwrap_or_default(), taken.unwrap_or_default())
 }
 
-/// A row of scans for the first iteration and for the last, coloured by the order of blocks: those
-/// between visit everything, too.
+/// A row of scans for the first iteration and for the last that visits anything, coloured by the order
+/// of blocks.
 fn scans(measured: &Measured, visits: &SolveProfile) -> (Vec<Vec<Visit>>, Key) {
-    let is_visit = |pass: &&PassRecord| {
-        matches!(pass.kind, PassKind::Scan(_) | PassKind::AllPoints) && !pass.is_idle()
-    };
-    let visits: Vec<PassRecord> = visits.passes().filter(is_visit).copied().collect();
-    let iterations: Vec<&[PassRecord]> =
-        visits.chunk_by(|a, b| a.iteration == b.iteration).collect();
+    let is_scan = |pass: &&PassRecord| matches!(pass.kind, PassKind::Scan(_) | PassKind::AllPoints);
+    let scans: Vec<PassRecord> = visits.passes().filter(is_scan).copied().collect();
+    let iterations: Vec<&[PassRecord]> = scans
+        .chunk_by(|a, b| a.iteration == b.iteration)
+        .filter(|passes| passes.iter().any(|pass| !pass.is_idle()))
+        .collect();
     let run = measured.median_run();
     let scale = Scale::over([0.0, 1.0].into_iter());
     let row = |number: usize| {
@@ -101,7 +101,8 @@ fn scans(measured: &Measured, visits: &SolveProfile) -> (Vec<Vec<Visit>>, Key) {
 fn in_order(chart: Chart, passes: &[PassRecord], scale: &Scale) -> Vec<Color> {
     let last = (passes.len() - 1).max(1) as f32;
     let mut colors = vec![SKIPPED; chart.points()];
-    for (number, area) in passes.iter().enumerate().filter_map(|(k, pass)| Some((k, pass.area?))) {
+    let visits = passes.iter().enumerate().filter(|(_, pass)| !pass.is_idle());
+    for (number, area) in visits.filter_map(|(k, pass)| Some((k, pass.area?))) {
         let color = scale.color(number as f32 / last);
         // Two rows and columns of points a texel, after the border of one texel.
         let points = |[first, end]: [u32; 2], most: usize| {

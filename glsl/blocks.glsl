@@ -1,0 +1,48 @@
+// Blocks of LINES rows of texels (scans down and up) or columns (right and left), counted from the
+// grid's first, and which of them are due in each scan: those in which, or on the line behind which,
+// a texel has changed since the scan has last visited the block. To visit any other would change
+// nothing: what a scan brings to a block depends on that line and the block alone, and it has brought
+// it.
+// Skipped blocks leave both images of fronts as they are, which are alike there: a scan that changes a
+// texel writes one image, the next scan reads that image and writes the other, and the texel's block
+// is due in it. So after each scan the image it writes holds the whole map.
+// Include after progress.glsl. Twin: src/cpu/twins/scan_due.rs.
+
+// Most lines of texels in a block.
+layout(constant_id = 4) const int LINES = 1;
+
+layout(set = 0, binding = 10) restrict buffer Blocks {
+    // For each scan, in the order of an iteration, and each block what its dispatch reads: groups of
+    // a line, 1 if the block is due or 0, and 1. A scan has a block more on each side of the grid, so
+    // that nothing has to ask whether there is one ahead.
+    uint blocks[];
+};
+
+const int DOWN = 0;
+const int UP = 1;
+const int RIGHT = 2;
+const int LEFT = 3;
+
+// Blocks of a scan, in a grid with so many columns and rows of texels.
+int pitch_of(ivec2 texels) {
+    return (max(texels.x, texels.y) + LINES - 1) / LINES + 2;
+}
+
+int due_at(int scan, int block, int pitch) {
+    return 3 * (scan * pitch + 1 + block) + 1;
+}
+
+void make_due(int scan, int block, int pitch) {
+    atomicOr(blocks[due_at(scan, block, pitch)], 1u);
+}
+
+// A line has changed: makes its block due in both scans, `forth` and back, that pass lines like it,
+// and what lies ahead if the line is the block's last.
+void make_both_due(int forth, int line, int pitch) {
+    int block = line / LINES;
+    int in_block = line - block * LINES;
+    make_due(forth, block, pitch);
+    make_due(forth + 1, block, pitch);
+    if (in_block == LINES - 1) make_due(forth, block + 1, pitch);
+    if (in_block == 0) make_due(forth + 1, block - 1, pitch);
+}

@@ -1,0 +1,103 @@
+//! Rotated raster scans that pass over the blocks of lines in which nothing can change. The twin of
+//! `glsl/blocks.glsl`.
+
+use super::super::state::{Fronts, Solution};
+use super::super::{Progress, Stop};
+use super::scan_triangles;
+use crate::surface::{Chart, EdgeLengths, Real, Seed};
+use crate::update::Wavefront;
+
+/// Which blocks an iteration has visited: of the scans down, up, right and left in turn those of rows,
+/// or columns, from the first on.
+pub type Visits = [Vec<bool>; 4];
+
+/// Solves as [`super::scan_in_turn`] does, to the bit, in blocks of so many lines of texels, which are
+/// pairs of rows or columns. A scan visits a block if a point in it, or on the line of texels behind
+/// it, has changed since it last did. Also returns what each iteration has visited.
+pub fn scan_due<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    stop: Stop,
+    lines: usize,
+) -> (Solution<R>, Vec<Visits>) {
+    let chart = edges.chart();
+    let triangles = scan_triangles(chart);
+    let mut fronts = Fronts::start(edges, seeds, wavefront);
+    let mut progress = Progress::new(stop);
+    let mut due = Due::new(chart, lines);
+    for seed in seeds {
+        due.changed([seed.row, seed.col], None);
+    }
+    let mut visits = Vec::new();
+    loop {
+        let (mut change, renews) = (R::Bits::default(), progress.renews());
+        let mut visited: Visits = due.blocks.each_ref().map(|blocks| vec![false; blocks.len()]);
+        for scan in 0..4 {
+            let (count, length) =
+                if scan < 2 { (chart.rows, chart.cols) } else { (chart.cols, chart.rows) };
+            let in_order =
+                |number: usize, of: usize| if scan % 2 == 0 { number } else { of - 1 - number };
+            for number in 0..visited[scan].len() {
+                let block = in_order(number, visited[scan].len());
+                if !std::mem::take(&mut due.blocks[scan][block]) {
+                    continue;
+                }
+                visited[scan][block] = true;
+                let first = 2 * lines * block;
+                let size = (2 * lines).min(count - first);
+                for line in (0..size).map(|number| first + in_order(number, size)) {
+                    for along in 0..length {
+                        let [row, col] = if scan < 2 { [line, along] } else { [along, line] };
+                        let point = chart.bordered(row, col);
+                        let before = fronts.at(point);
+                        let front = fronts.through(point, &triangles[scan]);
+                        change = change.max(fronts.accept(point, front, scan as u8 + 1, renews));
+                        if fronts.at(point) != before {
+                            due.changed([row, col], Some(scan));
+                        }
+                    }
+                }
+            }
+        }
+        visits.push(visited);
+        if progress.is_done::<R>(change) {
+            return (fronts.finish(progress.iterations, progress.residual), visits);
+        }
+    }
+}
+
+/// The blocks that a scan has to visit.
+struct Due {
+    /// Lines of texels in a block.
+    lines: usize,
+    blocks: [Vec<bool>; 4],
+}
+
+impl Due {
+    fn new(Chart { rows, cols }: Chart, lines: usize) -> Self {
+        let blocks = |points: usize| vec![false; points.div_ceil(2 * lines)];
+        Self { lines, blocks: [rows, rows, cols, cols].map(blocks) }
+    }
+
+    /// A point, by row and column, has changed: in a scan, which needs not visit the block again for it,
+    /// or before all.
+    fn changed(&mut self, point: [usize; 2], by: Option<usize>) {
+        for scan in 0..4 {
+            let texel = point[scan / 2] / 2;
+            let (block, line) = (texel / self.lines, texel % self.lines);
+            if by != Some(scan) {
+                self.blocks[scan][block] = true;
+            }
+            // The last line of the block in the order of the scan is read by the next.
+            let forward = scan % 2 == 0;
+            let ahead = if forward { block + 1 } else { block.wrapping_sub(1) };
+            let last = if forward { self.lines - 1 } else { 0 };
+            if line == last
+                && let Some(due) = self.blocks[scan].get_mut(ahead)
+            {
+                *due = true;
+            }
+        }
+    }
+}
