@@ -5,9 +5,8 @@ use std::time::{Duration, Instant};
 
 use geosweep::cpu::{self, RotatedScan, Stop};
 use geosweep::surface::{EdgeLengths, Seed};
-use geosweep::vulkan::{
-    self, Schedule, Solution, Solver, SurfaceOnDevice, TexelChart, VulkanError,
-};
+use geosweep::vulkan::profile::{Capability, Detail, Grain};
+use geosweep::vulkan::{self, Schedule, Solution, Solver, SurfaceOnDevice, VulkanError};
 use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Sources, Surface, Wavefront};
 use indicatif::ProgressBar;
 
@@ -123,7 +122,10 @@ pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
     let mut bench = Bench {
         plan,
         bar,
-        solver: if on_device { Some(Solver::new(&plan.device)?) } else { None },
+        // Looked at for what maps take alone, so that nothing else is asked of the device.
+        solver: on_device
+            .then(|| Solver::for_profiling(&plan.device, &Capability::ALL))
+            .transpose()?,
         cpu: cpu::Ceilings::measure(rayon::current_num_threads().min(MOST_THREADS)),
         device: if on_device { Some(vulkan::Ceilings::measure(&plan.device)?) } else { None },
         too_slow: Vec::new(),
@@ -284,25 +286,19 @@ impl Bench<'_> {
                 if !self.is_wanted(wavefront, method) {
                     continue;
                 }
+                let how =
+                    vulkan::Method { wavefront, schedule: Some(schedule), stop: problem.stop };
                 self.time(problem, wavefront, method, set_up, bytes, |problem| {
-                    let how =
-                        vulkan::Method { wavefront, schedule: Some(schedule), stop: problem.stop };
                     let Solution { iterations, residual, time, .. } =
                         solver.solve(surface, &problem.seeds, how)?;
                     Ok(Run { time, iterations, residual, visits_and_updates: None })
                 })?;
-                let tuning = solver.tuning();
+                // What it takes, once more and not timed.
+                let detail = Detail { grain: Grain::Blocks, ..Detail::default() };
+                let (_, profile) = solver.profile(surface, &problem.seeds, how, detail)?;
+                let work = Work::on_device(&profile);
                 let (timing, ceilings) = (self.timings.last_mut(), self.device.as_ref());
                 let (timing, ceilings) = timing.zip(ceilings).expect("it has just been timed");
-                let texels = TexelChart::new(problem.surface.chart()).expect("it was uploaded");
-                let work = Work::on_device(
-                    schedule,
-                    wavefront,
-                    texels,
-                    tuning,
-                    &problem.seeds,
-                    timing.iterations,
-                );
                 timing.shares = Shares::on_device(work, timing.median(), wavefront, ceilings);
                 timing.work = Some(work);
             }

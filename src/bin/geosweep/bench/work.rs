@@ -3,24 +3,20 @@
 //! Counted is what a point's update needs by itself, once: what is computed twice at the borders of
 //! workgroups, and what caches save, is not.
 
-use geosweep::surface::Seed;
-use geosweep::vulkan::plan::{self, Reached, Step};
-use geosweep::vulkan::profile::{self, PassRecord};
-use geosweep::vulkan::{Schedule, TexelChart, Tuning};
+use geosweep::vulkan::profile::{PassKind, PassRecord, SolveProfile, SubmissionRecord};
 use geosweep::{Wavefront, cpu, vulkan};
 use serde::Serialize;
 
 /// Bytes and updates of a map, and the commands that bring them about.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Work {
-    /// Bytes read and written; unknown for tiles, of which the host does not learn how many were
-    /// visited.
+    /// Bytes read and written.
     pub bytes: Option<u64>,
-    /// Updates from one triangle.
+    /// Updates from one triangle; unknown for tiles, which do not tell how often they iterate.
     pub triangles: Option<u64>,
     /// Dispatches, each with its barrier.
     pub dispatches: u64,
-    /// Those recorded beyond convergence, which visit nothing.
+    /// Those that visit nothing: beyond convergence, or where nothing can change.
     pub skipped_dispatches: u64,
     pub submissions: u64,
 }
@@ -44,41 +40,23 @@ impl Work {
         Self { bytes: Some(bytes * visits), triangles: Some(2 * updates), ..Self::default() }
     }
 
-    /// Of a schedule on a device from some seeds, after so many iterations.
-    pub fn on_device(
-        schedule: Schedule,
-        wavefront: Wavefront,
-        texels: TexelChart,
-        tuning: Tuning,
-        seeds: &[Seed],
-        iterations: u32,
-    ) -> Self {
-        let places = seeds.iter().map(|seed| TexelChart::texel_of(seed.row, seed.col));
-        let mut reached = Reached::around(places.map(|(row, col, _)| (row, col)));
-        let mut work = Self::default();
-        let portions = tuning.portions(wavefront, texels);
-        let mut done = 0;
-        // What rounds of tiles visit, the host does not learn from the plan.
-        let counts = schedule != Schedule::Tiles;
-        let (mut bytes, mut triangles) = (0, 0);
-        while done < iterations {
-            let recording = plan::recording(schedule, texels, portions, reached.take(), u32::MAX);
-            work.submissions += 1;
-            let passes = profile::planned(&recording, texels, tuning, wavefront);
-            let steps = recording.iter().filter(|step| **step != Step::Barrier);
-            for (step, PassRecord { work: needed, .. }) in steps.zip(&passes) {
-                let settles = matches!(step, Step::Settle { .. } | Step::Count);
-                if done < iterations || settles {
-                    work.dispatches += 1;
-                    bytes += needed.bytes().unwrap_or(0);
-                    triangles += needed.triangles.unwrap_or(0);
-                } else {
-                    work.skipped_dispatches += 1;
-                }
-                done += u32::from(matches!(step, Step::Count | Step::Tiles { .. }));
-            }
+    /// Of a map on a device, as a profile of every dispatch tells.
+    pub fn on_device(profile: &SolveProfile) -> Self {
+        use PassKind::{AllPoints, Count, Scan, Settle, Tiles};
+        let is_step =
+            |pass: &&PassRecord| matches!(pass.kind, Scan(_) | AllPoints | Tiles | Settle | Count);
+        let steps: Vec<_> = profile.passes().filter(is_step).collect();
+        let idle = steps.iter().filter(|pass| pass.is_idle()).count();
+        let has_steps = |found: &&SubmissionRecord| found.passes.iter().any(|pass| is_step(&pass));
+        // Only what visits texels updates them.
+        let updates = steps.iter().filter(|pass| pass.area.is_some());
+        Self {
+            bytes: steps.iter().map(|pass| pass.work.bytes()).sum(),
+            triangles: updates.map(|pass| pass.work.triangles).sum(),
+            dispatches: (steps.len() - idle) as u64,
+            skipped_dispatches: idle as u64,
+            submissions: profile.submissions.iter().filter(has_steps).count() as u64,
         }
-        Self { bytes: counts.then_some(bytes), triangles: counts.then_some(triangles), ..work }
     }
 }
 
@@ -120,35 +98,43 @@ impl Shares {
 #[cfg(test)]
 mod tests {
     use geosweep::surface::Chart;
+    use geosweep::vulkan::{Schedule, TexelChart, Tuning, plan, profile};
 
     use super::*;
 
-    fn work(schedule: Schedule, iterations: u32) -> Work {
+    /// A map of two recordings, as planned, and a submission of nothing that counts.
+    fn work(schedule: Schedule) -> Work {
         let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
         let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4 };
-        let seeds = [Seed { row: 0, col: 0, time: 0.0, curvature: 0.0 }];
-        Work::on_device(schedule, Wavefront::Planar, texels, tuning, &seeds, iterations)
+        let portions = tuning.portions(Wavefront::Planar, texels);
+        let steps = plan::recording(schedule, texels, portions, None, 2);
+        let mut passes = profile::planned(&steps, texels, tuning, Wavefront::Planar);
+        let mut submission = |more: Option<PassKind>| {
+            passes.extend(more.map(|kind| PassRecord { kind, ..passes[0] }));
+            let (submitted, ended) = Default::default();
+            let (begin, nanoseconds, lead) = Default::default();
+            let (passes, tiles) = (passes.clone(), Vec::new());
+            SubmissionRecord { submitted, ended, begin, nanoseconds, lead, passes, tiles }
+        };
+        let first = submission(None);
+        let mut second = submission(Some(PassKind::Outcome));
+        // A block that was not due.
+        second.passes[0].groups = Some([0, 1, 1]);
+        let empty = SubmissionRecord { passes: Vec::new(), ..first.clone() };
+        let submissions = vec![first, second, empty];
+        Work::on_device(&SolveProfile { submissions, time: Default::default() })
     }
 
     #[test]
-    fn whole_iterations_visit_every_texel_four_times_or_twice() {
-        // 32 lines of texels in blocks of four, four scans and the count.
-        let (one, two) = (work(Schedule::Raster, 1), work(Schedule::Raster, 2));
-        assert_eq!(one.dispatches + one.skipped_dispatches, 4 * (4 * 8) + 4);
-        assert_eq!(two.dispatches - one.dispatches, 4 * 8);
-        assert_eq!(two.bytes.unwrap() - one.bytes.unwrap(), 4 * 32 * 32 * 96);
-        assert!(one.bytes.unwrap() < 4 * 32 * 32 * 96, "the first scan sees half of it");
-        let all_points = work(Schedule::AllPoints, 33);
-        assert_eq!(all_points.triangles, Some(33 * 2 * 32 * 32 * 32));
-        // Two recordings of 32 iterations.
-        assert_eq!((all_points.submissions, all_points.dispatches), (2, 33 * 2 + 64));
-        assert_eq!(all_points.skipped_dispatches, 31 * 2);
-    }
-
-    #[test]
-    fn rounds_of_tiles_are_dispatches() {
-        let tiles = work(Schedule::Tiles, 5);
-        assert_eq!((tiles.bytes, tiles.dispatches, tiles.skipped_dispatches), (None, 5 + 1, 3));
+    fn what_was_dispatched_is_counted() {
+        // Two recordings of two iterations: 32 lines of texels in blocks of four, four scans, a count.
+        let raster = work(Schedule::Raster);
+        assert_eq!((raster.dispatches, raster.skipped_dispatches), (4 * (4 * 8 + 1) - 1, 1));
+        let bytes = 2 * 2 * (4 * 32 * 32 * 96 + 28 + 20);
+        assert_eq!((raster.submissions, raster.bytes), (2, Some(bytes)));
+        assert_eq!(raster.triangles, Some(2 * 2 * 4 * 32 * 32 * 8));
+        let all_points = work(Schedule::AllPoints);
+        assert_eq!((all_points.dispatches, all_points.skipped_dispatches), (4 * 3 - 1, 1));
     }
 
     #[test]
