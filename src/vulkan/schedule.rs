@@ -127,8 +127,9 @@ const CHOICES: [Choice; 3] = [
     // points, where they did best.
     Choice { on_cpu: true, side: 32, schedule: Schedule::Tiles },
     // Measured as above: from 49 points on tiles take 2 to 20 times as long on a sphere, since
-    // barriers inside shaders are dear there. In a maze of 129 to 257 points, where each round
-    // visits few tiles, they take 0.4 to 0.9 of the time; at 513 points three times as long.
+    // barriers inside shaders are dear there. In a maze, where each round visits few tiles, they took
+    // 0.4 to 0.9 of the time at 129 to 257 points while scans visited all blocks of lines; since these
+    // pass over what cannot change, tiles take 1.3 to 2.2 times as long (medians of 5 pairs beside other work).
     Choice { on_cpu: true, side: usize::MAX, schedule: Schedule::Raster },
     // Reasoned, not measured, for want of a GPU. At 1200 points a side a scan is 75 dispatches of
     // eight lines each, a converged map some thousand dispatches with their barriers of a few
