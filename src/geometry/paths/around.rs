@@ -11,6 +11,7 @@ use std::iter::once;
 
 use glam::DVec2;
 
+use super::corners::Corners;
 use super::goals::Goals;
 use super::trace::{Field, Place, Trace};
 use crate::cpu::{RotatedScan, Stop};
@@ -117,7 +118,7 @@ impl Field<'_> {
         if !trace.is_too_long() {
             return trace;
         }
-        match self.around(&trace) {
+        match self.around(&trace).map(|other| self.taut(other)) {
             Some(other) if other.arrival() < trace.arrival() => other,
             _ => trace,
         }
@@ -206,7 +207,7 @@ impl Field<'_> {
         }
         let there = |point: usize| times[point] < f32::INFINITY;
         let goals = Goals::new(chart, &Sources::point(at.x, at.y), there);
-        Some(Field { edges, times, start: 0.0, goals })
+        Some(Field { edges, times, start: 0.0, goals, corners: Corners::default() })
     }
 }
 

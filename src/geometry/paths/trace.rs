@@ -7,6 +7,7 @@ use glam::DVec2;
 
 use super::ahead::Entry;
 use super::cell::{Cell, SIDES, Weights};
+use super::corners::Corners;
 use super::goals::{Goals, Nearest};
 use super::profile::Profile;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, FAR, corner_weights};
@@ -20,6 +21,7 @@ pub(super) struct Field<'a> {
     /// The smallest initial value.
     pub start: f64,
     pub goals: Goals,
+    pub corners: Corners,
 }
 
 /// A path's trace: its vertices from the start to the source.

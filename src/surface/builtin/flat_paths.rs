@@ -9,7 +9,7 @@ use std::ops::Range;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use crate::surface::{Chart, Direction};
+use crate::surface::{Chart, Direction, is_corner};
 
 /// A flat grid, some of whose points are missing. Its floor is the union of the triangles of
 /// neighbouring points that are all there, and of edges between two that are: a cell with one
@@ -42,48 +42,17 @@ impl FloorPlan {
         ((b - a) * self.spacing).length()
     }
 
-    /// The points at which a shortest path can bend: where less than half a turn, between two
-    /// directions in which one can go, is blocked.
+    /// The points at which a shortest path can bend.
     fn corners(&self) -> Vec<DVec2> {
         let Chart { rows, cols } = self.chart;
         (0..rows)
             .flat_map(|row| (0..cols).map(move |col| (row, col)))
-            .filter(|&(row, col)| self.has(row, col) && self.is_corner(row, col))
+            .filter(|&(row, col)| {
+                let there = || Direction::ALL.map(|to| self.neighbour(row, col, to));
+                self.has(row, col) && is_corner(there())
+            })
             .map(|(row, col)| DVec2::new(row as f64, col as f64))
             .collect()
-    }
-
-    fn is_corner(&self, row: usize, col: usize) -> bool {
-        let there = Direction::ALL.map(|to| self.neighbour(row, col, to));
-        let at = |index: usize| there[index % 8];
-        // Eighth k lies between directions k and k + 1, of which the odd ones are diagonals. It
-        // is open if its triangle is there, or that of the cell's half it is cut from.
-        let cell = |k: usize| {
-            let first = k / 2 * 2;
-            [at(first), at(first + 1), at(first + 2)]
-        };
-        let open = |k: usize| match cell(k) {
-            [true, _, true] => true,
-            [a, true, b] => {
-                if k.is_multiple_of(2) {
-                    a
-                } else {
-                    b
-                }
-            }
-            _ => false,
-        };
-        // Edges with no triangle beside them end a blocked range too.
-        let passable = |k: usize| {
-            let diagonal = k % 2 == 1;
-            at(k) && (!diagonal || open(k) || open(k + 7))
-        };
-        (0..8).filter(|&k| passable(k) || open(k) || open(k + 7)).any(|start| {
-            let blocked = (start..start + 8)
-                .take_while(|&k| !open(k) && (k == start || !passable(k)))
-                .count();
-            (1..4).contains(&blocked)
-        })
     }
 
     /// Whether the straight line between two places stays on the floor.

@@ -1,0 +1,99 @@
+//! The corners of holes, which paths bend around.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use crate::surface::{Chart, Direction, is_corner};
+
+/// The corners of holes in the region that a front reaches.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Corners {
+    /// For each point of the bordered array; empty if there are none.
+    is_corner: Vec<bool>,
+}
+
+impl Corners {
+    /// By the arrival times in a bordered array.
+    pub(super) fn new(chart: Chart, times: &[f32]) -> Self {
+        let is_reached = |time: &f32| *time < f32::INFINITY;
+        let row = |row: usize| &times[chart.bordered(row, 0)..][..chart.cols];
+        if (0..chart.rows).all(|at| row(at).iter().all(is_reached)) {
+            return Self::default();
+        }
+        let mut corners = vec![false; chart.bordered_points()];
+        let rows = corners.par_chunks_exact_mut(chart.stride()).enumerate();
+        rows.skip(1).take(chart.rows).for_each(|(at, corners)| {
+            let first = at * chart.stride();
+            let above = first - chart.stride();
+            let below = first + chart.stride();
+            for col in 1..=chart.cols {
+                let whole =
+                    |row: usize| times[row + col - 1..=row + col + 1].iter().all(is_reached);
+                let point = first + col;
+                if !(whole(above) && whole(first) && whole(below)) && is_reached(&times[point]) {
+                    let there =
+                        |to| is_reached(&times[point.wrapping_add_signed(chart.offset(to))]);
+                    corners[col] = is_corner(Direction::ALL.map(there));
+                }
+            }
+        });
+        Self { is_corner: corners }
+    }
+
+    /// Whether there are none at all.
+    pub(super) fn is_none(&self) -> bool {
+        self.is_corner.is_empty()
+    }
+
+    /// The corners at the ends of the edge that a place lies on, or at the place.
+    pub(super) fn beside(&self, chart: Chart, at: DVec2) -> impl Iterator<Item = DVec2> {
+        let on_edge = at.x.fract() == 0.0 || at.y.fract() == 0.0;
+        let (first, last) = (at.floor(), at.ceil());
+        let ends = [(on_edge, first), (on_edge && last != first, last)];
+        ends.into_iter().filter(|(is_end, _)| *is_end).map(|(_, end)| end).filter(move |end| {
+            self.is_corner.get(chart.bordered(end.x as usize, end.y as usize)) == Some(&true)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CHART: Chart = Chart { rows: 5, cols: 7 };
+
+    fn corners_without(holes: &[(usize, usize)]) -> (Corners, Vec<(usize, usize)>) {
+        let mut times = vec![f32::INFINITY; CHART.bordered_points()];
+        let points = (0..CHART.points()).map(|index| CHART.position(index));
+        for (row, col) in points.clone().filter(|at| !holes.contains(at)) {
+            times[CHART.bordered(row, col)] = 1.0;
+        }
+        let corners = Corners::new(CHART, &times);
+        let is_corner = |&(row, col): &(usize, usize)| {
+            corners.is_corner.get(CHART.bordered(row, col)) == Some(&true)
+        };
+        let found = points.filter(is_corner).collect();
+        (corners, found)
+    }
+
+    #[test]
+    fn corners_surround_holes() {
+        let (whole, none) = corners_without(&[]);
+        assert!(whole.is_none() && none.is_empty());
+        // The border is none, nor is what is beside a hole that reaches it.
+        assert_eq!(corners_without(&[(2, 3)]).1, [(1, 3), (2, 2), (2, 4), (3, 3)]);
+        assert_eq!(corners_without(&[(0, 3), (1, 3)]).1, [(1, 2), (1, 4), (2, 3)]);
+        assert_eq!(corners_without(&[(0, 0)]).1, []);
+    }
+
+    #[test]
+    fn places_on_edges_are_beside_their_ends() {
+        let (corners, _) = corners_without(&[(2, 3)]);
+        let beside = |row, col| corners.beside(CHART, DVec2::new(row, col)).collect::<Vec<_>>();
+        assert_eq!(beside(1.0, 3.0), [DVec2::new(1.0, 3.0)]);
+        assert_eq!(beside(0.25, 3.0), [DVec2::new(1.0, 3.0)]);
+        assert_eq!(beside(2.0, 1.5), [DVec2::new(2.0, 2.0)]);
+        assert_eq!(beside(1.5, 2.5), []);
+        assert_eq!(beside(0.0, 0.5), []);
+    }
+}

@@ -1,0 +1,221 @@
+//! Paths drawn taut around the corners of holes.
+//!
+//! Behind a corner that shortest paths bend around, arrival times grow with the distance from it as from
+//! a source; but their squares count from elsewhere, and cubics do not follow the tip of a cone. In the
+//! last cells before the corner a traced path strays by some hundredths of a cell, and so is too long
+//! by a part of a cell at each corner: first order, and no better.
+//!
+//! So a path that comes by a corner is led over it, on lines that are straight in rows and columns, where
+//! that makes it shorter as measured in the cells' own lengths. The lines become longer as long as that
+//! saves more. On a flat floor they reach from corner to corner and are exact. On a curved surface a line
+//! is longer than the shortest path by the third power of its length, and replaces only the cells near
+//! the corner; further on what cubics make of the cone is better by the sixth power of the distance.
+
+use glam::DVec2;
+
+use super::cell::{Cell, corners};
+use super::trace::{Field, Trace};
+use crate::surface::{corner_weights, grid_crossings};
+
+/// Whether a path is to be led over a corner is decided by lines over as many of its vertices.
+const NEAR: usize = 8;
+/// What saves less than this part of its length is left: edges are measured in single precision.
+const LEAST: f64 = 1e-7;
+/// Places closer than this to a grid line, in cells, lie on it, and those closer to each other are one.
+const ON_LINE: f64 = 1e-9;
+
+/// A straight line between a corner and a vertex before or after it.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    /// The vertex.
+    end: usize,
+    length: f64,
+    /// Length of the path that it replaces, from the vertex nearest to the corner on that side.
+    way: f64,
+}
+
+impl Line {
+    fn saves(&self) -> f64 {
+        self.way - self.length
+    }
+}
+
+/// What is shorter than part of a path: one straight line or two.
+struct Shortcut {
+    /// The vertices that it is between.
+    ends: [usize; 2],
+    /// The corner that it bends at, if it does.
+    corner: Option<DVec2>,
+    saves: f64,
+}
+
+/// A path beside a corner.
+struct Bend<'a> {
+    field: &'a Field<'a>,
+    vertices: &'a [DVec2],
+    corner: DVec2,
+}
+
+impl Bend<'_> {
+    /// The straight way over the corner, or past it, where that saves anything. The path is beside
+    /// the corner from its vertex `first` on; it changes after the vertex `fixed` only.
+    fn shortcut(&self, fixed: usize, first: usize) -> Option<Shortcut> {
+        let (field, vertices) = (self.field, self.vertices);
+        let end = vertices.len() - 1;
+        if self.corner == vertices[0] || self.corner == vertices[end] {
+            return None;
+        }
+        let is_beside = |&at: &DVec2| field.corners_beside(at).any(|corner| corner == self.corner);
+        let beside = vertices[first..].iter().take_while(|at| is_beside(at)).count();
+        let nearest = [first.saturating_sub(1), (first + beside).min(end)];
+        // Most paths pass by.
+        let around = nearest[0].saturating_sub(NEAR).max(fixed)..=(nearest[1] + NEAR).min(end);
+        let chord = vertices[*around.start()].distance(vertices[*around.end()]);
+        if vertices[first] != self.corner && extent(&vertices[around]) <= (1.0 + LEAST) * chord {
+            return None;
+        }
+        let way = self.way(nearest[0], nearest[1])?;
+        let [mut before, mut after] = [self.line(nearest[0])?, self.line(nearest[1])?];
+        for counts in [[1, NEAR], [2 * NEAR, usize::MAX]] {
+            before = self.lengthen(before, nearest[0], fixed, counts);
+            after = self.lengthen(after, nearest[1], end, counts);
+            if way + before.saves() + after.saves() < -LEAST * (before.length + after.length) {
+                return None;
+            }
+        }
+        let (replaced, over) = (way + before.way + after.way, before.length + after.length);
+        // Maps that are late beside a shadow's border lead paths to corners that they need not touch.
+        let past = field.straight(vertices[before.end], vertices[after.end]);
+        let past = past.filter(|past| *past < (1.0 - LEAST) * over);
+        let length = past.unwrap_or(over);
+        (length < (1.0 - LEAST) * replaced).then_some(Shortcut {
+            ends: [before.end, after.end],
+            corner: past.is_none().then_some(self.corner),
+            saves: replaced - length,
+        })
+    }
+
+    /// The line between the corner and a vertex.
+    fn line(&self, end: usize) -> Option<Line> {
+        let length = self.field.straight(self.corner, self.vertices[end])?;
+        Some(Line { end, length, way: 0.0 })
+    }
+
+    /// A line to some vertex from the one nearest to the corner to the last one on that side: as many
+    /// further as `counts` says first, and twice as many, to what it says last, while the line stays
+    /// on the surface and saves no less.
+    fn lengthen(&self, mut line: Line, nearest: usize, last: usize, counts: [usize; 2]) -> Line {
+        let [mut count, most] = counts;
+        let reach = nearest.abs_diff(last);
+        while count <= most {
+            let far = count.min(reach);
+            let end = if last < nearest { nearest - far } else { nearest + far };
+            // Nothing is saved where the path is straight already.
+            if !self.is_straight(line.end, end) {
+                let (Some(longer), Some(way)) = (self.line(end), self.way(line.end, end)) else {
+                    break;
+                };
+                let longer = Line { way: line.way + way, ..longer };
+                if longer.saves() - line.saves() < -LEAST * longer.length {
+                    break;
+                }
+                line = longer;
+            }
+            if count >= reach {
+                break;
+            }
+            count *= 2;
+        }
+        line
+    }
+
+    /// Length of the path between two vertices.
+    fn way(&self, a: usize, b: usize) -> Option<f64> {
+        let vertices = &self.vertices[a.min(b)..=a.max(b)];
+        vertices.windows(2).map(|ends| self.field.across(ends[0], ends[1])).sum()
+    }
+
+    /// Whether the line to a vertex and the path from there to another one are one line.
+    fn is_straight(&self, a: usize, b: usize) -> bool {
+        let to = |end: usize| self.corner.distance(self.vertices[end]);
+        to(a) + extent(&self.vertices[a.min(b)..=a.max(b)]) <= (1.0 + LEAST) * to(b)
+    }
+}
+
+/// Length of a path in rows and columns.
+fn extent(vertices: &[DVec2]) -> f64 {
+    vertices.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
+}
+
+impl Field<'_> {
+    /// A path led straight to the corners that it bends at and away.
+    pub(super) fn taut(&self, mut trace: Trace) -> Trace {
+        if self.corners.is_none() {
+            return trace;
+        }
+        // The last corner that the path is led over.
+        let mut fixed = 0;
+        let mut at = 0;
+        while at < trace.vertices.len() {
+            let vertices = &trace.vertices;
+            let is_new = |corner: DVec2| {
+                at == 0 || self.corners_beside(vertices[at - 1]).all(|before| before != corner)
+            };
+            let shortcut = self.corners_beside(vertices[at]).find_map(|corner| {
+                let bend = Bend { field: self, vertices, corner };
+                is_new(corner).then(|| bend.shortcut(fixed, at))?
+            });
+            let Some(Shortcut { ends: [first, last], corner, saves }) = shortcut else {
+                if self.corners_beside(vertices[at]).any(|corner| corner == vertices[at]) {
+                    fixed = at;
+                }
+                at += 1;
+                continue;
+            };
+            let (from, to) = (vertices[first], vertices[last]);
+            let mut way = self.cuts(from, corner.unwrap_or(to));
+            at = first + 1 + way.len();
+            if let Some(corner) = corner {
+                fixed = at;
+                at += 1;
+                way.push(corner);
+                way.extend(self.cuts(corner, to));
+            }
+            trace.vertices.splice(first + 1..last, way);
+            trace.length -= saves;
+        }
+        trace
+    }
+
+    fn corners_beside(&self, at: DVec2) -> impl Iterator<Item = DVec2> {
+        self.corners.beside(self.chart(), at)
+    }
+
+    /// Where a line that is straight in rows and columns crosses the grid's, between its ends.
+    fn cuts(&self, a: DVec2, b: DVec2) -> Vec<DVec2> {
+        let on_line = |x: f64| if (x - x.round()).abs() < ON_LINE { x.round() } else { x };
+        let mut cuts: Vec<_> = grid_crossings(a, b)
+            .into_iter()
+            .map(|share| a.lerp(b, share))
+            .map(|at| DVec2::new(on_line(at.x), on_line(at.y)))
+            .filter(|at| at.distance(a).min(at.distance(b)) > ON_LINE)
+            .collect();
+        cuts.dedup_by(|a, b| a.distance(*b) < ON_LINE);
+        cuts
+    }
+
+    /// The length of such a line, if it stays where a front arrives.
+    fn straight(&self, a: DVec2, b: DVec2) -> Option<f64> {
+        let cuts = grid_crossings(a, b);
+        cuts.windows(2).map(|ends| self.across(a.lerp(b, ends[0]), a.lerp(b, ends[1]))).sum()
+    }
+
+    /// The length of a part of one that lies in one cell.
+    fn across(&self, a: DVec2, b: DVec2) -> Option<f64> {
+        let corner = (0.5 * (a + b)).floor();
+        let north_west = self.chart().bordered(corner.x as usize, corner.y as usize);
+        let there = corners(self.chart(), north_west).map(|point| self.is_reached(point));
+        let weights = |at: DVec2| corner_weights(there, at.x - corner.x, at.y - corner.y);
+        Some(Cell::new(self.edges, north_west).square(&weights(a)?, &weights(b)?).sqrt())
+    }
+}
