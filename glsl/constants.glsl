@@ -25,6 +25,7 @@
 // See curved.rs.
 #define GRAZING 0.1
 #define FOCUS 0.1
+#define BENT_APART 0.005
 // Texels around the grid's own in every image, so that no neighbour needs a bounds test.
 #define BORDER 1
 // Iterations after the last in which a point was reached, from which on curved fronts are no

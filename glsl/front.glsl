@@ -9,8 +9,8 @@ vec4 with_tags(vec4 values, uvec4 tags) {
 }
 
 // Accepts fronts, brought by a scan numbered from 1, that are the first to arrive. Between equally
-// early ones whole triangles know better, then the flatter front; and those that this scan has
-// brought before may be renewed, earlier or later.
+// early ones whole triangles know better, then the front that is flatter by more than rounding; and
+// those that this scan has brought before may be renewed, earlier or later.
 void accept(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 curvature) {
     bvec4 first = lessThan(fronts.time, time);
     if (WAVEFRONT == 2) {
@@ -18,7 +18,8 @@ void accept(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 c
         uvec4 tag_before = floatBitsToUint(curvature) & 15u;
         bvec4 whole_before = greaterThanEqual(tag_before, uvec4(WHOLE));
         bvec4 alike = equal(uvec4(fronts.whole), uvec4(whole_before));
-        bvec4 flatter = both(alike, lessThan(tagged, curvature));
+        bvec4 apart = greaterThan(curvature - tagged, abs(tagged) * BENT_APART);
+        bvec4 flatter = both(alike, apart);
         bvec4 knows = either(both(fronts.whole, not(whole_before)), flatter);
         bvec4 preferred = both(equal(fronts.time, time), knows);
         bvec4 renewed = both(bvec4(renews), equal(tag_before & 7u, uvec4(scan)));

@@ -233,10 +233,10 @@ fn change<R: Real>(before: [R; 2], after: [R; 2]) -> R::Bits {
 /// The arrival time and the tagged curvature at a point after one of the scans, numbered from 1,
 /// has brought a front to it.
 ///
-/// The front is accepted if it is the first, or equally early and preferred
-/// ([`Front::knows_better`]). If the scan `renews`, it is accepted as well, earlier or later, if it has
-/// brought the one before: that came from the same triangles, whose fronts have changed since. So
-/// nothing that was computed from a preliminary curvature stays.
+/// The front is accepted if it is the first, or equally early and preferred ([`Front::replaces`]).
+/// If the scan `renews`, it is accepted as well, earlier or later, if it has brought the one before:
+/// that came from the same triangles, whose fronts have changed since. So nothing that was computed
+/// from a preliminary curvature stays.
 #[inline(always)]
 pub(super) fn accept<R: Real>(
     time: R,
@@ -248,7 +248,7 @@ pub(super) fn accept<R: Real>(
     let (before, brought_by) = self::front(time, curvature);
     let front = Front { curvature: tagged(front, scan), ..front };
     let renewed = renews & (brought_by == scan);
-    let preferred = (front.time == time) & front.knows_better(before);
+    let preferred = (front.time == time) & front.replaces(before);
     let accepted = (front.time < time) | ((time < R::FAR) & (renewed | preferred));
     (if accepted { front.time } else { time }, if accepted { front.curvature } else { curvature })
 }

@@ -1,7 +1,7 @@
 //! The curved wavefront: a front that carries its geodesic curvature beside the arrival time.
 
 use super::{Shape, Triangle};
-use crate::constants::{FOCUS, GRAZING};
+use crate::constants::{BENT_APART, FOCUS, GRAZING};
 use crate::surface::{DIFFRACTS, Real, max};
 
 /// An arriving front: when, and how curved it is.
@@ -36,6 +36,17 @@ impl<R: Real> Front<R> {
     pub(crate) fn knows_better(self, other: Self) -> bool {
         let flatter = (self.whole == other.whole) & (self.curvature < other.curvature);
         (self.whole & !other.whole) | flatter
+    }
+
+    /// Whether this front is preferred to an equally early one that a point keeps, maybe from
+    /// another scan: where it is flatter by more than rounding. Along a diagonal two scans bring
+    /// the same front, and were each point to choose among their last digits, a change would
+    /// follow the diagonal only as far as one scan's points go, and the rest in later iterations.
+    #[inline(always)]
+    pub(crate) fn replaces(self, kept: Self) -> bool {
+        let apart = self.curvature.abs() * R::of(BENT_APART);
+        let flatter = (self.whole == kept.whole) & (kept.curvature - self.curvature > apart);
+        (self.whole & !kept.whole) | flatter
     }
 }
 
