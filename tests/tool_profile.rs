@@ -64,16 +64,18 @@ fn a_profile_counts_what_the_schedules_do() {
             let iterations = report["iterations"].as_u64().unwrap();
             assert_eq!((visited + skipped) % (31 * 25), 0);
             assert!(visited <= 4 * iterations * 31 * 25);
-            assert!(visited > 4 * (iterations - 1) * 31 * 25, "bounds are of the first iteration");
+            // The first is bounded, the others pass over blocks in which nothing can change.
+            assert!(visited > 2 * iterations * 31 * 25, "{visited} in {iterations} iterations");
             let scans = with(match grain {
                 "iterations" => "iteration",
                 "portions" => "portion",
                 _ => "scan ",
             });
             assert_eq!(scans.len(), if matches!(grain, "scans" | "blocks") { 4 } else { 1 });
-            // An iteration ends with a count: seven numbers read, five written, four more at the last.
+            // An iteration ends with a count: seven numbers read, five written, two more at the last,
+            // but for blocks that are cleared.
             let [read, written] = match grain {
-                "iterations" | "portions" => [4 * 7 * iterations, 4 * 5 * iterations + 4 * 4],
+                "iterations" | "portions" => [4 * 7 * iterations, 4 * 5 * iterations + 4 * 2],
                 _ => [0, 0],
             };
             let beyond = [
@@ -91,10 +93,12 @@ fn a_profile_counts_what_the_schedules_do() {
             let expected = match grain {
                 "portions" => 1,
                 "iterations" => iterations,
-                "scans" => 4 * iterations,
+                // Those in which no block is due are idle, as all beyond the last iteration are.
+                "scans" => 4 * 4 - sum(&with("idle"), "count"),
                 _ => dispatches,
             };
             assert_eq!(records, expected, "{grain}");
+            assert!((2 * iterations..=4 * iterations).contains(&records) || grain != "scans");
             assert!(dispatches > 4 * iterations);
         } else {
             // Rounds of 4 x 4 tiles of 8 x 8 texels.
