@@ -17,8 +17,15 @@ fn both(surface: &Surface, sources: &Sources, map: &[f32], starts: &[[f64; 2]]) 
         .map(|paths| paths.trace_all(starts).into_iter().map(Result::unwrap).collect())
 }
 
-fn is_on(surface: &Surface, place: [f64; 2]) -> bool {
-    Curve { vertices: vec![place], closed: false }.lift(surface).is_ok()
+/// A thousand places on a square grid, holes left out.
+fn starts_on(surface: &Surface, seed: u64) -> Vec<[f64; 2]> {
+    let mut random = Random::new(seed);
+    let last = (surface.rows() - 1) as f64;
+    let is_on = |place| Curve { vertices: vec![place], closed: false }.lift(surface).is_ok();
+    std::iter::from_fn(|| Some([0; 2].map(|_| last * random.next())))
+        .filter(|&start| is_on(start))
+        .take(1000)
+        .collect()
 }
 
 fn converged(surface: &Surface, sources: &Sources) -> Vec<f32> {
@@ -146,11 +153,7 @@ fn paths_around_a_square_are_exact() {
         let hole = ring.map(DVec2::from_array);
         let last = (points - 1) as f64;
         let source = [0.07 * last + 0.375, 0.31 * last];
-        let mut random = Random::new(8);
-        let starts: Vec<_> = std::iter::from_fn(|| Some([0; 2].map(|_| last * random.next())))
-            .filter(|&start| is_on(&surface, start))
-            .take(1000)
-            .collect();
+        let starts = starts_on(&surface, 8);
         let sources = at(source);
         let [taut, along] = both(&surface, &sources, &converged(&surface, &sources), &starts);
         let [mut sum, mut largest, mut before] = [0.0, 0.0f64, 0.0];
@@ -184,12 +187,7 @@ fn paths_around_a_hole_in_the_sphere_are_the_distances() {
         let mask: Vec<_> = (0..points * points).map(mask).collect();
         let surface = Builtin::Sphere.surface(points, points).unwrap().with_mask(&mask).unwrap();
         let source = off_centre(points, points);
-        let mut random = Random::new(9);
-        let last = (points - 1) as f64;
-        let starts: Vec<_> = std::iter::from_fn(|| Some([0; 2].map(|_| last * random.next())))
-            .filter(|&start| is_on(&surface, start))
-            .take(1000)
-            .collect();
+        let starts = starts_on(&surface, 9);
         let sources = at(source);
         let [taut, along] = both(&surface, &sources, &converged(&surface, &sources), &starts);
         let [mut largest, mut saved] = [0.0f64; 2];
