@@ -53,10 +53,8 @@ impl Outcome {
 
 /// Dispatches of scans in a recording of which profiles learn whether they have visited something.
 pub(crate) const VISITS: u32 = 32 * VISIT_WORDS;
-/// Bytes of the visits of scans.
-pub(crate) const VISIT_BYTES: u64 = VISIT_WORDS as u64 * size_of::<u32>() as u64;
 /// Bytes of all the progress.
-pub(crate) const BYTES: u64 = size_of::<DeviceProgress>() as u64 + VISIT_BYTES;
+pub(crate) const BYTES: u64 = offset::VISITS + VISITS as u64 / 8;
 
 /// Where the parts lie, in bytes.
 pub(crate) mod offset {

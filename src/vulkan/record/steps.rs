@@ -1,18 +1,16 @@
 //! The steps of a plan, and what a profile learns of them.
 
-use std::ops::Range;
-
 use ash::vk;
 use bytemuck::NoUninit;
 
 use super::Recorder;
 use crate::constants::BORDER;
 use crate::vulkan::TexelChart;
-use crate::vulkan::barrier::{CLEAR, COPY, HOST_READ, PASS, TRANSFER};
+use crate::vulkan::barrier::{COPY, PASS, PASS_AND_HOST, TRANSFER};
 use crate::vulkan::pipelines::SchedulePipelines;
 use crate::vulkan::plan::{Scan, ScanPass, Step};
-use crate::vulkan::profile::{self, PassKind, Profile, Scope, StepCounter};
-use crate::vulkan::progress::{self, VISIT_BYTES, VISITS, offset};
+use crate::vulkan::profile::{self, PassKind, PassRecord, Profile, Scope, StepCounter, Work};
+use crate::vulkan::progress::{VISITS, offset};
 
 /// The constants of a block of lines of a scan.
 #[derive(Clone, Copy, NoUninit)]
@@ -58,9 +56,10 @@ impl Recorder<'_> {
         let texels = self.grid.texels.inner();
         let progress = self.grid.progress.buffer;
         let mut counter = StepCounter::new(self.grid.texels, self.pipelines.tuning, passes.curved);
-        let notes = self.forget_visits();
+        let notes = self.visits_noted(steps);
+        let visits = u64::from(notes.div_ceil(32)) * size_of::<u32>() as u64;
         let mut scans = 0;
-        self.decided(0, 0, profile::BEFORE_BYTES);
+        self.decided_before(visits);
         for step in steps {
             let (pipeline, writes) = match *step {
                 Step::Scan(ref pass) => (passes.passes[pipeline_index(pass.scan)], pass.writes),
@@ -80,7 +79,7 @@ impl Recorder<'_> {
             }
             match *step {
                 Step::Scan(ref pass) => {
-                    self.scan(pass, if notes.contains(&scans) { scans as i32 } else { -1 });
+                    self.scan(pass, if scans < notes { scans as i32 } else { -1 });
                     scans += 1;
                 }
                 Step::AllPoints { .. } => {
@@ -99,7 +98,7 @@ impl Recorder<'_> {
             }
         }
         drop(open);
-        self.decided(profile::BEFORE_BYTES, 0, progress::BYTES);
+        self.decided_after(visits);
     }
 
     fn scan(&self, pass: &ScanPass, note: i32) {
@@ -122,22 +121,38 @@ impl Recorder<'_> {
         }
     }
 
-    /// The dispatches of scans that are to note whether they have visited something: as many as there
-    /// is room for, if a profile wants to know.
-    fn forget_visits(&self) -> Range<u32> {
+    /// How many dispatches of scans, the first ones, are to note whether they have visited something:
+    /// as many as there is room for, if a profile wants to know.
+    fn visits_noted(&self, steps: &[Step]) -> u32 {
         if self.profile.and_then(Profile::decisions).is_none() {
-            return 0..0;
+            return 0;
         }
-        self.barrier(PASS, CLEAR);
-        self.fill(self.grid.progress.buffer, offset::VISITS, VISIT_BYTES);
-        0..VISITS
+        let scans = steps.iter().filter(|step| matches!(step, Step::Scan(_))).count();
+        (scans as u32).min(VISITS)
     }
 
-    /// Copies part of the progress to where a profile finds what the device has decided.
-    fn decided(&self, to: u64, from: u64, size: u64) {
+    /// Copies how the iterations have gone so far to where a profile finds it, and forgets so many
+    /// bytes of visits.
+    fn decided_before(&self, visits: u64) {
         let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
-        let _pass = self.pass_of_copy(PassKind::Decisions, size);
-        self.copy_for_host(self.grid.progress.buffer, from, (buffer, offset + to), size);
+        let work = Work::of_bytes(profile::BEFORE_BYTES, profile::BEFORE_BYTES + visits);
+        let _pass = self.pass_with(PassRecord { work, ..PassRecord::new(PassKind::Decisions) });
+        let progress = self.grid.progress.buffer;
+        self.barrier(PASS, TRANSFER);
+        self.copy((progress, 0), (buffer, offset), profile::BEFORE_BYTES);
+        if visits > 0 {
+            self.fill(progress, offset::VISITS, visits);
+        }
+        self.barrier(TRANSFER, PASS_AND_HOST);
+    }
+
+    /// Copies what the device has decided by now, with so many bytes of visits.
+    fn decided_after(&self, visits: u64) {
+        let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
+        let bytes = offset::VISITS + visits;
+        let _pass = self.pass_of_copy(PassKind::Decisions, bytes);
+        let to = (buffer, offset + profile::BEFORE_BYTES);
+        self.copy_for_host(self.grid.progress.buffer, 0, to, bytes);
     }
 
     /// Copies the list of tiles of a round to where a profile finds it.
@@ -151,12 +166,8 @@ impl Recorder<'_> {
 
     fn copy_for_host(&self, from: vk::Buffer, start: u64, to: (vk::Buffer, u64), size: u64) {
         self.barrier(PASS, COPY);
-        let copy = [vk::BufferCopy::default().src_offset(start).dst_offset(to.1).size(size)];
-        // SAFETY: the progress and the tiles hold so much, and the host has said that its buffer
-        // has room.
-        unsafe { self.device.cmd_copy_buffer(self.commands, from, to.0, &copy) };
-        let after = (PASS.0 | HOST_READ.0, PASS.1 | HOST_READ.1);
-        self.barrier(TRANSFER, after);
+        self.copy((from, start), to, size);
+        self.barrier(TRANSFER, PASS_AND_HOST);
     }
 }
 
