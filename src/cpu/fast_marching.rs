@@ -4,7 +4,8 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
 use super::Connections;
-use super::state::{Fronts, Solution, TriangleSlots};
+use super::across::Quad;
+use super::state::{Fronts, Solution};
 use crate::surface::{Direction, EdgeLengths, EdgeSlot, Real, Seed};
 use crate::update::{Triangle, Wavefront};
 
@@ -14,6 +15,11 @@ use crate::update::{Triangle, Wavefront};
 /// With the planar wavefront and no obtuse triangle this is the raster scans' converged map; where
 /// triangles are obtuse a point can be fixed too early, and the map is an upper bound of it; see
 /// [`fast_marching_with`]. Circular and curved fronts that are fixed too early can err either way.
+///
+/// Curved fronts are followed around corners of holes as two arcs that touch on the border of the
+/// corner's shadow, each continued by itself: on flat surfaces they are exact there, where the scans
+/// take the mean of both and err at first order. The map has to come from single fronts all the same:
+/// where fronts meet that have come from different sides, both methods take them for one.
 pub fn fast_marching<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
@@ -38,10 +44,7 @@ pub fn fast_marching_with<R: Real>(
         (
             chart.offset(to),
             EdgeSlot::new(chart, 0, to),
-            [
-                TriangleSlots::new(chart, back, back.next()),
-                TriangleSlots::new(chart, back.previous(), back),
-            ],
+            [Quad::new(chart, back, back.next()), Quad::new(chart, back.previous(), back)],
         )
     });
 
@@ -62,9 +65,9 @@ pub fn fast_marching_with<R: Real>(
             if fixed[neighbour] || edges.at(point, *edge) >= R::FAR {
                 continue;
             }
-            for triangle in triangles {
+            for quad in triangles {
                 let known = |point: usize| if fixed[point] { fronts.time(point) } else { R::FAR };
-                let front = fronts.through_known(neighbour, triangle, known);
+                let front = fronts.through_quad(neighbour, quad, known);
                 if fronts.lower(neighbour, front) > R::Bits::default() {
                     heap.push(Reverse(Arrival { time: front.time, point: neighbour }));
                 }
@@ -104,5 +107,79 @@ impl<R: Real> Ord for Arrival<R> {
     fn cmp(&self, other: &Self) -> Ordering {
         let by_time = self.time.partial_cmp(&other.time).expect("arrival times are never NaN");
         by_time.then(self.point.cmp(&other.point))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::accuracy::Errors;
+    use crate::surface::builtin::{FlatPaths, FloorPlan};
+    use crate::surface::{Spacing, Surface};
+    use crate::{Sources, cpu};
+
+    /// Square holes in the plane, where the shortest paths are polygons around their corners. The mean
+    /// relative error of scans is 0.9 to 4.5e-4 here, that of marching 0.1 to 2.8e-5, all of which is
+    /// where fronts from both sides of a hole meet.
+    #[test]
+    fn curved_fronts_are_exact_around_corners_but_where_fronts_meet() {
+        let (rows, cols, side) = (97, 61, 8);
+        let mut state = 7u64;
+        let mut below = |most: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) as usize % most
+        };
+        let mut ratios = Vec::new();
+        for _ in 0..6 {
+            let source = (rows / 2, cols / 2);
+            let mut floor = vec![true; rows * cols];
+            for _ in 0..9 {
+                let (row, col) = (below(rows - side), below(cols - side));
+                let near = |from: usize, at: usize| from <= at + 1 && at <= from + side;
+                if near(row, source.0) && near(col, source.1) {
+                    continue;
+                }
+                for row in row..row + side {
+                    floor[row * cols + col..][..side].fill(false);
+                }
+            }
+            let heights = vec![0.0; rows * cols];
+            let plane = Surface::from_heights(rows, cols, heights, Spacing::square(1.0)).unwrap();
+            let edges = EdgeLengths::<f64>::new(&plane.with_mask(&floor).unwrap()).unwrap();
+            let seeds = [Seed::at_source(source.0, source.1, 0.0)];
+            let plan = FloorPlan::new(rows, cols, floor, DVec2::ONE);
+            let exact = FlatPaths::new(plan, [source.0 as f64, source.1 as f64]).distances();
+            let error = |map: Solution<f64>| Errors::of(&map.distances(), &exact).mean_relative;
+            let marched = error(fast_marching(&edges, &seeds, Wavefront::Curved));
+            let stop = cpu::Stop { tolerance: 1e-13, iterations: 1000 };
+            let scanned = error(cpu::rotated_scan(&edges, &seeds, Wavefront::Curved, stop));
+            println!("marching {marched:.1e}, scans {scanned:.1e}");
+            assert!(marched < 5e-5, "{marched:e}");
+            ratios.push(marched / scanned);
+        }
+        assert!(ratios.iter().sum::<f64>() < 0.1 * ratios.len() as f64, "{ratios:?}");
+    }
+
+    /// The maze has corners, and no two fronts meet in it: the map is exact to rounding, and to square
+    /// roots of it where a ray runs through a grid point.
+    #[test]
+    fn curved_fronts_are_exact_in_the_maze() {
+        use crate::surface::builtin::Builtin;
+        for (points, bar) in [(65, 1e-12), (129, 1e-12), (257, 1e-5)] {
+            let surface = Builtin::Maze.surface(points, points).unwrap();
+            let exact = Builtin::Maze.exact_distances(points, points, [2.0, 3.0]).unwrap();
+            let seeds = Sources::point(2.0, 3.0).seeds(&surface).unwrap();
+            let edges = EdgeLengths::<f64>::new(&surface).unwrap();
+            let map = fast_marching(&edges, &seeds, Wavefront::Curved).distances();
+            let single = EdgeLengths::<f32>::new(&surface).unwrap();
+            let single = fast_marching(&single, &seeds, Wavefront::Curved).distances();
+            let errors = [Errors::of(&map, &exact), Errors::of(&single, &exact)];
+            println!("{points}: {errors:?}");
+            assert!(errors[0].max_relative < bar, "{points}: {:e}", errors[0].max_relative);
+            // Some hundred steps, each rounded.
+            assert!(errors[1].mean_relative < 1e-6, "{points}: {:e}", errors[1].mean_relative);
+        }
     }
 }

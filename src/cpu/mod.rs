@@ -8,6 +8,7 @@
 //! (`line.rs`); columns are rows of a transposed panel of sixteen (`panel.rs`); and a scan visits
 //! only tiles beside which something has changed since it passed (`tiles.rs`).
 
+mod across;
 mod ceilings;
 mod connections;
 mod fast_marching;

@@ -1,10 +1,13 @@
 //! Arrival times in a bordered array, and the update of one point in it.
 
+use super::across::Quad;
 use super::bend_units;
 use crate::constants::WHOLE;
 use crate::surface::EdgeSlot;
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
-use crate::update::{Bends, Front, Triangle, Wavefront, curved, planar, point_source};
+use crate::update::{
+    Bends, Front, Triangle, Wavefront, are_two_arcs, curved, planar, point_source, two_arcs,
+};
 
 /// A distance map as a CPU solver leaves it.
 #[derive(Clone, Debug)]
@@ -114,6 +117,29 @@ impl<'a, R: Real> Fronts<'a, R> {
         time: impl Fn(usize) -> R,
     ) -> Front<R> {
         let (x1, x2, triangle) = self.triangle(point, slots, time);
+        self.arrival(point, x1, x2, triangle)
+    }
+
+    /// The front that reaches a point through one triangle, with arrival times seen through `time`;
+    /// where two arcs of a curved front touch on its base, each is continued by itself.
+    #[inline]
+    pub(super) fn through_quad(
+        &self,
+        point: usize,
+        quad: &Quad,
+        time: impl Fn(usize) -> R,
+    ) -> Front<R> {
+        let (x1, x2, triangle) = self.triangle(point, &quad.triangle, &time);
+        if self.wavefront == Wavefront::Curved {
+            let fronts = [self.curvatures[x1], self.curvatures[x2]];
+            if are_two_arcs(triangle, fronts) {
+                let across = quad.across(self.edges, point, |y| [time(y), self.curvatures[y]]);
+                let surface = [self.gaussian[point], self.gaussian[x1], self.gaussian[x2]];
+                if let Some(front) = two_arcs(triangle, Bends { fronts, surface }, across) {
+                    return front;
+                }
+            }
+        }
         self.arrival(point, x1, x2, triangle)
     }
 

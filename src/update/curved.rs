@@ -129,7 +129,7 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
 /// on a developable one: to first order in the curvature that the ray passes over, from the
 /// Riccati equation k' = -k^2 - K. From a point source this is 1/s - K s/3.
 #[inline(always)]
-fn bent<R: Real>(curvature: R, gaussian: R, ray: R) -> R {
+pub(super) fn bent<R: Real>(curvature: R, gaussian: R, ray: R) -> R {
     let x = curvature * ray;
     curvature - gaussian * ray * (R::one() - x + x * x * R::of(1.0 / 3.0))
 }

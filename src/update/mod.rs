@@ -9,11 +9,13 @@ mod crossing;
 mod curved;
 mod planar;
 mod point_source;
+mod two_arcs;
 
 pub(crate) use crossing::base_crossing;
 pub use curved::{Bends, Front, curved};
 pub use planar::planar;
 pub use point_source::point_source;
+pub(crate) use two_arcs::{Across, are_two_arcs, two_arcs};
 
 use crate::surface::{Real, min};
 

@@ -14,7 +14,7 @@ use crate::surface::{Chart, Direction, is_corner};
 /// A flat grid, some of whose points are missing. Its floor is the union of the triangles of
 /// neighbouring points that are all there, and of edges between two that are: a cell with one
 /// corner missing keeps its half on the other side of the diagonal.
-pub(super) struct FloorPlan {
+pub(crate) struct FloorPlan {
     chart: Chart,
     floor: Vec<bool>,
     /// Distance between rows and between columns.
@@ -25,7 +25,7 @@ pub(super) struct FloorPlan {
 const NEAR: f64 = 1e-9;
 
 impl FloorPlan {
-    pub(super) fn new(rows: usize, cols: usize, floor: Vec<bool>, spacing: DVec2) -> Self {
+    pub(crate) fn new(rows: usize, cols: usize, floor: Vec<bool>, spacing: DVec2) -> Self {
         Self { chart: Chart { rows, cols }, floor, spacing }
     }
 
@@ -129,7 +129,7 @@ fn crossings(from: f64, to: f64) -> impl Iterator<Item = f64> {
 }
 
 /// Distances over a floor from one place.
-pub(super) struct FlatPaths {
+pub(crate) struct FlatPaths {
     plan: FloorPlan,
     /// The source and the corners that it reaches, with their distances.
     anchors: Vec<(DVec2, f64)>,
@@ -137,7 +137,7 @@ pub(super) struct FlatPaths {
 
 impl FlatPaths {
     /// Dijkstra over the source and the corners.
-    pub(super) fn new(plan: FloorPlan, from: [f64; 2]) -> Self {
+    pub(crate) fn new(plan: FloorPlan, from: [f64; 2]) -> Self {
         let from = DVec2::from_array(from);
         let mut open: Vec<_> = plan.corners().into_iter().map(|at| (at, f64::INFINITY)).collect();
         let mut anchors = Vec::new();
@@ -159,7 +159,7 @@ impl FlatPaths {
     }
 
     /// Distance to a place, fractional row and column; infinite if it cannot be reached.
-    pub(super) fn distance_to(&self, to: [f64; 2]) -> f64 {
+    pub(crate) fn distance_to(&self, to: [f64; 2]) -> f64 {
         let to = DVec2::from_array(to);
         if !self.plan.has_piece(to, to) {
             return f64::INFINITY;
@@ -171,7 +171,7 @@ impl FlatPaths {
     }
 
     /// Distances to all grid points, row-major.
-    pub(super) fn distances(&self) -> Vec<f64> {
+    pub(crate) fn distances(&self) -> Vec<f64> {
         let Chart { rows, cols } = self.plan.chart;
         (0..rows * cols)
             .into_par_iter()

@@ -17,7 +17,9 @@ mod torus;
 use glam::{DVec2, DVec3};
 
 use super::{Surface, SurfaceError};
-use flat_paths::FlatPaths;
+pub(crate) use flat_paths::FlatPaths;
+#[cfg(test)]
+pub(crate) use flat_paths::FloorPlan;
 use jet::{Jet, Smooth};
 
 /// A surface known by name, of any size.
