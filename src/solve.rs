@@ -21,7 +21,8 @@ pub enum Engine {
     Cpu,
     /// Fast marching on the CPU, the sequential reference for the planar front, with obtuse triangles
     /// split. With the other fronts it can err by several per cent where triangles are obtuse: it
-    /// fixes points once, and where they are split a front's curvature is that of the air between.
+    /// fixes points once, and where they are split a front's curvature is that of the air between. Where
+    /// none is, curved fronts are exact around corners of holes ([`cpu::fast_marching`]).
     FastMarching,
 }
 

@@ -54,7 +54,8 @@ enum EngineArg {
     Vulkan,
     /// Raster scans on the CPU
     Cpu,
-    /// Fast marching on the CPU, the sequential reference for the planar front
+    /// Fast marching on the CPU, the sequential reference for the planar front, and for the curved one
+    /// around corners of holes
     FastMarching,
 }
 
