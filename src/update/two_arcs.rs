@@ -15,8 +15,9 @@ use super::{Bends, Front, Shape, Triangle};
 use crate::constants::FOCUS;
 use crate::surface::{Real, max, min};
 
-/// Curvatures at both ends that differ by less than this share of the larger are of one arc.
-const APART: f64 = 0.02;
+/// Curvatures at both ends that differ by less than this share of the larger are of one arc. So may they
+/// along a smooth surface's: with 0.02 maps of the built-in peaks lose up to half their accuracy.
+const APART: f64 = 0.1;
 /// Those at an end of the base and at y are of one arc if they differ by less than this share of what
 /// both ends' do.
 const ALIKE: f64 = 0.25;
