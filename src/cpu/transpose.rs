@@ -64,11 +64,25 @@ mod avx2 {
 
     use super::{Block, one_by_one};
 
+    /// How many lines before they are needed lines are fetched: they lie pages apart, where the
+    /// machine does not foresee them.
+    const AHEAD: usize = 16;
+
     #[target_feature(enable = "avx2")]
     pub(super) fn transpose(from: &[f32], to: &mut [f32], block: Block) {
         let (rows, cols) = (block.rows & !7, block.cols & !7);
-        for col in (0..cols).step_by(8) {
-            for row in (0..rows).step_by(8) {
+        for row in (0..rows).step_by(8) {
+            for line in row + AHEAD..row + AHEAD + 8 {
+                let start = from.as_ptr().wrapping_add(block.from + line * block.from_stride);
+                // SAFETY: these are hints, which do nothing where there is no memory. Newer compilers
+                // know that.
+                #[allow(unused_unsafe)]
+                unsafe {
+                    _mm_prefetch::<_MM_HINT_T0>(start.cast());
+                    _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(block.cols).cast());
+                }
+            }
+            for col in (0..cols).step_by(8) {
                 let part = block.part(row, col, 8, 8);
                 let last = |first: usize, stride: usize| first + 7 * stride + 8;
                 assert!(last(part.from, part.from_stride) <= from.len());
@@ -79,9 +93,9 @@ mod avx2 {
                     eight(from, part.from_stride, to.as_mut_ptr().add(part.to), part.to_stride);
                 }
             }
+            one_by_one(from, to, block.part(row, cols, 8, block.cols - cols));
         }
-        one_by_one(from, to, block.part(0, cols, block.rows, block.cols - cols));
-        one_by_one(from, to, block.part(rows, 0, block.rows - rows, cols));
+        one_by_one(from, to, block.part(rows, 0, block.rows - rows, block.cols));
     }
 
     /// # Safety
