@@ -112,8 +112,11 @@ impl<'a, R: Real> RotatedScan<'a, R> {
 
     /// Computes the map of some sources.
     pub fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
-        self.forget();
-        self.add(seeds, stop)
+        // Into the pool of threads once, and not for each pair of scans.
+        rayon::scope(|_| {
+            self.forget();
+            self.add(seeds, stop)
+        })
     }
 
     /// Adds sources to the last map, as [`crate::vulkan::Solver::add`] does on a device. Only tiles
@@ -145,6 +148,11 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     /// ```
     pub fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         self.seed(seeds);
+        // Into the pool of threads once, and not for each pair of scans.
+        rayon::scope(|_| self.converge(stop))
+    }
+
+    fn converge(&mut self, stop: Stop) -> Convergence {
         let mut progress = Progress::new(stop);
         loop {
             let vertical = self.scan([Scan::DOWN, Scan::UP], progress.renews());
@@ -193,11 +201,11 @@ impl<'a, R: Real> RotatedScan<'a, R> {
 
     /// No point reached.
     fn forget(&mut self) {
-        for Fronts { times, curvatures, visits, updates, .. } in &mut self.fronts {
-            (*visits, *updates) = (0, 0);
-            times.fill(R::FAR);
-            curvatures.fill(R::zero());
-        }
+        self.fronts.par_iter_mut().for_each(|fronts| {
+            (fronts.visits, fronts.updates) = (0, 0);
+            fronts.times.fill(R::FAR);
+            fronts.curvatures.fill(R::zero());
+        });
         self.tiles.reset();
     }
 
