@@ -10,7 +10,8 @@ use super::panel::{Grid, Panel};
 use super::state::{SEED, Solution, accept, front};
 use super::tiles::{Scan, TILE, Tiles};
 use super::{Instructions, Progress, Stop};
-use crate::surface::{Chart, EdgeLengths, Real, Seed};
+use crate::lanes::Work;
+use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
 use crate::update::{Front, Wavefront};
 
 /// Solves by the scans rotated by 45 degrees (figure 3, second row): down and up, then right and
@@ -243,7 +244,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
             || first.scan(grid, tiles, how(scans[0])),
             || second.scan(grid, tiles, how(scans[1])),
         );
-        merge(grid.edges.chart(), tiles, [first, second], scans);
+        merge(grid.edges.chart(), tiles, [first, second], scans, instructions);
         self.tiles.passed(scans, [&self.fronts[0].changed, &self.fronts[1].changed]);
         self.fronts.iter_mut().for_each(|fronts| fronts.changed.fill(false));
         a.max(b)
@@ -346,18 +347,24 @@ fn in_order<B: Ord + Default>(
 }
 
 /// Makes both copies of the fronts the same again, with the first to arrive at each point.
-fn merge<R: Real>(chart: Chart, tiles: &Tiles, fronts: [&mut Fronts<R>; 2], scans: [Scan; 2]) {
+fn merge<R: Real>(
+    chart: Chart,
+    tiles: &Tiles,
+    fronts: [&mut Fronts<R>; 2],
+    scans: [Scan; 2],
+    instructions: Instructions,
+) {
     let [a, b] = fronts;
     let changed = [a.changed.as_slice(), b.changed.as_slice()];
     let bands = |array| bands(chart, array);
     if a.curvatures.is_empty() {
         let times = bands(&mut a.times).zip(bands(&mut b.times));
         times.enumerate().for_each(|(band, (a, b))| {
-            merge_band(chart, tiles, band, changed, |points, [a_changed, b_changed]| {
+            merge_band(chart, tiles, band, changed, |points, changed| {
                 let (a, b) = (&mut a[points.clone()], &mut b[points]);
-                match (a_changed, b_changed) {
-                    (true, true) => merge_times(a, b),
-                    (true, false) => b.copy_from_slice(a),
+                match changed {
+                    [true, true] => instructions.run(MergeTimes { a, b }),
+                    [true, false] => b.copy_from_slice(a),
                     _ => a.copy_from_slice(b),
                 }
             });
@@ -369,7 +376,7 @@ fn merge<R: Real>(chart: Chart, tiles: &Tiles, fronts: [&mut Fronts<R>; 2], scan
             merge_band(chart, tiles, band, changed, |points, _| {
                 let a = [&mut a[points.clone()], &mut a_bent[points.clone()]];
                 let b = [&mut b[points.clone()], &mut b_bent[points]];
-                merge_curved(a, b, scans);
+                instructions.run(MergeCurved { a, b, scans });
             });
         });
     }
@@ -390,37 +397,67 @@ fn merge_band(
     changed: [&[bool]; 2],
     mut merge: impl FnMut(Range<usize>, [bool; 2]),
 ) {
-    let rows = points(band..band + 1, chart.rows).len();
-    for place in 0..tiles.in_band(Scan::DOWN) {
-        let changed = changed.map(|changed| changed[tiles.index(Scan::DOWN, band, place)]);
-        if changed == [false; 2] {
+    let places = tiles.in_band(Scan::DOWN);
+    let changed = |place| changed.map(|changed| changed[tiles.index(Scan::DOWN, band, place)]);
+    let mut place = 0;
+    while place < places {
+        let (start, of_run) = (place, changed(place));
+        while place < places && changed(place) == of_run {
+            place += 1;
+        }
+        if of_run == [false; 2] {
             continue;
         }
-        let cols = points(place..place + 1, chart.cols);
-        for row in 0..rows {
+        let cols = points(start..place, chart.cols);
+        for row in 0..points(band..band + 1, chart.rows).len() {
             let start = row * chart.stride() + 1;
-            merge(start + cols.start..start + cols.end, changed);
+            merge(start + cols.start..start + cols.end, of_run);
         }
     }
 }
 
-fn merge_times<R: Real>(a: &mut [R], b: &mut [R]) {
-    for (a, b) in a.iter_mut().zip(b) {
-        let first = if *b < *a { *b } else { *a };
-        (*a, *b) = (first, first);
+/// Takes the earlier of two arrival times.
+struct MergeTimes<'a, R> {
+    a: &'a mut [R],
+    b: &'a mut [R],
+}
+
+impl<R: Real> Work for MergeTimes<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (a, b) in self.a.iter_mut().zip(self.b) {
+            let first = min(*a, *b);
+            (*a, *b) = (first, first);
+        }
     }
 }
 
-/// A copy whose front the other scan had brought before has not changed at this point.
-fn merge_curved<R: Real>(a: [&mut [R]; 2], b: [&mut [R]; 2], scans: [Scan; 2]) {
-    let ([a_times, a_curvatures], [b_times, b_curvatures]) = (a, b);
-    let of_a = a_times.iter_mut().zip(a_curvatures);
-    for ((a, a_bent), (b, b_bent)) in of_a.zip(b_times.iter_mut().zip(b_curvatures)) {
-        let (front_a, scan_a) = front(*a, *a_bent);
-        let (front_b, scan_b) = front(*b, *b_bent);
-        let b_first = (*b < *a) | ((*b == *a) & front_b.knows_better(front_a));
-        let b_wins = (scan_a == scans[1].0) | ((scan_b != scans[0].0) & b_first);
-        (*a, *a_bent) = if b_wins { (*b, *b_bent) } else { (*a, *a_bent) };
-        (*b, *b_bent) = (*a, *a_bent);
+/// Takes the first of two fronts, given as arrival times and tagged curvatures. A copy whose front
+/// the other scan had brought before has not changed at this point.
+struct MergeCurved<'a, R> {
+    a: [&'a mut [R]; 2],
+    b: [&'a mut [R]; 2],
+    scans: [Scan; 2],
+}
+
+impl<R: Real> Work for MergeCurved<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { a: [a_times, a_curvatures], b: [b_times, b_curvatures], scans } = self;
+        let of_a = a_times.iter_mut().zip(a_curvatures);
+        for ((a, a_bent), (b, b_bent)) in of_a.zip(b_times.iter_mut().zip(b_curvatures)) {
+            let (front_a, scan_a) = front(*a, *a_bent);
+            let (front_b, scan_b) = front(*b, *b_bent);
+            let b_first = (*b < *a) | ((*b == *a) & front_b.knows_better(front_a));
+            let b_wins = (scan_a == scans[1].0) | ((scan_b != scans[0].0) & b_first);
+            let (time, bent) =
+                (if b_wins { *b } else { *a }, if b_wins { *b_bent } else { *a_bent });
+            (*a, *a_bent) = (time, bent);
+            (*b, *b_bent) = (time, bent);
+        }
     }
 }
