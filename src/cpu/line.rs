@@ -2,7 +2,7 @@
 //!
 //! The loop has no branch, so that the compiler turns points into lanes; see [`Work`].
 
-use super::settled::{Visited, stays};
+use super::settled::{Visited, is_settled, stays};
 use super::state::accept;
 use super::tiles::{Scan, TILE};
 use super::{Instructions, bend_units};
@@ -93,11 +93,12 @@ fn each_tile<R: Real, K: Kernel>(
     let points = line.times.here.len();
     let mut updated = Updated::default();
     for (tile, changed) in changed.iter_mut().enumerate() {
-        let (start, count) = match points.checked_sub(TILE) {
-            Some(last) => ((tile * TILE).min(last), TILE),
-            None => (0, points),
+        // Two calls, since a number of points that is known when this is compiled needs no loop.
+        let change = match points.checked_sub(TILE) {
+            Some(last) => K::update(&mut line, (tile * TILE).min(last), TILE, how),
+            None => K::update(&mut line, 0, points, how),
         };
-        let Some(change) = K::update(&mut line, start, count, how) else { continue };
+        let Some(change) = change else { continue };
         *changed |= change.any;
         let of_tile = (points - tile * TILE).min(TILE) as u64;
         updated = updated.and(Updated { largest: change.largest, points: of_tile });
@@ -126,6 +127,38 @@ struct Change<R: Real> {
 /// Fronts that need no curvature: circular or straight.
 struct Straight<const CIRCULAR: bool>;
 
+impl<const CIRCULAR: bool> Straight<CIRCULAR> {
+    const WAVEFRONT: Wavefront = if CIRCULAR { Wavefront::PointSource } else { Wavefront::Planar };
+
+    /// Updates points from one of their two triangles.
+    #[inline(always)]
+    fn update_from<R: Real, const LEFT: bool>(line: &mut Stretch<R>, points: usize) {
+        for i in 0..points {
+            let triangle = line.triangle::<LEFT>(i);
+            let time = if CIRCULAR { point_source(triangle) } else { planar(triangle) };
+            line.times[i] = min(line.times[i], time);
+        }
+    }
+
+    /// Updates points from the triangle that most of them should be reached through, and from the
+    /// other unless nothing comes earlier through it.
+    #[inline(always)]
+    fn update_both<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
+        line: &mut Stretch<R>,
+        points: usize,
+    ) {
+        Self::update_from::<R, FIRST_LEFT>(line, points);
+        let mut settled = true;
+        for i in 0..points {
+            let other = line.turned::<SECOND_LEFT>(i);
+            settled &= is_settled(Self::WAVEFRONT, other, [R::zero(); 2], line.times[i]);
+        }
+        if !settled {
+            Self::update_from::<R, SECOND_LEFT>(line, points);
+        }
+    }
+}
+
 impl<const CIRCULAR: bool> Kernel for Straight<CIRCULAR> {
     #[inline(always)]
     fn update<R: Real>(
@@ -134,26 +167,30 @@ impl<const CIRCULAR: bool> Kernel for Straight<CIRCULAR> {
         points: usize,
         _: How,
     ) -> Option<Change<R>> {
-        let line = line.times.stretch(start, points);
-        let mut settled = true;
-        for i in 0..points {
-            let wavefront = if CIRCULAR { Wavefront::PointSource } else { Wavefront::Planar };
-            settled &= stays(wavefront, line.visited(i, [R::zero(); 3]));
-        }
-        if settled {
+        let mut line = line.times.stretch(start, points);
+        if line.leads(points) {
             return None;
         }
+        // Where none has been reached, something comes, and the test would be in vain.
+        if !line.is_unreached(points) {
+            let mut settled = true;
+            for i in 0..points {
+                settled &= stays(Self::WAVEFRONT, line.visited(i, [R::zero(); 3]));
+            }
+            if settled {
+                return None;
+            }
+        }
+        let mut before = [R::zero(); TILE];
+        before[..points].copy_from_slice(line.times);
+        if line.comes_from_left(points) {
+            Self::update_both::<R, true, false>(&mut line, points);
+        } else {
+            Self::update_both::<R, false, true>(&mut line, points);
+        }
         let mut largest = R::Bits::default();
-        for i in 0..points {
-            let (left, right) = (line.left(i), line.right(i));
-            let (a, b) = if CIRCULAR {
-                (point_source(left), point_source(right))
-            } else {
-                (planar(left), planar(right))
-            };
-            let old = line.times[i];
-            line.times[i] = min(old, min(a, b));
-            largest = largest.max(old.units_between(line.times[i]));
+        for (before, after) in before.iter().zip(&*line.times) {
+            largest = largest.max(before.units_between(*after));
         }
         Some(Change { any: largest > R::Bits::default(), largest })
     }
@@ -170,10 +207,13 @@ impl Kernel for Curved {
         how: How,
     ) -> Option<Change<R>> {
         let curvatures = &mut line.curvatures[start..][..points];
-        let gaussian = &line.gaussian[start..][..points];
-        let k = &line.curvatures_behind[start..][..points + 2];
-        let g = &line.gaussian_behind[start..][..points + 2];
+        let bent = Bent {
+            gaussian: &line.gaussian[start..][..points],
+            fronts_behind: &line.curvatures_behind[start..][..points + 2],
+            gaussian_behind: &line.gaussian_behind[start..][..points + 2],
+        };
         let line = line.times.stretch(start, points);
+        let k = bent.fronts_behind;
         let mut settled = true;
         for i in 0..points {
             let renewed = how.renews & (curvatures[i].tag() == how.scan.0);
@@ -183,22 +223,95 @@ impl Kernel for Curved {
         if settled {
             return None;
         }
+        let first = if line.comes_from_left(points) {
+            first_fronts::<R, true, false>(&line, &bent, curvatures, how)
+        } else {
+            first_fronts::<R, false, true>(&line, &bent, curvatures, how)
+        };
         let [mut largest, mut bent, mut tagged] = [R::Bits::default(); 3];
-        for i in 0..points {
-            let left = Bends { fronts: [k[i], k[i + 1]], surface: [gaussian[i], g[i], g[i + 1]] };
-            let right =
-                Bends { fronts: [k[i + 1], k[i + 2]], surface: [gaussian[i], g[i + 1], g[i + 2]] };
-            let first = Front::first(curved(line.left(i), left), curved(line.right(i), right));
-            let (time, curvature) = (line.times[i], curvatures[i]);
-            (line.times[i], curvatures[i]) = accept(time, curvature, first, how.scan.0, how.renews);
-            largest = largest.max(time.units_between(line.times[i]));
+        for (i, (time, curvature)) in line.times.iter_mut().zip(curvatures).enumerate() {
+            let before = (*time, *curvature);
+            (*time, *curvature) = accept(before.0, before.1, first.get(i), how.scan.0, how.renews);
+            largest = largest.max(before.0.units_between(*time));
             // As whole numbers, whose maximum compilers find in lanes.
-            let bend = (curvatures[i] - curvature).abs() * line.times[i];
+            let bend = (*curvature - before.1).abs() * *time;
             bent = bent.max(R::zero().units_between(bend));
-            tagged = tagged.max(curvature.units_between(curvatures[i]));
+            tagged = tagged.max(before.1.units_between(*curvature));
         }
         let any = largest.max(tagged) > R::Bits::default();
         Some(Change { any, largest: largest.max(bend_units(R::from_zero(bent))) })
+    }
+}
+
+/// The first fronts through the triangle that most points should be reached through, and through the
+/// other unless nothing comes first through it.
+#[inline(always)]
+fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
+    line: &Stretch<R>,
+    bent: &Bent<R>,
+    curvatures: &[R],
+    how: How,
+) -> FrontsOf<R> {
+    let points = curvatures.len();
+    let mut first = FrontsOf::default();
+    for i in 0..points {
+        first.set(i, curved(line.triangle::<FIRST_LEFT>(i), bent.around::<FIRST_LEFT>(i)));
+    }
+    let mut settled = true;
+    for (i, curvature) in curvatures.iter().enumerate() {
+        // A front that is renewed may come later than it did.
+        let renewed = how.renews & (curvature.tag() == how.scan.0);
+        let now = if renewed { first.times[i] } else { min(line.times[i], first.times[i]) };
+        let other = line.turned::<SECOND_LEFT>(i);
+        let fronts = bent.around::<SECOND_LEFT>(i).fronts;
+        settled &= is_settled(Wavefront::Curved, other, fronts, now);
+    }
+    if !settled {
+        for i in 0..points {
+            let other = curved(line.triangle::<SECOND_LEFT>(i), bent.around::<SECOND_LEFT>(i));
+            first.set(i, Front::first(first.get(i), other));
+        }
+    }
+    first
+}
+
+/// A front for each point of part of a line.
+#[derive(Default)]
+struct FrontsOf<R> {
+    times: [R; TILE],
+    curvatures: [R; TILE],
+    /// One where it is whole, as wide as the others for the sake of lanes.
+    whole: [R; TILE],
+}
+
+impl<R: Real> FrontsOf<R> {
+    #[inline(always)]
+    fn get(&self, i: usize) -> Front<R> {
+        let whole = self.whole[i] > R::zero();
+        Front { time: self.times[i], curvature: self.curvatures[i], whole }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, i: usize, front: Front<R>) {
+        (self.times[i], self.curvatures[i]) = (front.time, front.curvature);
+        self.whole[i] = if front.whole { R::one() } else { R::zero() };
+    }
+}
+
+/// Curvatures around part of a line: of the surface, and of fronts and surface behind, as in [`Line`].
+struct Bent<'a, R> {
+    gaussian: &'a [R],
+    fronts_behind: &'a [R],
+    gaussian_behind: &'a [R],
+}
+
+impl<R: Real> Bent<'_, R> {
+    /// Those of one of the two triangles of point i.
+    #[inline(always)]
+    fn around<const LEFT: bool>(&self, i: usize) -> Bends<R> {
+        let (k, g) = (self.fronts_behind, self.gaussian_behind);
+        let x1 = if LEFT { i } else { i + 1 };
+        Bends { fronts: [k[x1], k[x1 + 1]], surface: [self.gaussian[i], g[x1], g[x1 + 1]] }
     }
 }
 
@@ -249,6 +362,49 @@ impl<R: Real> Stretch<'_, R> {
             l2: self.after[i],
             c: self.bases[i + 1],
         }
+    }
+
+    /// One of both.
+    #[inline(always)]
+    fn triangle<const LEFT: bool>(&self, i: usize) -> Triangle<R> {
+        if LEFT { self.left(i) } else { self.right(i) }
+    }
+
+    /// The same, x1 being the point behind beside point i.
+    #[inline(always)]
+    fn turned<const LEFT: bool>(&self, i: usize) -> Triangle<R> {
+        if !LEFT {
+            return self.right(i);
+        }
+        let Triangle { t1, t2, l1, l2, c } = self.left(i);
+        Triangle { t1: t2, t2: t1, l1: l2, l2: l1, c }
+    }
+
+    /// Whether nothing behind is earlier than any point.
+    #[inline(always)]
+    fn leads(&self, points: usize) -> bool {
+        let mut leads = true;
+        for i in 0..points {
+            let behind = min(self.behind[i], min(self.behind[i + 1], self.behind[i + 2]));
+            leads &= behind >= self.times[i];
+        }
+        leads
+    }
+
+    /// Whether none of the points has been reached.
+    #[inline(always)]
+    fn is_unreached(&self, points: usize) -> bool {
+        let mut unreached = true;
+        for i in 0..points {
+            unreached &= self.times[i] >= R::FAR;
+        }
+        unreached
+    }
+
+    /// Whether fronts arrive behind first before the first of some points, not after the last.
+    #[inline(always)]
+    fn comes_from_left(&self, points: usize) -> bool {
+        self.behind[0] <= self.behind[points + 1]
     }
 
     /// Point i before its update, with the curvatures of the fronts behind it.

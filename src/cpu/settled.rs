@@ -6,7 +6,8 @@
 //! t1 + u . (x0 - x1) and t2 + u . (x0 - x2), less the bulge. Here x1 is the neighbour across the
 //! grid's diagonal and u the direction from it. A scan of the other kind has a triangle on the other
 //! side of that diagonal, and what has come from there is settled: of some four visits of a point
-//! until the map has converged, one or two need the update.
+//! until the map has converged, one or two need the update. With x1 and x2 exchanged, u is the
+//! direction from the neighbour beside: that tells which of its two triangles an update can leave out.
 //!
 //! [`super::pairwise`] has the same test with coefficients computed once for many maps.
 
@@ -30,13 +31,14 @@ pub(crate) fn stays<R: Real>(wavefront: Wavefront, visited: Visited<R>) -> bool 
     let Visited { now, triangles: [left, right], curvatures: [k_left, k_right] } = visited;
     let behind = min(left.t1, min(left.t2, right.t1));
     let settled =
-        from_triangle(wavefront, left, k_left, now) & from_triangle(wavefront, right, k_right, now);
+        is_settled(wavefront, left, k_left, now) & is_settled(wavefront, right, k_right, now);
     (behind >= now) | settled
 }
 
-/// Whether no front comes through a triangle earlier than `now`.
+/// Whether no front comes through a triangle earlier than `now`; of curved fronts, none at the same
+/// time either. Either end of the base may be x1, for one of two tests that find different triangles.
 #[inline(always)]
-fn from_triangle<R: Real>(
+pub(crate) fn is_settled<R: Real>(
     wavefront: Wavefront,
     triangle: Triangle<R>,
     curvatures: [R; 2],
