@@ -6,11 +6,13 @@
 //!
 //! [`RotatedScan`] updates a row from the row behind it, sixteen points at once with AVX-512
 //! (`line.rs`); columns are rows of a transposed panel of sixteen (`panel.rs`); and a scan visits
-//! only tiles beside which something has changed since it passed (`tiles.rs`).
+//! only tiles beside which something has changed since it passed (`tiles.rs`), if anything follows
+//! from that (`due.rs`).
 
 mod across;
 mod ceilings;
 mod connections;
+mod due;
 mod fast_marching;
 mod field;
 mod line;

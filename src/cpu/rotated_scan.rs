@@ -4,11 +4,12 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::due::Before;
 use super::field::Field;
 use super::line::{How, Updated};
 use super::panel::{Grid, Panel};
 use super::state::{SEED, Solution, accept, front};
-use super::tiles::{Scan, TILE, Tiles};
+use super::tiles::{Scan, TILE, Tiles, points};
 use super::{Instructions, Progress, Stop};
 use crate::lanes::Work;
 use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
@@ -46,6 +47,8 @@ pub struct RotatedScan<'a, R> {
     instructions: Instructions,
     tiles: Tiles,
     fronts: [Fronts<R>; 2],
+    /// How many points scans have looked at before they started.
+    looked: u64,
 }
 
 /// How a solution came about.
@@ -98,6 +101,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
             instructions: Instructions::best(),
             fronts: [fronts(), fronts()],
             tiles,
+            looked: 0,
         }
     }
 
@@ -172,13 +176,13 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     }
 
     /// How many times the scans of the last map have come to a point, and read what its update
-    /// needs.
+    /// needs, or have looked before whether to come.
     pub fn visits(&self) -> u64 {
-        self.fronts.iter().map(|fronts| fronts.visits).sum()
+        self.looked + self.fronts.iter().map(|fronts| fronts.visits).sum::<u64>()
     }
 
-    /// How many times they have updated one, each time from two triangles: less often, since of
-    /// points that are settled a simpler test finds that no front comes earlier.
+    /// How many times they have updated one, each time from one triangle or two: less often, since
+    /// of points that are settled a simpler test finds that no front comes earlier.
     pub fn updates(&self) -> u64 {
         self.fronts.iter().map(|fronts| fronts.updates).sum()
     }
@@ -191,7 +195,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
                 + fronts.changed.len()
                 + fronts.panel.bytes()
         };
-        self.fronts.iter().map(of).sum::<usize>() + self.tiles.len()
+        self.fronts.iter().map(of).sum::<usize>() + self.tiles.bytes()
     }
 
     /// The arrival times along a row, [`Real::FAR`] or later where no source reaches.
@@ -202,6 +206,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
 
     /// No point reached.
     fn forget(&mut self) {
+        self.looked = 0;
         self.fronts.par_iter_mut().for_each(|fronts| {
             (fronts.visits, fronts.updates) = (0, 0);
             fronts.times.fill(R::FAR);
@@ -237,9 +242,12 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     /// Runs two opposite scans; returns the largest change.
     fn scan(&mut self, scans: [Scan; 2], renews: bool) -> R::Bits {
         let grid = Grid { edges: self.edges, gaussian: self.gaussian };
-        let (tiles, [first, second]) = (&self.tiles, &mut self.fronts);
         let (wavefront, instructions) = (self.wavefront, self.instructions);
         let how = |scan| How { wavefront, scan, renews, instructions };
+        let Fronts { times, curvatures, .. } = &self.fronts[0];
+        let before = Before { edges: self.edges, times, curvatures };
+        self.looked += before.find_due(&mut self.tiles, scans.map(how));
+        let (tiles, [first, second]) = (&self.tiles, &mut self.fronts);
         let (a, b) = rayon::join(
             || first.scan(grid, tiles, how(scans[0])),
             || second.scan(grid, tiles, how(scans[1])),
@@ -325,11 +333,6 @@ impl<R: Real> Fronts<R> {
         }
         updated
     }
-}
-
-/// The points of some tiles, of `count` in a row or column.
-fn points(tiles: Range<usize>, count: usize) -> Range<usize> {
-    tiles.start * TILE..(tiles.end * TILE).min(count)
 }
 
 /// Updates lines in the order of a scan.
