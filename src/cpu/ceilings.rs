@@ -19,7 +19,8 @@ pub struct Ceilings {
     /// large cache.
     pub copy: f64,
     /// Updates from one triangle a second, by wavefront ([`Wavefront::ALL`]), of a line of points
-    /// that stays in the nearest cache, on the best instructions there are.
+    /// that stays in the nearest cache, on the best instructions there are. Two are counted for a
+    /// point, also where one is left out because it brings nothing.
     pub triangles: [f64; Wavefront::ALL.len()],
 }
 
