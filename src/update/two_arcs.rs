@@ -161,13 +161,11 @@ fn arrival<R: Real>(triangle: Triangle<R>, [k1, k2]: [R; 2], y: Across<R>) -> Op
     // And x0 lies between the rays at x1 and x2.
     let inside = clockwise(known.ahead, x0) >= -beside
         && clockwise(touching.ahead, sum(x0, scaled(-one, x1))) <= beside;
-    if !(fan.curvature > zero && parts && inside) {
-        return None;
-    }
     let of_x1 = clockwise(between, fan.ray(x0)) > zero;
     let (arc, start) = if of_x1 { (touching, t1) } else { (known, t2) };
     let [across, along] = arc.ray(x0);
-    if !(along > zero) {
+    let upwards = fan.curvature > zero && along > zero;
+    if !(upwards && parts && inside) {
         return None;
     }
     Some(Arrival {
