@@ -2,8 +2,9 @@
 
 // Stands for "not reached" and "no such edge": large, finite, and its sums stay finite.
 #define FAR 1e30
-// Curvature of a front at a point source: stands for infinity in the same way.
-#define SOURCE_CURVATURE 1e18
+// Curvature of a front at a point source, at least: stands for infinity in the same way. A power of two, which a
+// tag of 0 leaves as it is.
+#define SOURCE_CURVATURE 5.764607523034235e17
 // Invocations of a workgroup; 128 is the most that every Vulkan device offers, and a row or
 // column of texels is the whole dispatch, so small groups fill a device sooner.
 #define WORKGROUP 64
@@ -26,6 +27,7 @@
 #define GRAZING 0.1
 #define FOCUS 0.1
 #define BENT_APART 0.005
+#define FROM_SOURCE 0.99
 // Texels around the grid's own in every image, so that no neighbour needs a bounds test.
 #define BORDER 1
 // Iterations after the last in which a point was reached, from which on curved fronts are no

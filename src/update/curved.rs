@@ -1,7 +1,7 @@
 //! The curved wavefront: a front that carries its geodesic curvature beside the arrival time.
 
 use super::{Shape, Triangle};
-use crate::constants::{BENT_APART, FOCUS, GRAZING};
+use crate::constants::{BENT_APART, FOCUS, FROM_SOURCE, GRAZING};
 use crate::surface::{DIFFRACTS, Real, max};
 
 /// An arriving front: when, and how curved it is.
@@ -84,7 +84,10 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let h = max(shape.height_squared, zero).sqrt();
     let d = (near_t - t) * shape.per_base;
     // Both ends' curvature at the farther one's time. A source there says nothing of the front.
-    let near_kappa = near_k * c;
+    // The front at the other end is that of a source at the nearer one only if it has come along the
+    // base; else it comes from beside the source, the end of a curve, and is the one that arrives.
+    let beside = (near_k >= R::SOURCE) & (k < R::SOURCE) & (d > R::of(-FROM_SOURCE));
+    let near_kappa = if beside { k * c } else { near_k * c };
     let passed = near_kappa / max(one - near_kappa * d, focus);
     let far_kappa = if k < R::SOURCE { k * c } else { passed };
     let kappa = half * (passed + far_kappa);
@@ -180,6 +183,34 @@ mod tests {
         assert_eq!((at(0.0).time, at(beside_a_hole).time), (6.0, 6.0));
         approx::assert_relative_eq!(at(0.0).curvature, 0.2 / 1.2, max_relative = 1e-12);
         approx::assert_relative_eq!(at(beside_a_hole).curvature, 1.0, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn a_front_from_beside_the_end_of_a_curve_is_its_own() {
+        // A straight line ends at x2 and passes x1 at some distance; x0 is beside the line.
+        let (x0, x1, x2) = (DVec2::new(0.0, 1.0), DVec2::ZERO, DVec2::X);
+        let along = DVec2::from_angle(-0.4);
+        let distance = |place: DVec2| along.perp_dot(place - x2).abs();
+        let (t1, l1, l2) = (distance(x1), x0.distance(x1), x0.distance(x2));
+        let triangle = Triangle { t1, t2: 0.0, l1, l2, c: 1.0 };
+        for source in [f64::SOURCE, f64::SOURCE.with_tag(0)] {
+            let front = curved(triangle, flat(0.0, source));
+            approx::assert_abs_diff_eq!(front.time, distance(x0), epsilon = 1e-12);
+            approx::assert_abs_diff_eq!(front.curvature, 0.0, epsilon = 1e-12);
+        }
+        // Not so if the front at x1 is the source's.
+        let triangle = Triangle { t1: 1.0, ..triangle };
+        approx::assert_abs_diff_eq!(
+            curved(triangle, flat(1.0, f64::SOURCE)).time,
+            l2,
+            epsilon = 1e-12
+        );
+    }
+
+    #[test]
+    fn a_source_without_a_tag_is_one_with_it() {
+        assert_eq!(f32::SOURCE.with_tag(0), f32::SOURCE);
+        assert_eq!(f64::SOURCE.with_tag(0), f64::SOURCE);
     }
 
     #[test]

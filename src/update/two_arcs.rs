@@ -100,7 +100,7 @@ fn arrival<R: Real>(triangle: Triangle<R>, [k1, k2]: [R; 2], y: Across<R>) -> Op
     let (zero, one, two) = (R::zero(), R::one(), R::of(2.0));
     let above = Shape::new(l2, l1, c);
     let below = Shape::new(y.sides[1], y.sides[0], c);
-    if !(above.whole && below.whole && y.time < R::FAR && y.curvature < R::SOURCE) {
+    if !(above.whole && below.whole && y.time < R::FAR) {
         return None;
     }
     let (x2, x1) = ([zero, zero], [one, zero]);

@@ -181,8 +181,8 @@ impl Surface {
         let as_from_point = if distance > 0.0 { 1.0 / distance } else { Seed::AT_SOURCE };
         let bend = match (start.1, end.1) {
             _ if start.0 == end.0 => return as_from_point,
-            (Vertex::Corner, _) if foot <= 1e-12 && distance > 0.0 => return as_from_point,
-            (_, Vertex::Corner) if foot >= 1.0 - 1e-12 && distance > 0.0 => return as_from_point,
+            (Vertex::Corner, _) if foot <= 1e-12 => return as_from_point,
+            (_, Vertex::Corner) if foot >= 1.0 - 1e-12 => return as_from_point,
             (Vertex::Smooth(a), Vertex::Smooth(b)) => a.lerp(b, foot),
             (Vertex::Smooth(bend), Vertex::Corner) | (Vertex::Corner, Vertex::Smooth(bend)) => bend,
             (Vertex::Corner, Vertex::Corner) => DVec3::ZERO,
