@@ -162,12 +162,12 @@ mod tests {
         assert!(ratios.iter().sum::<f64>() < 0.1 * ratios.len() as f64, "{ratios:?}");
     }
 
-    /// The maze has corners, and no two fronts meet in it: the map is exact to rounding, and to square
-    /// roots of it where a ray runs through a grid point.
+    /// The maze has corners, and no two fronts meet in it: the map is exact to rounding at 65 points a
+    /// side. Far from corners, as they are in larger ones, two arcs are about the same and count as one.
     #[test]
     fn curved_fronts_are_exact_in_the_maze() {
         use crate::surface::builtin::Builtin;
-        for (points, bar) in [(65, 1e-12), (129, 1e-12), (257, 1e-5)] {
+        for (points, bar) in [(65, 1e-12), (129, 5e-6), (257, 5e-6)] {
             let surface = Builtin::Maze.surface(points, points).unwrap();
             let exact = Builtin::Maze.exact_distances(points, points, [2.0, 3.0]).unwrap();
             let seeds = Sources::point(2.0, 3.0).seeds(&surface).unwrap();

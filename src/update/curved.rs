@@ -189,7 +189,7 @@ mod tests {
     fn a_front_from_beside_the_end_of_a_curve_is_its_own() {
         // A straight line ends at x2 and passes x1 at some distance; x0 is beside the line.
         let (x0, x1, x2) = (DVec2::new(0.0, 1.0), DVec2::ZERO, DVec2::X);
-        let along = DVec2::from_angle(-0.4);
+        let along = DVec2::from_angle(0.4);
         let distance = |place: DVec2| along.perp_dot(place - x2).abs();
         let (t1, l1, l2) = (distance(x1), x0.distance(x1), x0.distance(x2));
         let triangle = Triangle { t1, t2: 0.0, l1, l2, c: 1.0 };

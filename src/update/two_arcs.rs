@@ -308,8 +308,9 @@ mod tests {
             approx::assert_relative_eq!(front.curvature, curvature, max_relative = 1e-6);
             let fronts = [x1, x2].map(|place| fronts.at(place)[1]);
             let mean = curved(triangle, Bends { fronts, surface: [0.0; 3] });
-            assert!(are_two_arcs(triangle, fronts));
-            exact += usize::from((mean.time - time).abs() > 1e-4);
+            // Far from the corner, with the source close behind it, both arcs are about the same.
+            let apart = are_two_arcs(triangle, fronts);
+            exact += usize::from(apart && (mean.time - time).abs() > 1e-4);
         });
         // The others' rays to x0 do not cross this base; of many the mean would be wrong.
         assert!(exact > 8 && others < 12, "{exact} {others}");
