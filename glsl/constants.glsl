@@ -2,8 +2,8 @@
 
 // Stands for "not reached" and "no such edge": large, finite, and its sums stay finite.
 #define FAR 1e30
-// Curvature of a front at a point source, at least: stands for infinity in the same way. A power of two, which a
-// tag of 0 leaves as it is.
+// Curvature of a front at a point source, at least: stands for infinity in the same way. A power of
+// two, which a tag of 0 leaves as it is.
 #define SOURCE_CURVATURE 5.764607523034235e17
 // Invocations of a workgroup; 128 is the most that every Vulkan device offers, and a row or
 // column of texels is the whole dispatch, so small groups fill a device sooner.

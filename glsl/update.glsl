@@ -109,7 +109,7 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c) {
     vec4 p = shape.foot;
     vec4 h = sqrt(max(shape.height_squared, 0.0));
     vec4 d = (near_t - t) * shape.per_base;
-    bvec4 from_beside = both(lessThan(k, vec4(SOURCE_CURVATURE)), greaterThan(d, vec4(-FROM_SOURCE)));
+    bvec4 from_beside = both(lessThan(abs(k * c), vec4(0.25)), greaterThan(d, vec4(-FROM_SOURCE)));
     bvec4 beside = both(greaterThanEqual(near_k, vec4(SOURCE_CURVATURE)), from_beside);
     vec4 near_kappa = mix(near_k, k, beside) * c;
     vec4 passed = near_kappa / max(1.0 - near_kappa * d, FOCUS);
@@ -122,11 +122,11 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c) {
     bvec4 in_front = both(greaterThan(d, vec4(-1.0)), lessThanEqual(cos_a, vec4(1.0)));
     bvec4 is_front = both(both(shape.whole, in_front), greaterThan(width, vec4(0.0)));
     bvec4 after_x1 = greaterThanEqual(crossing, vec4(0.0));
-    bvec4 inside = both(is_front, both(after_x1, lessThanEqual(crossing, width)));
-
     vec4 n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * 2.0;
     vec4 root = sqrt(max(1.0 + kappa * n, 0.0));
     vec4 rise = n / (1.0 + root);
+    bvec4 crosses = both(both(is_front, after_x1), lessThanEqual(crossing, width));
+    bvec4 inside = both(crosses, either(not(beside), greaterThanEqual(rise, d)));
     vec4 far_spread = max(1.0 + far_kappa * rise, FOCUS);
     vec4 near_spread = max(1.0 + near_kappa * (rise - d), FOCUS);
     vec4 spread = far_spread * near_spread;

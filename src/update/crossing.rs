@@ -26,7 +26,8 @@ pub(crate) fn base_crossing<R: Real>(
         Wavefront::Planar => zero,
         Wavefront::PointSource => c / max(t, R::of(0.25) * c),
         Wavefront::Curved => {
-            let beside = (near_k >= R::SOURCE) & (k < R::SOURCE) & (d > R::of(-FROM_SOURCE));
+            let beside =
+                (near_k >= R::SOURCE) & ((k * c).abs() < R::of(0.25)) & (d > R::of(-FROM_SOURCE));
             let near_kappa = if beside { k * c } else { near_k * c };
             let passed = near_kappa / max(one - near_kappa * d, R::of(FOCUS));
             half * (passed + if k < R::SOURCE { k * c } else { passed })

@@ -85,8 +85,9 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let d = (near_t - t) * shape.per_base;
     // Both ends' curvature at the farther one's time. A source there says nothing of the front.
     // The front at the other end is that of a source at the nearer one only if it has come along the
-    // base; else it comes from beside the source, the end of a curve, and is the one that arrives.
-    let beside = (near_k >= R::SOURCE) & (k < R::SOURCE) & (d > R::of(-FROM_SOURCE));
+    // base; else, if it is about straight, it comes from beside the source, the end of a curve, and is
+    // the one that arrives.
+    let beside = (near_k >= R::SOURCE) & ((k * c).abs() < half * half) & (d > R::of(-FROM_SOURCE));
     let near_kappa = if beside { k * c } else { near_k * c };
     let passed = near_kappa / max(one - near_kappa * d, focus);
     let far_kappa = if k < R::SOURCE { k * c } else { passed };
@@ -96,11 +97,12 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let crossing = cos_a * h + sin_a * p;
     let width = sin_a + kappa * h;
     let is_front = whole & (d > -one) & (cos_a <= one) & (width > zero);
-    let inside = is_front & (crossing >= zero) & (crossing <= width);
-
     let n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * R::of(2.0);
     let root = max(one + kappa * n, zero).sqrt();
     let rise = n / (one + root);
+    // Nothing arrives before the earlier end.
+    let late_enough = !beside | (rise >= d);
+    let inside = is_front & (crossing >= zero) & (crossing <= width) & late_enough;
     let far_spread = max(one + far_kappa * rise, focus);
     let near_spread = max(one + near_kappa * (rise - d), focus);
     let spread = far_spread * near_spread;
