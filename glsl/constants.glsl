@@ -28,6 +28,7 @@
 #define FOCUS 0.1
 #define BENT_APART 0.005
 #define FROM_SOURCE 0.99
+#define ABOUT_STRAIGHT 0.25
 // Texels around the grid's own in every image, so that no neighbour needs a bounds test.
 #define BORDER 1
 // Iterations after the last in which a point was reached, from which on curved fronts are no

@@ -109,7 +109,7 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c) {
     vec4 p = shape.foot;
     vec4 h = sqrt(max(shape.height_squared, 0.0));
     vec4 d = (near_t - t) * shape.per_base;
-    bvec4 from_beside = both(lessThan(abs(k * c), vec4(0.25)), greaterThan(d, vec4(-FROM_SOURCE)));
+    bvec4 from_beside = both(lessThan(abs(k * c), vec4(ABOUT_STRAIGHT)), greaterThan(d, vec4(-FROM_SOURCE)));
     bvec4 beside = both(greaterThanEqual(near_k, vec4(SOURCE_CURVATURE)), from_beside);
     vec4 near_kappa = mix(near_k, k, beside) * c;
     vec4 passed = near_kappa / max(1.0 - near_kappa * d, FOCUS);

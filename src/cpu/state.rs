@@ -92,11 +92,16 @@ impl<'a, R: Real> Fronts<'a, R> {
         match self.wavefront {
             Wavefront::Planar => straight(planar(triangle)),
             Wavefront::PointSource => straight(point_source(triangle)),
-            Wavefront::Curved => {
-                let fronts = [self.curvatures[x1], self.curvatures[x2]];
-                let surface = [self.gaussian[point], self.gaussian[x1], self.gaussian[x2]];
-                curved(triangle, Bends { fronts, surface })
-            }
+            Wavefront::Curved => curved(triangle, self.bends(point, x1, x2)),
+        }
+    }
+
+    /// What a curved front knows of a triangle's corners.
+    #[inline]
+    fn bends(&self, point: usize, x1: usize, x2: usize) -> Bends<R> {
+        Bends {
+            fronts: [x1, x2].map(|corner| self.curvatures[corner]),
+            surface: [point, x1, x2].map(|corner| self.gaussian[corner]),
         }
     }
 
@@ -134,8 +139,7 @@ impl<'a, R: Real> Fronts<'a, R> {
             let fronts = [self.curvatures[x1], self.curvatures[x2]];
             if are_two_arcs(triangle, fronts) {
                 let across = quad.across(self.edges, point, |y| [time(y), self.curvatures[y]]);
-                let surface = [self.gaussian[point], self.gaussian[x1], self.gaussian[x2]];
-                if let Some(front) = two_arcs(triangle, Bends { fronts, surface }, across) {
+                if let Some(front) = two_arcs(triangle, self.bends(point, x1, x2), across) {
                     return front;
                 }
             }

@@ -1,7 +1,7 @@
 //! Where the way of a front to x0 crosses the base of its triangle.
 
 use super::{Shape, Triangle, Wavefront};
-use crate::constants::{FOCUS, FROM_SOURCE};
+use crate::constants::{ABOUT_STRAIGHT, FOCUS, FROM_SOURCE};
 use crate::surface::{Real, max, min};
 
 /// Where the straight line on which the front arrives at x0 crosses the base, from 0 at x1 to 1 at
@@ -26,8 +26,9 @@ pub(crate) fn base_crossing<R: Real>(
         Wavefront::Planar => zero,
         Wavefront::PointSource => c / max(t, R::of(0.25) * c),
         Wavefront::Curved => {
-            let beside =
-                (near_k >= R::SOURCE) & ((k * c).abs() < R::of(0.25)) & (d > R::of(-FROM_SOURCE));
+            let beside = (near_k >= R::SOURCE)
+                & ((k * c).abs() < R::of(ABOUT_STRAIGHT))
+                & (d > R::of(-FROM_SOURCE));
             let near_kappa = if beside { k * c } else { near_k * c };
             let passed = near_kappa / max(one - near_kappa * d, R::of(FOCUS));
             half * (passed + if k < R::SOURCE { k * c } else { passed })

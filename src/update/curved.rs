@@ -1,7 +1,7 @@
 //! The curved wavefront: a front that carries its geodesic curvature beside the arrival time.
 
 use super::{Shape, Triangle};
-use crate::constants::{BENT_APART, FOCUS, FROM_SOURCE, GRAZING};
+use crate::constants::{ABOUT_STRAIGHT, BENT_APART, FOCUS, FROM_SOURCE, GRAZING};
 use crate::surface::{DIFFRACTS, Real, max};
 
 /// An arriving front: when, and how curved it is.
@@ -87,7 +87,8 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     // The front at the other end is that of a source at the nearer one only if it has come along the
     // base; else, if it is about straight, it comes from beside the source, the end of a curve, and is
     // the one that arrives.
-    let beside = (near_k >= R::SOURCE) & ((k * c).abs() < half * half) & (d > R::of(-FROM_SOURCE));
+    let beside =
+        (near_k >= R::SOURCE) & ((k * c).abs() < R::of(ABOUT_STRAIGHT)) & (d > R::of(-FROM_SOURCE));
     let near_kappa = if beside { k * c } else { near_k * c };
     let passed = near_kappa / max(one - near_kappa * d, focus);
     let far_kappa = if k < R::SOURCE { k * c } else { passed };
