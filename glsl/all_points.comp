@@ -7,6 +7,7 @@
 #include "texel.glsl"
 #include "update.glsl"
 #include "front.glsl"
+#include "two_arcs.glsl"
 #include "progress.glsl"
 
 layout(local_size_x = WORKGROUP) in;
@@ -20,7 +21,7 @@ layout(push_constant) uniform Size {
     ivec2 texels; // columns and rows of texels, without the border
 };
 
-const bool IS_CURVED = WAVEFRONT == 2;
+const bool IS_CURVED = WAVEFRONT >= 2;
 
 // The 4 x 4 points around the texel, row by row, of one layer.
 float[16] around(vec4 texels[9]) {
@@ -43,6 +44,20 @@ vec4 edge_lengths(vec4 lengths[16], ivec2 from, ivec2 step) {
     return vec4(stored_length(lengths[first], way), stored_length(lengths[first + 1], way),
                 stored_length(lengths[first + 4], way), stored_length(lengths[first + 5], way));
 }
+
+float edge_length(ivec2 point, ivec2 step) {
+    bool here = stored_here(step);
+    return stored_length(imageLoad(edges, here ? point : point + step), here ? step : -step);
+}
+
+vec2 front_at(ivec2 point) {
+    vec4 times = imageLoad(old_fronts, ivec3(point / 2, TIME));
+    vec4 curvatures = imageLoad(old_fronts, ivec3(point / 2, CURVATURE));
+    int i = 2 * (point.y & 1) + (point.x & 1);
+    return vec2(times[i], curvatures[i]);
+}
+
+#include "part_arcs.glsl"
 
 void main() {
     ivec2 place = ivec2(gl_GlobalInvocationID.xy);
@@ -95,9 +110,15 @@ void main() {
         vec4 base_left = edge_lengths(lengths, -ahead - along, along);
         vec4 base_right = edge_lengths(lengths, -ahead, along);
         vec4 own = IS_CURVED ? at_step(bends, ivec2(0)) : vec4(0.0);
-        accept(earlier(update(ends[0], ends[1], own, to[0], to[1], base_left),
-                       update(ends[1], ends[2], own, to[1], to[2], base_right)),
-               uint(scan) + 1u, may_renew, time, curvature);
+        Fronts from_left = update(ends[0], ends[1], own, to[0], to[1], base_left);
+        Fronts from_right = update(ends[1], ends[2], own, to[1], to[2], base_right);
+        if (HAS_ARCS) {
+            Sight sight = Sight(ends[0], ends[1], ends[2], own, to[0], to[1], to[2],
+                                base_left, base_right);
+            part_arcs(sight, Places(2 * texel, ivec2(1, 0), ivec2(0, 1), ahead, along), 4,
+                      from_left, from_right);
+        }
+        accept(earlier(from_left, from_right), uint(scan) + 1u, may_renew, time, curvature);
     }
     imageStore(new_fronts, ivec3(texel, TIME), time);
     if (IS_CURVED) imageStore(new_fronts, ivec3(texel, CURVATURE), curvature);

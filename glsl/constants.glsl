@@ -29,6 +29,13 @@
 #define BENT_APART 0.005
 #define FROM_SOURCE 0.99
 #define ABOUT_STRAIGHT 0.25
+// Fronts whose times differ by no more than so many times their rounding arrive together.
+#define TOGETHER 8.0
+// See two_arcs.rs.
+#define ARCS_APART 0.02
+#define ARCS_ALIKE 0.25
+#define ARCS_BESIDE 1e-3
+#define ARCS_TOUCHING 1e-4
 // Texels around the grid's own in every image, so that no neighbour needs a bounds test.
 #define BORDER 1
 // Iterations after the last in which a point was reached, from which on curved fronts are no

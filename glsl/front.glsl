@@ -1,19 +1,17 @@
 // Which front a point keeps. Include after update.glsl. Twin: accept() in src/cpu/state.rs.
 
-// Distance from 1 to the next number.
-const float PRECISION = 1.1920929e-7;
-
 vec4 with_tags(vec4 values, uvec4 tags) {
     return vec4(with_tag(values.x, tags.x), with_tag(values.y, tags.y),
                 with_tag(values.z, tags.z), with_tag(values.w, tags.w));
 }
 
-// Accepts fronts, brought by a scan numbered from 1, that are the first to arrive. Between equally
-// early ones whole triangles know better, then the front that is flatter by more than rounding; and
-// those that this scan has brought before may be renewed, earlier or later.
+// Accepts fronts, brought by a scan numbered from 1, that are the first to arrive. Of those that arrive
+// together whole triangles know better, then the front that is flatter by more than rounding; and
+// those that this scan has brought before may be renewed, earlier or later. Of times that differ by
+// rounding the earlier stays.
 void accept(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 curvature) {
-    bvec4 first = lessThan(fronts.time, time);
-    if (WAVEFRONT == 2) {
+    vec4 earliest = min(time, fronts.time);
+    if (WAVEFRONT >= 2) {
         vec4 tagged = with_tags(fronts.curvature, mix(uvec4(scan), uvec4(scan | WHOLE), fronts.whole));
         uvec4 tag_before = floatBitsToUint(curvature) & 15u;
         bvec4 whole_before = greaterThanEqual(tag_before, uvec4(WHOLE));
@@ -21,12 +19,15 @@ void accept(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 c
         bvec4 apart = greaterThan(curvature - tagged, abs(tagged) * BENT_APART);
         bvec4 flatter = both(alike, apart);
         bvec4 knows = either(both(fronts.whole, not(whole_before)), flatter);
-        bvec4 preferred = both(equal(fronts.time, time), knows);
-        bvec4 renewed = both(bvec4(renews), equal(tag_before & 7u, uvec4(scan)));
-        first = either(first, both(lessThan(time, vec4(FAR)), either(renewed, preferred)));
-        curvature = mix(curvature, tagged, first);
+        bvec4 reached = lessThan(time, vec4(FAR));
+        bvec4 ties = both(reached, together(fronts.time, time));
+        bvec4 renewed = both(both(bvec4(renews), reached), equal(tag_before & 7u, uvec4(scan)));
+        bvec4 first = either(both(not(ties), lessThan(fronts.time, time)), both(ties, knows));
+        bvec4 accepted = either(first, renewed);
+        curvature = mix(curvature, tagged, accepted);
+        earliest = mix(earliest, fronts.time, both(accepted, not(ties)));
     }
-    time = mix(time, fronts.time, first);
+    time = earliest;
 }
 
 uint largest(uvec4 values) {
@@ -39,7 +40,7 @@ uint change_of(vec4 old_time, vec4 time, vec4 old_curvature, vec4 curvature) {
     uvec4 old_bits = floatBitsToUint(old_time);
     uvec4 bits = floatBitsToUint(time);
     uvec4 units = max(old_bits, bits) - min(old_bits, bits);
-    if (WAVEFRONT != 2) return largest(units);
+    if (WAVEFRONT < 2) return largest(units);
     vec4 bends = abs(curvature - old_curvature) * time;
     float bend = max(max(bends.x, bends.y), max(bends.z, bends.w)) * (CURVATURE_COUNTS / PRECISION);
     // However large, it is not taken for a point's first front.

@@ -44,7 +44,7 @@ void main() {
         fans[place + (3 + i) * pairs] = edge_length(a + along, step);
         fans[place + (6 + i) * pairs] = edge_length(a + step, along);
     }
-    if (WAVEFRONT == 2) {
+    if (WAVEFRONT >= 2) {
         for (int i = 0; i < 4; i++) {
             fans[place + (9 + i) * pairs] = gaussian_at(a + (i - 1) * along - ahead);
         }

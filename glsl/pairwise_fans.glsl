@@ -4,7 +4,7 @@
 // Numbers of a pair of points a and b: lengths of the edges to the neighbours behind, before,
 // beside and after a, then b (6); of the three edges between those (3); for curved fronts also the
 // Gaussian curvature of the surface at the four points behind and at a and b (6).
-const int NUMBERS = WAVEFRONT == 2 ? 15 : 9;
+const int NUMBERS = WAVEFRONT >= 2 ? 15 : 9;
 
 // Where the first number of a pair stands; the others follow at a distance of `pairs`.
 int fan_place(ivec2 grid, int scan, int line, int pair, int pairs) {

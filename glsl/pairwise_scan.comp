@@ -8,6 +8,7 @@
 #include "texel.glsl"
 #include "update.glsl"
 #include "front.glsl"
+#include "two_arcs.glsl"
 #include "pairwise_progress.glsl"
 #include "pairwise_layers.glsl"
 

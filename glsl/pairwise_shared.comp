@@ -9,6 +9,7 @@
 #include "texel.glsl"
 #include "update.glsl"
 #include "front.glsl"
+#include "two_arcs.glsl"
 #include "pairwise_progress.glsl"
 #include "pairwise_fans.glsl"
 #include "count.glsl"
@@ -33,7 +34,7 @@ layout(set = 0, binding = 9) restrict buffer Kept {
     float kept[]; // the fronts of maps that are not done
 };
 
-const bool IS_CURVED = WAVEFRONT == 2;
+const bool IS_CURVED = WAVEFRONT >= 2;
 const int INVOCATIONS = int(gl_WorkGroupSize.x);
 const int AREA = ROWS * PITCH;
 const int FRONTS = IS_CURVED ? 2 * AREA : AREA;
@@ -46,6 +47,28 @@ vec4 at_four(int places[4], int layer) {
     return vec4(fronts[layer + places[0]], fronts[layer + places[1]],
                 fronts[layer + places[2]], fronts[layer + places[3]]);
 }
+
+// The scan that is under way, from 0 in the order of an iteration.
+int scan_now = 0;
+
+// Arrival time and curvature at a point, which may lie beyond the grid's first or last line.
+vec2 front_at(ivec2 point) {
+    bool there = all(greaterThanEqual(point, ivec2(0))) && all(lessThan(point, ivec2(COLS, ROWS)));
+    int place = there ? point.y * PITCH + point.x : 0;
+    return there ? vec2(fronts[place], fronts[AREA + place]) : vec2(FAR, 0.0);
+}
+
+// Length of an edge to a neighbour behind, from the fans of the line of points it leads from.
+float edge_length(ivec2 point, ivec2 step) {
+    bool by_rows = scan_now < 2;
+    int pairs = ((by_rows ? COLS : ROWS) + 1) / 2;
+    int line = by_rows ? point.y : point.x;
+    int place = by_rows ? point.x : point.y;
+    int number = 3 * (place & 1) + 1 + (by_rows ? step.x : step.y);
+    return fans[fan_place(ivec2(COLS, ROWS), scan_now, line, place >> 1, pairs) + number * pairs];
+}
+
+#include "part_arcs.glsl"
 
 // One of the numbers of a pair.
 #define NUMBER(k) fans[first + (k) * pairs]
@@ -85,10 +108,21 @@ uint update_pair(int scan, int line, int behind, int pair, int points, bool may_
     vec4 l2 = vec4(l1.zw, NUMBER(2), NUMBER(5));
     vec4 base = vec4(NUMBER(6), NUMBER(7), NUMBER(7), NUMBER(8));
     Fronts sided = update(near, far, bend, l1, l2, base);
+    Fronts from_left = Fronts(sided.time.xyxy, sided.curvature.xyxy, sided.whole.xyxy);
     Fronts from_right = Fronts(sided.time.zwzw, sided.curvature.zwzw, sided.whole.zwzw);
+    if (HAS_ARCS) {
+        scan_now = scan;
+        bool by_rows = scan < 2;
+        ivec2 along = by_rows ? ivec2(1, 0) : ivec2(0, 1);
+        ivec2 ahead = ivec2(1 - along.x, 1 - along.y);
+        Ends behind_both = Ends(time_behind, curvature_behind, bend_behind);
+        Places of_pair = Places(line * ahead + 2 * pair * along, along, ivec2(0),
+                                (line - behind) * ahead, along);
+        part_arcs(sight_of_two(behind_both, bend.xy, l1, l2, base), of_pair, 2, from_left, from_right);
+    }
     vec4 time = old_time;
     vec4 curvature = old_curvature;
-    accept(earlier(sided, from_right), uint(scan) + 1u, may_renew, time, curvature);
+    accept(earlier(from_left, from_right), uint(scan) + 1u, may_renew, time, curvature);
     if (!has_b) {
         time.yw = old_time.yw;
         curvature.yw = old_curvature.yw;

@@ -30,7 +30,7 @@ void main() {
     vec4 time = mix(vec4(FAR), vec4(0.0), here);
     imageStore(fronts_0, ivec3(texel, layer_of(map, TIME)), time);
     imageStore(fronts_1, ivec3(texel, layer_of(map, TIME)), time);
-    if (WAVEFRONT == 2) {
+    if (WAVEFRONT >= 2) {
         vec4 curvature = mix(vec4(0.0), vec4(with_tag(SOURCE_CURVATURE, 0u)), here);
         imageStore(fronts_0, ivec3(texel, layer_of(map, CURVATURE)), curvature);
         imageStore(fronts_1, ivec3(texel, layer_of(map, CURVATURE)), curvature);

@@ -6,6 +6,7 @@
 #include "texel.glsl"
 #include "update.glsl"
 #include "front.glsl"
+#include "two_arcs.glsl"
 #include "progress.glsl"
 #include "blocks.glsl"
 

@@ -12,6 +12,7 @@
 #include "texel.glsl"
 #include "update.glsl"
 #include "front.glsl"
+#include "two_arcs.glsl"
 #include "progress.glsl"
 #include "tiles.glsl"
 
@@ -33,9 +34,10 @@ layout(push_constant) uniform Round {
     uint round;
 };
 
-const bool IS_CURVED = WAVEFRONT == 2;
-// A tile with a point around it.
-const int SIDE = TILE + 2;
+const bool IS_CURVED = WAVEFRONT >= 2;
+// A tile with the points around it that its own see: a second one for arcs that touch on a base.
+const int HALO = HAS_ARCS ? 2 : 1;
+const int SIDE = TILE + 2 * HALO;
 const int AREA = SIDE * SIDE;
 const int OWN_TEXELS = TEXELS * TEXELS;
 const int INVOCATIONS = 2 * TILE;
@@ -56,9 +58,19 @@ int spot(ivec2 at) {
 }
 
 float edge_length(ivec2 at, ivec2 step) {
-    return stored_here(step) ? stored_length(lengths[spot(at)], step)
-                             : stored_length(lengths[spot(at + step)], -step);
+    bool here = stored_here(step);
+    return stored_length(lengths[spot(here ? at : at + step)], here ? step : -step);
 }
+
+// Which of the copies front_at() is asked for.
+int copy_here;
+
+vec2 front_at(ivec2 at) {
+    int from = copy_here * AREA + spot(at);
+    return vec2(times[from], curvatures[IS_CURVED ? from : 0]);
+}
+
+#include "part_arcs.glsl"
 
 void load(ivec2 tile, ivec2 tile_grid) {
     ivec2 corner = TEXELS * tile + BORDER - 1; // the texel before the tile's first
@@ -81,7 +93,7 @@ void load(ivec2 tile, ivec2 tile_grid) {
         vec4 gaussian = vec4(0.0);
         if (IS_CURVED) gaussian = imageLoad(gaussians, texel);
         for (int j = 0; j < 4; j++) {
-            ivec2 at = 2 * in_tile - 1 + ivec2(j & 1, j >> 1);
+            ivec2 at = 2 * in_tile + HALO - 2 + ivec2(j & 1, j >> 1);
             if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(SIDE)))) continue;
             for (int copy = 0; copy < 4; copy++) times[copy * AREA + spot(at)] = time[j];
             if (IS_CURVED) {
@@ -92,7 +104,7 @@ void load(ivec2 tile, ivec2 tile_grid) {
             }
         }
     }
-    ivec2 first = 2 * corner + 1;
+    ivec2 first = 2 * corner + 2 - HALO;
     ivec2 last = 2 * (texels + 2 * BORDER) - 1;
     for (uint i = gl_LocalInvocationIndex; i < AREA; i += INVOCATIONS) {
         lengths[i] = imageLoad(edges, min(first + ivec2(int(i) % SIDE, int(i) / SIDE), last));
@@ -124,13 +136,20 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
                       edge_length(behind + along, along), 0.0);
     vec2 own_bend = IS_CURVED ? vec2(bends[spot(at)], bends[spot(next)]) : vec2(0.0);
     Fronts sided = update(near, far, own_bend.xyxy, l1, l2, bases.xyyz);
+    Fronts from_left = Fronts(sided.time.xyxy, sided.curvature.xyxy, sided.whole.xyxy);
     Fronts from_right = Fronts(sided.time.zwzw, sided.curvature.zwzw, sided.whole.zwzw);
+    if (HAS_ARCS) {
+        copy_here = copy;
+        Sight sight = sight_of_two(Ends(time_behind, curvature_behind, bend_behind), own_bend,
+                                   l1, l2, bases.xyyz);
+        part_arcs(sight, Places(at, along, ivec2(0), ahead, along), 2, from_left, from_right);
+    }
     int a = copy * AREA + spot(at);
     int b = copy * AREA + spot(next);
     vec4 time = vec2(times[a], times[b]).xyxy;
     vec4 curvature = vec4(0.0);
     if (IS_CURVED) curvature = vec2(curvatures[a], curvatures[b]).xyxy;
-    accept(earlier(sided, from_right), uint(copy) + 1u, may_renew, time, curvature);
+    accept(earlier(from_left, from_right), uint(copy) + 1u, may_renew, time, curvature);
     times[a] = time.x;
     times[b] = time.y;
     if (IS_CURVED) {
@@ -139,31 +158,32 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
     }
 }
 
-// Of two fronts at one point, each as a copy's scan has left it, the one that stays. One that
-// the copy's own scan has not brought stands for nothing but the old one.
-bool stays(uint number, float time, float curvature, bool found, float best, float best_curvature) {
-    uint tag = floatBitsToUint(curvature) & 15u;
-    if ((tag & 7u) != number || time >= FAR) return false;
-    bool whole = tag >= WHOLE;
+// Whether of two fronts at one point, each brought by a copy's own scan, the second is kept; the time
+// is the earlier one's in any case.
+bool is_first(float time, float curvature, float best, float best_curvature) {
+    if (!together(vec4(best), vec4(time)).x) return time < best;
+    bool whole = (floatBitsToUint(curvature) & 15u) >= WHOLE;
     bool best_whole = (floatBitsToUint(best_curvature) & 15u) >= WHOLE;
-    bool knows = whole != best_whole ? whole : curvature < best_curvature;
-    return !found || time < best || (time == best && knows);
+    return whole != best_whole ? whole : curvature < best_curvature;
 }
 
 // Makes the four copies the same again, with the first to arrive at each point.
 void merge(ivec2 in_tile, inout vec4 time, inout vec4 curvature) {
     for (int j = 0; j < 4; j++) {
-        int at = spot(2 * in_tile + 1 + ivec2(j & 1, j >> 1));
+        int at = spot(2 * in_tile + HALO + ivec2(j & 1, j >> 1));
         if (IS_CURVED) {
             bool found = false;
             for (int copy = 0; copy < 4; copy++) {
                 float other = times[copy * AREA + at];
                 float other_curvature = curvatures[copy * AREA + at];
-                if (stays(uint(copy) + 1u, other, other_curvature, found, time[j], curvature[j])) {
-                    time[j] = other;
+                // One that the copy's own scan has not brought stands for nothing but the old one.
+                uint brought_by = floatBitsToUint(other_curvature) & 7u;
+                if (brought_by != uint(copy) + 1u || other >= FAR) continue;
+                if (!found || is_first(other, other_curvature, time[j], curvature[j])) {
                     curvature[j] = other_curvature;
-                    found = true;
                 }
+                time[j] = found ? min(time[j], other) : other;
+                found = true;
             }
             for (int copy = 0; copy < 4; copy++) curvatures[copy * AREA + at] = curvature[j];
         } else {
@@ -174,13 +194,13 @@ void merge(ivec2 in_tile, inout vec4 time, inout vec4 curvature) {
     }
 }
 
-// The sides of the tile that a point lies on, as bits of 3 x 3 tiles.
+// The tiles that see a point of this one, as bits of 3 x 3 tiles.
 uint sides_of(ivec2 at) {
     uint bits = 0u;
-    bool west = at.x == 0;
-    bool east = at.x == TILE - 1;
-    if (at.y == 0) bits |= west ? 0xbu : east ? 0x26u : 0x2u;
-    if (at.y == TILE - 1) bits |= west ? 0xc8u : east ? 0x1a0u : 0x80u;
+    bool west = at.x < HALO;
+    bool east = at.x >= TILE - HALO;
+    if (at.y < HALO) bits |= west ? 0xbu : east ? 0x26u : 0x2u;
+    if (at.y >= TILE - HALO) bits |= west ? 0xc8u : east ? 0x1a0u : 0x80u;
     if (west) bits |= 0x8u;
     if (east) bits |= 0x20u;
     return bits;
@@ -213,7 +233,7 @@ void main() {
         int i = int(gl_LocalInvocationIndex) + k * INVOCATIONS;
         if (i >= OWN_TEXELS) break;
         for (int j = 0; j < 4; j++) {
-            int at = spot(2 * ivec2(i % TEXELS, i / TEXELS) + 1 + ivec2(j & 1, j >> 1));
+            int at = spot(2 * ivec2(i % TEXELS, i / TEXELS) + HALO + ivec2(j & 1, j >> 1));
             time_before[k][j] = times[at];
             curvature_before[k][j] = IS_CURVED ? curvatures[at] : 0.0;
         }
@@ -225,8 +245,8 @@ void main() {
     int way = 1 - 2 * (copy & 1);
     ivec2 ahead = copy < 2 ? ivec2(0, way) : ivec2(way, 0);
     ivec2 along = copy < 2 ? ivec2(1, 0) : ivec2(0, 1);
-    ivec2 start = (1 + 2 * int(gl_LocalInvocationID.x)) * along
-                + (way > 0 ? 1 : TILE) * abs(ahead);
+    ivec2 start = (HALO + 2 * int(gl_LocalInvocationID.x)) * along
+                + (way > 0 ? HALO : HALO + TILE - 1) * abs(ahead);
     for (int inner = 0; inner < INNER; inner++) {
         if (gl_LocalInvocationIndex == 0u) change = 0u;
         for (int line = 0; line < TILE; line++) {

@@ -1,8 +1,13 @@
 // The update of a point x0 from two neighbours x1 and x2, for four triangles at once.
 // Twins: planar.rs, point_source.rs and curved.rs in src/update, where the formulas are explained.
 
-// 0 planar, 1 point source, 2 curved: Wavefront in src/update/mod.rs.
+// 0 planar, 1 point source, 2 curved, 3 curved with two arcs where they touch: Wavefront in
+// src/update/mod.rs.
 layout(constant_id = 2) const int WAVEFRONT = 0;
+const bool HAS_ARCS = WAVEFRONT == 3;
+
+// Distance from 1 to the next number.
+const float PRECISION = 1.1920929e-7;
 
 // Fronts at x1 or x2 of four triangles.
 struct Ends {
@@ -158,19 +163,28 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c) {
 // The fronts at x0, whose surface has the Gaussian curvature g0: at FAR or later if neither x1
 // nor x2 is reached.
 Fronts update(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c) {
-    if (WAVEFRONT == 2) return curved(end1, end2, g0, l1, l2, c);
+    if (WAVEFRONT >= 2) return curved(end1, end2, g0, l1, l2, c);
     vec4 time = WAVEFRONT == 1 ? point_source(end1.time, end2.time, l1, l2, c)
                                : planar(end1.time, end2.time, l1, l2, c);
     return Fronts(time, vec4(0.0), bvec4(false));
 }
 
-// The earlier of two fronts at each point. Between equally early ones a whole triangle knows
+// Whether fronts arrive at the same time as others: of arcs but for the rounding that both have gathered.
+bvec4 together(vec4 time, vec4 other) {
+    const float rounding = HAS_ARCS ? TOGETHER * PRECISION : 0.0;
+    return lessThanEqual(abs(time - other), rounding * time);
+}
+
+// The earlier of two fronts at each point. Of those that arrive together a whole triangle knows
 // better, then the one that sees the ray run straight on, whose front is the flatter.
 Fronts earlier(Fronts a, Fronts b) {
+    vec4 time = min(a.time, b.time);
+    if (WAVEFRONT < 2) return Fronts(time, vec4(0.0), bvec4(false));
     bvec4 alike = equal(uvec4(a.whole), uvec4(b.whole));
     bvec4 flatter = both(alike, lessThan(b.curvature, a.curvature));
     bvec4 knows = either(both(b.whole, not(a.whole)), flatter);
-    bvec4 second = either(lessThan(b.time, a.time), both(equal(b.time, a.time), knows));
-    return Fronts(mix(a.time, b.time, second), mix(a.curvature, b.curvature, second),
+    bvec4 ties = together(a.time, b.time);
+    bvec4 second = either(both(not(ties), lessThan(b.time, a.time)), both(ties, knows));
+    return Fronts(time, mix(a.curvature, b.curvature, second),
                   either(both(not(second), a.whole), both(second, b.whole)));
 }

@@ -160,7 +160,7 @@ impl Weights {
         match wavefront {
             Wavefront::Planar => Self { two: 1.0, three: Some([3.0, -1.0]) },
             Wavefront::PointSource => Self { two: 1.0, three: Some([5.0 / 3.0, -1.0 / 3.0]) },
-            Wavefront::Curved => Self { two: 1.0 / 3.0, three: None },
+            Wavefront::Curved | Wavefront::Arcs => Self { two: 1.0 / 3.0, three: None },
         }
     }
 

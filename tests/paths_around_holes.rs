@@ -29,7 +29,7 @@ fn starts_on(surface: &Surface, seed: u64) -> Vec<[f64; 2]> {
 }
 
 fn converged(surface: &Surface, sources: &Sources) -> Vec<f32> {
-    rotated::<f32>(surface, sources, Wavefront::Curved, CONVERGED).distances()
+    rotated::<f32>(surface, sources, Wavefront::Arcs, CONVERGED).distances()
 }
 
 /// Means of relative errors of paths in the maze: of those around corners against the exact polygon,
@@ -63,13 +63,13 @@ fn errors_in_the_maze(points: usize) -> [f64; 4] {
     ]
 }
 
-/// Paths in the maze are straight from corner to corner, and as long as the exact polygons: within 5e-8
-/// measured, the rounding of single precision, where those along the map are 2.3e-5 too long at 65 points
-/// a side and 3.6e-6 at 513, of order 0.89. From the map's values they differ by the error of these: by
-/// 1.8e-5 and 2.8e-6, of order 0.89.
+/// Paths in the maze are straight from corner to corner, and as long as the exact polygons: within 4e-8
+/// measured, the rounding of single precision, where those along the map are 2.0e-5 too long at 65 points
+/// a side and 3.1e-6 at 513, of order 0.89. From the map's values they differ by the rounding of these,
+/// which grows with the steps of the way: by 7e-8 and 4e-7.
 #[test]
 fn paths_in_the_maze_are_exact() {
-    let (mut coarsest, mut before): (_, Option<[f64; 4]>) = (None, None);
+    let mut before: Option<[f64; 4]> = None;
     for points in [65, 129, 257, 513] {
         let errors = errors_in_the_maze(points);
         let order = |before: [f64; 4]| std::array::from_fn(|k| (before[k] / errors[k]).log2());
@@ -77,12 +77,10 @@ fn paths_in_the_maze_are_exact() {
         let errors_here = errors.map(|error| format!("{error:.1e}")).join(", ");
         println!("{points}: {errors_here}; of order {:.2?}", orders.unwrap_or([0.0f64; 4]));
         let [truth, of_map, on_truth, along] = errors;
-        let coarsest = *coarsest.get_or_insert(of_map);
         assert!(truth < 5e-7, "{points} points: {truth:e}");
         assert!(on_truth < 2e-7, "{points} points: {on_truth:e}");
         assert!(along > 5.0 * truth, "{points} points: {along:e} {truth:e}");
-        let order = (coarsest / of_map).log2() / 3.0;
-        assert!(points < 513 || order > 0.85, "{coarsest:e} {of_map:e}");
+        assert!(of_map < 1e-6, "{points} points: {of_map:e}");
         before = Some(errors);
     }
 }

@@ -131,6 +131,7 @@ impl WarmLine {
             gaussian: &self.gaussian[..POINTS],
             curvatures_behind: &self.curvatures_behind,
             gaussian_behind: &self.gaussian,
+            across: None,
         };
         let update = Update { line, how: self.how, changed: &mut self.changed };
         std::hint::black_box(self.how.instructions.run(update)).points

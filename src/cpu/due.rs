@@ -210,7 +210,9 @@ impl<R: Real> Work for Look<'_, R> {
 #[inline(always)]
 fn settled<R: Real>(around: &Around<R>, start: usize, points: usize, how: How) -> bool {
     match how.wavefront {
-        Wavefront::Curved => settled_curved(around.stretch(start, points, points), points, how),
+        Wavefront::Curved | Wavefront::Arcs => {
+            settled_curved(around.stretch(start, points, points), points, how)
+        }
         Wavefront::PointSource => {
             settled_straight(around.stretch(start, points, 0), points, Wavefront::PointSource)
         }

@@ -15,11 +15,6 @@ use crate::update::{Triangle, Wavefront};
 /// With the planar wavefront and no obtuse triangle this is the raster scans' converged map; where
 /// triangles are obtuse a point can be fixed too early, and the map is an upper bound of it; see
 /// [`fast_marching_with`]. Circular and curved fronts that are fixed too early can err either way.
-///
-/// Curved fronts are followed around corners of holes as two arcs that touch on the border of the
-/// corner's shadow, each continued by itself: on flat surfaces they are as good as exact there, where the scans
-/// take the mean of both and err at first order. The map has to come from single fronts all the same:
-/// where fronts meet that have come from different sides, both methods take them for one.
 pub fn fast_marching<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
@@ -121,17 +116,16 @@ mod tests {
     use crate::{Sources, cpu};
 
     /// Square holes in the plane, where the shortest paths are polygons around their corners. The mean
-    /// relative error of scans is 1.3 to 3.7e-4 here, that of marching 0.4 to 2.1e-5, nearly all of it
-    /// where fronts from both sides of a hole meet.
+    /// relative error of marching and of scans alike is 0.4 to 3.6e-5, nearly all of it where fronts from
+    /// both sides of a hole meet; that of fronts with the mean of both arcs is ten times as large.
     #[test]
-    fn curved_fronts_are_exact_around_corners_but_where_fronts_meet() {
+    fn arcs_are_exact_around_corners_but_where_fronts_meet() {
         let (rows, cols, side) = (97, 61, 8);
         let mut state = 7u64;
         let mut below = |most: usize| {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (state >> 33) as usize % most
         };
-        let mut ratios = Vec::new();
         for _ in 0..6 {
             let source = (rows / 2, cols / 2);
             let mut floor = vec![true; rows * cols];
@@ -152,29 +146,28 @@ mod tests {
             let plan = FloorPlan::new(rows, cols, floor, DVec2::ONE);
             let exact = FlatPaths::new(plan, [source.0 as f64, source.1 as f64]).distances();
             let error = |map: Solution<f64>| Errors::of(&map.distances(), &exact).mean_relative;
-            let marched = error(fast_marching(&edges, &seeds, Wavefront::Curved));
+            let marched = error(fast_marching(&edges, &seeds, Wavefront::Arcs));
             let stop = cpu::Stop { tolerance: 1e-13, iterations: 1000 };
-            let scanned = error(cpu::rotated_scan(&edges, &seeds, Wavefront::Curved, stop));
+            let scanned = error(cpu::rotated_scan(&edges, &seeds, Wavefront::Arcs, stop));
             println!("marching {marched:.1e}, scans {scanned:.1e}");
             assert!(marched < 5e-5, "{marched:e}");
-            ratios.push(marched / scanned);
+            assert!(scanned < 5e-5, "{scanned:e}");
         }
-        assert!(ratios.iter().sum::<f64>() < 0.1 * ratios.len() as f64, "{ratios:?}");
     }
 
-    /// The maze has corners, and no two fronts meet in it: the map is exact to rounding at 65 points a
-    /// side. Far from corners, as they are in larger ones, two arcs are about the same and count as one.
+    /// The maze has corners, and no two fronts meet in it: the map is exact to rounding. Far from corners,
+    /// as they are in larger ones, two arcs are about the same and count as one.
     #[test]
-    fn curved_fronts_are_exact_in_the_maze() {
+    fn arcs_are_exact_in_the_maze() {
         use crate::surface::builtin::Builtin;
-        for (points, bar) in [(65, 1e-12), (129, 5e-6), (257, 5e-6)] {
+        for (points, bar) in [(65, 1e-12), (129, 1e-12), (257, 1e-7)] {
             let surface = Builtin::Maze.surface(points, points).unwrap();
             let exact = Builtin::Maze.exact_distances(points, points, [2.0, 3.0]).unwrap();
             let seeds = Sources::point(2.0, 3.0).seeds(&surface).unwrap();
             let edges = EdgeLengths::<f64>::new(&surface).unwrap();
-            let map = fast_marching(&edges, &seeds, Wavefront::Curved).distances();
+            let map = fast_marching(&edges, &seeds, Wavefront::Arcs).distances();
             let single = EdgeLengths::<f32>::new(&surface).unwrap();
-            let single = fast_marching(&single, &seeds, Wavefront::Curved).distances();
+            let single = fast_marching(&single, &seeds, Wavefront::Arcs).distances();
             let errors = [Errors::of(&map, &exact), Errors::of(&single, &exact)];
             println!("{points}: {errors:?}");
             assert!(errors[0].max_relative < bar, "{points}: {:e}", errors[0].max_relative);

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::line::{How, Line, Times, Update, Updated};
+use super::line::{Beyond, How, Line, Times, Update, Updated};
 use crate::surface::Real;
 use crate::update::Wavefront;
 
@@ -17,6 +17,8 @@ pub(super) struct Field<'a, R> {
     /// Lengths of the edges to the next point, to the line before, and there to the next and to
     /// the previous point.
     pub edges: [&'a [R]; 4],
+    /// The lines that hold anything, but for those along the border that no line lies beyond.
+    pub lines: Range<usize>,
 }
 
 impl<R: Real> Field<'_, R> {
@@ -33,37 +35,62 @@ impl<R: Real> Field<'_, R> {
         let start = line * self.stride + points.start + 1;
         let here = start..start + points.len();
         // From the point before the first to the one after the last.
-        let first = line_behind * self.stride + points.start;
-        let there = first..first + points.len() + 2;
-
-        let curved = how.wavefront == Wavefront::Curved;
-        let if_curved = |range: &Range<usize>| if curved { range.clone() } else { 0..0 };
-        let (bent_here, bent_there) = (if_curved(&here), if_curved(&there));
-        let (times, behind) = here_and_there(self.times, here.clone(), there.clone());
-        let (curvatures, curvatures_behind) =
-            here_and_there(self.curvatures, bent_here.clone(), bent_there.clone());
-
-        let [next, up, up_next, up_previous] = self.edges;
-        let shifted = |by: usize| first + by..first + by + points.len();
-        let edges = if forward {
-            [&up_previous[here.clone()], &up[here.clone()], &up_next[here]]
-        } else {
-            [&up_next[shifted(0)], &up[shifted(1)], &up_previous[shifted(2)]]
+        let around = |line: usize| {
+            let first = line * self.stride + points.start;
+            first..first + points.len() + 2
         };
+        let there = around(line_behind);
+
+        let curved = how.wavefront.is_curved();
+        let line_across = if forward { line_behind.checked_sub(1) } else { Some(line_behind + 1) };
+        let across = line_across
+            .filter(|line| how.wavefront == Wavefront::Arcs && self.lines.contains(line))
+            .map(around);
+        let all = across.as_ref().map_or(there.clone(), |across| {
+            across.start.min(there.start)..across.end.max(there.end)
+        });
+        let if_curved = |range: Range<usize>| if curved { range } else { 0..0 };
+        let part = |range: &Range<usize>| range.start - all.start..range.end - all.start;
+        let (times, times_there) = here_and_there(self.times, here.clone(), all.clone());
+        let (curvatures, curvatures_there) =
+            here_and_there(self.curvatures, if_curved(here.clone()), if_curved(all.clone()));
+        let edges = self.edges;
+        let back = |points: &Range<usize>| edges_back(edges, self.stride, points, forward);
+
         let line = Line {
             times: Times {
                 here: times,
-                behind,
-                edges,
-                bases: &next[first..first + points.len() + 1],
+                behind: &times_there[part(&there)],
+                edges: back(&here),
+                bases: &edges[0][there.start..there.end - 1],
             },
             curvatures,
-            gaussian: &self.gaussian[bent_here],
-            curvatures_behind,
-            gaussian_behind: &self.gaussian[bent_there],
+            gaussian: &self.gaussian[if_curved(here)],
+            curvatures_behind: &curvatures_there[if_curved(part(&there))],
+            gaussian_behind: &self.gaussian[if_curved(there.clone())],
+            across: across.map(|across| Beyond {
+                times: &times_there[part(&across)],
+                curvatures: &curvatures_there[part(&across)],
+                edges: back(&there),
+            }),
         };
         how.instructions.run(Update { line, how, changed })
     }
+}
+
+/// Lengths of the edges of points to the line behind: to the point before, beside and after.
+fn edges_back<'a, R>(
+    [_, up, up_next, up_previous]: [&'a [R]; 4],
+    stride: usize,
+    points: &Range<usize>,
+    forward: bool,
+) -> [&'a [R]; 3] {
+    if forward {
+        return [&up_previous[points.clone()], &up[points.clone()], &up_next[points.clone()]];
+    }
+    let first = points.start + stride;
+    [(up_next, first - 1), (up, first), (up_previous, first + 1)]
+        .map(|(edges, first)| &edges[first..][..points.len()])
 }
 
 /// Two ranges of an array that do not overlap, the first for writing.

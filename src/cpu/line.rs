@@ -8,7 +8,10 @@ use super::tiles::{Scan, TILE};
 use super::{Instructions, bend_units};
 use crate::lanes::Work;
 use crate::surface::{Real, min};
-use crate::update::{Bends, Front, Triangle, Wavefront, curved, planar, point_source};
+use crate::update::{
+    Across, Bends, Front, Triangle, Wavefront, are_two_arcs, curved, is_of_either, planar,
+    point_source, two_arcs,
+};
 
 /// A stretch of n points of a row or column and what their update needs. Curvatures are empty
 /// unless the wavefront is curved.
@@ -21,6 +24,17 @@ pub(super) struct Line<'a, R> {
     /// Both at the points behind, n + 2 of them, as in [`Times`].
     pub curvatures_behind: &'a [R],
     pub gaussian_behind: &'a [R],
+    /// What lies behind these; nothing beyond the border.
+    pub across: Option<Beyond<'a, R>>,
+}
+
+/// The line of points two lines back, n + 2 of each, as the points behind in [`Times`].
+#[derive(Clone, Copy)]
+pub(super) struct Beyond<'a, R> {
+    pub times: &'a [R],
+    pub curvatures: &'a [R],
+    /// Lengths of the edges to them from the points behind: to the one before, this one, the one after.
+    pub edges: [&'a [R]; 3],
 }
 
 /// Arrival times along a line and behind it, and the triangles between them.
@@ -77,7 +91,8 @@ impl<R: Real> Work for Update<'_, R> {
         match how.wavefront {
             Wavefront::Planar => each_tile::<R, Straight<false>>(line, how, changed),
             Wavefront::PointSource => each_tile::<R, Straight<true>>(line, how, changed),
-            Wavefront::Curved => each_tile::<R, Curved>(line, how, changed),
+            Wavefront::Curved => each_tile::<R, Curved<false>>(line, how, changed),
+            Wavefront::Arcs => each_tile::<R, Curved<true>>(line, how, changed),
         }
     }
 }
@@ -196,9 +211,10 @@ impl<const CIRCULAR: bool> Kernel for Straight<CIRCULAR> {
     }
 }
 
-struct Curved;
+/// Fronts that carry their curvature, maybe as two arcs.
+struct Curved<const ARCS: bool>;
 
-impl Kernel for Curved {
+impl<const ARCS: bool> Kernel for Curved<ARCS> {
     #[inline(always)]
     fn update<R: Real>(
         line: &mut Line<R>,
@@ -212,6 +228,7 @@ impl Kernel for Curved {
             fronts_behind: &line.curvatures_behind[start..][..points + 2],
             gaussian_behind: &line.gaussian_behind[start..][..points + 2],
         };
+        let across = line.across.map(|across| across.stretch(start, points));
         let line = line.times.stretch(start, points);
         let k = bent.fronts_behind;
         let mut settled = true;
@@ -223,15 +240,19 @@ impl Kernel for Curved {
         if settled {
             return None;
         }
-        let first = if line.comes_from_left(points) {
-            first_fronts::<R, true, false>(&line, &bent, curvatures, how)
+        let mut first = if line.comes_from_left(points) {
+            first_fronts::<R, ARCS, true, false>(&line, &bent, curvatures, how)
         } else {
-            first_fronts::<R, false, true>(&line, &bent, curvatures, how)
+            first_fronts::<R, ARCS, false, true>(&line, &bent, curvatures, how)
         };
+        if ARCS && let Some(across) = across {
+            part_fronts(&line, &bent, across, &mut first, points);
+        }
         let [mut largest, mut bent, mut tagged] = [R::Bits::default(); 3];
         for (i, (time, curvature)) in line.times.iter_mut().zip(curvatures).enumerate() {
             let before = (*time, *curvature);
-            (*time, *curvature) = accept(before.0, before.1, first.get(i), how.scan.0, how.renews);
+            (*time, *curvature) =
+                accept(before.0, before.1, first.get(i), how.scan.0, how.renews, ARCS);
             largest = largest.max(before.0.units_between(*time));
             // As whole numbers, whose maximum compilers find in lanes.
             let bend = (*curvature - before.1).abs() * *time;
@@ -246,7 +267,7 @@ impl Kernel for Curved {
 /// The first fronts through the triangle that most points should be reached through, and through the
 /// other unless nothing comes first through it.
 #[inline(always)]
-fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
+fn first_fronts<R: Real, const ARCS: bool, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
     line: &Stretch<R>,
     bent: &Bent<R>,
     curvatures: &[R],
@@ -269,10 +290,77 @@ fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
     if !settled {
         for i in 0..points {
             let other = curved(line.triangle::<SECOND_LEFT>(i), bent.around::<SECOND_LEFT>(i));
-            first.set(i, Front::first(first.get(i), other));
+            first.set(i, Front::first(first.get(i), other, ARCS));
         }
     }
     first
+}
+
+/// Replaces the first fronts of points with a base on which two arcs touch.
+#[inline(always)]
+fn part_fronts<R: Real>(
+    line: &Stretch<R>,
+    bent: &Bent<R>,
+    across: Beyond<R>,
+    first: &mut FrontsOf<R>,
+    points: usize,
+) {
+    let (t, k) = (line.behind, bent.fronts_behind);
+    // Both points of a stretch's bases are as wide as times for the sake of lanes.
+    let mut parts = [R::zero(); TILE + 1];
+    let mut any = false;
+    for i in 0..points + 1 {
+        let are_two = are_two_arcs([t[i], t[i + 1]], [k[i], k[i + 1]]);
+        parts[i] = if are_two { R::one() } else { R::zero() };
+        any |= are_two;
+    }
+    if !any {
+        return;
+    }
+    let (t_across, k_across) = (across.times, across.curvatures);
+    any = false;
+    for i in 0..points + 1 {
+        let ends = [[t[i], k[i]], [t[i + 1], k[i + 1]]];
+        let [a, b] = [[t_across[i], k_across[i]], [t_across[i + 1], k_across[i + 1]]];
+        let touches = is_of_either(ends, a) | is_of_either(ends, b);
+        parts[i] = if touches { parts[i] } else { R::zero() };
+        any |= parts[i] > R::zero();
+    }
+    if any {
+        part_each(line, bent, across, first, &parts[..points + 1]);
+    }
+}
+
+/// One after another, since few points have such a base.
+#[inline(never)]
+fn part_each<R: Real>(
+    line: &Stretch<R>,
+    bent: &Bent<R>,
+    across: Beyond<R>,
+    first: &mut FrontsOf<R>,
+    parts: &[R],
+) {
+    for (i, bases) in parts.windows(2).enumerate() {
+        let [left, right] = [bases[0] > R::zero(), bases[1] > R::zero()];
+        if !(left | right) {
+            continue;
+        }
+        let of_left = (line.left(i), bent.around::<true>(i));
+        let of_right = (line.right(i), bent.around::<false>(i));
+        // The point behind the neighbour beside this one comes first.
+        let through_left = || {
+            let [a, b] = across.around(i);
+            two_arcs(of_left.0, of_left.1, [b, a])
+        };
+        let through_right = || two_arcs(of_right.0, of_right.1, across.around(i + 1));
+        let part_left = left.then(through_left).flatten();
+        let part_right = right.then(through_right).flatten();
+        if part_left.is_some() || part_right.is_some() {
+            let [left, right] = [(part_left, of_left), (part_right, of_right)]
+                .map(|(part, (triangle, bends))| part.unwrap_or_else(|| curved(triangle, bends)));
+            first.set(i, Front::first(left, right, true));
+        }
+    }
 }
 
 /// A front for each point of part of a line.
@@ -312,6 +400,31 @@ impl<R: Real> Bent<'_, R> {
         let (k, g) = (self.fronts_behind, self.gaussian_behind);
         let x1 = if LEFT { i } else { i + 1 };
         Bends { fronts: [k[x1], k[x1 + 1]], surface: [self.gaussian[i], g[x1], g[x1 + 1]] }
+    }
+}
+
+impl<'a, R: Real> Beyond<'a, R> {
+    #[inline(always)]
+    fn stretch(self, start: usize, points: usize) -> Self {
+        let cut = |array: &'a [R]| &array[start..][..points + 2];
+        let Self { times, curvatures, edges: [before, beside, after] } = self;
+        Self {
+            times: cut(times),
+            curvatures: cut(curvatures),
+            edges: [cut(before), cut(beside), cut(after)],
+        }
+    }
+
+    /// Those across the base from point i of the line behind to the next.
+    #[inline(always)]
+    fn around(&self, i: usize) -> [Across<R>; 2] {
+        let [before, beside, after] = self.edges;
+        let point = |at: usize, sides: [R; 2]| Across {
+            time: self.times[at],
+            curvature: self.curvatures[at],
+            sides,
+        };
+        [point(i, [beside[i], before[i + 1]]), point(i + 1, [after[i], beside[i + 1]])]
     }
 }
 

@@ -8,9 +8,10 @@ use super::field::Field;
 use super::tiles::{Scan, TILE};
 use super::transpose::{Block, transpose};
 use crate::surface::{Chart, EdgeLengths, Real};
+use crate::update::Wavefront;
 
-/// Up to [`TILE`] columns of bordered arrays and the column behind them, turned by a transposition
-/// into lines.
+/// Up to [`TILE`] columns of bordered arrays and one or, for arcs, two columns behind them,
+/// turned by a transposition into lines.
 #[derive(Clone, Debug)]
 pub(super) struct Panel<R> {
     stride: usize,
@@ -21,6 +22,8 @@ pub(super) struct Panel<R> {
     /// The first column, counted from the border, and the number of lines.
     first: usize,
     lines: usize,
+    /// Whether the second line behind is needed too.
+    arcs: bool,
 }
 
 /// The arrays of the grid that a panel is loaded from.
@@ -31,9 +34,12 @@ pub(super) struct Grid<'a, R> {
 }
 
 impl<R: Real> Panel<R> {
-    pub(super) fn new(chart: Chart, curved: bool) -> Self {
+    pub(super) fn new(chart: Chart, wavefront: Wavefront) -> Self {
+        let (curved, arcs) = (wavefront.is_curved(), wavefront == Wavefront::Arcs);
         let stride = chart.rows + 2;
-        let array = || vec![R::FAR; (TILE + 1) * stride];
+        let lines = if arcs { TILE + 2 } else { TILE + 1 };
+        // One more, to which edges of the last point reach.
+        let array = || vec![R::FAR; lines * stride + 1];
         let if_curved = || if curved { array() } else { Vec::new() };
         Self {
             stride,
@@ -43,6 +49,7 @@ impl<R: Real> Panel<R> {
             edges: [(); 4].map(|_| array()),
             first: 0,
             lines: 0,
+            arcs,
         }
     }
 
@@ -62,10 +69,16 @@ impl<R: Real> Panel<R> {
         scan: Scan,
         instructions: Instructions,
     ) {
-        // Counted from the border, column c is 1 + c, and that behind one before or after.
-        self.first = if scan.is_forward() { cols.start } else { cols.start + 1 };
-        self.lines = cols.len() + 1;
-        let from_stride = grid.edges.chart().stride();
+        let (chart, curved) = (grid.edges.chart(), !curvatures.is_empty());
+        // Counted from the border, column c is 1 + c, and those behind lie before or after.
+        let behind = |inside: usize| if self.arcs && inside > 1 { 2 } else { 1 };
+        if scan.is_forward() {
+            let behind = behind(cols.start);
+            (self.first, self.lines) = (cols.start + 1 - behind, cols.len() + behind);
+        } else {
+            (self.first, self.lines) = (cols.start + 1, cols.len() + behind(chart.cols - cols.end));
+        }
+        let from_stride = chart.stride();
         let (to_stride, first, lines) = (self.stride, self.first, self.lines);
         // Lines of an array, for rows from the border, out of one that lies (down, left) of it.
         let copy = |from: &[R],
@@ -86,7 +99,7 @@ impl<R: Real> Panel<R> {
         };
         let around = rows.start..rows.end + 2;
         copy(times, &mut self.times, 0, around.clone(), 0, 0);
-        if !curvatures.is_empty() {
+        if curved {
             copy(curvatures, &mut self.curvatures, 0, around.clone(), 0, 0);
             copy(grid.gaussian, &mut self.gaussian, 0, around.clone(), 0, 0);
         }
@@ -95,7 +108,8 @@ impl<R: Real> Panel<R> {
         let [east, north, north_east, north_west] = grid.edges.planes();
         let [next, up, up_next, up_previous] = &mut self.edges;
         copy(north, next, 0, rows.start..rows.end + 1, 1, 0);
-        copy(east, up, 1, rows.start + 1..rows.end + 1, 0, 1);
+        let beside = if self.arcs { around } else { rows.start + 1..rows.end + 1 };
+        copy(east, up, 1, beside, 0, 1);
         copy(north_east, up_next, 1, rows.start..rows.end + 1, 1, 1);
         copy(north_west, up_previous, 1, rows.start + 1..rows.end + 2, 0, 0);
     }
@@ -108,6 +122,7 @@ impl<R: Real> Panel<R> {
             curvatures: &mut self.curvatures,
             gaussian: &self.gaussian,
             edges: self.edges.each_ref().map(Vec::as_slice),
+            lines: 0..self.lines,
         }
     }
 

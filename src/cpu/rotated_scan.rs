@@ -8,7 +8,7 @@ use super::due::Before;
 use super::field::Field;
 use super::line::{How, Updated};
 use super::panel::{Grid, Panel};
-use super::state::{SEED, Solution, accept, front};
+use super::state::{SEED, Solution, accept, first, front};
 use super::tiles::{Scan, TILE, Tiles, points};
 use super::{Instructions, Progress, Stop};
 use crate::lanes::Work;
@@ -81,14 +81,14 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     /// Makes room for the maps of a surface, on the best instructions there are.
     pub fn new(edges: &'a EdgeLengths<R>, wavefront: Wavefront) -> Self {
         let chart = edges.chart();
-        let curved = wavefront == Wavefront::Curved;
+        let curved = wavefront.is_curved();
         let points = chart.bordered_points();
         let tiles = Tiles::new(chart);
         let fronts = || Fronts {
             times: vec![R::FAR; points],
             curvatures: vec![R::zero(); if curved { points } else { 0 }],
             changed: vec![false; tiles.len()],
-            panel: Panel::new(chart, curved),
+            panel: Panel::new(chart, wavefront),
             runs: Vec::new(),
             marks: Vec::new(),
             visits: 0,
@@ -228,7 +228,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
                 changed |= front.time < *time;
                 match curvatures.get_mut(point) {
                     Some(curvature) => {
-                        (*time, *curvature) = accept(*time, *curvature, front, SEED, false)
+                        (*time, *curvature) = accept(*time, *curvature, front, SEED, false, false)
                     }
                     None => *time = time.min(front.time),
                 }
@@ -252,7 +252,8 @@ impl<'a, R: Real> RotatedScan<'a, R> {
             || first.scan(grid, tiles, how(scans[0])),
             || second.scan(grid, tiles, how(scans[1])),
         );
-        merge(grid.edges.chart(), tiles, [first, second], scans, instructions);
+        let arcs = self.wavefront == Wavefront::Arcs;
+        merge(grid.edges.chart(), tiles, [first, second], scans, instructions, arcs);
         self.tiles.passed(scans, [&self.fronts[0].changed, &self.fronts[1].changed]);
         self.fronts.iter_mut().for_each(|fronts| fronts.changed.fill(false));
         a.max(b)
@@ -294,6 +295,7 @@ impl<R: Real> Fronts<R> {
             curvatures: &mut self.curvatures,
             gaussian: grid.gaussian,
             edges: grid.edges.planes(),
+            lines: 1..chart.rows + 1,
         };
         let first = tiles.index(how.scan, band, run.start);
         let changed = &mut self.changed[first..first + run.len()];
@@ -356,6 +358,7 @@ fn merge<R: Real>(
     fronts: [&mut Fronts<R>; 2],
     scans: [Scan; 2],
     instructions: Instructions,
+    arcs: bool,
 ) {
     let [a, b] = fronts;
     let changed = [a.changed.as_slice(), b.changed.as_slice()];
@@ -379,7 +382,7 @@ fn merge<R: Real>(
             merge_band(chart, tiles, band, changed, |points, _| {
                 let a = [&mut a[points.clone()], &mut a_bent[points.clone()]];
                 let b = [&mut b[points.clone()], &mut b_bent[points]];
-                instructions.run(MergeCurved { a, b, scans });
+                instructions.run(MergeCurved { a, b, scans, arcs });
             });
         });
     }
@@ -443,6 +446,7 @@ struct MergeCurved<'a, R> {
     a: [&'a mut [R]; 2],
     b: [&'a mut [R]; 2],
     scans: [Scan; 2],
+    arcs: bool,
 }
 
 impl<R: Real> Work for MergeCurved<'_, R> {
@@ -450,15 +454,16 @@ impl<R: Real> Work for MergeCurved<'_, R> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { a: [a_times, a_curvatures], b: [b_times, b_curvatures], scans } = self;
+        let Self { a: [a_times, a_curvatures], b: [b_times, b_curvatures], scans, arcs } = self;
         let of_a = a_times.iter_mut().zip(a_curvatures);
         for ((a, a_bent), (b, b_bent)) in of_a.zip(b_times.iter_mut().zip(b_curvatures)) {
-            let (front_a, scan_a) = front(*a, *a_bent);
-            let (front_b, scan_b) = front(*b, *b_bent);
-            let b_first = (*b < *a) | ((*b == *a) & front_b.knows_better(front_a));
-            let b_wins = (scan_a == scans[1].0) | ((scan_b != scans[0].0) & b_first);
+            let [(_, scan_a), (_, scan_b)] = [front(*a, *a_bent), front(*b, *b_bent)];
+            let (a_is_old, b_is_old) = (scan_a == scans[1].0, scan_b == scans[0].0);
+            let [time, bent] = first([*a, *a_bent], [*b, *b_bent], arcs);
             let (time, bent) =
-                (if b_wins { *b } else { *a }, if b_wins { *b_bent } else { *a_bent });
+                (if b_is_old { *a } else { time }, if b_is_old { *a_bent } else { bent });
+            let (time, bent) =
+                (if a_is_old { *b } else { time }, if a_is_old { *b_bent } else { bent });
             (*a, *a_bent) = (time, bent);
             (*b, *b_bent) = (time, bent);
         }

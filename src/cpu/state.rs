@@ -4,7 +4,7 @@ use super::across::Quad;
 use super::bend_units;
 use crate::constants::WHOLE;
 use crate::surface::EdgeSlot;
-use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
+use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed, min};
 use crate::update::{
     Bends, Front, Triangle, Wavefront, are_two_arcs, curved, planar, point_source, two_arcs,
 };
@@ -56,7 +56,7 @@ impl<'a, R: Real> Fronts<'a, R> {
     /// No point reached but the seeds.
     pub(super) fn start(edges: &'a EdgeLengths<R>, seeds: &[Seed], wavefront: Wavefront) -> Self {
         let points = edges.chart().bordered_points();
-        let curved = wavefront == Wavefront::Curved;
+        let curved = wavefront.is_curved();
         let mut fronts = Self {
             edges,
             wavefront,
@@ -70,6 +70,10 @@ impl<'a, R: Real> Fronts<'a, R> {
             fronts.lower(edges.chart().bordered(seed.row, seed.col), front);
         }
         fronts
+    }
+
+    fn has_arcs(&self) -> bool {
+        self.wavefront == Wavefront::Arcs
     }
 
     /// Arrival time at a point.
@@ -92,7 +96,7 @@ impl<'a, R: Real> Fronts<'a, R> {
         match self.wavefront {
             Wavefront::Planar => straight(planar(triangle)),
             Wavefront::PointSource => straight(point_source(triangle)),
-            Wavefront::Curved => curved(triangle, self.bends(point, x1, x2)),
+            Wavefront::Curved | Wavefront::Arcs => curved(triangle, self.bends(point, x1, x2)),
         }
     }
 
@@ -107,10 +111,10 @@ impl<'a, R: Real> Fronts<'a, R> {
 
     /// The first of the fronts that reach a point through the two triangles of a scan.
     #[inline]
-    pub(super) fn through(&self, point: usize, triangles: &[TriangleSlots; 2]) -> Front<R> {
+    pub(super) fn through(&self, point: usize, triangles: &[Quad; 2]) -> Front<R> {
         let [a, b] = [0, 1]
-            .map(|side| self.through_known(point, &triangles[side], |point| self.times[point]));
-        Front::first(a, b)
+            .map(|side| self.through_quad(point, &triangles[side], |point| self.times[point]));
+        Front::first(a, b, self.has_arcs())
     }
 
     /// The front that reaches a point through one triangle, with arrival times seen through `time`.
@@ -135,9 +139,9 @@ impl<'a, R: Real> Fronts<'a, R> {
         time: impl Fn(usize) -> R,
     ) -> Front<R> {
         let (x1, x2, triangle) = self.triangle(point, &quad.triangle, &time);
-        if self.wavefront == Wavefront::Curved {
+        if self.has_arcs() {
             let fronts = [self.curvatures[x1], self.curvatures[x2]];
-            if are_two_arcs(triangle, fronts) {
+            if are_two_arcs([triangle.t1, triangle.t2], fronts) {
                 let across = quad.across(self.edges, point, |y| [time(y), self.curvatures[y]]);
                 if let Some(front) = two_arcs(triangle, self.bends(point, x1, x2), across) {
                     return front;
@@ -188,14 +192,14 @@ impl<'a, R: Real> Fronts<'a, R> {
         scan: u8,
         renews: bool,
     ) -> R::Bits {
-        let before = self.times[point];
+        let (before, arcs) = (self.times[point], self.has_arcs());
         let Some(curvature) = self.curvatures.get_mut(point) else {
             let time = if front.time < before { front.time } else { before };
             self.times[point] = time;
             return before.units_between(time);
         };
         let bent_before = *curvature;
-        (self.times[point], *curvature) = accept(before, bent_before, front, scan, renews);
+        (self.times[point], *curvature) = accept(before, bent_before, front, scan, renews, arcs);
         change([before, bent_before], [self.times[point], *curvature])
     }
 
@@ -226,24 +230,18 @@ impl<'a, R: Real> Fronts<'a, R> {
     /// from 1 in their order; returns the change. A front that the copy's own scan has not brought
     /// stands for nothing but the one that is here.
     pub(super) fn take_first(&mut self, copies: &[Self; 4], point: usize) -> R::Bits {
-        let before = self.at(point);
-        let mut first: Option<[R; 2]> = None;
+        let (before, arcs) = (self.at(point), self.has_arcs());
+        let mut taken: Option<[R; 2]> = None;
         for (copy, scan) in copies.iter().zip(1..) {
             let other = copy.at(point);
-            let (new, brought_by) = self::front(other[0], other[1]);
+            let (_, brought_by) = front(other[0], other[1]);
             let straight = self.curvatures.is_empty();
             if other[0] >= R::FAR || (!straight && brought_by != scan) {
                 continue;
             }
-            let is_first = first.is_none_or(|first| {
-                let (held, _) = self::front(first[0], first[1]);
-                new.time < held.time || (new.time == held.time && new.knows_better(held))
-            });
-            if is_first {
-                first = Some(other);
-            }
+            taken = Some(taken.map_or(other, |taken| first(taken, other, arcs)));
         }
-        let after = first.unwrap_or(before);
+        let after = taken.unwrap_or(before);
         self.set(point, after);
         change(before, after)
     }
@@ -263,10 +261,11 @@ fn change<R: Real>(before: [R; 2], after: [R; 2]) -> R::Bits {
 /// The arrival time and the tagged curvature at a point after one of the scans, numbered from 1,
 /// has brought a front to it.
 ///
-/// The front is accepted if it is the first, or equally early and preferred ([`Front::replaces`]).
-/// If the scan `renews`, it is accepted as well, earlier or later, if it has brought the one before:
-/// that came from the same triangles, whose fronts have changed since. So nothing that was computed
-/// from a preliminary curvature stays.
+/// The front is accepted if it is the first, or arrives with that and is preferred
+/// ([`Front::replaces`]). If the scan `renews`, it is accepted as well, earlier or later, if it has
+/// brought the one before: that came from the same triangles, whose fronts have changed since. So
+/// nothing that was computed from a preliminary curvature stays. Of times that differ by rounding the
+/// earlier stays, so that scans that arrive together do not take turns.
 #[inline(always)]
 pub(super) fn accept<R: Real>(
     time: R,
@@ -274,13 +273,16 @@ pub(super) fn accept<R: Real>(
     front: Front<R>,
     scan: u8,
     renews: bool,
+    arcs: bool,
 ) -> (R, R) {
     let (before, brought_by) = self::front(time, curvature);
     let front = Front { curvature: tagged(front, scan), ..front };
-    let renewed = renews & (brought_by == scan);
-    let preferred = (front.time == time) & front.replaces(before);
-    let accepted = (front.time < time) | ((time < R::FAR) & (renewed | preferred));
-    (if accepted { front.time } else { time }, if accepted { front.curvature } else { curvature })
+    let was_reached = time < R::FAR;
+    let together = was_reached & front.arrives_with(before, arcs);
+    let first = if together { front.replaces(before) } else { front.time < time };
+    let accepted = first | (was_reached & renews & (brought_by == scan));
+    let arrival = if accepted & !together { front.time } else { min(time, front.time) };
+    (arrival, if accepted { front.curvature } else { curvature })
 }
 
 /// A front's curvature, tagged with the scan that brings it and whether its triangle is whole.
@@ -289,6 +291,16 @@ fn tagged<R: Real>(front: Front<R>, scan: u8) -> R {
     let (whole, half) =
         (front.curvature.with_tag(scan | WHOLE as u8), front.curvature.with_tag(scan));
     if front.whole { whole } else { half }
+}
+
+/// The first of two fronts, given as arrival times and tagged curvatures; of those that arrive together
+/// as [`Front::first`].
+#[inline(always)]
+pub(super) fn first<R: Real>(a: [R; 2], b: [R; 2], arcs: bool) -> [R; 2] {
+    let ([of_a, of_b], time) = ([a, b].map(|[time, k]| front(time, k).0), min(a[0], b[0]));
+    let second =
+        if of_a.arrives_with(of_b, arcs) { of_b.knows_better(of_a) } else { of_b.time < of_a.time };
+    [time, if second { b[1] } else { a[1] }]
 }
 
 /// The front that an arrival time and a tagged curvature stand for, and the scan that brought it.

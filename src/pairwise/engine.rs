@@ -41,7 +41,7 @@ impl<'a> RowEngine<'a> {
         let kind = match engine {
             Engine::Auto | Engine::Cpu => {
                 let edges = EdgeLengths::new(surface)?;
-                if wavefront == Wavefront::Curved {
+                if wavefront.is_curved() {
                     Kind::Maps(edges)
                 } else {
                     Kind::Lanes(Lanes::new(surface, &edges, wavefront))

@@ -25,7 +25,7 @@ pub(crate) fn base_crossing<R: Real>(
     let kappa = match wavefront {
         Wavefront::Planar => zero,
         Wavefront::PointSource => c / max(t, R::of(0.25) * c),
-        Wavefront::Curved => {
+        Wavefront::Curved | Wavefront::Arcs => {
             let beside = (near_k >= R::SOURCE)
                 & ((k * c).abs() < R::of(ABOUT_STRAIGHT))
                 & (d > R::of(-FROM_SOURCE));

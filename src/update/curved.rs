@@ -1,8 +1,8 @@
 //! The curved wavefront: a front that carries its geodesic curvature beside the arrival time.
 
 use super::{Shape, Triangle};
-use crate::constants::{ABOUT_STRAIGHT, BENT_APART, FOCUS, FROM_SOURCE, GRAZING};
-use crate::surface::{DIFFRACTS, Real, max};
+use crate::constants::{ABOUT_STRAIGHT, BENT_APART, FOCUS, FROM_SOURCE, GRAZING, TOGETHER};
+use crate::surface::{DIFFRACTS, Real, max, min};
 
 /// An arriving front: when, and how curved it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,27 +18,36 @@ pub struct Front<R> {
 }
 
 impl<R: Real> Front<R> {
-    /// The earlier of two fronts. Between equally early ones a whole triangle knows better, then
+    /// The earlier of two fronts. Of those that arrive together a whole triangle knows better, then
     /// the one that sees the ray run straight on along their common edge, whose front is the
-    /// flatter: a choice that does not depend on the order in which triangles are visited.
+    /// flatter: a choice that does not depend on the order in which triangles are visited. The time is
+    /// the earlier one's, since what the other is late by would grow from point to point.
     #[inline(always)]
-    pub(crate) fn first(a: Self, b: Self) -> Self {
-        let second = (b.time < a.time) | ((b.time == a.time) & b.knows_better(a));
+    pub(crate) fn first(a: Self, b: Self, arcs: bool) -> Self {
+        let second = if a.arrives_with(b, arcs) { b.knows_better(a) } else { b.time < a.time };
         Self {
-            time: if second { b.time } else { a.time },
+            time: min(a.time, b.time),
             curvature: if second { b.curvature } else { a.curvature },
             whole: if second { b.whole } else { a.whole },
         }
     }
 
-    /// Whether this one of two equally early fronts is preferred.
+    /// Whether another arrives at the same time: of arcs but for the rounding that both have gathered on
+    /// their ways, since along a line where two touch both arrive, and the curvature makes a difference.
+    #[inline(always)]
+    pub(crate) fn arrives_with(self, other: Self, arcs: bool) -> bool {
+        let rounding = if arcs { R::of(TOGETHER) * R::epsilon() } else { R::zero() };
+        (self.time - other.time).abs() <= rounding * self.time
+    }
+
+    /// Whether this one of two fronts that arrive together is preferred.
     #[inline(always)]
     pub(crate) fn knows_better(self, other: Self) -> bool {
         let flatter = (self.whole == other.whole) & (self.curvature < other.curvature);
         (self.whole & !other.whole) | flatter
     }
 
-    /// Whether this front is preferred to an equally early one that a point keeps, maybe from
+    /// Whether this front is preferred to one that a point keeps and that has arrived with it, maybe from
     /// another scan: where it is flatter by more than rounding. Along a diagonal two scans bring
     /// the same front, and were each point to choose among their last digits, a change would
     /// follow the diagonal only as far as one scan's points go, and the rest in later iterations.

@@ -15,7 +15,7 @@ pub(crate) use crossing::base_crossing;
 pub use curved::{Bends, Front, curved};
 pub use planar::planar;
 pub use point_source::point_source;
-pub(crate) use two_arcs::{Across, are_two_arcs, two_arcs};
+pub(crate) use two_arcs::{Across, are_two_arcs, is_of_either, two_arcs};
 
 use crate::surface::{Real, min};
 
@@ -32,11 +32,22 @@ pub enum Wavefront {
     /// A front that carries its curvature beside the arrival time: second-order on curved
     /// surfaces, around holes and for extended sources too.
     Curved = 2,
+    /// A curved front that goes on as two arcs behind corners of holes and ends of curves, where
+    /// [`Self::Curved`] takes their mean: as good as exact in the plane. For floor plans: on curved or
+    /// rough surfaces with holes rounding decides at some points what is an arc.
+    Arcs = 3,
 }
 
 impl Wavefront {
-    /// All kinds.
+    /// Those for any surface: all but [`Self::Arcs`].
     pub const ALL: [Self; 3] = [Self::Planar, Self::PointSource, Self::Curved];
+    /// How many there are.
+    pub(crate) const COUNT: usize = 4;
+
+    /// Whether fronts carry their curvature.
+    pub(crate) fn is_curved(self) -> bool {
+        matches!(self, Self::Curved | Self::Arcs)
+    }
 
     /// The name used by the tool and in reports.
     pub fn name(self) -> &'static str {
@@ -44,6 +55,7 @@ impl Wavefront {
             Self::Planar => "planar",
             Self::PointSource => "point",
             Self::Curved => "curved",
+            Self::Arcs => "arcs",
         }
     }
 }

@@ -9,23 +9,13 @@
 //! tell where the ray crosses it; a point y on the other side of the base, upwind, of the same arc as
 //! one end tells that end's direction, and that the arcs touch tells the rest. On a flat surface the
 //! result is exact.
+//!
+//! The twin of `glsl/two_arcs.glsl`.
 
 use super::curved::bent;
 use super::{Bends, Front, Shape, Triangle};
-use crate::constants::FOCUS;
+use crate::constants::{ARCS_ALIKE, ARCS_APART, ARCS_BESIDE, ARCS_TOUCHING, FOCUS};
 use crate::surface::{Real, max, min};
-
-/// Curvatures at both ends that differ by less than this share of the larger are of one arc. So may they
-/// along a smooth surface's: with 0.02 maps of the built-in peaks lose up to half their accuracy.
-const APART: f64 = 0.1;
-/// Those at an end of the base and at y are of one arc if they differ by less than this share of what
-/// both ends' do.
-const ALIKE: f64 = 0.25;
-/// How far beyond the ends of the base a ray may cross it, in parts of the base: where it runs through
-/// a grid point, rounding decides on which side.
-const BESIDE: f64 = 1e-3;
-/// The same for the square of the sine of half the angle between both arcs' rays at x1.
-const TOUCHING: f64 = 1e-4;
 
 /// A point on the other side of the base x1 x2 from x0, and the front there.
 #[derive(Clone, Copy, Debug)]
@@ -38,17 +28,38 @@ pub(crate) struct Across<R> {
     pub sides: [R; 2],
 }
 
-/// Whether the fronts at both ends of a base are arcs of different curvature.
+impl<R> Across<R> {
+    fn mirrored(self) -> Self {
+        let [to_x1, to_x2] = self.sides;
+        Self { sides: [to_x2, to_x1], ..self }
+    }
+}
+
+/// Whether the fronts at both ends of a base are arcs of different curvature, by more than a share of the
+/// larger: along a single arc 1 / k grows with the arrival time. Along fronts on curved surfaces
+/// curvatures differ, too, which maps would lose accuracy by.
 #[inline(always)]
-pub(crate) fn are_two_arcs<R: Real>(triangle: Triangle<R>, fronts: [R; 2]) -> bool {
-    let ([t1, t2], [k1, k2]) = ([triangle.t1, triangle.t2], fronts);
-    let reached = (t1 < R::FAR) & (t2 < R::FAR) & (k1 < R::SOURCE) & (k2 < R::SOURCE);
-    // Both at the later time, times a number that is positive this side of a focus.
-    let (first, last) = if t1 <= t2 { (k1, k2) } else { (k2, k1) };
-    let spread = R::one() + first * (t1 - t2).abs();
-    let last = last * spread;
-    let apart = (first - last).abs() > R::of(APART) * max(first.abs(), last.abs());
-    reached & (spread > R::of(FOCUS)) & apart
+pub(crate) fn are_two_arcs<R: Real>([t1, t2]: [R; 2], [k1, k2]: [R; 2]) -> bool {
+    let bend = (k2 - k1) - k1 * k2 * (t1 - t2);
+    let apart = bend.abs() > R::of(ARCS_APART) * max(k1.abs(), k2.abs());
+    apart & (max(t1, t2) < R::FAR) & (max(k1, k2) < R::SOURCE)
+}
+
+/// Whether a point across a base is of the same arc as one of its ends, all given by arrival time and
+/// curvature: unless one of both is, [`two_arcs`] says nothing.
+#[inline(always)]
+pub(crate) fn is_of_either<R: Real>([x1, x2]: [[R; 2]; 2], across: [R; 2]) -> bool {
+    is_of_same(x2, x1, across) | is_of_same(x1, x2, across)
+}
+
+/// Whether a point across a base is of the same arc as one of its ends: if both curvatures, at the end's
+/// time, differ by less than a share of what the ends' do.
+#[inline(always)]
+fn is_of_same<R: Real>([t, k]: [R; 2], other: [R; 2], across: [R; 2]) -> bool {
+    let spread = |[later, k]: [R; 2]| max(R::one() - k * (later - t), R::of(FOCUS));
+    let (of_other, of_across) = (spread(other), spread(across));
+    let apart = R::of(ARCS_ALIKE) * (other[1] - k * of_other).abs();
+    (across[0] < R::FAR) & ((across[1] - k * of_across).abs() * of_other <= apart * of_across)
 }
 
 /// The front at x0 through a base on which two arcs touch, with either point across it; `None` if that
@@ -64,10 +75,8 @@ pub(crate) fn two_arcs<R: Real>(
     // With the direction from a pair of points that lie the least along a ray.
     let mut best: Option<Arrival<R>> = None;
     for y in across {
-        let [y1, y2] = y.sides;
-        let swapped = Across { sides: [y2, y1], ..y };
         let of_x2 = arrival(triangle, [k1, k2], y).map(|front| (front, [g2, g1]));
-        let of_x1 = arrival(mirrored, [k2, k1], swapped).map(|front| (front, [g1, g2]));
+        let of_x1 = arrival(mirrored, [k2, k1], y.mirrored()).map(|front| (front, [g1, g2]));
         for (front, [here, there]) in [of_x2, of_x1].into_iter().flatten() {
             if best.as_ref().is_none_or(|best| front.along < best.along) {
                 let gaussian = R::of(0.5) * (g0 + here + front.share * (there - here));
@@ -98,26 +107,26 @@ struct Arrival<R> {
 fn arrival<R: Real>(triangle: Triangle<R>, [k1, k2]: [R; 2], y: Across<R>) -> Option<Arrival<R>> {
     let Triangle { t1, t2, l1, l2, c } = triangle;
     let (zero, one, two) = (R::zero(), R::one(), R::of(2.0));
+    if !is_of_same([t2, k2], [t1, k1], [y.time, y.curvature]) {
+        return None;
+    }
     let above = Shape::new(l2, l1, c);
     let below = Shape::new(y.sides[1], y.sides[0], c);
-    if !(above.whole && below.whole && y.time < R::FAR) {
+    if !(above.whole && below.whole) {
         return None;
     }
     let (x2, x1) = ([zero, zero], [one, zero]);
     let x0 = [above.foot, above.height_squared.sqrt()];
     let place_of_y = [below.foot, -below.height_squared.sqrt()];
-    let (d1, dy) = ((t1 - t2) * above.per_base, (y.time - t2) * above.per_base);
-    let (k1, k2, ky) = (k1 * c, k2 * c, y.curvature * c);
-    let at_x2 = |k: R, later: R| k / max(one - k * later, R::of(FOCUS));
-    if (at_x2(ky, dy) - k2).abs() > R::of(ALIKE) * (at_x2(k1, d1) - k2).abs() {
-        return None;
-    }
+    let later = |time: R| (time - t2) * above.per_base;
+    let (d1, dy) = (later(t1), later(y.time));
+    let (k1, k2) = (k1 * c, k2 * c);
 
     // The ray at x2: the front arrives at y so much earlier, and on that side of y on which it arrives
     // at x1 about when it does.
     let length = below.side;
     let cosine = (dy - R::of(0.5) * k2 * (length * length - dy * dy)) / length;
-    if cosine.abs() > one + R::of(BESIDE) {
+    if cosine.abs() > one + R::of(ARCS_BESIDE) {
         return None;
     }
     let cosine = max(min(cosine, one), -one);
@@ -137,7 +146,7 @@ fn arrival<R: Real>(triangle: Triangle<R>, [k1, k2]: [R; 2], y: Across<R>) -> Op
     let (rise, spread) = (known.rise(x1), known.spread(x1));
     let bend = (k2 - k1) - R::of(0.5) * k1 * k2 * (rise + d1);
     let half_squared = early * bend / (two * spread);
-    if !(half_squared >= -R::of(TOUCHING) && half_squared <= one) {
+    if !(half_squared >= -R::of(ARCS_TOUCHING) && half_squared <= one) {
         return None;
     }
     let half_squared = max(half_squared, zero);
@@ -155,7 +164,7 @@ fn arrival<R: Real>(triangle: Triangle<R>, [k1, k2]: [R; 2], y: Across<R>) -> Op
     let between = sum(scaled(k1 * k2 * per, x1), scaled(k1 * per, known.ahead));
     let between = sum(between, scaled(-k2 * per, touching.ahead));
     let fan = if is_fan { known } else { touching };
-    let beside = R::of(BESIDE);
+    let beside = R::of(ARCS_BESIDE);
     let parts =
         clockwise(between, fan.ray(x1)) >= -beside && clockwise(between, fan.ray(x2)) <= beside;
     // And x0 lies between the rays at x1 and x2.
@@ -283,7 +292,11 @@ mod tests {
             Across { time, curvature, sides: [place.distance(x1), place.distance(x2)] }
         });
         let bends = Bends { fronts: [k1, k2], surface: [0.0; 3] };
-        (triangle, two_arcs(triangle, bends, across))
+        let front = two_arcs(triangle, bends, across);
+        let may =
+            |point: Across<f64>| is_of_either([[t1, k1], [t2, k2]], [point.time, point.curvature]);
+        assert!(front.is_none() || across.into_iter().any(may));
+        (triangle, front)
     }
 
     #[test]
@@ -309,7 +322,7 @@ mod tests {
             let fronts = [x1, x2].map(|place| fronts.at(place)[1]);
             let mean = curved(triangle, Bends { fronts, surface: [0.0; 3] });
             // Far from the corner, with the source close behind it, both arcs are about the same.
-            let apart = are_two_arcs(triangle, fronts);
+            let apart = are_two_arcs([triangle.t1, triangle.t2], fronts);
             exact += usize::from(apart && (mean.time - time).abs() > 1e-4);
         });
         // The others' rays to x0 do not cross this base; of many the mean would be wrong.
@@ -320,13 +333,11 @@ mod tests {
     fn a_single_arc_is_not_taken_for_two() {
         for source in [DVec2::new(0.3, -0.8), DVec2::new(-4.0, -30.0), DVec2::new(0.9, -1.5)] {
             let [t1, t2] = [DVec2::X, DVec2::ZERO].map(|place| place.distance(source));
-            let triangle = Triangle { t1, t2, l1: 1.0, l2: 1.0, c: 1.0 };
-            assert!(!are_two_arcs(triangle, [1.0 / t1, 1.0 / t2]));
+            assert!(!are_two_arcs([t1, t2], [1.0 / t1, 1.0 / t2]));
         }
-        let whole = Triangle { t1: 1.0, t2: 1.2, l1: 1.0, l2: 1.0, c: 1.0f32 };
-        assert!(are_two_arcs(whole, [0.5, 0.2]));
-        assert!(!are_two_arcs(Triangle { t2: f32::FAR, ..whole }, [0.5, 0.0]));
-        assert!(!are_two_arcs(whole, [f32::SOURCE, 0.2]));
+        assert!(are_two_arcs([1.0, 1.2], [0.5, 0.2]));
+        assert!(!are_two_arcs([1.0, f32::FAR], [0.5, 0.0]));
+        assert!(!are_two_arcs([1.0, 1.2], [f32::SOURCE, 0.2]));
     }
 
     #[test]
@@ -338,7 +349,7 @@ mod tests {
         let [t1, t2] = [time(x1, 0), time(x2, 1)];
         let triangle = Triangle { t1, t2, l1: x0.distance(x1), l2: x0.distance(x2), c: 1.0 };
         let curvatures = [x1.distance(sources[0]), x2.distance(sources[1])].map(f64::recip);
-        assert!(are_two_arcs(triangle, curvatures));
+        assert!(are_two_arcs([triangle.t1, triangle.t2], curvatures));
         let across = [(DVec2::new(0.0, -1.0), 1), (DVec2::new(1.0, -1.0), 0)].map(|(y, side)| {
             let curvature = 1.0 / y.distance(sources[side]);
             Across { time: time(y, side), curvature, sides: [y.distance(x1), y.distance(x2)] }

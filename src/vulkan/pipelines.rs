@@ -256,7 +256,7 @@ impl SchedulePipelines {
     ) -> Result<Self, VulkanError> {
         use constant::*;
         let Tuning { scan_width, scan_lines, tile, inner } = pipelines.tuning;
-        let curved = wavefront == Wavefront::Curved;
+        let curved = wavefront.is_curved();
         let wavefront = (WAVEFRONT, wavefront as i32);
         let passes: Vec<Pass> = match schedule {
             Schedule::Raster => {

@@ -36,7 +36,8 @@ pub struct PairwiseScan {
 enum Fronts {
     Planar(Scans<Planar>),
     PointSource(Scans<PointSource>),
-    Curved(Scans<Curved>),
+    Curved(Scans<Curved<false>>),
+    Arcs(Scans<Curved<true>>),
 }
 
 impl PairwiseScan {
@@ -49,6 +50,7 @@ impl PairwiseScan {
             Wavefront::Planar => Fronts::Planar(Scans::new(edges)),
             Wavefront::PointSource => Fronts::PointSource(Scans::new(edges)),
             Wavefront::Curved => Fronts::Curved(Scans::new(edges)),
+            Wavefront::Arcs => Fronts::Arcs(Scans::new(edges)),
         };
         Self { chart: edges.chart(), fronts, instructions: Instructions::best() }
     }
@@ -69,7 +71,7 @@ impl PairwiseScan {
         match wavefront {
             Wavefront::Planar => Scans::<Planar>::bytes(chart),
             Wavefront::PointSource => Scans::<PointSource>::bytes(chart),
-            Wavefront::Curved => Scans::<Curved>::bytes(chart),
+            Wavefront::Curved | Wavefront::Arcs => Scans::<Curved<true>>::bytes(chart),
         }
     }
 
@@ -112,7 +114,8 @@ impl PairwiseScan {
         stop: Stop,
         into: &mut [f32],
     ) -> Convergence {
-        assert!(!matches!(self.fronts, Fronts::Curved(_)), "curvatures are not known");
+        let straight = matches!(self.fronts, Fronts::Planar(_) | Fronts::PointSource(_));
+        assert!(straight, "curvatures are not known");
         let count = rows.len() / self.chart.points();
         assert!(rows.len().is_multiple_of(self.chart.points()) && count <= first, "rows before");
         let follow = |(lane, source): (usize, &Option<usize>)| {
@@ -144,6 +147,7 @@ impl PairwiseScan {
             Fronts::Planar(scans) => scans.solve(sources, known, stop, instructions, into),
             Fronts::PointSource(scans) => scans.solve(sources, known, stop, instructions, into),
             Fronts::Curved(scans) => scans.solve(sources, known, stop, instructions, into),
+            Fronts::Arcs(scans) => scans.solve(sources, known, stop, instructions, into),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Rounds of scans inside tiles. The twin of `glsl/tiles.comp` and `glsl/settle.comp`.
 
 use super::super::Stop;
-use super::super::state::{Fronts, Solution, TriangleSlots};
+use super::super::across::Quad;
+use super::super::state::{Fronts, Solution};
 use super::scan_triangles;
 use crate::constants::PATIENCE;
 use crate::surface::{Chart, EdgeLengths, Real, Seed, relative_change};
@@ -52,7 +53,9 @@ pub fn tile_rounds<R: Real>(
 struct Tiles<'a, R: Real> {
     chart: Chart,
     rounds: Rounds,
-    triangles: [[TriangleSlots; 2]; 4],
+    /// Points around a tile that its own see: a second one for arcs that touch on a base.
+    halo: usize,
+    triangles: [[Quad; 2]; 4],
     /// Before the round.
     fronts: Fronts<'a, R>,
     /// Four copies of the fronts, of which those of one tile and around it are in use.
@@ -88,6 +91,7 @@ impl<'a, R: Real> Tiles<'a, R> {
         let mut tiles = Self {
             chart,
             rounds,
+            halo: if wavefront == Wavefront::Arcs { 2 } else { 1 },
             triangles: scan_triangles(chart),
             copies: std::array::from_fn(|_| fronts.clone()),
             fronts,
@@ -136,8 +140,12 @@ impl<'a, R: Real> Tiles<'a, R> {
         let cols = first.1..(first.1 + side).min(chart.cols);
         let all = || rows.clone().flat_map(|row| cols.clone().map(move |col| (row, col)));
         // With the points around the tile, those of the border included.
-        for row in rows.start..rows.end + 2 {
-            for col in cols.start..cols.end + 2 {
+        let halo = self.halo;
+        let beside = |points: &std::ops::Range<usize>, most: usize| {
+            (points.start + 1).saturating_sub(halo)..(points.end + 1 + halo).min(most + 2)
+        };
+        for row in beside(&rows, chart.rows) {
+            for col in beside(&cols, chart.cols) {
                 let point = row * chart.stride() + col;
                 self.copies.iter_mut().for_each(|copy| copy.copy_point(&self.fronts, point));
             }
@@ -203,7 +211,7 @@ impl<'a, R: Real> Tiles<'a, R> {
         change
     }
 
-    /// The tiles beside the sides that a point of a tile lies on.
+    /// The tiles that see a point of a tile.
     fn beside(
         &self,
         (row, col): (usize, usize),
@@ -213,8 +221,8 @@ impl<'a, R: Real> Tiles<'a, R> {
         let side = self.rounds.tile;
         let count = (self.chart.rows.div_ceil(side), self.chart.cols.div_ceil(side));
         let steps = |at: usize| match at {
-            0 => vec![-1, 0],
-            last if last == side - 1 => vec![0, 1],
+            first if first < self.halo => vec![-1, 0],
+            last if last + self.halo >= side => vec![0, 1],
             _ => vec![0],
         };
         let (down, right) = (steps(row - first.0), steps(col - first.1));

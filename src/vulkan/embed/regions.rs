@@ -324,7 +324,7 @@ fn work_of_starts(count: u32) -> Work {
 /// What is read to begin the ways to all points: the earliest source's front and its number, the map's
 /// and four lengths. What is written: a link and a place.
 fn work_of_ways(chart: Chart, wavefront: Wavefront) -> Work {
-    let curvatures = if wavefront == Wavefront::Curved { 2 } else { 0 };
+    let curvatures = if wavefront.is_curved() { 2 } else { 0 };
     let points = WORD * chart.points() as u64;
     Work::of_bytes(points * (2 + 1 + 4 + curvatures), points * 3)
 }

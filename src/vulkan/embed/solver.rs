@@ -24,7 +24,7 @@ use crate::vulkan::{Method, Schedule, Tuning, VulkanError, requirements};
 pub struct Solver {
     pub(crate) pipelines: Pipelines,
     /// By schedule and wavefront.
-    passes: [[Option<SchedulePipelines>; Wavefront::ALL.len()]; Schedule::ALL.len()],
+    passes: [[Option<SchedulePipelines>; Wavefront::COUNT]; Schedule::ALL.len()],
     pub(crate) limits: Limits,
 }
 
@@ -125,7 +125,7 @@ impl Solver {
         let plain = self.pipelines.named().map(|(name, pipeline)| (name.to_owned(), pipeline));
         let mut all = Vec::new();
         for schedule in Schedule::ALL {
-            for wavefront in Wavefront::ALL {
+            for wavefront in Wavefront::ALL.into_iter().chain([Wavefront::Arcs]) {
                 if let Some(passes) = self.passes(schedule, wavefront) {
                     all.extend(passes.named(schedule, wavefront));
                 }
@@ -149,7 +149,8 @@ impl Solver {
 
     /// Whether some wavefront needs the surface's Gaussian curvature.
     pub(super) fn is_curved(&self) -> bool {
-        self.passes.iter().any(|by_wavefront| by_wavefront[Wavefront::Curved as usize].is_some())
+        let curved = [Wavefront::Curved as usize, Wavefront::Arcs as usize];
+        self.passes.iter().any(|passes| curved.iter().any(|&which| passes[which].is_some()))
     }
 
     /// The passes of a map on a grid of this size, with this many iterations (or rounds of tiles) a

@@ -9,7 +9,6 @@ use super::progress::{self, offset};
 use super::resources::Resources;
 use super::steps::Step;
 use crate::constants::WORKGROUP;
-use crate::update::Wavefront;
 use crate::vulkan::TexelChart;
 use crate::vulkan::barrier::{self, NOTHING, PASS, SHADER, SHADER_WRITE};
 use crate::vulkan::memory::Buffer;
@@ -76,7 +75,7 @@ impl<'a> Recorder<'a> {
     /// The records of passes over maps in images are those of one map.
     pub(super) fn steps(&self, steps: &[Step]) {
         let mut open = None;
-        let is_curved = self.layout.wavefront == Wavefront::Curved;
+        let is_curved = self.layout.wavefront.is_curved();
         let mut counter = StepCounter::new(self.texels, self.pipelines.tuning, is_curved);
         for step in steps {
             match step {

@@ -437,7 +437,7 @@ pub fn planned(
     tuning: Tuning,
     wavefront: Wavefront,
 ) -> Vec<PassRecord> {
-    let mut counter = StepCounter::new(texels, tuning, wavefront == Wavefront::Curved);
+    let mut counter = StepCounter::new(texels, tuning, wavefront.is_curved());
     let passes = steps.iter().filter(|step| **step != Step::Barrier);
     passes.map(|step| counter.next(step).0).collect()
 }
@@ -455,7 +455,7 @@ mod tests {
         let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();
         let portions = TUNING.portions(wavefront, texels);
         let steps = plan::recording(schedule, texels, portions, None, 2);
-        let mut counter = StepCounter::new(texels, TUNING, wavefront == Wavefront::Curved);
+        let mut counter = StepCounter::new(texels, TUNING, wavefront.is_curved());
         let passes = steps.iter().filter(|step| **step != Step::Barrier);
         passes.map(|step| counter.next(step)).collect()
     }
@@ -510,7 +510,7 @@ mod tests {
                 let PassKind::Scan(scan) = found.kind else { panic!("{found:?}") };
                 visited[scan as usize] += found.work.texels.unwrap();
                 skipped[scan as usize] += found.work.skipped.unwrap();
-                let each = if wavefront == Wavefront::Curved { 144 } else { 96 };
+                let each = if wavefront.is_curved() { 144 } else { 96 };
                 assert_eq!(found.work.bytes(), found.work.texels.map(|texels| texels * each));
                 assert_eq!(found.work.triangles, found.work.texels.map(|texels| texels * 8));
             }

@@ -36,7 +36,7 @@ impl Work {
     /// Of rotated scans on the CPU: for each visit a point's arrival time read and written, four
     /// lengths of edges; curved fronts have their curvature and the surface's besides.
     pub fn on_cpu((visits, updates): (u64, u64), wavefront: Wavefront) -> Self {
-        let bytes = if wavefront == Wavefront::Curved { 36 } else { 24 };
+        let bytes = if rate_of(wavefront) == Wavefront::Curved as usize { 36 } else { 24 };
         Self { bytes: Some(bytes * visits), triangles: Some(2 * updates), ..Self::default() }
     }
 
@@ -60,6 +60,11 @@ impl Work {
     }
 }
 
+/// Which of the ceilings of updates holds; arcs are rare among curved fronts.
+fn rate_of(wavefront: Wavefront) -> usize {
+    if wavefront == Wavefront::Arcs { Wavefront::Curved as usize } else { wavefront as usize }
+}
+
 impl Shares {
     pub fn on_cpu(
         work: Work,
@@ -67,7 +72,7 @@ impl Shares {
         wavefront: Wavefront,
         ceilings: &cpu::Ceilings,
     ) -> Self {
-        let rates = [ceilings.copy, ceilings.triangles[wavefront as usize]];
+        let rates = [ceilings.copy, ceilings.triangles[rate_of(wavefront)]];
         Self { dispatches: None, ..Self::at(work, seconds, rates) }
     }
 
@@ -81,7 +86,7 @@ impl Shares {
         let commands = work.dispatches as f64 * dispatch.as_secs_f64()
             + work.skipped_dispatches as f64 * skipped_dispatch.as_secs_f64()
             + work.submissions as f64 * submission.as_secs_f64();
-        let rates = [ceilings.copy, ceilings.triangles[wavefront as usize]];
+        let rates = [ceilings.copy, ceilings.triangles[rate_of(wavefront)]];
         Self { dispatches: Some(commands / seconds), ..Self::at(work, seconds, rates) }
     }
 

@@ -32,13 +32,16 @@ pub struct SolverArgs {
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum WavefrontArg {
-    /// Curved; but point on a surface with a slowness, for point sources that start together, and
-    /// planar for fast marching
+    /// Curved; but arcs on a plane with holes, point on a surface with a slowness, for point sources
+    /// that start together, and planar for fast marching
     #[default]
     Auto,
     /// Carries its curvature: the most accurate on smooth surfaces, around walls and from curves,
     /// in about twice the time of point
     Curved,
+    /// Curved, and goes on as two arcs behind corners: as good as exact on floor plans, but not for
+    /// curved or rough surfaces with holes
+    Arcs,
     /// Circular: exact on developable surfaces but for the sampling, for point sources only
     Point,
     /// Straight: first-order accurate, as in the paper
@@ -54,8 +57,7 @@ enum EngineArg {
     Vulkan,
     /// Raster scans on the CPU
     Cpu,
-    /// Fast marching on the CPU, the sequential reference for the planar front, and for the curved one
-    /// around corners of holes
+    /// Fast marching on the CPU, the sequential reference for the planar front
     FastMarching,
 }
 
@@ -93,6 +95,7 @@ impl SolverArgs {
             schedule: self.schedule()?,
             wavefront: match self.wavefront {
                 WavefrontArg::Auto => None,
+                WavefrontArg::Arcs => Some(Wavefront::Arcs),
                 WavefrontArg::Curved => Some(Wavefront::Curved),
                 WavefrontArg::Point => Some(Wavefront::PointSource),
                 WavefrontArg::Planar => Some(Wavefront::Planar),
