@@ -48,10 +48,10 @@ pub struct Options {
     pub engine: Engine,
     /// The front assumed inside a triangle. By default curved, the most accurate on smooth
     /// surfaces, around walls and from curves, and as good as the circular one on rough terrain;
-    /// but as two arcs behind corners on a plane with holes ([`Surface::is_floor_plan`]), where that is
-    /// as good as exact; circular for point sources that start together on a surface with a slowness, which may
-    /// jump from point to point; and planar for fast marching. A curved map takes about twice the
-    /// time of a circular one.
+    /// but as two arcs behind corners on a plane with holes ([`Surface::is_floor_plan`]), where that
+    /// is as good as exact; circular for point sources that start together on a surface with a
+    /// slowness, which may jump from point to point; and planar for fast marching. A curved map takes
+    /// about twice the time of a circular one.
     pub wavefront: Option<Wavefront>,
     /// The order of updates on a Vulkan device, which makes no difference to the map; by default
     /// [`Schedule::best_on`] the device. The CPU's engines have one order each.

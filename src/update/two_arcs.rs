@@ -122,8 +122,9 @@ fn arrival<R: Real>(triangle: Triangle<R>, [k1, k2]: [R; 2], y: Across<R>) -> Op
     let (d1, dy) = (later(t1), later(y.time));
     let (k1, k2) = (k1 * c, k2 * c);
 
-    // The ray at x2: the front arrives at y so much earlier, and on that side of y on which it arrives
-    // at x1 about when it does.
+    // The ray at x2, which may cross the base a little beyond its ends (ARCS_BESIDE), since rounding
+    // decides where it runs through a grid point: the front arrives at y so much earlier, and on that
+    // side of y on which it arrives at x1 about when it does.
     let length = below.side;
     let cosine = (dy - R::of(0.5) * k2 * (length * length - dy * dy)) / length;
     if cosine.abs() > one + R::of(ARCS_BESIDE) {
@@ -141,8 +142,9 @@ fn arrival<R: Real>(triangle: Triangle<R>, [k1, k2]: [R; 2], y: Across<R>) -> Op
     let (known, early) =
         if early.abs() <= other.abs() { (known[0], early) } else { (known[1], other) };
 
-    // That of x1 touches it: the distance of their centres is the difference of their radii. So much
-    // says the cosine of the angle between the rays of both at x1, times `spread`.
+    // That of x1 touches it, to within ARCS_TOUCHING for the same reason: the distance of their centres
+    // is the difference of their radii. So much says the cosine of the angle between the rays of both at
+    // x1, times `spread`.
     let (rise, spread) = (known.rise(x1), known.spread(x1));
     let bend = (k2 - k1) - R::of(0.5) * k1 * k2 * (rise + d1);
     let half_squared = early * bend / (two * spread);

@@ -107,8 +107,8 @@ pub(super) trait Kernel: Sized + 'static {
     ) -> bool;
 
     /// Updates a point from the three behind, and those beyond; returns whether a map has changed by
-    /// more than `how` wants. The largest changes of arrival times, in units of their precision, are noted if
-    /// `TRACKS`.
+    /// more than `how` wants. The largest changes of arrival times, in units of their precision, are
+    /// noted if `TRACKS`.
     fn update<const TRACKS: bool>(
         here: &mut Self::State,
         behind: [&Self::State; 3],
