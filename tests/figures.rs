@@ -148,7 +148,8 @@ fn table_2_has_an_iteration_and_a_converged_map_beside_the_papers() {
     for (row, side) in on_cpu.iter().zip([33, 150]) {
         assert_eq!((&row["rows"], &row["cols"]), (&side.into(), &side.into()));
         let surface = Builtin::Maze.surface(side, side).unwrap();
-        let options = Options { engine: Engine::Cpu, ..Options::default() };
+        let wavefront = Some(Wavefront::Curved);
+        let options = Options { engine: Engine::Cpu, wavefront, ..Options::default() };
         let report = distance_map(&surface, &Sources::point(0.0, 0.0), &options).unwrap().report;
         assert_eq!(row["converged_iterations"], report.iterations);
         assert_eq!(row["points"], surface.points());
