@@ -48,10 +48,9 @@ pub struct Options {
     pub engine: Engine,
     /// The front assumed inside a triangle. By default curved, the most accurate on smooth
     /// surfaces, around walls and from curves, and as good as the circular one on rough terrain;
-    /// but as two arcs behind corners on a plane with holes ([`Surface::is_floor_plan`]), where that
-    /// is as good as exact; circular for point sources that start together on a surface with a
-    /// slowness, which may jump from point to point; and planar for fast marching. A curved map takes
-    /// about twice the time of a circular one.
+    /// but circular for point sources that start together on a surface with a slowness, which may
+    /// jump from point to point; and planar for fast marching. A curved map takes about twice the
+    /// time of a circular one. On floor plans [`Wavefront::Arcs`] is better still.
     pub wavefront: Option<Wavefront>,
     /// The order of updates on a Vulkan device, which makes no difference to the map; by default
     /// [`Schedule::best_on`] the device. The CPU's engines have one order each.
@@ -94,7 +93,6 @@ impl Options {
         let or_else = || match surface.slowness() {
             _ if self.engine == Engine::FastMarching => Wavefront::Planar,
             Some(_) => Wavefront::PointSource,
-            None if surface.is_floor_plan() => Wavefront::Arcs,
             None => Wavefront::Curved,
         };
         self.wavefront.unwrap_or_else(or_else)
@@ -110,7 +108,6 @@ impl Options {
             None if circular || self.engine == Engine::FastMarching => {
                 Ok(self.wavefront_from_a_point(surface))
             }
-            None if surface.is_floor_plan() => Ok(Wavefront::Arcs),
             None => Ok(Wavefront::Curved),
             Some(Wavefront::PointSource) if !sources.are_points() => Err(Error::Options(
                 "the point-source wavefront needs point sources; use the curved or the planar one \

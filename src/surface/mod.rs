@@ -10,7 +10,6 @@ mod chart;
 mod coarsen;
 mod corner;
 mod edges;
-mod floor_plan;
 mod gaussian_curvature;
 mod geometry;
 mod iteration_bound;
