@@ -126,6 +126,7 @@ mod tests {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (state >> 33) as usize % most
         };
+        let mut ratios = Vec::new();
         for _ in 0..6 {
             let source = (rows / 2, cols / 2);
             let mut floor = vec![true; rows * cols];
@@ -148,11 +149,14 @@ mod tests {
             let error = |map: Solution<f64>| Errors::of(&map.distances(), &exact).mean_relative;
             let marched = error(fast_marching(&edges, &seeds, Wavefront::Arcs));
             let stop = cpu::Stop { tolerance: 1e-13, iterations: 1000 };
-            let scanned = error(cpu::rotated_scan(&edges, &seeds, Wavefront::Arcs, stop));
-            println!("marching {marched:.1e}, scans {scanned:.1e}");
+            let [scanned, mean] = [Wavefront::Arcs, Wavefront::Curved]
+                .map(|wavefront| error(cpu::rotated_scan(&edges, &seeds, wavefront, stop)));
+            println!("marching {marched:.1e}, scans {scanned:.1e}, mean of both arcs {mean:.1e}");
             assert!(marched < 5e-5, "{marched:e}");
             assert!(scanned < 5e-5, "{scanned:e}");
+            ratios.push(marched / mean);
         }
+        assert!(ratios.iter().sum::<f64>() < 0.1 * ratios.len() as f64, "{ratios:?}");
     }
 
     /// The maze has corners, and no two fronts meet in it: the map is exact to rounding. Far from corners,

@@ -41,11 +41,11 @@ pub enum Wavefront {
 impl Wavefront {
     /// Those for any surface: all but [`Self::Arcs`].
     pub const ALL: [Self; 3] = [Self::Planar, Self::PointSource, Self::Curved];
-    /// How many there are.
-    pub(crate) const COUNT: usize = 4;
+    /// With [`Self::Arcs`].
+    pub const EVERY: [Self; 4] = [Self::Planar, Self::PointSource, Self::Curved, Self::Arcs];
 
     /// Whether fronts carry their curvature.
-    pub(crate) fn is_curved(self) -> bool {
+    pub fn is_curved(self) -> bool {
         matches!(self, Self::Curved | Self::Arcs)
     }
 

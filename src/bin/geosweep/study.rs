@@ -61,19 +61,15 @@ pub fn ascending(sizes: &[usize]) -> Vec<usize> {
     sizes
 }
 
-fn every_wavefront() -> impl Iterator<Item = Wavefront> {
-    Wavefront::ALL.into_iter().chain([Wavefront::Arcs])
-}
-
 /// A wavefront's name, as an argument.
 pub fn wavefront(text: &str) -> Result<Wavefront, String> {
-    let found = every_wavefront().find(|wavefront| wavefront.name() == text.trim());
+    let found = Wavefront::EVERY.into_iter().find(|wavefront| wavefront.name() == text.trim());
     found.ok_or_else(|| format!("no wavefront is called `{text}`; there are {}", wavefront_names()))
 }
 
 /// All wavefronts' names, for help and messages.
 pub fn wavefront_names() -> String {
-    every_wavefront().map(Wavefront::name).collect::<Vec<_>>().join(", ")
+    Wavefront::EVERY.map(Wavefront::name).join(", ")
 }
 
 /// What was asked for, each once, or else the default.

@@ -24,7 +24,7 @@ use crate::vulkan::{Method, Schedule, Tuning, VulkanError, requirements};
 pub struct Solver {
     pub(crate) pipelines: Pipelines,
     /// By schedule and wavefront.
-    passes: [[Option<SchedulePipelines>; Wavefront::COUNT]; Schedule::ALL.len()],
+    passes: [[Option<SchedulePipelines>; Wavefront::EVERY.len()]; Schedule::ALL.len()],
     pub(crate) limits: Limits,
 }
 
@@ -125,7 +125,7 @@ impl Solver {
         let plain = self.pipelines.named().map(|(name, pipeline)| (name.to_owned(), pipeline));
         let mut all = Vec::new();
         for schedule in Schedule::ALL {
-            for wavefront in Wavefront::ALL.into_iter().chain([Wavefront::Arcs]) {
+            for wavefront in Wavefront::EVERY {
                 if let Some(passes) = self.passes(schedule, wavefront) {
                     all.extend(passes.named(schedule, wavefront));
                 }
@@ -149,8 +149,8 @@ impl Solver {
 
     /// Whether some wavefront needs the surface's Gaussian curvature.
     pub(super) fn is_curved(&self) -> bool {
-        let curved = [Wavefront::Curved as usize, Wavefront::Arcs as usize];
-        self.passes.iter().any(|passes| curved.iter().any(|&which| passes[which].is_some()))
+        let mut curved = Wavefront::EVERY.into_iter().filter(|wavefront| wavefront.is_curved());
+        curved.any(|which| self.passes.iter().any(|of| of[which as usize].is_some()))
     }
 
     /// The passes of a map on a grid of this size, with this many iterations (or rounds of tiles) a

@@ -36,7 +36,7 @@ impl Work {
     /// Of rotated scans on the CPU: for each visit a point's arrival time read and written, four
     /// lengths of edges; curved fronts have their curvature and the surface's besides.
     pub fn on_cpu((visits, updates): (u64, u64), wavefront: Wavefront) -> Self {
-        let bytes = if rate_of(wavefront) == Wavefront::Curved as usize { 36 } else { 24 };
+        let bytes = if wavefront.is_curved() { 36 } else { 24 };
         Self { bytes: Some(bytes * visits), triangles: Some(2 * updates), ..Self::default() }
     }
 
@@ -62,7 +62,7 @@ impl Work {
 
 /// Which of the ceilings of updates holds; arcs are rare among curved fronts.
 fn rate_of(wavefront: Wavefront) -> usize {
-    if wavefront == Wavefront::Arcs { Wavefront::Curved as usize } else { wavefront as usize }
+    if wavefront.is_curved() { Wavefront::Curved as usize } else { wavefront as usize }
 }
 
 impl Shares {
