@@ -39,16 +39,16 @@ pub struct Row {
     seconds: f64,
 }
 
-/// Measures each surface with each wavefront at each size, and returns them in this order.
+/// Measures each surface with each of its wavefronts at each size, and returns them in this order.
 pub fn all(
-    surfaces: &[Builtin],
-    wavefronts: &[Wavefront],
+    cases: &[(Builtin, Vec<Wavefront>)],
     sizes: &[usize],
     engine: &Engine,
 ) -> Result<Vec<Measurement>, Error> {
-    let bar = study::progress(surfaces.len() * sizes.len() * wavefronts.len());
+    let maps = cases.iter().map(|(_, wavefronts)| wavefronts.len()).sum::<usize>();
+    let bar = study::progress(maps * sizes.len());
     let mut measured = Vec::new();
-    for &builtin in surfaces {
+    for &(builtin, ref wavefronts) in cases {
         let mut of_surface: Vec<Vec<Measurement>> = wavefronts.iter().map(|_| Vec::new()).collect();
         for &points in sizes {
             bar.set_message(format!("{builtin} {points}"));

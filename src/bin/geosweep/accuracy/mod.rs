@@ -33,7 +33,7 @@ pub struct Args {
     /// Built-in surfaces (default: all)
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = measurable)]
     surfaces: Vec<Builtin>,
-    /// Wavefronts (default: all)
+    /// Wavefronts (default: those that suit the surface: arcs in the maze only)
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = study::wavefront)]
     wavefronts: Vec<Wavefront>,
     /// What computes the maps
@@ -101,12 +101,15 @@ pub fn run(args: &Args) -> Outcome {
     let peers = args.peers.as_deref().map_or(Ok(Vec::new()), peers::read)?;
     let sizes = study::ascending(&args.sizes);
     let surfaces = study::or_else(&args.surfaces, || Builtin::measurable().collect());
-    let wavefronts = study::or_else(&args.wavefronts, || Wavefront::ALL.to_vec());
     let engine = match args.engine {
         EngineArg::Cpu => Engine::Cpu,
         EngineArg::Vulkan => Engine::Vulkan(DeviceChoice::Any),
     };
-    let measured = measure::all(&surfaces, &wavefronts, &sizes, &engine)?;
+    let cases: Vec<_> = surfaces
+        .into_iter()
+        .map(|builtin| (builtin, study::or_else(&args.wavefronts, || suited_to(builtin))))
+        .collect();
+    let measured = measure::all(&cases, &sizes, &engine)?;
 
     let report =
         Report { args, plots: outputs.plots_link(args), measured: &measured, peers: &peers };
@@ -119,6 +122,14 @@ pub fn run(args: &Args) -> Outcome {
         print(markdown.trim_end())?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Arcs are for planes with holes.
+fn suited_to(builtin: Builtin) -> Vec<Wavefront> {
+    match builtin {
+        Builtin::Maze => Wavefront::EVERY.to_vec(),
+        _ => Wavefront::ALL.to_vec(),
+    }
 }
 
 /// The files to write, checked before the work begins.

@@ -116,7 +116,7 @@ fn sheet(
             let of_solver = |peer: &&Peer| peer.builtin == builtin && peer.solver == **solver;
             Series {
                 label: (*solver).clone(),
-                color: COLORS[(Wavefront::ALL.len() + index) % COLORS.len()],
+                color: COLORS[(Wavefront::EVERY.len() + index) % COLORS.len()],
                 line: Line::Solid,
                 points: peers.iter().filter(of_solver).map(of_peer).collect(),
             }
