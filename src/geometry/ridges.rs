@@ -36,9 +36,9 @@ struct Kink {
 /// The criterion: at each grid point the direction is that of the ray that brings the first front,
 /// over the base of one of its triangles, never across a kink. An edge has a kink if the directions
 /// at its ends, in the metric between them, include at least the least angle and run towards one
-/// another; it lies where both fronts, straight on from either end, arrive at once. Ridges run
-/// through triangles from edge to edge with a kink; where all three edges have one they meet at
-/// the middle of the three places.
+/// another, or at least not apart, where the ridge runs along the edge; it lies where both fronts,
+/// straight on from either end, arrive at once. Ridges run through triangles from edge to edge with a
+/// kink; where all three edges have one they meet at the middle of the three places.
 ///
 /// Rays are those of circular fronts: beside a curve, at some cells' distance from it, they are off
 /// by up to half a cell over that distance.
@@ -107,6 +107,9 @@ struct Arrival {
 
 /// A kink nearer than this to a grid point, in shares of the edge, lies at it.
 const AT_POINT: f64 = 1e-4;
+/// Directions that part by this much of what they could, over an edge of that length, may as well
+/// meet: the ridge runs along the edge, and rounding decides on which side of it.
+const ALONG: f64 = 0.1;
 
 /// A map, and the directions in which its fronts arrive, in bordered arrays.
 struct Field<'a> {
@@ -185,11 +188,14 @@ impl<'a> Field<'a> {
         let step = to.place - from.place;
         let [rise_a, rise_b] = [of_a, of_b].map(|slope| slope.dot(step));
         let between = dot / squares.sqrt();
-        if between > cosine || rise_a <= rise_b {
+        let apart = (a - b).dot(of_a - of_b) * step.dot(metric * step);
+        let nearing = rise_a - rise_b;
+        if between > cosine || nearing < -ALONG * apart.sqrt() {
             return None;
         }
         let [time_a, time_b] = [from, to].map(|end| f64::from(self.times[end.index]));
-        let share = match (time_b - time_a - rise_b) / (rise_a - rise_b) {
+        let share = if nearing > 0.0 { (time_b - time_a - rise_b) / nearing } else { 0.5 };
+        let share = match share {
             share if share < AT_POINT => 0.0,
             share if share > 1.0 - AT_POINT => 1.0,
             share => share,

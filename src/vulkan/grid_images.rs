@@ -17,8 +17,12 @@ use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;
 use crate::surface::Chart;
 
-/// Points are uploaded, and distances read back, in bands of rows of at most this many bytes.
+/// Points are uploaded, and distances read back, in bands of rows of at most this many bytes...
 const BAND_BYTES: usize = 16 << 20;
+/// ...or these for each of the grid's points, so that transfer takes a sixth of what the map does...
+const BAND_BYTES_PER_POINT: usize = 4;
+/// ...but for small grids, where a submission more would take longer than what it brings.
+const LEAST_BAND_BYTES: usize = 256 << 10;
 /// The smallest upload buffer: room for the sources on a small grid.
 const LEAST_UPLOAD_BYTES: usize = 64 << 10;
 /// Bytes of a point to upload, at most: position and slowness.
@@ -31,7 +35,7 @@ pub(crate) const INLINE_SOURCES: usize = 1024;
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Purpose<'a> {
     /// Points and sources come from the program's memory, and distances go back there, through
-    /// buffers of up to 16 MiB each.
+    /// buffers of 4 bytes a point, up to 16 MiB, each.
     Headless,
     /// All stays on the device, and there are so many images of distances, used by these queue
     /// families.
@@ -39,8 +43,8 @@ pub(crate) enum Purpose<'a> {
 }
 
 /// The images of one surface: edge lengths (16 bytes a point), Gaussian curvature (4) and two of
-/// fronts (8 each: arrival time and curvature), with the lists of tiles, a buffer of points (up to
-/// 16 MiB), and a buffer for read-back or images of distances.
+/// fronts (8 each: arrival time and curvature), with the lists of tiles, a buffer of points (4, up to
+/// 16 MiB), and a buffer for read-back (the same) or images of distances.
 #[derive(Debug)]
 pub(crate) struct GridImages {
     pub(crate) chart: Chart,
@@ -267,7 +271,8 @@ fn blocks_bytes(texels: TexelChart, lines: u32) -> usize {
 
 /// Rows of a band: even, so that a texel lies in one band.
 fn band_rows(chart: Chart, point_bytes: usize) -> usize {
-    let rows = BAND_BYTES / (chart.cols * point_bytes);
+    let bytes = (BAND_BYTES_PER_POINT * chart.points()).clamp(LEAST_BAND_BYTES, BAND_BYTES);
+    let rows = bytes / (chart.cols * point_bytes);
     (rows / 2 * 2).clamp(2, chart.rows.next_multiple_of(2))
 }
 
