@@ -15,6 +15,9 @@ pub enum GeosweepWavefront {
     PointSource = 1,
     /// Carries its curvature beside the distance: second-order on curved surfaces and around holes.
     Curved = 2,
+    /// The same, and continues the two arcs behind the corners of holes by themselves: as good as exact
+    /// on planes with holes, for which it is.
+    Arcs = 3,
 }
 
 /// The order of updates. All lead to the same map.
@@ -70,6 +73,7 @@ pub(super) fn wavefront(number: WavefrontNumber, name: &str) -> Result<Wavefront
         (W::Planar as i32, Wavefront::Planar),
         (W::PointSource as i32, Wavefront::PointSource),
         (W::Curved as i32, Wavefront::Curved),
+        (W::Arcs as i32, Wavefront::Arcs),
     ];
     choose(number, name, "GeosweepWavefront", &choices)
 }

@@ -18,10 +18,11 @@ const ROWS: u32 = CHART.rows as u32;
 const COLS: u32 = CHART.cols as u32;
 /// Between engines: rounding. As for the headless solver, whose tests say so.
 const SAME: f32 = 1e-5;
-const WAVEFRONTS: [(GeosweepWavefront, Wavefront); 3] = [
+const WAVEFRONTS: [(GeosweepWavefront, Wavefront); 4] = [
     (GeosweepWavefront::Planar, Wavefront::Planar),
     (GeosweepWavefront::PointSource, Wavefront::PointSource),
     (GeosweepWavefront::Curved, Wavefront::Curved),
+    (GeosweepWavefront::Arcs, Wavefront::Arcs),
 ];
 /// In a hole of the mask.
 const MASKED: usize = 12 * CHART.cols + 20;

@@ -109,7 +109,7 @@ fn a_solver_is_made_of_what_can_be_used() {
     let host = Host::without_validation();
     let good = solver_info(&host);
     let pass = |schedule, wavefront| GeosweepPasses { schedule, wavefront };
-    let bad_passes = [pass(1, 0), pass(0, 0), pass(1, 3), pass(7, 0)];
+    let bad_passes = [pass(1, 0), pass(0, 0), pass(1, 4), pass(7, 0)];
     let with = |first: usize| GeosweepSolverInfo {
         passes: bad_passes[first..].as_ptr(),
         pass_count: 1,
@@ -126,10 +126,10 @@ fn a_solver_is_made_of_what_can_be_used() {
         create(&GeosweepSolverInfo { get_instance_proc_addr: None, ..good }) => "is null",
         create(&GeosweepSolverInfo { instance: vk::Instance::null(), ..good }) => "instance is",
         create(&GeosweepSolverInfo { device: vk::Device::null(), ..good }) => "device is the null",
-        create(&GeosweepSolverInfo { passes: null(), ..good }) => "passes is null, and is said to have 3",
+        create(&GeosweepSolverInfo { passes: null(), ..good }) => "passes is null, and is said to have 4",
         create(&GeosweepSolverInfo { pass_count: u32::MAX, ..good }) => "4294967295 entries, and 64 at most",
         create(&with(1)) => "info->passes[0].schedule is GEOSWEEP_SCHEDULE_BEST",
-        create(&with(2)) => "info->passes[0].wavefront is 3, which is no GeosweepWavefront",
+        create(&with(2)) => "info->passes[0].wavefront is 4, which is no GeosweepWavefront",
         create(&with(3)) => "info->passes[0].schedule is 7, which is no GeosweepSchedule",
     }
     // Badly aligned, as C may well have it.

@@ -53,12 +53,12 @@ pub fn get_instance_proc_addr() -> Option<vk::PFN_vkGetInstanceProcAddr> {
     Some(entry().static_fn().get_instance_proc_addr)
 }
 
-pub const RASTER: [GeosweepPasses; 3] = {
+pub const RASTER: [GeosweepPasses; 4] = {
     const fn of(wavefront: GeosweepWavefront) -> GeosweepPasses {
         GeosweepPasses { schedule: GeosweepSchedule::Raster as i32, wavefront: wavefront as i32 }
     }
     use GeosweepWavefront::*;
-    [of(Planar), of(PointSource), of(Curved)]
+    [of(Planar), of(PointSource), of(Curved), of(Arcs)]
 };
 
 pub fn solver_info(host: &Host) -> GeosweepSolverInfo {
