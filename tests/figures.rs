@@ -29,7 +29,7 @@ fn picture_size(bench: &Bench, name: &str) -> (u32, u32) {
 }
 
 fn wavefront(name: &str) -> Wavefront {
-    Wavefront::ALL.into_iter().find(|wavefront| wavefront.name() == name).unwrap()
+    Wavefront::EVERY.into_iter().find(|wavefront| wavefront.name() == name).unwrap()
 }
 
 /// The CPU engine's map of a surface with points x points, and its errors.
