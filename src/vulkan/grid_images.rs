@@ -17,12 +17,8 @@ use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;
 use crate::surface::Chart;
 
-/// Points are uploaded, and distances read back, in bands of rows of at most this many bytes...
-const BAND_BYTES: usize = 16 << 20;
-/// ...or these for each of the grid's points, so that transfer takes a sixth of what the map does...
-const BAND_BYTES_PER_POINT: usize = 4;
-/// ...but for small grids, where a submission more would take longer than what it brings.
-const LEAST_BAND_BYTES: usize = 256 << 10;
+/// Points are uploaded, and distances read back, in bands of rows of at most this many bytes.
+pub(crate) const BAND_BYTES: usize = 16 << 20;
 /// The smallest upload buffer: room for the sources on a small grid.
 const LEAST_UPLOAD_BYTES: usize = 64 << 10;
 /// Bytes of a point to upload, at most: position and slowness.
@@ -43,8 +39,8 @@ pub(crate) enum Purpose<'a> {
 }
 
 /// The images of one surface: edge lengths (16 bytes a point), Gaussian curvature (4) and two of
-/// fronts (8 each: arrival time and curvature), with the lists of tiles, a buffer of points (4, up to
-/// 16 MiB), and a buffer for read-back (the same) or images of distances.
+/// fronts (8 each: arrival time and curvature), with the lists of tiles, a buffer of points (up
+/// to 16 MiB), and a buffer for read-back or images of distances.
 #[derive(Debug)]
 pub(crate) struct GridImages {
     pub(crate) chart: Chart,
@@ -236,11 +232,15 @@ fn buffer_infos(
     purpose: Purpose,
 ) -> [BufferInfo; 6] {
     use MemoryLocation::{CpuToGpu, GpuOnly, GpuToCpu};
-    let upload = (band_rows(chart, POINT_BYTES) + HALO) * chart.cols * POINT_BYTES;
+    let most = match purpose {
+        Purpose::Headless => transfer_bytes(chart),
+        Purpose::Embedded { .. } => BAND_BYTES,
+    };
+    let upload = (band_rows(chart, POINT_BYTES, most) + HALO) * chart.cols * POINT_BYTES;
     let upload = upload.max(LEAST_UPLOAD_BYTES);
     let (upload_location, outcomes, last) = match purpose {
         Purpose::Headless => {
-            let bytes = band_rows(chart, size_of::<f32>()) * chart.cols * size_of::<f32>();
+            let bytes = band_rows(chart, size_of::<f32>(), most) * chart.cols * size_of::<f32>();
             (CpuToGpu, 1, ("read-back", bytes, GpuToCpu))
         }
         Purpose::Embedded { results, .. } => {
@@ -269,16 +269,26 @@ fn blocks_bytes(texels: TexelChart, lines: u32) -> usize {
     Scan::ALL.len() * texels.block_pitch(lines) as usize * size_of::<[u32; 3]>()
 }
 
-/// Rows of a band: even, so that a texel lies in one band.
-fn band_rows(chart: Chart, point_bytes: usize) -> usize {
-    let bytes = (BAND_BYTES_PER_POINT * chart.points()).clamp(LEAST_BAND_BYTES, BAND_BYTES);
-    let rows = bytes / (chart.cols * point_bytes);
+/// Bytes of a band between the program's memory and the device: 4 for each of the grid's points, so
+/// that transfer takes a sixth of what the map does, but for small grids, where a submission more would
+/// take longer than what it brings.
+pub(crate) fn transfer_bytes(chart: Chart) -> usize {
+    (4 * chart.points()).clamp(256 << 10, BAND_BYTES)
+}
+
+/// Rows of a band of at most so many bytes: even, so that a texel lies in one band.
+fn band_rows(chart: Chart, point_bytes: usize, most: usize) -> usize {
+    let rows = most / (chart.cols * point_bytes);
     (rows / 2 * 2).clamp(2, chart.rows.next_multiple_of(2))
 }
 
-/// The grid's rows in bands that fit the transfer buffers.
-pub(crate) fn bands(chart: Chart, point_bytes: usize) -> impl Iterator<Item = Range<usize>> {
-    let step = band_rows(chart, point_bytes);
+/// The grid's rows in bands of at most so many bytes.
+pub(crate) fn bands(
+    chart: Chart,
+    point_bytes: usize,
+    most: usize,
+) -> impl Iterator<Item = Range<usize>> {
+    let step = band_rows(chart, point_bytes, most);
     (0..chart.rows).step_by(step).map(move |row| row..(row + step).min(chart.rows))
 }
 
@@ -289,7 +299,7 @@ mod tests {
     #[test]
     fn bands_cover_every_row_once() {
         let chart = Chart { rows: 4099, cols: 3000 };
-        let bands: Vec<_> = bands(chart, POINT_BYTES).collect();
+        let bands: Vec<_> = bands(chart, POINT_BYTES, BAND_BYTES).collect();
         assert!(bands.len() > 2);
         assert!(bands.iter().all(|band| band.start.is_multiple_of(2)));
         assert_eq!(bands.iter().map(|band| band.len()).sum::<usize>(), chart.rows);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::grid_images::{GridImages, POINT_BYTES, Purpose, bands};
+use super::grid_images::{GridImages, POINT_BYTES, Purpose, bands, transfer_bytes};
 use super::headless::{Commands, Context};
 use super::plan::{self, Reached, Step};
 use super::profile::{self, Capabilities, Capability, Detail, Executable, Session, SolveProfile};
@@ -167,7 +167,7 @@ impl Solver {
             Geometry::Metric(_) => (EdgeSource::Metric, Spacing::square(1.0)),
         };
         let arcs = surface.edge_rule() == EdgeRule::Arc;
-        for rows in bands(chart, POINT_BYTES) {
+        for rows in bands(chart, POINT_BYTES, transfer_bytes(chart)) {
             write_points(surface, rows_around(&rows, chart), origin, images.upload.mapped());
             self.run(images, |recorder| recorder.measure(source, spacing, arcs, rows))?;
         }
@@ -390,7 +390,7 @@ impl Solver {
         mut session: Option<&mut Session>,
     ) -> Result<Vec<f32>, VulkanError> {
         let mut distances = vec![0.0f32; images.chart.points()];
-        for rows in bands(images.chart, size_of::<f32>()) {
+        for rows in bands(images.chart, size_of::<f32>(), transfer_bytes(images.chart)) {
             let watched = session.as_deref_mut();
             self.watched(images, watched, |recorder| recorder.unpack(rows.clone()))?;
             let part =

@@ -9,7 +9,9 @@ use super::solver::Solver;
 use crate::constants::{BORDER, SOURCES_TOGETHER, TIME};
 use crate::surface::{Chart, EdgeRule, SurfaceError};
 use crate::vulkan::VulkanError;
-use crate::vulkan::grid_images::{GridImages, INLINE_SOURCES, POINT_BYTES, Purpose, bands};
+use crate::vulkan::grid_images::{
+    BAND_BYTES, GridImages, INLINE_SOURCES, POINT_BYTES, Purpose, bands,
+};
 use crate::vulkan::memory::{FORMAT, RESULT_FORMAT};
 
 /// What a surface is made for. The host's images and buffers stay the host's: they must be alive
@@ -215,7 +217,7 @@ impl Surface {
 
     /// Most passes of a frame beside those of its plan.
     pub(super) fn passes_around(&self) -> u32 {
-        let measured = 2 * bands(self.grid.chart, POINT_BYTES).count() as u32 + 2;
+        let measured = 2 * bands(self.grid.chart, POINT_BYTES, BAND_BYTES).count() as u32 + 2;
         let inline = INLINE_SOURCES as u32;
         let sources = self.sources.iter().map(|sources| sources.count).max();
         let sources = sources.unwrap_or(0).max(inline);
