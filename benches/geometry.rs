@@ -99,6 +99,13 @@ fn spiral(side: usize, count: usize) -> Vec<[f64; 2]> {
     (0..count).map(place).collect()
 }
 
+/// So many of them where the surface has points.
+fn spiral_on(surface: &Surface, count: usize) -> Vec<[f64; 2]> {
+    let is_there = |&[row, col]: &[f64; 2]| surface.has(row as usize, col as usize);
+    let on = |all| spiral(surface.rows(), all).into_iter().filter(is_there).collect::<Vec<_>>();
+    (count..).map(on).find(|places| places.len() >= count).unwrap_or_default()
+}
+
 fn points(places: &[[f64; 2]]) -> Sources {
     places.iter().fold(Sources::default(), |sources, &[row, col]| sources.and_point(row, col, 0.0))
 }
@@ -114,7 +121,7 @@ fn main() {
     let is_bench = words.iter().any(|word| word == "--bench");
     words.retain(|word| !word.starts_with('-'));
     let (side, rounds) = if is_bench { (1200, 11) } else { (60, 1) };
-    for builtin in [Builtin::Sphere, Builtin::Peaks] {
+    for builtin in [Builtin::Sphere, Builtin::Peaks, Builtin::Maze] {
         let surface = builtin.surface(side, side).expect("built-in surfaces fit");
         let edges = EdgeLengths::<f32>::new(&surface).expect("built-in surfaces fit");
         println!(
@@ -125,13 +132,15 @@ fn main() {
         let from_corner = points(&[[corner; 2]]);
         let sets = [
             ("1 source", from_corner.clone()),
-            ("2 sources", points(&spiral(side, 2))),
+            ("2 sources", points(&spiral_on(&surface, 2))),
             ("2 close sources", points(&[[corner; 2], [corner + 4.0, corner + 6.0]])),
-            ("50 sources", points(&spiral(side, 50))),
+            ("50 sources", points(&spiral_on(&surface, 50))),
         ];
         let maps: Vec<_> = sets.iter().map(|(_, sources)| solve(&surface, sources)).collect();
-        let starts = spiral(side, PATHS);
-        let curve = Sources::curve([[middle, 0.3 * middle], [1.15 * middle, 1.6 * middle]]);
+        let starts = spiral_on(&surface, PATHS);
+        // In the maze along its outermost corridor.
+        let row = if builtin == Builtin::Maze { 0.1 * middle } else { middle };
+        let curve = Sources::curve([[row, 0.3 * middle], [1.15 * row, 1.6 * middle]]);
         let curve_map = solve(&surface, &curve);
         let levels = Levels::Count(10).on(&curve_map, &curve).expect("ten are not too many");
 

@@ -76,20 +76,26 @@ fn starts_beyond(source: [f64; 2], points: usize, count: usize) -> Vec<[f64; 2]>
     starts.filter(|start| (start[0] - source[0]).hypot(start[1] - source[1]) > 3.0).collect()
 }
 
-/// Paths are traced side by side; what they are does not depend on that.
+/// Paths are traced side by side, and share what comes after the corners of holes; what they are does
+/// not depend on that.
 #[test]
 fn paths_together_are_what_they_are_alone() {
     const POINTS: usize = 65;
-    for builtin in [Builtin::Peaks, Builtin::Face, Builtin::Maze] {
+    let one = at([0.0, 0.0]);
+    // The second one's paths are traced twice.
+    let two = Sources::point(33.25, 40.5).and_point(20.0, 20.5, 0.1);
+    let in_the_maze = at([0.0, 0.0]).and_point(60.0, 30.0, 0.3);
+    for (builtin, sources) in [
+        (Builtin::Peaks, &two),
+        (Builtin::Face, &two),
+        (Builtin::Maze, &one),
+        (Builtin::Maze, &in_the_maze),
+    ] {
         let surface = builtin.surface(POINTS, POINTS).unwrap();
         let edges = EdgeLengths::new(&surface).unwrap();
-        // The second one's paths are traced twice.
-        let sources = match builtin {
-            Builtin::Maze => at([0.0, 0.0]),
-            _ => Sources::point(33.25, 40.5).and_point(20.0, 20.5, 0.1),
-        };
-        let map = rotated::<f32>(&surface, &sources, Wavefront::Curved, CONVERGED).distances();
-        let paths = Paths::new(&surface, &edges, &sources, &map).unwrap();
+        let map = rotated::<f32>(&surface, sources, Wavefront::Curved, CONVERGED).distances();
+        let new = || Paths::new(&surface, &edges, sources, &map).unwrap();
+        let paths = new();
         let mut random = Random::new(4);
         let last = (POINTS - 1) as f64;
         let starts: Vec<_> = (0..1000).map(|_| [0; 2].map(|_| last * random.next())).collect();
@@ -100,8 +106,14 @@ fn paths_together_are_what_they_are_alone() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             assert!(pool.install(|| paths.trace_all(&starts)) == together, "{builtin}: {threads}");
         }
-        for (start, path) in starts.iter().zip(together) {
-            assert_eq!(path, paths.trace(*start), "{builtin} from {start:?}");
+        let reached =
+            |source| together.iter().flatten().filter(|path| path.source == source).count();
+        assert!((0..sources.iter().count()).all(|source| reached(source) > 50), "{builtin}");
+        for (number, (start, path)) in starts.iter().zip(&together).enumerate() {
+            assert_eq!(*path, paths.trace(*start), "{builtin} from {start:?}");
+            if number % 20 == 0 {
+                assert_eq!(*path, new().trace(*start), "{builtin} from {start:?}, first of all");
+            }
         }
     }
 }

@@ -13,6 +13,7 @@ use glam::DVec2;
 
 use super::corners::Corners;
 use super::goals::Goals;
+use super::rests::Rests;
 use super::trace::{Field, Place, Trace};
 use crate::cpu::{RotatedScan, Stop};
 use crate::surface::{Chart, EdgeLengths, Seed, Sources};
@@ -118,7 +119,7 @@ impl Field<'_> {
         if !trace.is_too_long() {
             return trace;
         }
-        match self.around(&trace).map(|other| self.taut(other)) {
+        match self.around(&trace).map(|other| self.taut(other.into()).trace()) {
             Some(other) if other.arrival() < trace.arrival() => other,
             _ => trace,
         }
@@ -207,7 +208,8 @@ impl Field<'_> {
         }
         let there = |point: usize| times[point] < f32::INFINITY;
         let goals = Goals::new(chart, &Sources::point(at.x, at.y), there);
-        Some(Field { edges, times, start: 0.0, goals, corners: Corners::default() })
+        let (corners, rests) = (Corners::default(), Rests::default());
+        Some(Field { edges, times, start: 0.0, goals, corners, shortens: false, rests })
     }
 }
 

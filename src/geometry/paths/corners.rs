@@ -45,14 +45,20 @@ impl Corners {
         self.is_corner.is_empty()
     }
 
+    /// Whether a point of the bordered array is one.
+    pub(super) fn is_corner(&self, point: usize) -> bool {
+        self.is_corner.get(point) == Some(&true)
+    }
+
     /// The corners at the ends of the edge that a place lies on, or at the place.
     pub(super) fn beside(&self, chart: Chart, at: DVec2) -> impl Iterator<Item = DVec2> {
         let on_edge = at.x.fract() == 0.0 || at.y.fract() == 0.0;
         let (first, last) = (at.floor(), at.ceil());
         let ends = [(on_edge, first), (on_edge && last != first, last)];
-        ends.into_iter().filter(|(is_end, _)| *is_end).map(|(_, end)| end).filter(move |end| {
-            self.is_corner.get(chart.bordered(end.x as usize, end.y as usize)) == Some(&true)
-        })
+        ends.into_iter()
+            .filter(|(is_end, _)| *is_end)
+            .map(|(_, end)| end)
+            .filter(move |end| self.is_corner(chart.bordered(end.x as usize, end.y as usize)))
     }
 }
 
@@ -69,9 +75,7 @@ mod tests {
             times[CHART.bordered(row, col)] = 1.0;
         }
         let corners = Corners::new(CHART, &times);
-        let is_corner = |&(row, col): &(usize, usize)| {
-            corners.is_corner.get(CHART.bordered(row, col)) == Some(&true)
-        };
+        let is_corner = |&(row, col): &(usize, usize)| corners.is_corner(CHART.bordered(row, col));
         let found = points.filter(is_corner).collect();
         (corners, found)
     }

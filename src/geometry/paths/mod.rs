@@ -20,6 +20,7 @@ mod cell;
 mod corners;
 mod goals;
 mod profile;
+mod rests;
 mod taut;
 mod trace;
 mod walk;
@@ -31,6 +32,7 @@ use super::Curve;
 use crate::surface::{Chart, EdgeLengths, Source, SourceError, Sources, Surface};
 use corners::Corners;
 use goals::Goals;
+use rests::Rests;
 use trace::{Field, Stuck, Trace};
 
 /// A shortest path from a place to a source.
@@ -120,6 +122,10 @@ const TOGETHER: usize = 64;
 
 /// A distance map, ready for tracing paths.
 ///
+/// Paths that come to the same corner of a hole are one from there on. It is traced for the first of them
+/// and kept for others, of this call and later ones, at 16 bytes for each cell on the way to the next
+/// corner.
+///
 /// ```
 /// use geosweep::geometry::Paths;
 /// use geosweep::surface::{EdgeLengths, builtin::Builtin};
@@ -144,8 +150,6 @@ pub struct Paths<'a> {
     field: Field<'a>,
     /// A place of the first source.
     around: DVec2,
-    /// Whether paths are made shorter than the map alone has them.
-    shortens: bool,
 }
 
 impl<'a> Paths<'a> {
@@ -179,8 +183,9 @@ impl<'a> Paths<'a> {
         };
         let around = sources.iter().find_map(place).unwrap_or_default();
         let corners = Corners::new(chart, &times);
-        let field = Field { edges, times, start: sources.start(), goals, corners };
-        Ok(Self { surface, field, around, shortens: true })
+        let (start, rests) = (sources.start(), Rests::default());
+        let field = Field { edges, times, start, goals, corners, shortens: true, rests };
+        Ok(Self { surface, field, around })
     }
 
     /// Follows the map alone, as the paths on a device do ([`crate::vulkan::embed::Paths`]).
@@ -192,8 +197,11 @@ impl<'a> Paths<'a> {
     /// corner of a hole a path along the map is too long by up to a twentieth of a cell; otherwise it
     /// is drawn taut there.
     #[must_use]
-    pub fn along_the_map(self) -> Self {
-        Self { shortens: false, ..self }
+    pub fn along_the_map(mut self) -> Self {
+        self.field.shortens = false;
+        // Those kept are taut.
+        self.field.rests = Rests::default();
+        self
     }
 
     /// The path from a place, as fractional row and column, to its source.
@@ -239,8 +247,7 @@ impl<'a> Paths<'a> {
                     lost_row: at.x,
                     lost_col: at.y,
                 })?;
-                let trace =
-                    if self.shortens { self.field.shortest(self.field.taut(trace)) } else { trace };
+                let trace = if self.field.shortens { self.field.shortest(trace) } else { trace };
                 let Trace { vertices, time, length, source, .. } = trace;
                 let vertices = vertices.into_iter().map(|at| at.to_array()).collect();
                 let curve = Curve { vertices, closed: false };

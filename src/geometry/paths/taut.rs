@@ -11,10 +11,13 @@
 //! is longer than the shortest path by the third power of its length, and replaces only the cells near
 //! the corner; further on what cubics make of the cone is better by the sixth power of the distance.
 
+use std::sync::Arc;
+
 use glam::DVec2;
 
 use super::cell::{Cell, corners};
-use super::trace::{Field, Trace};
+use super::rests::Course;
+use super::trace::Field;
 use crate::surface::{corner_weights, grid_crossings};
 
 /// Whether a path is to be led over a corner is decided by lines over as many of its vertices.
@@ -49,6 +52,13 @@ struct Shortcut {
     saves: f64,
 }
 
+/// A path that has been added to another one.
+struct Shared {
+    rest: Arc<Course>,
+    /// How many of the last vertices are still its own.
+    left: usize,
+}
+
 /// A path beside a corner.
 struct Bend<'a> {
     field: &'a Field<'a>,
@@ -62,11 +72,12 @@ impl Bend<'_> {
     fn shortcut(&self, fixed: usize, first: usize) -> Option<Shortcut> {
         let (field, vertices) = (self.field, self.vertices);
         let end = vertices.len() - 1;
-        if self.corner == vertices[0] || self.corner == vertices[end] {
+        if self.corner == vertices[end] {
             return None;
         }
         let is_beside = |&at: &DVec2| field.corners_beside(at).any(|corner| corner == self.corner);
         let beside = vertices[first..].iter().take_while(|at| is_beside(at)).count();
+        let own = (first..first + beside).find(|&at| vertices[at] == self.corner);
         let nearest = [first.saturating_sub(1), (first + beside).min(end)];
         // Most paths pass by.
         let around = nearest[0].saturating_sub(NEAR).max(fixed)..=(nearest[1] + NEAR).min(end);
@@ -88,8 +99,11 @@ impl Bend<'_> {
         let past = field.straight(vertices[before.end], vertices[after.end]);
         let past = past.filter(|past| *past < (1.0 - LEAST) * over);
         let length = past.unwrap_or(over);
+        // Straight lines from or to the corner stay as they are.
+        let kept =
+            |line: Line| own.filter(|&own| past.is_none() && self.is_straight(own, line.end));
         (length < (1.0 - LEAST) * replaced).then_some(Shortcut {
-            ends: [before.end, after.end],
+            ends: [before, after].map(|line| kept(line).unwrap_or(line.end)),
             corner: past.is_none().then_some(self.corner),
             saves: replaced - length,
         })
@@ -97,7 +111,8 @@ impl Bend<'_> {
 
     /// The line between the corner and a vertex.
     fn line(&self, end: usize) -> Option<Line> {
-        let length = self.field.straight(self.corner, self.vertices[end])?;
+        let to = self.vertices[end];
+        let length = if to == self.corner { 0.0 } else { self.field.straight(self.corner, to)? };
         Some(Line { end, length, way: 0.0 })
     }
 
@@ -149,42 +164,84 @@ fn extent(vertices: &[DVec2]) -> f64 {
 
 impl Field<'_> {
     /// A path led straight to the corners that it bends at and away.
-    pub(super) fn taut(&self, mut trace: Trace) -> Trace {
+    pub(super) fn taut(&self, mut course: Course) -> Course {
         if self.corners.is_none() {
-            return trace;
+            return course;
         }
         // The last corner that the path is led over.
         let mut fixed = 0;
         let mut at = 0;
-        while at < trace.vertices.len() {
-            let vertices = &trace.vertices;
-            let is_new = |corner: DVec2| {
-                at == 0 || self.corners_beside(vertices[at - 1]).all(|before| before != corner)
-            };
-            let shortcut = self.corners_beside(vertices[at]).find_map(|corner| {
-                let bend = Bend { field: self, vertices, corner };
-                is_new(corner).then(|| bend.shortcut(fixed, at))?
-            });
-            let Some(Shortcut { ends: [first, last], corner, saves }) = shortcut else {
-                if self.corners_beside(vertices[at]).any(|corner| corner == vertices[at]) {
+        let mut shared = None;
+        while at < course.vertices.len() {
+            shared = self.join(&mut course, at).or(shared);
+            if let Some(shortcut) = self.shortcut(&course.vertices, fixed, at) {
+                if let Some(Shared { left, .. }) = &mut shared {
+                    *left = (*left).min(course.vertices.len() - shortcut.ends[1]);
+                }
+                let (bend, end) = self.take(&mut course, &shortcut);
+                fixed = bend.unwrap_or(fixed);
+                at = bend.map_or(end, |bend| bend + 1);
+            } else {
+                let vertex = course.vertices[at];
+                if self.corners_beside(vertex).any(|corner| corner == vertex) {
                     fixed = at;
                 }
                 at += 1;
-                continue;
-            };
-            let (from, to) = (vertices[first], vertices[last]);
-            let mut way = self.cuts(from, corner.unwrap_or(to));
-            at = first + 1 + way.len();
-            if let Some(corner) = corner {
-                fixed = at;
-                at += 1;
-                way.push(corner);
-                way.extend(self.cuts(corner, to));
             }
-            trace.vertices.splice(first + 1..last, way);
-            trace.length -= saves;
+            // What follows is taut already.
+            if let Some(Shared { left, rest }) = &shared
+                && fixed + left >= course.vertices.len()
+            {
+                if *left == rest.vertices.len() && fixed + left == course.vertices.len() {
+                    course.vertices.truncate(fixed + 1);
+                    course.rest = Some(rest.clone());
+                }
+                break;
+            }
         }
-        trace
+        course
+    }
+
+    /// What is shorter over a corner that a path, fixed up to a vertex, is beside from another one on.
+    fn shortcut(&self, vertices: &[DVec2], fixed: usize, at: usize) -> Option<Shortcut> {
+        let is_new = |corner: &DVec2| {
+            at == 0 || self.corners_beside(vertices[at - 1]).all(|before| before != *corner)
+        };
+        let bend = |corner| Bend { field: self, vertices, corner };
+        let corners = self.corners_beside(vertices[at]).filter(is_new);
+        corners.map(bend).find_map(|bend| bend.shortcut(fixed, at))
+    }
+
+    /// Leads a path another way: the vertices where that bends, if it does, and where it ends.
+    fn take(&self, course: &mut Course, shortcut: &Shortcut) -> (Option<usize>, usize) {
+        let &Shortcut { ends: [first, last], corner, saves } = shortcut;
+        let (from, to) = (course.vertices[first], course.vertices[last]);
+        let mut way = self.cuts(from, corner.unwrap_or(to));
+        let bend = corner.map(|corner| {
+            let bend = if from == corner { first } else { first + 1 + way.len() };
+            if from != corner && to != corner {
+                way.push(corner);
+            }
+            way.extend(self.cuts(corner, to));
+            bend
+        });
+        let end = first + 1 + way.len();
+        course.vertices.splice(first + 1..last, way);
+        course.length -= saves;
+        (bend, end)
+    }
+
+    /// Adds the rest of a path where that begins at a corner beside a vertex, so that it can be drawn
+    /// taut there.
+    fn join(&self, course: &mut Course, at: usize) -> Option<Shared> {
+        let end = *course.vertices.last()?;
+        if self.corners_beside(course.vertices[at]).all(|corner| corner != end) {
+            return None;
+        }
+        let rest = course.rest.take()?;
+        course.vertices.extend_from_slice(&rest.vertices[1..]);
+        course.rest = rest.rest.clone();
+        Some(Shared { left: rest.vertices.len(), rest })
     }
 
     fn corners_beside(&self, at: DVec2) -> impl Iterator<Item = DVec2> {

@@ -10,6 +10,7 @@ use super::cell::{Cell, SIDES, Weights};
 use super::corners::Corners;
 use super::goals::{Goals, Nearest};
 use super::profile::Profile;
+use super::rests::Rests;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, FAR, corner_weights};
 
 /// What a tracer knows.
@@ -22,6 +23,9 @@ pub(super) struct Field<'a> {
     pub start: f64,
     pub goals: Goals,
     pub corners: Corners,
+    /// Whether paths are made shorter than the map alone has them.
+    pub shortens: bool,
+    pub rests: Rests,
 }
 
 /// A path's trace: its vertices from the start to the source.
@@ -36,6 +40,7 @@ pub(super) struct Trace {
 }
 
 /// Where a path cannot go on.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Stuck(pub DVec2);
 
 /// Where a path is.

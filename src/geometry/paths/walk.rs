@@ -1,15 +1,35 @@
 //! Paths on their way from cell to cell, several side by side.
 
-use std::ops::ControlFlow::{self, Break, Continue};
-
 use glam::DVec2;
 
 use super::ahead::{Ahead, Crossed, Entry, LANES};
-use super::trace::{End, Field, Place, Stuck, Trace};
+use super::trace::{End, Field, Place, Stuck};
 
 /// Bands of times from the latest start to the source: of 1200 x 1200 points each is some fifty
 /// cells wide, so that nearby paths read the same few kilobytes. One band would take an eighth more.
 const BANDS: f64 = 24.0;
+
+/// A path as far as it has been followed.
+#[derive(Debug)]
+pub(super) struct Head {
+    pub vertices: Vec<DVec2>,
+    /// Arrival time at its start.
+    pub time: f64,
+    pub length: f64,
+    pub goal: Goal,
+}
+
+/// Where following a path ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Goal {
+    Source {
+        source: usize,
+        /// Its initial value.
+        initial: f64,
+    },
+    /// At the corner of a hole, a point of the bordered array: from there on, all paths are one.
+    Corner(usize),
+}
 
 /// A path under way.
 struct Walk {
@@ -24,12 +44,13 @@ struct Walk {
     entry: Option<(Entry, DVec2)>,
     /// The earliest of the grid points passed, and left, not for a later one.
     lowest: f64,
-    trace: Trace,
+    /// Arrival time at the start.
+    arrival: f64,
+    vertices: Vec<DVec2>,
+    length: f64,
     /// From the start to each vertex.
     lengths: Vec<f64>,
     lines: usize,
-    /// The path that squares of times since the smallest initial value lead on.
-    before: Option<Trace>,
 }
 
 impl Walk {
@@ -46,10 +67,11 @@ impl Walk {
             from: usize::MAX,
             entry: None,
             lowest: f64::INFINITY,
-            trace: Trace { vertices: vec![start], time, length: 0.0, source: 0, initial: 0.0 },
+            arrival: time,
+            vertices: vec![start],
+            length: 0.0,
             lengths: vec![0.0],
             lines: 0,
-            before: None,
         })
     }
 
@@ -57,11 +79,11 @@ impl Walk {
     #[inline(always)]
     fn advance(&mut self, field: &Field, line: &Crossed) -> Result<(), Stuck> {
         self.count(field)?;
-        self.trace.length += line.length;
-        let (before, at) = (self.trace.vertices.last(), line.end.at());
+        self.length += line.length;
+        let (before, at) = (self.vertices.last(), line.end.at());
         self.entry = before.map(|&before| (line.end, at - before));
-        self.trace.vertices.push(at);
-        self.lengths.push(self.trace.length);
+        self.vertices.push(at);
+        self.lengths.push(self.length);
         self.place = line.end.place(field.chart());
         (self.time, self.from) = (line.time, line.cell);
         Ok(())
@@ -75,8 +97,8 @@ impl Walk {
         if is_lost { Err(Stuck(field.position(self.place))) } else { Ok(()) }
     }
 
-    /// Goes one line further, found by a search; at the end returns the source's initial value.
-    fn go_on(&mut self, field: &Field) -> Result<Option<f64>, Stuck> {
+    /// Goes one line further, found by a search, and tells where it has ended.
+    fn go_on(&mut self, field: &Field) -> Result<Option<Goal>, Stuck> {
         self.count(field)?;
         if let Place::Point(point) = self.place {
             self.lowest = self.lowest.min(field.time(point));
@@ -86,33 +108,36 @@ impl Walk {
             self.head(field);
             return Ok(None);
         };
-        if self.trace.time == f64::INFINITY {
-            self.trace.time = line.arrival();
+        if self.arrival == f64::INFINITY {
+            self.arrival = line.arrival();
         }
-        self.trace.length += line.length;
+        self.length += line.length;
         match line.end {
             End::Source(source, at) => {
                 // A path that starts at its source is a single place.
-                if self.trace.vertices.last() != Some(&at) {
-                    self.trace.vertices.push(at);
+                if self.vertices.last() != Some(&at) {
+                    self.vertices.push(at);
                 }
-                self.trace.source = source;
-                self.trace.initial = line.time;
-                return Ok(Some(line.time));
+                Ok(Some(Goal::Source { source, initial: line.time }))
             }
             End::Place(next) => {
-                self.trace.vertices.push(field.position(next));
-                self.lengths.push(self.trace.length);
+                self.vertices.push(field.position(next));
+                self.lengths.push(self.length);
                 (self.place, self.time, self.from) = (next, line.time, line.cell);
                 self.head(field);
+                match next {
+                    Place::Point(point) if field.corners.is_corner(point) => {
+                        Ok(Some(Goal::Corner(point)))
+                    }
+                    _ => Ok(None),
+                }
             }
         }
-        Ok(None)
     }
 
     /// Where the path now enters a cell.
     fn head(&mut self, field: &Field) {
-        self.entry = match self.trace.vertices[..] {
+        self.entry = match self.vertices[..] {
             [.., before, at] => {
                 field.entry(self.place, self.from).map(|entry| (entry, at - before))
             }
@@ -122,65 +147,47 @@ impl Walk {
 
     /// Leaves a place from which no line falls.
     fn detour(&mut self, field: &Field) -> Result<(), Stuck> {
-        let (trace, lengths) = (&mut self.trace, &mut self.lengths);
+        let (vertices, lengths) = (&mut self.vertices, &mut self.lengths);
         let stuck = || Stuck(field.position(self.place));
         let point = field.lower_end(self.place);
         let detour = field.detour(point, self.lowest).ok_or_else(stuck)?;
         let at = field.position(Place::Point(point));
         // Back at a point that it has passed, a path goes on from there without the loop.
-        if let Some(passed) = trace.vertices.iter().position(|vertex| *vertex == at) {
-            trace.vertices.truncate(passed + 1);
+        if let Some(passed) = vertices.iter().position(|vertex| *vertex == at) {
+            vertices.truncate(passed + 1);
             lengths.truncate(passed + 1);
-            trace.length = lengths[passed];
+            self.length = lengths[passed];
         } else if let Place::Edge { first, step, share } = self.place {
             let length = field.length(first, first + step);
-            trace.length += length * if point == first { share } else { 1.0 - share };
-            trace.vertices.push(at);
+            self.length += length * if point == first { share } else { 1.0 - share };
+            vertices.push(at);
         }
-        lengths.resize(trace.vertices.len(), trace.length);
+        lengths.resize(vertices.len(), self.length);
         for ends in detour.windows(2) {
-            trace.length += field.length(ends[0], ends[1]);
-            trace.vertices.push(field.position(Place::Point(ends[1])));
-            lengths.push(trace.length);
+            self.length += field.length(ends[0], ends[1]);
+            vertices.push(field.position(Place::Point(ends[1])));
+            lengths.push(self.length);
         }
         let end = detour.last().copied().unwrap_or(point);
         (self.place, self.time) = (Place::Point(end), field.time(end));
         Ok(())
     }
 
-    /// What comes after the end of a path: its trace, or a walk once more.
-    ///
-    /// Squares of times are smooth at a source if they count from its own initial value, which is
-    /// known once a path has found it.
-    fn end(
-        self,
-        field: &Field,
-        end: Result<f64, Stuck>,
-    ) -> ControlFlow<Result<Trace, Stuck>, Self> {
-        let trace = match (self.before, end) {
-            (None, Ok(initial)) if initial != field.start => {
-                match Self::new(field, self.trace.vertices[0], initial) {
-                    Ok(again) => return Continue(Self { before: Some(self.trace), ..again }),
-                    Err(_) => Ok(self.trace),
-                }
-            }
-            (Some(before), Ok(_)) if before.source == self.trace.source => Ok(self.trace),
-            (Some(before), _) => Ok(before),
-            (None, Ok(_)) => Ok(self.trace),
-            (None, Err(stuck)) => Err(stuck),
-        };
-        Break(trace)
+    fn end(self, goal: Goal) -> Head {
+        let Self { vertices, arrival: time, length, .. } = self;
+        Head { vertices, time, length, goal }
     }
 }
 
 impl Field<'_> {
-    /// The paths from some places to their sources. Each is what it would be alone.
+    /// The paths from some places to the first corner of a hole that they come to, or to their
+    /// sources, by squares of times that count from some moments. Each is what it would be alone.
     ///
     /// They go down together, the latest first and a band of times after the other, so that what one
     /// of them has read is at hand for those beside it.
-    pub(super) fn traces(&self, starts: &[DVec2]) -> Vec<Result<Trace, Stuck>> {
-        let mut traces: Vec<_> = starts.iter().map(|&start| Err(Stuck(start))).collect();
-        let walk = |&start| Walk::new(self, start, self.start).ok();
+    pub(super) fn heads(&self, starts: &[(DVec2, f64)]) -> Vec<Result<Head, Stuck>> {
+        let mut heads: Vec<_> = starts.iter().map(|&(start, _)| Err(Stuck(start))).collect();
+        let walk = |&(start, moment): &_| Walk::new(self, start, moment).ok();
         let mut walks: Vec<_> = starts.iter().map(walk).collect();
         let (mut ahead, mut band) = (Ahead::default(), None);
         let time = |walk: &Walk| walk.time;
@@ -190,9 +197,9 @@ impl Field<'_> {
             } else {
                 latest
             };
-            self.descend(&mut walks, until, &mut ahead, &mut traces);
+            self.descend(&mut walks, until, &mut ahead, &mut heads);
         }
-        traces
+        heads
     }
 
     /// Takes those that are no earlier down to a time, or to their ends.
@@ -201,7 +208,7 @@ impl Field<'_> {
         walks: &mut [Option<Walk>],
         until: f64,
         ahead: &mut Ahead,
-        traces: &mut [Result<Trace, Stuck>],
+        heads: &mut [Result<Head, Stuck>],
     ) {
         let is_late = |walk: &Option<Walk>| walk.as_ref().is_some_and(|walk| walk.time >= until);
         let late: Vec<usize> = (0..walks.len()).filter(|&path| is_late(&walks[path])).collect();
@@ -223,12 +230,10 @@ impl Field<'_> {
                         Some(line) => walk.advance(self, &line).map(|()| None),
                         None => walk.go_on(self),
                     };
-                    if let Some(end) = gone.transpose() {
-                        match walks[path].take().map(|walk| walk.end(self, end)) {
-                            Some(Continue(again)) => walks[path] = Some(again),
-                            Some(Break(trace)) => traces[path] = trace,
-                            None => {}
-                        }
+                    if let Some(end) = gone.transpose()
+                        && let Some(walk) = walks[path].take()
+                    {
+                        heads[path] = end.map(|goal| walk.end(goal));
                     }
                 }
                 if !is_late(&walks[path]) {
