@@ -15,8 +15,8 @@ pub enum GeosweepWavefront {
     PointSource = 1,
     /// Carries its curvature beside the distance: second-order on curved surfaces and around holes.
     Curved = 2,
-    /// The same, and continues the two arcs behind the corners of holes by themselves: as good as exact
-    /// on planes with holes, for which it is.
+    /// The same, and continues the two arcs behind the corners of holes by themselves. For planes with
+    /// holes, where it is as good as exact.
     Arcs = 3,
 }
 

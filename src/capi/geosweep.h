@@ -135,8 +135,8 @@ typedef enum {
     GEOSWEEP_WAVEFRONT_POINT_SOURCE = 1,
     // Carries its curvature beside the distance: second-order on curved surfaces and around holes.
     GEOSWEEP_WAVEFRONT_CURVED = 2,
-    // The same, and continues the two arcs behind the corners of holes by themselves: as good as exact
-    // on planes with holes, for which it is.
+    // The same, and continues the two arcs behind the corners of holes by themselves. For planes with
+    // holes, where it is as good as exact.
     GEOSWEEP_WAVEFRONT_ARCS = 3,
 } GeosweepWavefront;
 

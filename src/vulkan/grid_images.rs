@@ -39,8 +39,8 @@ pub(crate) enum Purpose<'a> {
 }
 
 /// The images of one surface: edge lengths (16 bytes a point), Gaussian curvature (4) and two of
-/// fronts (8 each: arrival time and curvature), with the lists of tiles, a buffer of points (up
-/// to 16 MiB), and a buffer for read-back or images of distances.
+/// fronts (8 each: arrival time and curvature), with the lists of tiles, a buffer of points (up to
+/// 16 MiB), and a buffer for read-back or images of distances.
 #[derive(Debug)]
 pub(crate) struct GridImages {
     pub(crate) chart: Chart,
