@@ -542,8 +542,8 @@ GeosweepStatus geosweep_solver_bytes(const GeosweepSolver *solver, uint64_t *byt
 GeosweepStatus geosweep_solver_destroy(GeosweepSolver *solver);
 
 // Says how many bytes of device memory a surface will take, before it is made: 36 a grid point and
-// 4 for each slot, a buffer of 16 a point but 16 MiB at most, and 16 a point (8 for heights) for
-// points in the program's memory.
+// 4 for each slot, a buffer of 16 a point up to 4 MiB, of 6 a point up to 16 MiB on larger grids, and
+// 16 a point (8 for heights) for points in the program's memory.
 GeosweepStatus geosweep_surface_bytes_for(const GeosweepSolver *solver,
                                           const GeosweepSurfaceInfo *info,
                                           uint64_t *bytes);

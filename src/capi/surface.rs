@@ -135,8 +135,8 @@ impl GeosweepSurface {
 }
 
 /// Says how many bytes of device memory a surface will take, before it is made: 36 a grid point and
-/// 4 for each slot, a buffer of 16 a point but 16 MiB at most, and 16 a point (8 for heights) for
-/// points in the program's memory.
+/// 4 for each slot, a buffer of 16 a point up to 4 MiB, of 6 a point up to 16 MiB on larger grids, and
+/// 16 a point (8 for heights) for points in the program's memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_bytes_for(
     solver: *const GeosweepSolver,

@@ -18,7 +18,7 @@ use crate::constants::LAYERS;
 use crate::surface::Chart;
 
 /// Points are uploaded, and distances read back, in bands of rows of at most this many bytes.
-pub(crate) const BAND_BYTES: usize = 16 << 20;
+const BAND_BYTES: usize = 16 << 20;
 /// The smallest upload buffer: room for the sources on a small grid.
 const LEAST_UPLOAD_BYTES: usize = 64 << 10;
 /// Bytes of a point to upload, at most: position and slowness.
@@ -39,8 +39,8 @@ pub(crate) enum Purpose<'a> {
 }
 
 /// The images of one surface: edge lengths (16 bytes a point), Gaussian curvature (4) and two of
-/// fronts (8 each: arrival time and curvature), with the lists of tiles, a buffer of points (up to
-/// 16 MiB), and a buffer for read-back or images of distances.
+/// fronts (8 each: arrival time and curvature), with the lists of tiles, a buffer of points, and a
+/// buffer for read-back or images of distances.
 #[derive(Debug)]
 pub(crate) struct GridImages {
     pub(crate) chart: Chart,
@@ -234,7 +234,7 @@ fn buffer_infos(
     use MemoryLocation::{CpuToGpu, GpuOnly, GpuToCpu};
     let most = match purpose {
         Purpose::Headless => transfer_bytes(chart),
-        Purpose::Embedded { .. } => BAND_BYTES,
+        Purpose::Embedded { .. } => frame_bytes(chart),
     };
     let upload = (band_rows(chart, POINT_BYTES, most) + HALO) * chart.cols * POINT_BYTES;
     let upload = upload.max(LEAST_UPLOAD_BYTES);
@@ -274,6 +274,13 @@ fn blocks_bytes(texels: TexelChart, lines: u32) -> usize {
 /// take longer than what it brings.
 pub(crate) fn transfer_bytes(chart: Chart) -> usize {
     (4 * chart.points()).clamp(256 << 10, BAND_BYTES)
+}
+
+/// Bytes of a band of a host's points, which are measured band by band in each frame that they change in:
+/// 6 for each of the grid's points, three bands. Smaller grids are measured at once, since there two
+/// passes more would take longer than what they save is worth.
+pub(crate) fn frame_bytes(chart: Chart) -> usize {
+    (6 * chart.points()).clamp(4 << 20, BAND_BYTES)
 }
 
 /// Rows of a band of at most so many bytes: even, so that a texel lies in one band.

@@ -13,7 +13,7 @@ use crate::constants::SOURCES_TOGETHER;
 use crate::surface::{Chart, EdgeRule, Spacing};
 use crate::vulkan::VulkanError;
 use crate::vulkan::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE, TRANSFER};
-use crate::vulkan::grid_images::{BAND_BYTES, INLINE_SOURCES, POINT_BYTES, bands};
+use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands, frame_bytes};
 use crate::vulkan::pipelines::SchedulePipelines;
 use crate::vulkan::profile::{PassKind, PassRecord, Profile, Work};
 use crate::vulkan::record::{EdgeSource, Recorder, dispatched, rows_around};
@@ -182,7 +182,7 @@ impl<'a> Recording<'a> {
         };
         // A metric has no other edges than straight ones.
         let rule = if info.kind == PointKind::Metric { EdgeRule::Chord } else { surface.edge_rule };
-        for rows in bands(chart, POINT_BYTES, BAND_BYTES) {
+        for rows in bands(chart, POINT_BYTES, frame_bytes(chart)) {
             let around = rows_around(&rows, chart);
             let band = PointsBand {
                 grid: grid_size(chart),

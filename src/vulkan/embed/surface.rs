@@ -10,7 +10,7 @@ use crate::constants::{BORDER, SOURCES_TOGETHER, TIME};
 use crate::surface::{Chart, EdgeRule, SurfaceError};
 use crate::vulkan::VulkanError;
 use crate::vulkan::grid_images::{
-    BAND_BYTES, GridImages, INLINE_SOURCES, POINT_BYTES, Purpose, bands,
+    GridImages, INLINE_SOURCES, POINT_BYTES, Purpose, bands, frame_bytes,
 };
 use crate::vulkan::memory::{FORMAT, RESULT_FORMAT};
 
@@ -217,7 +217,8 @@ impl Surface {
 
     /// Most passes of a frame beside those of its plan.
     pub(super) fn passes_around(&self) -> u32 {
-        let measured = 2 * bands(self.grid.chart, POINT_BYTES, BAND_BYTES).count() as u32 + 2;
+        let chart = self.grid.chart;
+        let measured = 2 * bands(chart, POINT_BYTES, frame_bytes(chart)).count() as u32 + 2;
         let inline = INLINE_SOURCES as u32;
         let sources = self.sources.iter().map(|sources| sources.count).max();
         let sources = sources.unwrap_or(0).max(inline);
