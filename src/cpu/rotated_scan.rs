@@ -379,10 +379,14 @@ fn merge<R: Real>(
         let a = bands(&mut a.times).zip(bands(&mut a.curvatures));
         let b = bands(&mut b.times).zip(bands(&mut b.curvatures));
         a.zip(b).enumerate().for_each(|(band, ((a, a_bent), (b, b_bent)))| {
-            merge_band(chart, tiles, band, changed, |points, _| {
+            merge_band(chart, tiles, band, changed, |points, changed| {
                 let a = [&mut a[points.clone()], &mut a_bent[points.clone()]];
                 let b = [&mut b[points.clone()], &mut b_bent[points]];
-                instructions.run(MergeCurved { a, b, scans, arcs });
+                match changed {
+                    [true, true] => instructions.run(MergeCurved { a, b, scans, arcs }),
+                    [true, false] => std::iter::zip(b, a).for_each(|(b, a)| b.copy_from_slice(a)),
+                    _ => std::iter::zip(a, b).for_each(|(a, b)| a.copy_from_slice(b)),
+                }
             });
         });
     }
