@@ -27,8 +27,14 @@ pub(super) struct Course {
     pub rest: Option<Arc<Course>>,
 }
 
-/// A corner, as a point of the bordered array, and the bits of the moment that squares of times count from.
-type Key = (usize, u64);
+/// Where a rest begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+struct Key {
+    /// The corner, a point of the bordered array.
+    corner: usize,
+    /// Bits of the moment that squares of times count from.
+    moment: u64,
+}
 
 type Rest = Result<Arc<Course>, Stuck>;
 
@@ -43,6 +49,24 @@ impl Rests {
 
     fn keep(&self, key: Key, rest: Rest) {
         self.0.write().unwrap_or_else(PoisonError::into_inner).insert(key, rest);
+    }
+}
+
+impl Key {
+    fn new(corner: usize, moment: f64) -> Self {
+        Self { corner, moment: moment.to_bits() }
+    }
+
+    /// That of the corner that a path comes to.
+    fn of((head, moment): (&Result<Head, Stuck>, f64)) -> Option<Self> {
+        match head.as_ref().ok()?.goal {
+            Goal::Corner(corner) => Some(Self::new(corner, moment)),
+            Goal::Source { .. } => None,
+        }
+    }
+
+    fn moment(self) -> f64 {
+        f64::from_bits(self.moment)
     }
 }
 
@@ -73,21 +97,15 @@ impl Field<'_> {
         let mut courses = self.courses(&walks);
         // Squares of times are smooth at a source if they count from its own initial value, which is
         // known once a path has found it.
-        let later = |(_, course): &(usize, &Result<Course, Stuck>)| {
-            course.as_ref().is_ok_and(|course| course.initial != self.start)
+        let later = |(number, course): (usize, &Result<Course, Stuck>)| {
+            let Course { source, initial, .. } = course.as_ref().ok()?;
+            (*initial != self.start).then_some((number, *source, (starts[number], *initial)))
         };
-        let numbers: Vec<_> =
-            courses.iter().enumerate().filter(later).map(|(number, _)| number).collect();
-        let moment = |&number: &usize| {
-            courses[number].as_ref().ok().map(|course| (starts[number], course.initial))
-        };
-        let walks: Vec<_> = numbers.iter().filter_map(moment).collect();
-        for (number, again) in numbers.into_iter().zip(self.courses(&walks)) {
-            let first = courses[number].as_ref().ok().map(|course| course.source);
-            if let Ok(again) = again
-                && Some(again.source) == first
-            {
-                courses[number] = Ok(again);
+        let later: Vec<_> = courses.iter().enumerate().filter_map(later).collect();
+        let walks: Vec<_> = later.iter().map(|&(.., walk)| walk).collect();
+        for ((number, source, _), again) in later.into_iter().zip(self.courses(&walks)) {
+            if again.as_ref().is_ok_and(|again| again.source == source) {
+                courses[number] = again;
             }
         }
         courses.into_iter().map(|course| course.map(Course::trace)).collect()
@@ -97,31 +115,28 @@ impl Field<'_> {
     fn courses(&self, walks: &[(DVec2, f64)]) -> Vec<Result<Course, Stuck>> {
         let heads = self.heads(walks);
         let moments = walks.iter().map(|&(_, moment)| moment);
-        self.trace_rests(heads.iter().zip(moments.clone()).filter_map(corner).collect());
+        self.trace_rests(heads.iter().zip(moments.clone()).filter_map(Key::of).collect());
         heads.into_iter().zip(moments).map(|(head, moment)| self.course(head?, moment)).collect()
     }
 
     /// Sees that the paths from some corners are kept.
-    fn trace_rests(&self, mut corners: BTreeSet<Key>) {
+    fn trace_rests(&self, mut keys: BTreeSet<Key>) {
         let mut heads = HashMap::new();
         loop {
-            corners.retain(|key| !heads.contains_key(key) && self.rests.get(*key).is_none());
-            if corners.is_empty() {
+            keys.retain(|key| !heads.contains_key(key) && self.rests.get(*key).is_none());
+            if keys.is_empty() {
                 break;
             }
-            let walk = |&(point, moment): &Key| {
-                (self.position(Place::Point(point)), f64::from_bits(moment))
-            };
-            let walks: Vec<_> = corners.iter().map(walk).collect();
-            heads.extend(corners.iter().copied().zip(self.heads(&walks)));
-            let moment = |key: &Key| f64::from_bits(key.1);
-            corners = corners.iter().filter_map(|key| corner((&heads[key], moment(key)))).collect();
+            let walk = |key: &Key| (self.position(Place::Point(key.corner)), key.moment());
+            let walks: Vec<_> = keys.iter().map(walk).collect();
+            heads.extend(keys.iter().copied().zip(self.heads(&walks)));
+            keys = keys.iter().filter_map(|key| Key::of((&heads[key], key.moment()))).collect();
         }
         let mut heads: Vec<_> = heads.into_iter().collect();
         // The times fall from corner to corner.
-        heads.sort_by(|((a, _), _), ((b, _), _)| self.time(*a).total_cmp(&self.time(*b)));
+        heads.sort_by(|(a, _), (b, _)| self.time(a.corner).total_cmp(&self.time(b.corner)));
         for (key, head) in heads {
-            let course = head.and_then(|head| self.course(head, f64::from_bits(key.1)));
+            let course = head.and_then(|head| self.course(head, key.moment()));
             self.rests.keep(key, course.map(Arc::new));
         }
     }
@@ -135,19 +150,11 @@ impl Field<'_> {
             }
             Goal::Corner(point) => {
                 let stuck = Stuck(self.position(Place::Point(point)));
-                let rest = self.rests.get((point, moment.to_bits())).ok_or(stuck)??;
+                let rest = self.rests.get(Key::new(point, moment)).ok_or(stuck)??;
                 let (length, source, initial) = (length + rest.length, rest.source, rest.initial);
                 Course { vertices, time, length, source, initial, rest: Some(rest) }
             }
         };
         Ok(if self.shortens { self.taut(course) } else { course })
-    }
-}
-
-/// The corner that a path comes to.
-fn corner((head, moment): (&Result<Head, Stuck>, f64)) -> Option<Key> {
-    match head.as_ref().ok()?.goal {
-        Goal::Corner(point) => Some((point, moment.to_bits())),
-        Goal::Source { .. } => None,
     }
 }
