@@ -382,6 +382,7 @@ fn merge<R: Real>(
             merge_band(chart, tiles, band, changed, |points, changed| {
                 let a = [&mut a[points.clone()], &mut a_bent[points.clone()]];
                 let b = [&mut b[points.clone()], &mut b_bent[points]];
+                // What one scan has left alone is as it was before, and the other's is what has come.
                 match changed {
                     [true, true] => instructions.run(MergeCurved { a, b, scans, arcs }),
                     [true, false] => std::iter::zip(b, a).for_each(|(b, a)| b.copy_from_slice(a)),

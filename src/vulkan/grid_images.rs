@@ -277,8 +277,8 @@ pub(crate) fn transfer_bytes(chart: Chart) -> usize {
 }
 
 /// Bytes of a band of a host's points, which are measured band by band in each frame that they change in:
-/// 6 for each of the grid's points, three bands. Smaller grids are measured at once, since there two
-/// passes more would take longer than what they save is worth.
+/// 6 for each of the grid's points, three bands. Grids of up to 512 x 512 points are measured at once,
+/// since there two passes more would take longer than what they save is worth.
 pub(crate) fn frame_bytes(chart: Chart) -> usize {
     (6 * chart.points()).clamp(4 << 20, BAND_BYTES)
 }
