@@ -14,7 +14,7 @@ use super::line::How;
 use super::settled::{Visited, stays};
 use super::tiles::{Scan, TILE, Tiles, points};
 use crate::lanes::Work;
-use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, min};
+use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, TAG, min};
 use crate::update::{Triangle, Wavefront};
 
 /// The fronts at all points that two scans start from.
@@ -238,7 +238,7 @@ fn settled_straight<R: Real>(around: Around<R>, points: usize, wavefront: Wavefr
 fn settled_curved<R: Real>(around: Around<R>, points: usize, how: How) -> bool {
     let mut renewed = false;
     for i in 0..points {
-        renewed |= how.renews & (around.curvatures[i].tag() == how.scan.0);
+        renewed |= how.renews & around.curvatures[i].tag_has(TAG, how.scan.0);
     }
     if renewed | around.leads(points) {
         return !renewed;

@@ -7,7 +7,7 @@ use super::state::accept;
 use super::tiles::{Scan, TILE};
 use super::{Instructions, bend_units};
 use crate::lanes::Work;
-use crate::surface::{Real, min};
+use crate::surface::{Real, TAG, min};
 use crate::update::{
     Across, Bends, Front, Triangle, Wavefront, are_two_arcs, curved, is_of_either, planar,
     point_source, two_arcs,
@@ -106,37 +106,55 @@ fn each_tile<R: Real, K: Kernel>(
     changed: &mut [bool],
 ) -> Updated<R::Bits> {
     let points = line.times.here.len();
-    let mut updated = Updated::default();
+    let (mut changes, mut updated) = (Changes::default(), 0);
     for (tile, changed) in changed.iter_mut().enumerate() {
         // Two calls, since a number of points that is known when this is compiled needs no loop.
-        let change = match points.checked_sub(TILE) {
-            Some(last) => K::update(&mut line, (tile * TILE).min(last), TILE, how),
-            None => K::update(&mut line, 0, points, how),
+        let any = match points.checked_sub(TILE) {
+            Some(last) => K::update(&mut line, (tile * TILE).min(last), TILE, how, &mut changes),
+            None => K::update(&mut line, 0, points, how, &mut changes),
         };
-        let Some(change) = change else { continue };
-        *changed |= change.any;
-        let of_tile = (points - tile * TILE).min(TILE) as u64;
-        updated = updated.and(Updated { largest: change.largest, points: of_tile });
+        let Some(any) = any else { continue };
+        *changed |= any;
+        updated += (points - tile * TILE).min(TILE) as u64;
     }
-    updated
+    Updated { largest: changes.largest(), points: updated }
 }
 
-/// The update of a stretch of a line by a scan, which may renew fronts; `None` if all its points are
-/// settled.
+/// The update of a stretch of a line by a scan, which may renew fronts: whether it has changed anything
+/// at all, tags included; `None` if all its points are settled.
 trait Kernel {
     fn update<R: Real>(
         line: &mut Line<R>,
         start: usize,
         points: usize,
         how: How,
-    ) -> Option<Change<R>>;
+        changes: &mut Changes<R>,
+    ) -> Option<bool>;
 }
 
-/// What an update has changed: anything at all, tags included, and how much
-/// ([`Real::units_between`]).
-struct Change<R: Real> {
-    any: bool,
-    largest: R::Bits,
+/// The largest changes at the points of all stretches of a line, kept apart by their place in the
+/// stretch for the sake of lanes.
+struct Changes<R: Real> {
+    /// Of arrival times ([`Real::units_between`]).
+    times: [R::Bits; TILE],
+    /// Of curvatures, times the arrival time, as numbers above zero.
+    bends: [R::Bits; TILE],
+}
+
+impl<R: Real> Default for Changes<R> {
+    #[inline(always)]
+    fn default() -> Self {
+        let none = [R::Bits::default(); TILE];
+        Self { times: none, bends: none }
+    }
+}
+
+impl<R: Real> Changes<R> {
+    #[inline(always)]
+    fn largest(&self) -> R::Bits {
+        let largest = |of: [R::Bits; TILE]| of.into_iter().max().unwrap_or_default();
+        largest(self.times).max(bend_units(R::from_zero(largest(self.bends))))
+    }
 }
 
 /// Fronts that need no curvature: circular or straight.
@@ -145,32 +163,38 @@ struct Straight<const CIRCULAR: bool>;
 impl<const CIRCULAR: bool> Straight<CIRCULAR> {
     const WAVEFRONT: Wavefront = if CIRCULAR { Wavefront::PointSource } else { Wavefront::Planar };
 
-    /// Updates points from one of their two triangles.
+    /// The arrival times at points, or those through one of their two triangles where these are
+    /// earlier. In an array of its own: compilers do not keep in registers what they write to a line.
     #[inline(always)]
-    fn update_from<R: Real, const LEFT: bool>(line: &mut Stretch<R>, points: usize) {
+    fn earlier<R: Real, const LEFT: bool>(
+        line: &Stretch<R>,
+        now: &[R; TILE],
+        points: usize,
+    ) -> [R; TILE] {
+        let mut times = [R::zero(); TILE];
         for i in 0..points {
             let triangle = line.triangle::<LEFT>(i);
             let time = if CIRCULAR { point_source(triangle) } else { planar(triangle) };
-            line.times[i] = min(line.times[i], time);
+            times[i] = min(now[i], time);
         }
+        times
     }
 
     /// Updates points from the triangle that most of them should be reached through, and from the
     /// other unless nothing comes earlier through it.
     #[inline(always)]
-    fn update_both<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
-        line: &mut Stretch<R>,
+    fn updated<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
+        line: &Stretch<R>,
+        now: &[R; TILE],
         points: usize,
-    ) {
-        Self::update_from::<R, FIRST_LEFT>(line, points);
+    ) -> [R; TILE] {
+        let first = Self::earlier::<R, FIRST_LEFT>(line, now, points);
         let mut settled = true;
-        for i in 0..points {
+        for (i, &time) in first[..points].iter().enumerate() {
             let other = line.turned::<SECOND_LEFT>(i);
-            settled &= is_settled(Self::WAVEFRONT, other, [R::zero(); 2], line.times[i]);
+            settled &= is_settled(Self::WAVEFRONT, other, [R::zero(); 2], time);
         }
-        if !settled {
-            Self::update_from::<R, SECOND_LEFT>(line, points);
-        }
+        if settled { first } else { Self::earlier::<R, SECOND_LEFT>(line, &first, points) }
     }
 }
 
@@ -181,8 +205,9 @@ impl<const CIRCULAR: bool> Kernel for Straight<CIRCULAR> {
         start: usize,
         points: usize,
         _: How,
-    ) -> Option<Change<R>> {
-        let mut line = line.times.stretch(start, points);
+        changes: &mut Changes<R>,
+    ) -> Option<bool> {
+        let line = line.times.stretch(start, points);
         if line.leads(points) {
             return None;
         }
@@ -196,18 +221,21 @@ impl<const CIRCULAR: bool> Kernel for Straight<CIRCULAR> {
                 return None;
             }
         }
-        let mut before = [R::zero(); TILE];
-        before[..points].copy_from_slice(line.times);
-        if line.comes_from_left(points) {
-            Self::update_both::<R, true, false>(&mut line, points);
+        let mut now = [R::zero(); TILE];
+        now[..points].copy_from_slice(line.times);
+        let after = if line.comes_from_left(points) {
+            Self::updated::<R, true, false>(&line, &now, points)
         } else {
-            Self::update_both::<R, false, true>(&mut line, points);
+            Self::updated::<R, false, true>(&line, &now, points)
+        };
+        let mut any = false;
+        for (i, largest) in changes.times[..points].iter_mut().enumerate() {
+            let change = now[i].units_between(after[i]);
+            any |= change > R::Bits::default();
+            *largest = change.max(*largest);
         }
-        let mut largest = R::Bits::default();
-        for (before, after) in before.iter().zip(&*line.times) {
-            largest = largest.max(before.units_between(*after));
-        }
-        Some(Change { any: largest > R::Bits::default(), largest })
+        line.times.copy_from_slice(&after[..points]);
+        Some(any)
     }
 }
 
@@ -221,7 +249,8 @@ impl<const ARCS: bool> Kernel for Curved<ARCS> {
         start: usize,
         points: usize,
         how: How,
-    ) -> Option<Change<R>> {
+        changes: &mut Changes<R>,
+    ) -> Option<bool> {
         let curvatures = &mut line.curvatures[start..][..points];
         let bent = Bent {
             gaussian: &line.gaussian[start..][..points],
@@ -230,15 +259,23 @@ impl<const ARCS: bool> Kernel for Curved<ARCS> {
         };
         let across = line.across.map(|across| across.stretch(start, points));
         let line = line.times.stretch(start, points);
-        let k = bent.fronts_behind;
-        let mut settled = true;
-        for i in 0..points {
-            let renewed = how.renews & (curvatures[i].tag() == how.scan.0);
-            let visited = line.visited(i, [k[i], k[i + 1], k[i + 2]]);
-            settled &= stays(Wavefront::Curved, visited) & !renewed;
+        let mut renewed = false;
+        for curvature in curvatures.iter() {
+            renewed |= how.renews & curvature.tag_has(TAG, how.scan.0);
         }
-        if settled {
-            return None;
+        if !renewed {
+            if line.leads(points) {
+                return None;
+            }
+            let k = bent.fronts_behind;
+            let mut settled = true;
+            for i in 0..points {
+                let visited = line.visited(i, [k[i], k[i + 1], k[i + 2]]);
+                settled &= stays(Wavefront::Curved, visited);
+            }
+            if settled {
+                return None;
+            }
         }
         let mut first = if line.comes_from_left(points) {
             first_fronts::<R, ARCS, true, false>(&line, &bent, curvatures, how)
@@ -248,19 +285,22 @@ impl<const ARCS: bool> Kernel for Curved<ARCS> {
         if ARCS && let Some(across) = across {
             part_fronts(&line, &bent, across, &mut first, points);
         }
-        let [mut largest, mut bent, mut tagged] = [R::Bits::default(); 3];
-        for (i, (time, curvature)) in line.times.iter_mut().zip(curvatures).enumerate() {
-            let before = (*time, *curvature);
-            (*time, *curvature) =
-                accept(before.0, before.1, first.get(i), how.scan.0, how.renews, ARCS);
-            largest = largest.max(before.0.units_between(*time));
+        let [mut times, mut bents] = [[R::zero(); TILE]; 2];
+        let mut any = false;
+        for i in 0..points {
+            let (time, curvature) = (line.times[i], curvatures[i]);
+            (times[i], bents[i]) =
+                accept(time, curvature, first.get(i), how.scan.0, how.renews, ARCS);
+            let change = time.units_between(times[i]);
+            any |= change.max(curvature.units_between(bents[i])) > R::Bits::default();
+            changes.times[i] = change.max(changes.times[i]);
             // As whole numbers, whose maximum compilers find in lanes.
-            let bend = (*curvature - before.1).abs() * *time;
-            bent = bent.max(R::zero().units_between(bend));
-            tagged = tagged.max(before.1.units_between(*curvature));
+            let bend = (bents[i] - curvature).abs() * times[i];
+            changes.bends[i] = R::zero().units_between(bend).max(changes.bends[i]);
         }
-        let any = largest.max(tagged) > R::Bits::default();
-        Some(Change { any, largest: largest.max(bend_units(R::from_zero(bent))) })
+        line.times.copy_from_slice(&times[..points]);
+        curvatures.copy_from_slice(&bents[..points]);
+        Some(any)
     }
 }
 
@@ -281,7 +321,7 @@ fn first_fronts<R: Real, const ARCS: bool, const FIRST_LEFT: bool, const SECOND_
     let mut settled = true;
     for (i, curvature) in curvatures.iter().enumerate() {
         // A front that is renewed may come later than it did.
-        let renewed = how.renews & (curvature.tag() == how.scan.0);
+        let renewed = how.renews & curvature.tag_has(TAG, how.scan.0);
         let now = if renewed { first.times[i] } else { min(line.times[i], first.times[i]) };
         let other = line.turned::<SECOND_LEFT>(i);
         let fronts = bent.around::<SECOND_LEFT>(i).fronts;

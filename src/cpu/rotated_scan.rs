@@ -8,7 +8,7 @@ use super::due::Before;
 use super::field::Field;
 use super::line::{How, Updated};
 use super::panel::{Grid, Panel};
-use super::state::{SEED, Solution, accept, first, front};
+use super::state::{SEED, Solution, accept, first, is_from};
 use super::tiles::{Scan, TILE, Tiles, points};
 use super::{Instructions, Progress, Stop};
 use crate::lanes::Work;
@@ -462,8 +462,8 @@ impl<R: Real> Work for MergeCurved<'_, R> {
         let Self { a: [a_times, a_curvatures], b: [b_times, b_curvatures], scans, arcs } = self;
         let of_a = a_times.iter_mut().zip(a_curvatures);
         for ((a, a_bent), (b, b_bent)) in of_a.zip(b_times.iter_mut().zip(b_curvatures)) {
-            let [(_, scan_a), (_, scan_b)] = [front(*a, *a_bent), front(*b, *b_bent)];
-            let (a_is_old, b_is_old) = (scan_a == scans[1].0, scan_b == scans[0].0);
+            let a_is_old = is_from(*a_bent, scans[1].0);
+            let b_is_old = is_from(*b_bent, scans[0].0);
             let [time, bent] = first([*a, *a_bent], [*b, *b_bent], arcs);
             let (time, bent) =
                 (if b_is_old { *a } else { time }, if b_is_old { *a_bent } else { bent });

@@ -4,7 +4,7 @@ use super::across::Quad;
 use super::bend_units;
 use crate::constants::WHOLE;
 use crate::surface::EdgeSlot;
-use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed, min};
+use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed, TAG, min};
 use crate::update::{
     Bends, Front, Triangle, Wavefront, are_two_arcs, curved, planar, point_source, two_arcs,
 };
@@ -234,9 +234,8 @@ impl<'a, R: Real> Fronts<'a, R> {
         let mut taken: Option<[R; 2]> = None;
         for (copy, scan) in copies.iter().zip(1..) {
             let other = copy.at(point);
-            let (_, brought_by) = front(other[0], other[1]);
             let straight = self.curvatures.is_empty();
-            if other[0] >= R::FAR || (!straight && brought_by != scan) {
+            if other[0] >= R::FAR || (!straight && !is_from(other[1], scan)) {
                 continue;
             }
             taken = Some(taken.map_or(other, |taken| first(taken, other, arcs)));
@@ -275,12 +274,12 @@ pub(super) fn accept<R: Real>(
     renews: bool,
     arcs: bool,
 ) -> (R, R) {
-    let (before, brought_by) = self::front(time, curvature);
+    let before = self::front(time, curvature);
     let front = Front { curvature: tagged(front, scan), ..front };
     let was_reached = time < R::FAR;
     let together = was_reached & front.arrives_with(before, arcs);
     let first = if together { front.replaces(before) } else { front.time < time };
-    let accepted = first | (was_reached & renews & (brought_by == scan));
+    let accepted = first | (was_reached & renews & is_from(curvature, scan));
     let arrival = if accepted & !together { front.time } else { min(time, front.time) };
     (arrival, if accepted { front.curvature } else { curvature })
 }
@@ -297,17 +296,22 @@ fn tagged<R: Real>(front: Front<R>, scan: u8) -> R {
 /// as [`Front::first`].
 #[inline(always)]
 pub(super) fn first<R: Real>(a: [R; 2], b: [R; 2], arcs: bool) -> [R; 2] {
-    let ([of_a, of_b], time) = ([a, b].map(|[time, k]| front(time, k).0), min(a[0], b[0]));
+    let ([of_a, of_b], time) = ([a, b].map(|[time, k]| front(time, k)), min(a[0], b[0]));
     let second =
         if of_a.arrives_with(of_b, arcs) { of_b.knows_better(of_a) } else { of_b.time < of_a.time };
     [time, if second { b[1] } else { a[1] }]
 }
 
-/// The front that an arrival time and a tagged curvature stand for, and the scan that brought it.
+/// The front that an arrival time and a tagged curvature stand for.
 #[inline(always)]
-pub(super) fn front<R: Real>(time: R, curvature: R) -> (Front<R>, u8) {
-    let tag = curvature.tag();
-    (Front { time, curvature, whole: tag >= WHOLE as u8 }, tag & !(WHOLE as u8))
+pub(super) fn front<R: Real>(time: R, curvature: R) -> Front<R> {
+    Front { time, curvature, whole: !curvature.tag_has(WHOLE as u8, 0) }
+}
+
+/// Whether a scan has brought a front with this tagged curvature.
+#[inline(always)]
+pub(super) fn is_from<R: Real>(curvature: R, scan: u8) -> bool {
+    curvature.tag_has(TAG & !(WHOLE as u8), scan)
 }
 
 /// Where a triangle's two other corners and its edges lie, seen from its point x0.

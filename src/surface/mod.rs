@@ -28,7 +28,7 @@ pub(crate) use gaussian_curvature::DIFFRACTS;
 pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing};
 pub use real::{FAR, Real};
-pub(crate) use real::{max, min, relative_change};
+pub(crate) use real::{TAG, max, min, relative_change};
 pub use sources::{Seed, Source, SourceError, Sources};
 pub(crate) use sources::{corner_weights, grid_crossings};
 

@@ -8,6 +8,9 @@ pub const FAR: f64 = crate::constants::FAR;
 
 use crate::constants::{FLAT, SOURCE_CURVATURE};
 
+/// The last binary digits of a number, which may hold a tag.
+pub(crate) const TAG: u8 = 15;
+
 /// f32 for use, f64 for reference.
 pub trait Real:
     num_traits::Float + bytemuck::Pod + Default + Send + Sync + std::fmt::Debug
@@ -35,8 +38,8 @@ pub trait Real:
     /// The number with a tag from 0 to 15 in its last binary digits; zero becomes tiny.
     fn with_tag(self, tag: u8) -> Self;
 
-    /// The tag in the last binary digits.
-    fn tag(self) -> u8;
+    /// Whether those of the tag's digits that a mask selects are these. In lanes as wide as the number.
+    fn tag_has(self, mask: u8, digits: u8) -> bool;
 
     /// Rounds to this precision.
     fn of(value: f64) -> Self;
@@ -68,12 +71,12 @@ impl Real for f32 {
     #[inline(always)]
     fn with_tag(self, tag: u8) -> Self {
         let held = if self.abs() < FLAT as f32 { FLAT as f32 } else { self };
-        Self::from_bits(held.to_bits() & !15 | u32::from(tag))
+        Self::from_bits(held.to_bits() & !u32::from(TAG) | u32::from(tag))
     }
 
     #[inline(always)]
-    fn tag(self) -> u8 {
-        (self.to_bits() & 15) as u8
+    fn tag_has(self, mask: u8, digits: u8) -> bool {
+        self.to_bits() & u32::from(mask) == u32::from(digits)
     }
 
     #[inline(always)]
@@ -110,12 +113,12 @@ impl Real for f64 {
     #[inline(always)]
     fn with_tag(self, tag: u8) -> Self {
         let held = if self.abs() < FLAT { FLAT } else { self };
-        Self::from_bits(held.to_bits() & !15 | u64::from(tag))
+        Self::from_bits(held.to_bits() & !u64::from(TAG) | u64::from(tag))
     }
 
     #[inline(always)]
-    fn tag(self) -> u8 {
-        (self.to_bits() & 15) as u8
+    fn tag_has(self, mask: u8, digits: u8) -> bool {
+        self.to_bits() & u64::from(mask) == u64::from(digits)
     }
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 use super::{Shape, Triangle};
 use crate::constants::{ABOUT_STRAIGHT, BENT_APART, FOCUS, FROM_SOURCE, GRAZING, TOGETHER};
-use crate::surface::{DIFFRACTS, Real, max, min};
+use crate::surface::{DIFFRACTS, Real, TAG, max, min};
 
 /// An arriving front: when, and how curved it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,7 +125,7 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let (edge_k, edge_g) = if from_far { (k, g) } else { (near_k, near_g) };
     let ahead = if from_far { crossing >= -grazing } else { crossing <= width + grazing };
     let turns = whole & !(is_front & ahead);
-    let diffracted = turns & (edge_g.tag() == DIFFRACTS);
+    let diffracted = turns & edge_g.tag_has(TAG, DIFFRACTS);
     let edge_k = if diffracted { R::SOURCE } else { edge_k };
 
     // One division serves the ray's place, its length and the curvature, whichever way it runs.

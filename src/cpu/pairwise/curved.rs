@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::kernel::{Beyond, Fan, How, Kernel, LANES, Lanes};
 use crate::cpu::bend_units;
-use crate::cpu::state::{SEED, accept, front};
+use crate::cpu::state::{SEED, accept, is_from};
 use crate::surface::{Real, Seed};
 use crate::update::{Across, Bends, Front, Triangle, are_two_arcs, curved, is_of_either, two_arcs};
 
@@ -40,8 +40,7 @@ impl<const ARCS: bool> Kernel for Curved<ARCS> {
     fn may_change(here: &Fronts, behind: [&Fronts; 3], _: &Fan, how: How) -> bool {
         let mut renewed = false;
         for lane in 0..LANES {
-            let (_, brought_by) = front(here.times.0[lane], here.curvatures.0[lane]);
-            renewed |= how.renews & (brought_by == how.scan.0);
+            renewed |= how.renews & is_from(here.curvatures.0[lane], how.scan.0);
         }
         renewed | here.times.some_after(behind.map(|fronts| &fronts.times))
     }
