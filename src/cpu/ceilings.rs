@@ -132,6 +132,7 @@ impl WarmLine {
             curvatures_behind: &self.curvatures_behind,
             gaussian_behind: &self.gaussian,
             across: None,
+            next: None,
         };
         let update = Update { line, how: self.how, changed: &mut self.changed };
         std::hint::black_box(self.how.instructions.run(update)).points

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::line::How;
 use super::settled::{Visited, stays};
 use super::tiles::{Scan, TILE, Tiles, points};
-use crate::lanes::Work;
+use crate::lanes::{Work, prefetch};
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, TAG, min};
 use crate::update::{Triangle, Wavefront};
 
@@ -42,7 +42,8 @@ impl<R: Real> Before<'_, R> {
                         looked += cols.len() as u64;
                         let first = chart.bordered(row, cols.start);
                         let around = self.around(behind, first, cols.len());
-                        how.instructions.run(Look { around, how: *how, due });
+                        let stride = chart.stride() as isize;
+                        how.instructions.run(Look { around, stride, how: *how, due });
                     }
                 }
             }
@@ -143,6 +144,19 @@ impl<R: Real> Around<'_, R> {
         }
     }
 
+    /// Asks for what a look at the next row needs from some point on: the times of the row after that,
+    /// since those before it have been needed here.
+    #[inline(always)]
+    fn prefetch_next(&self, stride: isize, start: usize) {
+        let place = stride + start as isize;
+        prefetch(self.times, place + stride);
+        self.edges.iter().for_each(|edges| prefetch(edges, place));
+        prefetch(self.bases[1], place);
+        if !self.curvatures.is_empty() {
+            prefetch(self.curvatures, place + stride);
+        }
+    }
+
     /// Whether nothing behind is earlier than any point.
     #[inline(always)]
     fn leads(&self, points: usize) -> bool {
@@ -179,6 +193,8 @@ fn cut<R>(array: &[R], start: usize, points: usize) -> &[R] {
 /// due there.
 struct Look<'a, R> {
     around: Around<'a, R>,
+    /// From here to the next row.
+    stride: isize,
     how: How,
     due: &'a mut [u8],
 }
@@ -188,9 +204,10 @@ impl<R: Real> Work for Look<'_, R> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { around, how, due } = self;
+        let Self { around, stride, how, due } = self;
         let points = around.times.len();
         for (tile, due) in due.iter_mut().enumerate() {
+            around.prefetch_next(stride, tile * TILE);
             if *due & how.scan.bit() != 0 {
                 continue;
             }

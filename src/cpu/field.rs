@@ -54,7 +54,7 @@ impl<R: Real> Field<'_, R> {
         let (times, times_there) = here_and_there(self.times, here.clone(), all.clone());
         let (curvatures, curvatures_there) =
             here_and_there(self.curvatures, if_curved(here.clone()), if_curved(all.clone()));
-        let edges = self.edges;
+        let (edges, stride) = (self.edges, self.stride as isize);
         let back = |points: &Range<usize>| edges_back(edges, self.stride, points, forward);
 
         let line = Line {
@@ -73,6 +73,8 @@ impl<R: Real> Field<'_, R> {
                 curvatures: &curvatures_there[part(&across)],
                 edges: back(&there),
             }),
+            // The lines of a panel, columns, have just been written.
+            next: how.scan.by_rows().then_some(if forward { stride } else { -stride }),
         };
         how.instructions.run(Update { line, how, changed })
     }

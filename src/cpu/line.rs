@@ -6,7 +6,7 @@ use super::settled::{Visited, is_settled, stays};
 use super::state::accept;
 use super::tiles::{Scan, TILE};
 use super::{Instructions, bend_units};
-use crate::lanes::Work;
+use crate::lanes::{Work, prefetch};
 use crate::surface::{Real, TAG, min};
 use crate::update::{
     Across, Bends, Front, Triangle, Wavefront, are_two_arcs, curved, is_of_either, planar,
@@ -26,6 +26,8 @@ pub(super) struct Line<'a, R> {
     pub gaussian_behind: &'a [R],
     /// What lies behind these; nothing beyond the border.
     pub across: Option<Beyond<'a, R>>,
+    /// From here to the line that is updated next, if that has to be fetched from memory.
+    pub next: Option<isize>,
 }
 
 /// The line of points two lines back, n + 2 of each, as the points behind in [`Times`].
@@ -108,6 +110,7 @@ fn each_tile<R: Real, K: Kernel>(
     let points = line.times.here.len();
     let (mut changes, mut updated) = (Changes::default(), 0);
     for (tile, changed) in changed.iter_mut().enumerate() {
+        line.prefetch_next(tile * TILE);
         // Two calls, since a number of points that is known when this is compiled needs no loop.
         let any = match points.checked_sub(TILE) {
             Some(last) => K::update(&mut line, (tile * TILE).min(last), TILE, how, &mut changes),
@@ -440,6 +443,24 @@ impl<R: Real> Bent<'_, R> {
         let (k, g) = (self.fronts_behind, self.gaussian_behind);
         let x1 = if LEFT { i } else { i + 1 };
         Bends { fronts: [k[x1], k[x1 + 1]], surface: [self.gaussian[i], g[x1], g[x1 + 1]] }
+    }
+}
+
+impl<R: Real> Line<'_, R> {
+    /// Asks for what the next line's update needs from some point on. The machine foresees only what
+    /// follows within a page, and a line is about as long as that.
+    #[inline(always)]
+    fn prefetch_next(&self, start: usize) {
+        let Some(next) = self.next else { return };
+        let place = next + start as isize;
+        let Times { here, edges, bases, .. } = &self.times;
+        prefetch(here, place);
+        edges.iter().for_each(|edges| prefetch(edges, place));
+        prefetch(bases, place);
+        if !self.curvatures.is_empty() {
+            prefetch(self.curvatures, place);
+            prefetch(self.gaussian, place);
+        }
     }
 }
 

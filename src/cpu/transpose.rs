@@ -63,6 +63,7 @@ mod avx2 {
     use std::arch::x86_64::*;
 
     use super::{Block, one_by_one};
+    use crate::lanes::prefetch;
 
     /// How many lines before they are needed lines are fetched: they lie pages apart, where the
     /// machine does not foresee them.
@@ -73,14 +74,9 @@ mod avx2 {
         let (rows, cols) = (block.rows & !7, block.cols & !7);
         for row in (0..rows).step_by(8) {
             for line in row + AHEAD..row + AHEAD + 8 {
-                let start = from.as_ptr().wrapping_add(block.from + line * block.from_stride);
-                // SAFETY: these are hints, which do nothing where there is no memory. Newer compilers
-                // know that.
-                #[allow(unused_unsafe)]
-                unsafe {
-                    _mm_prefetch::<_MM_HINT_T0>(start.cast());
-                    _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(block.cols).cast());
-                }
+                let start = (block.from + line * block.from_stride) as isize;
+                prefetch(from, start);
+                prefetch(from, start + block.cols as isize);
             }
             for col in (0..cols).step_by(8) {
                 let part = block.part(row, col, 8, 8);
