@@ -132,7 +132,7 @@ impl WarmLine {
             curvatures_behind: &self.curvatures_behind,
             gaussian_behind: &self.gaussian,
             across: None,
-            next: None,
+            next: 0,
         };
         let update = Update { line, how: self.how, changed: &mut self.changed };
         std::hint::black_box(self.how.instructions.run(update)).points

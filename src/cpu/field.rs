@@ -73,8 +73,7 @@ impl<R: Real> Field<'_, R> {
                 curvatures: &curvatures_there[part(&across)],
                 edges: back(&there),
             }),
-            // The lines of a panel, columns, have just been written.
-            next: how.scan.by_rows().then_some(if forward { stride } else { -stride }),
+            next: if forward { stride } else { -stride },
         };
         how.instructions.run(Update { line, how, changed })
     }

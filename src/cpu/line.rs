@@ -26,8 +26,8 @@ pub(super) struct Line<'a, R> {
     pub gaussian_behind: &'a [R],
     /// What lies behind these; nothing beyond the border.
     pub across: Option<Beyond<'a, R>>,
-    /// From here to the line that is updated next, if that has to be fetched from memory.
-    pub next: Option<isize>,
+    /// From here to the line that is updated next.
+    pub next: isize,
 }
 
 /// The line of points two lines back, n + 2 of each, as the points behind in [`Times`].
@@ -451,8 +451,7 @@ impl<R: Real> Line<'_, R> {
     /// follows within a page, and a line is about as long as that.
     #[inline(always)]
     fn prefetch_next(&self, start: usize) {
-        let Some(next) = self.next else { return };
-        let place = next + start as isize;
+        let place = self.next + start as isize;
         let Times { here, edges, bases, .. } = &self.times;
         prefetch(here, place);
         edges.iter().for_each(|edges| prefetch(edges, place));

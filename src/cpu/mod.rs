@@ -26,6 +26,7 @@ mod state;
 mod stream;
 mod tiles;
 mod transpose;
+mod turned;
 mod twins;
 
 pub use crate::lanes::Instructions;

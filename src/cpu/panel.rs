@@ -7,6 +7,7 @@ use super::Instructions;
 use super::field::Field;
 use super::tiles::{Scan, TILE};
 use super::transpose::{Block, transpose};
+use super::turned::{Lines, Turned};
 use crate::surface::{Chart, EdgeLengths, Real};
 use crate::update::Wavefront;
 
@@ -30,6 +31,8 @@ pub(super) struct Panel<R> {
 #[derive(Clone, Copy)]
 pub(super) struct Grid<'a, R> {
     pub edges: &'a EdgeLengths<R>,
+    /// The edges back of its columns, if they are kept.
+    pub turned: Option<&'a Turned<R>>,
     pub gaussian: &'a [R],
 }
 
@@ -78,50 +81,41 @@ impl<R: Real> Panel<R> {
         } else {
             (self.first, self.lines) = (cols.start + 1, cols.len() + behind(chart.cols - cols.end));
         }
-        let from_stride = chart.stride();
-        let (to_stride, first, lines) = (self.stride, self.first, self.lines);
-        // Lines of an array, for rows from the border, out of one that lies (down, left) of it.
-        let copy = |from: &[R],
-                    to: &mut [R],
-                    skip: usize,
-                    rows: Range<usize>,
-                    down: usize,
-                    left: usize| {
-            let block = Block {
-                from: (rows.start + down) * from_stride + first + skip - left,
-                from_stride,
-                to: skip * to_stride + rows.start,
-                to_stride,
-                rows: rows.len(),
-                cols: lines - skip,
-            };
-            transpose(from, to, block, instructions);
+        let lines = Lines {
+            from_stride: chart.stride(),
+            to_stride: self.stride,
+            first: self.first,
+            count: self.lines,
+            instructions,
         };
         let around = rows.start..rows.end + 2;
-        copy(times, &mut self.times, 0, around.clone(), 0, 0);
+        lines.turn(times, &mut self.times, 0, around.clone(), [0, 0]);
         if curved {
-            copy(curvatures, &mut self.curvatures, 0, around.clone(), 0, 0);
-            copy(grid.gaussian, &mut self.gaussian, 0, around.clone(), 0, 0);
+            lines.turn(curvatures, &mut self.curvatures, 0, around.clone(), [0, 0]);
+            lines.turn(grid.gaussian, &mut self.gaussian, 0, around, [0, 0]);
         }
-        // A transposition makes north of east, north of west's east, and north-east of
-        // south-west, which is stored as the north-east of another point; north-west stays.
-        let [east, north, north_east, north_west] = grid.edges.planes();
-        let [next, up, up_next, up_previous] = &mut self.edges;
-        copy(north, next, 0, rows.start..rows.end + 1, 1, 0);
-        let beside = if self.arcs { around } else { rows.start + 1..rows.end + 1 };
-        copy(east, up, 1, beside, 0, 1);
-        copy(north_east, up_next, 1, rows.start..rows.end + 1, 1, 1);
-        copy(north_west, up_previous, 1, rows.start + 1..rows.end + 2, 0, 0);
+        let [next, back @ ..] = &mut self.edges;
+        let [_, north, ..] = grid.edges.planes();
+        lines.turn(north, next, 0, rows.start..rows.end + 1, [1, 0]);
+        if grid.turned.is_none() {
+            let back = back.each_mut().map(Vec::as_mut_slice);
+            lines.turn_edges_back(grid.edges, back, 1, rows, self.arcs);
+        }
     }
 
     /// The columns as lines.
-    pub(super) fn field(&mut self) -> Field<'_, R> {
+    pub(super) fn field<'a>(&'a mut self, grid: Grid<'a, R>) -> Field<'a, R> {
+        let [next, back @ ..] = &self.edges;
+        let [up, up_next, up_previous] = match grid.turned {
+            Some(turned) => turned.lines(self.first),
+            None => back.each_ref().map(Vec::as_slice),
+        };
         Field {
             stride: self.stride,
             times: &mut self.times,
             curvatures: &mut self.curvatures,
             gaussian: &self.gaussian,
-            edges: self.edges.each_ref().map(Vec::as_slice),
+            edges: [next, up, up_next, up_previous],
             lines: 0..self.lines,
         }
     }

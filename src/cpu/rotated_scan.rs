@@ -10,6 +10,7 @@ use super::line::{How, Updated};
 use super::panel::{Grid, Panel};
 use super::state::{SEED, Solution, accept, first, is_from};
 use super::tiles::{Scan, TILE, Tiles, points};
+use super::turned::Turned;
 use super::{Instructions, Progress, Stop};
 use crate::lanes::Work;
 use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
@@ -47,6 +48,11 @@ pub struct RotatedScan<'a, R> {
     instructions: Instructions,
     tiles: Tiles,
     fronts: [Fronts<R>; 2],
+    /// Kept from the second map on, for straight fronts; with curved ones it would be more memory than
+    /// it is worth.
+    turned: Option<Turned<R>>,
+    /// Whether there has been a map.
+    solved: bool,
     /// How many points scans have looked at before they started.
     looked: u64,
 }
@@ -101,6 +107,8 @@ impl<'a, R: Real> RotatedScan<'a, R> {
             instructions: Instructions::best(),
             fronts: [fronts(), fronts()],
             tiles,
+            turned: None,
+            solved: false,
             looked: 0,
         }
     }
@@ -119,6 +127,10 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     pub fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         // Into the pool of threads once, and not for each pair of scans.
         rayon::scope(|_| {
+            if self.solved && self.turned.is_none() && !self.wavefront.is_curved() {
+                self.turned = Some(Turned::new(self.edges, self.instructions));
+            }
+            self.solved = true;
             self.forget();
             self.add(seeds, stop)
         })
@@ -195,7 +207,8 @@ impl<'a, R: Real> RotatedScan<'a, R> {
                 + fronts.changed.len()
                 + fronts.panel.bytes()
         };
-        self.fronts.iter().map(of).sum::<usize>() + self.tiles.bytes()
+        let turned = self.turned.as_ref().map_or(0, Turned::bytes);
+        self.fronts.iter().map(of).sum::<usize>() + self.tiles.bytes() + turned
     }
 
     /// The arrival times along a row, [`Real::FAR`] or later where no source reaches.
@@ -241,7 +254,8 @@ impl<'a, R: Real> RotatedScan<'a, R> {
 
     /// Runs two opposite scans; returns the largest change.
     fn scan(&mut self, scans: [Scan; 2], renews: bool) -> R::Bits {
-        let grid = Grid { edges: self.edges, gaussian: self.gaussian };
+        let turned = self.turned.as_ref();
+        let grid = Grid { edges: self.edges, turned, gaussian: self.gaussian };
         let (wavefront, instructions) = (self.wavefront, self.instructions);
         let how = |scan| How { wavefront, scan, renews, instructions };
         let Fronts { times, curvatures, .. } = &self.fronts[0];
@@ -322,7 +336,7 @@ impl<R: Real> Fronts<R> {
         let first = panel.line(cols.start + 1);
         self.marks.clear();
         self.marks.resize(run.len(), false);
-        let mut field = panel.field();
+        let mut field = panel.field(grid);
         let line = |col: usize| col - cols.start + first;
         let updated = in_order(cols.clone(), how.scan, |col| {
             field.update(line(col), rows.clone(), how, &mut self.marks)
