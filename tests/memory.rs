@@ -36,7 +36,10 @@ fn map_on_cpu(surface: &Surface, wavefront: Wavefront) -> f64 {
     let seeds = Sources::point(0.0, 0.0).seeds(surface).unwrap();
     growth(surface.chart().points(), || {
         let edges = EdgeLengths::<f32>::new(surface).unwrap();
-        RotatedScan::new(&edges, wavefront).solve(&seeds, STOP);
+        let mut solver = RotatedScan::new(&edges, wavefront);
+        // The second map keeps what makes further ones faster.
+        solver.solve(&seeds, STOP);
+        solver.solve(&seeds, STOP);
     })
 }
 

@@ -56,6 +56,12 @@ impl<R: Real> Panel<R> {
         }
     }
 
+    /// Frees the room for edges that are kept in [`Turned`].
+    pub(super) fn free_edges_back(&mut self) {
+        let [_, back @ ..] = &mut self.edges;
+        *back = [(); 3].map(|_| Vec::new());
+    }
+
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         let arrays = [&self.times, &self.curvatures, &self.gaussian].into_iter().chain(&self.edges);
