@@ -88,7 +88,7 @@ fn a_solver_forgets_the_map_before() {
         for (wavefront, instructions) in all.into_iter().flatten() {
             let new = || RotatedScan::new(&edges, wavefront).with_instructions(instructions);
             let mut used = new();
-            // From the second map on, straight fronts find edges between columns turned.
+            // From the second map on straight fronts find edges between columns turned.
             for source in [[3.0, 4.0], [60.0, 44.0], [10.5, 30.25]] {
                 let seeds = at(source).seeds(&surface).unwrap();
                 let again = used.solve(&seeds, CONVERGED);
@@ -97,7 +97,6 @@ fn a_solver_forgets_the_map_before() {
                 let same = fresh.distances() == used.distances();
                 assert!(same, "{source:?} {wavefront} {instructions}");
             }
-            assert_eq!(used.bytes() > new().bytes(), !wavefront.is_curved());
         }
     }
 }

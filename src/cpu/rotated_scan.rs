@@ -34,8 +34,9 @@ pub fn rotated_scan<R: Real>(
     }
 }
 
-/// Solves one map after another of one surface by rotated scans. The second map of straight fronts
-/// allocates 12 bytes a point in single precision to be faster from then on; no other allocates anything.
+/// Solves one map after another of one surface by rotated scans, without allocating anew. The second
+/// map of straight fronts fills 12 bytes a point in single precision that make it and all others
+/// faster.
 ///
 /// Opposite scans run side by side on two copies of the fronts, which are then merged: a front
 /// that turns back has to pass through the other pair of scans anyhow. So the map is the same to
@@ -49,7 +50,7 @@ pub struct RotatedScan<'a, R> {
     instructions: Instructions,
     tiles: Tiles,
     fronts: [Fronts<R>; 2],
-    /// From the second map on, for straight fronts: with curved ones there is more to keep beside.
+    /// For straight fronts, filled by the second map; with curved ones there is more to keep beside.
     turned: Option<Turned<R>>,
     /// Whether there has been a map.
     solved: bool,
@@ -90,13 +91,14 @@ impl<'a, R: Real> RotatedScan<'a, R> {
         let curved = wavefront.is_curved();
         let points = chart.bordered_points();
         let tiles = Tiles::new(chart);
+        let longest_band = tiles.in_band(Scan::DOWN).max(tiles.in_band(Scan::RIGHT));
         let fronts = || Fronts {
             times: vec![R::FAR; points],
             curvatures: vec![R::zero(); if curved { points } else { 0 }],
             changed: vec![false; tiles.len()],
             panel: Panel::new(chart, wavefront),
-            runs: Vec::new(),
-            marks: Vec::new(),
+            runs: Vec::with_capacity(longest_band),
+            marks: Vec::with_capacity(longest_band),
             visits: 0,
             updates: 0,
         };
@@ -107,7 +109,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
             instructions: Instructions::best(),
             fronts: [fronts(), fronts()],
             tiles,
-            turned: None,
+            turned: (!curved).then(|| Turned::new(chart)),
             solved: false,
             looked: 0,
         }
@@ -216,10 +218,10 @@ impl<'a, R: Real> RotatedScan<'a, R> {
         &self.fronts[0].times[chart.bordered(row, 0)..][..chart.cols]
     }
 
-    /// Keeps the edges between columns as scans to the right and left need them, if it is worth the memory.
+    /// Keeps the edges between columns as scans to the right and left need them.
     fn turn(&mut self) {
-        if self.turned.is_none() && !self.wavefront.is_curved() {
-            self.turned = Some(Turned::new(self.edges, self.instructions));
+        if let Some(turned) = &mut self.turned {
+            turned.fill(self.edges, self.instructions);
             self.fronts.iter_mut().for_each(|fronts| fronts.panel.free_edges_back());
         }
     }
@@ -261,7 +263,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
 
     /// Runs two opposite scans; returns the largest change.
     fn scan(&mut self, scans: [Scan; 2], renews: bool) -> R::Bits {
-        let turned = self.turned.as_ref();
+        let turned = self.turned.as_ref().and_then(Turned::filled);
         let grid = Grid { edges: self.edges, turned, gaussian: self.gaussian };
         let (wavefront, instructions) = (self.wavefront, self.instructions);
         let how = |scan| How { wavefront, scan, renews, instructions };

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::Instructions;
 use super::tiles::TILE;
 use super::transpose::{Block, transpose};
-use crate::surface::{EdgeLengths, Real};
+use crate::surface::{Chart, EdgeLengths, Real};
 
 /// The lengths of the edges from each point of a column to the column before: to the same row, the next and
 /// the previous one. For whoever scans many times, since a third of the time of a scan to the right or
@@ -16,28 +16,46 @@ use crate::surface::{EdgeLengths, Real};
 pub(super) struct Turned<R> {
     stride: usize,
     edges: [Vec<R>; 3],
+    is_filled: bool,
 }
 
 impl<R: Real> Turned<R> {
-    /// Turns all edges of a surface, in parallel over columns.
-    pub(super) fn new(edges: &EdgeLengths<R>, instructions: Instructions) -> Self {
-        let (chart, from_stride) = (edges.chart(), edges.chart().stride());
+    /// Makes room for the edges of a surface. Zeros come without work, and as memory only once they are
+    /// written.
+    pub(super) fn new(chart: Chart) -> Self {
         let stride = chart.rows + 2;
-        // Zeros come without work; every entry that is read is written below, by many threads at once.
-        let mut turned = [(); 3].map(|_| vec![R::zero(); from_stride * stride]);
+        let edges = [(); 3].map(|_| vec![R::zero(); chart.stride() * stride]);
+        Self { stride, edges, is_filled: false }
+    }
+
+    /// Turns all edges, in parallel over columns, unless that has been done.
+    pub(super) fn fill(&mut self, edges: &EdgeLengths<R>, instructions: Instructions) {
+        if std::mem::replace(&mut self.is_filled, true) {
+            return;
+        }
+        let (chart, stride) = (edges.chart(), self.stride);
         let [up, up_next, up_previous] =
-            turned.each_mut().map(|array| array.par_chunks_mut(TILE * stride));
+            self.edges.each_mut().map(|array| array.par_chunks_mut(TILE * stride));
         (up, up_next, up_previous).into_par_iter().enumerate().for_each(
             |(band, (up, up_next, up_previous))| {
-                let (first, count) = (band * TILE, up.len() / stride);
-                let lines = Lines { from_stride, to_stride: stride, first, count, instructions };
+                let lines = Lines {
+                    from_stride: chart.stride(),
+                    to_stride: stride,
+                    first: band * TILE,
+                    count: up.len() / stride,
+                    instructions,
+                };
                 // Nothing lies before the border.
                 let skip = if band == 0 { 1 } else { 0 };
                 let to = [up, up_next, up_previous];
                 lines.turn_edges_back(edges, to, skip, 0..chart.rows, false);
             },
         );
-        Self { stride, edges: turned }
+    }
+
+    /// These, once they have been turned.
+    pub(super) fn filled(&self) -> Option<&Self> {
+        self.is_filled.then_some(self)
     }
 
     /// The lines from a column on, counted from the border.

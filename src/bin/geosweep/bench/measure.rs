@@ -228,7 +228,8 @@ impl Bench<'_> {
                 let start = Instant::now();
                 let mut solver = RotatedScan::new(&edges, wavefront);
                 let set_up = edges_time + start.elapsed();
-                self.time(problem, wavefront, Method::Cpu, set_up, None, |problem| {
+                let bytes = (edges.bytes() + solver.bytes()) as u64;
+                self.time(problem, wavefront, Method::Cpu, set_up, Some(bytes), |problem| {
                     let start = Instant::now();
                     let found = solver.solve(&problem.seeds, problem.stop);
                     Ok(Run {
@@ -238,9 +239,6 @@ impl Bench<'_> {
                         visits_and_updates: Some((solver.visits(), solver.updates())),
                     })
                 })?;
-                // Now that it has all that further maps take.
-                let timing = self.timings.last_mut().expect("it has just been timed");
-                timing.bytes = Some((edges.bytes() + solver.bytes()) as u64);
             }
             if self.is_wanted(wavefront, Method::FastMarching) {
                 self.time(problem, wavefront, Method::FastMarching, edges_time, None, |problem| {
