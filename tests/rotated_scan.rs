@@ -80,7 +80,8 @@ fn tiny_and_narrow_grids_agree_with_directed_scans() {
 fn a_solver_forgets_the_map_before() {
     let torus = Builtin::Torus.surface(70, 50).unwrap();
     let mask: Vec<bool> = (0..70 * 50).map(|k| k % 50 != 20 || k / 50 < 40).collect();
-    for surface in [torus.clone().with_mask(&mask).unwrap(), torus] {
+    let tiny = SIZES.map(holed);
+    for surface in [torus.clone().with_mask(&mask).unwrap(), torus].into_iter().chain(tiny) {
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
         let all = Wavefront::EVERY.map(|wavefront| {
             Instructions::available().into_iter().map(move |instructions| (wavefront, instructions))
@@ -89,8 +90,9 @@ fn a_solver_forgets_the_map_before() {
             let new = || RotatedScan::new(&edges, wavefront).with_instructions(instructions);
             let mut used = new();
             // From the second map on straight fronts find edges between columns turned.
-            for source in [[3.0, 4.0], [60.0, 44.0], [10.5, 30.25]] {
-                let seeds = at(source).seeds(&surface).unwrap();
+            let last = [surface.rows() - 1, surface.cols() - 1].map(|last| last as f64);
+            for source in [[0.0; 2], last, [0.15 * last[0], 0.6 * last[1]]] {
+                let Ok(seeds) = at(source).seeds(&surface) else { continue };
                 let again = used.solve(&seeds, CONVERGED);
                 let mut fresh = new();
                 assert_eq!(fresh.solve(&seeds, CONVERGED), again);

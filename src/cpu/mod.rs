@@ -5,9 +5,9 @@
 //! converge to the same map. Single precision is for use, double precision for reference.
 //!
 //! [`RotatedScan`] updates a row from the row behind it, sixteen points at once with AVX-512
-//! (`line.rs`); columns are rows of a transposed panel of sixteen (`panel.rs`); and a scan visits
-//! only tiles beside which something has changed since it passed (`tiles.rs`), if anything follows
-//! from that (`due.rs`).
+//! (`line.rs`); columns are rows of a transposed panel of sixteen (`panel.rs`, `turned.rs`); and a scan
+//! visits only tiles beside which something has changed since it passed (`tiles.rs`), if anything
+//! follows from that (`due.rs`).
 
 mod across;
 mod ceilings;

@@ -65,7 +65,7 @@ pub struct Bends<R> {
     /// Curvature of the front at x1 and x2.
     pub fronts: [R; 2],
     /// Gaussian curvature of the surface at x0, x1 and x2; the tag 1
-    /// ([`Real::tag`]) marks points beside a hole or the border, where waves diffract.
+    /// ([`Real::with_tag`]) marks points beside a hole or the border, where waves diffract.
     pub surface: [R; 3],
 }
 
