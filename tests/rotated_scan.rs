@@ -80,8 +80,10 @@ fn tiny_and_narrow_grids_agree_with_directed_scans() {
 fn a_solver_forgets_the_map_before() {
     let torus = Builtin::Torus.surface(70, 50).unwrap();
     let mask: Vec<bool> = (0..70 * 50).map(|k| k % 50 != 20 || k / 50 < 40).collect();
-    let tiny = SIZES.map(holed);
-    for surface in [torus.clone().with_mask(&mask).unwrap(), torus].into_iter().chain(tiny) {
+    let torus = [torus.clone().with_mask(&mask).unwrap(), torus];
+    // The largest has edges that are turned for good.
+    let sizes = SIZES.into_iter().chain([[257, 261]]);
+    for surface in torus.into_iter().chain(sizes.map(holed)) {
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
         let all = Wavefront::EVERY.map(|wavefront| {
             Instructions::available().into_iter().map(move |instructions| (wavefront, instructions))
@@ -89,7 +91,6 @@ fn a_solver_forgets_the_map_before() {
         for (wavefront, instructions) in all.into_iter().flatten() {
             let new = || RotatedScan::new(&edges, wavefront).with_instructions(instructions);
             let mut used = new();
-            // From the second map on straight fronts find edges between columns turned.
             let last = [surface.rows() - 1, surface.cols() - 1].map(|last| last as f64);
             for source in [[0.0; 2], last, [0.15 * last[0], 0.6 * last[1]]] {
                 let Ok(seeds) = at(source).seeds(&surface) else { continue };
@@ -113,13 +114,17 @@ fn no_source_is_no_map_and_no_endless_loop() {
 }
 
 /// Beside the user's input: 16 bytes of edge lengths, two copies of times and curvatures, and the
-/// surface's own curvature; with straight fronts from the second map on 12 bytes of turned lengths.
+/// surface's own curvature; with straight fronts 12 bytes of turned lengths, from 256 points a side on.
 #[test]
 fn memory_is_at_most_forty_bytes_a_point() {
-    let points = 1200;
-    let surface = Builtin::Plane.surface(points, points).unwrap();
-    let seeds = Sources::point(0.0, 0.0).seeds(&surface).unwrap();
-    for wavefront in Wavefront::ALL {
+    for (points, wavefront) in [1200, 256].into_iter().flat_map(|points| {
+        Wavefront::ALL
+            .into_iter()
+            .filter(move |front| points > 256 || !front.is_curved())
+            .map(move |front| (points, front))
+    }) {
+        let surface = Builtin::Plane.surface(points, points).unwrap();
+        let seeds = Sources::point(0.0, 0.0).seeds(&surface).unwrap();
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
         let mut solver = RotatedScan::new(&edges, wavefront);
         solver.solve(&seeds, Stop::after(1));

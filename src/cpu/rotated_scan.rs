@@ -35,8 +35,8 @@ pub fn rotated_scan<R: Real>(
 }
 
 /// Solves one map after another of one surface by rotated scans, without allocating anew. The second
-/// map of straight fronts fills 12 bytes a point in single precision that make it and all others
-/// faster.
+/// map of straight fronts on grids of 256 x 256 points and more fills 12 bytes a point in single
+/// precision that make it and all others faster.
 ///
 /// Opposite scans run side by side on two copies of the fronts, which are then merged: a front
 /// that turns back has to pass through the other pair of scans anyhow. So the map is the same to
@@ -50,13 +50,18 @@ pub struct RotatedScan<'a, R> {
     instructions: Instructions,
     tiles: Tiles,
     fronts: [Fronts<R>; 2],
-    /// For straight fronts, filled by the second map; with curved ones there is more to keep beside.
+    /// For straight fronts on large grids, filled by the second map; with curved ones there is more to
+    /// keep beside.
     turned: Option<Turned<R>>,
     /// Whether there has been a map.
     solved: bool,
     /// How many points scans have looked at before they started.
     looked: u64,
 }
+
+/// Points from which on edges are turned for good. On smaller grids these and the panels would be more
+/// than 40 bytes a point, and what is turned lies in near caches.
+const TURNED_FROM: usize = 256 * 256;
 
 /// How a solution came about.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,7 +114,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
             instructions: Instructions::best(),
             fronts: [fronts(), fronts()],
             tiles,
-            turned: (!curved).then(|| Turned::new(chart)),
+            turned: (!curved && chart.points() >= TURNED_FROM).then(|| Turned::new(chart)),
             solved: false,
             looked: 0,
         }
