@@ -110,8 +110,9 @@ void main() {
         vec4 base_left = edge_lengths(lengths, -ahead - along, along);
         vec4 base_right = edge_lengths(lengths, -ahead, along);
         vec4 own = IS_CURVED ? at_step(bends, ivec2(0)) : vec4(0.0);
-        Fronts from_left = update(ends[0], ends[1], own, to[0], to[1], base_left);
-        Fronts from_right = update(ends[1], ends[2], own, to[1], to[2], base_right);
+        bvec4 alone = are_alone(to[1]);
+        Fronts from_left = update(ends[0], ends[1], own, to[0], to[1], base_left, alone);
+        Fronts from_right = update(ends[1], ends[2], own, to[1], to[2], base_right, alone);
         if (HAS_ARCS) {
             Sight sight = Sight(ends[0], ends[1], ends[2], own, to[0], to[1], to[2],
                                 base_left, base_right);

@@ -23,7 +23,7 @@ void main() {
     vec4 lengths = vec4(1.0, 1.1, 1.2, 1.3);
     for (uint i = 0u; i < repeats; i++) {
         Ends beside = Ends(front.time.yzwx, front.curvature.yzwx, gaussian);
-        Fronts found = update(front, beside, gaussian, lengths, lengths.yzwx, lengths.zwxy);
+        Fronts found = update(front, beside, gaussian, lengths, lengths.yzwx, lengths.zwxy, bvec4(false));
         front = Ends(found.time, found.curvature, gaussian);
         // So that no triangle's shape is known before the loop.
         lengths += 1e-9 * found.time;

@@ -29,8 +29,13 @@
 #define BENT_APART 0.005
 #define FROM_SOURCE 0.99
 #define ABOUT_STRAIGHT 0.25
-// Fronts whose times differ by no more than so many times their rounding arrive together.
-#define TOGETHER 8.0
+// Fronts whose times differ by no more than so many times their rounding arrive together; arcs of
+// fronts that touch have come different ways.
+#define TOGETHER 1.0
+#define ARCS_TOGETHER 8.0
+// A front that comes again, together with itself, is the same if its curvature differs by no more than
+// so many times its rounding: a tag takes 16.
+#define BENT_AGAIN 1024.0
 // See two_arcs.rs.
 #define ARCS_APART 0.02
 #define ARCS_ALIKE 0.25

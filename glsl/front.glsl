@@ -7,11 +7,12 @@ vec4 with_tags(vec4 values, uvec4 tags) {
 
 // Accepts fronts, brought by a scan numbered from 1, that are the first to arrive. Of those that arrive
 // together whole triangles know better, then the front that is flatter by more than rounding; and
-// those that this scan has brought before may be renewed, earlier or later. Of times that differ by
-// rounding the earlier stays.
+// those that this scan has brought before may be renewed, earlier or later, but for what rounding
+// alone has changed. Else the one that is there stays; where arcs touch, with the earlier time.
 void accept(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 curvature) {
-    vec4 earliest = min(time, fronts.time);
-    if (WAVEFRONT >= 2) {
+    if (WAVEFRONT < 2) {
+        time = min(time, fronts.time);
+    } else {
         vec4 tagged = with_tags(fronts.curvature, mix(uvec4(scan), uvec4(scan | WHOLE), fronts.whole));
         uvec4 tag_before = floatBitsToUint(curvature) & 15u;
         bvec4 whole_before = greaterThanEqual(tag_before, uvec4(WHOLE));
@@ -21,13 +22,16 @@ void accept(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 c
         bvec4 knows = either(both(fronts.whole, not(whole_before)), flatter);
         bvec4 reached = lessThan(time, vec4(FAR));
         bvec4 ties = both(reached, together(fronts.time, time));
-        bvec4 renewed = both(both(bvec4(renews), reached), equal(tag_before & 7u, uvec4(scan)));
+        vec4 rounding = abs(tagged) * (BENT_AGAIN * PRECISION);
+        bvec4 bends_alike = both(alike, lessThanEqual(abs(curvature - tagged), rounding));
+        bvec4 is_new = not(both(ties, bends_alike));
+        bvec4 comes_again = both(both(bvec4(renews), reached), equal(tag_before & 7u, uvec4(scan)));
         bvec4 first = either(both(not(ties), lessThan(fronts.time, time)), both(ties, knows));
-        bvec4 accepted = either(first, renewed);
+        bvec4 accepted = either(first, both(comes_again, is_new));
         curvature = mix(curvature, tagged, accepted);
-        earliest = mix(earliest, fronts.time, both(accepted, not(ties)));
+        vec4 arrival = mix(fronts.time, min(time, fronts.time), ties);
+        time = mix(time, arrival, either(accepted, both(ties, bvec4(HAS_ARCS))));
     }
-    time = earliest;
 }
 
 uint largest(uvec4 values) {

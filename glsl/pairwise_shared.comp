@@ -107,7 +107,7 @@ uint update_pair(int scan, int line, int behind, int pair, int points, bool may_
     vec4 l1 = vec4(NUMBER(0), NUMBER(3), NUMBER(1), NUMBER(4));
     vec4 l2 = vec4(l1.zw, NUMBER(2), NUMBER(5));
     vec4 base = vec4(NUMBER(6), NUMBER(7), NUMBER(7), NUMBER(8));
-    Fronts sided = update(near, far, bend, l1, l2, base);
+    Fronts sided = update(near, far, bend, l1, l2, base, are_alone(l1.zwzw));
     Fronts from_left = Fronts(sided.time.xyxy, sided.curvature.xyxy, sided.whole.xyxy);
     Fronts from_right = Fronts(sided.time.zwzw, sided.curvature.zwzw, sided.whole.zwzw);
     if (HAS_ARCS) {

@@ -77,7 +77,7 @@ void main() {
             vec4 l1 = vec4(sides[i], sides[i + 1], sides[i + 2], sides[i + 3]);
             vec4 l2 = vec4(l1.yzw, sides[i + 4]);
             vec4 base = vec4(bases[i], bases[i + 1], bases[i + 2], bases[i + 3]);
-            Fronts found = update(end1, end2, own, l1, l2, base);
+            Fronts found = update(end1, end2, own, l1, l2, base, bvec4(false));
             for (int j = 0; j < 4; j++) {
                 if (found.time[j] < earliest) {
                     earliest = found.time[j];

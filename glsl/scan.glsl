@@ -184,8 +184,9 @@ void scan_block() {
                                   first_line(imageLoad(gaussians, texel + along), ahead).x);
         }
         vec4 g1 = line1.gaussian;
-        Fronts from_left = update(left, middle, g1, to_left, to_middle, base_left);
-        Fronts from_right = update(middle, right, g1, to_middle, to_right, base_right);
+        bvec4 alone = are_alone(to_middle);
+        Fronts from_left = update(left, middle, g1, to_left, to_middle, base_left, alone);
+        Fronts from_right = update(middle, right, g1, to_middle, to_right, base_right, alone);
         if (HAS_ARCS) {
             Sight sight = Sight(left, middle, right, g1, to_left, to_middle, to_right,
                                 base_left, base_right);
@@ -208,7 +209,7 @@ void scan_block() {
         vec2 g2 = second_line(own_gaussian, ahead);
         Ends near = Ends(line1.time.xyyz, line1.curvature.xyyz, line1.gaussian.xyyz);
         Ends far = Ends(line1.time.yzzw, line1.curvature.yzzw, line1.gaussian.yzzw);
-        Fronts sided = update(near, far, g2.xyxy, l1, l2, base);
+        Fronts sided = update(near, far, g2.xyxy, l1, l2, base, are_alone(sides.xyxy));
         from_left = Fronts(sided.time.xyxy, sided.curvature.xyxy, sided.whole.xyxy);
         from_right = Fronts(sided.time.zwzw, sided.curvature.zwzw, sided.whole.zwzw);
         if (HAS_ARCS) {

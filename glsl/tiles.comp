@@ -135,7 +135,7 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
     vec4 bases = vec4(edge_length(behind - along, along), edge_length(behind, along),
                       edge_length(behind + along, along), 0.0);
     vec2 own_bend = IS_CURVED ? vec2(bends[spot(at)], bends[spot(next)]) : vec2(0.0);
-    Fronts sided = update(near, far, own_bend.xyxy, l1, l2, bases.xyyz);
+    Fronts sided = update(near, far, own_bend.xyxy, l1, l2, bases.xyyz, are_alone(sides.xyxy));
     Fronts from_left = Fronts(sided.time.xyxy, sided.curvature.xyxy, sided.whole.xyxy);
     Fronts from_right = Fronts(sided.time.zwzw, sided.curvature.zwzw, sided.whole.zwzw);
     if (HAS_ARCS) {

@@ -100,7 +100,7 @@ vec4 bent(vec4 curvature, vec4 gaussian, vec4 ray) {
     return curvature - gaussian * ray * (1.0 - x + x * x * (1.0 / 3.0));
 }
 
-Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c) {
+Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
     bvec4 swap = lessThan(end1.time, end2.time);
     vec4 t = mix(end1.time, end2.time, swap);
     vec4 near_t = mix(end2.time, end1.time, swap);
@@ -145,7 +145,8 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c) {
     vec4 edge_g = mix(near_g, g, from_far);
     bvec4 reaches_far = both(from_far, greaterThanEqual(crossing, -grazing));
     bvec4 reaches_near = both(not(from_far), lessThanEqual(crossing, width + grazing));
-    bvec4 turns = both(shape.whole, not(both(is_front, either(reaches_far, reaches_near))));
+    bvec4 ahead = both(is_front, either(reaches_far, reaches_near));
+    bvec4 turns = both(either(shape.whole, alone), not(ahead));
     bvec4 corner = equal(floatBitsToUint(edge_g) & 15u, uvec4(1u));
     vec4 edge_k = mix(mix(near_k, k, from_far), vec4(SOURCE_CURVATURE), both(turns, corner));
 
@@ -160,18 +161,24 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c) {
     return Fronts(mix(mix(by_near, by_far, from_far), t + c * rise, inside), curvature, shape.whole);
 }
 
+// Whether of x1 and x2 only the one across the diagonal is there, given the edges to the other, along
+// an axis of the grid: fronts are then taken to have come around a hole's corner.
+bvec4 are_alone(vec4 beside) {
+    return greaterThanEqual(beside, vec4(FAR));
+}
+
 // The fronts at x0, whose surface has the Gaussian curvature g0: at FAR or later if neither x1
 // nor x2 is reached.
-Fronts update(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c) {
-    if (WAVEFRONT >= 2) return curved(end1, end2, g0, l1, l2, c);
+Fronts update(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
+    if (WAVEFRONT >= 2) return curved(end1, end2, g0, l1, l2, c, alone);
     vec4 time = WAVEFRONT == 1 ? point_source(end1.time, end2.time, l1, l2, c)
                                : planar(end1.time, end2.time, l1, l2, c);
     return Fronts(time, vec4(0.0), bvec4(false));
 }
 
-// Whether fronts arrive at the same time as others: of arcs but for the rounding that both have gathered.
+// Whether fronts arrive at the same time as others, but for rounding: of arcs for what both have gathered.
 bvec4 together(vec4 time, vec4 other) {
-    const float rounding = HAS_ARCS ? TOGETHER * PRECISION : 0.0;
+    const float rounding = (HAS_ARCS ? ARCS_TOGETHER : TOGETHER) * PRECISION;
     return lessThanEqual(abs(time - other), rounding * time);
 }
 

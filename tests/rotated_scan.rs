@@ -2,7 +2,7 @@
 
 mod measure;
 
-use geosweep::cpu::{Instructions, RotatedScan, Stop};
+use geosweep::cpu::{Convergence, Instructions, RotatedScan, Stop};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{Sources, Spacing, Surface, Wavefront};
@@ -132,5 +132,26 @@ fn memory_is_at_most_forty_bytes_a_point() {
         let bytes = (edges.bytes() + solver.bytes()) as f64 / (points * points) as f64;
         println!("{wavefront}: {bytes:.1} bytes a point");
         assert!(bytes < 40.0, "{wavefront}: {bytes}");
+    }
+}
+
+/// What rounding changes of a curved front, and what comes around corners before all of it is known,
+/// must not be passed on: it would make scans visit whole corridors again.
+#[test]
+fn curved_fronts_visit_few_more_points_than_planar_ones() {
+    for builtin in [Builtin::Plane, Builtin::Sphere, Builtin::Peaks, Builtin::Maze] {
+        let surface = builtin.surface(600, 600).unwrap();
+        let source = if builtin == Builtin::Maze { [0.0, 0.0] } else { off_centre(600, 600) };
+        let seeds = at(source).seeds(&surface).unwrap();
+        let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+        let [planar, curved] = [Wavefront::Planar, Wavefront::Curved].map(|wavefront| {
+            let mut solver = RotatedScan::new(&edges, wavefront);
+            let Convergence { iterations, .. } = solver.solve(&seeds, CONVERGED);
+            (iterations, solver.visits() as f64, solver.updates() as f64)
+        });
+        let (visits, updates) = (curved.1 / planar.1, curved.2 / planar.2);
+        println!("{builtin}: {visits:.2} visits, {updates:.2} updates; {planar:?}, {curved:?}");
+        assert!(curved.0 <= planar.0 + 2, "{builtin}: {} iterations, {}", curved.0, planar.0);
+        assert!(visits < 1.25 && updates < 1.3, "{builtin}: {visits} visits, {updates} updates");
     }
 }

@@ -9,6 +9,8 @@ use crate::update::Across;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quad {
     pub triangle: TriangleSlots,
+    /// Which of x1 and x2 is the neighbour along an axis of the grid; the other is one across a diagonal.
+    pub axis: usize,
     across: [AcrossSlots; 2],
 }
 
@@ -33,7 +35,8 @@ impl Quad {
             let sides = if axis == first { sides } else { [sides[1], sides[0]] };
             AcrossSlots { offset: chart.offset(axis) + chart.offset(from_axis), sides }
         });
-        Self { triangle: TriangleSlots::new(chart, first, second), across }
+        let triangle = TriangleSlots::new(chart, first, second);
+        Self { triangle, axis: usize::from(axis != first), across }
     }
 
     /// The points across the base of a triangle whose two other corners are reached, with their fronts

@@ -12,9 +12,10 @@ use rayon::prelude::*;
 
 use super::line::How;
 use super::settled::{Visited, stays};
+use super::state::is_from;
 use super::tiles::{Scan, TILE, Tiles, points};
 use crate::lanes::{Work, prefetch};
-use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, TAG, min};
+use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, min};
 use crate::update::{Triangle, Wavefront};
 
 /// The fronts at all points that two scans start from.
@@ -255,7 +256,7 @@ fn settled_straight<R: Real>(around: Around<R>, points: usize, wavefront: Wavefr
 fn settled_curved<R: Real>(around: Around<R>, points: usize, how: How) -> bool {
     let mut renewed = false;
     for i in 0..points {
-        renewed |= how.renews & around.curvatures[i].tag_has(TAG, how.scan.0);
+        renewed |= how.renews & is_from(around.curvatures[i], how.scan.0);
     }
     if renewed | around.leads(points) {
         return !renewed;
@@ -272,6 +273,7 @@ fn settled_curved<R: Real>(around: Around<R>, points: usize, how: How) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constants::WHOLE;
     use crate::cpu::Instructions;
 
     const DOWN_UP: [Scan; 2] = [Scan::DOWN, Scan::UP];
@@ -365,9 +367,12 @@ mod tests {
     fn fronts_that_a_scan_has_brought_are_due_in_it_to_be_renewed() {
         for scan in [DOWN_UP, RIGHT_LEFT].concat() {
             let down = |row, col| along(Scan::DOWN, row, col);
-            let brought = 0.0f32.with_tag(scan.0);
-            let found = due(Wavefront::Curved, Instructions::best(), down, brought);
-            assert!(found.contains(&scan) && found.len() == 1 + usize::from(scan != Scan::DOWN));
+            for tag in [scan.0, scan.0 | WHOLE as u8] {
+                let brought = 0.0f32.with_tag(tag);
+                let found = due(Wavefront::Curved, Instructions::best(), down, brought);
+                let expected = 1 + usize::from(scan != Scan::DOWN);
+                assert!(found.contains(&scan) && found.len() == expected, "{tag}");
+            }
         }
     }
 }

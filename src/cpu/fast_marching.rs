@@ -74,7 +74,7 @@ pub fn fast_marching_with<R: Real>(
             }
             let known = |point: usize| if fixed[point] { fronts.time(point) } else { R::FAR };
             let triangle = Triangle { t1: known(x1), t2: known(x2), ..lengths };
-            let front = fronts.arrival(x0, x1, x2, triangle);
+            let front = fronts.arrival(x0, [x1, x2], triangle, false);
             if fronts.lower(x0, front) > R::Bits::default() {
                 heap.push(Reverse(Arrival { time: front.time, point: x0 }));
             }

@@ -3,11 +3,11 @@
 //! The loop has no branch, so that the compiler turns points into lanes; see [`Work`].
 
 use super::settled::{Visited, is_settled, stays};
-use super::state::accept;
+use super::state::{accept, is_from};
 use super::tiles::{Scan, TILE};
 use super::{Instructions, bend_units};
 use crate::lanes::{Work, prefetch};
-use crate::surface::{Real, TAG, min};
+use crate::surface::{Real, min};
 use crate::update::{
     Across, Bends, Front, Triangle, Wavefront, are_two_arcs, curved, is_of_either, planar,
     point_source, two_arcs,
@@ -264,7 +264,7 @@ impl<const ARCS: bool> Kernel for Curved<ARCS> {
         let line = line.times.stretch(start, points);
         let mut renewed = false;
         for curvature in curvatures.iter() {
-            renewed |= how.renews & curvature.tag_has(TAG, how.scan.0);
+            renewed |= how.renews & is_from(*curvature, how.scan.0);
         }
         if !renewed {
             if line.leads(points) {
@@ -319,20 +319,22 @@ fn first_fronts<R: Real, const ARCS: bool, const FIRST_LEFT: bool, const SECOND_
     let points = curvatures.len();
     let mut first = FrontsOf::default();
     for i in 0..points {
-        first.set(i, curved(line.triangle::<FIRST_LEFT>(i), bent.around::<FIRST_LEFT>(i)));
+        let bends = bent.around::<FIRST_LEFT>(i, line.is_alone(i));
+        first.set(i, curved(line.triangle::<FIRST_LEFT>(i), bends));
     }
     let mut settled = true;
     for (i, curvature) in curvatures.iter().enumerate() {
         // A front that is renewed may come later than it did.
-        let renewed = how.renews & curvature.tag_has(TAG, how.scan.0);
+        let renewed = how.renews & is_from(*curvature, how.scan.0);
         let now = if renewed { first.times[i] } else { min(line.times[i], first.times[i]) };
         let other = line.turned::<SECOND_LEFT>(i);
-        let fronts = bent.around::<SECOND_LEFT>(i).fronts;
+        let fronts = bent.around::<SECOND_LEFT>(i, false).fronts;
         settled &= is_settled(Wavefront::Curved, other, fronts, now);
     }
     if !settled {
         for i in 0..points {
-            let other = curved(line.triangle::<SECOND_LEFT>(i), bent.around::<SECOND_LEFT>(i));
+            let bends = bent.around::<SECOND_LEFT>(i, line.is_alone(i));
+            let other = curved(line.triangle::<SECOND_LEFT>(i), bends);
             first.set(i, Front::first(first.get(i), other, ARCS));
         }
     }
@@ -388,8 +390,8 @@ fn part_each<R: Real>(
         if !(left | right) {
             continue;
         }
-        let of_left = (line.left(i), bent.around::<true>(i));
-        let of_right = (line.right(i), bent.around::<false>(i));
+        let of_left = (line.left(i), bent.around::<true>(i, false));
+        let of_right = (line.right(i), bent.around::<false>(i, false));
         // The point behind the neighbour beside this one comes first.
         let through_left = || {
             let [a, b] = across.around(i);
@@ -439,10 +441,11 @@ struct Bent<'a, R> {
 impl<R: Real> Bent<'_, R> {
     /// Those of one of the two triangles of point i.
     #[inline(always)]
-    fn around<const LEFT: bool>(&self, i: usize) -> Bends<R> {
+    fn around<const LEFT: bool>(&self, i: usize, alone: bool) -> Bends<R> {
         let (k, g) = (self.fronts_behind, self.gaussian_behind);
         let x1 = if LEFT { i } else { i + 1 };
-        Bends { fronts: [k[x1], k[x1 + 1]], surface: [self.gaussian[i], g[x1], g[x1 + 1]] }
+        let surface = [self.gaussian[i], g[x1], g[x1 + 1]];
+        Bends { fronts: [k[x1], k[x1 + 1]], surface, alone }
     }
 }
 
@@ -513,6 +516,12 @@ impl<R: Real> Times<'_, R> {
 }
 
 impl<R: Real> Stretch<'_, R> {
+    /// Whether there is no point beside point i behind; see [`Bends`].
+    #[inline(always)]
+    fn is_alone(&self, i: usize) -> bool {
+        self.middle[i] >= R::FAR
+    }
+
     /// The triangle with the points behind before and beside point i.
     #[inline(always)]
     fn left(&self, i: usize) -> Triangle<R> {

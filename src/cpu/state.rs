@@ -83,37 +83,38 @@ impl<'a, R: Real> Fronts<'a, R> {
     }
 
     /// The front that reaches a point through the triangle with x1 and x2, whose arrival times
-    /// are given beside the lengths.
+    /// are given beside the lengths; see [`Bends`] for `alone`.
     #[inline]
     pub(super) fn arrival(
         &self,
         point: usize,
-        x1: usize,
-        x2: usize,
+        x: [usize; 2],
         triangle: Triangle<R>,
+        alone: bool,
     ) -> Front<R> {
         let straight = |time| Front { time, curvature: R::zero(), whole: false };
         match self.wavefront {
             Wavefront::Planar => straight(planar(triangle)),
             Wavefront::PointSource => straight(point_source(triangle)),
-            Wavefront::Curved | Wavefront::Arcs => curved(triangle, self.bends(point, x1, x2)),
+            Wavefront::Curved | Wavefront::Arcs => curved(triangle, self.bends(point, x, alone)),
         }
     }
 
     /// What a curved front knows of a triangle's corners.
     #[inline]
-    fn bends(&self, point: usize, x1: usize, x2: usize) -> Bends<R> {
+    fn bends(&self, point: usize, [x1, x2]: [usize; 2], alone: bool) -> Bends<R> {
         Bends {
             fronts: [x1, x2].map(|corner| self.curvatures[corner]),
             surface: [point, x1, x2].map(|corner| self.gaussian[corner]),
+            alone,
         }
     }
 
     /// The first of the fronts that reach a point through the two triangles of a scan.
     #[inline]
     pub(super) fn through(&self, point: usize, triangles: &[Quad; 2]) -> Front<R> {
-        let [a, b] = [0, 1]
-            .map(|side| self.through_quad(point, &triangles[side], |point| self.times[point]));
+        let [a, b] =
+            triangles.each_ref().map(|quad| self.through_quad(point, quad, |x| self.times[x]));
         Front::first(a, b, self.has_arcs())
     }
 
@@ -125,8 +126,8 @@ impl<'a, R: Real> Fronts<'a, R> {
         slots: &TriangleSlots,
         time: impl Fn(usize) -> R,
     ) -> Front<R> {
-        let (x1, x2, triangle) = self.triangle(point, slots, time);
-        self.arrival(point, x1, x2, triangle)
+        let (x, triangle) = self.triangle(point, slots, time);
+        self.arrival(point, x, triangle, false)
     }
 
     /// The front that reaches a point through one triangle, with arrival times seen through `time`;
@@ -138,17 +139,18 @@ impl<'a, R: Real> Fronts<'a, R> {
         quad: &Quad,
         time: impl Fn(usize) -> R,
     ) -> Front<R> {
-        let (x1, x2, triangle) = self.triangle(point, &quad.triangle, &time);
+        let (x, triangle) = self.triangle(point, &quad.triangle, &time);
+        let alone = [triangle.l1, triangle.l2][quad.axis] >= R::FAR;
         if self.has_arcs() {
-            let fronts = [self.curvatures[x1], self.curvatures[x2]];
+            let fronts = x.map(|corner| self.curvatures[corner]);
             if are_two_arcs([triangle.t1, triangle.t2], fronts) {
                 let across = quad.across(self.edges, point, |y| [time(y), self.curvatures[y]]);
-                if let Some(front) = two_arcs(triangle, self.bends(point, x1, x2), across) {
+                if let Some(front) = two_arcs(triangle, self.bends(point, x, alone), across) {
                     return front;
                 }
             }
         }
-        self.arrival(point, x1, x2, triangle)
+        self.arrival(point, x, triangle, alone)
     }
 
     /// A triangle of a point, with arrival times seen through `time`, and the curvatures of the
@@ -159,8 +161,8 @@ impl<'a, R: Real> Fronts<'a, R> {
         slots: &TriangleSlots,
         time: impl Fn(usize) -> R,
     ) -> (Triangle<R>, [R; 2]) {
-        let (x1, x2, triangle) = self.triangle(point, slots, time);
-        (triangle, [x1, x2].map(|corner| self.at(corner)[1]))
+        let (x, triangle) = self.triangle(point, slots, time);
+        (triangle, x.map(|corner| self.at(corner)[1]))
     }
 
     #[inline]
@@ -169,11 +171,11 @@ impl<'a, R: Real> Fronts<'a, R> {
         point: usize,
         slots: &TriangleSlots,
         time: impl Fn(usize) -> R,
-    ) -> (usize, usize, Triangle<R>) {
+    ) -> ([usize; 2], Triangle<R>) {
         let x1 = point.wrapping_add_signed(slots.x1);
         let x2 = point.wrapping_add_signed(slots.x2);
         let [l1, l2, c] = slots.lengths(self.edges, point);
-        (x1, x2, Triangle { t1: time(x1), t2: time(x2), l1, l2, c })
+        ([x1, x2], Triangle { t1: time(x1), t2: time(x2), l1, l2, c })
     }
 
     /// Accepts a front at a point if it is the first; returns the change of the time.
@@ -263,8 +265,10 @@ fn change<R: Real>(before: [R; 2], after: [R; 2]) -> R::Bits {
 /// The front is accepted if it is the first, or arrives with that and is preferred
 /// ([`Front::replaces`]). If the scan `renews`, it is accepted as well, earlier or later, if it has
 /// brought the one before: that came from the same triangles, whose fronts have changed since. So
-/// nothing that was computed from a preliminary curvature stays. Of times that differ by rounding the
-/// earlier stays, so that scans that arrive together do not take turns.
+/// nothing that was computed from a preliminary curvature stays. What differs by rounding alone is no
+/// change ([`Front::is_same_as`]): the last digits of a front far away would else be passed on from
+/// point to point and visited anew. Else the one that is here stays, so that scans that arrive together
+/// do not take turns; where arcs touch, with the earlier time.
 #[inline(always)]
 pub(super) fn accept<R: Real>(
     time: R,
@@ -279,9 +283,11 @@ pub(super) fn accept<R: Real>(
     let was_reached = time < R::FAR;
     let together = was_reached & front.arrives_with(before, arcs);
     let first = if together { front.replaces(before) } else { front.time < time };
-    let accepted = first | (was_reached & renews & is_from(curvature, scan));
-    let arrival = if accepted & !together { front.time } else { min(time, front.time) };
-    (arrival, if accepted { front.curvature } else { curvature })
+    let is_new = !(together & front.is_same_as(before));
+    let accepted = first | (was_reached & renews & is_from(curvature, scan) & is_new);
+    let arrival = if together { min(time, front.time) } else { front.time };
+    let comes = accepted | (together & arcs);
+    (if comes { arrival } else { time }, if accepted { front.curvature } else { curvature })
 }
 
 /// A front's curvature, tagged with the scan that brings it and whether its triangle is whole.
@@ -340,9 +346,49 @@ impl TriangleSlots {
             c: EdgeSlot::new(chart, chart.offset(first), base),
         }
     }
+
     /// Lengths of x0 x1, x0 x2 and x1 x2.
     #[inline]
     pub(super) fn lengths<R: Real>(&self, edges: &EdgeLengths<R>, point: usize) -> [R; 3] {
         [self.l1, self.l2, self.c].map(|slot| edges.at(point, slot))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What becomes of a front of time 1.5 and curvature 0.3 that scan 2 has brought from a whole triangle
+    /// when this comes.
+    fn after<R: Real>([time, curvature]: [f64; 2], scan: u8, renews: bool) -> [R; 2] {
+        let whole = true;
+        let old = tagged(Front { time: R::of(1.5), curvature: R::of(0.3), whole }, 2);
+        let front = Front { time: R::of(time), curvature: R::of(curvature), whole };
+        accept(R::of(1.5), old, front, scan, renews, false).into()
+    }
+
+    fn assert_renews_but_for_rounding<R: Real>() {
+        let kept = after::<R>([2.0, 0.3], 1, true);
+        assert_eq!(kept[0], R::of(1.5));
+        let digit = R::epsilon().wide();
+        let is_kept = |front, scan, renews| after::<R>(front, scan, renews) == kept;
+        // Its own scan brings it again.
+        assert!(is_kept([1.5 + digit, 0.3], 2, true));
+        assert!(is_kept([1.5 - digit, 0.3 * (1.0 + 64.0 * digit)], 2, true));
+        for changed in [[1.5 + 4.0 * digit, 0.3], [1.5, 0.3 * (1.0 + 4096.0 * digit)]] {
+            assert_eq!(after::<R>(changed, 2, true)[0], R::of(changed[0]));
+            assert!(!is_kept(changed, 2, true) && is_kept(changed, 2, false));
+            assert!(is_kept(changed, 1, true));
+        }
+        // Another brings one that arrives together with it, earlier by a digit, or earlier by more.
+        assert!(is_kept([1.5 - digit, 0.299], 1, true));
+        assert!(!is_kept([1.5 - digit, 0.29], 1, true));
+        assert!(!is_kept([1.5 - 4.0 * digit, 0.299], 1, true));
+    }
+
+    #[test]
+    fn fronts_that_come_again_are_renewed_but_for_rounding() {
+        assert_renews_but_for_rounding::<f32>();
+        assert_renews_but_for_rounding::<f64>();
     }
 }

@@ -1,7 +1,9 @@
 //! The curved wavefront: a front that carries its geodesic curvature beside the arrival time.
 
 use super::{Shape, Triangle};
-use crate::constants::{ABOUT_STRAIGHT, BENT_APART, FOCUS, FROM_SOURCE, GRAZING, TOGETHER};
+use crate::constants::{
+    ABOUT_STRAIGHT, ARCS_TOGETHER, BENT_AGAIN, BENT_APART, FOCUS, FROM_SOURCE, GRAZING, TOGETHER,
+};
 use crate::surface::{DIFFRACTS, Real, TAG, max, min};
 
 /// An arriving front: when, and how curved it is.
@@ -32,11 +34,11 @@ impl<R: Real> Front<R> {
         }
     }
 
-    /// Whether another arrives at the same time: of arcs but for the rounding that both have gathered on
+    /// Whether another arrives at the same time, but for rounding: of arcs for what both have gathered on
     /// their ways, since along a line where two touch both arrive, and the curvature makes a difference.
     #[inline(always)]
     pub(crate) fn arrives_with(self, other: Self, arcs: bool) -> bool {
-        let rounding = if arcs { R::of(TOGETHER) * R::epsilon() } else { R::zero() };
+        let rounding = R::of(if arcs { ARCS_TOGETHER } else { TOGETHER }) * R::epsilon();
         (self.time - other.time).abs() <= rounding * self.time
     }
 
@@ -45,6 +47,14 @@ impl<R: Real> Front<R> {
     pub(crate) fn knows_better(self, other: Self) -> bool {
         let flatter = (self.whole == other.whole) & (self.curvature < other.curvature);
         (self.whole & !other.whole) | flatter
+    }
+
+    /// Whether this front, which a scan brings again and which arrives with the one that it has brought
+    /// before, is the same but for rounding: were it renewed, so would be all that come after it.
+    #[inline(always)]
+    pub(crate) fn is_same_as(self, kept: Self) -> bool {
+        let rounding = self.curvature.abs() * (R::of(BENT_AGAIN) * R::epsilon());
+        (self.whole == kept.whole) & ((kept.curvature - self.curvature).abs() <= rounding)
     }
 
     /// Whether this front is preferred to one that a point keeps and that has arrived with it, maybe from
@@ -67,6 +77,10 @@ pub struct Bends<R> {
     /// Gaussian curvature of the surface at x0, x1 and x2; the tag 1
     /// ([`Real::with_tag`]) marks points beside a hole or the border, where waves diffract.
     pub surface: [R; 3],
+    /// Whether of x1 and x2 only the neighbour across the grid's diagonal is there, beside a hole. What
+    /// comes along that edge alone is taken to have come around the hole's corner, as most fronts there
+    /// have, until another scan tells: else all behind the corner would have to be renewed.
+    pub alone: bool,
 }
 
 /// The front at x0, from fronts at x1 and x2.
@@ -79,7 +93,7 @@ pub struct Bends<R> {
 #[inline(always)]
 pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let Triangle { t1, t2, l1, l2, c } = triangle;
-    let Bends { fronts: [k1, k2], surface: [g0, g1, g2] } = bends;
+    let Bends { fronts: [k1, k2], surface: [g0, g1, g2], alone } = bends;
     let (zero, one, half, focus) = (R::zero(), R::one(), R::of(0.5), R::of(FOCUS));
 
     let swap = t1 < t2;
@@ -124,7 +138,7 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let (edge_time, edge) = if from_far { (by_far, l) } else { (by_near, near_l) };
     let (edge_k, edge_g) = if from_far { (k, g) } else { (near_k, near_g) };
     let ahead = if from_far { crossing >= -grazing } else { crossing <= width + grazing };
-    let turns = whole & !(is_front & ahead);
+    let turns = (whole | alone) & !(is_front & ahead);
     let diffracted = turns & edge_g.tag_has(TAG, DIFFRACTS);
     let edge_k = if diffracted { R::SOURCE } else { edge_k };
 
@@ -155,7 +169,7 @@ mod tests {
     use glam::DVec2;
 
     fn flat(k1: f64, k2: f64) -> Bends<f64> {
-        Bends { fronts: [k1, k2], surface: [0.0; 3] }
+        Bends { fronts: [k1, k2], surface: [0.0; 3], alone: false }
     }
 
     #[test]
@@ -181,7 +195,8 @@ mod tests {
         // A circle of radius r around a pole has geodesic curvature cot r.
         let (r, s) = (0.7f64, 0.01);
         let edge = Triangle { t1: r, t2: f64::FAR, l1: s, l2: f64::FAR, c: f64::FAR };
-        let after = |k| curved(edge, Bends { fronts: [k, 0.0], surface: [1.0; 3] }).curvature;
+        let after =
+            |k| curved(edge, Bends { fronts: [k, 0.0], surface: [1.0; 3], alone: false }).curvature;
         approx::assert_abs_diff_eq!(after(1.0 / r.tan()), 1.0 / (r + s).tan(), epsilon = 1e-6);
         approx::assert_abs_diff_eq!(after(f64::SOURCE), 1.0 / s.tan(), epsilon = 1e-5);
     }
@@ -191,10 +206,25 @@ mod tests {
         // The ray comes from the far left and turns around x1 by a right angle.
         let triangle = Triangle { t1: 5.0, t2: 5.0 + 0.98, l1: 1.0, l2: 2f64.sqrt(), c: 1.0 };
         let beside_a_hole = 0.0.with_tag(DIFFRACTS);
-        let at = |g1| curved(triangle, Bends { fronts: [0.2, 0.2], surface: [0.0, g1, 0.0] });
+        let bends = |g1| Bends { surface: [0.0, g1, 0.0], ..flat(0.2, 0.2) };
+        let at = |g1| curved(triangle, bends(g1));
         assert_eq!((at(0.0).time, at(beside_a_hole).time), (6.0, 6.0));
         approx::assert_relative_eq!(at(0.0).curvature, 0.2 / 1.2, max_relative = 1e-12);
         approx::assert_relative_eq!(at(beside_a_hole).curvature, 1.0, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn what_comes_along_a_diagonal_beside_a_hole_has_come_around_its_corner() {
+        let far = f64::FAR;
+        let edge = Triangle { t1: 5.0, t2: far, l1: 1.4, l2: far, c: far };
+        let at = |g1: f64, alone| {
+            curved(edge, Bends { surface: [0.0, g1, 0.0], alone, ..flat(0.2, 0.0) }).curvature
+        };
+        let beside_a_hole = 0.0.with_tag(DIFFRACTS);
+        approx::assert_relative_eq!(at(beside_a_hole, true), 1.0 / 1.4, max_relative = 1e-12);
+        for straight in [at(beside_a_hole, false), at(0.0, true)] {
+            approx::assert_relative_eq!(straight, 0.2 / 1.28, max_relative = 1e-12);
+        }
     }
 
     #[test]
@@ -228,7 +258,7 @@ mod tests {
     #[test]
     fn a_missing_edge_or_time_leaves_the_other() {
         let far = f32::FAR;
-        let bends = Bends { fronts: [1.0, 0.0], surface: [0.0; 3] };
+        let bends = Bends { fronts: [1.0, 0.0], surface: [0.0; 3], alone: false };
         let whole = Triangle { t1: 1.0, t2: 1.2, l1: 1.0, l2: 1.0, c: 1.0f32 };
         assert_eq!(curved(Triangle { t2: far, ..whole }, bends).time, 2.0);
         assert_eq!(curved(Triangle { l2: far, c: far, ..whole }, bends).time, 2.0);

@@ -70,7 +70,7 @@ pub(crate) fn two_arcs<R: Real>(
     across: [Across<R>; 2],
 ) -> Option<Front<R>> {
     let Triangle { t1, t2, l1, l2, c } = triangle;
-    let Bends { fronts: [k1, k2], surface: [g0, g1, g2] } = bends;
+    let Bends { fronts: [k1, k2], surface: [g0, g1, g2], .. } = bends;
     let mirrored = Triangle { t1: t2, t2: t1, l1: l2, l2: l1, c };
     // With the direction from a pair of points that lie the least along a ray.
     let mut best: Option<Arrival<R>> = None;
@@ -293,7 +293,7 @@ mod tests {
             let [time, curvature] = fronts.at(place);
             Across { time, curvature, sides: [place.distance(x1), place.distance(x2)] }
         });
-        let bends = Bends { fronts: [k1, k2], surface: [0.0; 3] };
+        let bends = Bends { fronts: [k1, k2], surface: [0.0; 3], alone: false };
         let front = two_arcs(triangle, bends, across);
         let may =
             |point: Across<f64>| is_of_either([[t1, k1], [t2, k2]], [point.time, point.curvature]);
@@ -322,7 +322,7 @@ mod tests {
             approx::assert_abs_diff_eq!(front.time, time, epsilon = 1e-9);
             approx::assert_relative_eq!(front.curvature, curvature, max_relative = 1e-6);
             let fronts = [x1, x2].map(|place| fronts.at(place)[1]);
-            let mean = curved(triangle, Bends { fronts, surface: [0.0; 3] });
+            let mean = curved(triangle, Bends { fronts, surface: [0.0; 3], alone: false });
             // Far from the corner, with the source close behind it, both arcs are about the same.
             let apart = are_two_arcs([triangle.t1, triangle.t2], fronts);
             exact += usize::from(apart && (mean.time - time).abs() > 1e-4);
@@ -356,14 +356,14 @@ mod tests {
             let curvature = 1.0 / y.distance(sources[side]);
             Across { time: time(y, side), curvature, sides: [y.distance(x1), y.distance(x2)] }
         });
-        let bends = Bends { fronts: curvatures, surface: [0.0; 3] };
+        let bends = Bends { fronts: curvatures, surface: [0.0; 3], alone: false };
         assert_eq!(two_arcs(triangle, bends, across), None);
     }
 
     #[test]
     fn nothing_is_said_where_points_are_missing() {
         let triangle = Triangle { t1: 1.0, t2: 1.2, l1: 1.0, l2: 1.0, c: 1.0f32 };
-        let bends = Bends { fronts: [0.9, 0.2], surface: [0.0; 3] };
+        let bends = Bends { fronts: [0.9, 0.2], surface: [0.0; 3], alone: false };
         let far = f32::FAR;
         let missing = Across { time: far, curvature: 0.0, sides: [far; 2] };
         assert_eq!(two_arcs(triangle, bends, [missing; 2]), None);

@@ -96,7 +96,8 @@ impl Fan {
         ];
         let [l1, l2] = [self.edges[base], self.edges[base + 1]];
         let surface = [self.gaussian[0], self.gaussian[base + 1], self.gaussian[base + 2]];
-        (Triangle { t1, t2, l1, l2, c: self.bases[base] }, Bends { fronts, surface })
+        let alone = self.edges[1] >= f32::FAR;
+        (Triangle { t1, t2, l1, l2, c: self.bases[base] }, Bends { fronts, surface, alone })
     }
 }
 
