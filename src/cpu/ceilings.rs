@@ -5,7 +5,8 @@ use std::sync::Barrier;
 use std::time::{Duration, Instant};
 
 use super::Instructions;
-use super::line::{How, Line, Times, Update};
+use super::line::{Line, Times};
+use super::line_update::{How, Update};
 use super::tiles::{Scan, TILE};
 use crate::surface::Real;
 use crate::update::Wavefront;

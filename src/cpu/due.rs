@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::line::How;
+use super::line_update::How;
 use super::settled::{Visited, stays};
 use super::state::is_from;
 use super::tiles::{Scan, TILE, Tiles, points};

@@ -3,7 +3,8 @@
 
 use std::ops::Range;
 
-use super::line::{Beyond, How, Line, Times, Update, Updated};
+use super::line::{Beyond, Line, Times};
+use super::line_update::{How, Update, Updated};
 use crate::surface::Real;
 use crate::update::Wavefront;
 

@@ -5,7 +5,7 @@
 //! converge to the same map. Single precision is for use, double precision for reference.
 //!
 //! [`RotatedScan`] updates a row from the row behind it, sixteen points at once with AVX-512
-//! (`line.rs`); columns are rows of a transposed panel of sixteen (`panel.rs`, `turned.rs`); and a scan
+//! (`line_update.rs`); columns are rows of a transposed panel of sixteen (`panel.rs`, `turned.rs`); and a scan
 //! visits only tiles beside which something has changed since it passed (`tiles.rs`), if anything
 //! follows from that (`due.rs`).
 
@@ -16,6 +16,7 @@ mod due;
 mod fast_marching;
 mod field;
 mod line;
+mod line_update;
 mod pairwise;
 mod panel;
 mod progress;

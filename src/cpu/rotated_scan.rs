@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::due::Before;
 use super::field::Field;
-use super::line::{How, Updated};
+use super::line_update::{How, Updated};
 use super::panel::{Grid, Panel};
 use super::state::{SEED, Solution, accept, first, is_from};
 use super::tiles::{Scan, TILE, Tiles, points};
