@@ -26,10 +26,27 @@ vec3 normal(ivec2 at) {
     return dot3(across, across) > 1e-6 ? unit(across) : vec3(0.0);
 }
 
-// How far the surface bends across a point; 0 if a neighbour is missing.
-float bend(ivec2 at, ivec2 step) {
-    if (!is_present(at + step) || !is_present(at - step)) return 0.0;
+// Whether the grid's line goes on at both sides of a point.
+bool goes_on(ivec2 at, ivec2 step) {
+    return is_present(at + step) && is_present(at - step);
+}
+
+// How far the surface bends across a point at which the line goes on.
+float bend_across(ivec2 at, ivec2 step) {
     return dot3(way(at, step) + way(at, -step), normal(at));
+}
+
+// How far the surface bends across an end of an edge, or where the line ends as far as it does at the
+// next two points inwards.
+float bend(ivec2 at, ivec2 step) {
+    if (goes_on(at, step)) return bend_across(at, step);
+    ivec2 inwards = is_present(at + step) ? step : -step;
+    ivec2 next = at + inwards;
+    if (!goes_on(next, step) || !goes_on(next + inwards, step)) return 0.0;
+    float here = bend_across(next, step);
+    float after = bend_across(next + inwards, step);
+    float smaller = abs(here) < abs(after) ? here : after;
+    return (here > 0.0) == (after > 0.0) ? smaller : 0.0;
 }
 
 float separation(ivec2 at, ivec2 step) {

@@ -215,21 +215,21 @@ impl Surface {
                 self.bend_row(rows, bends);
             }
         };
-        let before = self.row(rows.start.checked_sub(2), origin);
-        let mut above = self.row(rows.start.checked_sub(1), origin);
-        let mut here = self.row(Some(rows.start), origin);
-        let (mut bends_above, mut bends_here) = (straight(), straight());
-        bends([&before, &above, &here], &mut bends_above);
+        // The points of the row before, of this one and of the next two; the bends of two rows before,
+        // of this one and of the next, which the first row's three before it are read for.
+        let mut points = [(); 4].map(|_| self.row(None, origin));
+        let mut around = [(); 4].map(|_| straight());
         let mut lengths = [(); 4].map(|_| vec![R::FAR; cols]);
-        for row in rows {
-            let below = self.row(Some(row + 1), origin);
-            bends([&above, &here, &below], &mut bends_here);
-            if self.measure_row([&above, &here], [&bends_above, &bends_here], &mut lengths) {
+        for ahead in rows.start..rows.end + 5 {
+            points.rotate_left(1);
+            points[3] = self.row(ahead.checked_sub(3), origin);
+            around.rotate_left(1);
+            bends([&points[1], &points[2], &points[3]], &mut around[3]);
+            let Some(row) = ahead.checked_sub(5).filter(|row| rows.contains(row)) else { continue };
+            if self.measure_row([&points[0], &points[1]], around.each_ref(), &mut lengths) {
                 check(row, &lengths).map_err(|error| self.cause(error))?;
             }
             store(row, &lengths);
-            (above, here) = (here, below);
-            std::mem::swap(&mut bends_above, &mut bends_here);
         }
         Ok(())
     }
@@ -251,9 +251,9 @@ impl Surface {
         let SurfaceError::EdgeLength { row, col, .. } = error else { return error };
         let beyond = |value: &f64| value.abs() > LONGEST_EDGE;
         // The bends of an edge depend on as many points around it.
-        let rows = row.saturating_sub(2)..(row + 3).min(self.rows());
+        let rows = row.saturating_sub(3)..(row + 4).min(self.rows());
         for (row, col) in rows.flat_map(|row| {
-            let cols = col.saturating_sub(2)..(col + 3).min(self.cols());
+            let cols = col.saturating_sub(3)..(col + 4).min(self.cols());
             cols.map(move |col| (row, col))
         }) {
             let index = self.chart().index(row, col);

@@ -2,7 +2,7 @@
 //!
 //! The loops have no branch, so that the compiler turns points into lanes; see [`Work`].
 
-use super::arc::{arc, bends};
+use super::arc::{arc, bends, end_bend};
 use super::chart::Direction;
 use super::edges::{LONGEST_EDGE, SHORTEST_EDGE, STORED};
 use super::points::{Point, Row};
@@ -10,11 +10,14 @@ use super::real::{Real, max};
 use super::{Geometry, Surface};
 use crate::lanes::{Instructions, Work};
 
+/// This row's among the bends of four.
+const HERE: usize = 2;
+
 /// Points that are measured together, in arrays of their own, which no other can overlap.
 const STRETCH: usize = 32;
 
 /// How a surface bends across the points of a row along the lines of [`STORED`], with a point
-/// more at each end.
+/// more at each end; [`Real::FAR`] where a neighbour on the line is missing.
 pub(super) type RowBends<R> = [Vec<R>; 4];
 
 /// How far neighbouring points are apart.
@@ -89,12 +92,13 @@ impl Surface {
         }
     }
 
-    /// The lengths of the edges stored at the points of a row, from the row before and itself, each
-    /// with its bends. Returns whether one may be too short or too long.
+    /// The lengths of the edges stored at the points of a row, from the row before and itself, and
+    /// the bends of these two, the row before them and the one after. Returns whether one may be too
+    /// short or too long.
     pub(super) fn measure_row<R: Real>(
         &self,
         rows: [&Row<R>; 2],
-        bends: [&RowBends<R>; 2],
+        bends: [&RowBends<R>; 4],
         lengths: &mut [Vec<R>; 4],
     ) -> bool {
         let instructions = Instructions::best();
@@ -111,6 +115,12 @@ impl Surface {
             }
         }
     }
+}
+
+/// Whether a length is neither too short nor too long, nor zero.
+#[inline(always)]
+fn is_usual<R: Real>(length: R) -> bool {
+    (length > R::of(SHORTEST_EDGE)) & (length < R::of(LONGEST_EDGE))
 }
 
 /// The stretches of a row: their first points, and how many each has. The last one overlaps the
@@ -184,7 +194,8 @@ struct Measure<'a, R, S> {
     space: S,
     /// Before and here.
     rows: [&'a Row<R>; 2],
-    bends: [&'a RowBends<R>; 2],
+    /// Before these, before, here and after.
+    bends: [&'a RowBends<R>; 4],
     lengths: &'a mut [Vec<R>; 4],
 }
 
@@ -218,26 +229,65 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
             let diagonal = step.0 != 0 && step.1 != 0;
             let row = 1usize.wrapping_add_signed(step.0);
             let bends = [
-                &self.bends[1][k][start..][..points + 2],
-                &self.bends[row][k][start..][..points + 2],
+                &self.bends[HERE][k][start..][..points + 2],
+                &self.bends[HERE - 1 + row][k][start..][..points + 2],
             ];
+            let mut ends = 0;
             for i in 0..points.min(STRETCH) {
                 let other = (i + 1).wrapping_add_signed(step.1);
                 let (a, b) = (rows[1].at(i + 1), rows[row].at(other));
                 let beside =
                     (rows[1].slowness(other) > R::zero()) | (rows[0].slowness(i + 1) > R::zero());
                 let exists = (a[3] > R::zero()) & (b[3] > R::zero()) & (!diagonal | beside);
-                let length =
-                    arc(self.space.separation(a, b, step), bends[0][i + 1], bends[1][other]);
+                let bends = [bends[0][i + 1], bends[1][other]];
+                let length = arc(self.space.separation(a, b, step), bends[0], bends[1]);
                 let length = R::of(0.5) * (a[3] + b[3]) * length;
-                let is_usual = (length > R::of(SHORTEST_EDGE)) & (length < R::of(LONGEST_EDGE));
                 found[k][i] = if exists { length } else { R::FAR };
-                suspicious |= u32::from(exists & !is_usual);
+                suspicious |= u32::from(exists & !is_usual(length));
+                ends |= u32::from(exists & (max(bends[0], bends[1]) >= R::FAR));
+            }
+            if ends != 0 {
+                let found = &mut found[k][..points.min(STRETCH)];
+                suspicious |= u32::from(self.measure_ends(k, start, found));
             }
         }
         for (lengths, found) in self.lengths.iter_mut().zip(&found) {
             lengths[start..][..points].copy_from_slice(&found[..points]);
         }
         suspicious != 0
+    }
+
+    /// Measures those edges of a stretch again that end where their line does, one after another, since
+    /// they are few. Returns whether one may be too short or too long.
+    #[inline(never)]
+    fn measure_ends(&self, k: usize, start: usize, found: &mut [R]) -> bool {
+        let (down, right) = STORED[k].step();
+        let mut suspicious = false;
+        for (i, found) in found.iter_mut().enumerate() {
+            // From this point, along the line.
+            let bend = |steps: isize| {
+                let row = &self.bends[HERE.wrapping_add_signed(steps * down)][k];
+                row[(start + i + 1).wrapping_add_signed(steps * right)]
+            };
+            let bends = [bend(0), bend(1)];
+            if *found >= R::FAR || max(bends[0], bends[1]) < R::FAR {
+                continue;
+            }
+            // Beyond a point that has a bend there is another one.
+            let at_end = |next: R, steps: isize| {
+                if next < R::FAR { end_bend(next, bend(steps)) } else { R::zero() }
+            };
+            let a = if bends[0] < R::FAR { bends[0] } else { at_end(bends[1], 2) };
+            let b = if bends[1] < R::FAR { bends[1] } else { at_end(bends[0], -1) };
+            let (here, there) = (start + i, (start + i).wrapping_add_signed(right));
+            let window = |row: isize, col: usize| {
+                self.rows[1usize.wrapping_add_signed(row)].window(col, 0).at(1)
+            };
+            let (from, to) = (window(0, here), window(down, there));
+            let length = arc(self.space.separation(from, to, (down, right)), a, b);
+            *found = R::of(0.5) * (from[3] + to[3]) * length;
+            suspicious |= !is_usual(*found);
+        }
+        suspicious
     }
 }

@@ -29,7 +29,7 @@ impl Rise {
         let weights = corner_weights(there, place.x - rows.0 as f64, place.y - cols.0 as f64)?;
         // As far as the bends at the corners depend on.
         let span = |(first, last): (usize, usize), points: usize| {
-            first.saturating_sub(1)..points.min(last + 2)
+            first.saturating_sub(2)..points.min(last + 3)
         };
         let (rows, cols) = (span(rows, surface.rows()), span(cols, surface.cols()));
         let around = surface.window(rows.clone(), cols.clone());

@@ -53,14 +53,15 @@ struct FanSize {
     share_of_fan: f32,
 }
 
-/// The rows whose points are needed to measure the edges of a band: two before, since an edge to
-/// the north also depends on how the surface bends at its other end, and one after.
+/// The rows whose points are needed to measure the edges of a band. An edge to the north also depends
+/// on how the surface bends at its other end; at an end where the line ends, at the next two points
+/// inwards.
 pub(crate) fn rows_around(band: &Range<usize>, chart: Chart) -> Range<usize> {
     band.start.saturating_sub(BEFORE)..(band.end + AFTER).min(chart.rows)
 }
 
-const BEFORE: usize = 2;
-const AFTER: usize = 1;
+const BEFORE: usize = 3;
+const AFTER: usize = 2;
 /// Rows around a band, at most.
 pub(crate) const HALO: usize = BEFORE + AFTER;
 
