@@ -15,22 +15,22 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use crate::solve::{Options, Problem};
-use crate::surface::{Coarsened, Seed, Source, SourceError, Sources, Surface, SurfaceError};
+use crate::solve::{Options, Precision, Problem, in_precision};
+use crate::surface::{Coarsened, Real, Seed, Source, SourceError, Sources, Surface, SurfaceError};
 use crate::update::Wavefront;
-use crate::{DistanceMap, Error, distance_map};
+use crate::{DistanceMap, Error};
 
 /// A map with an estimate of its error at each point.
 #[derive(Clone, Debug)]
-pub struct ErrorEstimate {
+pub struct ErrorEstimate<R = f32> {
     /// The map itself.
-    pub map: DistanceMap,
+    pub map: DistanceMap<R>,
     /// Estimate of |distance - exact distance| at each point, row-major, rounding included, in
     /// the unit of the distances; +infinity where the map is, and where no coarser grid reaches.
-    pub errors: Vec<f32>,
+    pub errors: Vec<R>,
     /// The map less its estimated error, sign included (Richardson's extrapolation): often much
     /// nearer to the exact distances, see [`estimate_error`]. Where there is no estimate, the map.
-    pub extrapolated: Vec<f32>,
+    pub extrapolated: Vec<R>,
     /// The p for which changes from grid to grid, over the whole map, are as h^p; from three grids.
     /// On smooth surfaces 1.2 to 2 for point-source fronts, about 2 for curved ones, and near 0.5
     /// for planar ones from points. Lower where the surface is rough on the grid or has holes, and
@@ -42,7 +42,7 @@ pub struct ErrorEstimate {
     pub coarse_solve_time: Duration,
 }
 
-/// Computes a map as [`distance_map`] does, and how far it may be from the exact distances, by
+/// Computes a map as [`distance_map`](crate::distance_map) does, and how far it may be from the exact distances, by
 /// solving again on every second and every fourth point, which takes a third more time.
 ///
 /// The estimate is that of grids fine enough for the surface: what no grid shows, such as a ridge
@@ -86,16 +86,37 @@ pub struct ErrorEstimate {
 /// ```
 ///
 /// # Errors
-/// Those of [`distance_map`], and if a side of the grid has two points or both have one, or no
+/// Those of [`distance_map`](crate::distance_map), and if a side of the grid has two points or both have one, or no
 /// point near a source is left on every second row and column.
 pub fn estimate_error(
     surface: &Surface,
     sources: &Sources,
     options: &Options,
 ) -> Result<ErrorEstimate, Error> {
+    estimate(surface, sources, options)
+}
+
+/// The same in double precision, on the CPU, for [`distance_map_f64`](crate::distance_map_f64):
+/// errors and extrapolated distances far below what single precision rounds.
+///
+/// # Errors
+/// As [`estimate_error`], and if a Vulkan device or a schedule is asked for.
+pub fn estimate_error_f64(
+    surface: &Surface,
+    sources: &Sources,
+    options: &Options,
+) -> Result<ErrorEstimate<f64>, Error> {
+    estimate(surface, sources, options)
+}
+
+fn estimate<R: Precision>(
+    surface: &Surface,
+    sources: &Sources,
+    options: &Options,
+) -> Result<ErrorEstimate<R>, Error> {
     // First, since a surface too small needs no map.
     let coarse = surface.coarsened(&grid_points(surface, sources))?;
-    let map = distance_map(surface, sources, options)?;
+    let map = in_precision::<R>(surface, sources, options)?;
     let first = Level::new(surface, coarse, sources, &map, options)?;
     let second = first.coarser(options)?;
     let weights = Weights::of(map.report.wavefront);
@@ -118,13 +139,13 @@ pub fn estimate_error(
     Ok(ErrorEstimate { map, errors, extrapolated, observed_order, grids, coarse_solve_time })
 }
 
-impl ErrorEstimate {
+impl<R: Real> ErrorEstimate<R> {
     /// Mean and largest estimate relative to the distance, over the points that have an estimate
     /// and lie off the sources.
     pub fn relative(&self) -> (f64, f64) {
         let pairs = self.errors.iter().zip(&self.map.distances);
-        let known = pairs.filter(|(error, distance)| error.is_finite() && **distance > 0.0);
-        let relative = known.map(|(&error, &distance)| f64::from(error) / f64::from(distance));
+        let known = pairs.filter(|(error, distance)| error.is_finite() && **distance > R::zero());
+        let relative = known.map(|(error, distance)| error.wide() / distance.wide());
         let (sum, largest, count) =
             relative.fold((0.0, 0.0f64, 0u32), |(sum, max, n), e| (sum + e, max.max(e), n + 1));
         (sum / f64::from(count.max(1)), largest)
@@ -137,9 +158,9 @@ impl ErrorEstimate {
     }
 
     /// The map with the extrapolated distances in place of its own.
-    pub fn into_extrapolated_map(self) -> DistanceMap {
-        let finite = self.extrapolated.iter().copied().filter(|distance| distance.is_finite());
-        let max_distance = finite.fold(f32::NEG_INFINITY, f32::max);
+    pub fn into_extrapolated_map(self) -> DistanceMap<R> {
+        let finite = self.extrapolated.iter().filter(|distance| distance.is_finite());
+        let max_distance = finite.fold(f64::NEG_INFINITY, |max, distance| max.max(distance.wide()));
         let mut map = self.map;
         map.distances = self.extrapolated;
         map.report.max_distance = max_distance;
@@ -189,30 +210,30 @@ fn grid_points(surface: &Surface, sources: &Sources) -> Vec<[usize; 2]> {
 }
 
 /// A map on a coarser grid, beside that on the next finer one.
-struct Level {
+struct Level<R> {
     coarse: Coarsened,
     sources: Sources,
-    map: DistanceMap,
+    map: DistanceMap<R>,
     /// What the distance grows by from the finer grid to this one; infinite where one of the two
     /// does not reach.
     growth: Vec<f64>,
 }
 
-impl Level {
+impl<R: Precision> Level<R> {
     fn new(
         surface: &Surface,
         coarse: Coarsened,
         sources: &Sources,
-        fine: &DistanceMap,
+        fine: &DistanceMap<R>,
         options: &Options,
     ) -> Result<Self, Error> {
         let seeds = coarse_seeds(surface, &coarse, sources, fine)?;
         let coarse_sources = coarse.sources(sources);
-        let problem = Problem::from_seeds(coarse.surface(), seeds, &coarse_sources, options)?;
-        let map = problem.solve(&options.engine)?;
+        let problem = Problem::from_seeds::<R>(coarse.surface(), seeds, &coarse_sources, options)?;
+        let map = R::solve(&problem, &options.engine)?;
         let pairs = coarse.indices().zip(&map.distances);
         let growth = pairs.map(|(index, &coarse)| {
-            let growth = f64::from(coarse) - f64::from(fine.distances[index]);
+            let growth = coarse.wide() - fine.distances[index].wide();
             if growth.is_finite() { growth } else { f64::INFINITY }
         });
         let growth = growth.collect();
@@ -249,21 +270,21 @@ impl Level {
         &self,
         errors: &[f64],
         caution: f64,
-        map: &DistanceMap,
+        map: &DistanceMap<R>,
         start: f64,
-    ) -> (Vec<f32>, Vec<f32>) {
+    ) -> (Vec<R>, Vec<R>) {
         let signed = self.coarse.spread(errors).into_iter();
         let bounds = self.coarse.spread(&self.largest_around(errors));
         let points = map.distances.iter().zip(signed).zip(bounds);
         points
             .map(|((&distance, error), bound)| {
-                let rounding = f64::from(f32::EPSILON) * (f64::from(distance) - start);
+                let rounding = R::epsilon().wide() * (distance.wide() - start);
                 match distance.is_finite() {
                     true if error.is_finite() => {
-                        let extrapolated = (f64::from(distance) - error).max(start);
-                        ((caution * bound + rounding) as f32, extrapolated as f32)
+                        let extrapolated = (distance.wide() - error).max(start);
+                        (R::of(caution * bound + rounding), R::of(extrapolated))
                     }
-                    _ => (f32::INFINITY, distance),
+                    _ => (R::infinity(), distance),
                 }
             })
             .unzip()
@@ -295,11 +316,11 @@ impl Level {
 
 /// The sources as seeds of the coarse grid. A source in a cell that has become a hole, or beyond
 /// the last row or column left, starts from the finer map's distances at the points beside it.
-fn coarse_seeds(
+fn coarse_seeds<R: Real>(
     surface: &Surface,
     coarse: &Coarsened,
     sources: &Sources,
-    fine: &DistanceMap,
+    fine: &DistanceMap<R>,
 ) -> Result<Vec<Seed>, SourceError> {
     let mut earliest: BTreeMap<(usize, usize), Seed> = BTreeMap::new();
     for source in sources.iter() {
@@ -321,10 +342,10 @@ fn coarse_seeds(
 }
 
 /// Seeds at the coarse points at most a fine step from fine seeds.
-fn seeds_beside(
+fn seeds_beside<R: Real>(
     coarse: &Coarsened,
     fine_seeds: &[Seed],
-    fine: &DistanceMap,
+    fine: &DistanceMap<R>,
 ) -> Result<Vec<Seed>, SourceError> {
     let mut seeds = Vec::new();
     for seed in fine_seeds {
@@ -334,7 +355,7 @@ fn seeds_beside(
         };
         for row in beside(coarse.rows(), seed.row) {
             for col in beside(coarse.cols(), seed.col) {
-                let time = f64::from(fine.distance(coarse.rows()[row], coarse.cols()[col]));
+                let time = fine.distance(coarse.rows()[row], coarse.cols()[col]).wide();
                 if coarse.surface().has(row, col) && time.is_finite() {
                     // The radius of the front grows as it goes on.
                     let step = (time - seed.time).max(0.0);

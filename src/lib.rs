@@ -44,11 +44,14 @@ pub mod vulkan;
 
 pub use ash;
 pub use error::Error;
-pub use estimate::{ErrorEstimate, estimate_error};
+pub use estimate::{ErrorEstimate, estimate_error, estimate_error_f64};
 pub use glam;
 pub use gpu_allocator;
 pub use map::{DistanceMap, Report};
-pub use solve::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Options, distance_map};
+pub use solve::{
+    DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, DeviceChoice, Engine, Options, distance_map,
+    distance_map_f64,
+};
 pub use surface::{EdgeRule, MetricTensor, Source, Sources, Spacing, Surface};
 pub use update::Wavefront;
 

@@ -2,17 +2,18 @@
 
 use std::time::Duration;
 
-use crate::surface::Chart;
+use crate::surface::{Chart, Real};
 use crate::update::Wavefront;
 
-/// Geodesic distances from the sources to every grid point.
+/// Geodesic distances from the sources to every grid point, in single precision or in double
+/// ([`crate::distance_map_f64`]).
 #[derive(Clone, Debug)]
-pub struct DistanceMap {
+pub struct DistanceMap<R = f32> {
     /// The grid's size.
     pub chart: Chart,
     /// Distances, row-major, in the surface's unit of length (times the slowness, if any);
     /// +infinity at holes and at points that no source reaches.
-    pub distances: Vec<f32>,
+    pub distances: Vec<R>,
     /// How the map was computed.
     pub report: Report,
 }
@@ -35,7 +36,9 @@ pub struct Report {
     /// Largest relative change of an arrival time in the last iteration; 1 if a point was
     /// first reached in it.
     pub residual: f64,
-    /// Whether the residual met the tolerance before the iterations ran out.
+    /// What the residual was to come down to.
+    pub tolerance: f64,
+    /// Whether it did before the iterations ran out.
     pub converged: bool,
     /// Time of the solve itself: on Vulkan from the first submission to the last fence, without
     /// device creation, upload and read-back.
@@ -45,16 +48,23 @@ pub struct Report {
     /// Points with a finite distance.
     pub reached: usize,
     /// Largest finite distance.
-    pub max_distance: f32,
+    pub max_distance: f64,
 }
 
-impl DistanceMap {
+impl<R: Real> DistanceMap<R> {
     /// Distance at a grid point.
     ///
     /// # Panics
     /// If the grid has no such point.
-    pub fn distance(&self, row: usize, col: usize) -> f32 {
+    pub fn distance(&self, row: usize, col: usize) -> R {
         assert!(row < self.chart.rows && col < self.chart.cols, "point outside the grid");
         self.distances[self.chart.index(row, col)]
+    }
+
+    /// The map rounded to single precision, which contours, paths and all else that is made of a map
+    /// take.
+    pub fn to_single(&self) -> DistanceMap {
+        let distances = self.distances.iter().map(|distance| distance.wide() as f32).collect();
+        DistanceMap { chart: self.chart, distances, report: self.report.clone() }
     }
 }

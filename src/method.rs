@@ -13,7 +13,7 @@ impl Options {
         Ok(vulkan::Method {
             wavefront: self.wavefront(surface, sources)?,
             schedule: self.schedule,
-            stop: self.stop(surface)?,
+            stop: self.stop::<f32>(surface)?,
         })
     }
 }

@@ -44,6 +44,33 @@ fn a_plane_has_straight_distances() {
 }
 
 #[test]
+fn maps_in_double_precision_are_written_whole() {
+    let bench = Bench::new();
+    let exact = Builtin::Plane.exact_distances(30, 40, [3.0, 4.0]).unwrap();
+    for file in ["map.npy", "map.tif"] {
+        let words =
+            format!("-s 3,4 --precision double --error e.npy --picture m.png --json -o {file}");
+        let report = json(&bench.distance("builtin:plane:30x40", &words));
+        assert_eq!((&report["precision"], &report["engine"]), (&"double".into(), &"cpu".into()));
+        assert!(report["residual"].as_f64().unwrap() <= 1e-13);
+        let found = map(&bench.output(file));
+        let largest = found.iter().copied().fold(0.0, f64::max);
+        assert_eq!(report["max_distance"].as_f64().unwrap(), largest, "{file}");
+        for (found, exact) in found.iter().zip(&exact) {
+            approx::assert_relative_eq!(found, exact, max_relative = 1e-13);
+        }
+        assert!(map(&bench.output("e.npy")).iter().all(|&error| error < 1e-12), "{file}");
+    }
+    let single = json(&bench.distance("builtin:plane:30x40", "-s 3,4 --json -o map.npy"));
+    assert_eq!(single["precision"], "single");
+    let found = map(&bench.output("map.npy"));
+    assert!(found.iter().zip(&exact).any(|(found, exact)| (found - exact).abs() > 1e-9));
+    // No digits are lost behind a start value that single precision has few left for.
+    let output = bench.distance("builtin:plane:30x40", "-s 1,2,1e6 --precision double -o map.npy");
+    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+}
+
+#[test]
 fn the_nearest_source_counts_with_its_start_value() {
     let bench = Bench::new();
     let output =

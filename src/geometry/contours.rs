@@ -43,7 +43,7 @@ impl Levels {
     /// # Errors
     /// If a level or the spacing makes no sense, or there would be more than [`MOST_LEVELS`].
     pub fn on(&self, map: &DistanceMap, sources: &Sources) -> Result<Vec<f64>, LevelError> {
-        let (low, high) = (sources.start(), f64::from(map.report.max_distance));
+        let (low, high) = (sources.start(), map.report.max_distance);
         let too_many = |count: f64| {
             if count > MOST_LEVELS as f64 { Err(LevelError::TooMany(count)) } else { Ok(()) }
         };

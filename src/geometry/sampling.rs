@@ -10,13 +10,13 @@ use crate::{Error, Options, Sources, Surface};
 
 /// A grid point that lies farthest from all sources.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Farthest {
+pub struct Farthest<R = f32> {
     /// Its row.
     pub row: usize,
     /// Its column.
     pub col: usize,
     /// Its distance; +infinity if no source reaches it.
-    pub distance: f32,
+    pub distance: R,
 }
 
 /// The farthest of the points that a map reaches, the first in row-major order of several;
@@ -37,19 +37,19 @@ pub struct Farthest {
 /// assert!((farthest.distance - 50.0).abs() < 1e-4);
 /// # Ok::<(), geosweep::Error>(())
 /// ```
-pub fn farthest(chart: Chart, distances: &[f32]) -> Option<Farthest> {
+pub fn farthest<R: Real>(chart: Chart, distances: &[R]) -> Option<Farthest<R>> {
     assert_eq!(distances.len(), chart.points(), "a distance for each grid point");
     let row = |row: usize| &distances[chart.index(row, 0)..][..chart.cols];
     farthest_where(chart, row, |_, distance| distance.is_finite())
 }
 
 /// The farthest of the points that `counts` tells by their index and distance.
-fn farthest_where<'a>(
+fn farthest_where<'a, R: Real>(
     chart: Chart,
-    distances: impl Fn(usize) -> &'a [f32] + Sync,
-    counts: impl Fn(usize, f32) -> bool + Sync,
-) -> Option<Farthest> {
-    let later = |a: Farthest, b: Farthest| if b.distance > a.distance { b } else { a };
+    distances: impl Fn(usize) -> &'a [R] + Sync,
+    counts: impl Fn(usize, R) -> bool + Sync,
+) -> Option<Farthest<R>> {
+    let later = |a: Farthest<R>, b: Farthest<R>| if b.distance > a.distance { b } else { a };
     let in_row = |row: usize| {
         let points = distances(row).iter().enumerate();
         let points = points.filter(|&(col, &distance)| counts(chart.index(row, col), distance));
@@ -109,7 +109,7 @@ impl<'a> FarthestPoints<'a> {
         let start = first.start();
         seeds.iter_mut().for_each(|seed| seed.time -= start);
         let options = Options::default();
-        let stop = options.stop(surface)?;
+        let stop = options.stop::<f32>(surface)?;
         let mut solver = RotatedScan::new(edges, options.wavefront(surface, first)?);
         solver.solve(&seeds, stop);
         Ok(Self { surface, solver, sources: first.clone(), start, stop })

@@ -5,17 +5,18 @@ use std::io::{self, Seek, Write};
 use std::path::Path;
 
 use super::arrays::{matrix, read_npy};
+use super::npy::NpyElement;
 use super::{Grid, IoError, exr, extension, read_bytes, tiff, write_npy};
 
-/// A format that holds a map without loss: one float32 per point, +infinity where no source
-/// reaches.
+/// A format that holds a map without loss: one float32 per point, or one float64 of a map in double
+/// precision; +infinity where no source reaches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapFormat {
     /// NumPy array (M, N).
     Npy,
     /// One grey channel, uncompressed.
     Tiff,
-    /// One channel `Y`, compressed.
+    /// One channel `Y`, compressed; single precision only.
     Exr,
 }
 
@@ -33,22 +34,78 @@ impl MapFormat {
         }
     }
 
+    /// Whether it can hold a map in double precision.
+    pub fn holds_double(self) -> bool {
+        self != Self::Exr
+    }
+
     /// Writes a map of `rows` x `cols` values, row-major.
     ///
     /// # Errors
-    /// Those of the writer, and of formats that cannot hold so large a map.
-    pub fn write(
+    /// Those of the writer, and of formats that cannot hold so large a map or none in double
+    /// precision.
+    pub fn write<T: MapValue>(
         self,
         writer: &mut (impl Write + Seek),
         rows: usize,
         cols: usize,
-        distances: &[f32],
+        distances: &[T],
     ) -> io::Result<()> {
         match self {
             Self::Npy => write_npy(writer, &[rows, cols], distances),
-            Self::Tiff => tiff::encode(writer, rows, cols, distances),
-            Self::Exr => exr::encode(writer, rows, cols, distances),
+            Self::Tiff => T::write_tiff(writer, rows, cols, distances),
+            Self::Exr => match T::as_single(distances) {
+                Some(distances) => exr::encode(writer, rows, cols, distances),
+                None => Err(io::Error::new(
+                    io::ErrorKind::Unsupported,
+                    "OpenEXR has no channels of double precision",
+                )),
+            },
         }
+    }
+}
+
+/// A precision of maps in files: f32 or f64.
+pub trait MapValue: NpyElement {
+    /// Writes a grey channel of its own type.
+    fn write_tiff(
+        writer: &mut (impl Write + Seek),
+        rows: usize,
+        cols: usize,
+        values: &[Self],
+    ) -> io::Result<()>;
+
+    /// The values, if they are of single precision.
+    fn as_single(values: &[Self]) -> Option<&[f32]>;
+}
+
+impl MapValue for f32 {
+    fn write_tiff(
+        writer: &mut (impl Write + Seek),
+        rows: usize,
+        cols: usize,
+        values: &[Self],
+    ) -> io::Result<()> {
+        tiff::encode::<tiff::Gray32Float>(writer, rows, cols, values)
+    }
+
+    fn as_single(values: &[Self]) -> Option<&[f32]> {
+        Some(values)
+    }
+}
+
+impl MapValue for f64 {
+    fn write_tiff(
+        writer: &mut (impl Write + Seek),
+        rows: usize,
+        cols: usize,
+        values: &[Self],
+    ) -> io::Result<()> {
+        tiff::encode::<tiff::Gray64Float>(writer, rows, cols, values)
+    }
+
+    fn as_single(_: &[Self]) -> Option<&[f32]> {
+        None
     }
 }
 

@@ -27,7 +27,7 @@ pub use atomic::{OutputFile, StagedFile};
 pub use curves::{Attribute, CurveFormat, Drawing, Polyline};
 pub use error::IoError;
 pub use georeference::{CoordinateSystem, Georeference};
-pub use map_file::{MapFormat, read_map};
+pub use map_file::{MapFormat, MapValue, read_map};
 pub use matrix_file::{
     Element, MatrixFile, MatrixLayout, Provenance, SquareMatrix, is_distance_matrix, read_matrix,
     surface_checksum,

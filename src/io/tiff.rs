@@ -3,7 +3,9 @@
 use std::io::{self, Cursor, Seek, Write};
 
 use ::tiff::decoder::{Decoder, DecodingResult, Limits};
-use ::tiff::encoder::{TiffEncoder, colortype::Gray32Float};
+use ::tiff::encoder::colortype::ColorType as Channel;
+pub(super) use ::tiff::encoder::colortype::{Gray32Float, Gray64Float};
+use ::tiff::encoder::{TiffEncoder, TiffValue};
 use ::tiff::tags::Tag;
 use ::tiff::{ColorType, TiffError};
 
@@ -94,18 +96,19 @@ fn heights(samples: DecodingResult, no_data: Option<f64>) -> Result<Vec<f64>, St
     })
 }
 
-/// Writes a map as one channel of float32.
-pub(super) fn encode(
+/// Writes a map as one grey channel.
+pub(super) fn encode<C: Channel>(
     writer: &mut (impl Write + Seek),
     rows: usize,
     cols: usize,
-    values: &[f32],
-) -> io::Result<()> {
+    values: &[C::Inner],
+) -> io::Result<()>
+where
+    [C::Inner]: TiffValue,
+{
     let size = |n: usize| u32::try_from(n).map_err(io::Error::other);
     TiffEncoder::new(writer)
-        .and_then(|mut encoder| {
-            encoder.write_image::<Gray32Float>(size(cols)?, size(rows)?, values)
-        })
+        .and_then(|mut encoder| encoder.write_image::<C>(size(cols)?, size(rows)?, values))
         .map_err(|error| match error {
             TiffError::IoError(error) => error,
             other => io::Error::other(other),

@@ -63,7 +63,7 @@ impl<'a> Pairwise<'a> {
     /// If an option is out of range, a schedule is given, an edge of the surface is too long or too short for single
     /// precision, or the Vulkan device asked for cannot be used.
     pub fn new(surface: &'a Surface, options: &Options) -> Result<Self, Error> {
-        let stop = options.stop(surface)?;
+        let stop = options.stop::<f32>(surface)?;
         if options.schedule.is_some() {
             return Err(Error::Options(
                 "a schedule is for single maps; the rows of a matrix have one order of updates on \

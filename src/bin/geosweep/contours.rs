@@ -145,7 +145,7 @@ pub fn comment(found: &[Contour], problem: &Problem) -> Result<(), SourceError> 
 /// The smallest and the largest distance on the grid.
 fn extent(map: &DistanceMap) -> [f32; 2] {
     let reached = map.distances.iter().copied().filter(|distance| distance.is_finite());
-    [reached.fold(f32::INFINITY, f32::min), map.report.max_distance]
+    [reached.fold(f32::INFINITY, f32::min), map.report.max_distance as f32]
 }
 
 /// The distances from a source to the points of the grid beside it.

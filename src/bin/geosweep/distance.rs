@@ -4,9 +4,12 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use geosweep::io::{self, IoError, MapFormat, OutputFile};
+use clap::ValueEnum;
+use geosweep::io::{self, MapFormat, MapValue, OutputFile};
+use geosweep::surface::Real;
 use geosweep::{
-    DistanceMap, ErrorEstimate, Options, Sources, Surface, distance_map, estimate_error,
+    DistanceMap, ErrorEstimate, Options, Sources, Surface, distance_map, distance_map_f64,
+    estimate_error, estimate_error_f64,
 };
 use serde::Serialize;
 
@@ -21,7 +24,7 @@ use crate::{Outcome, print, say};
 #[command(after_help = examples())]
 pub struct Args {
     /// Where to write the map: .npy (M, N), .tif or .exr, float32, +infinity at holes and where no
-    /// source reaches
+    /// source reaches; .npy or .tif, float64, in double precision
     #[arg(short, long, value_name = "MAP")]
     #[arg(required_unless_present_any = ["error", "picture", "json"])]
     output: Option<PathBuf>,
@@ -33,9 +36,12 @@ pub struct Args {
     #[command(flatten)]
     solver: SolverArgs,
 
+    /// Compute, and write, in this precision
+    #[arg(long, value_enum, default_value_t, help_heading = "Accuracy")]
+    precision: Precision,
     /// Estimate each distance's error from maps of every second and fourth point, which takes a
-    /// third more time: .npy (M, N), .tif or .exr, float32, in the unit of the distances, +infinity
-    /// where there is no estimate. Too large by far behind holes
+    /// third more time: a file as the map's, in the unit of the distances, +infinity where there is no
+    /// estimate. Too large by far behind holes
     #[arg(long, value_name = "FILE", help_heading = "Accuracy")]
     error: Option<PathBuf>,
     /// Write the map less its estimated error (Richardson's extrapolation), for a third more time.
@@ -51,13 +57,23 @@ pub struct Args {
     /// none)
     #[arg(long, value_name = "NAME", help_heading = "Reports")]
     unit: Option<String>,
-    /// Print one JSON object: engine, device, fallback, schedule, wavefront, iterations,
+    /// Print one JSON object: precision, engine, device, fallback, schedule, wavefront, iterations,
     /// iteration_bound (Theorem 1's, where it applies), residual, converged, solve_seconds, rows,
     /// cols, points, reached, max_distance, farthest (row and column of the first point that is so
     /// far), extrapolated, and with --error or --extrapolate the
     /// estimated mean_relative_error and max_relative_error before extrapolation
     #[arg(long, help_heading = "Reports")]
     json: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Precision {
+    /// On any engine; rounding grows with the grid, to some millionths at 1200 x 1200 points
+    #[default]
+    Single,
+    /// On the CPU, in about twice the time
+    Double,
 }
 
 fn examples() -> String {
@@ -77,6 +93,8 @@ Examples:
   Travel times, on the CPU, with a report to parse:
     geosweep distance dem.tif --slowness slowness.npy --source 10,10 \\
       --engine cpu --json -o time.npy
+  In double precision, for what is left of errors below single precision's rounding:
+    geosweep distance scan.npy --source 80,64 --precision double -o map.npy
   A built-in surface, with an estimate of each distance's error:
     geosweep distance builtin:sphere:257x257 --source 0,0 -o sphere.npy \\
       --error error.npy",
@@ -85,16 +103,33 @@ Examples:
 }
 
 pub fn run(args: &Args) -> Outcome {
+    match args.precision {
+        Precision::Single => run_with(args, Solver { map: distance_map, estimate: estimate_error }),
+        Precision::Double => {
+            run_with(args, Solver { map: distance_map_f64, estimate: estimate_error_f64 })
+        }
+    }
+}
+
+/// How maps of a precision are computed, without and with their errors.
+struct Solver<R> {
+    map: Solve<DistanceMap<R>>,
+    estimate: Solve<ErrorEstimate<R>>,
+}
+
+type Solve<T> = fn(&Surface, &Sources, &Options) -> Result<T, geosweep::Error>;
+
+fn run_with<R: Real + MapValue + Serialize>(args: &Args, solver: Solver<R>) -> Outcome {
     let options = args.solver.options()?;
     let outputs = Outputs::new(args)?;
     let scene = args.surface.read()?;
     let sources = args.sources.sources()?;
     let solved = {
         let _spinner = Spinner::new("computing distances");
-        args.solve(&scene.surface, &sources, &options)?
+        args.solve(solver, &scene.surface, &sources, &options)?
     };
     args.comment(&scene.surface, &solved);
-    problem::comment_on_starts(&scene.surface, &sources);
+    problem::comment_on_starts::<R>(&scene.surface, &sources);
     let quantity = scene.quantity(args.unit.as_deref().or(scene.unit));
     outputs.write(&scene, &sources, &quantity, &solved)?;
     if args.json {
@@ -104,21 +139,21 @@ pub fn run(args: &Args) -> Outcome {
 }
 
 /// What is written and reported.
-struct Solved {
-    map: DistanceMap,
-    estimate: Option<Estimate>,
+struct Solved<R> {
+    map: DistanceMap<R>,
+    estimate: Option<Estimate<R>>,
 }
 
 /// The estimated errors of the map, before any extrapolation.
-struct Estimate {
-    errors: Vec<f32>,
+struct Estimate<R> {
+    errors: Vec<R>,
     mean_relative: f64,
     max_relative: f64,
     unknown: usize,
 }
 
-impl Estimate {
-    fn of(estimate: &mut ErrorEstimate) -> Self {
+impl<R: Real> Estimate<R> {
+    fn of(estimate: &mut ErrorEstimate<R>) -> Self {
         let (mean_relative, max_relative) = estimate.relative();
         let unknown = estimate.unknown();
         let errors = std::mem::take(&mut estimate.errors);
@@ -127,26 +162,27 @@ impl Estimate {
 }
 
 impl Args {
-    fn solve(
+    fn solve<R: Real>(
         &self,
+        solver: Solver<R>,
         surface: &Surface,
         sources: &Sources,
         options: &Options,
-    ) -> Result<Solved, geosweep::Error> {
+    ) -> Result<Solved<R>, geosweep::Error> {
         if self.error.is_none() && !self.extrapolate {
-            let map = distance_map(surface, sources, options)?;
+            let map = (solver.map)(surface, sources, options)?;
             return Ok(Solved { map, estimate: None });
         }
-        let mut found = estimate_error(surface, sources, options)?;
+        let mut found = (solver.estimate)(surface, sources, options)?;
         let estimate = Some(Estimate::of(&mut found));
         let map = if self.extrapolate { found.into_extrapolated_map() } else { found.map };
         Ok(Solved { map, estimate })
     }
 
     /// What the user should know though the map is there.
-    fn comment(&self, surface: &Surface, solved: &Solved) {
+    fn comment<R>(&self, surface: &Surface, solved: &Solved<R>) {
         let report = &solved.map.report;
-        problem::comment(report, &self.solver);
+        problem::comment(report);
         if let Some(Estimate { mean_relative, max_relative, unknown, .. }) = solved.estimate {
             let before = if self.extrapolate { " before extrapolation" } else { "" };
             say(
@@ -179,6 +215,7 @@ struct Outputs {
 
 impl Outputs {
     fn new(args: &Args) -> Result<Self, Box<dyn Error>> {
+        let map_output = |path| map_output(path, args.precision);
         let map = args.output.as_deref().map(map_output).transpose()?;
         let error = args.error.as_deref().map(map_output).transpose()?;
         let picture = args.picture.as_deref().map(png_output).transpose()?;
@@ -189,12 +226,12 @@ impl Outputs {
     }
 
     /// Writes all files, then gives them their names.
-    fn write(
+    fn write<R: Real + MapValue>(
         self,
         scene: &Scene,
         sources: &Sources,
         quantity: &str,
-        Solved { map, estimate }: &Solved,
+        Solved { map, estimate }: &Solved<R>,
     ) -> Result<(), Box<dyn Error>> {
         let (rows, cols) = (map.chart.rows, map.chart.cols);
         let mut staged = Vec::new();
@@ -207,7 +244,7 @@ impl Outputs {
         }
         if let Some(output) = self.picture {
             let _spinner = Spinner::new("drawing");
-            let (surface, shape) = (&scene.surface, scene.shape());
+            let (surface, shape, map) = (&scene.surface, scene.shape(), &map.to_single());
             let picture = Picture { surface, shape, map, sources, quantity };
             staged.push(output.stage(|writer| picture.draw().write_png(writer))?);
         }
@@ -216,24 +253,37 @@ impl Outputs {
 }
 
 /// A map to write, in the format that its name says.
-fn map_output(path: &Path) -> Result<(OutputFile, MapFormat), IoError> {
+fn map_output(
+    path: &Path,
+    precision: Precision,
+) -> Result<(OutputFile, MapFormat), Box<dyn Error>> {
     let format = MapFormat::of(path)?;
+    if precision == Precision::Double && !format.holds_double() {
+        let name = path.display();
+        let message = format!(
+            "{name}: {format} files hold single precision only; write .npy or .tif, or leave \
+             --precision double out"
+        );
+        return Err(message.into());
+    }
     Ok((OutputFile::new(path)?, format))
 }
 
 #[derive(Serialize)]
-struct Summary<'a> {
+struct Summary<'a, R> {
+    precision: Precision,
     #[serde(flatten)]
-    map: MapSummary<'a>,
+    map: MapSummary<'a, R>,
     extrapolated: bool,
     mean_relative_error: Option<f64>,
     max_relative_error: Option<f64>,
 }
 
-impl<'a> Summary<'a> {
-    fn new(surface: &Surface, args: &Args, solved: &'a Solved) -> Self {
+impl<'a, R: Real> Summary<'a, R> {
+    fn new(surface: &Surface, args: &Args, solved: &'a Solved<R>) -> Self {
         let Solved { map, estimate } = solved;
         Self {
+            precision: args.precision,
             map: MapSummary::new(surface, map),
             extrapolated: args.extrapolate,
             mean_relative_error: estimate.as_ref().map(|estimate| estimate.mean_relative),

@@ -97,11 +97,12 @@ pub fn map_of(chart: Chart, distances: Vec<f32>) -> DistanceMap {
         wavefront: Wavefront::Curved,
         iterations: 0,
         residual: 0.0,
+        tolerance: 0.0,
         converged: true,
         solve_time: Default::default(),
         points: chart.points(),
         reached: reached().count(),
-        max_distance: reached().fold(0.0, f32::max),
+        max_distance: reached().fold(0.0, f32::max).into(),
     };
     DistanceMap { chart, distances, report }
 }

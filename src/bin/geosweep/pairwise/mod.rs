@@ -16,7 +16,7 @@ use geosweep::io::{
 };
 use geosweep::pairwise::{Pairwise, PairwiseReport, Rows};
 use geosweep::surface::{Chart, EdgeLengths};
-use geosweep::{DeviceChoice, Engine, Surface};
+use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Surface};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
@@ -279,7 +279,7 @@ impl Args {
             .with("sources", sources)
             .with("wavefront", wavefront)
             .with("engine", engine)
-            .with("tolerance", options.tolerance)
+            .with("tolerance", options.tolerance.unwrap_or(DEFAULT_TOLERANCE))
             .with("iterations", options.iterations.map_or("default".into(), |n| n.to_string()))
             .with("from symmetry", self.from_symmetry))
     }

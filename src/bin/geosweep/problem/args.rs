@@ -50,7 +50,7 @@ impl ProblemArgs {
         curves.check(&scene)?;
         let look = picture.as_ref().map(|_| self.picture.look(&scene)).transpose()?;
         let sources = self.sources.sources()?;
-        let map = solve(&scene, &sources, &self.solver, &options)?;
+        let map = solve(&scene, &sources, &options)?;
         Ok(Problem { scene, sources, map, picture: picture.zip(look) })
     }
 

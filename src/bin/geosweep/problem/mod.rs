@@ -46,13 +46,12 @@ pub fn builtin_names() -> String {
 pub fn solve(
     scene: &Scene,
     sources: &Sources,
-    solver: &SolverArgs,
     options: &Options,
 ) -> Result<DistanceMap, geosweep::Error> {
     let _spinner = Spinner::new("computing distances");
     let map = distance_map(&scene.surface, sources, options)?;
-    comment(&map.report, solver);
-    comment_on_starts(&scene.surface, sources);
+    comment(&map.report);
+    comment_on_starts::<f32>(&scene.surface, sources);
     Ok(map)
 }
 
@@ -65,12 +64,12 @@ pub fn inputs<'a>(
 }
 
 /// What the user should know though the map is there.
-pub fn comment(report: &Report, solver: &SolverArgs) {
+pub fn comment(report: &Report) {
     if let Some(reason) = &report.fallback {
         say("note", format_args!("computed on the CPU, since Vulkan cannot be used: {reason}"));
     }
     if !report.converged {
-        warn_of_no_convergence(report.iterations, report.residual, solver.tolerance);
+        warn_of_no_convergence(report.iterations, report.residual, report.tolerance);
     }
     let unreached = report.points - report.reached;
     if unreached > 0 {
@@ -79,9 +78,9 @@ pub fn comment(report: &Report, solver: &SolverArgs) {
     }
 }
 
-/// Says where start values leave too few of single precision's digits to the distances.
-pub fn comment_on_starts(surface: &Surface, sources: &Sources) {
-    let rounded = |start: f64| start.abs() * 0.5 * f64::from(f32::EPSILON);
+/// Says where start values leave too few of a precision's digits to the distances.
+pub fn comment_on_starts<R: Real>(surface: &Surface, sources: &Sources) {
+    let rounded = |start: f64| start.abs() * 0.5 * R::epsilon().wide();
     let largest = sources.iter().map(|source| source.initial().abs()).fold(0.0, f64::max);
     // Surfaces are measured only where it may matter.
     if largest == 0.0 {

@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use geosweep::vulkan::Schedule;
-use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Options, Wavefront};
+use geosweep::{DeviceChoice, Engine, Options, Wavefront};
 
 #[derive(clap::Args)]
 pub struct SolverArgs {
@@ -24,10 +24,10 @@ pub struct SolverArgs {
     /// tiles (default: 10 for each row and column)
     #[arg(long, value_name = "N", help_heading = "Solver")]
     iterations: Option<u32>,
-    /// Stop when no distance falls by more than this fraction in an iteration
-    #[arg(long, value_name = "T", default_value_t = DEFAULT_TOLERANCE, help_heading = "Solver")]
-    #[arg(allow_hyphen_values = true)]
-    pub tolerance: f64,
+    /// Stop when no distance falls by more than this fraction in an iteration (default: 1e-6; in
+    /// double precision 1e-13)
+    #[arg(long, value_name = "T", help_heading = "Solver", allow_hyphen_values = true)]
+    tolerance: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
@@ -84,7 +84,7 @@ pub fn device_choice(text: &str) -> DeviceChoice {
 
 impl SolverArgs {
     pub fn options(&self) -> Result<Options, String> {
-        let stops = self.iterations.is_some() || self.tolerance != DEFAULT_TOLERANCE;
+        let stops = self.iterations.is_some() || self.tolerance.is_some();
         if self.engine == EngineArg::FastMarching && stops {
             return Err("--iterations and --tolerance are for engines that iterate, which fast \
                         marching does not; leave them out"

@@ -1,12 +1,13 @@
 //! How a map was computed, for reports.
 
 use geosweep::geometry::farthest;
+use geosweep::surface::Real;
 use geosweep::{DistanceMap, Surface};
 use serde::Serialize;
 
 /// What the JSON of every command on a map says about it.
 #[derive(Serialize)]
-pub struct MapSummary<'a> {
+pub struct MapSummary<'a, R = f32> {
     engine: &'a str,
     device: Option<&'a str>,
     fallback: Option<&'a str>,
@@ -21,12 +22,12 @@ pub struct MapSummary<'a> {
     cols: usize,
     points: usize,
     reached: usize,
-    max_distance: f32,
+    max_distance: R,
     farthest: Option<[usize; 2]>,
 }
 
-impl<'a> MapSummary<'a> {
-    pub fn new(surface: &Surface, map: &'a DistanceMap) -> Self {
+impl<'a, R: Real> MapSummary<'a, R> {
+    pub fn new(surface: &Surface, map: &'a DistanceMap<R>) -> Self {
         let report = &map.report;
         Self {
             engine: report.engine,
@@ -43,7 +44,7 @@ impl<'a> MapSummary<'a> {
             cols: map.chart.cols,
             points: report.points,
             reached: report.reached,
-            max_distance: report.max_distance,
+            max_distance: R::of(report.max_distance),
             farthest: farthest(map.chart, &map.distances).map(|point| [point.row, point.col]),
         }
     }

@@ -16,6 +16,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::ValueEnum;
+use geosweep::DEFAULT_TOLERANCE;
 use geosweep::io::{OutputFile, StagedFile};
 use geosweep::vulkan::PairwiseSchedule;
 use geosweep::vulkan::profile::{Capability, Grain};
@@ -196,7 +197,7 @@ pub fn run(args: &Args) -> Outcome {
     };
     let measured = measure::measure(&wanted, capture)?;
     if !measured.converged {
-        let tolerance = args.solver.tolerance;
+        let tolerance = options.tolerance.unwrap_or(DEFAULT_TOLERANCE);
         problem::warn_of_no_convergence(measured.iterations, measured.residual, tolerance);
     }
     let summary = Summary::new(&measured);
