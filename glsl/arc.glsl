@@ -32,21 +32,22 @@ bool goes_on(ivec2 at, ivec2 step) {
 }
 
 // How far the surface bends across a point at which the line goes on.
-float bend_across(ivec2 at, ivec2 step) {
-    return dot3(way(at, step) + way(at, -step), normal(at));
+float bend_across(ivec2 at, ivec2 step, vec3 up) {
+    return dot3(way(at, step) + way(at, -step), up);
 }
 
-// How far the surface bends across an end of an edge, or where the line ends as far as it does at the
-// next two points inwards.
-float bend(ivec2 at, ivec2 step) {
-    if (goes_on(at, step)) return bend_across(at, step);
+// How far the surface bends across an end of an edge of some normal, or where the line ends as far as it
+// does at the next two points inwards.
+float bend(ivec2 at, ivec2 step, vec3 up) {
+    if (goes_on(at, step)) return bend_across(at, step, up);
     ivec2 inwards = is_present(at + step) ? step : -step;
     ivec2 next = at + inwards;
-    if (!goes_on(next, step) || !goes_on(next + inwards, step)) return 0.0;
-    float here = bend_across(next, step);
-    float after = bend_across(next + inwards, step);
-    float smaller = abs(here) < abs(after) ? here : after;
-    return (here > 0.0) == (after > 0.0) ? smaller : 0.0;
+    ivec2 after = next + inwards;
+    if (!goes_on(next, step) || !goes_on(after, step)) return 0.0;
+    float a = bend_across(next, step, normal(next));
+    float b = bend_across(after, step, normal(after));
+    float smaller = abs(a) < abs(b) ? a : b;
+    return (a > 0.0) == (b > 0.0) ? smaller : 0.0;
 }
 
 float separation(ivec2 at, ivec2 step) {
@@ -55,11 +56,15 @@ float separation(ivec2 at, ivec2 step) {
     if (arcs == 0 || chord <= 0.0) return chord;
     float sum = 0.0;
     float product = 1.0;
+    vec3 apart = vec3(0.0);
     for (int end = 0; end < 2; end++) {
-        float turn = clamp(bend(at + end * step, step) / chord, -1.0, 1.0);
+        vec3 up = normal(at + end * step);
+        float turn = clamp(bend(at + end * step, step, up) / chord, -1.0, 1.0);
         sum += turn;
         product *= turn;
+        apart = up - apart;
     }
     float square = 0.5 * abs(sum) * sqrt(max(product, 0.0));
-    return chord + chord * (square * (1.0 / 24.0));
+    float next = dot3(apart, apart) * (1.0 / 180.0) - square * (1.0 / 1152.0);
+    return chord + chord * (square * (1.0 / 24.0 + next));
 }

@@ -209,7 +209,6 @@ impl Surface {
         mut store: impl FnMut(usize, &[Vec<R>; 4]),
     ) -> Result<(), SurfaceError> {
         let cols = self.cols();
-        let straight = || [(); 4].map(|_| vec![R::zero(); cols + 2]);
         let bends = |rows: [&Row<R>; 3], bends: &mut RowBends<R>| {
             if self.edge_rule() == EdgeRule::Arc {
                 self.bend_row(rows, bends);
@@ -218,7 +217,7 @@ impl Surface {
         // The points of the row before, of this one and of the next two; the bends of two rows before,
         // of this one and of the next, which the first row's three before it are read for.
         let mut points = [(); 4].map(|_| self.row(None, origin));
-        let mut around = [(); 4].map(|_| straight());
+        let mut around = [(); 4].map(|_| RowBends::none(cols));
         let mut lengths = [(); 4].map(|_| vec![R::FAR; cols]);
         for ahead in rows.start..rows.end + 5 {
             points.rotate_left(1);

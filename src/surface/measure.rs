@@ -2,7 +2,7 @@
 //!
 //! The loops have no branch, so that the compiler turns points into lanes; see [`Work`].
 
-use super::arc::{arc, bends, end_bend};
+use super::arc::{arc, bends, end_bend, normal};
 use super::chart::Direction;
 use super::edges::{LONGEST_EDGE, SHORTEST_EDGE, STORED};
 use super::points::{Point, Row};
@@ -16,9 +16,28 @@ const HERE: usize = 2;
 /// Points that are measured together, in arrays of their own, which no other can overlap.
 const STRETCH: usize = 32;
 
-/// How a surface bends across the points of a row along the lines of [`STORED`], with a point
-/// more at each end; [`Real::FAR`] where a neighbour on the line is missing.
-pub(super) type RowBends<R> = [Vec<R>; 4];
+/// How a surface bends across the points of a row, with a point more at each end.
+pub(super) struct RowBends<R> {
+    /// Along the lines of [`STORED`]; [`Real::FAR`] where a neighbour on the line is missing.
+    along: [Vec<R>; 4],
+    /// The unit normals; zero where there are none.
+    normals: [Vec<R>; 3],
+}
+
+impl<R: Real> RowBends<R> {
+    /// None, for as many points.
+    pub(super) fn none(points: usize) -> Self {
+        let zeros = || vec![R::zero(); points + 2];
+        Self { along: [(); 4].map(|_| zeros()), normals: [(); 3].map(|_| zeros()) }
+    }
+
+    /// Normals of so many points, with a point more at each end.
+    #[inline(always)]
+    fn normals(&self, first: usize, points: usize) -> [&[R]; 3] {
+        let [x, y, z] = &self.normals;
+        [&x[first..][..points + 2], &y[first..][..points + 2], &z[first..][..points + 2]]
+    }
+}
 
 /// How far neighbouring points are apart.
 trait Space<R: Real>: Copy {
@@ -164,6 +183,7 @@ impl<R: Real, S: Space<R>> Bend<'_, R, S> {
             self.rows[2].window(start, points),
         ];
         let mut found = [[R::zero(); STRETCH]; 4];
+        let mut normals = [[R::zero(); STRETCH]; 3];
         for i in 0..points.min(STRETCH) {
             let here = rows[1].at(i + 1);
             let mut ways = [[R::zero(); 3]; 8];
@@ -178,13 +198,19 @@ impl<R: Real, S: Space<R>> Bend<'_, R, S> {
                     ways[k][axis] = if there[k] { way[axis] } else { R::zero() };
                 }
             }
-            let bends = bends(ways, there);
+            let normal = normal(ways);
+            let bends = bends(ways, there, normal);
             for k in 0..4 {
                 found[k][i] = bends[k];
             }
+            for axis in 0..3 {
+                normals[axis][i] = normal[axis];
+            }
         }
-        for (bends, found) in self.bends.iter_mut().zip(&found) {
-            bends[start + 1..][..points].copy_from_slice(&found[..points]);
+        let RowBends { along, normals: kept } = &mut *self.bends;
+        let pairs = along.iter_mut().zip(&found).chain(kept.iter_mut().zip(&normals));
+        for (row, found) in pairs {
+            row[start + 1..][..points].copy_from_slice(&found[..points]);
         }
     }
 }
@@ -228,10 +254,10 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
             let step = STORED[k].step();
             let diagonal = step.0 != 0 && step.1 != 0;
             let row = 1usize.wrapping_add_signed(step.0);
-            let bends = [
-                &self.bends[HERE][k][start..][..points + 2],
-                &self.bends[HERE - 1 + row][k][start..][..points + 2],
-            ];
+            let [here, there] = [self.bends[HERE], self.bends[HERE - 1 + row]];
+            let bends =
+                [&here.along[k][start..][..points + 2], &there.along[k][start..][..points + 2]];
+            let normals = [here.normals(start, points), there.normals(start, points)];
             let mut ends = 0;
             for i in 0..points.min(STRETCH) {
                 let other = (i + 1).wrapping_add_signed(step.1);
@@ -240,7 +266,9 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
                     (rows[1].slowness(other) > R::zero()) | (rows[0].slowness(i + 1) > R::zero());
                 let exists = (a[3] > R::zero()) & (b[3] > R::zero()) & (!diagonal | beside);
                 let bends = [bends[0][i + 1], bends[1][other]];
-                let length = arc(self.space.separation(a, b, step), bends[0], bends[1]);
+                let normal = |[x, y, z]: [&[R]; 3], at: usize| [x[at], y[at], z[at]];
+                let normals = [normal(normals[0], i + 1), normal(normals[1], other)];
+                let length = arc(self.space.separation(a, b, step), bends, normals);
                 let length = R::of(0.5) * (a[3] + b[3]) * length;
                 found[k][i] = if exists { length } else { R::FAR };
                 suspicious |= u32::from(exists & !is_usual(length));
@@ -266,7 +294,7 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
         for (i, found) in found.iter_mut().enumerate() {
             // From this point, along the line.
             let bend = |steps: isize| {
-                let row = &self.bends[HERE.wrapping_add_signed(steps * down)][k];
+                let row = &self.bends[HERE.wrapping_add_signed(steps * down)].along[k];
                 row[(start + i + 1).wrapping_add_signed(steps * right)]
             };
             let bends = [bend(0), bend(1)];
@@ -284,7 +312,10 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
                 self.rows[1usize.wrapping_add_signed(row)].window(col, 0).at(1)
             };
             let (from, to) = (window(0, here), window(down, there));
-            let length = arc(self.space.separation(from, to, (down, right)), a, b);
+            let normal =
+                |row: usize, col: usize| self.bends[row].normals(col, 0).map(|axis| axis[1]);
+            let normals = [normal(HERE, here), normal(HERE.wrapping_add_signed(down), there)];
+            let length = arc(self.space.separation(from, to, (down, right)), [a, b], normals);
             *found = R::of(0.5) * (from[3] + to[3]) * length;
             suspicious |= !is_usual(*found);
         }

@@ -99,7 +99,7 @@ fn compare(
         assert_eq!([first.row, first.col], *start);
         assert_eq!([last.row, last.col, last.time], [source.row, source.col, source.time]);
         assert_eq!(first.time, record.distance);
-        let least = 0.05 * f64::from(scene.map.report.max_distance);
+        let least = 0.05 * scene.map.report.max_distance;
         let apart = |a: f32, b: f64| (f64::from(a) - b).abs() / b.max(least);
         let off_map = apart(record.distance, expected.distance);
         assert!(off_map < 3e-4, "{name} from {start:?}: {off_map}");
