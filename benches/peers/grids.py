@@ -15,14 +15,14 @@ TIE = 1e-4
 
 @dataclass(frozen=True)
 class Grid:
-    """Positions (M, N, 3), NaN at holes, each representable in single precision."""
+    """Positions (M, N, 3) in double precision, NaN at holes."""
 
     positions: np.ndarray
 
     @staticmethod
     def load(path: Path) -> Grid:
-        """Reads positions. Single precision is what some peers (MeshLib) store, so all get it."""
-        return Grid(np.load(path).astype(np.float32).astype(np.float64))
+        """Reads positions. Solvers in single precision round them themselves."""
+        return Grid(np.load(path).astype(np.float64))
 
     @property
     def shape(self) -> tuple[int, int]:

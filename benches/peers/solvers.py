@@ -61,7 +61,8 @@ class Geosweep(Solver):
         self, binary: Path, engine: str, wavefront: str, options: tuple[str, ...] = ()
     ) -> None:
         self.binary, self.options = binary, ("--engine", engine, "--wavefront", wavefront, *options)
-        self.name = f"geosweep {engine}, {wavefront}"
+        precision = ", double precision" if DOUBLE[1] in options else ""
+        self.name = f"geosweep {engine}, {wavefront}{precision}"
 
     def prepare(self, grid: Grid) -> None:
         super().prepare(grid)
@@ -284,6 +285,7 @@ class ScikitFmm(Solver):
 
 
 WAVEFRONTS = ("planar", "point", "curved")
+DOUBLE = ("--precision", "double")
 
 
 def geosweep_solvers(binary: Path, engines: tuple[str, ...]) -> dict[str, Callable[[], Solver]]:
@@ -291,6 +293,8 @@ def geosweep_solvers(binary: Path, engines: tuple[str, ...]) -> dict[str, Callab
     makers = [
         partial(Geosweep, binary, engine, front) for engine in engines for front in WAVEFRONTS
     ]
+    if "cpu" in engines:
+        makers += [partial(Geosweep, binary, "cpu", front, DOUBLE) for front in WAVEFRONTS[1:]]
     return {maker().name: maker for maker in makers}
 
 
