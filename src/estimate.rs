@@ -42,8 +42,8 @@ pub struct ErrorEstimate<R = f32> {
     pub coarse_solve_time: Duration,
 }
 
-/// Computes a map as [`distance_map`](crate::distance_map) does, and how far it may be from the exact distances, by
-/// solving again on every second and every fourth point, which takes a third more time.
+/// Computes a map as [`distance_map`](crate::distance_map) does, and how far it may be from the exact
+/// distances, by solving again on every second and every fourth point, which takes a third more time.
 ///
 /// The estimate is that of grids fine enough for the surface: what no grid shows, such as a ridge
 /// between points or the corners of a curve given as a polyline, it cannot know. It is made for a
@@ -86,8 +86,8 @@ pub struct ErrorEstimate<R = f32> {
 /// ```
 ///
 /// # Errors
-/// Those of [`distance_map`](crate::distance_map), and if a side of the grid has two points or both have one, or no
-/// point near a source is left on every second row and column.
+/// Those of [`distance_map`](crate::distance_map), and if a side of the grid has two points or both
+/// have one, or no point near a source is left on every second row and column.
 pub fn estimate_error(
     surface: &Surface,
     sources: &Sources,
@@ -96,8 +96,7 @@ pub fn estimate_error(
     estimate(surface, sources, options)
 }
 
-/// The same in double precision, on the CPU, for [`distance_map_f64`](crate::distance_map_f64):
-/// errors and extrapolated distances far below what single precision rounds.
+/// The same for [`distance_map_f64`](crate::distance_map_f64): in double precision, on the CPU.
 ///
 /// # Errors
 /// As [`estimate_error`], and if a Vulkan device or a schedule is asked for.

@@ -175,7 +175,6 @@ impl<R: Real, S: Space<R>> Work for Bend<'_, R, S> {
 
 impl<R: Real, S: Space<R>> Bend<'_, R, S> {
     #[inline(always)]
-    #[expect(clippy::needless_range_loop, reason = "the index is the lane")]
     fn stretch(&mut self, start: usize, points: usize) {
         let rows = [
             self.rows[0].window(start, points),

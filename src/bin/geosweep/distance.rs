@@ -4,7 +4,6 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::ValueEnum;
 use geosweep::io::{self, MapFormat, MapValue, OutputFile};
 use geosweep::surface::Real;
 use geosweep::{
@@ -15,6 +14,7 @@ use serde::Serialize;
 
 use crate::output_file::png_output;
 use crate::picture::Picture;
+use crate::precision::Precision;
 use crate::problem::{self, MapSummary, Scene, SolverArgs, SourceArgs, SurfaceArgs, check_outputs};
 use crate::spinner::Spinner;
 use crate::{Outcome, print, say};
@@ -64,16 +64,6 @@ pub struct Args {
     /// estimated mean_relative_error and max_relative_error before extrapolation
     #[arg(long, help_heading = "Reports")]
     json: bool,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-enum Precision {
-    /// On any engine; rounding grows with the grid, to some millionths at 1200 x 1200 points
-    #[default]
-    Single,
-    /// On the CPU, in about twice the time
-    Double,
 }
 
 fn examples() -> String {

@@ -17,6 +17,7 @@ mod over_map;
 mod pairwise;
 mod path;
 mod picture;
+mod precision;
 mod problem;
 mod profile;
 mod ridges;

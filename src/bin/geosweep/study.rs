@@ -3,10 +3,15 @@
 use std::time::Duration;
 
 use geosweep::accuracy::Errors;
-use geosweep::surface::SurfaceError;
 use geosweep::surface::builtin::Builtin;
-use geosweep::{DistanceMap, Error, Options, Sources, Surface, Wavefront, distance_map};
+use geosweep::surface::{Real, SurfaceError};
+use geosweep::{
+    DistanceMap, Error, Options, Report, Sources, Surface, Wavefront, distance_map,
+    distance_map_f64,
+};
 use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::precision::Precision;
 
 /// A square grid on a built-in surface, with a source and the distances from it.
 pub struct Problem {
@@ -28,15 +33,21 @@ impl Problem {
         Sources::point(self.source[0], self.source[1])
     }
 
-    /// The map from some sources, and how far it is from the reference.
+    /// Computes the map from some sources: how, and how far it is from the reference.
     pub fn solve(
         &self,
         sources: &Sources,
         options: &Options,
-    ) -> Result<(DistanceMap, Errors), Error> {
-        let map = distance_map(&self.surface, sources, options)?;
-        let errors = Errors::of(&map.distances, &self.reference);
-        Ok((map, errors))
+        precision: Precision,
+    ) -> Result<(Report, Errors), Error> {
+        Ok(match precision {
+            Precision::Single => self.compare(distance_map(&self.surface, sources, options)?),
+            Precision::Double => self.compare(distance_map_f64(&self.surface, sources, options)?),
+        })
+    }
+
+    fn compare<R: Real>(&self, map: DistanceMap<R>) -> (Report, Errors) {
+        (map.report, Errors::of(&map.distances, &self.reference))
     }
 }
 

@@ -4,9 +4,10 @@ use std::time::Duration;
 
 use geosweep::accuracy::Errors;
 use geosweep::surface::builtin::Builtin;
-use geosweep::{Engine, Error, Options, Sources, Wavefront};
+use geosweep::{Engine, Error, Options, Wavefront};
 use serde::Serialize;
 
+use crate::precision::Precision;
 use crate::study::{self, Problem};
 
 /// One map: how accurate it is, and what it took.
@@ -44,6 +45,7 @@ pub fn all(
     cases: &[(Builtin, Vec<Wavefront>)],
     sizes: &[usize],
     engine: &Engine,
+    precision: Precision,
 ) -> Result<Vec<Measurement>, Error> {
     let maps = cases.iter().map(|(_, wavefronts)| wavefronts.len()).sum::<usize>();
     let bar = study::progress(maps * sizes.len());
@@ -54,7 +56,8 @@ pub fn all(
             bar.set_message(format!("{builtin} {points}"));
             let problem = Problem::new(builtin, points, source(builtin))?;
             for (&wavefront, row) in wavefronts.iter().zip(&mut of_surface) {
-                let measurement = Measurement::new(builtin, &problem, wavefront, engine)?;
+                let measurement =
+                    Measurement::new(builtin, &problem, wavefront, engine, precision)?;
                 let order = row.last().and_then(|coarser| measurement.order_from(coarser));
                 row.push(Measurement { order, ..measurement });
                 bar.inc(1);
@@ -81,12 +84,13 @@ impl Measurement {
         problem: &Problem,
         wavefront: Wavefront,
         engine: &Engine,
+        precision: Precision,
     ) -> Result<Self, Error> {
         let options =
             Options { engine: engine.clone(), wavefront: Some(wavefront), ..Options::default() };
         let sources = problem.point_source();
-        let (map, errors) = problem.solve(&sources, &options)?;
-        let report = map.report;
+        let solve = || problem.solve(&sources, &options, precision);
+        let (report, errors) = solve()?;
         Ok(Self {
             builtin,
             wavefront,
@@ -94,7 +98,7 @@ impl Measurement {
             errors,
             order: None,
             iterations: report.iterations,
-            time: shortest(report.solve_time, problem, &sources, &options)?,
+            time: shortest(report.solve_time, || Ok(solve()?.0.solve_time))?,
             device: report.device,
             schedule: report.schedule,
         })
@@ -127,9 +131,7 @@ impl Measurement {
 /// only ever adds.
 fn shortest(
     first: Duration,
-    problem: &Problem,
-    sources: &Sources,
-    options: &Options,
+    mut again: impl FnMut() -> Result<Duration, Error>,
 ) -> Result<Duration, Error> {
     const FEWEST: usize = 3;
     const MOST: usize = 5;
@@ -139,7 +141,7 @@ fn shortest(
         if solved >= FEWEST && sum > ENOUGH {
             break;
         }
-        let time = problem.solve(sources, options)?.0.report.solve_time;
+        let time = again()?;
         shortest = shortest.min(time);
         sum += time;
     }

@@ -16,6 +16,7 @@ use geosweep::surface::builtin::Builtin;
 use geosweep::{DeviceChoice, Engine, Wavefront};
 
 use crate::output_file::{output_file, png_output};
+use crate::precision::Precision;
 use crate::study;
 use crate::{Outcome, print};
 use measure::Measurement;
@@ -39,6 +40,9 @@ pub struct Args {
     /// What computes the maps
     #[arg(long, value_enum, default_value_t)]
     engine: EngineArg,
+    /// In which precision: double leaves the method's own errors
+    #[arg(long, value_enum, default_value_t)]
+    precision: Precision,
     /// Where to write the report, as Markdown (default: standard output, unless --json)
     #[arg(short, long, value_name = "REPORT.md")]
     output: Option<PathBuf>,
@@ -73,6 +77,7 @@ Wavefronts: {}.
 Examples:
   geosweep accuracy
   geosweep accuracy -o docs/accuracy.md --plots docs/figures --peers docs/peers.csv
+  geosweep accuracy --precision double --sizes 65,129,257,513
   geosweep accuracy --surfaces sphere,sheared-plane@72 --wavefronts point --sizes 65,129 --json",
         Builtin::measurable().map(|b| b.to_string()).collect::<Vec<_>>().join(", "),
         study::wavefront_names()
@@ -109,7 +114,7 @@ pub fn run(args: &Args) -> Outcome {
         .into_iter()
         .map(|builtin| (builtin, study::or_else(&args.wavefronts, || suited_to(builtin))))
         .collect();
-    let measured = measure::all(&cases, &sizes, &engine)?;
+    let measured = measure::all(&cases, &sizes, &engine, args.precision)?;
 
     let report =
         Report { args, plots: outputs.plots_link(args), measured: &measured, peers: &peers };

@@ -8,6 +8,7 @@ use clap::ValueEnum;
 use super::measure::Measurement;
 use super::peers::Peer;
 use super::{Args, plots};
+use crate::precision::Precision;
 
 /// What to say.
 pub struct Report<'a> {
@@ -20,8 +21,13 @@ pub struct Report<'a> {
     pub peers: &'a [Peer],
 }
 
-/// Below this the error is rounding in single precision, which has no order.
-const ROUNDING: f64 = 1e-6;
+/// Below this the error is rounding, which has no order.
+fn rounding(precision: Precision) -> f64 {
+    match precision {
+        Precision::Single => 1e-6,
+        Precision::Double => 1e-13,
+    }
+}
 
 impl Display for Report<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
@@ -31,7 +37,8 @@ impl Display for Report<'_> {
         self.summary(f)?;
         self.peers(f)?;
         let by_surface = self.measured.chunk_by(|a, b| a.builtin == b.builtin);
-        by_surface.into_iter().try_for_each(|of_surface| table(f, of_surface))
+        let rounding = rounding(self.args.precision);
+        by_surface.into_iter().try_for_each(|of_surface| table(f, of_surface, rounding))
     }
 }
 
@@ -44,10 +51,11 @@ impl Report<'_> {
             Some(machine) => format!(" (a {machine})"),
             None => String::new(),
         };
+        let (precision, rounding) = (self.args.precision, rounding(self.args.precision));
         writeln!(
             f,
             "\
-Converged distance maps of the built-in surfaces, computed in single precision on
+Converged distance maps of the built-in surfaces, computed in {precision} precision on
 {engine} by {schedule}s, against exact distances: closed forms, in the maze the
 shortest polygonal path, and on torus and peaks geodesics shot from the source in double
 precision (relative error below 1e-9).
@@ -56,7 +64,7 @@ Errors are relative to the exact distance, over all points but the source, which
 row 0.31, column 0.41 of the grid (in the maze, at the corner where its corridor begins).
 
 The order is the power of the spacing with which the mean error falls, from the size before;
-it is left out where the error is below {ROUNDING:e}, which is rounding.
+it is left out where the error is below {rounding:e}, which is rounding.
 
 Times are those of the solve alone, the shortest of up to five, and indicative only: the
 machine{machine} does other work too.
@@ -72,6 +80,9 @@ clone of the repository, `ci/figures` writes this report and draws all figures a
         let engine = self.args.engine.to_possible_value().expect("no engine is hidden");
         let mut command =
             format!("geosweep accuracy --sizes {} --engine {}", sizes.join(","), engine.get_name());
+        if self.args.precision != Precision::default() {
+            command += &format!(" --precision {}", self.args.precision);
+        }
         let Args { output, plots, peers, .. } = self.args;
         for (flag, path) in [("-o", output), ("--plots", plots), ("--peers", peers)] {
             if let Some(path) = path {
@@ -127,7 +138,7 @@ clone of the repository, `ci/figures` writes this report and draws all figures a
     }
 }
 
-fn table(f: &mut Formatter<'_>, of_surface: &[Measurement]) -> fmt::Result {
+fn table(f: &mut Formatter<'_>, of_surface: &[Measurement], rounding: f64) -> fmt::Result {
     writeln!(f, "\n## {}\n", of_surface[0].builtin)?;
     writeln!(
         f,
@@ -137,7 +148,7 @@ fn table(f: &mut Formatter<'_>, of_surface: &[Measurement]) -> fmt::Result {
     for m in of_surface {
         let Measurement { wavefront, points, errors, iterations, .. } = m;
         let order = match m.order {
-            Some(order) if errors.mean_relative >= ROUNDING => format!("{order:.2}"),
+            Some(order) if errors.mean_relative >= rounding => format!("{order:.2}"),
             _ => String::new(),
         };
         writeln!(

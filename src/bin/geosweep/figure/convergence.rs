@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use crate::output_file::{output_file, png_output};
 use crate::picture::plot::{Axis, COLORS, Color, Line, Plot, Series, Sheet, Slopes};
+use crate::precision::Precision;
 use crate::study::{self, Problem};
 use crate::{Outcome, print};
 
@@ -200,8 +201,8 @@ impl Study {
         }
         let options =
             Options { engine: Engine::Cpu, wavefront: Some(self.wavefront), ..Options::default() };
-        let (map, errors) = problem.solve(sources, &options)?;
-        Ok((map.report.iterations, errors))
+        let (report, errors) = problem.solve(sources, &options, Precision::Single)?;
+        Ok((report.iterations, errors))
     }
 }
 
