@@ -138,8 +138,15 @@ impl<const CIRCULAR: bool> Straight<CIRCULAR> {
         let mut times = [R::zero(); TILE];
         for i in 0..points {
             let triangle = line.triangle::<LEFT>(i);
-            let time = if CIRCULAR { point_source(triangle) } else { planar(triangle) };
-            times[i] = min(now[i], time);
+            if CIRCULAR {
+                // By more than rounding: a last digit would be passed on from point to point, and all of
+                // them visited anew.
+                let time = point_source(triangle);
+                let is_earlier = time < now[i] * (R::one() - R::epsilon());
+                times[i] = if is_earlier { time } else { now[i] };
+            } else {
+                times[i] = min(now[i], planar(triangle));
+            }
         }
         times
     }
