@@ -162,9 +162,9 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
 }
 
 // Whether of x1 and x2 only the one across the diagonal is there, given the edges to the other, along
-// an axis of the grid: fronts are then taken to have come around a hole's corner, but for arcs.
+// an axis of the grid: fronts are then taken to have come around a hole's corner.
 bvec4 are_alone(vec4 beside) {
-    return HAS_ARCS ? bvec4(false) : greaterThanEqual(beside, vec4(FAR));
+    return greaterThanEqual(beside, vec4(FAR));
 }
 
 // The fronts at x0, whose surface has the Gaussian curvature g0: at FAR or later if neither x1

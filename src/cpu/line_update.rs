@@ -287,7 +287,7 @@ fn first_fronts<R: Real, const ARCS: bool, const FIRST_LEFT: bool, const SECOND_
     let points = curvatures.len();
     let mut first = FrontsOf::default();
     for i in 0..points {
-        let bends = bent.around::<FIRST_LEFT>(i, !ARCS & line.is_alone(i));
+        let bends = bent.around::<FIRST_LEFT>(i, line.is_alone(i));
         first.set(i, curved(line.triangle::<FIRST_LEFT>(i), bends));
     }
     let mut settled = true;
@@ -301,7 +301,7 @@ fn first_fronts<R: Real, const ARCS: bool, const FIRST_LEFT: bool, const SECOND_
     }
     if !settled {
         for i in 0..points {
-            let bends = bent.around::<SECOND_LEFT>(i, !ARCS & line.is_alone(i));
+            let bends = bent.around::<SECOND_LEFT>(i, line.is_alone(i));
             let other = curved(line.triangle::<SECOND_LEFT>(i), bends);
             first.set(i, Front::first(first.get(i), other, ARCS));
         }

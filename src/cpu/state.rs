@@ -140,7 +140,7 @@ impl<'a, R: Real> Fronts<'a, R> {
         time: impl Fn(usize) -> R,
     ) -> Front<R> {
         let (x, triangle) = self.triangle(point, &quad.triangle, &time);
-        let alone = !self.has_arcs() & ([triangle.l1, triangle.l2][quad.axis] >= R::FAR);
+        let alone = [triangle.l1, triangle.l2][quad.axis] >= R::FAR;
         if self.has_arcs() {
             let fronts = x.map(|corner| self.curvatures[corner]);
             if are_two_arcs([triangle.t1, triangle.t2], fronts) {

@@ -79,8 +79,7 @@ pub struct Bends<R> {
     pub surface: [R; 3],
     /// Whether of x1 and x2 only the neighbour across the grid's diagonal is there, beside a hole. What
     /// comes along that edge alone is taken to have come around the hole's corner, as most fronts there
-    /// have, until another scan tells: else all behind the corner would have to be renewed. Not with
-    /// arcs, which then depend on the order of updates in more places.
+    /// have, until another scan tells: else all behind the corner would have to be renewed.
     pub alone: bool,
 }
 

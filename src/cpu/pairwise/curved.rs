@@ -58,7 +58,7 @@ impl<const ARCS: bool> Kernel for Curved<ARCS> {
         let mut parts = [Lanes::all(0.0); 2];
         let mut any = false;
         for lane in 0..LANES {
-            let [left, right] = [0, 1].map(|base| fan.side::<ARCS>(base, behind, lane));
+            let [left, right] = [0, 1].map(|base| fan.side(base, behind, lane));
             first.set(lane, Front::first(curved(left.0, left.1), curved(right.0, right.1), ARCS));
             for (parts, (triangle, bends)) in parts.iter_mut().zip([left, right]) {
                 let are_two = ARCS && are_two_arcs([triangle.t1, triangle.t2], bends.fronts);
@@ -89,19 +89,14 @@ impl<const ARCS: bool> Kernel for Curved<ARCS> {
 impl Fan {
     /// One of the two triangles, and what is known at its corners.
     #[inline(always)]
-    fn side<const ARCS: bool>(
-        &self,
-        base: usize,
-        behind: [&Fronts; 3],
-        lane: usize,
-    ) -> (Triangle<f32>, Bends<f32>) {
+    fn side(&self, base: usize, behind: [&Fronts; 3], lane: usize) -> (Triangle<f32>, Bends<f32>) {
         let [[t1, t2], fronts] = [
             [base, base + 1].map(|column| behind[column].times.0[lane]),
             [base, base + 1].map(|column| behind[column].curvatures.0[lane]),
         ];
         let [l1, l2] = [self.edges[base], self.edges[base + 1]];
         let surface = [self.gaussian[0], self.gaussian[base + 1], self.gaussian[base + 2]];
-        let alone = !ARCS & (self.edges[1] >= f32::FAR);
+        let alone = self.edges[1] >= f32::FAR;
         (Triangle { t1, t2, l1, l2, c: self.bases[base] }, Bends { fronts, surface, alone })
     }
 }
@@ -170,7 +165,7 @@ fn part<K: Kernel<State = Fronts, Coefficients = Fan>>(
         if !(left | right) {
             continue;
         }
-        let sides = [0, 1].map(|base| fan.side::<true>(base, behind, lane));
+        let sides = [0, 1].map(|base| fan.side(base, behind, lane));
         let parted = [(0, left), (1, right)].map(|(base, parts)| {
             let (triangle, bends) = sides[base];
             parts.then(|| two_arcs(triangle, bends, across(&beyond, base, lane))).flatten()

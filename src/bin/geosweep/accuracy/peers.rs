@@ -30,7 +30,8 @@ struct Row {
 }
 
 /// Reads a CSV table with at least the columns surface, size, solver, seconds and mean_error. Rows
-/// of geosweep itself and of solvers that did not finish are left out.
+/// of geosweep itself, but for those in double precision, and of solvers that did not finish are left
+/// out.
 pub fn read(path: &Path) -> Result<Vec<Peer>, Box<dyn Error>> {
     let text =
         std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -60,8 +61,12 @@ fn peer(row: Row) -> Result<Option<Peer>, String> {
             return Err(format!("`{number}` is no positive number"));
         }
     }
-    let ours = solver.starts_with("geosweep");
-    Ok((!ours).then_some(Peer { builtin, points, solver, seconds, mean }))
+    let solver = match solver.strip_prefix("geosweep cpu, ") {
+        Some(front) if front.ends_with(", double precision") => front.to_owned(),
+        _ if solver.starts_with("geosweep") => return Ok(None),
+        _ => solver,
+    };
+    Ok(Some(Peer { builtin, points, solver, seconds, mean }))
 }
 
 #[cfg(test)]
@@ -77,8 +82,11 @@ mod tests {
             r#"sphere, 33,"walker, fast", 0.25, 2e-3,"#,
             "sphere,33,sleeper,,,not done in 40 s",
             r#"sphere,33,"geosweep cpu, planar",0.1,1e-3,"#,
+            r#"sphere,33,"geosweep vulkan, curved",0.1,1e-3,"#,
+            r#"sphere,129,"geosweep cpu, curved, double precision",0.1,1e-6,"#,
         ];
-        let peers = parse(&format!("{HEADER}\n{}\n", rows.join("\n"))).unwrap();
+        let mut peers = parse(&format!("{HEADER}\n{}\n", rows.join("\n"))).unwrap();
+        assert_eq!(peers.remove(0).solver, "curved, double precision");
         assert_eq!(peers.iter().map(|peer| peer.points).collect::<Vec<_>>(), [33, 65]);
         let expected = Peer {
             builtin: Builtin::Sphere,
