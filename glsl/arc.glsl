@@ -31,23 +31,28 @@ bool goes_on(ivec2 at, ivec2 step) {
     return is_present(at + step) && is_present(at - step);
 }
 
-// How far the surface bends across a point at which the line goes on.
-float bend_across(ivec2 at, ivec2 step, vec3 up) {
-    return dot3(way(at, step) + way(at, -step), up);
-}
-
-// How far the surface bends across an end of an edge of some normal, or where the line ends as far as it
-// does at the next two points inwards.
-float bend(ivec2 at, ivec2 step, vec3 up) {
-    if (goes_on(at, step)) return bend_across(at, step, up);
-    ivec2 inwards = is_present(at + step) ? step : -step;
-    ivec2 next = at + inwards;
-    ivec2 after = next + inwards;
-    if (!goes_on(next, step) || !goes_on(after, step)) return 0.0;
-    float a = bend_across(next, step, normal(next));
-    float b = bend_across(after, step, normal(after));
-    float smaller = abs(a) < abs(b) ? a : b;
-    return (a > 0.0) == (b > 0.0) ? smaller : 0.0;
+// How far the surface bends across an end of an edge, and its normal there. Where the line ends, it bends
+// as far as at the next two points inwards.
+vec4 bend(ivec2 at, ivec2 step) {
+    bool inside = goes_on(at, step);
+    ivec2 inwards = inside ? ivec2(0) : is_present(at + step) ? step : -step;
+    bool known = inside || (goes_on(at + inwards, step) && goes_on(at + 2 * inwards, step));
+    vec3 up = vec3(0.0);
+    float smaller = 0.0;
+    // A loop, since drivers are slow to compile the same code several times over.
+    for (int i = 0; i < (inside || !known ? 1 : 3); i++) {
+        ivec2 point = at + i * inwards;
+        vec3 normal_there = normal(point);
+        float across = dot3(way(point, step) + way(point, -step), normal_there);
+        if (i == 0) up = normal_there;
+        if (i < 2) {
+            smaller = across;
+        } else {
+            float least = abs(smaller) < abs(across) ? smaller : across;
+            smaller = (smaller > 0.0) == (across > 0.0) ? least : 0.0;
+        }
+    }
+    return vec4(up, known ? smaller : 0.0);
 }
 
 float separation(ivec2 at, ivec2 step) {
@@ -58,11 +63,11 @@ float separation(ivec2 at, ivec2 step) {
     float product = 1.0;
     vec3 apart = vec3(0.0);
     for (int end = 0; end < 2; end++) {
-        vec3 up = normal(at + end * step);
-        float turn = clamp(bend(at + end * step, step, up) / chord, -1.0, 1.0);
+        vec4 found = bend(at + end * step, step);
+        float turn = clamp(found.w / chord, -1.0, 1.0);
         sum += turn;
         product *= turn;
-        apart = up - apart;
+        apart = found.xyz - apart;
     }
     float square = 0.5 * abs(sum) * sqrt(max(product, 0.0));
     float next = dot3(apart, apart) * (1.0 / 180.0) - square * (1.0 / 1152.0);
