@@ -38,9 +38,11 @@
 #define BENT_AGAIN 1024.0
 // See two_arcs.rs.
 #define ARCS_APART 0.02
-#define ARCS_ALIKE 0.25
-#define ARCS_BESIDE 1e-3
-#define ARCS_TOUCHING 1e-4
+#define ARCS_ALIKE 0.5
+#define ARCS_BESIDE 0.003
+#define ARCS_TOUCHING 3e-4
+// A ray runs along an edge if the times differ from the edge's length by so many times their rounding.
+#define ALONG_A_RAY 32.0
 // Texels around the grid's own in every image, so that no neighbour needs a bounds test.
 #define BORDER 1
 // Iterations after the last in which a point was reached, from which on curved fronts are no

@@ -94,7 +94,8 @@ void part_arcs(Sight sight, Places places, int points, inout Fronts from_before,
         if (found.z < best.z) best = found;
         bool is_last = (tries >> (number & ~3) & 15u) == 0u;
         if (!is_last) continue;
-        if (best.z < NO_ARRIVAL.z && arrives(best.x, triangle)) {
+        float mean = after ? from_after.time[i] : from_before.time[i];
+        if (best.z < NO_ARRIVAL.z && arrives(best.x, triangle, mean)) {
             if (after) {
                 from_after.time[i] = best.x;
                 from_after.curvature[i] = best.y;

@@ -101,9 +101,10 @@ vec3 arrival(Base triangle, Across y) {
     float len = y.sides.y * per_base;
     float cosine = (dy - 0.5 * k2 * (len * len - dy * dy)) / len;
     if (abs(cosine) > 1.0 + ARCS_BESIDE) return NO_ARRIVAL;
-    cosine = clamp(cosine, -1.0, 1.0);
+    float rounding = ALONG_A_RAY * PRECISION * max(triangle.time.x, t2) * per_base;
+    if ((1.0 - abs(cosine)) * len <= rounding) cosine = cosine < 0.0 ? -1.0 : 1.0;
     float doubt = abs(cosine);
-    float sine = sqrt((1.0 - cosine) * (1.0 + cosine));
+    float sine = sqrt(max((1.0 - cosine) * (1.0 + cosine), 0.0));
     vec2 towards_y = (1.0 / len) * place_of_y;
     vec2 aside = sine * vec2(-towards_y.y, towards_y.x);
     Arc known = Arc(vec2(0.0), cosine * towards_y + aside, k2);
@@ -168,9 +169,13 @@ vec3 arrival_with(bool of_x1, Base triangle, Across y) {
     return arrival(triangle, y);
 }
 
-// Whether a front arrives no later than along an edge, and after all that it comes from.
-bool arrives(float time, Base triangle) {
+// Whether a front arrives no later than along an edge, after all that it comes from, and no further from
+// the front of the mean curvature than two arcs do that touch.
+bool arrives(float time, Base triangle, float mean) {
     vec2 along = triangle.time + triangle.sides;
     float latest = min(along.x, along.y) * (1.0 + 16.0 * PRECISION);
-    return time <= latest && time > triangle.time.x && time > triangle.time.y;
+    vec2 k = triangle.curvature;
+    float apart = (k.y - k.x) - k.x * k.y * (triangle.time.x - triangle.time.y);
+    bool touches = abs(time - mean) <= abs(apart) * triangle.base * triangle.base;
+    return touches && time <= latest && time > triangle.time.x && time > triangle.time.y;
 }

@@ -97,36 +97,54 @@ fn directed_and_rotated_scans_converge_to_the_same_map() {
     println!("f32 and f64: {:.1e}", worst[2]);
 }
 
-/// In the maze, and among walls: where fronts meet that have come around both sides of a wall, rounding
-/// decides whether two arcs touch there, by up to 6e-5 measured.
-#[test]
-fn arcs_do_not_depend_on_the_order_of_updates() {
-    let mut random = Random::new(3);
+/// A plane with nine square holes of so many points a side, and its first point.
+fn plan(size: usize, seed: u64) -> (Surface, [f64; 2]) {
+    let mut random = Random::new(seed);
     let (rows, cols) = (97, 61);
-    let mut walls = vec![true; rows * cols];
+    let mut floor = vec![true; rows * cols];
     for _ in 0..9 {
-        let [row, col] = [rows - 12, cols - 12].map(|most| (random.next() * most as f64) as usize);
-        (row..row + 8).for_each(|row| walls[row * cols + col..][..8].fill(false));
+        let [row, col] =
+            [rows - size - 4, cols - size - 4].map(|most| (random.next() * most as f64) as usize);
+        (row..row + size).for_each(|row| floor[row * cols + col..][..size].fill(false));
     }
-    let free = walls.iter().position(|&free| free).unwrap();
+    let first = floor.iter().position(|&free| free).unwrap();
     let plane = Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0));
-    let walls = plane.unwrap().with_mask(&walls).unwrap();
+    let from = [(first / cols) as f64, (first % cols) as f64];
+    (plane.unwrap().with_mask(&floor).unwrap(), from)
+}
+
+#[test]
+fn arcs_in_the_maze_do_not_depend_on_the_order_of_updates() {
     let maze = Builtin::Maze.surface(POINTS, POINTS).unwrap();
-    let from = [(free / cols) as f64, (free % cols) as f64];
-    let in_maze = (maze, off_centre(POINTS, POINTS), [1e-12, 1e-6, 5e-6]);
-    for (surface, source, bars) in [in_maze, (walls, from, [2e-4; 3])] {
-        let a = directed::<f64>(&surface, &at(source), Wavefront::Arcs, CONVERGED_F64);
-        let b = rotated::<f64>(&surface, &at(source), Wavefront::Arcs, CONVERGED_F64);
-        let c = rotated::<f32>(&surface, &at(source), Wavefront::Arcs, CONVERGED);
-        let d = directed::<f32>(&surface, &at(source), Wavefront::Arcs, CONVERGED);
-        let [a, b] = [a, b].map(|map| map.distances());
-        let [c, d] = [c, d].map(|map| map.distances());
-        let found = [difference(&a, &b), difference(&c, &d), difference(&c, &a)];
-        println!("f64 {:.1e}, f32 {:.1e}, f32 and f64 {:.1e}", found[0], found[1], found[2]);
-        for (found, most) in found.into_iter().zip(bars) {
-            assert!(found < most, "{found:e} is not below {most:e}");
+    let source = at(off_centre(POINTS, POINTS));
+    let a = directed::<f64>(&maze, &source, Wavefront::Arcs, CONVERGED_F64).distances();
+    let b = rotated::<f64>(&maze, &source, Wavefront::Arcs, CONVERGED_F64).distances();
+    let c = rotated::<f32>(&maze, &source, Wavefront::Arcs, CONVERGED).distances();
+    let d = directed::<f32>(&maze, &source, Wavefront::Arcs, CONVERGED).distances();
+    let found = [difference(&a, &b), difference(&c, &d), difference(&c, &a)];
+    for (found, most) in found.into_iter().zip([1e-12, 1e-6, 5e-6]) {
+        assert!(found < most, "{found:e} is not below {most:e}");
+    }
+}
+
+/// Among walls rounding may decide where the borders of several shadows cross, or where fronts meet that
+/// have come around both sides of a wall, whether two arcs touch: on few plans, and by little.
+#[test]
+fn arcs_among_walls_hardly_depend_on_the_order_of_updates() {
+    let (mut plans, mut apart, mut worst) = (0, 0, 0.0f64);
+    for size in [3, 5, 8, 14] {
+        for seed in 1..=12 {
+            let (surface, from) = plan(size, seed);
+            let a = rotated::<f32>(&surface, &at(from), Wavefront::Arcs, CONVERGED).distances();
+            let b = directed::<f32>(&surface, &at(from), Wavefront::Arcs, CONVERGED).distances();
+            let found = difference(&a, &b);
+            plans += 1;
+            apart += usize::from(found > 2e-5);
+            worst = worst.max(found);
         }
     }
+    println!("{apart} of {plans} plans by more than 2e-5, at most {worst:.1e}");
+    assert!(apart <= plans / 10 && worst < 2e-4, "{apart} of {plans}, {worst:e}");
 }
 
 /// Where neighbours are many grid steps higher or lower, fronts are so bent that a change of their
