@@ -131,20 +131,27 @@ fn arcs_in_the_maze_do_not_depend_on_the_order_of_updates() {
 /// have come around both sides of a wall, whether two arcs touch: on few plans, and by little.
 #[test]
 fn arcs_among_walls_hardly_depend_on_the_order_of_updates() {
-    let (mut plans, mut apart, mut worst) = (0, 0, 0.0f64);
+    let (mut plans, mut apart, mut worst) = (0, 0, [0.0f64; 3]);
     for size in [3, 5, 8, 14] {
         for seed in 1..=12 {
             let (surface, from) = plan(size, seed);
-            let a = rotated::<f32>(&surface, &at(from), Wavefront::Arcs, CONVERGED).distances();
-            let b = directed::<f32>(&surface, &at(from), Wavefront::Arcs, CONVERGED).distances();
-            let found = difference(&a, &b);
+            let source = at(from);
+            let a = directed::<f64>(&surface, &source, Wavefront::Arcs, CONVERGED_F64).distances();
+            let b = rotated::<f64>(&surface, &source, Wavefront::Arcs, CONVERGED_F64).distances();
+            let c = rotated::<f32>(&surface, &source, Wavefront::Arcs, CONVERGED).distances();
+            let d = directed::<f32>(&surface, &source, Wavefront::Arcs, CONVERGED).distances();
+            let found = [difference(&a, &b), difference(&c, &d), difference(&c, &a)];
             plans += 1;
-            apart += usize::from(found > 2e-5);
-            worst = worst.max(found);
+            apart += usize::from(found[1] > 2e-5);
+            worst = std::array::from_fn(|k| worst[k].max(found[k]));
         }
     }
-    println!("{apart} of {plans} plans by more than 2e-5, at most {worst:.1e}");
-    assert!(apart <= plans / 10 && worst < 2e-4, "{apart} of {plans}, {worst:e}");
+    println!("f64 {:.1e}, f32 {:.1e}, f32 and f64 {:.1e}", worst[0], worst[1], worst[2]);
+    println!("{apart} of {plans} plans by more than 2e-5");
+    assert!(apart <= plans / 10, "{apart} of {plans}");
+    for (found, most) in worst.into_iter().zip([2e-4, 2e-4, 2e-4]) {
+        assert!(found < most, "{found:e} is not below {most:e}");
+    }
 }
 
 /// Where neighbours are many grid steps higher or lower, fronts are so bent that a change of their

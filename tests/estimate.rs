@@ -213,7 +213,7 @@ fn start_values_are_no_part_of_the_error() {
 
 /// On a surface that is rough on the grid, a curved front is of the first order, which is seen and
 /// said: estimates are then on the safe side. The reference is a map of four times as many points a
-/// side. Measured from 25 sources: 1.6 to 3.5 times the error, 2.9 in the mean; orders 1.3 and 9.
+/// side. Measured from these sources: 1.6 to 3.4 times the error; orders 0.6 to 1.6, of the cylinder 9.
 #[test]
 fn roughness_is_seen() {
     let (points, times) = (65, 4);
@@ -232,8 +232,10 @@ fn roughness_is_seen() {
         let rough = estimate(&peaks, &at([row, col]), Wavefront::Curved);
         let found = compare(&rough, &exact);
         println!("{row},{col}: {found:?}, {:?}", rough.observed_order);
-        assert!((1.0..4.0).contains(&found.ratio) && found.within_twice > 0.98);
-        assert!(rough.observed_order < Some(1.8));
+        assert!((1.0..3.6).contains(&found.ratio) && found.within_twice > 0.98);
+        assert!(rough.observed_order < Some(1.7));
+        // Less the estimate, a half of the error is left at most.
+        assert!(found.left < 0.55);
     }
     let cylinder = Builtin::Cylinder.surface(points, points).unwrap();
     let smooth = estimate(&cylinder, &at(off_centre(points, points)), Wavefront::Curved);
