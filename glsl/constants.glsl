@@ -23,8 +23,9 @@
 #define CURVATURE_COUNTS 1e-4
 // Tag of a front that came from a whole triangle, beside that of its scan.
 #define WHOLE 8
-// See curved.rs.
-#define GRAZING 0.1
+// See curved.rs. GRAZING is no ratio of small whole numbers, or rounding would decide whether rays between
+// grid points, which often turn by such a ratio, turn by more.
+#define GRAZING 0.0973
 #define FOCUS 0.1
 #define BENT_APART 0.005
 #define FROM_SOURCE 0.99

@@ -74,14 +74,11 @@ fn directed_and_rotated_scans_converge_to_the_same_map() {
             // Double precision, where both stop at a relative change of 1e-13; single, where both
             // stop at 1e-6; and single against double: up to half a unit in the last place, 6e-8,
             // for each of the hundreds of steps of the longest way.
-            // Around holes rounding decides whether a curved front turns around a corner that it
-            // just grazes; where triangles let points depend on one another, on rough surfaces
-            // and with rough slowness, a few may settle in one way or another.
+            // Where triangles let points depend on one another, with rough slowness and on rough
+            // surfaces with many holes, curved fronts may settle in one way or another.
+            let may_differ = name.contains("slow true") || name.contains("0.35 holes");
             let bars = match wavefront {
-                Wavefront::Curved if name.starts_with("random") => {
-                    let smooth = name.contains(" 0 rough") && name.contains("slow false");
-                    [if smooth { 1e-12 } else { 3e-2 }, 3e-2, 3e-2]
-                }
+                Wavefront::Curved if may_differ => [3e-2; 3],
                 _ => [1e-12, 1e-6, 5e-6],
             };
             for (found, most) in found.into_iter().zip(bars) {
@@ -111,6 +108,30 @@ fn plan(size: usize, seed: u64) -> (Surface, [f64; 2]) {
     let plane = Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0));
     let from = [(first / cols) as f64, (first % cols) as f64];
     (plane.unwrap().with_mask(&floor).unwrap(), from)
+}
+
+/// Rays between grid points turn around corners by ratios of small whole numbers: were the least turn that
+/// counts one of these, rounding would decide.
+#[test]
+fn curved_fronts_among_strewn_holes_do_not_depend_on_rounding() {
+    let points = 49;
+    let mut worst = [0.0f64; 2];
+    for (holes, seed) in [0.02, 0.1].into_iter().flat_map(|holes| (1..=48).map(move |k| (holes, k)))
+    {
+        let mut random = Random::new(seed);
+        let free: Vec<_> = (0..points * points).map(|k| k == 0 || random.next() >= holes).collect();
+        let heights = vec![0.0; points * points];
+        let plane = Surface::from_heights(points, points, heights, Spacing::square(1.0));
+        let (plane, source) = (plane.unwrap().with_mask(&free).unwrap(), at([0.0, 0.0]));
+        let a = rotated::<f64>(&plane, &source, Wavefront::Curved, CONVERGED_F64).distances();
+        let b = rotated::<f32>(&plane, &source, Wavefront::Curved, CONVERGED).distances();
+        let c = directed::<f32>(&plane, &source, Wavefront::Curved, CONVERGED).distances();
+        let found = [difference(&b, &a), difference(&c, &b)];
+        worst = std::array::from_fn(|k| worst[k].max(found[k]));
+    }
+    println!("single and double precision: {:.1e}, orders: {:.1e}", worst[0], worst[1]);
+    // As much as on surfaces without holes.
+    assert!(worst[0] < 5e-6 && worst[1] < 5e-6, "{worst:?}");
 }
 
 #[test]
