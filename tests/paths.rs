@@ -462,6 +462,35 @@ fn rough() -> impl Strategy<Value = Surface> {
         })
 }
 
+/// Straight lines meet at a corner there, and rounding says that they could be shorter.
+#[test]
+fn paths_over_a_corner_that_are_straight_already_stay() {
+    let nan = f64::NAN;
+    #[rustfmt::skip]
+    let heights = vec![
+        0.6009097876336292, 2.056346882289506, 2.3095716821192727, 1.820775441128026, nan,
+        1.0875899328040302, 0.3418627777796053, 1.425146501014397, 0.5539944877802503, nan, nan,
+        nan, 1.522766658894152, 0.5187710807320854, 1.628140161915061, 1.769141448355039,
+        0.5540428148790909, 0.6119490596276999, 0.2610576736370581, 0.009081325361470981,
+        1.3745748149961183, nan,
+        nan, nan, nan, nan, nan, nan, 1.7826608289447332, 1.4390952739240057, 2.7612779278012174,
+        nan, nan,
+    ];
+    let spacing = Spacing { dx: 0.7332386534248858, dy: 3.3076031328927122 };
+    let surface = Surface::from_heights(3, 11, heights, spacing).unwrap();
+    let sources = at([0.0, 0.0]);
+    let map = rotated::<f32>(&surface, &sources, Wavefront::PointSource, CONVERGED).distances();
+    let edges = EdgeLengths::new(&surface).unwrap();
+    let paths = Paths::new(&surface, &edges, &sources, &map).unwrap();
+    let along = paths.clone().along_the_map();
+    for index in (0..33).filter(|&index| map[index].is_finite()) {
+        let (row, col) = surface.chart().position(index);
+        let place = [row as f64, col as f64];
+        let (path, other) = (paths.trace(place).unwrap(), along.trace(place).unwrap());
+        assert!(path.length <= other.length && path.curve.vertices.len() > usize::from(index > 0));
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
 

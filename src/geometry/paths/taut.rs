@@ -102,8 +102,11 @@ impl Bend<'_> {
         // Straight lines from or to the corner stay as they are.
         let kept =
             |line: Line| own.filter(|&own| past.is_none() && self.is_straight(own, line.end));
-        (length < (1.0 - LEAST) * replaced).then_some(Shortcut {
-            ends: [before, after].map(|line| kept(line).unwrap_or(line.end)),
+        let ends = [before, after].map(|line| kept(line).unwrap_or(line.end));
+        // Where both lines stay there is nothing to lead another way, whatever rounding saves.
+        let changes = ends[0] < ends[1];
+        (changes && length < (1.0 - LEAST) * replaced).then_some(Shortcut {
+            ends,
             corner: past.is_none().then_some(self.corner),
             saves: replaced - length,
         })
