@@ -15,6 +15,8 @@ mod connections;
 mod due;
 mod fast_marching;
 mod field;
+#[cfg(test)]
+mod floor_plans;
 mod line;
 mod line_update;
 mod pairwise;
