@@ -39,7 +39,7 @@ vec4 bend(ivec2 at, ivec2 step) {
     bool known = inside || (goes_on(at + inwards, step) && goes_on(at + 2 * inwards, step));
     vec3 up = vec3(0.0);
     float smaller = 0.0;
-    // A loop, since drivers are slow to compile the same code several times over.
+    // A loop, since compilers would put the same code here three times over.
     for (int i = 0; i < (inside || !known ? 1 : 3); i++) {
         ivec2 point = at + i * inwards;
         vec3 normal_there = normal(point);

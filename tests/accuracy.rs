@@ -40,7 +40,7 @@ fn point_source_fronts_are_accurate() {
 #[test]
 fn curved_fronts_are_more_accurate() {
     // Measured: plane 1.4e-7, sheared plane 1.5e-7 and cylinder 1.3e-7 (rounding), sphere 1.7e-7,
-    // cone 6.9e-7, maze 4.2e-6. With chords sphere 1.5e-6, cylinder and cone 3.5e-6.
+    // cone 6.2e-7, maze 4.2e-6. With chords sphere 1.5e-6, cylinder and cone 3.5e-6.
     let bars = [
         (Builtin::Plane, 1e-6),
         (Builtin::ShearedPlane { degrees: 60.0 }, 1e-6),
