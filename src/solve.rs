@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use crate::cpu::{self, Connections, Stop};
-use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface};
+use crate::surface::{EdgeLengths, EvenGrid, Real, Seed, Sources, Surface};
 use crate::update::Wavefront;
 use crate::vulkan::{self, Schedule, VulkanError};
 use crate::{DistanceMap, Error, Report};
@@ -21,8 +21,9 @@ pub enum Engine {
     Cpu,
     /// Fast marching on the CPU, the sequential reference for the planar front, with obtuse triangles
     /// split. With the other fronts it can err by several per cent where triangles are obtuse: it
-    /// fixes points once, and where they are split a front's curvature is that of the air between. Where
-    /// none is, curved fronts are exact around corners of holes ([`cpu::fast_marching`]).
+    /// fixes points once, and where they are split a front's curvature is that of the air between. With
+    /// [`Wavefront::Arcs`] it is exact over floor plans: over flat, evenly spaced grids with holes and
+    /// without obtuse triangles, from points.
     FastMarching,
 }
 
@@ -52,7 +53,8 @@ pub struct Options {
     /// surfaces, around walls and from curves, and as good as the circular one on rough terrain;
     /// but circular for point sources that start together on a surface with a slowness, which may
     /// jump from point to point; and planar for fast marching. A curved map takes about twice the
-    /// time of a circular one. On floor plans [`Wavefront::Arcs`] is better still.
+    /// time of a circular one. On floor plans [`Wavefront::Arcs`] is better still, and exact with
+    /// [`Engine::FastMarching`].
     pub wavefront: Option<Wavefront>,
     /// The order of updates on a Vulkan device, which makes no difference to the map; by default
     /// [`Schedule::best_on`] the device. The CPU's engines have one order each.
@@ -226,6 +228,7 @@ fn only_single(what: &str) -> Error {
 /// A checked problem, ready for any engine.
 pub(crate) struct Problem<'a> {
     surface: &'a Surface,
+    sources: &'a Sources,
     /// Initial values less the smallest, so that a single source starts at zero, where the
     /// circular front is exact.
     seeds: Vec<Seed>,
@@ -238,7 +241,7 @@ pub(crate) struct Problem<'a> {
 impl<'a> Problem<'a> {
     fn new<R: Precision>(
         surface: &'a Surface,
-        sources: &Sources,
+        sources: &'a Sources,
         options: &Options,
     ) -> Result<Self, Error> {
         Self::from_seeds::<R>(surface, sources.seeds(surface)?, sources, options)
@@ -248,14 +251,14 @@ impl<'a> Problem<'a> {
     pub(crate) fn from_seeds<R: Precision>(
         surface: &'a Surface,
         mut seeds: Vec<Seed>,
-        sources: &Sources,
+        sources: &'a Sources,
         options: &Options,
     ) -> Result<Self, Error> {
         let wavefront = options.wavefront(surface, sources)?;
         let stop = options.stop::<R>(surface)?;
         let start = sources.start();
         seeds.iter_mut().for_each(|seed| seed.time -= start);
-        Ok(Self { surface, seeds, start, wavefront, schedule: options.schedule, stop })
+        Ok(Self { surface, sources, seeds, start, wavefront, schedule: options.schedule, stop })
     }
 
     fn solve_on_cpu<R: Real>(&self, fallback: Option<String>) -> Result<DistanceMap<R>, Error> {
@@ -275,12 +278,25 @@ impl<'a> Problem<'a> {
 
     fn solve_by_fast_marching<R: Real>(&self) -> Result<DistanceMap<R>, Error> {
         let edges = EdgeLengths::<R>::new(self.surface)?;
-        let split = Connections::split(self.surface)?;
-        let start = Instant::now();
-        let solution = cpu::fast_marching_with(&edges, &split, &self.seeds, self.wavefront);
-        let time = start.elapsed();
+        let (solution, time) = if let Some(grid) = self.floor_plan() {
+            let start = Instant::now();
+            let solution =
+                cpu::march_by_anchors(self.surface, &edges, grid, self.sources, self.start)?;
+            (solution, start.elapsed())
+        } else {
+            let split = Connections::split(self.surface)?;
+            let start = Instant::now();
+            let solution = cpu::fast_marching_with(&edges, &split, &self.seeds, self.wavefront);
+            (solution, start.elapsed())
+        };
         let report = Report { engine: "fast-marching", ..self.report("heap", time) };
         Ok(self.finish(solution.distances(), report))
+    }
+
+    /// See [`cpu::floor_plan`]. On a coarser grid a source may lie in a hole, and seeds stand for it.
+    fn floor_plan(&self) -> Option<EvenGrid> {
+        let has_sources = self.sources.are_points() && self.sources.seeds(self.surface).is_ok();
+        has_sources.then(|| cpu::floor_plan(self.surface, self.wavefront)).flatten()
     }
 
     fn solve_on_vulkan(&self, choice: &DeviceChoice) -> Result<DistanceMap, VulkanError> {

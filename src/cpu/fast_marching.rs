@@ -85,9 +85,9 @@ pub fn fast_marching_with<R: Real>(
 
 /// A point of the front, ordered by arrival time; the index makes the order total.
 #[derive(Clone, Copy, PartialEq)]
-struct Arrival<R> {
-    time: R,
-    point: usize,
+pub(super) struct Arrival<R> {
+    pub time: R,
+    pub point: usize,
 }
 
 impl<R: Real> Eq for Arrival<R> {}

@@ -2,12 +2,12 @@
 
 use glam::DVec2;
 
-use super::{Solution, Stop, raster_scan, rotated_scan};
-use crate::Sources;
+use super::{Solution, Stop, floor_plan, raster_scan, rotated_scan};
 use crate::accuracy::Errors;
-use crate::surface::builtin::{FlatPaths, FloorPlan};
-use crate::surface::{EdgeLengths, Real, Seed, Spacing, Surface};
-use crate::update::Wavefront;
+use crate::pairwise::Pairwise;
+use crate::surface::builtin::{Builtin, FlatPaths, FloorPlan};
+use crate::surface::{EdgeLengths, Real, Spacing, Surface};
+use crate::{Engine, Options, Sources, Wavefront, distance_map, distance_map_f64};
 
 const ROWS: usize = 97;
 const COLS: usize = 73;
@@ -110,36 +110,50 @@ impl Kind {
     }
 }
 
-/// A floor, its source and exact distances.
+type Scan<R> = fn(&EdgeLengths<R>, &[crate::surface::Seed], Wavefront, Stop) -> Solution<R>;
+
+/// A floor, a source on it and exact distances.
 struct Case {
     surface: Surface,
-    seeds: Vec<Seed>,
+    sources: Sources,
     exact: Vec<f64>,
 }
 
 impl Case {
+    /// With the source at a grid point.
     fn new(kind: Kind, seed: u64) -> Self {
-        let mut random = Random::new(seed);
-        let floor = kind.floor(&mut random);
-        let source = std::iter::repeat_with(|| random.place().floor().to_array())
-            .find(|[row, col]| floor[*row as usize * COLS + *col as usize])
-            .expect("some floor is free");
-        let plane = Surface::from_heights(ROWS, COLS, vec![0.0; ROWS * COLS], Spacing::square(1.0));
-        let surface = plane.unwrap().with_mask(&floor).unwrap();
-        let seeds = Sources::point(source[0], source[1]).seeds(&surface).unwrap();
-        let plan = FloorPlan::new(ROWS, COLS, floor, DVec2::ONE);
-        Self { surface, seeds, exact: FlatPaths::new(plan, source).distances() }
+        Self::from_places(kind, seed, DVec2::floor)
     }
 
-    fn solve<R: Real>(
-        &self,
-        wavefront: Wavefront,
-        tolerance: f64,
-        scan: fn(&EdgeLengths<R>, &[Seed], Wavefront, Stop) -> Solution<R>,
-    ) -> Vec<f64> {
+    /// With the source inside a cell.
+    fn between(kind: Kind, seed: u64) -> Self {
+        Self::from_places(kind, seed, |place| place)
+    }
+
+    fn from_places(kind: Kind, seed: u64, of_random: fn(DVec2) -> DVec2) -> Self {
+        let mut random = Random::new(seed);
+        let floor = kind.floor(&mut random);
+        let is_free = |place: &DVec2| {
+            let corners = [place.floor(), place.ceil()];
+            let rows_and_cols = corners.map(|row| corners.map(|col| (row.x, col.y)));
+            rows_and_cols.as_flattened().iter().all(|&(r, c)| floor[r as usize * COLS + c as usize])
+        };
+        let source = std::iter::repeat_with(|| of_random(random.place()))
+            .find(is_free)
+            .expect("some floor is free")
+            .to_array();
+        let plane = Surface::from_heights(ROWS, COLS, vec![0.0; ROWS * COLS], Spacing::square(1.0));
+        let surface = plane.unwrap().with_mask(&floor).unwrap();
+        let plan = FloorPlan::new(ROWS, COLS, floor, DVec2::ONE);
+        let exact = FlatPaths::new(plan, source).distances();
+        Self { surface, sources: Sources::point(source[0], source[1]), exact }
+    }
+
+    fn solve<R: Real>(&self, wavefront: Wavefront, tolerance: f64, scan: Scan<R>) -> Vec<f64> {
         let edges = EdgeLengths::new(&self.surface).unwrap();
         let stop = Stop { tolerance, iterations: 1000 };
-        let map = scan(&edges, &self.seeds, wavefront, stop).distances();
+        let seeds = self.sources.seeds(&self.surface).unwrap();
+        let map = scan(&edges, &seeds, wavefront, stop).distances();
         map.into_iter().map(Real::wide).collect()
     }
 }
@@ -204,4 +218,122 @@ fn arcs_over_floor_plans_are_better_and_nearly_agree() {
         assert!(mean < 4e-5, "{kind:?}: {mean:e}");
         assert!(apart.iter().all(|&(_, most)| most < 1e-3), "{kind:?}: {apart:?}");
     }
+}
+
+/// What marching is asked for here.
+fn by_anchors() -> Options {
+    let (engine, wavefront) = (Engine::FastMarching, Some(Wavefront::Arcs));
+    Options { engine, wavefront, ..Options::default() }
+}
+
+fn marched(surface: &Surface, sources: &Sources) -> Vec<f64> {
+    distance_map_f64(surface, sources, &by_anchors()).unwrap().distances
+}
+
+/// Anchors are exact, but where what is lit between corners is narrower than a cell for long.
+#[test]
+fn anchors_over_floor_plans_are_exact() {
+    for (kind, between) in Kind::ALL.into_iter().flat_map(|kind| [(kind, false), (kind, true)]) {
+        let (mut off, mut largest, mut means) = (0, 0.0f64, [0.0; 2]);
+        for seed in 1..=PLANS {
+            let case = if between { Case::between(kind, seed) } else { Case::new(kind, seed) };
+            let double = marched(&case.surface, &case.sources);
+            let single = distance_map(&case.surface, &case.sources, &by_anchors()).unwrap();
+            let errors =
+                [Errors::of(&double, &case.exact), Errors::of(&single.distances, &case.exact)];
+            assert_eq!(errors.map(|errors| errors.reached_by_one), [0; 2], "{kind:?} {seed}");
+            let exact = |(a, b): &(&f64, &f64)| a == b || (*a - *b).abs() < 1e-13 * **b;
+            off += double.iter().zip(&case.exact).filter(|pair| !exact(pair)).count();
+            largest = largest.max(errors[0].max_of_largest);
+            means = std::array::from_fn(|k| means[k] + errors[k].mean_relative / PLANS as f64);
+        }
+        println!(
+            "{kind:?}, sources between points {between}: {off} points off, by at most {largest:.1e}, \
+             mean {:.1e}, in single precision {:.1e}",
+            means[0], means[1]
+        );
+        // Of some 5,000 points on each of twelve plans.
+        assert!(off <= 10, "{kind:?}: {off} points off");
+        assert!(largest < 1e-4, "{kind:?}: {largest:e}");
+        assert!(means[0] < 1e-8 && means[1] < 2e-6, "{kind:?}: {means:?}");
+    }
+}
+
+#[test]
+fn anchors_of_several_sources_are_the_nearest_of_each() {
+    let Case { surface, .. } = Case::new(Kind::TurnedBoxes, 3);
+    let mut free = (0..ROWS * COLS).filter(|&index| surface.present()[index]).step_by(1501);
+    let mut place = |initial| {
+        let (row, col) = surface.chart().position(free.next().unwrap());
+        (row as f64, col as f64, initial)
+    };
+    let places = [place(-3.0), place(4.5), place(0.0)];
+    let all = places
+        .iter()
+        .fold(Sources::default(), |all, &(row, col, initial)| all.and_point(row, col, initial));
+    let mut nearest = vec![f64::INFINITY; ROWS * COLS];
+    for (row, col, initial) in places {
+        let map = marched(&surface, &Sources::point(row, col));
+        nearest.iter_mut().zip(map).for_each(|(least, d)| *least = least.min(initial + d));
+    }
+    let errors = Errors::of(&marched(&surface, &all), &nearest);
+    assert_eq!(errors.reached_by_one, 0);
+    assert!(errors.max_of_largest < 1e-14, "{errors:?}");
+}
+
+#[test]
+fn anchors_serve_grids_of_any_spacing() {
+    let mut random = Random::new(5);
+    let floor = Kind::Boxes.floor(&mut random);
+    let from = floor.iter().position(|&free| free).unwrap();
+    let source = [(from / COLS) as f64, (from % COLS) as f64];
+    let spacing = Spacing { dx: 2.5, dy: 0.75 };
+    let plane = Surface::from_heights(ROWS, COLS, vec![9.0; ROWS * COLS], spacing).unwrap();
+    let surface = plane.with_mask(&floor).unwrap();
+    let plan = FloorPlan::new(ROWS, COLS, floor, DVec2::new(spacing.dy, spacing.dx));
+    let exact = FlatPaths::new(plan, source).distances();
+    let errors = Errors::of(&marched(&surface, &Sources::point(source[0], source[1])), &exact);
+    assert!(errors.max_relative < 1e-13 && errors.reached_by_one == 0, "{errors:?}");
+}
+
+#[test]
+fn obtuse_grids_are_no_floor_plans() {
+    for (degrees, is_plan) in [(0.0, true), (40.0, true), (60.0, false)] {
+        let builtin = Builtin::ShearedPlane { degrees };
+        let surface = builtin.surface(61, 61).unwrap();
+        assert_eq!(floor_plan(&surface, Wavefront::Arcs).is_some(), is_plan, "{degrees}");
+        assert!(floor_plan(&surface, Wavefront::Curved).is_none());
+        let exact = builtin.exact_distances(61, 61, [20.0, 33.25]).unwrap();
+        let errors = Errors::of(&marched(&surface, &Sources::point(20.0, 33.25)), &exact);
+        assert!(!is_plan || errors.max_relative < 1e-13, "{degrees}: {errors:?}");
+    }
+}
+
+#[test]
+fn anchors_are_exact_in_the_maze_and_beyond_walls_nothing_is_reached() {
+    let (rows, cols) = (129, 161);
+    let maze = Builtin::Maze.surface(rows, cols).unwrap();
+    let exact = Builtin::Maze.exact_distances(rows, cols, [2.5, 3.25]).unwrap();
+    let errors = Errors::of(&marched(&maze, &Sources::point(2.5, 3.25)), &exact);
+    assert!(errors.max_relative < 1e-13 && errors.reached_by_one == 0, "{errors:?}");
+
+    let closed: Vec<_> = (0..81).map(|index| index / 9 != 4).collect();
+    let plane = Surface::from_heights(9, 9, vec![0.0; 81], Spacing::square(1.0)).unwrap();
+    let map = marched(&plane.with_mask(&closed).unwrap(), &Sources::point(1.0, 1.0));
+    assert!(map[..36].iter().all(|d| d.is_finite()) && map[36..].iter().all(|d| d.is_infinite()));
+}
+
+#[test]
+fn rows_of_all_pairs_are_marched_by_anchors_too() {
+    let floor: Vec<_> = (0..120).map(|index| !(33..37).contains(&(index % 60))).collect();
+    let plane = Surface::from_heights(10, 12, vec![0.0; 120], Spacing::square(1.0)).unwrap();
+    let surface = plane.with_mask(&floor).unwrap();
+    let (matrix, _) = Pairwise::new(&surface, &by_anchors()).unwrap().matrix(|_| {}).unwrap();
+    for source in [0, 17, 119] {
+        let (row, col) = surface.chart().position(source);
+        let from = Sources::point(row as f64, col as f64);
+        let map = distance_map(&surface, &from, &by_anchors()).unwrap().distances;
+        assert_eq!(matrix[source * 120..][..120], map);
+    }
+    assert!(matrix[33 * 120..][..120].iter().all(|d| d.is_infinite()), "a hole");
 }

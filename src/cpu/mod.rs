@@ -10,6 +10,7 @@
 //! follows from that (`due.rs`).
 
 mod across;
+mod anchored;
 mod ceilings;
 mod connections;
 mod due;
@@ -33,6 +34,7 @@ mod turned;
 mod twins;
 
 pub use crate::lanes::Instructions;
+pub(crate) use anchored::{floor_plan, march_by_anchors};
 pub use ceilings::Ceilings;
 pub use connections::Connections;
 pub use fast_marching::{fast_marching, fast_marching_with};

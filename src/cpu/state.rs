@@ -22,6 +22,10 @@ pub struct Solution<R> {
 }
 
 impl<R: Real> Solution<R> {
+    pub(super) fn new(chart: Chart, times: Vec<R>, iterations: u32, residual: f64) -> Self {
+        Self { chart, times, iterations, residual }
+    }
+
     /// The distances, row-major, +infinity where the sources do not reach.
     pub fn distances(&self) -> Vec<R> {
         distances(self.chart, &self.times)
@@ -248,7 +252,7 @@ impl<'a, R: Real> Fronts<'a, R> {
     }
 
     pub(super) fn finish(self, iterations: u32, residual: f64) -> Solution<R> {
-        Solution { chart: self.edges.chart(), times: self.times, iterations, residual }
+        Solution::new(self.edges.chart(), self.times, iterations, residual)
     }
 }
 

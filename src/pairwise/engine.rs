@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use super::lanes::Lanes;
 use super::report::Tally;
-use crate::cpu::{Connections, RotatedScan, Stop, fast_marching_with};
-use crate::surface::{EdgeLengths, Seed, Surface};
+use crate::cpu::{self, Connections, RotatedScan, Stop, fast_marching_with};
+use crate::surface::{EdgeLengths, EvenGrid, Seed, Surface};
 use crate::vulkan::{PairwiseOnDevice, Solver, SurfaceOnDevice};
-use crate::{Engine, Error, Wavefront};
+use crate::{Engine, Error, Sources, Wavefront};
 
 /// An engine, ready for a surface.
 pub(super) struct RowEngine<'a> {
@@ -23,6 +23,8 @@ enum Kind<'a> {
     Maps(EdgeLengths<f32>),
     /// The reference, a map for each thread.
     FastMarching(EdgeLengths<f32>, Connections<f32>),
+    /// The same over a floor plan.
+    ByAnchors(EdgeLengths<f32>, EvenGrid),
     /// Batches of maps on a device.
     Vulkan(Box<OnDevice>),
 }
@@ -47,9 +49,12 @@ impl<'a> RowEngine<'a> {
                     Kind::Lanes(Lanes::new(surface, &edges, wavefront))
                 }
             }
-            Engine::FastMarching => {
-                Kind::FastMarching(EdgeLengths::new(surface)?, Connections::split(surface)?)
-            }
+            Engine::FastMarching => match cpu::floor_plan(surface, wavefront) {
+                Some(grid) => Kind::ByAnchors(EdgeLengths::new(surface)?, grid),
+                None => {
+                    Kind::FastMarching(EdgeLengths::new(surface)?, Connections::split(surface)?)
+                }
+            },
             Engine::Vulkan(choice) => {
                 let solver = Solver::new(choice)?;
                 let on_device = solver.upload(surface)?;
@@ -63,7 +68,7 @@ impl<'a> RowEngine<'a> {
     pub fn name(&self) -> &'static str {
         match self.kind {
             Kind::Lanes(_) | Kind::Maps(_) => "cpu",
-            Kind::FastMarching(..) => "fast-marching",
+            Kind::FastMarching(..) | Kind::ByAnchors(..) => "fast-marching",
             Kind::Vulkan(_) => "vulkan",
         }
     }
@@ -90,7 +95,7 @@ impl<'a> RowEngine<'a> {
             Kind::Maps(edges) => {
                 edges.bytes() + threads * RotatedScan::new(edges, self.wavefront).bytes()
             }
-            Kind::FastMarching(edges, _) => {
+            Kind::FastMarching(edges, _) | Kind::ByAnchors(edges, _) => {
                 // Front, flag and a few entries of the heap for a point, and further connections.
                 edges.bytes() + threads * edges.chart().bordered_points() * 64
             }
@@ -102,7 +107,7 @@ impl<'a> RowEngine<'a> {
     pub fn rows_at_once(&self, threads: usize) -> usize {
         match self.kind {
             Kind::Lanes(ref lanes) => lanes.rows_at_once(threads),
-            Kind::Maps(_) | Kind::FastMarching(..) => 4 * threads,
+            Kind::Maps(_) | Kind::FastMarching(..) | Kind::ByAnchors(..) => 4 * threads,
             Kind::Vulkan(ref device) => device.pairwise.batch(),
         }
     }
@@ -151,17 +156,19 @@ impl<'a> RowEngine<'a> {
                 Ok(tallies.reduce(Tally::default, Tally::join))
             }
             Kind::FastMarching(edges, split) => {
-                let rows = into.par_chunks_exact_mut(points).zip(sources);
-                rows.for_each(|(row, &source)| {
-                    if let Some(seeds) = seed(source) {
-                        let map = fast_marching_with(edges, split, &seeds, wavefront);
-                        row.copy_from_slice(&map.distances());
-                    } else {
-                        row.fill(f32::INFINITY);
-                    }
-                    done(1);
-                });
-                Ok(Tally { iterations: 1, residual: 0.0 })
+                let map = |seed| fast_marching_with(edges, split, &[seed], wavefront);
+                Ok(each_row(into, points, sources, done, |source| {
+                    seed(source).map(|[seed]| map(seed).distances())
+                }))
+            }
+            Kind::ByAnchors(edges, grid) => {
+                Ok(each_row(into, points, sources, done, |source| {
+                    let (row, col) = surface.chart().position(source);
+                    let from = Sources::point(row as f64, col as f64);
+                    let map = cpu::march_by_anchors(surface, edges, *grid, &from, 0.0);
+                    // A hole is no source.
+                    map.ok().map(|map| map.distances())
+                }))
             }
             Kind::Vulkan(device) => {
                 let OnDevice { pairwise, surface: on_device, solver } = &mut **device;
@@ -178,4 +185,23 @@ impl<'a> RowEngine<'a> {
             }
         }
     }
+}
+
+/// Fills rows by marching from their sources, one for each thread at a time; those of holes are +infinity.
+fn each_row(
+    into: &mut [f32],
+    points: usize,
+    sources: &[usize],
+    done: Done,
+    row_of: impl Fn(usize) -> Option<Vec<f32>> + Sync,
+) -> Tally {
+    let rows = into.par_chunks_exact_mut(points).zip(sources);
+    rows.for_each(|(row, &source)| {
+        match row_of(source) {
+            Some(distances) => row.copy_from_slice(&distances),
+            None => row.fill(f32::INFINITY),
+        }
+        done(1);
+    });
+    Tally { iterations: 1, residual: 0.0 }
 }

@@ -57,7 +57,8 @@ enum EngineArg {
     Vulkan,
     /// Raster scans on the CPU
     Cpu,
-    /// Fast marching on the CPU, the sequential reference for the planar front
+    /// Fast marching on the CPU, the sequential reference for the planar front; with arcs from points
+    /// exact over floor plans
     FastMarching,
 }
 
