@@ -22,8 +22,8 @@ pub enum Engine {
     /// Fast marching on the CPU, the sequential reference for the planar front, with obtuse triangles
     /// split. With the other fronts it can err by several per cent where triangles are obtuse: it
     /// fixes points once, and where they are split a front's curvature is that of the air between. With
-    /// [`Wavefront::Arcs`] it is exact over floor plans: over flat, evenly spaced grids with holes and
-    /// without obtuse triangles, from points.
+    /// [`Wavefront::Arcs`] it is exact over floor plans: over flat, evenly spaced grids with holes of some
+    /// size and without obtuse triangles, from points.
     FastMarching,
 }
 

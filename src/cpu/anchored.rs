@@ -7,6 +7,9 @@
 //! triangle. A point takes the nearest of the anchors of its neighbours, and of their own anchors, that it
 //! can be reached from through the triangle; all that is asked of these is on which side of a line a grid
 //! point lies, in whole numbers.
+//!
+//! What no neighbour knows of is missed: among holes of single points a corner often lights less than a
+//! cell for long, and there distances can be too long.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -17,7 +20,7 @@ use super::fast_marching::Arrival;
 use super::state::Solution;
 use crate::Sources;
 use crate::surface::{
-    Direction, EdgeLengths, EdgeSlot, EvenGrid, Real, Source, SourceError, Surface,
+    Direction, EdgeLengths, EdgeSlot, EvenGrid, Real, Source, SourceError, Surface, is_corner,
 };
 use crate::update::Wavefront;
 
@@ -46,6 +49,7 @@ pub(crate) fn march_by_anchors<R: Real>(
     let chart = edges.chart();
     let points = chart.bordered_points();
     let mut march = March {
+        surface,
         edges,
         grid,
         stride: chart.stride(),
@@ -85,6 +89,7 @@ pub(crate) fn march_by_anchors<R: Real>(
 }
 
 struct March<'a, R> {
+    surface: &'a Surface,
     edges: &'a EdgeLengths<R>,
     grid: EvenGrid,
     stride: usize,
@@ -109,8 +114,10 @@ impl<R: Real> March<'_, R> {
         (self.edges.at(point, edge) < R::FAR).then(|| point.wrapping_add_signed(offset))
     }
 
-    fn is_beside_hole(&self, point: usize) -> bool {
-        (0..8).any(|to| self.neighbour(point, to).is_none())
+    fn is_corner(&self, point: usize) -> bool {
+        let (row, col) = (point / self.stride - 1, point % self.stride - 1);
+        let there = |to| self.surface.chart().neighbour(row, col, to);
+        is_corner(Direction::ALL.map(|to| there(to).is_some_and(|(r, c)| self.surface.has(r, c))))
     }
 
     /// Adds a source; returns its number as an anchor.
@@ -151,18 +158,19 @@ impl<R: Real> March<'_, R> {
         let fixed = |to| self.neighbour(x0, to).filter(|&end| self.fixed[end]);
         let end = fixed(to)?;
         let beside = [fixed((to + 1) % 8), fixed((to + 7) % 8)].into_iter().flatten();
-        // The straight line first: of ways that are as long it is the one that goes on.
         let through = beside.filter_map(|other| self.through(x0, [end, other]));
-        through.chain(self.along(x0, end)).reduce(first)
+        through.chain(self.along(x0, end)).reduce(|a, b| self.better(a, b))
     }
 
-    /// The way along an edge: straight on, or from its end, if that lies beside a hole.
+    /// The way along an edge: from its end, if that is a corner, or straight on.
     fn along(&self, x0: usize, end: usize) -> Option<Way> {
+        if self.is_corner(end) {
+            return Some(self.way(x0, end));
+        }
         let anchor = self.anchors[end];
         let (edge, ray) = (self.step(x0, end), self.step(x0, anchor));
         let goes_on = edge.perp_dot(ray) == 0.0 && edge.dot(ray) > 0.0;
-        let anchor = if goes_on { anchor } else { end };
-        (goes_on || self.is_beside_hole(end)).then(|| self.way(x0, anchor))
+        goes_on.then(|| self.way(x0, anchor))
     }
 
     /// The shortest straight way through a triangle, from an anchor of its ends or from these' own.
@@ -178,13 +186,20 @@ impl<R: Real> March<'_, R> {
             .filter(comes_through)
             .filter(|&anchor| ends.into_iter().all(|end| self.sees(x0, anchor, end)))
             .map(|anchor| self.way(x0, anchor))
-            .reduce(first)
+            .reduce(|a, b| self.better(a, b))
     }
 
     /// A point's anchor, the anchor's, and so on to the source.
     fn ancestors(&self, point: usize) -> impl Iterator<Item = usize> {
         let next = |&point: &usize| Some(self.anchors[point]).filter(|&anchor| anchor != point);
         std::iter::successors(Some(self.anchors[point]), next)
+    }
+
+    /// The shorter of two ways; of two that are as long, on one line, that from the corner passed last.
+    fn better(&self, a: Way, b: Way) -> Way {
+        let as_long = !is_shorter(a.0, b.0) && !is_shorter(b.0, a.0);
+        let second = if as_long { self.times[b.1] > self.times[a.1] } else { b.0 < a.0 };
+        if second { b } else { a }
     }
 
     fn way(&self, x0: usize, anchor: usize) -> Way {
@@ -217,9 +232,4 @@ impl<R: Real> March<'_, R> {
 /// By more than rounding.
 fn is_shorter(a: f64, b: f64) -> bool {
     a < b * (1.0 - 8.0 * f64::EPSILON)
-}
-
-/// The shorter of two ways, the first of two that are as long.
-fn first(a: Way, b: Way) -> Way {
-    if is_shorter(b.0, a.0) { b } else { a }
 }

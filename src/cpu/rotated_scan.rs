@@ -26,12 +26,8 @@ pub fn rotated_scan<R: Real>(
 ) -> Solution<R> {
     let mut solver = RotatedScan::new(edges, wavefront);
     let Convergence { iterations, residual } = solver.solve(seeds, stop);
-    Solution {
-        chart: edges.chart(),
-        times: solver.fronts.into_iter().next().expect("there are two").times,
-        iterations,
-        residual,
-    }
+    let [fronts, _] = solver.fronts;
+    Solution::new(edges.chart(), fronts.times, iterations, residual)
 }
 
 /// Solves one map after another of one surface by rotated scans, without allocating anew. The second
