@@ -256,7 +256,7 @@ fn anchors_over_floor_plans_are_exact() {
              mean {:.1e}, in single precision {:.1e}",
             means[0], means[1]
         );
-        // Of some 5,000 points on each of twelve plans.
+        // Of some 6,400 points on each of twelve plans.
         assert!(off <= 10, "{kind:?}: {off} points off");
         assert!(largest < 1e-4, "{kind:?}: {largest:e}");
         assert!(means[0] < 1e-8 && means[1] < 2e-6, "{kind:?}: {means:?}");
