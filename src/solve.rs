@@ -295,8 +295,9 @@ impl<'a> Problem<'a> {
 
     /// See [`cpu::floor_plan`]. On a coarser grid a source may lie in a hole, and seeds stand for it.
     fn floor_plan(&self) -> Option<EvenGrid> {
+        let grid = cpu::floor_plan(self.surface, self.wavefront)?;
         let has_sources = self.sources.are_points() && self.sources.seeds(self.surface).is_ok();
-        has_sources.then(|| cpu::floor_plan(self.surface, self.wavefront)).flatten()
+        has_sources.then_some(grid)
     }
 
     fn solve_on_vulkan(&self, choice: &DeviceChoice) -> Result<DistanceMap, VulkanError> {

@@ -77,9 +77,12 @@ pub(crate) fn march_by_anchors<R: Real>(
         if std::mem::replace(&mut march.fixed[point], true) {
             continue;
         }
+        let is_corner = march.is_corner(point);
         for to in 0..march.around.len() {
-            let Some(x0) = march.neighbour(point, to) else { continue };
-            if let Some(way) = march.reach(x0, (to + 4) % 8) {
+            let Some(x0) = march.neighbour(point, to).filter(|&x0| !march.fixed[x0]) else {
+                continue;
+            };
+            if let Some(way) = march.reach(x0, point, (to + 4) % 8, is_corner) {
                 heap.extend(march.take(x0, way));
             }
         }
@@ -154,21 +157,17 @@ impl<R: Real> March<'_, R> {
         Some(Reverse(Arrival { time, point }))
     }
 
-    /// The shortest way to a point past the neighbour that has just been fixed.
-    fn reach(&self, x0: usize, to: usize) -> Option<Way> {
-        if self.fixed[x0] {
-            return None;
-        }
+    /// The shortest way to a point past its neighbour `end` in some direction, which has just been fixed.
+    fn reach(&self, x0: usize, end: usize, to: usize, is_corner: bool) -> Option<Way> {
         let fixed = |to| self.neighbour(x0, to).filter(|&end| self.fixed[end]);
-        let end = fixed(to)?;
         let beside = [fixed((to + 1) % 8), fixed((to + 7) % 8)].into_iter().flatten();
         let through = beside.filter_map(|other| self.through(x0, [end, other]));
-        through.chain(self.along(x0, end)).reduce(|a, b| self.better(a, b))
+        through.chain(self.along(x0, end, is_corner)).reduce(|a, b| self.better(a, b))
     }
 
     /// The way along an edge: from its end, if that is a corner, or straight on.
-    fn along(&self, x0: usize, end: usize) -> Option<Way> {
-        if self.is_corner(end) {
+    fn along(&self, x0: usize, end: usize, is_corner: bool) -> Option<Way> {
+        if is_corner {
             return Some(self.way(x0, end));
         }
         let anchor = self.anchors[end];
