@@ -21,6 +21,8 @@
 // What a change of a front's curvature counts in the residual, relative to 1 over its arrival
 // time, beside a relative change of that time.
 #define CURVATURE_COUNTS 1e-4
+// What another anchor of a front counts.
+#define ANCHOR_COUNTS 1e-5
 // Tag of a front that came from a whole triangle, beside that of its scan.
 #define WHOLE 8
 // See curved.rs. GRAZING is no ratio of small whole numbers, or rounding would decide whether rays between

@@ -180,7 +180,7 @@ impl Weights {
         match wavefront {
             Wavefront::Planar => Self { two: 1.0, three: Some([3.0, -1.0]) },
             Wavefront::PointSource => Self { two: 1.0, three: Some([5.0 / 3.0, -1.0 / 3.0]) },
-            Wavefront::Curved | Wavefront::Arcs => Self { two: 1.0 / 3.0, three: None },
+            Wavefront::Curved | Wavefront::Anchored => Self { two: 1.0 / 3.0, three: None },
         }
     }
 
@@ -359,7 +359,7 @@ fn seeds_beside<R: Real>(
                     // The radius of the front grows as it goes on.
                     let step = (time - seed.time).max(0.0);
                     let curvature = seed.curvature / (1.0 + seed.curvature * step);
-                    seeds.push(Seed { row, col, time, curvature });
+                    seeds.push(Seed { row, col, time, curvature, from: None });
                 }
             }
         }

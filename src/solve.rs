@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use crate::cpu::{self, Connections, Stop};
-use crate::surface::{EdgeLengths, EvenGrid, Real, Seed, Sources, Surface};
+use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface};
 use crate::update::Wavefront;
 use crate::vulkan::{self, Schedule, VulkanError};
 use crate::{DistanceMap, Error, Report};
@@ -22,7 +22,7 @@ pub enum Engine {
     /// Fast marching on the CPU, the sequential reference for the planar front, with obtuse triangles
     /// split. With the other fronts it can err by several per cent where triangles are obtuse: it
     /// fixes points once, and where they are split a front's curvature is that of the air between. With
-    /// [`Wavefront::Arcs`] it is exact over floor plans: over flat, evenly spaced grids with holes of some
+    /// [`Wavefront::Anchored`] it is exact over floor plans: over flat, evenly spaced grids with holes of some
     /// size and without obtuse triangles, from points.
     FastMarching,
 }
@@ -53,7 +53,7 @@ pub struct Options {
     /// surfaces, around walls and from curves, and as good as the circular one on rough terrain;
     /// but circular for point sources that start together on a surface with a slowness, which may
     /// jump from point to point; and planar for fast marching. A curved map takes about twice the
-    /// time of a circular one. On floor plans [`Wavefront::Arcs`] is better still, and exact with
+    /// time of a circular one. On floor plans [`Wavefront::Anchored`] is better still, and exact with
     /// [`Engine::FastMarching`].
     pub wavefront: Option<Wavefront>,
     /// The order of updates on a Vulkan device, which makes no difference to the map; by default
@@ -278,26 +278,12 @@ impl<'a> Problem<'a> {
 
     fn solve_by_fast_marching<R: Real>(&self) -> Result<DistanceMap<R>, Error> {
         let edges = EdgeLengths::<R>::new(self.surface)?;
-        let (solution, time) = if let Some(grid) = self.floor_plan() {
-            let start = Instant::now();
-            let solution =
-                cpu::march_by_anchors(self.surface, &edges, grid, self.sources, self.start)?;
-            (solution, start.elapsed())
-        } else {
-            let split = Connections::split(self.surface)?;
-            let start = Instant::now();
-            let solution = cpu::fast_marching_with(&edges, &split, &self.seeds, self.wavefront);
-            (solution, start.elapsed())
-        };
+        let split = Connections::split(self.surface)?;
+        let start = Instant::now();
+        let solution = cpu::fast_marching_with(&edges, &split, &self.seeds, self.wavefront);
+        let time = start.elapsed();
         let report = Report { engine: "fast-marching", ..self.report("heap", time) };
         Ok(self.finish(solution.distances(), report))
-    }
-
-    /// See [`cpu::floor_plan`]. On a coarser grid a source may lie in a hole, and seeds stand for it.
-    fn floor_plan(&self) -> Option<EvenGrid> {
-        let grid = cpu::floor_plan(self.surface, self.wavefront)?;
-        let has_sources = self.sources.are_points() && self.sources.seeds(self.surface).is_ok();
-        has_sources.then_some(grid)
     }
 
     fn solve_on_vulkan(&self, choice: &DeviceChoice) -> Result<DistanceMap, VulkanError> {

@@ -51,7 +51,7 @@ fn what_single_precision_rounds_is_left_out() {
 fn mazes_are_exact_with_arcs() {
     let [double, single] = {
         let surface = Builtin::Maze.surface(129, 129).unwrap();
-        let (source, options) = (Sources::point(0.0, 0.0), options(Wavefront::Arcs));
+        let (source, options) = (Sources::point(0.0, 0.0), options(Wavefront::Anchored));
         let exact = Builtin::Maze.exact_distances(129, 129, [0.0; 2]).unwrap();
         let double = distance_map_f64(&surface, &source, &options).unwrap();
         let single = distance_map(&surface, &source, &options).unwrap();

@@ -138,10 +138,10 @@ fn curved_fronts_among_strewn_holes_do_not_depend_on_rounding() {
 fn arcs_in_the_maze_do_not_depend_on_the_order_of_updates() {
     let maze = Builtin::Maze.surface(POINTS, POINTS).unwrap();
     let source = at(off_centre(POINTS, POINTS));
-    let a = directed::<f64>(&maze, &source, Wavefront::Arcs, CONVERGED_F64).distances();
-    let b = rotated::<f64>(&maze, &source, Wavefront::Arcs, CONVERGED_F64).distances();
-    let c = rotated::<f32>(&maze, &source, Wavefront::Arcs, CONVERGED).distances();
-    let d = directed::<f32>(&maze, &source, Wavefront::Arcs, CONVERGED).distances();
+    let a = directed::<f64>(&maze, &source, Wavefront::Anchored, CONVERGED_F64).distances();
+    let b = rotated::<f64>(&maze, &source, Wavefront::Anchored, CONVERGED_F64).distances();
+    let c = rotated::<f32>(&maze, &source, Wavefront::Anchored, CONVERGED).distances();
+    let d = directed::<f32>(&maze, &source, Wavefront::Anchored, CONVERGED).distances();
     let found = [difference(&a, &b), difference(&c, &d), difference(&c, &a)];
     for (found, most) in found.into_iter().zip([1e-12, 1e-6, 5e-6]) {
         assert!(found < most, "{found:e} is not below {most:e}");
@@ -157,10 +157,12 @@ fn arcs_among_walls_hardly_depend_on_the_order_of_updates() {
         for seed in 1..=12 {
             let (surface, from) = plan(size, seed);
             let source = at(from);
-            let a = directed::<f64>(&surface, &source, Wavefront::Arcs, CONVERGED_F64).distances();
-            let b = rotated::<f64>(&surface, &source, Wavefront::Arcs, CONVERGED_F64).distances();
-            let c = rotated::<f32>(&surface, &source, Wavefront::Arcs, CONVERGED).distances();
-            let d = directed::<f32>(&surface, &source, Wavefront::Arcs, CONVERGED).distances();
+            let a =
+                directed::<f64>(&surface, &source, Wavefront::Anchored, CONVERGED_F64).distances();
+            let b =
+                rotated::<f64>(&surface, &source, Wavefront::Anchored, CONVERGED_F64).distances();
+            let c = rotated::<f32>(&surface, &source, Wavefront::Anchored, CONVERGED).distances();
+            let d = directed::<f32>(&surface, &source, Wavefront::Anchored, CONVERGED).distances();
             let found = [difference(&a, &b), difference(&c, &d), difference(&c, &a)];
             plans += 1;
             apart += usize::from(found[1] > 2e-5);

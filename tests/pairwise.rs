@@ -129,7 +129,7 @@ fn arcs_in_the_maze_are_as_good_as_exact() {
     let side = 49;
     let surface = Builtin::Maze.surface(side, side).unwrap();
     let (chart, edges) = (surface.chart(), EdgeLengths::<f32>::new(&surface).unwrap());
-    let solver = PairwiseScan::new(&edges, Wavefront::Arcs);
+    let solver = PairwiseScan::new(&edges, Wavefront::Anchored);
     let places = [(0, 0), (1, 41), (8, 8), (17, 47), (24, 24), (31, 1), (40, 45), (48, 48)];
     let sources = places.map(|(row, col)| Some(chart.index(row, col)));
     let mut rows = vec![0.0; sources.len() * chart.points()];

@@ -93,7 +93,7 @@ fn paths_in_the_maze_are_exact() {
 #[test]
 fn paths_in_the_maze_are_as_long_as_arcs_say() {
     for points in [65, 129, 257, 513] {
-        let [truth, of_map, ..] = errors_in_the_maze(points, Wavefront::Arcs);
+        let [truth, of_map, ..] = errors_in_the_maze(points, Wavefront::Anchored);
         println!("{points}, arcs: {truth:.1e}, {of_map:.1e}");
         assert!(truth < 5e-7, "{points} points: {truth:e}");
         assert!(of_map < 1e-6, "{points} points: {of_map:e}");

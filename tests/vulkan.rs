@@ -257,7 +257,7 @@ fn every_schedule_continues_arcs_that_touch_behind_corners() {
     let seeds = seeds_at(&surface, (2, 3));
     let mut on_device = solver.upload(&surface).unwrap();
     for schedule in Schedule::ALL {
-        let wavefront = Wavefront::Arcs;
+        let wavefront = Wavefront::Anchored;
         let method = Method { wavefront, schedule: Some(schedule), stop: CONVERGED };
         let map = solver.solve(&mut on_device, &seeds, method).unwrap().distances;
         let errors = map.iter().zip(&exact).filter(|(_, exact)| exact.is_finite() && **exact > 0.0);

@@ -155,7 +155,7 @@ fn arcs_in_the_maze_are_as_good_as_exact() {
     let places = [(0, 0), (1, 41), (17, 47), (24, 24), (31, 1)];
     let sources = places.map(|(row, col)| Some(chart.index(row, col)));
     for schedule in PairwiseSchedule::ALL {
-        let mut pairwise = solver.pairwise(&uploaded, Wavefront::Arcs, Some(schedule)).unwrap();
+        let mut pairwise = solver.pairwise(&uploaded, Wavefront::Anchored, Some(schedule)).unwrap();
         let rows = solve(&mut pairwise, (&solver, &uploaded, points), &sources, CONVERGED);
         for ((r, c), row) in places.into_iter().zip(rows.chunks_exact(points)) {
             let exact = Builtin::Maze.exact_distances(side, side, [r as f64, c as f64]).unwrap();

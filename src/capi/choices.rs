@@ -17,7 +17,7 @@ pub enum GeosweepWavefront {
     Curved = 2,
     /// The same, and continues the two arcs behind the corners of holes by themselves. For planes with
     /// holes, where it is as good as exact.
-    Arcs = 3,
+    Anchored = 3,
 }
 
 /// The order of updates. All lead to the same map.
@@ -73,7 +73,7 @@ pub(super) fn wavefront(number: WavefrontNumber, name: &str) -> Result<Wavefront
         (W::Planar as i32, Wavefront::Planar),
         (W::PointSource as i32, Wavefront::PointSource),
         (W::Curved as i32, Wavefront::Curved),
-        (W::Arcs as i32, Wavefront::Arcs),
+        (W::Anchored as i32, Wavefront::Anchored),
     ];
     choose(number, name, "GeosweepWavefront", &choices)
 }

@@ -132,7 +132,6 @@ impl WarmLine {
             gaussian: &self.gaussian[..POINTS],
             curvatures_behind: &self.curvatures_behind,
             gaussian_behind: &self.gaussian,
-            across: None,
             next: 0,
         };
         let update = Update { line, how: self.how, changed: &mut self.changed };

@@ -228,9 +228,8 @@ impl<R: Real> Work for Look<'_, R> {
 #[inline(always)]
 fn settled<R: Real>(around: &Around<R>, start: usize, points: usize, how: How) -> bool {
     match how.wavefront {
-        Wavefront::Curved | Wavefront::Arcs => {
-            settled_curved(around.stretch(start, points, points), points, how)
-        }
+        Wavefront::Curved => settled_curved(around.stretch(start, points, points), points, how),
+        Wavefront::Anchored => false,
         Wavefront::PointSource => {
             settled_straight(around.stretch(start, points, 0), points, Wavefront::PointSource)
         }

@@ -3,10 +3,9 @@
 
 use std::ops::Range;
 
-use super::line::{Beyond, Line, Times};
+use super::line::{Line, Times};
 use super::line_update::{How, Update, Updated};
 use crate::surface::Real;
-use crate::update::Wavefront;
 
 /// Bordered arrays: point p of line l has index l * `stride` + p + 1, with lines counted from the
 /// border and points from the first inside it. Curvatures are empty unless the wavefront is curved.
@@ -18,8 +17,6 @@ pub(super) struct Field<'a, R> {
     /// Lengths of the edges to the next point, to the line before, and there to the next and to
     /// the previous point.
     pub edges: [&'a [R]; 4],
-    /// The lines that hold anything, but for those along the border that no line lies beyond.
-    pub lines: Range<usize>,
 }
 
 impl<R: Real> Field<'_, R> {
@@ -43,37 +40,23 @@ impl<R: Real> Field<'_, R> {
         let there = around(line_behind);
 
         let curved = how.wavefront.is_curved();
-        let line_across = if forward { line_behind.checked_sub(1) } else { Some(line_behind + 1) };
-        let across = line_across
-            .filter(|line| how.wavefront == Wavefront::Arcs && self.lines.contains(line))
-            .map(around);
-        let all = across.as_ref().map_or(there.clone(), |across| {
-            across.start.min(there.start)..across.end.max(there.end)
-        });
         let if_curved = |range: Range<usize>| if curved { range } else { 0..0 };
-        let part = |range: &Range<usize>| range.start - all.start..range.end - all.start;
-        let (times, times_there) = here_and_there(self.times, here.clone(), all.clone());
-        let (curvatures, curvatures_there) =
-            here_and_there(self.curvatures, if_curved(here.clone()), if_curved(all.clone()));
+        let (times, behind) = here_and_there(self.times, here.clone(), there.clone());
+        let (curvatures, curvatures_behind) =
+            here_and_there(self.curvatures, if_curved(here.clone()), if_curved(there.clone()));
         let (edges, stride) = (self.edges, self.stride as isize);
-        let back = |points: &Range<usize>| edges_back(edges, self.stride, points, forward);
 
         let line = Line {
             times: Times {
                 here: times,
-                behind: &times_there[part(&there)],
-                edges: back(&here),
+                behind,
+                edges: edges_back(edges, self.stride, &here, forward),
                 bases: &edges[0][there.start..there.end - 1],
             },
             curvatures,
             gaussian: &self.gaussian[if_curved(here)],
-            curvatures_behind: &curvatures_there[if_curved(part(&there))],
-            gaussian_behind: &self.gaussian[if_curved(there.clone())],
-            across: across.map(|across| Beyond {
-                times: &times_there[part(&across)],
-                curvatures: &curvatures_there[part(&across)],
-                edges: back(&there),
-            }),
+            curvatures_behind,
+            gaussian_behind: &self.gaussian[if_curved(there)],
             next: if forward { stride } else { -stride },
         };
         how.instructions.run(Update { line, how, changed })

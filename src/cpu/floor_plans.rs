@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::{Solution, Stop, floor_plan, raster_scan, rotated_scan};
+use super::{Solution, Stop, raster_scan, rotated_scan};
 use crate::accuracy::Errors;
 use crate::pairwise::Pairwise;
 use crate::surface::builtin::{Builtin, FlatPaths, FloorPlan};
@@ -212,21 +212,22 @@ fn curved_fronts_over_floor_plans_agree() {
     }
 }
 
-/// Arcs leave a tenth of that or less, nearly all where fronts meet; but where many borders of shadows
-/// lie within a cell of one another, rounding decides at some points what is an arc.
+/// Fronts with anchors are exact, and so they agree.
 #[test]
-fn arcs_over_floor_plans_are_better_and_nearly_agree() {
+fn anchored_fronts_over_floor_plans_are_exact_and_agree() {
     for kind in Kind::ALL {
-        let (mean, apart) = Found::of(kind, Wavefront::Arcs).figures();
-        println!("{kind:?}, arcs: mean error {mean:.1e}, orders and precisions apart {apart:?}");
-        assert!(mean < 4e-5, "{kind:?}: {mean:e}");
-        assert!(apart.iter().all(|&(_, most)| most < 1e-3), "{kind:?}: {apart:?}");
+        let (mean, apart) = Found::of(kind, Wavefront::Anchored).figures();
+        println!(
+            "{kind:?}, anchored: mean error {mean:.1e}, orders and precisions apart {apart:?}"
+        );
+        assert!(mean < 1e-6, "{kind:?}: {mean:e}");
+        assert!(apart.iter().all(|&(_, most)| most < 2e-5), "{kind:?}: {apart:?}");
     }
 }
 
 /// What marching is asked for here.
 fn by_anchors() -> Options {
-    let (engine, wavefront) = (Engine::FastMarching, Some(Wavefront::Arcs));
+    let (engine, wavefront) = (Engine::FastMarching, Some(Wavefront::Anchored));
     Options { engine, wavefront, ..Options::default() }
 }
 
@@ -328,8 +329,7 @@ fn obtuse_grids_are_no_floor_plans() {
     for (degrees, is_plan) in [(0.0, true), (40.0, true), (60.0, false)] {
         let builtin = Builtin::ShearedPlane { degrees };
         let surface = builtin.surface(61, 61).unwrap();
-        assert_eq!(floor_plan(&surface, Wavefront::Arcs).is_some(), is_plan, "{degrees}");
-        assert!(floor_plan(&surface, Wavefront::Curved).is_none());
+        assert_eq!(surface.is_floor_plan(), is_plan, "{degrees}");
         let exact = builtin.exact_distances(61, 61, [20.0, 33.25]).unwrap();
         let errors = Errors::of(&marched(&surface, &Sources::point(20.0, 33.25)), &exact);
         assert!(!is_plan || errors.max_relative < 1e-13, "{degrees}: {errors:?}");

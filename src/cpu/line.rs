@@ -4,7 +4,7 @@
 use super::settled::Visited;
 use crate::lanes::prefetch;
 use crate::surface::{Real, min};
-use crate::update::{Across, Bends, Triangle};
+use crate::update::{Bends, Triangle};
 
 /// A stretch of n points of a row or column and what their update needs. Curvatures are empty
 /// unless the wavefront is curved.
@@ -17,19 +17,8 @@ pub(super) struct Line<'a, R> {
     /// Both at the points behind, n + 2 of them, as in [`Times`].
     pub curvatures_behind: &'a [R],
     pub gaussian_behind: &'a [R],
-    /// What lies behind these; nothing beyond the border.
-    pub across: Option<Beyond<'a, R>>,
     /// From here to the line that is updated next.
     pub next: isize,
-}
-
-/// The line of points two lines back, n + 2 of each, as the points behind in [`Times`].
-#[derive(Clone, Copy)]
-pub(super) struct Beyond<'a, R> {
-    pub times: &'a [R],
-    pub curvatures: &'a [R],
-    /// Lengths of the edges to them from the points behind: to the one before, this one, the one after.
-    pub edges: [&'a [R]; 3],
 }
 
 /// Arrival times along a line and behind it, and the triangles between them.
@@ -77,31 +66,6 @@ impl<R: Real> Line<'_, R> {
             prefetch(self.curvatures, place);
             prefetch(self.gaussian, place);
         }
-    }
-}
-
-impl<'a, R: Real> Beyond<'a, R> {
-    #[inline(always)]
-    pub(super) fn stretch(self, start: usize, points: usize) -> Self {
-        let cut = |array: &'a [R]| &array[start..][..points + 2];
-        let Self { times, curvatures, edges: [before, beside, after] } = self;
-        Self {
-            times: cut(times),
-            curvatures: cut(curvatures),
-            edges: [cut(before), cut(beside), cut(after)],
-        }
-    }
-
-    /// Those across the base from point i of the line behind to the next.
-    #[inline(always)]
-    pub(super) fn around(&self, i: usize) -> [Across<R>; 2] {
-        let [before, beside, after] = self.edges;
-        let point = |at: usize, sides: [R; 2]| Across {
-            time: self.times[at],
-            curvature: self.curvatures[at],
-            sides,
-        };
-        [point(i, [beside[i], before[i + 1]]), point(i + 1, [after[i], beside[i + 1]])]
     }
 }
 

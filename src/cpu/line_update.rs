@@ -2,16 +2,14 @@
 //!
 //! The loop has no branch, so that the compiler turns points into lanes; see [`Work`].
 
-use super::line::{Bent, Beyond, Line, Stretch};
+use super::line::{Bent, Line, Stretch};
 use super::settled::{is_settled, stays};
 use super::state::{accept, is_from};
 use super::tiles::{Scan, TILE};
 use super::{Instructions, bend_units};
 use crate::lanes::Work;
 use crate::surface::{Real, min};
-use crate::update::{
-    Front, Wavefront, are_two_arcs, curved, is_of_either, planar, point_source, two_arcs,
-};
+use crate::update::{Front, Wavefront, curved, planar, point_source};
 
 /// How points are updated: `renews` curved fronts that the scan has brought before, or not.
 #[derive(Clone, Copy, Debug)]
@@ -54,8 +52,8 @@ impl<R: Real> Work for Update<'_, R> {
         match how.wavefront {
             Wavefront::Planar => each_tile::<R, Straight<false>>(line, how, changed),
             Wavefront::PointSource => each_tile::<R, Straight<true>>(line, how, changed),
-            Wavefront::Curved => each_tile::<R, Curved<false>>(line, how, changed),
-            Wavefront::Arcs => each_tile::<R, Curved<true>>(line, how, changed),
+            Wavefront::Curved => each_tile::<R, Curved>(line, how, changed),
+            Wavefront::Anchored => unreachable!("see anchored_scan.rs"),
         }
     }
 }
@@ -210,10 +208,10 @@ impl<const CIRCULAR: bool> Kernel for Straight<CIRCULAR> {
     }
 }
 
-/// Fronts that carry their curvature, maybe as two arcs.
-struct Curved<const ARCS: bool>;
+/// Fronts that carry their curvature.
+struct Curved;
 
-impl<const ARCS: bool> Kernel for Curved<ARCS> {
+impl Kernel for Curved {
     #[inline(always)]
     fn update<R: Real>(
         line: &mut Line<R>,
@@ -228,7 +226,6 @@ impl<const ARCS: bool> Kernel for Curved<ARCS> {
             fronts_behind: &line.curvatures_behind[start..][..points + 2],
             gaussian_behind: &line.gaussian_behind[start..][..points + 2],
         };
-        let across = line.across.map(|across| across.stretch(start, points));
         let line = line.times.stretch(start, points);
         let mut renewed = false;
         for curvature in curvatures.iter() {
@@ -248,20 +245,16 @@ impl<const ARCS: bool> Kernel for Curved<ARCS> {
                 return None;
             }
         }
-        let mut first = if line.comes_from_left(points) {
-            first_fronts::<R, ARCS, true, false>(&line, &bent, curvatures, how)
+        let first = if line.comes_from_left(points) {
+            first_fronts::<R, true, false>(&line, &bent, curvatures, how)
         } else {
-            first_fronts::<R, ARCS, false, true>(&line, &bent, curvatures, how)
+            first_fronts::<R, false, true>(&line, &bent, curvatures, how)
         };
-        if ARCS && let Some(across) = across {
-            part_fronts(&line, &bent, across, &mut first, points);
-        }
         let [mut times, mut bents] = [[R::zero(); TILE]; 2];
         let mut any = false;
         for i in 0..points {
             let (time, curvature) = (line.times[i], curvatures[i]);
-            (times[i], bents[i]) =
-                accept(time, curvature, first.get(i), how.scan.0, how.renews, ARCS);
+            (times[i], bents[i]) = accept(time, curvature, first.get(i), how.scan.0, how.renews);
             let change = time.units_between(times[i]);
             any |= change.max(curvature.units_between(bents[i])) > R::Bits::default();
             changes.times[i] = change.max(changes.times[i]);
@@ -278,7 +271,7 @@ impl<const ARCS: bool> Kernel for Curved<ARCS> {
 /// The first fronts through the triangle that most points should be reached through, and through the
 /// other unless nothing comes first through it.
 #[inline(always)]
-fn first_fronts<R: Real, const ARCS: bool, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
+fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
     line: &Stretch<R>,
     bent: &Bent<R>,
     curvatures: &[R],
@@ -303,77 +296,10 @@ fn first_fronts<R: Real, const ARCS: bool, const FIRST_LEFT: bool, const SECOND_
         for i in 0..points {
             let bends = bent.around::<SECOND_LEFT>(i, line.is_alone(i));
             let other = curved(line.triangle::<SECOND_LEFT>(i), bends);
-            first.set(i, Front::first(first.get(i), other, ARCS));
+            first.set(i, Front::first(first.get(i), other));
         }
     }
     first
-}
-
-/// Replaces the first fronts of points with a base on which two arcs touch.
-#[inline(always)]
-fn part_fronts<R: Real>(
-    line: &Stretch<R>,
-    bent: &Bent<R>,
-    across: Beyond<R>,
-    first: &mut FrontsOf<R>,
-    points: usize,
-) {
-    let (t, k) = (line.behind, bent.fronts_behind);
-    // Both points of a stretch's bases are as wide as times for the sake of lanes.
-    let mut parts = [R::zero(); TILE + 1];
-    let mut any = false;
-    for i in 0..points + 1 {
-        let are_two = are_two_arcs([t[i], t[i + 1]], [k[i], k[i + 1]]);
-        parts[i] = if are_two { R::one() } else { R::zero() };
-        any |= are_two;
-    }
-    if !any {
-        return;
-    }
-    let (t_across, k_across) = (across.times, across.curvatures);
-    any = false;
-    for i in 0..points + 1 {
-        let ends = [[t[i], k[i]], [t[i + 1], k[i + 1]]];
-        let [a, b] = [[t_across[i], k_across[i]], [t_across[i + 1], k_across[i + 1]]];
-        let touches = is_of_either(ends, a) | is_of_either(ends, b);
-        parts[i] = if touches { parts[i] } else { R::zero() };
-        any |= parts[i] > R::zero();
-    }
-    if any {
-        part_each(line, bent, across, first, &parts[..points + 1]);
-    }
-}
-
-/// One after another, since few points have such a base.
-#[inline(never)]
-fn part_each<R: Real>(
-    line: &Stretch<R>,
-    bent: &Bent<R>,
-    across: Beyond<R>,
-    first: &mut FrontsOf<R>,
-    parts: &[R],
-) {
-    for (i, bases) in parts.windows(2).enumerate() {
-        let [left, right] = [bases[0] > R::zero(), bases[1] > R::zero()];
-        if !(left | right) {
-            continue;
-        }
-        let of_left = (line.left(i), bent.around::<true>(i, false));
-        let of_right = (line.right(i), bent.around::<false>(i, false));
-        // The point behind the neighbour beside this one comes first.
-        let through_left = || {
-            let [a, b] = across.around(i);
-            two_arcs(of_left.0, of_left.1, [b, a])
-        };
-        let through_right = || two_arcs(of_right.0, of_right.1, across.around(i + 1));
-        let part_left = left.then(through_left).flatten();
-        let part_right = right.then(through_right).flatten();
-        if part_left.is_some() || part_right.is_some() {
-            let [left, right] = [(part_left, of_left), (part_right, of_right)]
-                .map(|(part, (triangle, bends))| part.unwrap_or_else(|| curved(triangle, bends)));
-            first.set(i, Front::first(left, right, true));
-        }
-    }
 }
 
 /// A front for each point of part of a line.

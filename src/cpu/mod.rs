@@ -9,8 +9,8 @@
 //! visits only tiles beside which something has changed since it passed (`tiles.rs`), if anything
 //! follows from that (`due.rs`).
 
-mod across;
 mod anchored;
+mod anchored_scan;
 mod ceilings;
 mod connections;
 mod due;
@@ -34,7 +34,6 @@ mod turned;
 mod twins;
 
 pub use crate::lanes::Instructions;
-pub(crate) use anchored::{floor_plan, march_by_anchors};
 pub use ceilings::Ceilings;
 pub use connections::Connections;
 pub use fast_marching::{fast_marching, fast_marching_with};

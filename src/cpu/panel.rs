@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use super::Instructions;
+use super::anchored_scan::{self, Plan};
 use super::field::Field;
 use super::tiles::{Scan, TILE};
 use super::transpose::{Block, transpose};
@@ -11,8 +12,7 @@ use super::turned::{Lines, Turned};
 use crate::surface::{Chart, EdgeLengths, Real};
 use crate::update::Wavefront;
 
-/// Up to [`TILE`] columns of bordered arrays and one or, for arcs, two columns behind them,
-/// turned by a transposition into lines.
+/// Up to [`TILE`] columns of bordered arrays and the one behind them, turned by a transposition into lines.
 #[derive(Clone, Debug)]
 pub(super) struct Panel<R> {
     stride: usize,
@@ -23,8 +23,6 @@ pub(super) struct Panel<R> {
     /// The first column, counted from the border, and the number of lines.
     first: usize,
     lines: usize,
-    /// Whether the second line behind is needed too.
-    arcs: bool,
 }
 
 /// The arrays of the grid that a panel is loaded from.
@@ -38,21 +36,20 @@ pub(super) struct Grid<'a, R> {
 
 impl<R: Real> Panel<R> {
     pub(super) fn new(chart: Chart, wavefront: Wavefront) -> Self {
-        let (curved, arcs) = (wavefront.is_curved(), wavefront == Wavefront::Arcs);
         let stride = chart.rows + 2;
-        let lines = if arcs { TILE + 2 } else { TILE + 1 };
         // One more, to which edges of the last point reach.
-        let array = || vec![R::FAR; lines * stride + 1];
-        let if_curved = || if curved { array() } else { Vec::new() };
+        let array = || vec![R::FAR; (TILE + 1) * stride + 1];
+        let anchored = wavefront == Wavefront::Anchored;
+        let if_curved = || if wavefront.has_two_layers() { array() } else { Vec::new() };
         Self {
             stride,
             times: array(),
             curvatures: if_curved(),
             gaussian: if_curved(),
-            edges: [(); 4].map(|_| array()),
+            // Anchors need none.
+            edges: [(); 4].map(|_| if anchored { Vec::new() } else { array() }),
             first: 0,
             lines: 0,
-            arcs,
         }
     }
 
@@ -79,14 +76,9 @@ impl<R: Real> Panel<R> {
         instructions: Instructions,
     ) {
         let (chart, curved) = (grid.edges.chart(), !curvatures.is_empty());
-        // Counted from the border, column c is 1 + c, and those behind lie before or after.
-        let behind = |inside: usize| if self.arcs && inside > 1 { 2 } else { 1 };
-        if scan.is_forward() {
-            let behind = behind(cols.start);
-            (self.first, self.lines) = (cols.start + 1 - behind, cols.len() + behind);
-        } else {
-            (self.first, self.lines) = (cols.start + 1, cols.len() + behind(chart.cols - cols.end));
-        }
+        // Counted from the border, column c is 1 + c, and the one behind lies before or after.
+        self.first = if scan.is_forward() { cols.start } else { cols.start + 1 };
+        self.lines = cols.len() + 1;
         let lines = Lines {
             from_stride: chart.stride(),
             to_stride: self.stride,
@@ -100,12 +92,15 @@ impl<R: Real> Panel<R> {
             lines.turn(curvatures, &mut self.curvatures, 0, around.clone(), [0, 0]);
             lines.turn(grid.gaussian, &mut self.gaussian, 0, around, [0, 0]);
         }
+        if self.edges[0].is_empty() {
+            return;
+        }
         let [next, back @ ..] = &mut self.edges;
         let [_, north, ..] = grid.edges.planes();
         lines.turn(north, next, 0, rows.start..rows.end + 1, [1, 0]);
         if grid.turned.is_none() {
             let back = back.each_mut().map(Vec::as_mut_slice);
-            lines.turn_edges_back(grid.edges, back, 1, rows, self.arcs);
+            lines.turn_edges_back(grid.edges, back, 1, rows);
         }
     }
 
@@ -122,7 +117,27 @@ impl<R: Real> Panel<R> {
             curvatures: &mut self.curvatures,
             gaussian: &self.gaussian,
             edges: [next, up, up_next, up_previous],
-            lines: 0..self.lines,
+        }
+    }
+
+    /// The columns as lines of a floor plan, with some of their rows.
+    pub(super) fn lines<'a>(
+        &'a mut self,
+        plan: &'a Plan<'a, R>,
+        chart: Chart,
+        rows: Range<usize>,
+        beyond: [&'a [R]; 2],
+    ) -> anchored_scan::Lines<'a, R> {
+        let held = ..self.lines * self.stride;
+        anchored_scan::Lines {
+            plan,
+            chart,
+            times: &mut self.times[held],
+            anchors: &mut self.curvatures[held],
+            parts: &self.gaussian[held],
+            stride: self.stride,
+            first: self.first,
+            beyond: Some((rows.start + 1..rows.end + 1, beyond)),
         }
     }
 

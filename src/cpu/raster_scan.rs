@@ -1,7 +1,6 @@
 //! Algorithm 3: four directed raster scans, row by row.
 
-use super::across::Quad;
-use super::state::{Fronts, Solution};
+use super::state::{Behind, Fronts, Solution};
 use super::{Progress, Stop};
 use crate::surface::{Direction, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
@@ -22,7 +21,7 @@ pub fn raster_scan<R: Real>(
         [West, SouthWest, South],
         [South, SouthEast, East],
     ]
-    .map(|[a, b, c]| [Quad::new(chart, a, b), Quad::new(chart, b, c)]);
+    .map(|behind| Behind::new(chart, behind));
     let [right_down, left_down, right_up, left_up] = [1, 2, 3, 4];
 
     let mut fronts = Fronts::start(edges, seeds, wavefront);

@@ -4,17 +4,18 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::anchored_scan::{Lines, Plan};
 use super::due::Before;
 use super::field::Field;
 use super::line_update::{How, Updated};
 use super::panel::{Grid, Panel};
-use super::state::{SEED, Solution, accept, first, is_from};
+use super::state::{SEED, Solution, accept, accept_anchored, first, first_anchored, is_from};
 use super::tiles::{Scan, TILE, Tiles, points};
 use super::turned::Turned;
 use super::{Instructions, Progress, Stop};
 use crate::lanes::Work;
 use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
-use crate::update::{Front, Wavefront};
+use crate::update::{Floor, Front, Wavefront};
 
 /// Solves by the scans rotated by 45 degrees (figure 3, second row): down and up, then right and
 /// left. All points of a row or column are updated at once, in lanes; see [`RotatedScan`].
@@ -42,6 +43,8 @@ pub struct RotatedScan<'a, R> {
     edges: &'a EdgeLengths<R>,
     /// Of the surface; empty unless the wavefront is curved.
     gaussian: &'a [R],
+    /// If fronts have anchors.
+    plan: Option<Plan<'a, R>>,
     wavefront: Wavefront,
     instructions: Instructions,
     tiles: Tiles,
@@ -72,7 +75,8 @@ pub struct Convergence {
 #[derive(Clone, Debug)]
 struct Fronts<R> {
     times: Vec<R>,
-    /// Tagged with the scan that has brought them; empty unless the wavefront is curved.
+    /// Tagged with the scan that has brought them, or in their place numbers of anchors; empty if the front
+    /// has neither.
     curvatures: Vec<R>,
     /// The tiles that the scan has changed.
     changed: Vec<bool>,
@@ -88,14 +92,14 @@ struct Fronts<R> {
 impl<'a, R: Real> RotatedScan<'a, R> {
     /// Makes room for the maps of a surface, on the best instructions there are.
     pub fn new(edges: &'a EdgeLengths<R>, wavefront: Wavefront) -> Self {
-        let chart = edges.chart();
-        let curved = wavefront.is_curved();
+        let (chart, wavefront) = (edges.chart(), wavefront.over(edges));
+        let (curved, two_layers) = (wavefront.is_curved(), wavefront.has_two_layers());
         let points = chart.bordered_points();
         let tiles = Tiles::new(chart);
         let longest_band = tiles.in_band(Scan::DOWN).max(tiles.in_band(Scan::RIGHT));
         let fronts = || Fronts {
             times: vec![R::FAR; points],
-            curvatures: vec![R::zero(); if curved { points } else { 0 }],
+            curvatures: vec![R::zero(); if two_layers { points } else { 0 }],
             changed: vec![false; tiles.len()],
             panel: Panel::new(chart, wavefront),
             runs: Vec::with_capacity(longest_band),
@@ -106,11 +110,14 @@ impl<'a, R: Real> RotatedScan<'a, R> {
         Self {
             edges,
             gaussian: if curved { edges.gaussian_curvature() } else { &[] },
+            plan: (wavefront == Wavefront::Anchored)
+                .then(|| Floor::of(edges).map(|floor| Plan::new(edges, floor)))
+                .flatten(),
             wavefront,
             instructions: Instructions::best(),
             fronts: [fronts(), fronts()],
             tiles,
-            turned: (!curved && chart.points() >= TURNED_FROM).then(|| Turned::new(chart)),
+            turned: (!two_layers && chart.points() >= TURNED_FROM).then(|| Turned::new(chart)),
             solved: false,
             looked: 0,
         }
@@ -230,6 +237,9 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     /// No point reached.
     fn forget(&mut self) {
         self.looked = 0;
+        if let Some(plan) = &mut self.plan {
+            plan.floor.forget();
+        }
         self.fronts.par_iter_mut().for_each(|fronts| {
             (fronts.visits, fronts.updates) = (0, 0);
             fronts.times.fill(R::FAR);
@@ -243,15 +253,22 @@ impl<'a, R: Real> RotatedScan<'a, R> {
         let chart = self.edges.chart();
         for seed in seeds {
             let point = chart.bordered(seed.row, seed.col);
-            let curvature = R::of(seed.curvature);
+            let curvature = match &mut self.plan {
+                Some(plan) => plan.floor.seed(seed),
+                None => R::of(seed.curvature),
+            };
+            let anchored = self.plan.is_some();
             let front = Front { time: R::of(seed.time), curvature, whole: true };
             let mut changed = false;
             for Fronts { times, curvatures, .. } in &mut self.fronts {
                 let time = &mut times[point];
                 changed |= front.time < *time;
                 match curvatures.get_mut(point) {
+                    Some(anchor) if anchored => {
+                        [*time, *anchor] = accept_anchored([*time, *anchor], front, SEED, false)
+                    }
                     Some(curvature) => {
-                        (*time, *curvature) = accept(*time, *curvature, front, SEED, false, false)
+                        (*time, *curvature) = accept(*time, *curvature, front, SEED, false)
                     }
                     None => *time = time.min(front.time),
                 }
@@ -265,7 +282,11 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     /// Runs two opposite scans; returns the largest change.
     fn scan(&mut self, scans: [Scan; 2], renews: bool) -> R::Bits {
         let turned = self.turned.as_ref().and_then(Turned::filled);
-        let grid = Grid { edges: self.edges, turned, gaussian: self.gaussian };
+        let (gaussian, plan) = match &self.plan {
+            Some(plan) => (plan.parts.as_slice(), Some(plan)),
+            None => (self.gaussian, None),
+        };
+        let grid = Grid { edges: self.edges, turned, gaussian };
         let (wavefront, instructions) = (self.wavefront, self.instructions);
         let how = |scan| How { wavefront, scan, renews, instructions };
         let Fronts { times, curvatures, .. } = &self.fronts[0];
@@ -273,11 +294,10 @@ impl<'a, R: Real> RotatedScan<'a, R> {
         self.looked += before.find_due(&mut self.tiles, scans.map(how));
         let (tiles, [first, second]) = (&self.tiles, &mut self.fronts);
         let (a, b) = rayon::join(
-            || first.scan(grid, tiles, how(scans[0])),
-            || second.scan(grid, tiles, how(scans[1])),
+            || first.scan(grid, plan, tiles, how(scans[0])),
+            || second.scan(grid, plan, tiles, how(scans[1])),
         );
-        let arcs = self.wavefront == Wavefront::Arcs;
-        merge(grid.edges.chart(), tiles, [first, second], scans, instructions, arcs);
+        merge(grid.edges.chart(), tiles, [first, second], scans, instructions, plan.is_some());
         self.tiles.passed(scans, [&self.fronts[0].changed, &self.fronts[1].changed]);
         self.fronts.iter_mut().for_each(|fronts| fronts.changed.fill(false));
         a.max(b)
@@ -285,16 +305,16 @@ impl<'a, R: Real> RotatedScan<'a, R> {
 }
 
 impl<R: Real> Fronts<R> {
-    fn scan(&mut self, grid: Grid<R>, tiles: &Tiles, how: How) -> R::Bits {
+    fn scan(&mut self, grid: Grid<R>, plan: Option<&Plan<R>>, tiles: &Tiles, how: How) -> R::Bits {
         let mut updated = Updated::<R::Bits>::default();
         let mut runs = std::mem::take(&mut self.runs);
         for band in tiles.bands(how.scan) {
             tiles.runs(how.scan, band, &self.changed, &mut runs);
             for run in &runs {
                 updated = updated.and(if how.scan.by_rows() {
-                    self.scan_rows(grid, tiles, how, band, run)
+                    self.scan_rows(grid, plan, tiles, how, band, run)
                 } else {
-                    self.scan_cols(grid, tiles, how, band, run)
+                    self.scan_cols(grid, plan, tiles, how, band, run)
                 });
             }
         }
@@ -307,24 +327,39 @@ impl<R: Real> Fronts<R> {
     fn scan_rows(
         &mut self,
         grid: Grid<R>,
+        plan: Option<&Plan<R>>,
         tiles: &Tiles,
         how: How,
         band: usize,
         run: &Range<usize>,
     ) -> Updated<R::Bits> {
         let chart = grid.edges.chart();
+        let first = tiles.index(how.scan, band, run.start);
+        let changed = &mut self.changed[first..first + run.len()];
+        let (rows, cols) = (points(band..band + 1, chart.rows), points(run.clone(), chart.cols));
+        self.visits += (rows.len() * cols.len()) as u64;
+        if let Some(plan) = plan {
+            let mut lines = Lines {
+                plan,
+                chart,
+                times: &mut self.times,
+                anchors: &mut self.curvatures,
+                parts: &plan.parts,
+                stride: chart.stride(),
+                first: 0,
+                beyond: None,
+            };
+            return in_order(rows, how.scan, |row| {
+                lines.update(row + 1, cols.clone(), how, changed)
+            });
+        }
         let mut field = Field {
             stride: chart.stride(),
             times: &mut self.times,
             curvatures: &mut self.curvatures,
             gaussian: grid.gaussian,
             edges: grid.edges.planes(),
-            lines: 1..chart.rows + 1,
         };
-        let first = tiles.index(how.scan, band, run.start);
-        let changed = &mut self.changed[first..first + run.len()];
-        let (rows, cols) = (points(band..band + 1, chart.rows), points(run.clone(), chart.cols));
-        self.visits += (rows.len() * cols.len()) as u64;
         in_order(rows, how.scan, |row| field.update(row + 1, cols.clone(), how, changed))
     }
 
@@ -332,6 +367,7 @@ impl<R: Real> Fronts<R> {
     fn scan_cols(
         &mut self,
         grid: Grid<R>,
+        plan: Option<&Plan<R>>,
         tiles: &Tiles,
         how: How,
         band: usize,
@@ -346,11 +382,18 @@ impl<R: Real> Fronts<R> {
         let first = panel.line(cols.start + 1);
         self.marks.clear();
         self.marks.resize(run.len(), false);
-        let mut field = panel.field(grid);
         let line = |col: usize| col - cols.start + first;
-        let updated = in_order(cols.clone(), how.scan, |col| {
-            field.update(line(col), rows.clone(), how, &mut self.marks)
-        });
+        let updated = if let Some(plan) = plan {
+            let mut lines = panel.lines(plan, chart, rows.clone(), arrays);
+            in_order(cols.clone(), how.scan, |col| {
+                lines.update(line(col), rows.clone(), how, &mut self.marks)
+            })
+        } else {
+            let mut field = panel.field(grid);
+            in_order(cols.clone(), how.scan, |col| {
+                field.update(line(col), rows.clone(), how, &mut self.marks)
+            })
+        };
         for (place, _) in run.clone().zip(&self.marks).filter(|(_, marked)| **marked) {
             self.changed[tiles.index(how.scan, band, place)] = true;
             let arrays = [self.times.as_mut_slice(), self.curvatures.as_mut_slice()];
@@ -382,7 +425,7 @@ fn merge<R: Real>(
     fronts: [&mut Fronts<R>; 2],
     scans: [Scan; 2],
     instructions: Instructions,
-    arcs: bool,
+    anchored: bool,
 ) {
     let [a, b] = fronts;
     let changed = [a.changed.as_slice(), b.changed.as_slice()];
@@ -408,7 +451,7 @@ fn merge<R: Real>(
                 let b = [&mut b[points.clone()], &mut b_bent[points]];
                 // What one scan has left alone is as it was before, and the other's is what has come.
                 match changed {
-                    [true, true] => instructions.run(MergeCurved { a, b, scans, arcs }),
+                    [true, true] => instructions.run(MergeCurved { a, b, scans, anchored }),
                     [true, false] => std::iter::zip(b, a).for_each(|(b, a)| b.copy_from_slice(a)),
                     _ => std::iter::zip(a, b).for_each(|(a, b)| a.copy_from_slice(b)),
                 }
@@ -475,7 +518,7 @@ struct MergeCurved<'a, R> {
     a: [&'a mut [R]; 2],
     b: [&'a mut [R]; 2],
     scans: [Scan; 2],
-    arcs: bool,
+    anchored: bool,
 }
 
 impl<R: Real> Work for MergeCurved<'_, R> {
@@ -483,12 +526,16 @@ impl<R: Real> Work for MergeCurved<'_, R> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { a: [a_times, a_curvatures], b: [b_times, b_curvatures], scans, arcs } = self;
+        let Self { a: [a_times, a_curvatures], b: [b_times, b_curvatures], scans, anchored } = self;
         let of_a = a_times.iter_mut().zip(a_curvatures);
         for ((a, a_bent), (b, b_bent)) in of_a.zip(b_times.iter_mut().zip(b_curvatures)) {
             let a_is_old = is_from(*a_bent, scans[1].0);
             let b_is_old = is_from(*b_bent, scans[0].0);
-            let [time, bent] = first([*a, *a_bent], [*b, *b_bent], arcs);
+            let [time, bent] = if anchored {
+                first_anchored([*a, *a_bent], [*b, *b_bent])
+            } else {
+                first([*a, *a_bent], [*b, *b_bent])
+            };
             let (time, bent) =
                 (if b_is_old { *a } else { time }, if b_is_old { *a_bent } else { bent });
             let (time, bent) =

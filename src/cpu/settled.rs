@@ -47,7 +47,9 @@ pub(crate) fn is_settled<R: Real>(
     match wavefront {
         Wavefront::Planar => from_planar(triangle, now),
         Wavefront::PointSource => from_point_source(triangle, now),
-        Wavefront::Curved | Wavefront::Arcs => from_curved(triangle, curvatures, now),
+        Wavefront::Curved => from_curved(triangle, curvatures, now),
+        // See due.rs.
+        Wavefront::Anchored => false,
     }
 }
 

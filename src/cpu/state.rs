@@ -1,12 +1,11 @@
 //! Arrival times in a bordered array, and the update of one point in it.
 
-use super::across::Quad;
 use super::bend_units;
-use crate::constants::WHOLE;
+use crate::constants::{ANCHOR_COUNTS, WHOLE};
 use crate::surface::EdgeSlot;
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed, TAG, min};
 use crate::update::{
-    Bends, Front, Triangle, Wavefront, are_two_arcs, curved, planar, point_source, two_arcs,
+    Bends, Floor, Front, Triangle, Wavefront, curved, is_shorter, planar, point_source,
 };
 
 /// A distance map as a CPU solver leaves it.
@@ -50,34 +49,37 @@ pub(super) struct Fronts<'a, R> {
     edges: &'a EdgeLengths<R>,
     wavefront: Wavefront,
     times: Vec<R>,
-    /// Of the fronts, tagged with the scan that has brought them, and of the surface; both empty
-    /// unless the wavefront is curved.
+    /// Of the fronts, tagged with the scan that has brought them, or in their place the numbers of their
+    /// anchors; empty if the front has neither.
     curvatures: Vec<R>,
+    /// Of the surface; empty unless the wavefront is curved.
     gaussian: &'a [R],
+    /// If fronts have anchors.
+    floor: Option<Floor<'a, R>>,
 }
 
 impl<'a, R: Real> Fronts<'a, R> {
     /// No point reached but the seeds.
     pub(super) fn start(edges: &'a EdgeLengths<R>, seeds: &[Seed], wavefront: Wavefront) -> Self {
         let points = edges.chart().bordered_points();
-        let curved = wavefront.is_curved();
+        let wavefront = wavefront.over(edges);
         let mut fronts = Self {
             edges,
             wavefront,
             times: vec![R::FAR; points],
-            curvatures: vec![R::zero(); if curved { points } else { 0 }],
-            gaussian: if curved { edges.gaussian_curvature() } else { &[] },
+            curvatures: vec![R::zero(); if wavefront.has_two_layers() { points } else { 0 }],
+            gaussian: if wavefront.is_curved() { edges.gaussian_curvature() } else { &[] },
+            floor: (wavefront == Wavefront::Anchored).then(|| Floor::of(edges)).flatten(),
         };
         for seed in seeds {
-            let curvature = R::of(seed.curvature);
+            let curvature = match &mut fronts.floor {
+                Some(floor) => floor.seed(seed),
+                None => R::of(seed.curvature),
+            };
             let front = Front { time: R::of(seed.time), curvature, whole: true };
             fronts.lower(edges.chart().bordered(seed.row, seed.col), front);
         }
         fronts
-    }
-
-    fn has_arcs(&self) -> bool {
-        self.wavefront == Wavefront::Arcs
     }
 
     /// Arrival time at a point.
@@ -100,7 +102,8 @@ impl<'a, R: Real> Fronts<'a, R> {
         match self.wavefront {
             Wavefront::Planar => straight(planar(triangle)),
             Wavefront::PointSource => straight(point_source(triangle)),
-            Wavefront::Curved | Wavefront::Arcs => curved(triangle, self.bends(point, x, alone)),
+            Wavefront::Curved => curved(triangle, self.bends(point, x, alone)),
+            Wavefront::Anchored => unreachable!("anchors are no front of a triangle alone"),
         }
     }
 
@@ -116,10 +119,30 @@ impl<'a, R: Real> Fronts<'a, R> {
 
     /// The first of the fronts that reach a point through the two triangles of a scan.
     #[inline]
-    pub(super) fn through(&self, point: usize, triangles: &[Quad; 2]) -> Front<R> {
-        let [a, b] =
-            triangles.each_ref().map(|quad| self.through_quad(point, quad, |x| self.times[x]));
-        Front::first(a, b, self.has_arcs())
+    pub(super) fn through(&self, point: usize, behind: &Behind) -> Front<R> {
+        self.through_seen(point, behind, |x| self.at(x))
+    }
+
+    /// The same, with the fronts at anchors seen through `front`.
+    #[inline]
+    pub(super) fn through_seen(
+        &self,
+        point: usize,
+        behind: &Behind,
+        front: impl Fn(usize) -> [R; 2],
+    ) -> Front<R> {
+        if let Some(floor) = &self.floor {
+            let way = floor.reach(point, behind.middle as usize, front);
+            return Front { time: way.time, curvature: R::of_number(way.anchor), whole: false };
+        }
+        let [a, b] = behind.triangles.each_ref().map(|slots| self.through_one(point, slots));
+        Front::first(a, b)
+    }
+
+    /// The front that reaches a point through one triangle.
+    #[inline]
+    fn through_one(&self, point: usize, slots: &TriangleSlots) -> Front<R> {
+        self.through_known(point, slots, |x| self.times[x])
     }
 
     /// The front that reaches a point through one triangle, with arrival times seen through `time`.
@@ -131,29 +154,7 @@ impl<'a, R: Real> Fronts<'a, R> {
         time: impl Fn(usize) -> R,
     ) -> Front<R> {
         let (x, triangle) = self.triangle(point, slots, time);
-        self.arrival(point, x, triangle, false)
-    }
-
-    /// The front that reaches a point through one triangle, with arrival times seen through `time`;
-    /// where two arcs of a curved front touch on its base, each is continued by itself.
-    #[inline]
-    pub(super) fn through_quad(
-        &self,
-        point: usize,
-        quad: &Quad,
-        time: impl Fn(usize) -> R,
-    ) -> Front<R> {
-        let (x, triangle) = self.triangle(point, &quad.triangle, &time);
-        let alone = [triangle.l1, triangle.l2][quad.axis] >= R::FAR;
-        if self.has_arcs() {
-            let fronts = x.map(|corner| self.curvatures[corner]);
-            if are_two_arcs([triangle.t1, triangle.t2], fronts) {
-                let across = quad.across(self.edges, point, |y| [time(y), self.curvatures[y]]);
-                if let Some(front) = two_arcs(triangle, self.bends(point, x, alone), across) {
-                    return front;
-                }
-            }
-        }
+        let alone = [triangle.l1, triangle.l2][slots.axis] >= R::FAR;
         self.arrival(point, x, triangle, alone)
     }
 
@@ -198,21 +199,31 @@ impl<'a, R: Real> Fronts<'a, R> {
         scan: u8,
         renews: bool,
     ) -> R::Bits {
-        let (before, arcs) = (self.times[point], self.has_arcs());
+        let before = self.times[point];
         let Some(curvature) = self.curvatures.get_mut(point) else {
             let time = if front.time < before { front.time } else { before };
             self.times[point] = time;
             return before.units_between(time);
         };
         let bent_before = *curvature;
-        (self.times[point], *curvature) = accept(before, bent_before, front, scan, renews, arcs);
+        if self.floor.is_some() {
+            let anchored = [before, bent_before];
+            let [time, anchor] = accept_anchored(anchored, front, scan, renews);
+            (self.times[point], *curvature) = (time, anchor);
+            return change_of_anchored(anchored, [time, anchor]);
+        }
+        (self.times[point], *curvature) = accept(before, bent_before, front, scan, renews);
         change([before, bent_before], [self.times[point], *curvature])
     }
 
     /// How much the front at a point has changed since, as from [`Self::accept`].
     pub(super) fn change_from(&self, before: &Self, point: usize) -> R::Bits {
         let [old, new] = [before, self].map(|fronts| fronts.at(point));
-        change(old, new)
+        self.change(old, new)
+    }
+
+    fn change(&self, old: [R; 2], new: [R; 2]) -> R::Bits {
+        if self.floor.is_some() { change_of_anchored(old, new) } else { change(old, new) }
     }
 
     /// Arrival time and tagged curvature at a point; zero unless the wavefront is curved.
@@ -236,7 +247,10 @@ impl<'a, R: Real> Fronts<'a, R> {
     /// from 1 in their order; returns the change. A front that the copy's own scan has not brought
     /// stands for nothing but the one that is here.
     pub(super) fn take_first(&mut self, copies: &[Self; 4], point: usize) -> R::Bits {
-        let (before, arcs) = (self.at(point), self.has_arcs());
+        let (before, first) = match self.floor {
+            Some(_) => (self.at(point), first_anchored as fn([R; 2], [R; 2]) -> [R; 2]),
+            None => (self.at(point), first as fn([R; 2], [R; 2]) -> [R; 2]),
+        };
         let mut taken: Option<[R; 2]> = None;
         for (copy, scan) in copies.iter().zip(1..) {
             let other = copy.at(point);
@@ -244,11 +258,11 @@ impl<'a, R: Real> Fronts<'a, R> {
             if other[0] >= R::FAR || (!straight && !is_from(other[1], scan)) {
                 continue;
             }
-            taken = Some(taken.map_or(other, |taken| first(taken, other, arcs)));
+            taken = Some(taken.map_or(other, |taken| first(taken, other)));
         }
         let after = taken.unwrap_or(before);
         self.set(point, after);
-        change(before, after)
+        self.change(before, after)
     }
 
     pub(super) fn finish(self, iterations: u32, residual: f64) -> Solution<R> {
@@ -272,7 +286,7 @@ fn change<R: Real>(before: [R; 2], after: [R; 2]) -> R::Bits {
 /// nothing that was computed from a preliminary curvature stays. What differs by rounding alone is no
 /// change ([`Front::is_same_as`]): the last digits of a front far away would else be passed on from
 /// point to point and visited anew. Else the one that is here stays, so that scans that arrive together
-/// do not take turns; where arcs touch, with the earlier time.
+/// do not take turns.
 #[inline(always)]
 pub(super) fn accept<R: Real>(
     time: R,
@@ -280,18 +294,49 @@ pub(super) fn accept<R: Real>(
     front: Front<R>,
     scan: u8,
     renews: bool,
-    arcs: bool,
 ) -> (R, R) {
     let before = self::front(time, curvature);
     let front = Front { curvature: tagged(front, scan), ..front };
     let was_reached = time < R::FAR;
-    let together = was_reached & front.arrives_with(before, arcs);
+    let together = was_reached & front.arrives_with(before);
     let first = if together { front.replaces(before) } else { front.time < time };
     let is_new = !(together & front.is_same_as(before));
     let accepted = first | (was_reached & renews & is_from(curvature, scan) & is_new);
     let arrival = if together { min(time, front.time) } else { front.time };
-    let comes = accepted | (together & arcs);
-    (if comes { arrival } else { time }, if accepted { front.curvature } else { curvature })
+    (if accepted { arrival } else { time }, if accepted { front.curvature } else { curvature })
+}
+
+/// [`accept`] of a front with the number of its anchor: what comes shorter than what is here, by more than
+/// rounding; and if the scan `renews`, what it brings in place of what it has brought before.
+#[inline(always)]
+pub(super) fn accept_anchored<R: Real>(
+    [time, anchor]: [R; 2],
+    front: Front<R>,
+    scan: u8,
+    renews: bool,
+) -> [R; 2] {
+    let is_same = !is_shorter(front.time, time)
+        & !is_shorter(time, front.time)
+        & anchor.is_numbered_as(front.curvature);
+    let again = (time < R::FAR) & renews & is_from(anchor, scan) & !is_same;
+    let accepted = is_shorter(front.time, time) | again;
+    let brought = front.curvature.with_tag(scan);
+    [if accepted { front.time } else { time }, if accepted { brought } else { anchor }]
+}
+
+/// [`change`] of a front with the number of its anchor: another one is news for the points beside it, if
+/// none for the map.
+#[inline(always)]
+pub(super) fn change_of_anchored<R: Real>(before: [R; 2], after: [R; 2]) -> R::Bits {
+    let turns = !before[1].is_numbered_as(after[1]);
+    let turn = if turns { R::of(ANCHOR_COUNTS).in_units() } else { R::Bits::default() };
+    before[0].units_between(after[0]).max(turn)
+}
+
+/// [`first`] of fronts with numbers of their anchors: the second if it is shorter by more than rounding.
+#[inline(always)]
+pub(super) fn first_anchored<R: Real>(a: [R; 2], b: [R; 2]) -> [R; 2] {
+    if is_shorter(b[0], a[0]) { b } else { a }
 }
 
 /// A front's curvature, tagged with the scan that brings it and whether its triangle is whole.
@@ -305,10 +350,10 @@ fn tagged<R: Real>(front: Front<R>, scan: u8) -> R {
 /// The first of two fronts, given as arrival times and tagged curvatures; of those that arrive together
 /// as [`Front::first`].
 #[inline(always)]
-pub(super) fn first<R: Real>(a: [R; 2], b: [R; 2], arcs: bool) -> [R; 2] {
+pub(super) fn first<R: Real>(a: [R; 2], b: [R; 2]) -> [R; 2] {
     let ([of_a, of_b], time) = ([a, b].map(|[time, k]| front(time, k)), min(a[0], b[0]));
     let second =
-        if of_a.arrives_with(of_b, arcs) { of_b.knows_better(of_a) } else { of_b.time < of_a.time };
+        if of_a.arrives_with(of_b) { of_b.knows_better(of_a) } else { of_b.time < of_a.time };
     [time, if second { b[1] } else { a[1] }]
 }
 
@@ -324,9 +369,26 @@ pub(super) fn is_from<R: Real>(curvature: R, scan: u8) -> bool {
     curvature.tag_has(TAG & !(WHOLE as u8), scan)
 }
 
+/// The two triangles of a scan: with three neighbours that follow one another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Behind {
+    triangles: [TriangleSlots; 2],
+    /// The second of the neighbours.
+    middle: Direction,
+}
+
+impl Behind {
+    pub(super) fn new(chart: Chart, [a, b, c]: [Direction; 3]) -> Self {
+        let triangles = [TriangleSlots::new(chart, a, b), TriangleSlots::new(chart, b, c)];
+        Self { triangles, middle: b }
+    }
+}
+
 /// Where a triangle's two other corners and its edges lie, seen from its point x0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleSlots {
+    /// Which of x1 and x2 is the neighbour along an axis of the grid; the other is one across a diagonal.
+    axis: usize,
     x1: isize,
     x2: isize,
     l1: EdgeSlot,
@@ -343,6 +405,7 @@ impl TriangleSlots {
             .find(|direction| direction.step() == (to.0 - from.0, to.1 - from.1))
             .expect("the directions of a triangle follow one another");
         Self {
+            axis: usize::from(from.0 * from.1 != 0),
             x1: chart.offset(first),
             x2: chart.offset(second),
             l1: EdgeSlot::new(chart, 0, first),
@@ -368,7 +431,7 @@ mod tests {
         let whole = true;
         let old = tagged(Front { time: R::of(1.5), curvature: R::of(0.3), whole }, 2);
         let front = Front { time: R::of(time), curvature: R::of(curvature), whole };
-        accept(R::of(1.5), old, front, scan, renews, false).into()
+        accept(R::of(1.5), old, front, scan, renews).into()
     }
 
     fn assert_renews_but_for_rounding<R: Real>() {

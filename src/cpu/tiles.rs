@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::surface::Chart;
+use crate::surface::{Chart, Direction};
 
 /// Points on a side of a tile. A front moves one point a line, so within a band of as many lines
 /// it leaves a tile for the next at most.
@@ -29,6 +29,16 @@ impl Scan {
     /// Whether lines are passed in the order of their index.
     pub(super) fn is_forward(self) -> bool {
         self.0 % 2 == 1
+    }
+
+    /// From a point to that beside it on the line behind.
+    pub(super) fn back(self) -> Direction {
+        match self {
+            Self::DOWN => Direction::North,
+            Self::UP => Direction::South,
+            Self::RIGHT => Direction::West,
+            _ => Direction::East,
+        }
     }
 
     /// Its flag.

@@ -48,7 +48,7 @@ impl<R: Real> Turned<R> {
                 // Nothing lies before the border.
                 let skip = if band == 0 { 1 } else { 0 };
                 let to = [up, up_next, up_previous];
-                lines.turn_edges_back(edges, to, skip, 0..chart.rows, false);
+                lines.turn_edges_back(edges, to, skip, 0..chart.rows);
             },
         );
     }
@@ -102,21 +102,19 @@ impl Lines {
         transpose(from, to, block, self.instructions);
     }
 
-    /// Turns the edges back of some rows, and for arcs of the points beside them.
+    /// Turns the edges back of some rows.
     pub(super) fn turn_edges_back<R: Real>(
         self,
         edges: &EdgeLengths<R>,
         [up, up_next, up_previous]: [&mut [R]; 3],
         skip: usize,
         rows: Range<usize>,
-        beside: bool,
     ) {
         // A transposition makes north of east, north of west's east, and north-east of
         // south-west, which is stored as the north-east of another point; north-west stays.
         let [east, _, north_east, north_west] = edges.planes();
         let Range { start, end } = rows;
-        let points = if beside { start..end + 2 } else { start + 1..end + 1 };
-        self.turn(east, up, skip, points, [0, 1]);
+        self.turn(east, up, skip, start + 1..end + 1, [0, 1]);
         self.turn(north_east, up_next, skip, start..end + 1, [1, 1]);
         self.turn(north_west, up_previous, skip, start + 1..end + 2, [0, 0]);
     }

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use super::lanes::Lanes;
 use super::report::Tally;
-use crate::cpu::{self, Connections, RotatedScan, Stop, fast_marching_with};
-use crate::surface::{EdgeLengths, EvenGrid, Seed, Surface};
+use crate::cpu::{Connections, RotatedScan, Stop, fast_marching_with};
+use crate::surface::{EdgeLengths, Seed, Surface};
 use crate::vulkan::{PairwiseOnDevice, Solver, SurfaceOnDevice};
-use crate::{Engine, Error, Sources, Wavefront};
+use crate::{Engine, Error, Wavefront};
 
 /// An engine, ready for a surface.
 pub(super) struct RowEngine<'a> {
@@ -23,8 +23,6 @@ enum Kind<'a> {
     Maps(EdgeLengths<f32>),
     /// The reference, a map for each thread.
     FastMarching(EdgeLengths<f32>, Connections<f32>),
-    /// The same over a floor plan.
-    ByAnchors(EdgeLengths<f32>, EvenGrid),
     /// Batches of maps on a device.
     Vulkan(Box<OnDevice>),
 }
@@ -43,18 +41,15 @@ impl<'a> RowEngine<'a> {
         let kind = match engine {
             Engine::Auto | Engine::Cpu => {
                 let edges = EdgeLengths::new(surface)?;
-                if wavefront.is_curved() {
+                if wavefront.has_two_layers() {
                     Kind::Maps(edges)
                 } else {
                     Kind::Lanes(Lanes::new(surface, &edges, wavefront))
                 }
             }
-            Engine::FastMarching => match cpu::floor_plan(surface, wavefront) {
-                Some(grid) => Kind::ByAnchors(EdgeLengths::new(surface)?, grid),
-                None => {
-                    Kind::FastMarching(EdgeLengths::new(surface)?, Connections::split(surface)?)
-                }
-            },
+            Engine::FastMarching => {
+                Kind::FastMarching(EdgeLengths::new(surface)?, Connections::split(surface)?)
+            }
             Engine::Vulkan(choice) => {
                 let solver = Solver::new(choice)?;
                 let on_device = solver.upload(surface)?;
@@ -68,7 +63,7 @@ impl<'a> RowEngine<'a> {
     pub fn name(&self) -> &'static str {
         match self.kind {
             Kind::Lanes(_) | Kind::Maps(_) => "cpu",
-            Kind::FastMarching(..) | Kind::ByAnchors(..) => "fast-marching",
+            Kind::FastMarching(..) => "fast-marching",
             Kind::Vulkan(_) => "vulkan",
         }
     }
@@ -95,7 +90,7 @@ impl<'a> RowEngine<'a> {
             Kind::Maps(edges) => {
                 edges.bytes() + threads * RotatedScan::new(edges, self.wavefront).bytes()
             }
-            Kind::FastMarching(edges, _) | Kind::ByAnchors(edges, _) => {
+            Kind::FastMarching(edges, _) => {
                 // Front, flag and a few entries of the heap for a point, and further connections.
                 edges.bytes() + threads * edges.chart().bordered_points() * 64
             }
@@ -107,7 +102,7 @@ impl<'a> RowEngine<'a> {
     pub fn rows_at_once(&self, threads: usize) -> usize {
         match self.kind {
             Kind::Lanes(ref lanes) => lanes.rows_at_once(threads),
-            Kind::Maps(_) | Kind::FastMarching(..) | Kind::ByAnchors(..) => 4 * threads,
+            Kind::Maps(_) | Kind::FastMarching(..) => 4 * threads,
             Kind::Vulkan(ref device) => device.pairwise.batch(),
         }
     }
@@ -159,15 +154,6 @@ impl<'a> RowEngine<'a> {
                 let map = |seed| fast_marching_with(edges, split, &[seed], wavefront);
                 Ok(each_row(into, points, sources, done, |source| {
                     seed(source).map(|[seed]| map(seed).distances())
-                }))
-            }
-            Kind::ByAnchors(edges, grid) => {
-                Ok(each_row(into, points, sources, done, |source| {
-                    let (row, col) = surface.chart().position(source);
-                    let from = Sources::point(row as f64, col as f64);
-                    let map = cpu::march_by_anchors(surface, edges, *grid, &from, 0.0);
-                    // A hole is no source.
-                    map.ok().map(|map| map.distances())
                 }))
             }
             Kind::Vulkan(device) => {

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::arc::EdgeRule;
 use super::chart::{Chart, Direction};
+use super::even_grid::EvenGrid;
 use super::gaussian_curvature::gaussian_curvature;
 use super::geometry::Geometry;
 use super::measure::RowBends;
@@ -37,6 +38,8 @@ pub struct EdgeLengths<R> {
     /// One array for each of [`STORED`], so that neighbours' lengths lie side by side.
     lengths: [Vec<R>; 4],
     rule: EdgeRule,
+    /// Of floor plans.
+    floor: Option<EvenGrid>,
     gaussian_curvature: OnceLock<Vec<R>>,
 }
 
@@ -99,8 +102,8 @@ impl<R: Real> EdgeLengths<R> {
                     }
                 })
             })?;
-        let rule = surface.edge_rule();
-        Ok(Self { chart, lengths, rule, gaussian_curvature: OnceLock::new() })
+        let (rule, floor) = (surface.edge_rule(), EvenGrid::of_floor_plan(surface));
+        Ok(Self { chart, lengths, rule, floor, gaussian_curvature: OnceLock::new() })
     }
 
     /// The edges between the points of a part of the grid, from its first row and column.
@@ -121,7 +124,8 @@ impl<R: Real> EdgeLengths<R> {
                 }
             }
         }
-        Self { chart, lengths, rule: self.rule, gaussian_curvature: OnceLock::new() }
+        let (rule, floor) = (self.rule, self.floor);
+        Self { chart, lengths, rule, floor, gaussian_curvature: OnceLock::new() }
     }
 
     /// The grid's size.
@@ -142,6 +146,11 @@ impl<R: Real> EdgeLengths<R> {
     /// `gaussian_curvature.rs`. Computed when it is first asked for.
     pub(crate) fn gaussian_curvature(&self) -> &[R] {
         self.gaussian_curvature.get_or_init(|| gaussian_curvature(self))
+    }
+
+    /// The grid, if the surface is a floor plan ([`Surface::is_floor_plan`]).
+    pub(crate) fn floor(&self) -> Option<EvenGrid> {
+        self.floor
     }
 
     /// The rule by which they were measured.

@@ -2,6 +2,8 @@
 
 use glam::{DMat2, DVec2, DVec3};
 
+use rayon::prelude::*;
+
 use super::Surface;
 
 /// A grid whose positions are affine in row and column.
@@ -14,6 +16,9 @@ pub(crate) struct EvenGrid {
 /// How far positions may lie from such a grid, of its extent: as far as single precision rounds them.
 const NEAR: f64 = 1e-7;
 
+/// Rows and columns of a sample.
+const FEW: usize = 16;
+
 impl EvenGrid {
     /// The grid of a surface that is one, by least squares; none if it has a slowness, or no positions, or
     /// if its points lie on a line.
@@ -21,34 +26,26 @@ impl EvenGrid {
         if surface.slowness().is_some() {
             return None;
         }
-        let chart = surface.chart();
-        let points: Vec<(DVec2, DVec3)> = (0..chart.points())
-            .map(|index| chart.position(index))
-            .filter(|&(row, col)| surface.has(row, col))
-            .map(|(row, col)| {
-                Some((DVec2::new(row as f64, col as f64), surface.position(row, col)?))
-            })
-            .collect::<Option<_>>()?;
-        let mean = points.iter().fold((DVec2::ZERO, DVec3::ZERO), |(at, place), next| {
-            (at + next.0 / points.len() as f64, place + next.1 / points.len() as f64)
-        });
-        let around = || points.iter().map(|&(at, place)| (at - mean.0, place - mean.1));
-        let mut squares = DMat2::ZERO;
-        let mut products = [DVec3::ZERO; 2];
-        for (at, place) in around() {
-            squares += DMat2::from_cols(at * at.x, at * at.y);
-            products = [products[0] + place * at.x, products[1] + place * at.y];
-        }
-        if squares.determinant() == 0.0 {
+        // Of most surfaces that are none, some points tell already.
+        let few = |lines: usize| (lines / FEW).max(1);
+        let origin = surface.origin();
+        let sample = Fit::of(surface, origin, [few(surface.rows()), few(surface.cols())]);
+        if sample.grid().is_some_and(|grid| !sample.is_even(surface, grid, 4.0 * NEAR)) {
             return None;
         }
-        let inverse = squares.inverse();
-        let steps = [inverse.x_axis, inverse.y_axis]
-            .map(|share| products[0] * share.x + products[1] * share.y);
-        let even = |at: DVec2| steps[0] * at.x + steps[1] * at.y;
-        let extent = around().map(|(at, _)| even(at).length()).fold(0.0, f64::max);
-        let is_even = around().all(|(at, place)| place.distance(even(at)) <= NEAR * extent);
-        (is_even && steps[0].cross(steps[1]) != DVec3::ZERO).then_some(Self { steps })
+        let all = Fit::of(surface, origin, [1, 1]);
+        all.grid().filter(|&grid| all.is_even(surface, grid, NEAR))
+    }
+
+    /// The grid of a floor plan ([`Surface::is_floor_plan`]).
+    pub(crate) fn of_floor_plan(surface: &Surface) -> Option<Self> {
+        Self::of(surface).filter(|grid| !grid.is_obtuse())
+    }
+
+    /// The first fundamental form: of rows, of both, of columns.
+    pub(crate) fn metric(self) -> [f64; 3] {
+        let [a, b] = self.steps;
+        [a.dot(a), a.dot(b), b.dot(b)]
     }
 
     /// Length of a straight line over so many rows and columns.
@@ -60,6 +57,88 @@ impl EvenGrid {
     pub(crate) fn is_obtuse(self) -> bool {
         let [a, b] = self.steps;
         a.dot(b).abs() > a.length_squared().min(b.length_squared())
+    }
+}
+
+/// What the grid nearest to some points follows from: sums over them, with places and positions seen from the
+/// middle of the surface.
+#[derive(Clone, Copy, Default)]
+struct Fit {
+    /// From a row that counts to the next, and from a column.
+    every: [usize; 2],
+    /// The middle of the surface.
+    origin: DVec3,
+    count: f64,
+    place: DVec2,
+    position: DVec3,
+    squares: DMat2,
+    products: [DVec3; 2],
+}
+
+impl Fit {
+    fn of(surface: &Surface, origin: DVec3, every: [usize; 2]) -> Self {
+        // By default a matrix is not zero.
+        let none = Self { every, origin, squares: DMat2::ZERO, ..Self::default() };
+        let of_row = |row| {
+            none.row(surface, row).fold(none, |fit, (place, position)| {
+                let squares = DMat2::from_cols(place * place.x, place * place.y);
+                let products = [position * place.x, position * place.y];
+                fit.and(Self { count: 1.0, place, position, squares, products, ..none })
+            })
+        };
+        // In the order of rows, however many threads there are.
+        let rows: Vec<_> =
+            (0..surface.rows()).into_par_iter().step_by(every[0]).map(of_row).collect();
+        rows.into_iter().fold(none, Self::and)
+    }
+
+    /// Those points of a row that count and have a position.
+    fn row(self, surface: &Surface, row: usize) -> impl Iterator<Item = (DVec2, DVec3)> {
+        let middle = 0.5 * DVec2::new(surface.rows() as f64, surface.cols() as f64);
+        (0..surface.cols()).step_by(self.every[1]).filter_map(move |col| {
+            let place = DVec2::new(row as f64, col as f64) - middle;
+            Some((place, surface.position(row, col)? - self.origin))
+        })
+    }
+
+    fn and(self, other: Self) -> Self {
+        let [a, b] = [self.products, other.products];
+        Self {
+            count: self.count + other.count,
+            place: self.place + other.place,
+            position: self.position + other.position,
+            squares: self.squares + other.squares,
+            products: [a[0] + b[0], a[1] + b[1]],
+            ..self
+        }
+    }
+
+    /// The nearest grid; none if the points lie on a line.
+    fn grid(&self) -> Option<EvenGrid> {
+        let (place, position) = (self.place / self.count, self.position / self.count);
+        let squares = self.squares - DMat2::from_cols(self.place * place.x, self.place * place.y);
+        let [a, b] = self.products;
+        let products = [a - self.place.x * position, b - self.place.y * position];
+        let scale = squares.x_axis.x * squares.y_axis.y;
+        if self.count < 3.0 || squares.determinant() <= 1e-9 * scale {
+            return None;
+        }
+        let inverse = squares.inverse();
+        let steps = [inverse.x_axis, inverse.y_axis]
+            .map(|share| products[0] * share.x + products[1] * share.y);
+        (steps[0].cross(steps[1]) != DVec3::ZERO).then_some(EvenGrid { steps })
+    }
+
+    /// Whether the points lie so near that grid, of its extent.
+    fn is_even(&self, surface: &Surface, grid: EvenGrid, near: f64) -> bool {
+        let even = |at: DVec2| grid.steps[0] * at.x + grid.steps[1] * at.y;
+        let mean = self.position / self.count - even(self.place / self.count);
+        let near = near * grid.length(DVec2::new(surface.rows() as f64, surface.cols() as f64));
+        let is_even = |row| {
+            self.row(surface, row)
+                .all(|(place, position)| position.distance(mean + even(place)) <= near)
+        };
+        (0..surface.rows()).into_par_iter().step_by(self.every[0]).all(is_even)
     }
 }
 

@@ -303,6 +303,23 @@ impl Surface {
         self.has(row, col).then(|| self.geometry.position(self.chart, row, col))?
     }
 
+    /// Whether this is a floor plan: flat and evenly spaced, rectangular or sheared up to where a triangle of
+    /// neighbours is obtuse, with or without holes, and without a slowness. Over it, and from points,
+    /// [`crate::Wavefront::Anchored`] is exact.
+    ///
+    /// ```
+    /// use geosweep::{Spacing, Surface};
+    /// let floor = Surface::from_heights(3, 4, vec![1.0; 12], Spacing { dx: 0.5, dy: 0.25 })?;
+    /// assert!(floor.is_floor_plan());
+    /// let mut heights = vec![1.0; 12];
+    /// heights[5] = 1.1;
+    /// assert!(!Surface::from_heights(3, 4, heights, Spacing { dx: 0.5, dy: 0.25 })?.is_floor_plan());
+    /// # Ok::<(), geosweep::surface::SurfaceError>(())
+    /// ```
+    pub fn is_floor_plan(&self) -> bool {
+        EvenGrid::of_floor_plan(self).is_some()
+    }
+
     /// Whether the surface has an edge from a grid point to a neighbour: both ends are there,
     /// and a diagonal has a third corner of its cell beside it, since a path would otherwise
     /// slip through between two holes.

@@ -41,6 +41,19 @@ pub trait Real:
     /// Whether those of the tag's digits that a mask selects are these. In lanes as wide as the number.
     fn tag_has(self, mask: u8, digits: u8) -> bool;
 
+    /// A number of an anchor (see `update/anchored.rs`), below [`Real::NUMBERS`], as a number that devices
+    /// keep as it is, between the smallest and the largest: with room for a tag.
+    fn of_number(number: usize) -> Self;
+
+    /// Such a number, whatever its tag.
+    fn number(self) -> usize;
+
+    /// Whether both are the same but for their tags.
+    fn is_numbered_as(self, other: Self) -> bool;
+
+    /// How many numbers there are.
+    const NUMBERS: usize;
+
     /// Rounds to this precision.
     fn of(value: f64) -> Self;
 
@@ -77,6 +90,25 @@ impl Real for f32 {
     #[inline(always)]
     fn tag_has(self, mask: u8, digits: u8) -> bool {
         self.to_bits() & u32::from(mask) == u32::from(digits)
+    }
+
+    const NUMBERS: usize = 1 << 26;
+
+    #[inline(always)]
+    fn is_numbered_as(self, other: Self) -> bool {
+        (self.to_bits() ^ other.to_bits()) & !u32::from(TAG) == 0
+    }
+
+    #[inline(always)]
+    fn of_number(number: usize) -> Self {
+        let (high, low) = (number as u32 >> 25, number as u32 & ((1 << 25) - 1));
+        Self::from_bits(high << 31 | 1 << 29 | low << 4)
+    }
+
+    #[inline(always)]
+    fn number(self) -> usize {
+        let bits = self.to_bits();
+        (bits >> 31 << 25 | bits >> 4 & ((1 << 25) - 1)) as usize
     }
 
     #[inline(always)]
@@ -119,6 +151,25 @@ impl Real for f64 {
     #[inline(always)]
     fn tag_has(self, mask: u8, digits: u8) -> bool {
         self.to_bits() & u64::from(mask) == u64::from(digits)
+    }
+
+    const NUMBERS: usize = 1 << 26;
+
+    #[inline(always)]
+    fn is_numbered_as(self, other: Self) -> bool {
+        (self.to_bits() ^ other.to_bits()) & !u64::from(TAG) == 0
+    }
+
+    #[inline(always)]
+    fn of_number(number: usize) -> Self {
+        let (high, low) = (number as u64 >> 25, number as u64 & ((1 << 25) - 1));
+        Self::from_bits(high << 63 | 1023 << 52 | low << 4)
+    }
+
+    #[inline(always)]
+    fn number(self) -> usize {
+        let bits = self.to_bits();
+        (bits >> 63 << 25 | bits >> 4 & ((1 << 25) - 1)) as usize
     }
 
     #[inline(always)]

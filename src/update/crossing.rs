@@ -24,8 +24,8 @@ pub(crate) fn base_crossing<R: Real>(
     let d = (near_t - t) * shape.per_base;
     let kappa = match wavefront {
         Wavefront::Planar => zero,
-        Wavefront::PointSource => c / max(t, R::of(0.25) * c),
-        Wavefront::Curved | Wavefront::Arcs => {
+        Wavefront::PointSource | Wavefront::Anchored => c / max(t, R::of(0.25) * c),
+        Wavefront::Curved => {
             let beside = (near_k >= R::SOURCE)
                 & ((k * c).abs() < R::of(ABOUT_STRAIGHT))
                 & (d > R::of(-FROM_SOURCE));

@@ -2,7 +2,7 @@
 
 use super::{Shape, Triangle};
 use crate::constants::{
-    ABOUT_STRAIGHT, ARCS_TOGETHER, BENT_AGAIN, BENT_APART, FOCUS, FROM_SOURCE, GRAZING, TOGETHER,
+    ABOUT_STRAIGHT, BENT_AGAIN, BENT_APART, FOCUS, FROM_SOURCE, GRAZING, TOGETHER,
 };
 use crate::surface::{DIFFRACTS, Real, TAG, max, min};
 
@@ -25,8 +25,8 @@ impl<R: Real> Front<R> {
     /// flatter: a choice that does not depend on the order in which triangles are visited. The time is
     /// the earlier one's, since what the other is late by would grow from point to point.
     #[inline(always)]
-    pub(crate) fn first(a: Self, b: Self, arcs: bool) -> Self {
-        let second = if a.arrives_with(b, arcs) { b.knows_better(a) } else { b.time < a.time };
+    pub(crate) fn first(a: Self, b: Self) -> Self {
+        let second = if a.arrives_with(b) { b.knows_better(a) } else { b.time < a.time };
         Self {
             time: min(a.time, b.time),
             curvature: if second { b.curvature } else { a.curvature },
@@ -34,11 +34,10 @@ impl<R: Real> Front<R> {
         }
     }
 
-    /// Whether another arrives at the same time, but for rounding: of arcs for what both have gathered on
-    /// their ways, since along a line where two touch both arrive, and the curvature makes a difference.
+    /// Whether another arrives at the same time, but for rounding.
     #[inline(always)]
-    pub(crate) fn arrives_with(self, other: Self, arcs: bool) -> bool {
-        let rounding = R::of(if arcs { ARCS_TOGETHER } else { TOGETHER }) * R::epsilon();
+    pub(crate) fn arrives_with(self, other: Self) -> bool {
+        let rounding = R::of(TOGETHER) * R::epsilon();
         (self.time - other.time).abs() <= rounding * self.time
     }
 

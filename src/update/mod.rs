@@ -5,19 +5,19 @@
 //! and choose between the results, without a branch, so that compilers turn rows of points into
 //! lanes.
 
+mod anchored;
 mod crossing;
 mod curved;
 mod planar;
 mod point_source;
-mod two_arcs;
 
+pub(crate) use anchored::{Floor, is_shorter};
 pub(crate) use crossing::base_crossing;
 pub use curved::{Bends, Front, curved};
 pub use planar::planar;
 pub use point_source::point_source;
-pub(crate) use two_arcs::{Across, are_two_arcs, is_of_either, two_arcs};
 
-use crate::surface::{Real, min};
+use crate::surface::{EdgeLengths, Real, min};
 
 /// The shape of the front that an update assumes inside a triangle. The numbers are those of
 /// `WAVEFRONT` in `glsl/update.glsl`.
@@ -32,21 +32,36 @@ pub enum Wavefront {
     /// A front that carries its curvature beside the arrival time: second-order on curved
     /// surfaces, around holes and for extended sources too.
     Curved = 2,
-    /// A curved front that goes on as two arcs behind corners of holes and ends of curves, where
-    /// [`Self::Curved`] takes their mean: as good as exact in the plane. For floor plans: on curved or
-    /// rough surfaces with holes rounding decides at some points what is an arc.
-    Arcs = 3,
+    /// A front that knows its anchor, the corner or source that it comes from on a straight line, in place
+    /// of its curvature: exact over floor plans ([`crate::Surface::is_floor_plan`]), from points. Elsewhere
+    /// and from curves it is refused; given the edges of another surface, engines solve as
+    /// [`Self::Curved`].
+    Anchored = 3,
 }
 
 impl Wavefront {
-    /// Those for any surface: all but [`Self::Arcs`].
+    /// Those for any surface: all but [`Self::Anchored`].
     pub const ALL: [Self; 3] = [Self::Planar, Self::PointSource, Self::Curved];
-    /// With [`Self::Arcs`].
-    pub const EVERY: [Self; 4] = [Self::Planar, Self::PointSource, Self::Curved, Self::Arcs];
+    /// With [`Self::Anchored`].
+    pub const EVERY: [Self; 4] = [Self::Planar, Self::PointSource, Self::Curved, Self::Anchored];
 
     /// Whether fronts carry their curvature.
     pub fn is_curved(self) -> bool {
-        matches!(self, Self::Curved | Self::Arcs)
+        self == Self::Curved
+    }
+
+    /// Whether fronts carry anything beside their arrival time.
+    pub(crate) fn has_two_layers(self) -> bool {
+        matches!(self, Self::Curved | Self::Anchored)
+    }
+
+    /// This one, or the curved one where anchors do not hold: but over floor plans, and where there are more
+    /// points than can be numbered.
+    pub(crate) fn over<R: Real>(self, edges: &EdgeLengths<R>) -> Self {
+        // Sources inside cells are numbered too.
+        let most = R::NUMBERS / 2;
+        let holds = edges.floor().is_some() && edges.chart().bordered_points() <= most;
+        if self == Self::Anchored && !holds { Self::Curved } else { self }
     }
 
     /// The name used by the tool and in reports.
@@ -55,7 +70,7 @@ impl Wavefront {
             Self::Planar => "planar",
             Self::PointSource => "point",
             Self::Curved => "curved",
-            Self::Arcs => "arcs",
+            Self::Anchored => "anchored",
         }
     }
 }

@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn seeds_that_share_a_texel_are_written_together() {
-        let seed = |row, col, time| Seed { row, col, time, curvature: 1.0 };
+        let seed = |row, col, time| Seed { row, col, time, curvature: 1.0, from: None };
         let seeds = [seed(3, 3, 1.0), seed(0, 0, 0.0), seed(2, 3, 2.0), seed(3, 3, 0.5)];
         let texels = seed_texels(&seeds);
         assert_eq!(texels.len(), 2);

@@ -22,7 +22,7 @@ const WAVEFRONTS: [(GeosweepWavefront, Wavefront); 4] = [
     (GeosweepWavefront::Planar, Wavefront::Planar),
     (GeosweepWavefront::PointSource, Wavefront::PointSource),
     (GeosweepWavefront::Curved, Wavefront::Curved),
-    (GeosweepWavefront::Arcs, Wavefront::Arcs),
+    (GeosweepWavefront::Anchored, Wavefront::Anchored),
 ];
 /// In a hole of the mask.
 const MASKED: usize = 12 * CHART.cols + 20;

@@ -90,8 +90,6 @@ pub(super) trait Kernel: Sized + 'static {
 
     /// Whether [`Fan::gaussian`] is needed, and fronts are renewed.
     const BENDS: bool = false;
-    /// Whether fronts two lines behind count, too, where arcs may touch.
-    const ARCS: bool = false;
 
     fn coefficients(fan: Fan) -> Self::Coefficients;
 
@@ -106,47 +104,16 @@ pub(super) trait Kernel: Sized + 'static {
         how: How,
     ) -> bool;
 
-    /// Updates a point from the three behind, and those beyond; returns whether a map has changed by
-    /// more than `how` wants. The largest changes of arrival times, in units of their precision, are
-    /// noted if `TRACKS`.
+    /// Updates a point from the three behind; returns whether a map has changed by more than `how`
+    /// wants. The largest changes of arrival times, in units of their precision, are noted if
+    /// `TRACKS`.
     fn update<const TRACKS: bool>(
         here: &mut Self::State,
         behind: [&Self::State; 3],
         coefficients: &Self::Coefficients,
-        beyond: Beyond<Self>,
         how: How,
         largest: &mut [u32; LANES],
     ) -> bool;
-}
-
-/// The three points behind the three behind one, if there are any.
-pub(super) struct Beyond<'a, K: Kernel> {
-    /// A bordered array, the first of them in it, and from there to the next.
-    pub points: &'a [K::State],
-    pub first: usize,
-    pub step: usize,
-    /// Coefficients of the line behind, and those of the point there that is beside this one.
-    pub coefficients: &'a [K::Coefficients],
-    pub beside: usize,
-}
-
-impl<'a, K: Kernel> Beyond<'a, K> {
-    /// One of the three.
-    ///
-    /// # Panics
-    /// Maybe, if the line behind lies beyond the border.
-    #[inline(always)]
-    pub(super) fn state(&self, column: usize) -> &'a K::State {
-        &self.points[self.first.wrapping_add(column * self.step)]
-    }
-
-    /// The coefficients of the point between.
-    ///
-    /// # Panics
-    /// Maybe, if that lies beyond the border.
-    pub(super) fn coefficients(&self, column: usize) -> &'a K::Coefficients {
-        &self.coefficients[self.beside + column - 1]
-    }
 }
 
 /// Where the two triangles of a scan lie, seen from their point.

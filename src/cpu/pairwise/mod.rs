@@ -12,8 +12,8 @@ mod reach;
 mod scans;
 mod stage;
 
-use super::{Convergence, Instructions, Stop};
-use crate::surface::{Chart, EdgeLengths};
+use super::{Convergence, Instructions, RotatedScan, Stop};
+use crate::surface::{Chart, EdgeLengths, Seed};
 use crate::update::Wavefront;
 use curved::Curved;
 use kernel::LANES;
@@ -36,8 +36,9 @@ pub struct PairwiseScan {
 enum Fronts {
     Planar(Scans<Planar>),
     PointSource(Scans<PointSource>),
-    Curved(Scans<Curved<false>>),
-    Arcs(Scans<Curved<true>>),
+    Curved(Scans<Curved>),
+    /// One map after another: maps whose anchors differ have no update in common.
+    Anchored(Box<EdgeLengths<f32>>),
 }
 
 impl PairwiseScan {
@@ -46,11 +47,11 @@ impl PairwiseScan {
 
     /// Computes the coefficients of a surface, on the best instructions there are.
     pub fn new(edges: &EdgeLengths<f32>, wavefront: Wavefront) -> Self {
-        let fronts = match wavefront {
+        let fronts = match wavefront.over(edges) {
             Wavefront::Planar => Fronts::Planar(Scans::new(edges)),
             Wavefront::PointSource => Fronts::PointSource(Scans::new(edges)),
             Wavefront::Curved => Fronts::Curved(Scans::new(edges)),
-            Wavefront::Arcs => Fronts::Arcs(Scans::new(edges)),
+            Wavefront::Anchored => Fronts::Anchored(Box::new(edges.clone())),
         };
         Self { chart: edges.chart(), fronts, instructions: Instructions::best() }
     }
@@ -71,7 +72,7 @@ impl PairwiseScan {
         match wavefront {
             Wavefront::Planar => Scans::<Planar>::bytes(chart),
             Wavefront::PointSource => Scans::<PointSource>::bytes(chart),
-            Wavefront::Curved | Wavefront::Arcs => Scans::<Curved<true>>::bytes(chart),
+            Wavefront::Curved | Wavefront::Anchored => Scans::<Curved>::bytes(chart),
         }
     }
 
@@ -147,7 +148,31 @@ impl PairwiseScan {
             Fronts::Planar(scans) => scans.solve(sources, known, stop, instructions, into),
             Fronts::PointSource(scans) => scans.solve(sources, known, stop, instructions, into),
             Fronts::Curved(scans) => scans.solve(sources, known, stop, instructions, into),
-            Fronts::Arcs(scans) => scans.solve(sources, known, stop, instructions, into),
+            Fronts::Anchored(edges) => self.solve_each(edges, sources, stop, into),
         }
+    }
+
+    fn solve_each(
+        &self,
+        edges: &EdgeLengths<f32>,
+        sources: &[Option<usize>],
+        stop: Stop,
+        into: &mut [Option<&mut [f32]>],
+    ) -> Convergence {
+        let solver = RotatedScan::new(edges, Wavefront::Anchored);
+        let mut solver = solver.with_instructions(self.instructions);
+        let mut all = Convergence { iterations: 0, residual: 0.0 };
+        for (source, row) in sources.iter().zip(into) {
+            let Some(row) = row else { continue };
+            row.fill(f32::INFINITY);
+            let Some((row_of, col)) = source.map(|point| self.chart.position(point)) else {
+                continue;
+            };
+            let found = solver.solve(&[Seed::at_source(row_of, col, 0.0)], stop);
+            row.copy_from_slice(&solver.distances());
+            all.iterations = all.iterations.max(found.iterations);
+            all.residual = all.residual.max(found.residual);
+        }
+        all
     }
 }

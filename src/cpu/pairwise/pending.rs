@@ -18,12 +18,10 @@ pub(super) struct Pending {
     /// Whether scans visit changed points too: where fronts are renewed, times may grow, and then
     /// one that came second may be the first.
     renews: bool,
-    /// Lines ahead that see a change.
-    reach: usize,
 }
 
 impl Pending {
-    pub(super) fn new(chart: Chart, renews: bool, reach: usize) -> Self {
+    pub(super) fn new(chart: Chart, renews: bool) -> Self {
         let Chart { rows, cols } = chart;
         let (by_rows, by_cols) = (Marks::none(rows, cols), Marks::none(cols, rows));
         Self {
@@ -32,7 +30,6 @@ impl Pending {
             changed: [by_rows, by_cols],
             known: 0,
             renews,
-            reach,
         }
     }
 
@@ -84,14 +81,11 @@ impl Pending {
             ROWS => [Scan::DOWN, Scan::UP],
             _ => [Scan::RIGHT, Scan::LEFT],
         };
-        let lines = self.lines(scan);
-        for lines_ahead in 1..=self.reach {
-            if line + lines_ahead < lines {
-                self.visits[index(forward)].spread(line + lines_ahead, changed);
-            }
-            if line >= lines_ahead {
-                self.visits[index(backward)].spread(line - lines_ahead, changed);
-            }
+        if line + 1 < self.lines(scan) {
+            self.visits[index(forward)].spread(line + 1, changed);
+        }
+        if line > 0 {
+            self.visits[index(backward)].spread(line - 1, changed);
         }
         if self.renews {
             self.visits[index(forward)].spread(line, changed);
@@ -170,7 +164,7 @@ mod tests {
 
     #[test]
     fn a_source_wakes_its_neighbours_and_nothing_else() {
-        let mut pending = Pending::new(Chart { rows: 4, cols: 5 }, false, 1);
+        let mut pending = Pending::new(Chart { rows: 4, cols: 5 }, false);
         pending.start(0);
         pending.touch(1, 4);
         assert_eq!(take(&mut pending, Scan::DOWN, 2), [3, 4]);
@@ -182,7 +176,7 @@ mod tests {
     #[test]
     fn a_change_wakes_its_neighbours_ahead_of_each_scan() {
         for scan in SCANS {
-            let mut pending = Pending::new(Chart { rows: 80, cols: 90 }, false, 1);
+            let mut pending = Pending::new(Chart { rows: 80, cols: 90 }, false);
             pending.start(0);
             let (line, point) = if scan.by_rows() { (65, 64) } else { (64, 65) };
             pending.changed[kind(scan)].mark(line, point);
@@ -201,7 +195,7 @@ mod tests {
         let chart = Chart { rows: 4, cols: 5 };
         for known in 1..=20 {
             for scan in SCANS {
-                let mut pending = Pending::new(chart, false, 1);
+                let mut pending = Pending::new(chart, false);
                 pending.start(known);
                 let mut visited = Vec::new();
                 for line in 0..pending.lines(scan) {

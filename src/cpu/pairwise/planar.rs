@@ -1,6 +1,6 @@
 //! The planar wavefront in lanes, from coefficients that all maps share.
 
-use super::kernel::{Beyond, Fan, How, Kernel, LANES, Lanes};
+use super::kernel::{Fan, How, Kernel, LANES, Lanes};
 use super::reach::Reach;
 use crate::surface::{Real, Seed, max, min};
 use crate::update::Corner;
@@ -100,7 +100,6 @@ impl Kernel for Planar {
         here: &mut Lanes,
         [before, beside, after]: [&Lanes; 3],
         Coefficients { triangles: [left, right], .. }: &Coefficients,
-        _: Beyond<Self>,
         how: How,
         largest: &mut [u32; LANES],
     ) -> bool {

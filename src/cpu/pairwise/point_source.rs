@@ -1,6 +1,6 @@
 //! The point-source wavefront in lanes, from coefficients that all maps share.
 
-use super::kernel::{Beyond, Fan, How, Kernel, LANES, Lanes};
+use super::kernel::{Fan, How, Kernel, LANES, Lanes};
 use super::reach::{Bulge, Reach};
 use crate::surface::{Real, Seed, min};
 use crate::update::Corner;
@@ -109,7 +109,6 @@ impl Kernel for PointSource {
         here: &mut Lanes,
         [before, beside, after]: [&Lanes; 3],
         Coefficients { edges, triangles: [left, right], .. }: &Coefficients,
-        _: Beyond<Self>,
         how: How,
         largest: &mut [u32; LANES],
     ) -> bool {

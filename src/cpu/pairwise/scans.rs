@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use bytemuck::Pod;
 
-use super::kernel::{Beyond, FanSlots, How, Kernel, LANES};
+use super::kernel::{FanSlots, How, Kernel, LANES};
 use super::marks::WORD;
 use super::outward::{Outward, Passing};
 use super::pending::{Pending, SCANS};
@@ -149,16 +149,12 @@ impl<K: Kernel> Scans<K> {
                 Passing::Some(maps) => maps,
                 _ => [u32::MAX; LANES],
             };
-            let of_line = |line: usize| &coefficients[line * on_line..][..on_line];
-            let line_behind = if scan.is_forward() { line.checked_sub(1) } else { Some(line + 1) };
-            let line_behind = line_behind.filter(|&line| line < lines);
             let work = Line::<K> {
                 points,
                 first: (line + 1) * across + step,
                 step,
                 behind,
-                coefficients: of_line(line),
-                coefficients_behind: line_behind.map_or(&[], of_line),
+                coefficients: &coefficients[line * on_line..][..on_line],
                 marks,
                 maps,
                 how,
@@ -179,7 +175,7 @@ impl<K: Kernel> Maps<K> {
     fn new(chart: Chart) -> Self {
         Self {
             points: vec![K::UNREACHED; chart.bordered_points()],
-            pending: Pending::new(chart, K::BENDS, if K::ARCS { 2 } else { 1 }),
+            pending: Pending::new(chart, K::BENDS),
             outward: None,
             stage: Stage::new(chart),
         }
@@ -215,8 +211,6 @@ struct Line<'a, K: Kernel> {
     step: usize,
     behind: isize,
     coefficients: &'a [K::Coefficients],
-    /// None for the points beyond the border.
-    coefficients_behind: &'a [K::Coefficients],
     marks: &'a mut [u64],
     /// All bits set for the maps that pass the line.
     maps: [u32; LANES],
@@ -232,8 +226,7 @@ impl<K: Kernel, const TRACKS: bool, const ALL: bool> Work for Visit<'_, K, TRACK
 
     #[inline(always)]
     fn run(self) -> u32 {
-        let Line { points, first, step, behind, coefficients, coefficients_behind, .. } = self.0;
-        let Line { marks, maps, how, .. } = self.0;
+        let Line { points, first, step, behind, coefficients, marks, maps, how } = self.0;
         let mut largest = [0; LANES];
         for (k, word) in marks.iter_mut().enumerate() {
             let (mut visits, mut changed) = (*word, 0);
@@ -243,25 +236,12 @@ impl<K: Kernel, const TRACKS: bool, const ALL: bool> Work for Visit<'_, K, TRACK
                 let point = k * WORD + bit as usize;
                 let here = first + point * step;
                 let beside = here.wrapping_add_signed(behind);
-                let beyond = Beyond {
-                    points,
-                    first: beside.wrapping_add_signed(behind).wrapping_sub(step),
-                    step,
-                    coefficients: coefficients_behind,
-                    beside: point,
-                };
                 let behind = [&points[beside - step], &points[beside], &points[beside + step]];
                 let (mut state, coefficients) = (points[here], &coefficients[point]);
                 if K::may_change(&state, behind, coefficients, how) {
                     // Not as a branch: nobody could foretell it.
-                    let wakes = K::update::<TRACKS>(
-                        &mut state,
-                        behind,
-                        coefficients,
-                        beyond,
-                        how,
-                        &mut largest,
-                    );
+                    let wakes =
+                        K::update::<TRACKS>(&mut state, behind, coefficients, how, &mut largest);
                     changed |= u64::from(wakes) << bit;
                     points[here] = if ALL { state } else { merged(state, points[here], maps) };
                 }

@@ -13,7 +13,7 @@ pub use scan_due::{Visits, scan_due};
 pub use scan_in_turn::{scan_in_turn, scan_outward};
 pub use tile_rounds::{Rounds, tile_rounds};
 
-use super::across::Quad;
+use super::state::Behind;
 use crate::surface::{Chart, Direction};
 
 /// The four scans of an iteration, numbered from 1: the three neighbours a scan has just passed,
@@ -25,7 +25,7 @@ const SCANS: [[Direction; 3]; 4] = [
     [Direction::NorthEast, Direction::East, Direction::SouthEast],
 ];
 
-/// The two triangles of each scan, with the points across their bases.
-fn scan_triangles(chart: Chart) -> [[Quad; 2]; 4] {
-    SCANS.map(|[a, b, c]| [Quad::new(chart, a, b), Quad::new(chart, b, c)])
+/// The two triangles of each scan.
+fn scan_triangles(chart: Chart) -> [Behind; 4] {
+    SCANS.map(|behind| Behind::new(chart, behind))
 }

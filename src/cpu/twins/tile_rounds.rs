@@ -1,8 +1,7 @@
 //! Rounds of scans inside tiles. The twin of `glsl/tiles.comp` and `glsl/settle.comp`.
 
 use super::super::Stop;
-use super::super::across::Quad;
-use super::super::state::{Fronts, Solution};
+use super::super::state::{Behind, Fronts, Solution};
 use super::scan_triangles;
 use crate::constants::PATIENCE;
 use crate::surface::{Chart, EdgeLengths, Real, Seed, relative_change};
@@ -53,9 +52,7 @@ pub fn tile_rounds<R: Real>(
 struct Tiles<'a, R: Real> {
     chart: Chart,
     rounds: Rounds,
-    /// Points around a tile that its own see: a second one for arcs that touch on a base.
-    halo: usize,
-    triangles: [[Quad; 2]; 4],
+    triangles: [Behind; 4],
     /// Before the round.
     fronts: Fronts<'a, R>,
     /// Four copies of the fronts, of which those of one tile and around it are in use.
@@ -91,7 +88,6 @@ impl<'a, R: Real> Tiles<'a, R> {
         let mut tiles = Self {
             chart,
             rounds,
-            halo: if wavefront == Wavefront::Arcs { 2 } else { 1 },
             triangles: scan_triangles(chart),
             copies: std::array::from_fn(|_| fronts.clone()),
             fronts,
@@ -140,9 +136,8 @@ impl<'a, R: Real> Tiles<'a, R> {
         let cols = first.1..(first.1 + side).min(chart.cols);
         let all = || rows.clone().flat_map(|row| cols.clone().map(move |col| (row, col)));
         // With the points around the tile, those of the border included.
-        let halo = self.halo;
         let beside = |points: &std::ops::Range<usize>, most: usize| {
-            (points.start + 1).saturating_sub(halo)..(points.end + 1 + halo).min(most + 2)
+            points.start..(points.end + 2).min(most + 2)
         };
         for row in beside(&rows, chart.rows) {
             for col in beside(&cols, chart.cols) {
@@ -150,13 +145,22 @@ impl<'a, R: Real> Tiles<'a, R> {
                 self.copies.iter_mut().for_each(|copy| copy.copy_point(&self.fronts, point));
             }
         }
+        // Beyond these points, anchors are seen as they were before the round.
+        let stride = chart.stride();
+        let is_near = |point: usize| {
+            let (row, col) = (point / stride, point % stride);
+            (rows.start..rows.end + 2).contains(&row) && (cols.start..cols.end + 2).contains(&col)
+        };
         let mut change = R::Bits::default();
         for _ in 0..self.rounds.inner {
+            let fronts = &self.fronts;
             for (index, copy) in self.copies.iter_mut().enumerate() {
                 let (triangles, scan) = (&self.triangles[index], index as u8 + 1);
                 let mut update = |row, col| {
                     let point = chart.bordered(row, col);
-                    copy.accept(point, copy.through(point, triangles), scan, self.renews);
+                    let seen = |x| if is_near(x) { copy.at(x) } else { fronts.at(x) };
+                    let front = copy.through_seen(point, triangles, seen);
+                    copy.accept(point, front, scan, self.renews);
                 };
                 // The points of a line do not depend on one another.
                 match scan {
@@ -221,8 +225,8 @@ impl<'a, R: Real> Tiles<'a, R> {
         let side = self.rounds.tile;
         let count = (self.chart.rows.div_ceil(side), self.chart.cols.div_ceil(side));
         let steps = |at: usize| match at {
-            first if first < self.halo => vec![-1, 0],
-            last if last + self.halo >= side => vec![0, 1],
+            0 => vec![-1, 0],
+            last if last + 1 == side => vec![0, 1],
             _ => vec![0],
         };
         let (down, right) = (steps(row - first.0), steps(col - first.1));

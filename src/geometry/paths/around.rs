@@ -195,7 +195,7 @@ impl Field<'_> {
                 .map(|(point, away)| {
                     let (row, col) = local(point);
                     let curvature = (1.0 / away).min(Seed::AT_SOURCE);
-                    Seed { row, col, time: away, curvature }
+                    Seed { row, col, time: away, curvature, from: None }
                 })
                 .collect(),
         };

@@ -57,6 +57,9 @@ pub struct Seed {
     /// Curvature of the front there, for the curved wavefront: 1 over the distance from a point
     /// source, [`Seed::AT_SOURCE`] at the source itself, 0 beside a straight curve.
     pub curvature: f64,
+    /// Row and column of the point source that the front comes from, if it is not this point itself: the
+    /// anchor of what follows ([`crate::Wavefront::Anchored`]).
+    pub from: Option<DVec2>,
 }
 
 impl Seed {
@@ -65,7 +68,7 @@ impl Seed {
 
     /// A point source at a grid point.
     pub fn at_source(row: usize, col: usize, time: f64) -> Self {
-        Self { row, col, time, curvature: Self::AT_SOURCE }
+        Self { row, col, time, curvature: Self::AT_SOURCE, from: None }
     }
 }
 

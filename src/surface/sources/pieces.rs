@@ -167,7 +167,8 @@ impl Surface {
             * rise.map_or(chord, |rise| (chord * chord + rise.from((row, col))).max(0.0).sqrt());
         let foot = cut.0 + foot * (cut.1 - cut.0);
         let curvature = self.seed_curvature((row, col), distance, foot, ends);
-        Seed { row, col, time: initial + distance, curvature }
+        let from = (ends[0].0 == ends[1].0 && distance > 0.0).then_some(ends[0].0);
+        Seed { row, col, time: initial + distance, curvature, from }
     }
 
     /// Curvature of the front at a grid point some distance from the place `foot` of a segment.

@@ -41,7 +41,7 @@ enum WavefrontArg {
     Curved,
     /// Curved, and goes on as two arcs behind corners: as good as exact on floor plans, but not for
     /// curved or rough surfaces with holes
-    Arcs,
+    Anchored,
     /// Circular: exact on developable surfaces but for the sampling, for point sources only
     Point,
     /// Straight: first-order accurate, as in the paper
@@ -96,7 +96,7 @@ impl SolverArgs {
             schedule: self.schedule()?,
             wavefront: match self.wavefront {
                 WavefrontArg::Auto => None,
-                WavefrontArg::Arcs => Some(Wavefront::Arcs),
+                WavefrontArg::Anchored => Some(Wavefront::Anchored),
                 WavefrontArg::Curved => Some(Wavefront::Curved),
                 WavefrontArg::Point => Some(Wavefront::PointSource),
                 WavefrontArg::Planar => Some(Wavefront::Planar),
