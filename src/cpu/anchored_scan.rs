@@ -6,44 +6,67 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::line_update::{How, Updated};
 use super::state::{accept_anchored, change_of_anchored, is_from};
 use super::tiles::{Scan, TILE};
-use crate::lanes::Work;
-use crate::surface::{Chart, EdgeLengths, Real, min};
+use crate::lanes::{Work, prefetch};
+use crate::surface::{Chart, Real, TAG, min};
 use crate::update::{Floor, Front};
 
-/// A floor plan, and which of its points have all their neighbours.
+/// A floor plan, and where one anchor behind a point is all that a scan has to look at.
 #[derive(Clone, Debug)]
-pub(super) struct Plan<'a, R> {
-    pub floor: Floor<'a, R>,
-    /// Zero at points of the bordered array that have all their edges, 1 at all others.
-    pub parts: Vec<R>,
+pub(super) struct Plan<R> {
+    pub floor: Floor<R>,
+    /// Of each point of the bordered array, tagged with a bit for each scan: clear where the point has
+    /// edges to all three neighbours behind, and none of these is a corner.
+    pub holes: Vec<R>,
 }
 
-impl<'a, R: Real> Plan<'a, R> {
-    pub(super) fn new(edges: &'a EdgeLengths<R>, floor: Floor<'a, R>) -> Self {
-        let chart = edges.chart();
-        let mut parts = vec![R::one(); chart.bordered_points()];
-        for (row, col) in (0..chart.points()).map(|index| chart.position(index)) {
-            let point = chart.bordered(row, col);
-            if (0..8).all(|to| floor.neighbour(point, to).is_some()) {
-                parts[point] = R::zero();
+impl<R: Real> Plan<R> {
+    pub(super) fn new(chart: Chart, floor: Floor<R>) -> Self {
+        let stride = chart.stride();
+        let mut holes = vec![R::one().with_tag(TAG); chart.bordered_points()];
+        let inner = stride..holes.len() - stride;
+        holes[inner].par_chunks_mut(stride).enumerate().for_each(|(row, holes)| {
+            for (col, hole) in holes.iter_mut().enumerate().skip(1).take(chart.cols) {
+                let point = (row + 1) * stride + col;
+                let blocks = |scan: &Scan| !floor.is_open(point, scan.back() as usize);
+                let blocked = Scan::ALL.iter().filter(|scan| blocks(scan));
+                let tag = blocked.fold(0, |tag, scan| tag | hole_bit(*scan));
+                *hole = R::one().with_tag(tag);
             }
-        }
-        Self { floor, parts }
+        });
+        Self { floor, holes }
     }
+
+    /// Whether that is so at a point of [`Plan::holes`].
+    #[inline(always)]
+    pub(super) fn is_clear(hole: R, scan: Scan) -> bool {
+        hole.tag_has(hole_bit(scan), 0)
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        self.floor.bytes() + std::mem::size_of_val(self.holes.as_slice())
+    }
+}
+
+#[inline(always)]
+fn hole_bit(scan: Scan) -> u8 {
+    scan.bit() >> 1
 }
 
 /// The lines of a grid, or of some of its columns turned into lines, while a scan updates them.
 pub(super) struct Lines<'a, R> {
-    pub plan: &'a Plan<'a, R>,
+    pub plan: &'a Plan<R>,
     pub chart: Chart,
-    /// Arrival times, numbers of anchors, and [`Plan::parts`]: point p of line l has index
+    /// Arrival times, numbers of anchors, and [`Plan::holes`]: point p of line l has index
     /// l * `stride` + p + 1, with points counted from the first of the grid.
     pub times: &'a mut [R],
     pub anchors: &'a mut [R],
-    pub parts: &'a [R],
+    pub holes: &'a [R],
     pub stride: usize,
     /// Which row or column, counted from the border, is the first of these lines.
     pub first: usize,
@@ -81,6 +104,16 @@ impl<R: Real> Lines<'_, R> {
         how.instructions.run(Update { lines: self, line, points, how, changed })
     }
 
+    /// Asks for what the next line's update needs from some point on.
+    #[inline(always)]
+    fn prefetch_next(&self, line: usize, start: usize, scan: Scan) {
+        let next = if scan.is_forward() { line + 1 } else { line - 1 };
+        let place = (next * self.stride + start + 1) as isize;
+        prefetch(self.times, place);
+        prefetch(self.anchors, place);
+        prefetch(self.holes, place);
+    }
+
     /// The way to a point from the line behind, one point at a time.
     #[inline(never)]
     fn reach(&self, point: usize, scan: Scan) -> Front<R> {
@@ -106,6 +139,7 @@ impl<R: Real> Work for Update<'_, '_, R> {
         let mut updated = Updated::<R::Bits>::default();
         for (tile, changed) in changed.iter_mut().enumerate() {
             let count = (points.len() - tile * TILE).min(TILE);
+            lines.prefetch_next(line, points.start + tile * TILE, how.scan);
             // The last stretch overlaps the one before, as a number of points that is known when this is
             // compiled needs no loop.
             let found = match points.len().checked_sub(TILE) {
@@ -135,73 +169,132 @@ fn update<R: Real>(
     let line_behind = if how.scan.is_forward() { line - 1 } else { line + 1 };
     let (here, there) = (line * lines.stride + start + 1, line_behind * lines.stride + start);
     let (times, anchors) = (&lines.times[here..][..points], &lines.anchors[here..][..points]);
-    let times_behind = &lines.times[there..][..points + 2];
-    let anchors_behind = &lines.anchors[there..][..points + 2];
-    let parts_behind = &lines.parts[there..][..points + 2];
-
+    let behind = Behind {
+        times: &lines.times[there..][..points + 2],
+        anchors: &lines.anchors[there..][..points + 2],
+        holes: &lines.holes[here..][..points],
+    };
     let (mut renewed, mut leads) = (false, true);
     for i in 0..points {
         renewed |= how.renews & is_from(anchors[i], how.scan.0);
-        let behind = min(times_behind[i], min(times_behind[i + 1], times_behind[i + 2]));
-        leads &= behind >= times[i];
+        leads &= behind.first(i) >= times[i];
     }
     if leads & !renewed {
         return None;
     }
-    let mut is_one = true;
-    for i in 0..points + 2 {
-        is_one &= anchors_behind[i].is_numbered_as(anchors_behind[0])
-            & (times_behind[i] < R::FAR)
-            & (parts_behind[i] == R::zero());
+    let mut is_one = behind.times[0] < R::FAR;
+    for i in 0..points {
+        is_one &= behind.has(i, behind.anchors[0], how.scan);
     }
-    let [row, col] = if how.scan.by_rows() {
-        [lines.first + line, start + 1]
-    } else {
-        [start + 1, lines.first + line]
+    let first = match how.scan.by_rows() {
+        true => [lines.first + line, start + 1],
+        false => [start + 1, lines.first + line],
     };
-    let mut brought = [[R::FAR, R::zero()]; TILE];
+    let mut brought = Brought { times: [R::FAR; TILE], anchors: [R::zero(); TILE] };
     if is_one {
-        let point = row * lines.chart.stride() + col;
-        let beside = point.wrapping_add_signed(lines.chart.offset(how.scan.back()));
-        let from = lines.plan.floor.anchor_of(beside, |x| lines.front(x));
-        let ([start, to_row, to_col], anchor) = (from.seen_from([row, col]), anchors_behind[0]);
-        let (along_rows, along_cols) =
-            if how.scan.by_rows() { (R::zero(), R::one()) } else { (R::one(), R::zero()) };
-        let ahead = if how.scan.by_rows() { to_row } else { to_col };
-        let back = if how.scan.is_forward() { -ahead } else { ahead };
-        for (i, brought) in brought[..points].iter_mut().enumerate() {
-            let steps = R::of(i as f64);
-            let step = [to_row - along_rows * steps, to_col - along_cols * steps];
-            let aside = if how.scan.by_rows() { step[1] } else { step[0] };
-            let time = start + lines.plan.floor.length(step);
-            let passes = (aside.abs() <= back) & (back >= R::one());
-            *brought = [if passes { time } else { R::FAR }, anchor];
-        }
+        brought.from_one(lines, &behind, first, 0..points, how.scan);
     } else {
-        for (i, brought) in brought[..points].iter_mut().enumerate() {
-            let behind = min(times_behind[i], min(times_behind[i + 1], times_behind[i + 2]));
-            if behind < R::FAR {
-                let (row, col) = if how.scan.by_rows() { (row, col + i) } else { (row + i, col) };
-                let front = lines.reach(row * lines.chart.stride() + col, how.scan);
-                *brought = [front.time, front.curvature];
-            }
-        }
+        let may_come =
+            |i: usize| behind.first(i) < times[i] || how.renews && is_from(anchors[i], how.scan.0);
+        brought.from_several(lines, &behind, first, points, how.scan, may_come);
     }
-    let (mut largest, mut any) = (R::Bits::default(), false);
-    let mut after = [[R::zero(); 2]; TILE];
+    let (mut new_times, mut new_anchors) = ([R::zero(); TILE], [R::zero(); TILE]);
+    let mut changes = [R::Bits::default(); TILE];
+    let mut any = false;
     for i in 0..points {
         let before = [times[i], anchors[i]];
-        let [time, curvature] = brought[i];
-        let front = Front { time, curvature, whole: false };
-        after[i] = accept_anchored(before, front, how.scan.0, how.renews);
-        largest = largest.max(change_of_anchored(before, after[i]));
-        any |= before[0].units_between(after[i][0]).max(before[1].units_between(after[i][1]))
+        let front = Front { time: brought.times[i], curvature: brought.anchors[i], whole: false };
+        let after = accept_anchored(before, front, how.scan.0, how.renews);
+        changes[i] = change_of_anchored(before, after);
+        any |= before[0].units_between(after[0]).max(before[1].units_between(after[1]))
             > R::Bits::default();
+        [new_times[i], new_anchors[i]] = after;
     }
     if any {
-        for (i, &[time, anchor]) in after[..points].iter().enumerate() {
-            (lines.times[here + i], lines.anchors[here + i]) = (time, anchor);
+        lines.times[here..][..points].copy_from_slice(&new_times[..points]);
+        lines.anchors[here..][..points].copy_from_slice(&new_anchors[..points]);
+    }
+    Some((changes.into_iter().max().unwrap_or_default(), any))
+}
+
+/// The points behind a stretch, from the one before its first to the one after its last.
+struct Behind<'a, R> {
+    times: &'a [R],
+    anchors: &'a [R],
+    /// At the points of the stretch.
+    holes: &'a [R],
+}
+
+impl<R: Real> Behind<'_, R> {
+    /// The earliest of the three behind a point.
+    #[inline(always)]
+    fn first(&self, i: usize) -> R {
+        min(self.times[i], min(self.times[i + 1], self.times[i + 2]))
+    }
+
+    /// Whether all three have an anchor, and no hole is near.
+    #[inline(always)]
+    fn has(&self, i: usize, anchor: R, scan: Scan) -> bool {
+        let [a, b, c] = [0, 1, 2].map(|k| self.anchors[i + k].is_numbered_as(anchor));
+        a & b & c & Plan::is_clear(self.holes[i], scan)
+    }
+}
+
+/// What a scan brings to the points of a stretch: times and numbers of anchors.
+struct Brought<R> {
+    times: [R; TILE],
+    anchors: [R; TILE],
+}
+
+impl<R: Real> Brought<R> {
+    /// To points behind which all have one anchor, and no hole is near.
+    #[inline(always)]
+    fn from_one(
+        &mut self,
+        lines: &Lines<R>,
+        behind: &Behind<R>,
+        [row, col]: [usize; 2],
+        points: Range<usize>,
+        scan: Scan,
+    ) {
+        let i = points.start;
+        let [row, col] = if scan.by_rows() { [row, col + i] } else { [row + i, col] };
+        let (ahead, along) = (scan.ahead(), if scan.by_rows() { [0, 1] } else { [1, 0] });
+        let rays = lines.plan.floor.rays([row, col], ahead, along, |x| lines.front(x));
+        self.anchors[points.clone()].fill(behind.anchors[i]);
+        for (i, time) in self.times[points].iter_mut().enumerate() {
+            *time = rays.time(i);
         }
     }
-    Some((largest, any))
+
+    /// To others: as many as possible at once, and the rest one after another.
+    #[inline(always)]
+    fn from_several(
+        &mut self,
+        lines: &Lines<R>,
+        behind: &Behind<R>,
+        first: [usize; 2],
+        points: usize,
+        scan: Scan,
+        may_come: impl Fn(usize) -> bool,
+    ) {
+        let mut i = 0;
+        while i < points {
+            let anchor = behind.anchors[i];
+            let run = (i..points).take_while(|&other| behind.has(other, anchor, scan)).count();
+            if run > 0 && behind.times[i] < R::FAR {
+                self.from_one(lines, behind, first, i..i + run, scan);
+                i += run;
+                continue;
+            }
+            let [row, col] = first;
+            let [row, col] = if scan.by_rows() { [row, col + i] } else { [row + i, col] };
+            let point = row * lines.chart.stride() + col;
+            if may_come(i) && lines.plan.floor.has(point) {
+                let front = lines.reach(point, scan);
+                (self.times[i], self.anchors[i]) = (front.time, front.curvature);
+            }
+            i += 1;
+        }
+    }
 }

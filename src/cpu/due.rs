@@ -10,21 +10,24 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::anchored_scan::Plan;
 use super::line_update::How;
 use super::settled::{Visited, stays};
 use super::state::is_from;
 use super::tiles::{Scan, TILE, Tiles, points};
 use crate::lanes::{Work, prefetch};
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, min};
-use crate::update::{Triangle, Wavefront};
+use crate::update::{Triangle, Wavefront, is_shorter};
 
 /// The fronts at all points that two scans start from.
 #[derive(Clone, Copy)]
 pub(super) struct Before<'a, R> {
     pub edges: &'a EdgeLengths<R>,
     pub times: &'a [R],
-    /// Empty unless the wavefront is curved.
+    /// Or numbers of anchors; empty if the front has neither.
     pub curvatures: &'a [R],
+    /// If fronts have anchors.
+    pub plan: Option<&'a Plan<R>>,
 }
 
 impl<R: Real> Before<'_, R> {
@@ -43,8 +46,15 @@ impl<R: Real> Before<'_, R> {
                         looked += cols.len() as u64;
                         let first = chart.bordered(row, cols.start);
                         let around = self.around(behind, first, cols.len());
-                        let stride = chart.stride() as isize;
-                        how.instructions.run(Look { around, stride, how: *how, due });
+                        let (before, stride) = (self, chart.stride() as isize);
+                        how.instructions.run(Look {
+                            before,
+                            first,
+                            around,
+                            stride,
+                            how: *how,
+                            due,
+                        });
                     }
                 }
             }
@@ -92,18 +102,23 @@ struct Behind {
 impl Behind {
     fn new(chart: Chart, scan: Scan) -> Self {
         use Direction::*;
-        let (behind, along) = match scan {
-            Scan::DOWN => ([NorthWest, North, NorthEast], East),
-            Scan::UP => ([SouthWest, South, SouthEast], East),
-            Scan::RIGHT => ([NorthWest, West, SouthWest], South),
-            _ => ([NorthEast, East, SouthEast], South),
-        };
+        let (behind, along) = (directions(scan), if scan.by_rows() { East } else { South });
         Self {
             points: behind.map(|to| chart.offset(to)),
             edges: behind.map(|to| EdgeSlot::new(chart, 0, to)),
             bases: [behind[0], behind[1]]
                 .map(|from| EdgeSlot::new(chart, chart.offset(from), along)),
         }
+    }
+}
+
+fn directions(scan: Scan) -> [Direction; 3] {
+    use Direction::*;
+    match scan {
+        Scan::DOWN => [NorthWest, North, NorthEast],
+        Scan::UP => [SouthWest, South, SouthEast],
+        Scan::RIGHT => [NorthWest, West, SouthWest],
+        _ => [NorthEast, East, SouthEast],
     }
 }
 
@@ -158,6 +173,15 @@ impl<R: Real> Around<'_, R> {
         }
     }
 
+    /// The same where edges are not looked at.
+    #[inline(always)]
+    fn prefetch_next_anchored(&self, plan: &Plan<R>, point: usize, stride: isize, start: usize) {
+        let place = stride + start as isize;
+        prefetch(self.times, place + stride);
+        prefetch(self.curvatures, place + stride);
+        prefetch(&plan.holes, stride + point as isize);
+    }
+
     /// Whether nothing behind is earlier than any point.
     #[inline(always)]
     fn leads(&self, points: usize) -> bool {
@@ -193,6 +217,9 @@ fn cut<R>(array: &[R], start: usize, points: usize) -> &[R] {
 /// Whether a scan has something to do in the tiles of a row of points: adds it to those that are
 /// due there.
 struct Look<'a, R> {
+    before: Before<'a, R>,
+    /// The first point.
+    first: usize,
     around: Around<'a, R>,
     /// From here to the next row.
     stride: isize,
@@ -205,17 +232,25 @@ impl<R: Real> Work for Look<'_, R> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { around, stride, how, due } = self;
+        let Self { before, first, around, stride, how, due } = self;
         let points = around.times.len();
         for (tile, due) in due.iter_mut().enumerate() {
-            around.prefetch_next(stride, tile * TILE);
+            match before.plan {
+                Some(plan) => {
+                    around.prefetch_next_anchored(plan, first + tile * TILE, stride, tile * TILE)
+                }
+                None => around.prefetch_next(stride, tile * TILE),
+            }
             if *due & how.scan.bit() != 0 {
                 continue;
             }
             // As updates stretch: the last one overlaps the one before.
             let settled = match points.checked_sub(TILE) {
-                Some(last) => settled(&around, (tile * TILE).min(last), TILE, how),
-                None => settled(&around, 0, points, how),
+                Some(last) => {
+                    let start = (tile * TILE).min(last);
+                    settled(before, first + start, &around, start, TILE, how)
+                }
+                None => settled(before, first, &around, 0, points, how),
             };
             if !settled {
                 *due |= how.scan.bit();
@@ -224,12 +259,21 @@ impl<R: Real> Work for Look<'_, R> {
     }
 }
 
-/// Whether a scan leaves a stretch of points as they are.
+/// Whether a scan leaves a stretch of points as they are, of which this is the first.
 #[inline(always)]
-fn settled<R: Real>(around: &Around<R>, start: usize, points: usize, how: How) -> bool {
+fn settled<R: Real>(
+    before: Before<R>,
+    first: usize,
+    around: &Around<R>,
+    start: usize,
+    points: usize,
+    how: How,
+) -> bool {
     match how.wavefront {
         Wavefront::Curved => settled_curved(around.stretch(start, points, points), points, how),
-        Wavefront::Anchored => false,
+        Wavefront::Anchored => {
+            settled_anchored(before, first, around.stretch(start, points, points), points, how)
+        }
         Wavefront::PointSource => {
             settled_straight(around.stretch(start, points, 0), points, Wavefront::PointSource)
         }
@@ -269,6 +313,46 @@ fn settled_curved<R: Real>(around: Around<R>, points: usize, how: How) -> bool {
     settled
 }
 
+/// As far as one anchor serves all that lies behind; where several do, there is something to do.
+#[inline(always)]
+fn settled_anchored<R: Real>(
+    before: Before<R>,
+    first: usize,
+    around: Around<R>,
+    points: usize,
+    how: How,
+) -> bool {
+    let mut renewed = false;
+    for i in 0..points {
+        renewed |= how.renews & is_from(around.curvatures[i], how.scan.0);
+    }
+    if renewed | around.leads(points) {
+        return !renewed;
+    }
+    let Some(plan) = before.plan else { return false };
+    let (chart, holes) = (before.edges.chart(), &plan.holes[first..][..points]);
+    let [behind, beside, after] = around.curvatures_behind;
+    let anchor = beside[0];
+    let mut is_one = around.behind[1][0] < R::FAR;
+    for i in 0..points {
+        is_one &= behind[i].is_numbered_as(anchor)
+            & beside[i].is_numbered_as(anchor)
+            & after[i].is_numbered_as(anchor)
+            & Plan::is_clear(holes[i], how.scan);
+    }
+    if !is_one {
+        return false;
+    }
+    let at = [first / chart.stride(), first % chart.stride()];
+    let known = |x: usize| [before.times[x], before.curvatures[x]];
+    let rays = plan.floor.rays(at, how.scan.ahead(), [0, 1], known);
+    let mut settled = true;
+    for (i, &time) in around.times[..points].iter().enumerate() {
+        settled &= !is_shorter(rays.time(i), time);
+    }
+    settled
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -293,7 +377,8 @@ mod tests {
         }
         let curved = if wavefront == Wavefront::Curved { array.len() } else { 0 };
         let curvatures = vec![curvature; curved];
-        let before = Before { edges: &edges, times: &array, curvatures: &curvatures };
+        let (times, curvatures) = (&array, &curvatures);
+        let before = Before { edges: &edges, times, curvatures, plan: None };
         let mut tiles = Tiles::new(chart);
         tiles.touch(MIDDLE[0], MIDDLE[1]);
         let mut found = Vec::new();

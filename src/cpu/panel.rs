@@ -123,7 +123,7 @@ impl<R: Real> Panel<R> {
     /// The columns as lines of a floor plan, with some of their rows.
     pub(super) fn lines<'a>(
         &'a mut self,
-        plan: &'a Plan<'a, R>,
+        plan: &'a Plan<R>,
         chart: Chart,
         rows: Range<usize>,
         beyond: [&'a [R]; 2],
@@ -134,7 +134,7 @@ impl<R: Real> Panel<R> {
             chart,
             times: &mut self.times[held],
             anchors: &mut self.curvatures[held],
-            parts: &self.gaussian[held],
+            holes: &self.gaussian[held],
             stride: self.stride,
             first: self.first,
             beyond: Some((rows.start + 1..rows.end + 1, beyond)),

@@ -44,7 +44,7 @@ pub struct RotatedScan<'a, R> {
     /// Of the surface; empty unless the wavefront is curved.
     gaussian: &'a [R],
     /// If fronts have anchors.
-    plan: Option<Plan<'a, R>>,
+    plan: Option<Plan<R>>,
     wavefront: Wavefront,
     instructions: Instructions,
     tiles: Tiles,
@@ -111,7 +111,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
             edges,
             gaussian: if curved { edges.gaussian_curvature() } else { &[] },
             plan: (wavefront == Wavefront::Anchored)
-                .then(|| Floor::of(edges).map(|floor| Plan::new(edges, floor)))
+                .then(|| Floor::of(edges).map(|floor| Plan::new(chart, floor)))
                 .flatten(),
             wavefront,
             instructions: Instructions::best(),
@@ -217,7 +217,8 @@ impl<'a, R: Real> RotatedScan<'a, R> {
                 + fronts.panel.bytes()
         };
         let turned = self.turned.as_ref().map_or(0, Turned::bytes);
-        self.fronts.iter().map(of).sum::<usize>() + self.tiles.bytes() + turned
+        let plan = self.plan.as_ref().map_or(0, Plan::bytes);
+        self.fronts.iter().map(of).sum::<usize>() + self.tiles.bytes() + turned + plan
     }
 
     /// The arrival times along a row, [`Real::FAR`] or later where no source reaches.
@@ -283,14 +284,14 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     fn scan(&mut self, scans: [Scan; 2], renews: bool) -> R::Bits {
         let turned = self.turned.as_ref().and_then(Turned::filled);
         let (gaussian, plan) = match &self.plan {
-            Some(plan) => (plan.parts.as_slice(), Some(plan)),
+            Some(plan) => (plan.holes.as_slice(), Some(plan)),
             None => (self.gaussian, None),
         };
         let grid = Grid { edges: self.edges, turned, gaussian };
         let (wavefront, instructions) = (self.wavefront, self.instructions);
         let how = |scan| How { wavefront, scan, renews, instructions };
         let Fronts { times, curvatures, .. } = &self.fronts[0];
-        let before = Before { edges: self.edges, times, curvatures };
+        let before = Before { edges: self.edges, times, curvatures, plan };
         self.looked += before.find_due(&mut self.tiles, scans.map(how));
         let (tiles, [first, second]) = (&self.tiles, &mut self.fronts);
         let (a, b) = rayon::join(
@@ -344,7 +345,7 @@ impl<R: Real> Fronts<R> {
                 chart,
                 times: &mut self.times,
                 anchors: &mut self.curvatures,
-                parts: &plan.parts,
+                holes: &plan.holes,
                 stride: chart.stride(),
                 first: 0,
                 beyond: None,

@@ -55,7 +55,7 @@ pub(super) struct Fronts<'a, R> {
     /// Of the surface; empty unless the wavefront is curved.
     gaussian: &'a [R],
     /// If fronts have anchors.
-    floor: Option<Floor<'a, R>>,
+    floor: Option<Floor<R>>,
 }
 
 impl<'a, R: Real> Fronts<'a, R> {
@@ -306,7 +306,7 @@ pub(super) fn accept<R: Real>(
     (if accepted { arrival } else { time }, if accepted { front.curvature } else { curvature })
 }
 
-/// [`accept`] of a front with the number of its anchor: what comes shorter than what is here, by more than
+/// [`accept`] of a front with the number of its anchor, zero where none has arrived: what comes shorter than what is here, by more than
 /// rounding; and if the scan `renews`, what it brings in place of what it has brought before.
 #[inline(always)]
 pub(super) fn accept_anchored<R: Real>(
@@ -320,7 +320,7 @@ pub(super) fn accept_anchored<R: Real>(
         & anchor.is_numbered_as(front.curvature);
     let again = (time < R::FAR) & renews & is_from(anchor, scan) & !is_same;
     let accepted = is_shorter(front.time, time) | again;
-    let brought = front.curvature.with_tag(scan);
+    let brought = if front.time < R::FAR { front.curvature.with_tag(scan) } else { R::zero() };
     [if accepted { front.time } else { time }, if accepted { brought } else { anchor }]
 }
 

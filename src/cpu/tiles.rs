@@ -20,6 +20,7 @@ impl Scan {
     pub(super) const UP: Self = Self(2);
     pub(super) const RIGHT: Self = Self(3);
     pub(super) const LEFT: Self = Self(4);
+    pub(super) const ALL: [Self; 4] = [Self::DOWN, Self::UP, Self::RIGHT, Self::LEFT];
 
     /// Whether lines are rows.
     pub(super) fn by_rows(self) -> bool {
@@ -29,6 +30,12 @@ impl Scan {
     /// Whether lines are passed in the order of their index.
     pub(super) fn is_forward(self) -> bool {
         self.0 % 2 == 1
+    }
+
+    /// Rows and columns from a line to the next.
+    pub(super) fn ahead(self) -> [isize; 2] {
+        let (row, col) = self.back().opposite().step();
+        [row, col]
     }
 
     /// From a point to that beside it on the line behind.

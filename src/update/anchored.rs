@@ -14,8 +14,9 @@
 //! The twin of `glsl/anchored.glsl`.
 
 use glam::DVec2;
+use rayon::prelude::*;
 
-use crate::surface::{Direction, EdgeLengths, EdgeSlot, Real, Seed, is_corner};
+use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, Seed, is_corner};
 
 /// How many anchors back a point looks beside its neighbours' own: where several corners lie close
 /// together, what is lit from between them may be narrower than a cell for long.
@@ -36,12 +37,16 @@ pub(crate) struct Inside<R> {
 ///
 /// Anchors are numbered: first the points of a bordered array, then sources inside cells.
 #[derive(Clone, Debug)]
-pub(crate) struct Floor<'a, R> {
-    edges: &'a EdgeLengths<R>,
+pub(crate) struct Floor<R> {
+    chart: Chart,
     stride: usize,
     points: usize,
-    /// Where the eight neighbours lie, and the edges to them.
-    around: [(isize, EdgeSlot); 8],
+    /// Of each point of the bordered array, to which of its eight neighbours it has edges: bit by bit.
+    edges: Vec<u8>,
+    /// Where the neighbours lie.
+    around: [isize; 8],
+    /// Which points are corners, by their edges.
+    corners: [bool; 256],
     /// The metric: of rows, of both, of columns.
     metric: [R; 3],
     inside: Vec<Inside<R>>,
@@ -73,18 +78,37 @@ pub(crate) fn is_shorter<R: Real>(a: R, b: R) -> bool {
     a < b * R::of(1.0 - ALIKE * R::epsilon().wide())
 }
 
-/// Where a front comes from: its anchor's time, row and column.
-pub(crate) struct From<R> {
+/// What comes to points in a row or column from one anchor, as far as the straight line passes between the
+/// outer two of the three neighbours that a scan has passed: all of it linear from point to point but the
+/// length of that line.
+#[derive(Clone, Copy)]
+pub(crate) struct Rays<R> {
     start: R,
-    place: Step<R>,
+    metric: [R; 3],
+    /// To the anchor, and what is added from a point to the next.
+    step: Step<R>,
+    per_point: Step<R>,
+    /// Lines that it lies behind, against the scan's way, and points that it lies aside; likewise.
+    back: [R; 2],
+    aside: [R; 2],
 }
 
-impl<R: Real> From<R> {
-    /// Its time, and the rows and columns to it.
-    pub(crate) fn seen_from(self, [row, col]: [usize; 2]) -> [R; 3] {
-        let [to_row, to_col] = self.place;
-        [self.start, to_row - R::of(row as f64), to_col - R::of(col as f64)]
+impl<R: Real> Rays<R> {
+    /// The time at one of the points, or [`Real::FAR`].
+    #[inline(always)]
+    pub(crate) fn time(&self, i: usize) -> R {
+        let [start, i] = [self.start, R::of(i as f64)];
+        let [back, aside] = [self.back, self.aside].map(|[first, per_point]| first + per_point * i);
+        let step = [0, 1].map(|k| self.step[k] + self.per_point[k] * i);
+        let passes = (aside.abs() <= back) & (back >= R::one());
+        if passes { start + length(self.metric, step) } else { R::FAR }
     }
+}
+
+/// Length of a straight line.
+#[inline(always)]
+fn length<R: Real>([rr, rc, cc]: [R; 3], [row, col]: Step<R>) -> R {
+    (row * (rr * row + (rc + rc) * col) + cc * col * col).sqrt()
 }
 
 /// A neighbour that has been reached.
@@ -109,23 +133,44 @@ fn dot<R: Real>(a: Step<R>, b: Step<R>) -> f64 {
     a[0].wide() * b[0].wide() + a[1].wide() * b[1].wide()
 }
 
-impl<'a, R: Real> Floor<'a, R> {
+impl<R: Real> Floor<R> {
     /// If the edges are those of one.
-    pub(crate) fn of(edges: &'a EdgeLengths<R>) -> Option<Self> {
-        let (chart, grid) = (edges.chart(), edges.floor()?);
+    pub(crate) fn of(lengths: &EdgeLengths<R>) -> Option<Self> {
+        let (chart, grid) = (lengths.chart(), lengths.floor()?);
+        let slots = Direction::ALL.map(|to| EdgeSlot::new(chart, 0, to));
+        let mut edges = vec![0; chart.bordered_points()];
+        let rows = chart.stride()..edges.len() - chart.stride();
+        edges[rows].par_chunks_mut(chart.stride()).enumerate().for_each(|(row, edges)| {
+            let inner = &mut edges[1..=chart.cols];
+            for (bit, &slot) in slots.iter().enumerate() {
+                let lengths = lengths.row(chart.bordered(row, 0), slot, chart.cols);
+                for (edges, &length) in inner.iter_mut().zip(lengths) {
+                    *edges |= if length < R::FAR { 1 << bit } else { 0 };
+                }
+            }
+        });
         Some(Self {
-            edges,
+            chart,
             stride: chart.stride(),
             points: chart.bordered_points(),
-            around: Direction::ALL.map(|to| (chart.offset(to), EdgeSlot::new(chart, 0, to))),
+            edges,
+            around: Direction::ALL.map(|to| chart.offset(to)),
+            corners: std::array::from_fn(|edges| {
+                is_corner(std::array::from_fn(|to| edges >> to & 1 != 0))
+            }),
             metric: grid.metric().map(R::of),
             inside: Vec::new(),
         })
     }
 
+    /// Bytes held.
+    pub(crate) fn bytes(&self) -> usize {
+        self.edges.len()
+    }
+
     /// The number of the anchor of a seed, among those of other seeds.
     pub(crate) fn seed(&mut self, seed: &Seed) -> R {
-        let own = self.edges.chart().bordered(seed.row, seed.col);
+        let own = self.chart.bordered(seed.row, seed.col);
         let Some(from) = seed.from else { return R::of_number(own) };
         let place = from + DVec2::ONE;
         let ahead = self.length(self.step_to(own, [R::of(place.x), R::of(place.y)]));
@@ -151,52 +196,113 @@ impl<'a, R: Real> Floor<'a, R> {
     }
 
     /// The neighbour of a point in one of the eight directions.
-    pub(crate) fn neighbour(&self, point: usize, to: usize) -> Option<usize> {
-        let (offset, edge) = self.around[to];
-        (self.edges.at(point, edge) < R::FAR).then(|| point.wrapping_add_signed(offset))
+    #[inline]
+    fn neighbour(&self, point: usize, to: usize) -> Option<usize> {
+        let is_there = self.edges[point] >> to & 1 != 0;
+        is_there.then(|| point.wrapping_add_signed(self.around[to]))
+    }
+
+    /// Whether there is a point with neighbours.
+    #[inline]
+    pub(crate) fn has(&self, point: usize) -> bool {
+        self.edges[point] != 0
+    }
+
+    /// Whether a point has three neighbours that follow one another, and paths bend at none of these.
+    pub(crate) fn is_open(&self, point: usize, middle: usize) -> bool {
+        [7, 0, 1].into_iter().all(|turn| {
+            let end = self.neighbour(point, (middle + turn) % 8);
+            end.is_some_and(|end| !self.is_corner(end))
+        })
     }
 
     /// Whether paths can bend at a point.
-    pub(crate) fn is_corner(&self, point: usize) -> bool {
-        let there: [bool; 8] = std::array::from_fn(|to| self.neighbour(point, to).is_some());
-        // Most points have all their edges, which is found sooner.
-        there.contains(&false) && is_corner(there)
+    #[inline]
+    fn is_corner(&self, point: usize) -> bool {
+        self.corners[usize::from(self.edges[point])]
     }
 
     /// Row and column, from the border: whole numbers, but for sources.
+    #[inline(always)]
     fn place(&self, anchor: usize) -> Step<R> {
         match anchor.checked_sub(self.points) {
             Some(source) => {
                 let place = self.inside[source].place;
                 [R::of(place.x), R::of(place.y)]
             }
-            None => [anchor / self.stride, anchor % self.stride].map(|line| R::of(line as f64)),
+            None => {
+                // Shorter than a machine word, they are divided sooner.
+                let (anchor, stride) = (anchor as u32, self.stride as u32);
+                [anchor / stride, anchor % stride].map(|line| R::of(f64::from(line)))
+            }
         }
     }
 
+    #[inline(always)]
     fn step(&self, from: usize, to: usize) -> Step<R> {
         self.step_to(from, self.place(to))
     }
 
+    #[inline(always)]
     fn step_to(&self, from: usize, to: [R; 2]) -> Step<R> {
         let from = self.place(from);
         [to[0] - from[0], to[1] - from[1]]
     }
 
-    /// Length of a straight line.
-    #[inline(always)]
-    pub(crate) fn length(&self, step: Step<R>) -> R {
-        let ([rr, rc, cc], [row, col]) = (self.metric, step);
-        (row * (rr * row + (rc + rc) * col) + cc * col * col).sqrt()
+    fn length(&self, step: Step<R>) -> R {
+        length(self.metric, step)
     }
 
-    /// Where the front at a point comes from that has been reached.
-    pub(crate) fn anchor_of(&self, point: usize, front: impl Fn(usize) -> [R; 2]) -> From<R> {
-        let end = self.end_at(point, &front);
-        From { start: end.start, place: self.place(end.anchor) }
+    /// What a scan, that goes some rows and columns ahead, brings to points of which the first is given by
+    /// row and column, each so many `along` after the one before, from the anchor of the point behind it.
+    #[inline(always)]
+    pub(crate) fn rays(
+        &self,
+        first: [usize; 2],
+        ahead: [isize; 2],
+        along: [isize; 2],
+        front: impl Fn(usize) -> [R; 2],
+    ) -> Rays<R> {
+        let offset = ahead[0] * self.stride as isize + ahead[1];
+        let number = (first[0] * self.stride + first[1]).wrapping_add_signed(-offset);
+        let [ahead, along] = [ahead, along].map(|steps| steps.map(|steps| R::of(steps as f64)));
+        let point = first.map(|line| R::of(line as f64));
+        let behind = [point[0] - ahead[0], point[1] - ahead[1]];
+        let [time, code] = front(number);
+        let anchor = code.number();
+        let place = self.place(anchor);
+        let start = self.start(time, anchor, [place[0] - behind[0], place[1] - behind[1]], &front);
+        let step = [place[0] - point[0], place[1] - point[1]];
+        let per_point = along.map(|steps| -steps);
+        let across = ahead.map(|steps| R::one() - steps.abs());
+        let product = |a: Step<R>, b: Step<R>| a[0] * b[0] + a[1] * b[1];
+        Rays {
+            start,
+            metric: self.metric,
+            step,
+            per_point,
+            back: [-product(step, ahead), -product(per_point, ahead)],
+            aside: [product(step, across), product(per_point, across)],
+        }
+    }
+
+    /// When the anchor of a point was reached, that lies so far from it.
+    ///
+    /// It is the time that is known there, to which what follows from the point is rounded; but the latter
+    /// where the two differ, since a change must come from the neighbours.
+    #[inline(always)]
+    fn start(&self, time: R, anchor: usize, step: Step<R>, front: &impl Fn(usize) -> [R; 2]) -> R {
+        let follows = time - self.length(step);
+        let rounding = R::of(ALIKE_AT_ANCHOR) * R::epsilon() * time;
+        let known = match anchor.checked_sub(self.points) {
+            Some(source) => self.inside[source].time,
+            None => front(anchor)[0],
+        };
+        if (known - follows).abs() <= rounding { known } else { follows }
     }
 
     /// When an anchor was reached, and from which; nothing if it has not been.
+    #[inline(always)]
     fn of_anchor(&self, anchor: usize, front: &impl Fn(usize) -> [R; 2]) -> Option<(R, usize)> {
         if let Some(source) = anchor.checked_sub(self.points) {
             return Some((self.inside[source].time, anchor));
@@ -206,6 +312,7 @@ impl<'a, R: Real> Floor<'a, R> {
     }
 
     /// The anchor of an anchor, and when it was reached; a source has none.
+    #[inline(always)]
     fn before(&self, anchor: usize, front: &impl Fn(usize) -> [R; 2]) -> Option<(R, usize)> {
         let (_, before) = self.of_anchor(anchor, front).filter(|&(_, before)| before != anchor)?;
         Some((self.of_anchor(before, front)?.0, before))
@@ -217,22 +324,16 @@ impl<'a, R: Real> Floor<'a, R> {
     }
 
     /// The neighbour of a point in some direction, if it has been reached.
-    ///
-    /// Its anchor's time is the one that is known there, to which what follows from the neighbour is rounded;
-    /// but the latter where the two differ, since a change must come from the neighbours.
+    #[inline(always)]
     fn end(&self, x0: usize, to: usize, front: &impl Fn(usize) -> [R; 2]) -> Option<End<R>> {
-        let end = self.end_at(self.neighbour(x0, to)?, front);
-        (end.time < R::FAR).then_some(end)
-    }
-
-    fn end_at(&self, point: usize, front: &impl Fn(usize) -> [R; 2]) -> End<R> {
+        let point = self.neighbour(x0, to)?;
         let [time, code] = front(point);
+        if time >= R::FAR {
+            return None;
+        }
         let anchor = code.number();
-        let follows = time - self.length(self.step(point, anchor));
-        let rounding = R::of(ALIKE_AT_ANCHOR) * R::epsilon() * time;
-        let known = self.of_anchor(anchor, front).map(|(known, _)| known);
-        let start = known.filter(|&known| (known - follows).abs() <= rounding).unwrap_or(follows);
-        End { point, time, anchor, start }
+        let start = self.start(time, anchor, self.step(point, anchor), front);
+        Some(End { point, time, anchor, start })
     }
 
     /// The shortest way to a point past three neighbours that follow one another, in directions
@@ -244,16 +345,22 @@ impl<'a, R: Real> Floor<'a, R> {
         middle: usize,
         front: impl Fn(usize) -> [R; 2],
     ) -> Way<R> {
-        let ends = [7, 0, 1].map(|turn| self.end(x0, (middle + turn) % 8, &front));
-        let through = |a: usize, b: usize| match [ends[a], ends[b]] {
-            [Some(a), Some(b)] => self.through(x0, [a, b], &front),
-            _ => Way::NONE,
-        };
-        let along = ends.into_iter().flatten().map(|end| self.along(x0, end));
-        along.fold(through(0, 1).or(through(1, 2)), Way::or)
+        let end = |turn| self.end(x0, (middle + turn) % 8, &front);
+        let ends = [end(7), end(0), end(1)];
+        let mut best = Way::NONE;
+        for pair in ends.windows(2) {
+            if let [Some(a), Some(b)] = *pair {
+                best = best.or(self.through(x0, [a, b], &front));
+            }
+        }
+        for end in ends.into_iter().flatten() {
+            best = best.or(self.along(x0, end));
+        }
+        best
     }
 
     /// The way along an edge: from its end, if that is a corner, or straight on.
+    #[inline(always)]
     fn along(&self, x0: usize, end: End<R>) -> Way<R> {
         if self.is_corner(end.point) {
             return self.way(x0, end.time, end.point);
@@ -268,9 +375,14 @@ impl<'a, R: Real> Floor<'a, R> {
         let [e1, e2] = ends.map(|end| self.step(x0, end.point));
         let turn = cross(e1, e2);
         let mut best = Way::NONE;
-        for end in ends {
+        // Where both ends have one anchor, all that lies between is lit by it alone.
+        let (ends_told, generations) = match ends {
+            [a, b] if a.anchor == b.anchor => (1, 0),
+            _ => (2, GENERATIONS),
+        };
+        for end in &ends[..ends_told] {
             let (mut start, mut anchor) = (end.start, end.anchor);
-            for _ in 0..=GENERATIONS {
+            for _ in 0..=generations {
                 let ray = self.step(x0, anchor);
                 let [a, b] = [cross(ray, e2) * turn, cross(e1, ray) * turn];
                 let beyond_base = a >= 0.0 && b >= 0.0 && a + b >= turn * turn;
