@@ -132,6 +132,9 @@ fn estimate<R: Precision>(
         _ => 1.0,
     };
     let (errors, extrapolated) = first.on_the_fine_grid(&errors, caution, &map, sources.start());
+    // What distances over a floor plan grow by is that corners have moved, and no error of the map.
+    let is_exact = map.report.wavefront == Wavefront::Anchored;
+    let extrapolated = if is_exact { map.distances.clone() } else { extrapolated };
     let levels = || [Some(&first), second.as_ref()].into_iter().flatten();
     let coarse_solve_time = levels().map(|level| level.map.report.solve_time).sum();
     let grids = 1 + levels().count() as u32;
@@ -228,6 +231,11 @@ impl<R: Precision> Level<R> {
     ) -> Result<Self, Error> {
         let seeds = coarse_seeds(surface, &coarse, sources, fine)?;
         let coarse_sources = coarse.sources(sources);
+        // What is left of an even grid may be uneven.
+        let lost =
+            options.wavefront == Some(Wavefront::Anchored) && !coarse.surface().is_floor_plan();
+        let wavefront = if lost { Some(Wavefront::Curved) } else { options.wavefront };
+        let options = &Options { wavefront, ..options.clone() };
         let problem = Problem::from_seeds::<R>(coarse.surface(), seeds, &coarse_sources, options)?;
         let map = R::solve(&problem, &options.engine)?;
         let pairs = coarse.indices().zip(&map.distances);

@@ -21,9 +21,7 @@ pub enum Engine {
     Cpu,
     /// Fast marching on the CPU, the sequential reference for the planar front, with obtuse triangles
     /// split. With the other fronts it can err by several per cent where triangles are obtuse: it
-    /// fixes points once, and where they are split a front's curvature is that of the air between. With
-    /// [`Wavefront::Anchored`] it is exact over floor plans: over flat, evenly spaced grids with holes of some
-    /// size and without obtuse triangles, from points.
+    /// fixes points once, and where they are split a front's curvature is that of the air between.
     FastMarching,
 }
 
@@ -51,10 +49,10 @@ pub struct Options {
     pub engine: Engine,
     /// The front assumed inside a triangle. By default curved, the most accurate on smooth
     /// surfaces, around walls and from curves, and as good as the circular one on rough terrain;
-    /// but circular for point sources that start together on a surface with a slowness, which may
+    /// but [`Wavefront::Anchored`], which is exact, over floor plans ([`Surface::is_floor_plan`]) from
+    /// points; circular for point sources that start together on a surface with a slowness, which may
     /// jump from point to point; and planar for fast marching. A curved map takes about twice the
-    /// time of a circular one. On floor plans [`Wavefront::Anchored`] is better still, and exact with
-    /// [`Engine::FastMarching`].
+    /// time of a circular one, one with anchors less.
     pub wavefront: Option<Wavefront>,
     /// The order of updates on a Vulkan device, which makes no difference to the map; by default
     /// [`Schedule::best_on`] the device. The CPU's engines have one order each.
@@ -99,6 +97,7 @@ impl Options {
         let or_else = || match surface.slowness() {
             _ if self.engine == Engine::FastMarching => Wavefront::Planar,
             Some(_) => Wavefront::PointSource,
+            None if surface.is_floor_plan() => Wavefront::Anchored,
             None => Wavefront::Curved,
         };
         self.wavefront.unwrap_or_else(or_else)
@@ -114,7 +113,19 @@ impl Options {
             None if circular || self.engine == Engine::FastMarching => {
                 Ok(self.wavefront_from_a_point(surface))
             }
+            None if sources.are_points() && surface.is_floor_plan() => Ok(Wavefront::Anchored),
             None => Ok(Wavefront::Curved),
+            Some(Wavefront::Anchored) => {
+                check_anchored(surface)?;
+                if sources.are_points() {
+                    return Ok(Wavefront::Anchored);
+                }
+                Err(Error::Options(
+                    "the anchored wavefront needs point sources; use the curved or the planar one \
+                     for curves"
+                        .into(),
+                ))
+            }
             Some(Wavefront::PointSource) if !sources.are_points() => Err(Error::Options(
                 "the point-source wavefront needs point sources; use the curved or the planar one \
                  for curves"
@@ -123,6 +134,18 @@ impl Options {
             Some(wavefront) => Ok(wavefront),
         }
     }
+}
+
+/// Refuses surfaces over which fronts have no anchors.
+pub(crate) fn check_anchored(surface: &Surface) -> Result<(), Error> {
+    if surface.is_floor_plan() {
+        return Ok(());
+    }
+    Err(Error::Options(
+        "the anchored wavefront is for floor plans: flat surfaces whose points are evenly spaced, \
+         without obtuse triangles and without a slowness; use the curved one for others"
+            .into(),
+    ))
 }
 
 /// Computes the geodesic distance from the sources to every point of a surface.
@@ -228,7 +251,6 @@ fn only_single(what: &str) -> Error {
 /// A checked problem, ready for any engine.
 pub(crate) struct Problem<'a> {
     surface: &'a Surface,
-    sources: &'a Sources,
     /// Initial values less the smallest, so that a single source starts at zero, where the
     /// circular front is exact.
     seeds: Vec<Seed>,
@@ -241,7 +263,7 @@ pub(crate) struct Problem<'a> {
 impl<'a> Problem<'a> {
     fn new<R: Precision>(
         surface: &'a Surface,
-        sources: &'a Sources,
+        sources: &Sources,
         options: &Options,
     ) -> Result<Self, Error> {
         Self::from_seeds::<R>(surface, sources.seeds(surface)?, sources, options)
@@ -251,14 +273,14 @@ impl<'a> Problem<'a> {
     pub(crate) fn from_seeds<R: Precision>(
         surface: &'a Surface,
         mut seeds: Vec<Seed>,
-        sources: &'a Sources,
+        sources: &Sources,
         options: &Options,
     ) -> Result<Self, Error> {
         let wavefront = options.wavefront(surface, sources)?;
         let stop = options.stop::<R>(surface)?;
         let start = sources.start();
         seeds.iter_mut().for_each(|seed| seed.time -= start);
-        Ok(Self { surface, sources, seeds, start, wavefront, schedule: options.schedule, stop })
+        Ok(Self { surface, seeds, start, wavefront, schedule: options.schedule, stop })
     }
 
     fn solve_on_cpu<R: Real>(&self, fallback: Option<String>) -> Result<DistanceMap<R>, Error> {

@@ -32,6 +32,7 @@ mod rows;
 use std::time::{Duration, Instant};
 
 use crate::cpu::Stop;
+use crate::solve::check_anchored;
 use crate::surface::Surface;
 use crate::{Error, Options, Wavefront};
 use engine::RowEngine;
@@ -60,7 +61,7 @@ impl<'a> Pairwise<'a> {
     /// threads.
     ///
     /// # Errors
-    /// If an option is out of range, a schedule is given, an edge of the surface is too long or too short for single
+    /// If an option is out of range or does not suit the surface, a schedule is given, an edge of the surface is too long or too short for single
     /// precision, or the Vulkan device asked for cannot be used.
     pub fn new(surface: &'a Surface, options: &Options) -> Result<Self, Error> {
         let stop = options.stop::<f32>(surface)?;
@@ -72,6 +73,9 @@ impl<'a> Pairwise<'a> {
             ));
         }
         let wavefront = options.wavefront_from_a_point(surface);
+        if wavefront == Wavefront::Anchored {
+            check_anchored(surface)?;
+        }
         let engine = RowEngine::new(surface, wavefront, &options.engine)?;
         Ok(Self { surface, engine, wavefront, stop })
     }

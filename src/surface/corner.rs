@@ -2,28 +2,32 @@
 
 use super::chart::Direction;
 
-/// Whether less than half a turn around a grid point, between two directions in which one can go, is
-/// blocked: where a shortest path can bend. Told by which of its neighbours are there, in the order of
-/// [`Direction::ALL`].
-pub(crate) fn is_corner(there: [bool; Direction::ALL.len()]) -> bool {
-    let at = |index: usize| there[index % 8];
-    // Eighth k lies between directions k and k + 1, of which the odd ones are diagonals. It
-    // is open if its triangle is there, or that of the cell's half it is cut from.
-    let cell = |k: usize| {
-        let first = k / 2 * 2;
-        [at(first), at(first + 1), at(first + 2)]
-    };
-    let open = |k: usize| match cell(k) {
+/// Which of the neighbours of a grid point are there, in the order of [`Direction::ALL`].
+type There = [bool; Direction::ALL.len()];
+
+/// Whether one can go from a grid point between two directions that follow one another, `eighth` and the
+/// next: if their triangle is there, or that of the cell's half it is cut from.
+pub(crate) fn is_open(there: There, eighth: usize) -> bool {
+    let first = eighth / 2 * 2;
+    // Of a cell, of which the odd direction is the diagonal.
+    match [first, first + 1, first + 2].map(|to| there[to % 8]) {
         [true, _, true] => true,
         [a, true, b] => {
-            if k.is_multiple_of(2) {
+            if eighth.is_multiple_of(2) {
                 a
             } else {
                 b
             }
         }
         _ => false,
-    };
+    }
+}
+
+/// Whether less than half a turn around a grid point, between two directions in which one can go, is
+/// blocked: where a shortest path can bend.
+pub(crate) fn is_corner(there: There) -> bool {
+    let at = |index: usize| there[index % 8];
+    let open = |eighth: usize| is_open(there, eighth % 8);
     // Edges with no triangle beside them end a blocked range too.
     let passable = |k: usize| {
         let diagonal = k % 2 == 1;

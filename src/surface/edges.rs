@@ -102,7 +102,7 @@ impl<R: Real> EdgeLengths<R> {
                     }
                 })
             })?;
-        let (rule, floor) = (surface.edge_rule(), EvenGrid::of_floor_plan(surface));
+        let (rule, floor) = (surface.edge_rule(), surface.floor());
         Ok(Self { chart, lengths, rule, floor, gaussian_curvature: OnceLock::new() })
     }
 

@@ -37,11 +37,6 @@ impl EvenGrid {
         all.grid().filter(|&grid| all.is_even(surface, grid, NEAR))
     }
 
-    /// The grid of a floor plan ([`Surface::is_floor_plan`]).
-    pub(crate) fn of_floor_plan(surface: &Surface) -> Option<Self> {
-        Self::of(surface).filter(|grid| !grid.is_obtuse())
-    }
-
     /// The first fundamental form: of rows, of both, of columns.
     pub(crate) fn metric(self) -> [f64; 3] {
         let [a, b] = self.steps;

@@ -22,7 +22,7 @@ mod sources;
 pub use arc::EdgeRule;
 pub use chart::{Chart, Direction};
 pub use coarsen::Coarsened;
-pub(crate) use corner::is_corner;
+pub(crate) use corner::{is_corner, is_open};
 pub(crate) use edges::EdgeSlot;
 pub use edges::{EdgeLengths, LONGEST_EDGE, SHORTEST_EDGE};
 pub(crate) use even_grid::EvenGrid;
@@ -33,6 +33,8 @@ pub use real::{FAR, Real};
 pub(crate) use real::{TAG, max, min, relative_change};
 pub use sources::{Seed, Source, SourceError, Sources};
 pub(crate) use sources::{corner_weights, grid_crossings};
+
+use std::sync::OnceLock;
 
 use glam::DVec3;
 
@@ -57,6 +59,8 @@ pub struct Surface {
     slowness: Option<Vec<f64>>,
     present: Vec<bool>,
     edge_rule: EdgeRule,
+    /// Of a floor plan, once it has been asked for.
+    floor: OnceLock<Option<EvenGrid>>,
 }
 
 /// Why an array is no surface.
@@ -214,7 +218,8 @@ impl Surface {
         check_shape(geometry.what(), geometry.len(), chart)?;
         let present = geometry.points_present(chart)?;
         let edge_rule = EdgeRule::default();
-        Self { chart, geometry, slowness: None, present, edge_rule }.non_empty()
+        let floor = OnceLock::new();
+        Self { chart, geometry, slowness: None, present, edge_rule, floor }.non_empty()
     }
 
     /// Weights lengths by a slowness (reciprocal speed) at each point, row-major, so that
@@ -229,6 +234,7 @@ impl Surface {
             }
         }
         self.slowness = Some(slowness);
+        self.floor = OnceLock::new();
         Ok(self)
     }
 
@@ -236,6 +242,7 @@ impl Surface {
     pub fn with_mask(mut self, mask: &[bool]) -> Result<Self, SurfaceError> {
         check_shape("mask", mask.len(), self.chart)?;
         self.present.iter_mut().zip(mask).for_each(|(present, &keep)| *present &= keep);
+        self.floor = OnceLock::new();
         self.non_empty()
     }
 
@@ -304,8 +311,8 @@ impl Surface {
     }
 
     /// Whether this is a floor plan: flat and evenly spaced, rectangular or sheared up to where a triangle of
-    /// neighbours is obtuse, with or without holes, and without a slowness. Over it, and from points,
-    /// [`crate::Wavefront::Anchored`] is exact.
+    /// neighbours is obtuse, with or without holes, without a slowness, and of no more than some 30 million
+    /// points. Over it, and from points, [`crate::Wavefront::Anchored`] is exact.
     ///
     /// ```
     /// use geosweep::{Spacing, Surface};
@@ -317,7 +324,14 @@ impl Surface {
     /// # Ok::<(), geosweep::surface::SurfaceError>(())
     /// ```
     pub fn is_floor_plan(&self) -> bool {
-        EvenGrid::of_floor_plan(self).is_some()
+        self.floor().is_some()
+    }
+
+    /// The grid of a floor plan.
+    pub(crate) fn floor(&self) -> Option<EvenGrid> {
+        let has_numbers = (self.rows() + AROUND) * (self.cols() + AROUND) <= f32::NUMBERS / 2;
+        let grid = || EvenGrid::of(self).filter(|grid| !grid.is_obtuse());
+        *self.floor.get_or_init(|| has_numbers.then(grid).flatten())
     }
 
     /// Whether the surface has an edge from a grid point to a neighbour: both ends are there,
@@ -329,6 +343,9 @@ impl Surface {
         self.has(row, col) && self.has(r, c) && beside
     }
 }
+
+/// Rows and columns that engines keep around a grid, and more.
+const AROUND: usize = 16;
 
 fn check_shape(what: &'static str, found: usize, chart: Chart) -> Result<(), SurfaceError> {
     let Chart { rows, cols } = chart;

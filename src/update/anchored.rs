@@ -16,7 +16,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, Seed, is_corner};
+use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, Seed, is_corner, is_open};
 
 /// How many anchors back a point looks beside its neighbours' own: where several corners lie close
 /// together, what is lit from between them may be narrower than a cell for long.
@@ -45,8 +45,10 @@ pub(crate) struct Floor<R> {
     edges: Vec<u8>,
     /// Where the neighbours lie.
     around: [isize; 8],
-    /// Which points are corners, by their edges.
+    /// By the edges of a point: whether it is a corner, and which of the eight directions between these lead
+    /// into a hole.
     corners: [bool; 256],
+    blocked: [u8; 256],
     /// The metric: of rows, of both, of columns.
     metric: [R; 3],
     inside: Vec<Inside<R>>,
@@ -124,6 +126,11 @@ struct End<R> {
 /// Rows and columns from one place to another.
 type Step<R> = [R; 2];
 
+/// The neighbours that bits stand for.
+fn there(edges: usize) -> [bool; 8] {
+    std::array::from_fn(|to| edges >> to & 1 != 0)
+}
+
 /// Twice the area between two steps; its sign says on which side of one the other is.
 fn cross<R: Real>(a: Step<R>, b: Step<R>) -> f64 {
     a[0].wide() * b[1].wide() - a[1].wide() * b[0].wide()
@@ -155,8 +162,10 @@ impl<R: Real> Floor<R> {
             points: chart.bordered_points(),
             edges,
             around: Direction::ALL.map(|to| chart.offset(to)),
-            corners: std::array::from_fn(|edges| {
-                is_corner(std::array::from_fn(|to| edges >> to & 1 != 0))
+            corners: std::array::from_fn(|edges| is_corner(there(edges))),
+            blocked: std::array::from_fn(|edges| {
+                let is_blocked = |eighth: &usize| !is_open(there(edges), *eighth);
+                (0..8).filter(is_blocked).fold(0, |all, eighth| all | 1 << eighth)
             }),
             metric: grid.metric().map(R::of),
             inside: Vec::new(),
@@ -397,26 +406,64 @@ impl<R: Real> Floor<R> {
         best
     }
 
-    /// Whether x0 is out of the shadow that an end of its base lies in, as seen from an anchor. It lies in
-    /// one if the straight line would have been shorter. The shadow's border runs through the first corner
-    /// on the way from that anchor to the end.
+    /// On which side of the ray from an anchor to a corner the hole is that the corner is one of: 1, -1, or 0
+    /// if there are holes on both.
+    fn shadow(&self, anchor: usize, corner: usize) -> f64 {
+        let ray = self.step(anchor, corner);
+        let blocked = self.blocked[usize::from(self.edges[corner])];
+        let (mut left, mut right) = (false, false);
+        for eighth in (0..8).filter(|eighth| blocked >> eighth & 1 != 0) {
+            let [a, b] = [eighth, (eighth + 1) % 8].map(|to| Direction::ALL[to].step());
+            let side = cross(ray, [R::of((a.0 + b.0) as f64), R::of((a.1 + b.1) as f64)]);
+            left |= side > 0.0;
+            right |= side < 0.0;
+        }
+        f64::from(u8::from(left)) - f64::from(u8::from(right))
+    }
+
+    /// The corner at which the way from an anchor to a later one bends first, or that later one if it is
+    /// straight; nothing if that way is not known.
+    fn first_bend(
+        &self,
+        anchor: usize,
+        last: usize,
+        front: &impl Fn(usize) -> [R; 2],
+    ) -> Option<usize> {
+        let mut way = [last; 2 + GENERATIONS];
+        let found = (0..=GENERATIONS).find(|&k| {
+            way[k + 1] = self.before(way[k], front).map_or(way[k], |(_, before)| before);
+            way[k + 1] == anchor
+        })?;
+        let border = self.step(anchor, way[found]);
+        let is_on = |&corner: &usize| cross(border, self.step(anchor, corner)) == 0.0;
+        way[..=found].iter().rev().copied().take_while(is_on).last()
+    }
+
+    /// Whether x0 is out of the shadow that an end of its base lies in, as seen from an anchor: behind the
+    /// first corner on the way from that anchor to the end, on the side of its hole. Where the end is not there,
+    /// it lies in the shadow of another if the straight line would have been shorter, and x0 beside it.
     fn sees(&self, x0: usize, way: Way<R>, end: &End<R>, front: &impl Fn(usize) -> [R; 2]) -> bool {
         let Way { anchor, start, .. } = way;
-        if end.anchor == anchor || !is_shorter(self.way(end.point, start, anchor).time, end.time) {
+        if end.anchor == anchor {
             return true;
         }
-        let (mut corner, mut at) = (end.anchor, end.anchor);
-        for _ in 0..=GENERATIONS {
-            let Some((_, before)) = self.before(at, front) else { break };
-            if before == anchor {
-                corner = at;
-                break;
-            }
-            at = before;
-        }
+        let corner = self.first_bend(anchor, end.anchor, front);
+        let shadow = corner.filter(|&corner| corner < self.points);
+        let shadow = shadow.map_or(0.0, |corner| self.shadow(anchor, corner));
+        let corner = corner.unwrap_or(end.anchor);
+        // On the border the end's own anchor serves as well, and knows which corners come next.
+        let is_own = corner == end.anchor;
         let border = self.step(anchor, corner);
-        let [of_x0, of_end] = [x0, end.point].map(|point| cross(border, self.step(anchor, point)));
-        // On the border the corner serves as well, and knows which corners come next.
-        if corner != end.anchor { of_x0 * of_end < 0.0 } else { of_x0 * of_end <= 0.0 }
+        let side = |point| cross(border, self.step(anchor, point));
+        // Not by times where it can be told by sides: their rounding hides small detours.
+        let of_shadow = if shadow != 0.0 && (is_own || side(end.point) * shadow > 0.0) {
+            shadow
+        } else if is_shorter(self.way(end.point, start, anchor).time, end.time) {
+            side(end.point)
+        } else {
+            return true;
+        };
+        let of_x0 = side(x0) * of_shadow;
+        of_x0 < 0.0 || is_own && of_x0 == 0.0
     }
 }

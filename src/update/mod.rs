@@ -55,13 +55,10 @@ impl Wavefront {
         matches!(self, Self::Curved | Self::Anchored)
     }
 
-    /// This one, or the curved one where anchors do not hold: but over floor plans, and where there are more
-    /// points than can be numbered.
+    /// This one, or the curved one where there are no anchors: but over floor plans.
     pub(crate) fn over<R: Real>(self, edges: &EdgeLengths<R>) -> Self {
-        // Sources inside cells are numbered too.
-        let most = R::NUMBERS / 2;
-        let holds = edges.floor().is_some() && edges.chart().bordered_points() <= most;
-        if self == Self::Anchored && !holds { Self::Curved } else { self }
+        let is_lost = self == Self::Anchored && edges.floor().is_none();
+        if is_lost { Self::Curved } else { self }
     }
 
     /// The name used by the tool and in reports.

@@ -112,7 +112,7 @@ pub fn run(args: &Args) -> Outcome {
     };
     let cases: Vec<_> = surfaces
         .into_iter()
-        .map(|builtin| (builtin, study::or_else(&args.wavefronts, || suited_to(builtin))))
+        .map(|builtin| (builtin, study::or_else(&args.wavefronts, || suited_to(builtin, sizes[0]))))
         .collect();
     let measured = measure::all(&cases, &sizes, &engine, args.precision)?;
 
@@ -129,10 +129,10 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Arcs are for planes with holes.
-fn suited_to(builtin: Builtin) -> Vec<Wavefront> {
-    match builtin {
-        Builtin::Maze => Wavefront::EVERY.to_vec(),
+/// Anchors are for floor plans.
+fn suited_to(builtin: Builtin, size: usize) -> Vec<Wavefront> {
+    match builtin.surface(size, size) {
+        Ok(surface) if surface.is_floor_plan() => Wavefront::EVERY.to_vec(),
         _ => Wavefront::ALL.to_vec(),
     }
 }

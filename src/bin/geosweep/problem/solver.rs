@@ -32,15 +32,15 @@ pub struct SolverArgs {
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum WavefrontArg {
-    /// Curved; but point on a surface with a slowness, for point sources that start together, and
-    /// planar for fast marching
+    /// Curved; but anchored over floor plans from points, point on a surface with a slowness, for point
+    /// sources that start together, and planar for fast marching
     #[default]
     Auto,
     /// Carries its curvature: the most accurate on smooth surfaces, around walls and from curves,
     /// in about twice the time of point
     Curved,
-    /// Curved, and goes on as two arcs behind corners: as good as exact on floor plans, but not for
-    /// curved or rough surfaces with holes
+    /// Knows its anchor, the corner or source that it comes from on a straight line: exact, for point
+    /// sources over floor plans only (flat, evenly spaced, with holes)
     Anchored,
     /// Circular: exact on developable surfaces but for the sampling, for point sources only
     Point,
@@ -57,8 +57,7 @@ enum EngineArg {
     Vulkan,
     /// Raster scans on the CPU
     Cpu,
-    /// Fast marching on the CPU, the sequential reference for the planar front; with arcs from points
-    /// exact over floor plans
+    /// Fast marching on the CPU, the sequential reference for the planar front
     FastMarching,
 }
 
