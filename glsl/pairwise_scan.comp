@@ -8,9 +8,9 @@
 #include "texel.glsl"
 #include "update.glsl"
 #include "front.glsl"
-#include "two_arcs.glsl"
 #include "pairwise_progress.glsl"
 #include "pairwise_layers.glsl"
+#include "pairwise_metric.glsl"
 
 layout(local_size_x_id = 3) in;
 

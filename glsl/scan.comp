@@ -6,9 +6,9 @@
 #include "texel.glsl"
 #include "update.glsl"
 #include "front.glsl"
-#include "two_arcs.glsl"
 #include "progress.glsl"
 #include "blocks.glsl"
+#include "anchors.glsl"
 
 layout(local_size_x_id = 3) in;
 

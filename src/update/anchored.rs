@@ -15,15 +15,8 @@
 
 use glam::DVec2;
 
+use crate::constants::{ALIKE, ALIKE_AT_ANCHOR, GENERATIONS};
 use crate::surface::{Direction, EdgeLengths, EdgeSlot, Real, Seed, is_corner};
-
-/// How many anchors back a point looks beside its neighbours' own: where several corners lie close
-/// together, what is lit from between them may be narrower than a cell for long.
-const GENERATIONS: usize = 4;
-/// Times that differ by no more than so many times their rounding are the same.
-const ALIKE: f64 = 8.0;
-/// The same for an anchor's time and what follows for it from a point's.
-const ALIKE_AT_ANCHOR: f64 = 16.0;
 
 /// A source inside a cell: its row and column, from the border, and its time.
 #[derive(Clone, Copy, Debug)]
