@@ -78,7 +78,12 @@ vec2 place_of_anchor(uint anchor) {
     return vec2(point_of(anchor));
 }
 
-// Length of a straight line.
+// Lengths of straight lines.
+vec4 lengths_of(vec4 cols, vec4 rows) {
+    vec3 m = metric();
+    return sqrt(rows * (m.x * rows + (m.y + m.y) * cols) + m.z * cols * cols);
+}
+
 float length_of(vec2 to) {
     vec3 m = metric();
     return sqrt(to.y * (m.x * to.y + (m.y + m.y) * to.x) + m.z * to.x * to.x);
@@ -266,19 +271,21 @@ Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, 
     uint first = bits_of(open) & left;
     if (first != 0u) {
         // The straight line from one anchor runs between the neighbours.
-        int i = findLSB(first);
-        float held_there = sight.beside.curvature[i];
+        float held_there = sight.beside.curvature[findLSB(first)];
         uint anchor = number_of(held_there);
-        ivec2 point = places.first + (i & 1) * places.to_second + (i >> 1) * places.to_third;
-        float start = start_of(point - places.ahead, sight.beside.time[i], anchor);
         vec2 from = place_of_anchor(anchor);
         vec4 cols = from.x - (places.first.x + places.to_second.x * vec4(0.0, 1.0, 0.0, 1.0)
                                              + places.to_third.x * vec4(0.0, 0.0, 1.0, 1.0));
         vec4 rows = from.y - (places.first.y + places.to_second.y * vec4(0.0, 1.0, 0.0, 1.0)
                                              + places.to_third.y * vec4(0.0, 0.0, 1.0, 1.0));
-        vec3 m = metric();
-        vec4 ways = start + sqrt(rows * (m.x * rows + (m.y + m.y) * cols) + m.z * cols * cols);
-        vec4 back = -(cols * float(places.ahead.x) + rows * float(places.ahead.y));
+        vec2 ahead = vec2(places.ahead);
+        uint unused;
+        float known = of_anchor(anchor, unused);
+        vec4 follows = sight.beside.time - lengths_of(cols + ahead.x, rows + ahead.y);
+        vec4 rounding = ALIKE_AT_ANCHOR * PRECISION * sight.beside.time;
+        vec4 start = mix(follows, vec4(known), lessThanEqual(abs(known - follows), rounding));
+        vec4 ways = start + lengths_of(cols, rows);
+        vec4 back = -(cols * ahead.x + rows * ahead.y);
         vec4 aside = abs(cols * float(places.along.x) + rows * float(places.along.y));
         bvec4 passes = both(lessThanEqual(aside, back), greaterThanEqual(back, vec4(1.0)));
         bvec4 alike = both(open, are_numbered_as(sight.beside.curvature, vec4(held_there)));

@@ -12,8 +12,10 @@
 //     bool renews_fronts()                              whether fronts are renewed
 //     void note_change(uint change)                     of a front, in units of the last place
 //     bool passes(ivec2 point, ivec2 ahead)             whether the scan gets to a point's line
-//     void note_moved(uint moved, ivec2 texel)          in which lines, bit by bit from that of the
-//                                                       texel on, a front has changed at all
+//     void note_moved(uint moved, uint beside_holes, ivec2 texel)
+//                                                       in which lines, bit by bit from that of the
+//                                                       texel on, a front has changed at all, and in
+//                                                       which of them at a point that lacks an edge
 //     int LINES                                         most lines of texels in a block
 // and what anchored.glsl asks for of metric and sources.
 
@@ -132,6 +134,7 @@ void scan_block() {
     Behind bends = zero;
     uint change = 0u;
     uint moved = 0u;
+    uint beside_holes = 0u;
 
     for (int k = 0; k < LINES; k++) {
         if (k >= lines) break;
@@ -227,9 +230,13 @@ void scan_block() {
             imageStore(new_fronts, place_of(texel, TIME), new);
             if (HAS_TWO_LAYERS) imageStore(new_fronts, place_of(texel, CURVATURE), new_curvature);
             change = max(change, change_of(old, new, old_curvature, new_curvature));
-            if (differ(old, new) || differ(old_curvature, new_curvature)) moved |= 1u << k;
+            if (differ(old, new) || differ(old_curvature, new_curvature)) {
+                moved |= 1u << k;
+                uvec4 tags = floatBitsToUint(own_gaussian) & 15u;
+                if (any(equal(tags, uvec4(1u)))) beside_holes |= 1u << k;
+            }
         }
     }
     if (change > 0u) note_change(change);
-    if (moved != 0u) note_moved(moved, line * abs(ahead) + place * along);
+    if (moved != 0u) note_moved(moved, beside_holes, line * abs(ahead) + place * along);
 }

@@ -214,8 +214,9 @@ impl<'a, R: Real> Floor<'a, R> {
     /// Its anchor's time is the one that is known there, to which what follows from the neighbour is rounded;
     /// but the latter where the two differ, since a change must come from the neighbours.
     fn end(&self, x0: usize, to: usize, front: &impl Fn(usize) -> [R; 2]) -> Option<End<R>> {
-        let end = self.end_at(self.neighbour(x0, to)?, front);
-        (end.time < R::FAR).then_some(end)
+        let point = self.neighbour(x0, to)?;
+        // A front that its scan has taken back has no anchor.
+        (front(point)[0] < R::FAR).then(|| self.end_at(point, front))
     }
 
     fn end_at(&self, point: usize, front: &impl Fn(usize) -> [R; 2]) -> End<R> {
