@@ -7,8 +7,8 @@
 #include "texel.glsl"
 #include "update.glsl"
 #include "front.glsl"
-#include "two_arcs.glsl"
 #include "progress.glsl"
+#include "anchors.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
@@ -20,8 +20,6 @@ layout(set = 0, binding = 4, rgba32f) uniform writeonly restrict image2DArray ne
 layout(push_constant) uniform Size {
     ivec2 texels; // columns and rows of texels, without the border
 };
-
-const bool IS_CURVED = WAVEFRONT >= 2;
 
 // The 4 x 4 points around the texel, row by row, of one layer.
 float[16] around(vec4 texels[9]) {
@@ -45,19 +43,22 @@ vec4 edge_lengths(vec4 lengths[16], ivec2 from, ivec2 step) {
                 stored_length(lengths[first + 4], way), stored_length(lengths[first + 5], way));
 }
 
-float edge_length(ivec2 point, ivec2 step) {
-    bool here = stored_here(step);
-    return stored_length(imageLoad(edges, here ? point : point + step), here ? step : -step);
-}
-
 vec2 front_at(ivec2 point) {
     vec4 times = imageLoad(old_fronts, ivec3(point / 2, TIME));
-    vec4 curvatures = imageLoad(old_fronts, ivec3(point / 2, CURVATURE));
+    vec4 held = imageLoad(old_fronts, ivec3(point / 2, CURVATURE));
     int i = 2 * (point.y & 1) + (point.x & 1);
-    return vec2(times[i], curvatures[i]);
+    return vec2(times[i], held[i]);
 }
 
-#include "part_arcs.glsl"
+vec4 edges_at(ivec2 point) {
+    return imageLoad(edges, point);
+}
+
+int points_in_row() {
+    return imageSize(edges).x;
+}
+
+#include "anchored.glsl"
 
 void main() {
     ivec2 place = ivec2(gl_GlobalInvocationID.xy);
@@ -74,7 +75,7 @@ void main() {
     float curvatures[16];
     float bends[16];
     vec4 old_curvature = vec4(0.0);
-    if (IS_CURVED) {
+    if (HAS_TWO_LAYERS) {
         for (int i = 0; i < 9; i++) {
             nine[i] = imageLoad(old_fronts, ivec3(texel + ivec2(i % 3, i / 3) - 1, CURVATURE));
         }
@@ -101,28 +102,29 @@ void main() {
         for (int i = 0; i < 3; i++) {
             ivec2 step = -ahead + (i - 1) * along;
             ends[i] = Ends(at_step(times, step), vec4(0.0), vec4(0.0));
-            if (IS_CURVED) {
+            if (HAS_TWO_LAYERS) {
                 ends[i].curvature = at_step(curvatures, step);
                 ends[i].gaussian = at_step(bends, step);
             }
             to[i] = edge_lengths(lengths, ivec2(0), step);
         }
-        vec4 base_left = edge_lengths(lengths, -ahead - along, along);
-        vec4 base_right = edge_lengths(lengths, -ahead, along);
-        vec4 own = IS_CURVED ? at_step(bends, ivec2(0)) : vec4(0.0);
-        bvec4 alone = are_alone(to[1]);
-        Fronts from_left = update(ends[0], ends[1], own, to[0], to[1], base_left, alone);
-        Fronts from_right = update(ends[1], ends[2], own, to[1], to[2], base_right, alone);
-        if (HAS_ARCS) {
-            Sight sight = Sight(ends[0], ends[1], ends[2], own, to[0], to[1], to[2],
-                                base_left, base_right);
-            part_arcs(sight, Places(2 * texel, ivec2(1, 0), ivec2(0, 1), ahead, along), 4,
-                      from_left, from_right);
+        Fronts fronts;
+        if (HAS_ANCHORS) {
+            Sight sight = Sight(ends[0], ends[1], ends[2], to[0], to[1], to[2]);
+            Places four = Places(2 * texel, ivec2(1, 0), ivec2(0, 1), ahead, along);
+            fronts = ways_to(sight, four, 15u, uint(scan) + 1u, may_renew, time, curvature);
+        } else {
+            vec4 base_left = edge_lengths(lengths, -ahead - along, along);
+            vec4 base_right = edge_lengths(lengths, -ahead, along);
+            vec4 own = HAS_TWO_LAYERS ? at_step(bends, ivec2(0)) : vec4(0.0);
+            bvec4 alone = are_alone(to[1]);
+            fronts = earlier(update(ends[0], ends[1], own, to[0], to[1], base_left, alone),
+                             update(ends[1], ends[2], own, to[1], to[2], base_right, alone));
         }
-        accept(earlier(from_left, from_right), uint(scan) + 1u, may_renew, time, curvature);
+        accept(fronts, uint(scan) + 1u, may_renew, time, curvature);
     }
     imageStore(new_fronts, ivec3(texel, TIME), time);
-    if (IS_CURVED) imageStore(new_fronts, ivec3(texel, CURVATURE), curvature);
+    if (HAS_TWO_LAYERS) imageStore(new_fronts, ivec3(texel, CURVATURE), curvature);
     uint change = change_of(old, time, old_curvature, curvature);
     if (change > 0u) atomicMax(residual, change);
 }

@@ -12,8 +12,8 @@ float base_crossing(vec2 times, vec2 curvatures, vec2 sides, float base) {
     Shape shape = shape_of(vec4(l), vec4(near_l), vec4(base));
     float d = (near_t - t) * shape.per_base.x;
     float kappa = 0.0;
-    if (WAVEFRONT == 1) kappa = base / max(t, 0.25 * base);
-    if (WAVEFRONT >= 2) {
+    if (WAVEFRONT == 1 || WAVEFRONT == 3) kappa = base / max(t, 0.25 * base);
+    if (WAVEFRONT == 2) {
         bool beside = near_k >= SOURCE_CURVATURE && abs(k * base) < ABOUT_STRAIGHT && d > -FROM_SOURCE;
         float near_kappa = (beside ? k : near_k) * base;
         float passed = near_kappa / max(1.0 - near_kappa * d, FOCUS);

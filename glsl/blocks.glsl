@@ -3,6 +3,8 @@
 // a texel has changed since the scan has last visited the block. To visit any other would change
 // nothing: what a scan brings to a block depends on that line and the block alone, and it has brought
 // it.
+// But with anchors a scan looks at corners further behind as well, and at those in the block as they were
+// before. So if one of these has changed the block is due again in the next iteration.
 // Skipped blocks leave both images of fronts as they are, which are alike there: a scan that changes a
 // texel writes one image, the next scan reads that image and writes the other, and the texel's block
 // is due in it. So after each scan the image it writes holds the whole map.
@@ -13,7 +15,8 @@ layout(constant_id = 4) const int LINES = 1;
 
 layout(set = 0, binding = 10) restrict buffer Blocks {
     // For each scan, in the order of an iteration, and each block what its dispatch reads: groups of
-    // a line, 1 if the block is due or 0, and 1. A scan has a block more on each side of the grid, so
+    // a line, 1 if the block is due or 0, and 1. In place of 1 a block that is due again has 2 or 4, or
+    // with 1 their sum: the groups that this makes too many do nothing. A scan has a block more on each side of the grid, so
     // that nothing has to ask whether there is one ahead.
     uint blocks[];
 };
@@ -34,6 +37,12 @@ int due_at(int scan, int block, int pitch) {
 
 void make_due(int scan, int block, int pitch) {
     atomicOr(blocks[due_at(scan, block, pitch)], 1u);
+}
+
+// What makes a block due again in the iteration after this one: 2 or 4 in turns, so that what this one was
+// made by can be taken away while others write.
+uint due_again(uint iteration) {
+    return 2u << (iteration & 1u);
 }
 
 // A line has changed: makes its block due in both scans, `forth` and back, that pass lines like it,

@@ -32,20 +32,20 @@
 #define BENT_APART 0.005
 #define FROM_SOURCE 0.99
 #define ABOUT_STRAIGHT 0.25
-// Fronts whose times differ by no more than so many times their rounding arrive together; arcs of
-// fronts that touch have come different ways.
+// Fronts whose times differ by no more than so many times their rounding arrive together.
 #define TOGETHER 1.0
-#define ARCS_TOGETHER 8.0
 // A front that comes again, together with itself, is the same if its curvature differs by no more than
 // so many times its rounding: a tag takes 16.
 #define BENT_AGAIN 1024.0
-// See two_arcs.rs.
-#define ARCS_APART 0.02
-#define ARCS_ALIKE 0.5
-#define ARCS_BESIDE 0.003
-#define ARCS_TOUCHING 3e-4
-// A ray runs along an edge if the times differ from the edge's length by so many times their rounding.
-#define ALONG_A_RAY 32.0
+// How many anchors back a point looks beside its neighbours' own: where several corners lie close
+// together, what is lit from between them may be narrower than a cell for long.
+#define GENERATIONS 4
+// With anchors, times that differ by no more than so many times their rounding are the same.
+#define ALIKE 8.0
+// The same for an anchor's time and what follows for it from a point's.
+#define ALIKE_AT_ANCHOR 16.0
+// Sources inside cells that a map with anchors has room for.
+#define SOURCES_INSIDE 4096
 // Texels around the grid's own in every image, so that no neighbour needs a bounds test.
 #define BORDER 1
 // Iterations after the last in which a point was reached, from which on curved fronts are no

@@ -8,9 +8,9 @@
 #include "texel.glsl"
 #include "update.glsl"
 #include "front.glsl"
-#include "two_arcs.glsl"
 #include "pairwise_progress.glsl"
 #include "pairwise_layers.glsl"
+#include "pairwise_metric.glsl"
 
 layout(local_size_x_id = 3) in;
 
@@ -30,7 +30,7 @@ void note_change(uint change) {
     atomicMax(maps[gl_WorkGroupID.z].residual, change);
 }
 
-void note_moved(uint moved, ivec2 texel) {}
+void note_moved(uint moved, uint beside_holes, ivec2 texel) {}
 
 bool passes(ivec2 point, ivec2 ahead) {
     if (maps[gl_WorkGroupID.z].iterations > 0u) return true;

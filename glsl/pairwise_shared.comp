@@ -9,10 +9,10 @@
 #include "texel.glsl"
 #include "update.glsl"
 #include "front.glsl"
-#include "two_arcs.glsl"
 #include "pairwise_progress.glsl"
 #include "pairwise_fans.glsl"
 #include "count.glsl"
+#include "pairwise_metric.glsl"
 
 layout(local_size_x_id = 3) in;
 
@@ -24,6 +24,7 @@ layout(constant_id = 8) const int COLS = 1;
 // in different banks of shared memory.
 layout(constant_id = 9) const int PITCH = 1;
 
+layout(set = 0, binding = 0, rgba32f) uniform readonly restrict image2D edges;
 layout(set = 0, binding = 7) readonly restrict buffer Fans {
     float fans[];
 };
@@ -34,13 +35,12 @@ layout(set = 0, binding = 9) restrict buffer Kept {
     float kept[]; // the fronts of maps that are not done
 };
 
-const bool IS_CURVED = WAVEFRONT >= 2;
 const int INVOCATIONS = int(gl_WorkGroupSize.x);
 const int AREA = ROWS * PITCH;
-const int FRONTS = IS_CURVED ? 2 * AREA : AREA;
+const int FRONTS = HAS_TWO_LAYERS ? 2 * AREA : AREA;
 const uint INFINITY = 0x7f800000u;
 
-// Arrival times, then curvatures.
+// Arrival times, then curvatures or numbers of anchors.
 shared float fronts[FRONTS];
 
 vec4 at_four(int places[4], int layer) {
@@ -48,27 +48,25 @@ vec4 at_four(int places[4], int layer) {
                 fronts[layer + places[2]], fronts[layer + places[3]]);
 }
 
-// The scan that is under way, from 0 in the order of an iteration.
-int scan_now = 0;
+// The line that is being updated, and whether it is a row: what others write there cannot be read.
+int line_now = 0;
+bool by_rows_now = false;
 
-// Arrival time and curvature at a point, which may lie beyond the grid's first or last line.
 vec2 front_at(ivec2 point) {
-    bool there = all(greaterThanEqual(point, ivec2(0))) && all(lessThan(point, ivec2(COLS, ROWS)));
-    int place = there ? point.y * PITCH + point.x : 0;
-    return there ? vec2(fronts[place], fronts[AREA + place]) : vec2(FAR, 0.0);
+    if ((by_rows_now ? point.y : point.x) == line_now) return vec2(FAR, 0.0);
+    int place = point.y * PITCH + point.x;
+    return vec2(fronts[place], fronts[HAS_TWO_LAYERS ? AREA + place : 0]);
 }
 
-// Length of an edge to a neighbour behind, from the fans of the line of points it leads from.
-float edge_length(ivec2 point, ivec2 step) {
-    bool by_rows = scan_now < 2;
-    int pairs = ((by_rows ? COLS : ROWS) + 1) / 2;
-    int line = by_rows ? point.y : point.x;
-    int place = by_rows ? point.x : point.y;
-    int number = 3 * (place & 1) + 1 + (by_rows ? step.x : step.y);
-    return fans[fan_place(ivec2(COLS, ROWS), scan_now, line, place >> 1, pairs) + number * pairs];
+vec4 edges_at(ivec2 point) {
+    return imageLoad(edges, point + 2 * BORDER);
 }
 
-#include "part_arcs.glsl"
+int points_in_row() {
+    return COLS;
+}
+
+#include "anchored.glsl"
 
 // One of the numbers of a pair.
 #define NUMBER(k) fans[first + (k) * pairs]
@@ -93,7 +91,7 @@ uint update_pair(int scan, int line, int behind, int pair, int points, bool may_
     vec4 bend_behind = vec4(0.0);
     vec4 old_curvature = vec4(0.0);
     vec4 bend = vec4(0.0);
-    if (IS_CURVED) {
+    if (HAS_TWO_LAYERS) {
         curvature_behind = at_four(places, AREA);
         bend_behind = vec4(NUMBER(9), NUMBER(10), NUMBER(11), NUMBER(12));
         bend = vec2(NUMBER(13), NUMBER(14)).xyxy;
@@ -102,34 +100,34 @@ uint update_pair(int scan, int line, int behind, int pair, int points, bool may_
     vec4 old_time = vec2(fronts[a], fronts[b]).xyxy;
 
     // Left triangles in xy, right triangles in zw.
-    Ends near = Ends(time_behind.xyyz, curvature_behind.xyyz, bend_behind.xyyz);
-    Ends far = Ends(time_behind.yzzw, curvature_behind.yzzw, bend_behind.yzzw);
     vec4 l1 = vec4(NUMBER(0), NUMBER(3), NUMBER(1), NUMBER(4));
     vec4 l2 = vec4(l1.zw, NUMBER(2), NUMBER(5));
-    vec4 base = vec4(NUMBER(6), NUMBER(7), NUMBER(7), NUMBER(8));
-    Fronts sided = update(near, far, bend, l1, l2, base, are_alone(l1.zwzw));
-    Fronts from_left = Fronts(sided.time.xyxy, sided.curvature.xyxy, sided.whole.xyxy);
-    Fronts from_right = Fronts(sided.time.zwzw, sided.curvature.zwzw, sided.whole.zwzw);
-    if (HAS_ARCS) {
-        scan_now = scan;
-        bool by_rows = scan < 2;
-        ivec2 along = by_rows ? ivec2(1, 0) : ivec2(0, 1);
+    Fronts found;
+    if (HAS_ANCHORS) {
+        line_now = line;
+        by_rows_now = scan < 2;
+        ivec2 along = by_rows_now ? ivec2(1, 0) : ivec2(0, 1);
         ivec2 ahead = ivec2(1 - along.x, 1 - along.y);
-        Ends behind_both = Ends(time_behind, curvature_behind, bend_behind);
-        Places of_pair = Places(line * ahead + 2 * pair * along, along, ivec2(0),
-                                (line - behind) * ahead, along);
-        part_arcs(sight_of_two(behind_both, bend.xy, l1, l2, base), of_pair, 2, from_left, from_right);
+        Sight sight = sight_of_two(Ends(time_behind, curvature_behind, bend_behind), l1, l2);
+        Places two = Places(line * ahead + 2 * pair * along, along, ivec2(0), (line - behind) * ahead,
+                            along);
+        found = ways_to(sight, two, has_b ? 3u : 1u, uint(scan) + 1u, may_renew, old_time, old_curvature);
+    } else {
+        Ends near = Ends(time_behind.xyyz, curvature_behind.xyyz, bend_behind.xyyz);
+        Ends far = Ends(time_behind.yzzw, curvature_behind.yzzw, bend_behind.yzzw);
+        vec4 base = vec4(NUMBER(6), NUMBER(7), NUMBER(7), NUMBER(8));
+        found = of_sides(update(near, far, bend, l1, l2, base, are_alone(l1.zwzw)));
     }
     vec4 time = old_time;
     vec4 curvature = old_curvature;
-    accept(earlier(from_left, from_right), uint(scan) + 1u, may_renew, time, curvature);
+    accept(found, uint(scan) + 1u, may_renew, time, curvature);
     if (!has_b) {
         time.yw = old_time.yw;
         curvature.yw = old_curvature.yw;
     }
     fronts[a] = time.x;
     if (has_b) fronts[b] = time.y;
-    if (IS_CURVED) {
+    if (HAS_TWO_LAYERS) {
         fronts[AREA + a] = curvature.x;
         if (has_b) fronts[AREA + b] = curvature.y;
     }
@@ -144,7 +142,8 @@ void start(int source) {
     if (gl_LocalInvocationIndex == 0u) {
         int place = source / COLS * PITCH + source % COLS;
         fronts[place] = 0.0;
-        if (IS_CURVED) fronts[AREA + place] = with_tag(SOURCE_CURVATURE, 0u);
+        float held = HAS_ANCHORS ? with_number(uint(source)) : with_tag(SOURCE_CURVATURE, 0u);
+        if (HAS_TWO_LAYERS) fronts[AREA + place] = held;
     }
 }
 

@@ -7,6 +7,7 @@
 #include "constants.glsl"
 #include "texel.glsl"
 #include "update.glsl"
+#include "anchor_number.glsl"
 #include "pairwise_progress.glsl"
 #include "pairwise_layers.glsl"
 
@@ -30,8 +31,10 @@ void main() {
     vec4 time = mix(vec4(FAR), vec4(0.0), here);
     imageStore(fronts_0, ivec3(texel, layer_of(map, TIME)), time);
     imageStore(fronts_1, ivec3(texel, layer_of(map, TIME)), time);
-    if (WAVEFRONT >= 2) {
-        vec4 curvature = mix(vec4(0.0), vec4(with_tag(SOURCE_CURVATURE, 0u)), here);
+    if (HAS_TWO_LAYERS) {
+        uint number = uint(point.y * 2 * imageSize(fronts_0).x + point.x);
+        float held = HAS_ANCHORS ? with_number(number) : with_tag(SOURCE_CURVATURE, 0u);
+        vec4 curvature = mix(vec4(0.0), vec4(held), here);
         imageStore(fronts_0, ivec3(texel, layer_of(map, CURVATURE)), curvature);
         imageStore(fronts_1, ivec3(texel, layer_of(map, CURVATURE)), curvature);
     }

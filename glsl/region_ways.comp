@@ -17,7 +17,7 @@ layout(set = 0, binding = 1, rgba32f) uniform readonly restrict image2D gaussian
 #include "regions.glsl"
 #include "start.glsl"
 
-const bool IS_CURVED = WAVEFRONT >= 2;
+const bool IS_CURVED = WAVEFRONT == 2;
 
 float curvature_at(ivec2 point) {
     ivec2 at = point + 2 * BORDER;

@@ -6,9 +6,9 @@
 #include "texel.glsl"
 #include "update.glsl"
 #include "front.glsl"
-#include "two_arcs.glsl"
 #include "progress.glsl"
 #include "blocks.glsl"
+#include "anchors.glsl"
 
 layout(local_size_x_id = 3) in;
 
@@ -24,7 +24,7 @@ void note_change(uint change) {
     atomicMax(residual, change);
 }
 
-void note_moved(uint moved, ivec2 texel);
+void note_moved(uint moved, uint beside_holes, ivec2 texel);
 
 bool passes(ivec2 point, ivec2 ahead) {
     return true;
@@ -32,7 +32,7 @@ bool passes(ivec2 point, ivec2 ahead) {
 
 #include "scan.glsl"
 
-void note_moved(uint moved, ivec2 texel) {
+void note_moved(uint moved, uint beside_holes, ivec2 texel) {
     bool by_rows = AHEAD_Y != 0;
     int forth = by_rows ? DOWN : RIGHT;
     int way = AHEAD_X + AHEAD_Y;
@@ -45,13 +45,22 @@ void note_moved(uint moved, ivec2 texel) {
     int last_back = -in_block * way;
     if (last_forth >= 0 && (moved >> last_forth & 1u) != 0u) make_due(forth, block + 1, pitch);
     if (last_back >= 0 && (moved >> last_back & 1u) != 0u) make_due(forth + 1, block - 1, pitch);
+    if (HAS_ANCHORS && beside_holes != 0u) {
+        atomicOr(blocks[due_at(int(SCAN) - 1, block, pitch)], due_again(iterations));
+    }
     make_both_due(by_rows ? RIGHT : DOWN, (by_rows ? texel.x : texel.y) - BORDER, pitch);
 }
 
 void main() {
+    if (gl_WorkGroupID.y > 0u) return;
     // What the dispatch was made by has been read.
     if (gl_GlobalInvocationID.x == 0u) {
-        blocks[due_at(int(SCAN) - 1, (line - BORDER) / LINES, pitch)] = 0u;
+        int at = due_at(int(SCAN) - 1, (line - BORDER) / LINES, pitch);
+        if (HAS_ANCHORS) {
+            atomicAnd(blocks[at], due_again(iterations));
+        } else {
+            blocks[at] = 0u;
+        }
         if (note >= 0) visits[note / 32] |= 1u << (note & 31);
     }
     scan_block();

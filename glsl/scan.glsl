@@ -9,12 +9,15 @@
 //
 // The including shader defines
 //     ivec3 place_of(ivec2 texel, int layer)            in the images of fronts
-//     bool renews_fronts()                              whether curved fronts are renewed
+//     bool renews_fronts()                              whether fronts are renewed
 //     void note_change(uint change)                     of a front, in units of the last place
 //     bool passes(ivec2 point, ivec2 ahead)             whether the scan gets to a point's line
-//     void note_moved(uint moved, ivec2 texel)          in which lines, bit by bit from that of the
-//                                                       texel on, a front has changed at all
+//     void note_moved(uint moved, uint beside_holes, ivec2 texel)
+//                                                       in which lines, bit by bit from that of the
+//                                                       texel on, a front has changed at all, and in
+//                                                       which of them at a point that lacks an edge
 //     int LINES                                         most lines of texels in a block
+// and what anchored.glsl asks for of metric and sources.
 
 // The scan's direction: one of the four unit steps.
 layout(constant_id = 0) const int AHEAD_X = 0;
@@ -44,34 +47,17 @@ const ivec2 along = ivec2(AHEAD_Y * AHEAD_Y, AHEAD_X * AHEAD_X);
 const uint SCAN = AHEAD_Y != 0 ? (AHEAD_Y > 0 ? 1u : 2u) : (AHEAD_X > 0 ? 3u : 4u);
 // Texels at each end of a workgroup that another one writes.
 const int HALO = LINES - 1;
-const bool IS_CURVED = WAVEFRONT >= 2;
-
 // Arrival times and curvatures of the line of points just updated, in turns, for the neighbours.
 shared vec4 passed[2][gl_WorkGroupSize.x];
-// Those of the line before, where fronts are curved.
-shared vec4 passed_before[HAS_ARCS ? 2 : 1][gl_WorkGroupSize.x];
 
 bool differ(vec4 a, vec4 b) {
     return any(notEqual(floatBitsToUint(a), floatBitsToUint(b)));
 }
 
-// Lines of points before the texel's, at points -2 to 3; its own are 0 and 1.
+// The line of points before the texel's, at points -2 to 3; its own are 0 and 1.
 struct Behind {
     vec2 left, middle, right;
 };
-
-// The fronts two lines behind the one to update, and where along it their point 0 is.
-Behind times_beyond;
-Behind curvatures_beyond;
-int origin;
-
-vec2 front_at(ivec2 point) {
-    int i = point.x * along.x + point.y * along.y - origin;
-    vec2 times = i < 0 ? times_beyond.left : i < 2 ? times_beyond.middle : times_beyond.right;
-    vec2 curvatures = i < 0 ? curvatures_beyond.left
-                    : i < 2 ? curvatures_beyond.middle : curvatures_beyond.right;
-    return (i & 1) == 0 ? vec2(times.x, curvatures.x) : vec2(times.y, curvatures.y);
-}
 
 float edge_length(ivec2 point, ivec2 step) {
     bool here = stored_here(step);
@@ -93,15 +79,12 @@ vec4 first_line_old(ivec2 texel, int layer) {
                 first_line(imageLoad(old_fronts, at + side), ahead).x);
 }
 
-// A layer at the texel's line behind, and at the line before that.
-void layer_behind(ivec2 texel, int layer, out Behind behind, out Behind beyond) {
+Behind layer_behind(ivec2 texel, int layer) {
     ivec3 at = place_of(texel - ahead, layer);
     ivec3 side = ivec3(along, 0);
-    vec4 left = imageLoad(fronts_behind, at - side);
-    vec4 middle = imageLoad(fronts_behind, at);
-    vec4 right = imageLoad(fronts_behind, at + side);
-    behind = Behind(second_line(left, ahead), second_line(middle, ahead), second_line(right, ahead));
-    beyond = Behind(first_line(left, ahead), first_line(middle, ahead), first_line(right, ahead));
+    return Behind(second_line(imageLoad(fronts_behind, at - side), ahead),
+                  second_line(imageLoad(fronts_behind, at), ahead),
+                  second_line(imageLoad(fronts_behind, at + side), ahead));
 }
 
 Behind gaussians_behind(ivec2 texel) {
@@ -111,7 +94,28 @@ Behind gaussians_behind(ivec2 texel) {
                   second_line(imageLoad(gaussians, at + along), ahead));
 }
 
-#include "part_arcs.glsl"
+// Behind the block lines are as this scan has left them, in it and ahead as they were before.
+vec2 front_at(ivec2 point) {
+    ivec2 texel = point / 2;
+    ivec2 way = texel * ahead;
+    bool is_behind = way.x + way.y < line * (AHEAD_X + AHEAD_Y);
+    ivec3 time_at = place_of(texel, TIME);
+    ivec3 held_at = place_of(texel, CURVATURE);
+    vec4 times = is_behind ? imageLoad(fronts_behind, time_at) : imageLoad(old_fronts, time_at);
+    vec4 held = is_behind ? imageLoad(fronts_behind, held_at) : imageLoad(old_fronts, held_at);
+    int i = 2 * (point.y & 1) + (point.x & 1);
+    return vec2(times[i], held[i]);
+}
+
+vec4 edges_at(ivec2 point) {
+    return imageLoad(edges, point);
+}
+
+int points_in_row() {
+    return imageSize(edges).x;
+}
+
+#include "anchored.glsl"
 
 void scan_block() {
     int lane = int(gl_LocalInvocationID.x);
@@ -128,19 +132,17 @@ void scan_block() {
     Behind times = zero;
     Behind curvatures = zero;
     Behind bends = zero;
-    times_beyond = zero;
-    curvatures_beyond = zero;
-    origin = 2 * place;
     uint change = 0u;
     uint moved = 0u;
+    uint beside_holes = 0u;
 
     for (int k = 0; k < LINES; k++) {
         if (k >= lines) break;
         int number = line + k * (AHEAD_X + AHEAD_Y);
         ivec2 texel = number * abs(ahead) + place * along;
         if (k == 0) {
-            layer_behind(texel, TIME, times, times_beyond);
-            if (IS_CURVED) layer_behind(texel, CURVATURE, curvatures, curvatures_beyond);
+            times = layer_behind(texel, TIME);
+            if (HAS_TWO_LAYERS) curvatures = layer_behind(texel, CURVATURE);
         } else {
             barrier();
             vec4 left = passed[(k - 1) & 1][before];
@@ -149,16 +151,8 @@ void scan_block() {
             times.right = right.xy;
             curvatures.left = left.zw;
             curvatures.right = right.zw;
-            if (HAS_ARCS) {
-                left = passed_before[(k - 1) & 1][before];
-                right = passed_before[(k - 1) & 1][beyond];
-                times_beyond.left = left.xy;
-                times_beyond.right = right.xy;
-                curvatures_beyond.left = left.zw;
-                curvatures_beyond.right = right.zw;
-            }
         }
-        if (IS_CURVED) bends = gaussians_behind(texel);
+        if (HAS_TWO_LAYERS) bends = gaussians_behind(texel);
         Ends left = Ends(vec4(times.left, times.middle), vec4(curvatures.left, curvatures.middle),
                          vec4(bends.left, bends.middle));
         Ends middle = Ends(vec4(times.left.y, times.middle, times.right.x),
@@ -176,7 +170,7 @@ void scan_block() {
         vec4 base_right = edge_lengths(point - ahead, along);
         Ends line1 = Ends(first_line_old(texel, TIME), vec4(0.0), vec4(0.0));
         vec4 own_gaussian = vec4(0.0);
-        if (IS_CURVED) {
+        if (HAS_TWO_LAYERS) {
             line1.curvature = first_line_old(texel, CURVATURE);
             own_gaussian = imageLoad(gaussians, texel);
             line1.gaussian = vec4(first_line(imageLoad(gaussians, texel - along), ahead).y,
@@ -184,17 +178,18 @@ void scan_block() {
                                   first_line(imageLoad(gaussians, texel + along), ahead).x);
         }
         vec4 g1 = line1.gaussian;
-        bvec4 alone = are_alone(to_middle);
-        Fronts from_left = update(left, middle, g1, to_left, to_middle, base_left, alone);
-        Fronts from_right = update(middle, right, g1, to_middle, to_right, base_right, alone);
-        if (HAS_ARCS) {
-            Sight sight = Sight(left, middle, right, g1, to_left, to_middle, to_right,
-                                base_left, base_right);
-            part_arcs(sight, Places(point - along, along, 2 * along, ahead, along), 4,
-                      from_left, from_right);
-        }
         if (passes(point, ahead)) {
-            accept(earlier(from_left, from_right), SCAN, may_renew, line1.time, line1.curvature);
+            Fronts fronts;
+            if (HAS_ANCHORS) {
+                Sight sight = Sight(left, middle, right, to_left, to_middle, to_right);
+                Places four = Places(point - along, along, 2 * along, ahead, along);
+                fronts = ways_to(sight, four, 15u, SCAN, may_renew, line1.time, line1.curvature);
+            } else {
+                bvec4 alone = are_alone(to_middle);
+                fronts = earlier(update(left, middle, g1, to_left, to_middle, base_left, alone),
+                                 update(middle, right, g1, to_middle, to_right, base_right, alone));
+            }
+            accept(fronts, SCAN, may_renew, line1.time, line1.curvature);
         }
 
         // Second line, points 0 and 1: left triangles in xy, right triangles in zw.
@@ -207,43 +202,41 @@ void scan_block() {
         vec4 base = vec4(edge_length(point - along, along), edge_length(point, along),
                          edge_length(point, along), edge_length(point + along, along));
         vec2 g2 = second_line(own_gaussian, ahead);
-        Ends near = Ends(line1.time.xyyz, line1.curvature.xyyz, line1.gaussian.xyyz);
-        Ends far = Ends(line1.time.yzzw, line1.curvature.yzzw, line1.gaussian.yzzw);
-        Fronts sided = update(near, far, g2.xyxy, l1, l2, base, are_alone(sides.xyxy));
-        from_left = Fronts(sided.time.xyxy, sided.curvature.xyxy, sided.whole.xyxy);
-        from_right = Fronts(sided.time.zwzw, sided.curvature.zwzw, sided.whole.zwzw);
-        if (HAS_ARCS) {
-            times_beyond = times;
-            curvatures_beyond = curvatures;
-            part_arcs(sight_of_two(line1, g2, l1, l2, base),
-                      Places(next, along, ivec2(0), ahead, along), 2, from_left, from_right);
-        }
         vec4 old = imageLoad(old_fronts, place_of(texel, TIME));
         vec4 old_curvature = vec4(0.0);
-        if (IS_CURVED) old_curvature = imageLoad(old_fronts, place_of(texel, CURVATURE));
+        if (HAS_TWO_LAYERS) old_curvature = imageLoad(old_fronts, place_of(texel, CURVATURE));
         vec4 line2 = second_line(old, ahead).xyxy;
         vec4 line2_curvature = second_line(old_curvature, ahead).xyxy;
         if (passes(next, ahead)) {
-            accept(earlier(from_left, from_right), SCAN, may_renew, line2, line2_curvature);
+            Fronts fronts;
+            if (HAS_ANCHORS) {
+                Places two = Places(next, along, ivec2(0), ahead, along);
+                fronts = ways_to(sight_of_two(line1, l1, l2), two, 3u, SCAN, may_renew, line2,
+                                 line2_curvature);
+            } else {
+                Ends near = Ends(line1.time.xyyz, line1.curvature.xyyz, line1.gaussian.xyyz);
+                Ends far = Ends(line1.time.yzzw, line1.curvature.yzzw, line1.gaussian.yzzw);
+                fronts = of_sides(update(near, far, g2.xyxy, l1, l2, base, are_alone(sides.xyxy)));
+            }
+            accept(fronts, SCAN, may_renew, line2, line2_curvature);
         }
 
         times.middle = line2.xy;
         curvatures.middle = line2_curvature.xy;
         passed[k & 1][lane] = vec4(line2.xy, line2_curvature.xy);
-        if (HAS_ARCS) {
-            times_beyond.middle = line1.time.yz;
-            curvatures_beyond.middle = line1.curvature.yz;
-            passed_before[k & 1][lane] = vec4(line1.time.yz, line1.curvature.yz);
-        }
         if (writes) {
             vec4 new = texel_of(line1.time.yz, line2.xy, ahead);
             vec4 new_curvature = texel_of(line1.curvature.yz, line2_curvature.xy, ahead);
             imageStore(new_fronts, place_of(texel, TIME), new);
-            if (IS_CURVED) imageStore(new_fronts, place_of(texel, CURVATURE), new_curvature);
+            if (HAS_TWO_LAYERS) imageStore(new_fronts, place_of(texel, CURVATURE), new_curvature);
             change = max(change, change_of(old, new, old_curvature, new_curvature));
-            if (differ(old, new) || differ(old_curvature, new_curvature)) moved |= 1u << k;
+            if (differ(old, new) || differ(old_curvature, new_curvature)) {
+                moved |= 1u << k;
+                uvec4 tags = floatBitsToUint(own_gaussian) & 15u;
+                if (any(equal(tags, uvec4(1u)))) beside_holes |= 1u << k;
+            }
         }
     }
     if (change > 0u) note_change(change);
-    if (moved != 0u) note_moved(moved, line * abs(ahead) + place * along);
+    if (moved != 0u) note_moved(moved, beside_holes, line * abs(ahead) + place * along);
 }

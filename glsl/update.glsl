@@ -1,10 +1,11 @@
 // The update of a point x0 from two neighbours x1 and x2, for four triangles at once.
 // Twins: planar.rs, point_source.rs and curved.rs in src/update, where the formulas are explained.
 
-// 0 planar, 1 point source, 2 curved, 3 curved with two arcs where they touch: Wavefront in
-// src/update/mod.rs.
+// 0 planar, 1 point source, 2 curved, 3 with anchors (anchored.glsl): Wavefront in src/update/mod.rs.
 layout(constant_id = 2) const int WAVEFRONT = 0;
-const bool HAS_ARCS = WAVEFRONT == 3;
+const bool HAS_ANCHORS = WAVEFRONT == 3;
+// Whether fronts carry anything beside their arrival time: their curvature, or the number of their anchor.
+const bool HAS_TWO_LAYERS = WAVEFRONT >= 2;
 
 // Distance from 1 to the next number.
 const float PRECISION = 1.1920929e-7;
@@ -170,16 +171,15 @@ bvec4 are_alone(vec4 beside) {
 // The fronts at x0, whose surface has the Gaussian curvature g0: at FAR or later if neither x1
 // nor x2 is reached.
 Fronts update(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
-    if (WAVEFRONT >= 2) return curved(end1, end2, g0, l1, l2, c, alone);
-    vec4 time = WAVEFRONT == 1 ? point_source(end1.time, end2.time, l1, l2, c)
-                               : planar(end1.time, end2.time, l1, l2, c);
+    if (WAVEFRONT == 2) return curved(end1, end2, g0, l1, l2, c, alone);
+    vec4 time = WAVEFRONT == 0 ? planar(end1.time, end2.time, l1, l2, c)
+                               : point_source(end1.time, end2.time, l1, l2, c);
     return Fronts(time, vec4(0.0), bvec4(false));
 }
 
-// Whether fronts arrive at the same time as others, but for rounding: of arcs for what both have gathered.
+// Whether fronts arrive at the same time as others, but for rounding.
 bvec4 together(vec4 time, vec4 other) {
-    const float rounding = (HAS_ARCS ? ARCS_TOGETHER : TOGETHER) * PRECISION;
-    return lessThanEqual(abs(time - other), rounding * time);
+    return lessThanEqual(abs(time - other), TOGETHER * PRECISION * time);
 }
 
 // The earlier of two fronts at each point. Of those that arrive together a whole triangle knows
@@ -194,4 +194,10 @@ Fronts earlier(Fronts a, Fronts b) {
     bvec4 second = either(both(not(ties), lessThan(b.time, a.time)), both(ties, knows));
     return Fronts(time, mix(a.curvature, b.curvature, second),
                   either(both(not(second), a.whole), both(second, b.whole)));
+}
+
+// The earlier of the fronts of two points, through their left triangles in xy and their right ones in zw.
+Fronts of_sides(Fronts sided) {
+    return earlier(Fronts(sided.time.xyxy, sided.curvature.xyxy, sided.whole.xyxy),
+                   Fronts(sided.time.zwzw, sided.curvature.zwzw, sided.whole.zwzw));
 }

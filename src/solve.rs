@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use crate::constants::SOURCES_INSIDE;
 use crate::cpu::{self, Connections, Stop};
 use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface};
 use crate::update::Wavefront;
@@ -110,21 +111,17 @@ impl Options {
     ) -> Result<Wavefront, Error> {
         let circular = sources.are_points() && sources.start_together();
         match self.wavefront {
-            None if circular || self.engine == Engine::FastMarching => {
-                Ok(self.wavefront_from_a_point(surface))
-            }
-            None if sources.are_points() && surface.is_floor_plan() => Ok(Wavefront::Anchored),
+            None if sources.are_points() => match self.wavefront_from_a_point(surface) {
+                Wavefront::Anchored if check_anchors(sources).is_err() => Ok(Wavefront::Curved),
+                Wavefront::PointSource if !circular => Ok(Wavefront::Curved),
+                wavefront => Ok(wavefront),
+            },
+            None if self.engine == Engine::FastMarching => Ok(Wavefront::Planar),
             None => Ok(Wavefront::Curved),
             Some(Wavefront::Anchored) => {
                 check_anchored(surface)?;
-                if sources.are_points() {
-                    return Ok(Wavefront::Anchored);
-                }
-                Err(Error::Options(
-                    "the anchored wavefront needs point sources; use the curved or the planar one \
-                     for curves"
-                        .into(),
-                ))
+                check_anchors(sources)?;
+                Ok(Wavefront::Anchored)
             }
             Some(Wavefront::PointSource) if !sources.are_points() => Err(Error::Options(
                 "the point-source wavefront needs point sources; use the curved or the planar one \
@@ -134,6 +131,23 @@ impl Options {
             Some(wavefront) => Ok(wavefront),
         }
     }
+}
+
+/// Refuses sources from which fronts have no anchors.
+fn check_anchors(sources: &Sources) -> Result<(), Error> {
+    if !sources.are_points() {
+        return Err(Error::Options(
+            "the anchored wavefront needs point sources; use the curved or the planar one for curves"
+                .into(),
+        ));
+    }
+    if sources.inside_cells() > SOURCES_INSIDE as usize {
+        return Err(Error::Options(format!(
+            "the anchored wavefront is for up to {SOURCES_INSIDE} sources that are not at grid points; \
+             round them to grid points, or use the curved one"
+        )));
+    }
+    Ok(())
 }
 
 /// Refuses surfaces over which fronts have no anchors.

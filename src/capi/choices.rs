@@ -15,8 +15,8 @@ pub enum GeosweepWavefront {
     PointSource = 1,
     /// Carries its curvature beside the distance: second-order on curved surfaces and around holes.
     Curved = 2,
-    /// The same, and continues the two arcs behind the corners of holes by themselves. For planes with
-    /// holes, where it is as good as exact.
+    /// Knows the corner or source that it comes from on a straight line: exact over planes with holes that
+    /// are known to be such. Surfaces on a device are not: there it is curved.
     Anchored = 3,
 }
 

@@ -135,9 +135,9 @@ typedef enum {
     GEOSWEEP_WAVEFRONT_POINT_SOURCE = 1,
     // Carries its curvature beside the distance: second-order on curved surfaces and around holes.
     GEOSWEEP_WAVEFRONT_CURVED = 2,
-    // The same, and continues the two arcs behind the corners of holes by themselves. For planes with
-    // holes, where it is as good as exact.
-    GEOSWEEP_WAVEFRONT_ARCS = 3,
+    // Knows the corner or source that it comes from on a straight line: exact over planes with holes that
+    // are known to be such. Surfaces on a device are not: there it is curved.
+    GEOSWEEP_WAVEFRONT_ANCHORED = 3,
 } GeosweepWavefront;
 
 // Room for the contours of a surface, and the passes that find them. Frames in flight on one queue

@@ -16,15 +16,8 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
+use crate::constants::{ALIKE, ALIKE_AT_ANCHOR, GENERATIONS};
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, Seed, is_corner, is_open};
-
-/// How many anchors back a point looks beside its neighbours' own: where several corners lie close
-/// together, what is lit from between them may be narrower than a cell for long.
-const GENERATIONS: usize = 4;
-/// Times that differ by no more than so many times their rounding are the same.
-const ALIKE: f64 = 8.0;
-/// The same for an anchor's time and what follows for it from a point's.
-const ALIKE_AT_ANCHOR: f64 = 16.0;
 
 /// A source inside a cell: its row and column, from the border, and its time.
 #[derive(Clone, Copy, Debug)]
@@ -189,7 +182,7 @@ impl<R: Real> Floor<R> {
                 && (known.time - time).abs()
                     <= R::of(ALIKE_AT_ANCHOR) * R::epsilon() * ahead.max(R::of(seed.time).abs())
         };
-        let number = match self.inside.iter().position(near) {
+        let number = match self.inside.iter().rposition(near) {
             Some(known) => known,
             None => {
                 self.inside.push(Inside { place, time });
@@ -429,8 +422,8 @@ impl<R: Real> Floor<R> {
         last: usize,
         front: &impl Fn(usize) -> [R; 2],
     ) -> Option<usize> {
-        let mut way = [last; 2 + GENERATIONS];
-        let found = (0..=GENERATIONS).find(|&k| {
+        let mut way = [last; 2 + GENERATIONS as usize];
+        let found = (0..=GENERATIONS as usize).find(|&k| {
             way[k + 1] = self.before(way[k], front).map_or(way[k], |(_, before)| before);
             way[k + 1] == anchor
         })?;

@@ -166,6 +166,15 @@ pub enum VulkanError {
         /// How many are taken.
         most: usize,
     },
+    /// More sources inside cells than a map with anchors has room for.
+    #[error(
+        "more than {most} sources inside cells are too many for a map of anchored fronts: solve for all of \
+         them at once, which takes curved ones then, or add them to a map of curved fronts"
+    )]
+    TooManyAnchors {
+        /// How many there is room for.
+        most: usize,
+    },
     /// A source cannot be used.
     #[error(transparent)]
     Source(#[from] SourceError),

@@ -6,6 +6,7 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocator;
 
+use super::anchors::ANCHOR_BYTES;
 use super::descriptors;
 use super::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo, RESULT_FORMAT};
 use super::pipelines::{Pipelines, binding};
@@ -31,7 +32,7 @@ pub(crate) const INLINE_SOURCES: usize = 1024;
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Purpose<'a> {
     /// Points and sources come from the program's memory, and distances go back there, through
-    /// buffers of 4 bytes a point, up to 16 MiB, each.
+    /// buffers of 4 bytes a point, up to 16 MiB, each. Behind the points is room for anchors.
     Headless,
     /// All stays on the device, and there are so many images of distances, used by these queue
     /// families.
@@ -174,6 +175,18 @@ impl GridImages {
         *bytemuck::from_bytes(&bytes[..size_of::<Outcome>()])
     }
 
+    /// Where points and sources of a headless surface are written.
+    pub(crate) fn staging(&mut self) -> &mut [u8] {
+        let bytes = upload_bytes(self.chart, transfer_bytes(self.chart));
+        &mut self.upload.mapped()[..bytes]
+    }
+
+    /// Where shaders find the anchors of a headless floor plan.
+    pub(crate) fn anchors(&mut self) -> &mut [u8] {
+        let bytes = upload_bytes(self.chart, transfer_bytes(self.chart));
+        &mut self.upload.mapped()[bytes..][..ANCHOR_BYTES]
+    }
+
     /// Bytes of device and staging memory held.
     pub(crate) fn bytes(&self) -> u64 {
         let images = [&self.edges, &self.gaussian, &self.fronts[0], &self.fronts[1]];
@@ -236,8 +249,6 @@ fn buffer_infos(
         Purpose::Headless => transfer_bytes(chart),
         Purpose::Embedded { .. } => frame_bytes(chart),
     };
-    let upload = (band_rows(chart, POINT_BYTES, most) + HALO) * chart.cols * POINT_BYTES;
-    let upload = upload.max(LEAST_UPLOAD_BYTES);
     let (upload_location, outcomes, last) = match purpose {
         Purpose::Headless => {
             let bytes = band_rows(chart, size_of::<f32>(), most) * chart.cols * size_of::<f32>();
@@ -247,6 +258,8 @@ fn buffer_infos(
             (GpuOnly, results.max(1), ("sources", INLINE_SOURCES * SOURCE_BYTES, GpuOnly))
         }
     };
+    let anchors = if matches!(purpose, Purpose::Headless) { ANCHOR_BYTES } else { 0 };
+    let upload = upload_bytes(chart, most) + anchors;
     [
         ("progress", progress::BYTES as usize, GpuOnly),
         ("outcome", outcomes * size_of::<Outcome>(), GpuToCpu),
@@ -256,6 +269,12 @@ fn buffer_infos(
         last,
     ]
     .map(|(name, size, location)| BufferInfo { name, size: size as u64, location })
+}
+
+/// For points in bands of at most so many bytes, and for sources.
+fn upload_bytes(chart: Chart, most: usize) -> usize {
+    let points = (band_rows(chart, POINT_BYTES, most) + HALO) * chart.cols * POINT_BYTES;
+    points.max(LEAST_UPLOAD_BYTES)
 }
 
 /// For each tile its state, the round it waits for, and a place on two lists.

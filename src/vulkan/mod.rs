@@ -12,6 +12,7 @@
 //! on its device and with its allocator. [`Solver`] brings its own of each. What a device must offer
 //! is in [`requirements`]: Vulkan 1.1, and no extension or feature.
 
+mod anchors;
 mod barrier;
 mod ceilings;
 mod descriptors;

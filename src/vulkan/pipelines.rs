@@ -66,6 +66,8 @@ pub(super) mod constant {
     pub(crate) const ROWS: u32 = 7;
     pub(crate) const COLS: u32 = 8;
     pub(crate) const PITCH: u32 = 9;
+    /// The metric of a floor plan: of rows, of both, of columns.
+    pub(crate) const METRIC: [u32; 3] = [10, 11, 12];
 }
 
 /// The layouts common to all pipelines, and those that prepare and read a map.
@@ -102,8 +104,8 @@ pub(crate) struct Pipelines {
 pub(crate) struct SchedulePipelines {
     /// For the raster schedule the four rotated scans in the order of [`Scan::ALL`].
     pub(crate) passes: Vec<vk::Pipeline>,
-    /// Whether fronts are curved.
-    pub(crate) curved: bool,
+    /// Whether fronts carry anything beside their arrival time.
+    pub(crate) has_two_layers: bool,
 }
 
 macro_rules! spirv {
@@ -256,7 +258,7 @@ impl SchedulePipelines {
     ) -> Result<Self, VulkanError> {
         use constant::*;
         let Tuning { scan_width, scan_lines, tile, inner } = pipelines.tuning;
-        let curved = wavefront.is_curved();
+        let has_two_layers = wavefront.has_two_layers();
         let wavefront = (WAVEFRONT, wavefront as i32);
         let passes: Vec<Pass> = match schedule {
             Schedule::Raster => {
@@ -269,7 +271,7 @@ impl SchedulePipelines {
                 vec![(spirv!("tiles").as_slice(), [vec![wavefront], size.to_vec()].concat())]
             }
         };
-        Ok(Self { curved, ..Self::of(device, pipelines, &passes)? })
+        Ok(Self { has_two_layers, ..Self::of(device, pipelines, &passes)? })
     }
 
     /// Creates the pipelines of passes.
@@ -278,7 +280,7 @@ impl SchedulePipelines {
         pipelines: &Pipelines,
         passes: &[Pass],
     ) -> Result<Self, VulkanError> {
-        let mut new = Self { passes: Vec::new(), curved: false };
+        let mut new = Self { passes: Vec::new(), has_two_layers: false };
         for (spirv, constants) in passes {
             let (flags, layout) = (pipelines.flags, pipelines.layout);
             match compute_pipeline_with(device, flags, layout, spirv, constants) {

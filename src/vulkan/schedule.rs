@@ -88,9 +88,9 @@ impl Tuning {
     const ON_GPU: Self = Self { scan_width: 128, scan_lines: 8, tile: 16, inner: 4 };
 
     /// Shared memory of a tile with curved fronts: edge lengths, Gaussian curvature and four
-    /// copies of the fronts at its points and those up to two lines around it.
+    /// copies of the fronts at its points and those around it.
     fn tile_bytes(tile: u32) -> u32 {
-        (tile + 4).pow(2) * (16 + 4 + 4 * 8) + 16
+        (tile + 2).pow(2) * (16 + 4 + 4 * 8) + 16
     }
 
     /// What a plan for a grid needs to know of them.

@@ -3,14 +3,16 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::anchors::Anchors;
 use super::grid_images::{GridImages, POINT_BYTES, Purpose, bands, transfer_bytes};
 use super::headless::{Commands, Context};
 use super::plan::{self, Reached, Step};
 use super::profile::{self, Capabilities, Capability, Detail, Executable, Session, SolveProfile};
 use super::record::{EdgeSource, Recorder, rows_around};
-use super::upload::{SeedTexel, seed_texels, write_points};
+use super::upload::{SeedTexel, curvatures, seed_texels, write_points};
 use super::{Schedule, Tuning, ValidationLog, VulkanError, embed};
 use crate::DeviceChoice;
+use crate::constants::SOURCES_INSIDE;
 use crate::cpu::Stop;
 use crate::surface::{EdgeRule, Geometry, Seed, Spacing, Surface};
 use crate::update::Wavefront;
@@ -45,7 +47,9 @@ pub struct Solver {
 /// How a device computes a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Method {
-    /// The front assumed inside a triangle.
+    /// The front assumed inside a triangle. [`Wavefront::Anchored`] is solved as [`Wavefront::Curved`] but
+    /// over floor plans ([`Surface::is_floor_plan`]) of up to 33 million points, from up to 4096 sources
+    /// inside cells.
     pub wavefront: Wavefront,
     /// The order of updates; by default [`Schedule::best_on`] the device.
     pub schedule: Option<Schedule>,
@@ -58,6 +62,10 @@ pub struct Method {
 /// Must not outlive its solver's last use of it; memory is freed when it is dropped.
 pub struct SurfaceOnDevice {
     pub(super) images: GridImages,
+    /// Over floor plans.
+    pub(super) anchors: Option<Anchors>,
+    /// Whether the last map's fronts have anchors.
+    is_anchored: bool,
     /// Starts a map.
     first: Commands,
     /// Goes on with one, as recorded for this wavefront and these steps.
@@ -157,7 +165,15 @@ impl Solver {
             size,
             Purpose::Headless,
         )?;
-        let mut on_device = SurfaceOnDevice { images, first, further, goes_on: None, context };
+        let mut on_device = SurfaceOnDevice {
+            images,
+            anchors: Anchors::of(surface, size.1),
+            is_anchored: false,
+            first,
+            further,
+            goes_on: None,
+            context,
+        };
         let images = &mut on_device.images;
         self.run(images, |recorder| recorder.prepare())?;
         let origin = surface.origin();
@@ -168,7 +184,7 @@ impl Solver {
         };
         let arcs = surface.edge_rule() == EdgeRule::Arc;
         for rows in bands(chart, POINT_BYTES, transfer_bytes(chart)) {
-            write_points(surface, rows_around(&rows, chart), origin, images.upload.mapped());
+            write_points(surface, rows_around(&rows, chart), origin, images.staging());
             self.run(images, |recorder| recorder.measure(source, spacing, arcs, rows))?;
         }
         self.run(images, |recorder| recorder.bend(surface.edge_rule()))?;
@@ -187,6 +203,10 @@ impl Solver {
     }
 
     /// Adds seeds to the last map of the surface, which has converged with the same wavefront.
+    ///
+    /// # Errors
+    /// As [`Solver::solve`], and [`VulkanError::TooManyAnchors`] if a map of anchored fronts has no room for
+    /// more sources inside cells.
     pub fn add(
         &mut self,
         surface: &mut SurfaceOnDevice,
@@ -258,6 +278,7 @@ impl Solver {
         mut session: Option<&mut Session>,
     ) -> Result<Solution, VulkanError> {
         let Method { wavefront, stop, .. } = method;
+        let (wavefront, carried) = surface.begin(wavefront, seeds, start)?;
         let schedule = self.schedule(&surface.images, method);
         self.make_passes(&surface.images, schedule, wavefront)?;
         let passes = self.pipelines.passes(schedule, wavefront).expect("they were made above");
@@ -273,7 +294,7 @@ impl Solver {
         if let Some(session) = &mut session {
             session.restart();
         }
-        let seeds = seed_texels(seeds);
+        let seeds = seed_texels(seeds, &carried);
         let begin_map = |recorder: &Recorder| {
             if start == Start::Fresh {
                 recorder.forget();
@@ -281,7 +302,7 @@ impl Solver {
             recorder.start(stop, schedule, start == Start::FromLast);
         };
         // Those that the upload buffer does not hold beside the last go ahead.
-        let most = images.upload.mapped().len() / size_of::<SeedTexel>();
+        let most = images.staging().len() / size_of::<SeedTexel>();
         let (ahead, last) = seeds.split_at(seeds.len().saturating_sub(1) / most * most);
         if !ahead.is_empty() {
             self.watched(images, session.as_deref_mut(), |recorder| begin_map(&recorder))?;
@@ -340,7 +361,7 @@ impl Solver {
         if self.pipelines.passes(schedule, wavefront).is_some() {
             return Ok(());
         }
-        self.pipelines.add_passes(&self.context.device, schedule, wavefront)?;
+        self.pipelines.make_passes(&self.context.device, schedule, wavefront)?;
         let passes = self.pipelines.passes(schedule, wavefront).expect("they were made above");
         self.run(images, |recorder| recorder.warm_up(passes))
     }
@@ -405,7 +426,7 @@ impl Solver {
 /// Puts seeds where `seed.comp` reads them; how many they are.
 fn write_seeds(seeds: &[SeedTexel], images: &mut GridImages) -> u32 {
     let bytes = bytemuck::cast_slice(seeds);
-    images.upload.mapped()[..bytes.len()].copy_from_slice(bytes);
+    images.staging()[..bytes.len()].copy_from_slice(bytes);
     seeds.len() as u32
 }
 
@@ -424,6 +445,34 @@ impl Drop for Solver {
 }
 
 impl SurfaceOnDevice {
+    /// The wavefront of a map, and what the fronts at its seeds carry beside their times.
+    fn begin(
+        &mut self,
+        wavefront: Wavefront,
+        seeds: &[Seed],
+        start: Start,
+    ) -> Result<(Wavefront, Vec<f32>), VulkanError> {
+        let wanted = wavefront == Wavefront::Anchored;
+        let goes_on = start == Start::FromLast;
+        // A map goes on as it has begun.
+        let may_be = wanted && (!goes_on || self.is_anchored);
+        if let Some(anchors) = self.anchors.as_mut().filter(|_| may_be) {
+            if !goes_on {
+                anchors.forget();
+            }
+            if let Some(numbers) = anchors.numbers(seeds) {
+                anchors.write(self.images.anchors());
+                self.is_anchored = true;
+                return Ok((wavefront, numbers));
+            }
+            if goes_on {
+                return Err(VulkanError::TooManyAnchors { most: SOURCES_INSIDE as usize });
+            }
+        }
+        self.is_anchored = false;
+        Ok((if wanted { Wavefront::Curved } else { wavefront }, curvatures(seeds)))
+    }
+
     /// Bytes of device and staging memory held.
     pub fn bytes(&self) -> u64 {
         self.images.bytes()

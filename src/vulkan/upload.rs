@@ -46,7 +46,7 @@ pub(crate) struct SeedTexel {
     unused: [i32; 2],
     /// Arrival times of its points.
     pub(crate) times: [f32; 4],
-    /// Curvatures of their fronts.
+    /// Curvatures of their fronts, or numbers of their anchors.
     pub(crate) curvatures: [f32; 4],
 }
 
@@ -55,23 +55,33 @@ impl SeedTexel {
     pub(crate) const BYTES: u64 = (size_of::<Self>() - size_of::<[i32; 2]>()) as u64;
 }
 
-/// Groups seeds by texel, since each texel is written by one invocation.
-pub(crate) fn seed_texels(seeds: &[Seed]) -> Vec<SeedTexel> {
-    let mut placed: Vec<_> =
-        seeds.iter().map(|seed| (TexelChart::texel_of(seed.row, seed.col), seed)).collect();
-    placed.sort_by_key(|&((row, col, _), _)| (row, col));
+/// The curvatures of the fronts at seeds, as fronts carry them.
+pub(crate) fn curvatures(seeds: &[Seed]) -> Vec<f32> {
+    seeds.iter().map(|seed| (seed.curvature as f32).with_tag(0)).collect()
+}
+
+/// Groups seeds by texel, since each texel is written by one invocation; with each of them what its front
+/// carries beside its time.
+pub(crate) fn seed_texels(seeds: &[Seed], carried: &[f32]) -> Vec<SeedTexel> {
+    let place = |seed: &Seed| TexelChart::texel_of(seed.row, seed.col);
+    let mut placed: Vec<_> = seeds
+        .iter()
+        .zip(carried)
+        .map(|(seed, carried)| (place(seed), seed.time, *carried))
+        .collect();
+    placed.sort_by_key(|&((row, col, _), ..)| (row, col));
     let mut texels: Vec<SeedTexel> = Vec::new();
-    for ((row, col, component), seed) in placed {
+    for ((row, col, component), time, carried) in placed {
         let texel = [col as i32, row as i32];
         if texels.last().is_none_or(|last| last.texel != texel) {
             let (times, curvatures) = ([FAR as f32; 4], [0.0; 4]);
             texels.push(SeedTexel { texel, unused: [0; 2], times, curvatures });
         }
         let last = texels.last_mut().expect("one was pushed above");
-        let time = seed.time as f32;
+        let time = time as f32;
         if time < last.times[component] {
             last.times[component] = time;
-            last.curvatures[component] = (seed.curvature as f32).with_tag(0);
+            last.curvatures[component] = carried;
         }
     }
     texels
@@ -85,7 +95,7 @@ mod tests {
     fn seeds_that_share_a_texel_are_written_together() {
         let seed = |row, col, time| Seed { row, col, time, curvature: 1.0, from: None };
         let seeds = [seed(3, 3, 1.0), seed(0, 0, 0.0), seed(2, 3, 2.0), seed(3, 3, 0.5)];
-        let texels = seed_texels(&seeds);
+        let texels = seed_texels(&seeds, &curvatures(&seeds));
         assert_eq!(texels.len(), 2);
         assert_eq!((texels[0].texel, texels[0].times[0]), ([1, 1], 0.0));
         let far = FAR as f32;

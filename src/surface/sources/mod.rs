@@ -182,6 +182,17 @@ impl Sources {
         })
     }
 
+    /// How many sources are points inside cells or on their sides, and not at grid points.
+    pub(crate) fn inside_cells(&self) -> usize {
+        let is_inside = |source: &&Source| match source {
+            Source::Point { at, .. } => at.fract() != DVec2::ZERO,
+            Source::Curve { vertices, .. } => {
+                vertices.first().is_some_and(|at| at.fract() != DVec2::ZERO)
+            }
+        };
+        self.iter().filter(is_inside).count()
+    }
+
     /// Whether all sources have the same initial value.
     pub(crate) fn start_together(&self) -> bool {
         let start = self.start();

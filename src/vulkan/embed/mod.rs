@@ -7,6 +7,9 @@
 //! is decided on the device. `docs/embedding.md` tells the rest: barriers, frames in flight,
 //! deforming surfaces, costs.
 //!
+//! [`crate::Wavefront::Anchored`] is for surfaces that are known to be floor plans, which no one knows of those
+//! on the device: it is solved as [`crate::Wavefront::Curved`] here.
+//!
 //! ```no_run
 //! # use geosweep::ash::{self, vk};
 //! # use geosweep::gpu_allocator::vulkan::Allocator;

@@ -42,6 +42,9 @@ impl Solver {
     /// Creates the pipelines for these schedules and wavefronts; others can be added later with
     /// [`Solver::add_passes`].
     ///
+    /// No one knows here whether a surface of the host's is a floor plan: [`Wavefront::Anchored`] stands for
+    /// [`Wavefront::Curved`], as in all that follows.
+    ///
     /// # Errors
     /// [`VulkanError::Unusable`] with all that the device lacks, or a call of Vulkan's that fails.
     pub fn new(
@@ -88,6 +91,16 @@ impl Solver {
 
     /// Creates the pipelines of one more schedule and wavefront, unless they are there.
     pub fn add_passes(
+        &mut self,
+        device: &ash::Device,
+        schedule: Schedule,
+        wavefront: Wavefront,
+    ) -> Result<(), VulkanError> {
+        self.make_passes(device, schedule, over_any(wavefront))
+    }
+
+    /// The same, where it is known whether fronts have anchors.
+    pub(crate) fn make_passes(
         &mut self,
         device: &ash::Device,
         schedule: Schedule,
@@ -161,6 +174,7 @@ impl Solver {
     /// # Errors
     /// If the solver was not made for the method's schedule and wavefront, or the grid is too large.
     pub fn plan(&self, chart: Chart, method: Method, iterations: u32) -> Result<Plan, VulkanError> {
+        let method = Method { wavefront: over_any(method.wavefront), ..method };
         let best = Schedule::best_on(self.limits.kind, chart);
         let made = |schedule: &Schedule| self.passes(*schedule, method.wavefront).is_some();
         let or_else = || [best].into_iter().chain(Schedule::ALL).find(made).unwrap_or(best);
@@ -278,7 +292,7 @@ impl Solver {
         surface: &Surface,
         wavefront: Wavefront,
     ) -> Result<Regions, VulkanError> {
-        Regions::new(device, allocator, (self, surface), wavefront)
+        Regions::new(device, allocator, (self, surface), over_any(wavefront))
     }
 
     /// Records for a surface into a command buffer that the host has begun, on a queue family for
@@ -302,4 +316,9 @@ impl Solver {
         }
         self.pipelines.destroy(device);
     }
+}
+
+/// The wavefront over a surface of which it is not known whether it is a floor plan.
+fn over_any(wavefront: Wavefront) -> Wavefront {
+    if wavefront == Wavefront::Anchored { Wavefront::Curved } else { wavefront }
 }

@@ -54,6 +54,8 @@ const MOST_ITERATIONS: u32 = 32;
 /// Trips through loops in a dispatch, at most. Mesa's llvmpipe leaves the loops of a shader after
 /// 65,535 trips an invocation, all loops together, without a word.
 const MOST_TRIPS: u32 = 60_000;
+/// With anchors there are so many for each without: those from anchor to anchor beside holes.
+const TRIPS_WITH_ANCHORS: u32 = 16;
 /// Invocations of a workgroup, at most: with more of them barriers cost more than lines gain.
 const MOST_INVOCATIONS: u32 = 128;
 
@@ -76,20 +78,22 @@ impl Workgroup {
 
         let shares = |points: u32| 1 + points.div_ceil(2).div_ceil(invocations);
         let trips = 2 * (rows * shares(cols) + cols * shares(rows)) + 5;
+        let anchored = wavefront == Wavefront::Anchored;
+        let trips = if anchored { trips * TRIPS_WITH_ANCHORS } else { trips };
         let loads = 2 * numbers(pitch)?.div_ceil(invocations);
         let iterations = (MOST_TRIPS.checked_sub(loads)? / trips).min(MOST_ITERATIONS);
         (iterations > 0).then_some(Self { pitch, invocations, iterations })
     }
 }
 
-/// Numbers that a point of a map takes: arrival time, and curvature if fronts carry it.
+/// Numbers that a point of a map takes: arrival time, and curvature or anchor if fronts carry one.
 pub(super) fn numbers(wavefront: Wavefront) -> u32 {
-    if wavefront.is_curved() { LAYERS } else { 1 }
+    if wavefront.has_two_layers() { LAYERS } else { 1 }
 }
 
 /// Numbers in the fan of a pair of points, as `glsl/pairwise_fans.glsl` has it.
 pub(super) fn fan_numbers(wavefront: Wavefront) -> u64 {
-    if wavefront.is_curved() { 15 } else { 9 }
+    if wavefront.has_two_layers() { 15 } else { 9 }
 }
 
 /// How the maps of a surface are computed.

@@ -21,6 +21,7 @@ use std::time::Instant;
 
 use ash::vk;
 
+use super::anchors::Anchors;
 use super::headless::{Commands, Context};
 use super::plan::{self, Reached};
 use super::profile::{self, Detail, Grain, Session, SolveProfile};
@@ -45,7 +46,7 @@ use tally::Tally;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PairwiseSchedule {
     /// A map in the shared memory of a workgroup: for small grids, with 16 KiB up to 64 x 64 points
-    /// where fronts are straight or circular and half as many where they are curved.
+    /// where fronts are straight or circular and half as many where they are curved or anchored.
     SharedMemory,
     /// All maps in the layers of images.
     Images,
@@ -99,7 +100,7 @@ pub struct PairwiseOnDevice {
 
 impl Solver {
     /// Makes room for the maps of many sources of a surface: as many at a time as suit device and
-    /// grid. `schedule` is for measuring; by default maps lie in shared memory where they fit.
+    /// grid. Anchored fronts are curved ones but over floor plans, as in [`super::Method`]. `schedule` is for measuring; by default maps lie in shared memory where they fit.
     ///
     /// # Errors
     /// If a batch does not fit the device's memory, or shared memory was asked for and a map does
@@ -116,6 +117,11 @@ impl Solver {
         let (context, grid) = (&self.context, &surface.images);
         assert!(Arc::ptr_eq(context, &surface.context), "a surface of another solver");
         let (chart, texels) = (grid.chart, grid.texels);
+        let wavefront = match (wavefront, &surface.anchors) {
+            (Wavefront::Anchored, None) => Wavefront::Curved,
+            _ => wavefront,
+        };
+        let metric = surface.anchors.as_ref().map_or([1.0, 0.0, 1.0], Anchors::metric);
         let (rows, cols, device) = (chart.rows, chart.cols, context.info.name.clone());
         // SAFETY: the physical device is from this instance.
         let properties = unsafe {
@@ -133,7 +139,7 @@ impl Solver {
             return Err(VulkanError::TooMuchMemory { rows, cols, device, needed, available });
         }
         let commands = Commands::new(context)?;
-        let mut passes = Passes::new(&context.device, &self.pipelines.pipelines, &layout)?;
+        let mut passes = Passes::new(&context.device, &self.pipelines.pipelines, &layout, metric)?;
         let resources = Resources::new(
             &context.device,
             &mut context.allocator(),

@@ -75,8 +75,8 @@ impl<'a> Recorder<'a> {
     /// The records of passes over maps in images are those of one map.
     pub(super) fn steps(&self, steps: &[Step]) {
         let mut open = None;
-        let is_curved = self.layout.wavefront.is_curved();
-        let mut counter = StepCounter::new(self.texels, self.pipelines.tuning, is_curved);
+        let has_two_layers = self.layout.wavefront.has_two_layers();
+        let mut counter = StepCounter::new(self.texels, self.pipelines.tuning, has_two_layers);
         for step in steps {
             match step {
                 Step::Barrier(before, after) => {

@@ -437,7 +437,7 @@ pub fn planned(
     tuning: Tuning,
     wavefront: Wavefront,
 ) -> Vec<PassRecord> {
-    let mut counter = StepCounter::new(texels, tuning, wavefront.is_curved());
+    let mut counter = StepCounter::new(texels, tuning, wavefront.has_two_layers());
     let passes = steps.iter().filter(|step| **step != Step::Barrier);
     passes.map(|step| counter.next(step).0).collect()
 }

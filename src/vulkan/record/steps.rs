@@ -55,7 +55,8 @@ impl Recorder<'_> {
         let mut open: Option<Scope> = None;
         let texels = self.grid.texels.inner();
         let progress = self.grid.progress.buffer;
-        let mut counter = StepCounter::new(self.grid.texels, self.pipelines.tuning, passes.curved);
+        let mut counter =
+            StepCounter::new(self.grid.texels, self.pipelines.tuning, passes.has_two_layers);
         let notes = self.visits_noted(steps);
         let visits = u64::from(notes.div_ceil(32)) * size_of::<u32>() as u64;
         let mut scans = 0;

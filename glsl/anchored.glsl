@@ -1,0 +1,377 @@
+// Fronts that know their anchor: exact over floor plans. Four points at once where all points behind have
+// one anchor and no hole is beside them, which is nearly everywhere; elsewhere one after another.
+// Include after update.glsl. Twin: src/update/anchored.rs, where it is explained.
+//
+// The including shader defines
+//     vec2 front_at(ivec2 point)          arrival time and numbered value at any point of the grid
+//     vec4 edges_at(ivec2 point)          the lengths stored at a point: see texel.glsl
+//     int points_in_row()                 from a point's number to that of the point below it
+//     vec3 metric()                       of rows, of both, of columns
+//     vec4 source_inside(uint number)     column, row and time of a source inside a cell
+
+#include "anchor_number.glsl"
+
+// How a point is reached: when, from which anchor, and when that was.
+struct Way {
+    float time;
+    uint anchor;
+    float start;
+};
+
+const Way NO_WAY = Way(FAR, 0u, FAR);
+
+// A neighbour, and its anchor.
+struct End {
+    ivec2 point;
+    float time; // FAR if it has not been reached
+    bool has_all; // its edges
+    uint anchor;
+    float start; // when the anchor was reached
+};
+
+// What four points see of the three neighbours each that a scan has just passed: before it, beside it
+// and after it.
+struct Sight {
+    Ends before, beside, after;
+    vec4 to_before, to_beside, to_after;
+};
+
+// Where the points are: the first, how much further the second and the third, and the scan's way.
+struct Places {
+    ivec2 first, to_second, to_third;
+    ivec2 ahead, along;
+};
+
+// Two points of a line, from the fronts and the edges of its update: left triangles in xy, right
+// triangles in zw.
+Sight sight_of_two(Ends behind, vec4 l1, vec4 l2) {
+    return Sight(Ends(behind.time.xyxy, behind.curvature.xyxy, behind.gaussian.xyxy),
+                 Ends(behind.time.yzyz, behind.curvature.yzyz, behind.gaussian.yzyz),
+                 Ends(behind.time.zwzw, behind.curvature.zwzw, behind.gaussian.zwzw),
+                 l1.xyxy, l1.zwzw, l2.zwzw);
+}
+
+bool is_shorter(float a, float b) {
+    return a < b * (1.0 - ALIKE * PRECISION);
+}
+
+// The shorter of two ways; of two that are as long, on one line, that from the corner passed last.
+Way shorter(Way a, Way b) {
+    bool as_long = !is_shorter(a.time, b.time) && !is_shorter(b.time, a.time);
+    bool second = as_long ? b.start > a.start : b.time < a.time;
+    if (second) return b;
+    return a;
+}
+
+uint number_at(ivec2 point) {
+    return uint(point.y * points_in_row() + point.x);
+}
+
+ivec2 point_of(uint anchor) {
+    int row = points_in_row();
+    return ivec2(int(anchor) % row, int(anchor) / row);
+}
+
+// Column and row: whole numbers, but for sources.
+vec2 place_of_anchor(uint anchor) {
+    if (anchor >= FIRST_INSIDE) return source_inside(anchor - FIRST_INSIDE).xy;
+    return vec2(point_of(anchor));
+}
+
+// Lengths of straight lines.
+vec4 lengths_of(vec4 cols, vec4 rows) {
+    vec3 m = metric();
+    return sqrt(rows * (m.x * rows + (m.y + m.y) * cols) + m.z * cols * cols);
+}
+
+float length_of(vec2 to) {
+    vec3 m = metric();
+    return sqrt(to.y * (m.x * to.y + (m.y + m.y) * to.x) + m.z * to.x * to.x);
+}
+
+// Twice the area between two steps.
+float area_of(vec2 a, vec2 b) {
+    return a.x * b.y - a.y * b.x;
+}
+
+// When an anchor was reached, FAR if it has not been, and from which.
+float of_anchor(uint anchor, out uint before) {
+    before = anchor;
+    if (anchor >= FIRST_INSIDE) return source_inside(anchor - FIRST_INSIDE).z;
+    vec2 front = front_at(point_of(anchor));
+    before = number_of(front.y);
+    return front.x;
+}
+
+// Goes on to the anchor of an anchor; a source has none.
+bool go_before(inout uint anchor, out float start) {
+    uint before;
+    start = FAR;
+    if (of_anchor(anchor, before) >= FAR || before == anchor) return false;
+    uint unused;
+    start = of_anchor(before, unused);
+    anchor = before;
+    return start < FAR;
+}
+
+// The way to a point from an anchor that was reached at some time.
+Way way_from(ivec2 point, float start, uint anchor) {
+    return Way(start + length_of(place_of_anchor(anchor) - vec2(point)), anchor, start);
+}
+
+// When the anchor of a front was reached: as it is known there, to which what follows from the front is
+// rounded; but the latter where the two differ, since a change must come from the neighbours.
+float start_of(ivec2 point, float time, uint anchor) {
+    float follows = time - length_of(place_of_anchor(anchor) - vec2(point));
+    uint unused;
+    float known = of_anchor(anchor, unused);
+    return abs(known - follows) <= ALIKE_AT_ANCHOR * PRECISION * time ? known : follows;
+}
+
+// The neighbours of a point, a bit for each of the eight directions, counter-clockwise from east.
+uint neighbours_of(ivec2 point) {
+    vec4 here = edges_at(point);
+    bvec4 to = lessThan(here, vec4(FAR)); // east, north, north-east, north-west
+    return (to.x ? 1u : 0u) | (to.z ? 2u : 0u) | (to.y ? 4u : 0u) | (to.w ? 8u : 0u)
+         | (edges_at(point + ivec2(-1, 0)).x < FAR ? 16u : 0u)
+         | (edges_at(point + ivec2(-1, 1)).z < FAR ? 32u : 0u)
+         | (edges_at(point + ivec2(0, 1)).y < FAR ? 64u : 0u)
+         | (edges_at(point + ivec2(1, 1)).w < FAR ? 128u : 0u);
+}
+
+const uint AXES = 0x55u;
+
+uint turned(uint bits, int by) {
+    return (bits >> by | bits << (8 - by)) & 255u;
+}
+
+// Between which two directions one can go from a point, by the first of them: in whole cells, and halves of
+// cells. Twin: is_open() in src/surface/corner.rs.
+uint open_eighths(uint there) {
+    uint axes = there & AXES;
+    uint diagonals = there & ~AXES;
+    uint next = axes & turned(axes, 2); // with the axis after it
+    return next | turned(next, 7) | (axes & turned(diagonals, 1)) | (diagonals & turned(axes, 1));
+}
+
+// Whether paths can bend at a point that lacks an edge. Twin: is_corner() in src/surface/corner.rs.
+bool is_corner(ivec2 point) {
+    uint there = neighbours_of(point);
+    uint open = open_eighths(there);
+    uint beside = open | turned(open, 7);
+    uint passable = (there & AXES) | (there & ~AXES & beside);
+    uint ends = open | passable;
+    uint blocked = (passable | beside) & ~open;
+    return (blocked & (turned(ends, 1) | turned(ends, 2) | turned(ends, 3))) != 0u;
+}
+
+// The way along an edge: from its end, if that is a corner, or straight on.
+Way way_along(ivec2 x0, End end) {
+    if (!end.has_all && is_corner(end.point)) return way_from(x0, end.time, number_at(end.point));
+    vec2 edge = vec2(end.point - x0);
+    vec2 ray = place_of_anchor(end.anchor) - vec2(x0);
+    bool goes_on = area_of(edge, ray) == 0.0 && dot(edge, ray) >= dot(edge, edge);
+    if (goes_on) return way_from(x0, end.start, end.anchor);
+    return NO_WAY;
+}
+
+// On which side of the line from one anchor to another a point is.
+int side_of(ivec2 point, uint from, uint to) {
+    if (max(from, to) < FIRST_INSIDE) {
+        ivec2 border = point_of(to) - point_of(from);
+        ivec2 step = point - point_of(from);
+        return sign(border.x * step.y - border.y * step.x);
+    }
+    vec2 at = place_of_anchor(from);
+    return int(sign(area_of(place_of_anchor(to) - at, vec2(point) - at)));
+}
+
+// The same for an anchor.
+int side_of_anchor(uint anchor, uint from, uint to) {
+    if (anchor < FIRST_INSIDE) return side_of(point_of(anchor), from, to);
+    vec2 at = place_of_anchor(from);
+    return int(sign(area_of(place_of_anchor(to) - at, place_of_anchor(anchor) - at)));
+}
+
+// On which side of the ray from an anchor to a corner the hole is that the corner is one of: 1, -1, or 0
+// if there are holes on both.
+int shadow_of(uint anchor, uint corner) {
+    const ivec2 STEPS[9] = ivec2[](ivec2(1, 0), ivec2(1, -1), ivec2(0, -1), ivec2(-1, -1), ivec2(-1, 0),
+                                   ivec2(-1, 1), ivec2(0, 1), ivec2(1, 1), ivec2(1, 0));
+    ivec2 at = point_of(corner);
+    uint open = open_eighths(neighbours_of(at));
+    vec2 ray = vec2(at) - place_of_anchor(anchor);
+    bool left = false;
+    bool right = false;
+    for (int eighth = 0; eighth < 8; eighth++) {
+        float side = area_of(ray, vec2(STEPS[eighth] + STEPS[eighth + 1]));
+        bool blocked = (open >> eighth & 1u) == 0u;
+        left = left || (blocked && side > 0.0);
+        right = right || (blocked && side < 0.0);
+    }
+    return int(left) - int(right);
+}
+
+// The corner at which the way from an anchor to a later one bends first, or that later one if it is
+// straight; whether that way is known.
+bool first_bend(uint anchor, uint last, out uint corner) {
+    uint at = last;
+    corner = last;
+    bool found = false;
+    float unused;
+    for (int i = 0; i <= GENERATIONS && !found; i++) {
+        corner = at;
+        if (!go_before(at, unused)) break;
+        found = at == anchor;
+    }
+    if (!found) {
+        corner = last;
+        return false;
+    }
+    uint first = corner;
+    at = last;
+    bool is_straight = false;
+    for (int i = 0; i <= GENERATIONS && at != first; i++) {
+        bool is_on = side_of_anchor(at, anchor, first) == 0;
+        if (is_on && !is_straight) corner = at;
+        if (!is_on) corner = first;
+        is_straight = is_on;
+        if (!go_before(at, unused)) break;
+    }
+    return true;
+}
+
+// Whether x0 is out of the shadow that an end of its base lies in, as seen from an anchor: behind the
+// first corner on the way from that anchor to the end, on the side of its hole. Where the end is not there,
+// it lies in the shadow of another if the straight line would have been shorter, and x0 beside it.
+bool sees(ivec2 x0, Way way, End end) {
+    if (end.anchor == way.anchor) return true;
+    uint corner;
+    bool known = first_bend(way.anchor, end.anchor, corner);
+    int shadow = 0;
+    if (known && corner < FIRST_INSIDE) shadow = shadow_of(way.anchor, corner);
+    // On the border the end's own anchor serves as well, and knows which corners come next.
+    bool is_own = corner == end.anchor;
+    // Not by times where it can be told by sides: their rounding hides small detours.
+    int of_end = side_of(end.point, way.anchor, corner);
+    if (shadow == 0 || (!is_own && of_end * shadow <= 0)) {
+        if (!is_shorter(way_from(end.point, way.start, way.anchor).time, end.time)) return true;
+        shadow = of_end;
+    }
+    int of_x0 = side_of(x0, way.anchor, corner) * shadow;
+    return of_x0 < 0 || (is_own && of_x0 == 0);
+}
+
+// The shortest straight way through a triangle, from an anchor of its ends or from these' own.
+Way way_through(ivec2 x0, End a, End b) {
+    Way best = NO_WAY;
+    if (a.time >= FAR || b.time >= FAR) return best;
+    vec2 e1 = vec2(a.point - x0);
+    vec2 e2 = vec2(b.point - x0);
+    float turn = area_of(e1, e2);
+    // Where both ends have one anchor, all that lies between is lit by it alone.
+    bool of_one = a.anchor == b.anchor;
+    for (int k = 0; k < (of_one ? 1 : 2); k++) {
+        uint anchor = k == 0 ? a.anchor : b.anchor;
+        float start = k == 0 ? a.start : b.start;
+        for (int i = 0; i <= GENERATIONS; i++) {
+            vec2 ray = place_of_anchor(anchor) - vec2(x0);
+            vec2 parts = turn * vec2(area_of(ray, e2), area_of(e1, ray));
+            if (parts.x >= 0.0 && parts.y >= 0.0 && parts.x + parts.y >= 1.0) {
+                Way way = way_from(x0, start, anchor);
+                bool longer = is_shorter(best.time, way.time);
+                if (!longer && sees(x0, way, a) && sees(x0, way, b)) best = shorter(best, way);
+            }
+            if (of_one || !go_before(anchor, start)) break;
+        }
+    }
+    return best;
+}
+
+// The shortest way to a point past three neighbours that follow one another.
+Way reach(ivec2 x0, End ends[3]) {
+    Way best = NO_WAY;
+    for (int i = 0; i < 2; i++) best = shorter(best, way_through(x0, ends[i], ends[i + 1]));
+    for (int i = 0; i < 3; i++) {
+        if (ends[i].time < FAR) best = shorter(best, way_along(x0, ends[i]));
+    }
+    return best;
+}
+
+End end_of(ivec2 point, Ends fronts, vec4 edges, int i) {
+    End end = End(point, FAR, (floatBitsToUint(fronts.gaussian[i]) & 15u) != 1u, 0u, FAR);
+    if (fronts.time[i] < FAR && edges[i] < FAR) {
+        end.time = fronts.time[i];
+        end.anchor = number_of(fronts.curvature[i]);
+        end.start = start_of(point, end.time, end.anchor);
+    }
+    return end;
+}
+
+bvec4 are_numbered_as(vec4 a, vec4 b) {
+    return equal((floatBitsToUint(a) ^ floatBitsToUint(b)) & ~15u, uvec4(0u));
+}
+
+uint bits_of(bvec4 which) {
+    uvec4 each = mix(uvec4(0u), uvec4(1u, 2u, 4u, 8u), which);
+    return each.x | each.y | each.z | each.w;
+}
+
+// The ways of the first points that a scan, numbered from 1, brings them, given their fronts: none where
+// all neighbours are reached later, unless it is to bring again what it has brought before.
+Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, vec4 time, vec4 held) {
+    Fronts found = Fronts(vec4(FAR), vec4(0.0), bvec4(false));
+    vec4 behind = min(sight.beside.time, min(sight.before.time, sight.after.time));
+    bvec4 again = both(bvec4(renews), equal(floatBitsToUint(held) & 7u, uvec4(scan)));
+    bvec4 wanted = both(lessThan(behind, vec4(FAR)), either(again, lessThan(behind, time)));
+    uint left = bits_of(wanted) & points;
+    if (left == 0u) return found;
+
+    vec4 latest = max(sight.beside.time, max(sight.before.time, sight.after.time));
+    bvec4 of_one = both(are_numbered_as(sight.before.curvature, sight.beside.curvature),
+                        are_numbered_as(sight.after.curvature, sight.beside.curvature));
+    uvec4 tags = floatBitsToUint(sight.before.gaussian) & 15u;
+    tags |= floatBitsToUint(sight.beside.gaussian) & 15u;
+    tags |= floatBitsToUint(sight.after.gaussian) & 15u;
+    bvec4 open = both(both(lessThan(latest, vec4(FAR)), of_one), equal(tags, uvec4(0u)));
+    uint first = bits_of(open) & left;
+    if (first != 0u) {
+        // The straight line from one anchor runs between the neighbours.
+        float held_there = sight.beside.curvature[findLSB(first)];
+        uint anchor = number_of(held_there);
+        vec2 from = place_of_anchor(anchor);
+        vec4 cols = from.x - (places.first.x + places.to_second.x * vec4(0.0, 1.0, 0.0, 1.0)
+                                             + places.to_third.x * vec4(0.0, 0.0, 1.0, 1.0));
+        vec4 rows = from.y - (places.first.y + places.to_second.y * vec4(0.0, 1.0, 0.0, 1.0)
+                                             + places.to_third.y * vec4(0.0, 0.0, 1.0, 1.0));
+        vec2 ahead = vec2(places.ahead);
+        uint unused;
+        float known = of_anchor(anchor, unused);
+        vec4 follows = sight.beside.time - lengths_of(cols + ahead.x, rows + ahead.y);
+        vec4 rounding = ALIKE_AT_ANCHOR * PRECISION * sight.beside.time;
+        vec4 start = mix(follows, vec4(known), lessThanEqual(abs(known - follows), rounding));
+        vec4 ways = start + lengths_of(cols, rows);
+        vec4 back = -(cols * ahead.x + rows * ahead.y);
+        vec4 aside = abs(cols * float(places.along.x) + rows * float(places.along.y));
+        bvec4 passes = both(lessThanEqual(aside, back), greaterThanEqual(back, vec4(1.0)));
+        bvec4 alike = both(open, are_numbered_as(sight.beside.curvature, vec4(held_there)));
+        found.time = mix(vec4(FAR), ways, both(alike, passes));
+        found.curvature = vec4(held_there);
+        left &= ~bits_of(alike);
+    }
+
+    while (left != 0u) {
+        int i = findLSB(left);
+        left &= left - 1u;
+        ivec2 point = places.first + (i & 1) * places.to_second + (i >> 1) * places.to_third;
+        ivec2 beside = point - places.ahead;
+        End ends[3];
+        ends[0] = end_of(beside - places.along, sight.before, sight.to_before, i);
+        ends[1] = end_of(beside, sight.beside, sight.to_beside, i);
+        ends[2] = end_of(beside + places.along, sight.after, sight.to_after, i);
+        Way way = reach(point, ends);
+        found.time[i] = way.time;
+        found.curvature[i] = with_number(way.anchor);
+    }
+    return found;
+}

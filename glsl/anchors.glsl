@@ -1,0 +1,14 @@
+// What the update by anchors knows of a floor plan beside its grid points: at the end of the buffer for
+// uploads sources inside cells, then the metric. Twin: src/vulkan/anchors.rs.
+
+layout(set = 0, binding = 7) readonly restrict buffer Anchors {
+    vec4 anchors[];
+};
+
+vec3 metric() {
+    return anchors[anchors.length() - 1].xyz;
+}
+
+vec4 source_inside(uint number) {
+    return anchors[anchors.length() - 1 - SOURCES_INSIDE + int(number)];
+}
