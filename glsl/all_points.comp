@@ -110,7 +110,7 @@ void main() {
         }
         Fronts fronts;
         if (HAS_ANCHORS) {
-            Sight sight = Sight(ends[0], ends[1], ends[2], to[0], to[1], to[2]);
+            Sight sight = Sight(ends, to);
             Places four = Places(2 * texel, ivec2(1, 0), ivec2(0, 1), ahead, along);
             fronts = ways_to(sight, four, 15u, uint(scan) + 1u, may_renew, time, curvature);
         } else {

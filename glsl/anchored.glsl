@@ -27,13 +27,14 @@ struct End {
     bool has_all; // its edges
     uint anchor;
     float start; // when the anchor was reached
+    uint before; // from which anchor: itself, if that is a source or not known to be reached
 };
 
 // What four points see of the three neighbours each that a scan has just passed: before it, beside it
 // and after it.
 struct Sight {
-    Ends before, beside, after;
-    vec4 to_before, to_beside, to_after;
+    Ends ends[3];
+    vec4 edges[3]; // to them
 };
 
 // Where the points are: the first, how much further the second and the third, and the scan's way.
@@ -45,10 +46,14 @@ struct Places {
 // Two points of a line, from the fronts and the edges of its update: left triangles in xy, right
 // triangles in zw.
 Sight sight_of_two(Ends behind, vec4 l1, vec4 l2) {
-    return Sight(Ends(behind.time.xyxy, behind.curvature.xyxy, behind.gaussian.xyxy),
-                 Ends(behind.time.yzyz, behind.curvature.yzyz, behind.gaussian.yzyz),
-                 Ends(behind.time.zwzw, behind.curvature.zwzw, behind.gaussian.zwzw),
-                 l1.xyxy, l1.zwzw, l2.zwzw);
+    Sight sight;
+    sight.ends[0] = Ends(behind.time.xyxy, behind.curvature.xyxy, behind.gaussian.xyxy);
+    sight.ends[1] = Ends(behind.time.yzyz, behind.curvature.yzyz, behind.gaussian.yzyz);
+    sight.ends[2] = Ends(behind.time.zwzw, behind.curvature.zwzw, behind.gaussian.zwzw);
+    sight.edges[0] = l1.xyxy;
+    sight.edges[1] = l1.zwzw;
+    sight.edges[2] = l2.zwzw;
+    return sight;
 }
 
 bool is_shorter(float a, float b) {
@@ -94,38 +99,18 @@ float area_of(vec2 a, vec2 b) {
     return a.x * b.y - a.y * b.x;
 }
 
-// When an anchor was reached, FAR if it has not been, and from which.
+// When an anchor was reached, FAR if it has not been, and from which: from itself, if that is not known.
 float of_anchor(uint anchor, out uint before) {
     before = anchor;
     if (anchor >= FIRST_INSIDE) return source_inside(anchor - FIRST_INSIDE).z;
     vec2 front = front_at(point_of(anchor));
-    before = number_of(front.y);
+    if (front.x < FAR) before = number_of(front.y);
     return front.x;
-}
-
-// Goes on to the anchor of an anchor; a source has none.
-bool go_before(inout uint anchor, out float start) {
-    uint before;
-    start = FAR;
-    if (of_anchor(anchor, before) >= FAR || before == anchor) return false;
-    uint unused;
-    start = of_anchor(before, unused);
-    anchor = before;
-    return start < FAR;
 }
 
 // The way to a point from an anchor that was reached at some time.
 Way way_from(ivec2 point, float start, uint anchor) {
     return Way(start + length_of(place_of_anchor(anchor) - vec2(point)), anchor, start);
-}
-
-// When the anchor of a front was reached: as it is known there, to which what follows from the front is
-// rounded; but the latter where the two differ, since a change must come from the neighbours.
-float start_of(ivec2 point, float time, uint anchor) {
-    float follows = time - length_of(place_of_anchor(anchor) - vec2(point));
-    uint unused;
-    float known = of_anchor(anchor, unused);
-    return abs(known - follows) <= ALIKE_AT_ANCHOR * PRECISION * time ? known : follows;
 }
 
 // The neighbours of a point, a bit for each of the eight directions, counter-clockwise from east.
@@ -212,31 +197,33 @@ int shadow_of(uint anchor, uint corner) {
     return int(left) - int(right);
 }
 
-// The corner at which the way from an anchor to a later one bends first, or that later one if it is
+// The corner at which the way from an anchor to that of an end bends first, or that of the end if it is
 // straight; whether that way is known.
-bool first_bend(uint anchor, uint last, out uint corner) {
-    uint at = last;
-    corner = last;
-    bool found = false;
-    float unused;
-    for (int i = 0; i <= GENERATIONS && !found; i++) {
-        corner = at;
-        if (!go_before(at, unused)) break;
-        found = at == anchor;
+bool first_bend(uint anchor, End end, out uint corner) {
+    uint first = end.anchor;
+    uint before = end.before;
+    corner = end.anchor;
+    for (int i = 0; i < GENERATIONS && before != anchor; i++) {
+        if (before == first) return false;
+        first = before;
+        if (of_anchor(first, before) >= FAR) return false;
     }
-    if (!found) {
-        corner = last;
-        return false;
-    }
-    uint first = corner;
-    at = last;
+    if (before != anchor) return false;
+    corner = first;
+    // From the end back: the farthest of those on a line with the first.
+    uint at = end.anchor;
+    before = end.before;
     bool is_straight = false;
-    for (int i = 0; i <= GENERATIONS && at != first; i++) {
+    for (int i = 0; i < GENERATIONS && at != first; i++) {
         bool is_on = side_of_anchor(at, anchor, first) == 0;
-        if (is_on && !is_straight) corner = at;
-        if (!is_on) corner = first;
+        if (!is_on) {
+            corner = first;
+        } else if (!is_straight) {
+            corner = at;
+        }
         is_straight = is_on;
-        if (!go_before(at, unused)) break;
+        at = before;
+        of_anchor(at, before);
     }
     return true;
 }
@@ -247,7 +234,7 @@ bool first_bend(uint anchor, uint last, out uint corner) {
 bool sees(ivec2 x0, Way way, End end) {
     if (end.anchor == way.anchor) return true;
     uint corner;
-    bool known = first_bend(way.anchor, end.anchor, corner);
+    bool known = first_bend(way.anchor, end, corner);
     int shadow = 0;
     if (known && corner < FIRST_INSIDE) shadow = shadow_of(way.anchor, corner);
     // On the border the end's own anchor serves as well, and knows which corners come next.
@@ -274,15 +261,22 @@ Way way_through(ivec2 x0, End a, End b) {
     for (int k = 0; k < (of_one ? 1 : 2); k++) {
         uint anchor = k == 0 ? a.anchor : b.anchor;
         float start = k == 0 ? a.start : b.start;
+        uint before = k == 0 ? a.before : b.before;
         for (int i = 0; i <= GENERATIONS; i++) {
             vec2 ray = place_of_anchor(anchor) - vec2(x0);
             vec2 parts = turn * vec2(area_of(ray, e2), area_of(e1, ray));
             if (parts.x >= 0.0 && parts.y >= 0.0 && parts.x + parts.y >= 1.0) {
                 Way way = way_from(x0, start, anchor);
-                bool longer = is_shorter(best.time, way.time);
-                if (!longer && sees(x0, way, a) && sees(x0, way, b)) best = shorter(best, way);
+                bool comes = !is_shorter(best.time, way.time);
+                for (int j = 0; j < 2; j++) {
+                    if (comes) comes = sees(x0, way, j == 0 ? a : b);
+                }
+                if (comes) best = shorter(best, way);
             }
-            if (of_one || !go_before(anchor, start)) break;
+            if (of_one || before == anchor) break;
+            anchor = before;
+            start = of_anchor(anchor, before);
+            if (start >= FAR) break;
         }
     }
     return best;
@@ -298,12 +292,16 @@ Way reach(ivec2 x0, End ends[3]) {
     return best;
 }
 
+// When the anchor was reached is as it is known there, to which what follows from the neighbour is rounded;
+// but the latter where the two differ, since a change must come from the neighbours.
 End end_of(ivec2 point, Ends fronts, vec4 edges, int i) {
-    End end = End(point, FAR, (floatBitsToUint(fronts.gaussian[i]) & 15u) != 1u, 0u, FAR);
+    End end = End(point, FAR, (floatBitsToUint(fronts.gaussian[i]) & 15u) != 1u, 0u, FAR, 0u);
     if (fronts.time[i] < FAR && edges[i] < FAR) {
         end.time = fronts.time[i];
         end.anchor = number_of(fronts.curvature[i]);
-        end.start = start_of(point, end.time, end.anchor);
+        float follows = end.time - length_of(place_of_anchor(end.anchor) - vec2(point));
+        float known = of_anchor(end.anchor, end.before);
+        end.start = abs(known - follows) <= ALIKE_AT_ANCHOR * PRECISION * end.time ? known : follows;
     }
     return end;
 }
@@ -321,23 +319,26 @@ uint bits_of(bvec4 which) {
 // all neighbours are reached later, unless it is to bring again what it has brought before.
 Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, vec4 time, vec4 held) {
     Fronts found = Fronts(vec4(FAR), vec4(0.0), bvec4(false));
-    vec4 behind = min(sight.beside.time, min(sight.before.time, sight.after.time));
+    Ends before = sight.ends[0];
+    Ends beside = sight.ends[1];
+    Ends after = sight.ends[2];
+    vec4 behind = min(beside.time, min(before.time, after.time));
     bvec4 again = both(bvec4(renews), equal(floatBitsToUint(held) & 7u, uvec4(scan)));
     bvec4 wanted = both(lessThan(behind, vec4(FAR)), either(again, lessThan(behind, time)));
     uint left = bits_of(wanted) & points;
     if (left == 0u) return found;
 
-    vec4 latest = max(sight.beside.time, max(sight.before.time, sight.after.time));
-    bvec4 of_one = both(are_numbered_as(sight.before.curvature, sight.beside.curvature),
-                        are_numbered_as(sight.after.curvature, sight.beside.curvature));
-    uvec4 tags = floatBitsToUint(sight.before.gaussian) & 15u;
-    tags |= floatBitsToUint(sight.beside.gaussian) & 15u;
-    tags |= floatBitsToUint(sight.after.gaussian) & 15u;
+    vec4 latest = max(beside.time, max(before.time, after.time));
+    bvec4 of_one = both(are_numbered_as(before.curvature, beside.curvature),
+                        are_numbered_as(after.curvature, beside.curvature));
+    uvec4 tags = floatBitsToUint(before.gaussian) & 15u;
+    tags |= floatBitsToUint(beside.gaussian) & 15u;
+    tags |= floatBitsToUint(after.gaussian) & 15u;
     bvec4 open = both(both(lessThan(latest, vec4(FAR)), of_one), equal(tags, uvec4(0u)));
     uint first = bits_of(open) & left;
     if (first != 0u) {
         // The straight line from one anchor runs between the neighbours.
-        float held_there = sight.beside.curvature[findLSB(first)];
+        float held_there = beside.curvature[findLSB(first)];
         uint anchor = number_of(held_there);
         vec2 from = place_of_anchor(anchor);
         vec4 cols = from.x - (places.first.x + places.to_second.x * vec4(0.0, 1.0, 0.0, 1.0)
@@ -347,14 +348,14 @@ Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, 
         vec2 ahead = vec2(places.ahead);
         uint unused;
         float known = of_anchor(anchor, unused);
-        vec4 follows = sight.beside.time - lengths_of(cols + ahead.x, rows + ahead.y);
-        vec4 rounding = ALIKE_AT_ANCHOR * PRECISION * sight.beside.time;
+        vec4 follows = beside.time - lengths_of(cols + ahead.x, rows + ahead.y);
+        vec4 rounding = ALIKE_AT_ANCHOR * PRECISION * beside.time;
         vec4 start = mix(follows, vec4(known), lessThanEqual(abs(known - follows), rounding));
         vec4 ways = start + lengths_of(cols, rows);
         vec4 back = -(cols * ahead.x + rows * ahead.y);
         vec4 aside = abs(cols * float(places.along.x) + rows * float(places.along.y));
         bvec4 passes = both(lessThanEqual(aside, back), greaterThanEqual(back, vec4(1.0)));
-        bvec4 alike = both(open, are_numbered_as(sight.beside.curvature, vec4(held_there)));
+        bvec4 alike = both(open, are_numbered_as(beside.curvature, vec4(held_there)));
         found.time = mix(vec4(FAR), ways, both(alike, passes));
         found.curvature = vec4(held_there);
         left &= ~bits_of(alike);
@@ -364,11 +365,11 @@ Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, 
         int i = findLSB(left);
         left &= left - 1u;
         ivec2 point = places.first + (i & 1) * places.to_second + (i >> 1) * places.to_third;
-        ivec2 beside = point - places.ahead;
         End ends[3];
-        ends[0] = end_of(beside - places.along, sight.before, sight.to_before, i);
-        ends[1] = end_of(beside, sight.beside, sight.to_beside, i);
-        ends[2] = end_of(beside + places.along, sight.after, sight.to_after, i);
+        for (int k = 0; k < 3; k++) {
+            ivec2 at = point - places.ahead + (k - 1) * places.along;
+            ends[k] = end_of(at, sight.ends[k], sight.edges[k], i);
+        }
         Way way = reach(point, ends);
         found.time[i] = way.time;
         found.curvature[i] = with_number(way.anchor);

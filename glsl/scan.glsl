@@ -178,20 +178,6 @@ void scan_block() {
                                   first_line(imageLoad(gaussians, texel + along), ahead).x);
         }
         vec4 g1 = line1.gaussian;
-        if (passes(point, ahead)) {
-            Fronts fronts;
-            if (HAS_ANCHORS) {
-                Sight sight = Sight(left, middle, right, to_left, to_middle, to_right);
-                Places four = Places(point - along, along, 2 * along, ahead, along);
-                fronts = ways_to(sight, four, 15u, SCAN, may_renew, line1.time, line1.curvature);
-            } else {
-                bvec4 alone = are_alone(to_middle);
-                fronts = earlier(update(left, middle, g1, to_left, to_middle, base_left, alone),
-                                 update(middle, right, g1, to_middle, to_right, base_right, alone));
-            }
-            accept(fronts, SCAN, may_renew, line1.time, line1.curvature);
-        }
-
         // Second line, points 0 and 1: left triangles in xy, right triangles in zw.
         ivec2 next = point + ahead;
         vec2 sides = vec2(edge_length(next, -ahead), edge_length(next + along, -ahead));
@@ -199,26 +185,55 @@ void scan_block() {
                        sides);
         vec4 l2 = vec4(sides, edge_length(next, -ahead + along),
                        edge_length(next + along, -ahead + along));
-        vec4 base = vec4(edge_length(point - along, along), edge_length(point, along),
-                         edge_length(point, along), edge_length(point + along, along));
-        vec2 g2 = second_line(own_gaussian, ahead);
         vec4 old = imageLoad(old_fronts, place_of(texel, TIME));
         vec4 old_curvature = vec4(0.0);
         if (HAS_TWO_LAYERS) old_curvature = imageLoad(old_fronts, place_of(texel, CURVATURE));
         vec4 line2 = second_line(old, ahead).xyxy;
         vec4 line2_curvature = second_line(old_curvature, ahead).xyxy;
-        if (passes(next, ahead)) {
-            Fronts fronts;
-            if (HAS_ANCHORS) {
-                Places two = Places(next, along, ivec2(0), ahead, along);
-                fronts = ways_to(sight_of_two(line1, l1, l2), two, 3u, SCAN, may_renew, line2,
-                                 line2_curvature);
-            } else {
+
+        if (HAS_ANCHORS) {
+            // A loop, since drivers are slow to compile the same code twice over.
+            for (int half_of = 0; half_of < 2; half_of++) {
+                ivec2 at = half_of == 0 ? point : next;
+                if (!passes(at, ahead)) continue;
+                Sight sight = Sight(Ends[](left, middle, right), vec4[](to_left, to_middle, to_right));
+                Places places = Places(point - along, along, 2 * along, ahead, along);
+                vec4 time = line1.time;
+                vec4 held = line1.curvature;
+                if (half_of == 1) {
+                    sight = sight_of_two(line1, l1, l2);
+                    places = Places(next, along, ivec2(0), ahead, along);
+                    time = line2;
+                    held = line2_curvature;
+                }
+                accept(ways_to(sight, places, half_of == 0 ? 15u : 3u, SCAN, may_renew, time, held),
+                       SCAN, may_renew, time, held);
+                if (half_of == 0) {
+                    line1.time = time;
+                    line1.curvature = held;
+                } else {
+                    line2 = time;
+                    line2_curvature = held;
+                }
+            }
+        } else {
+            if (passes(point, ahead)) {
+                bvec4 alone = are_alone(to_middle);
+                Fronts fronts =
+                    earlier(update(left, middle, g1, to_left, to_middle, base_left, alone),
+                            update(middle, right, g1, to_middle, to_right, base_right, alone));
+                accept(fronts, SCAN, may_renew, line1.time, line1.curvature);
+            }
+            if (passes(next, ahead)) {
+                vec2 g2 = second_line(own_gaussian, ahead);
+                vec4 base = vec4(edge_length(point - along, along), edge_length(point, along),
+                                 edge_length(point, along), edge_length(point + along, along));
                 Ends near = Ends(line1.time.xyyz, line1.curvature.xyyz, line1.gaussian.xyyz);
                 Ends far = Ends(line1.time.yzzw, line1.curvature.yzzw, line1.gaussian.yzzw);
-                fronts = of_sides(update(near, far, g2.xyxy, l1, l2, base, are_alone(sides.xyxy)));
+                bvec4 alone = are_alone(sides.xyxy);
+                accept(of_sides(update(near, far, g2.xyxy, l1, l2, base, alone)), SCAN, may_renew,
+                       line2, line2_curvature);
             }
-            accept(fronts, SCAN, may_renew, line2, line2_curvature);
         }
 
         times.middle = line2.xy;

@@ -48,7 +48,7 @@ fn what_single_precision_rounds_is_left_out() {
 }
 
 #[test]
-fn mazes_are_exact_with_arcs() {
+fn mazes_are_exact_with_anchors() {
     let [double, single] = {
         let surface = Builtin::Maze.surface(129, 129).unwrap();
         let (source, options) = (Sources::point(0.0, 0.0), options(Wavefront::Anchored));

@@ -135,7 +135,7 @@ fn curved_fronts_among_strewn_holes_do_not_depend_on_rounding() {
 }
 
 #[test]
-fn arcs_in_the_maze_do_not_depend_on_the_order_of_updates() {
+fn anchors_in_the_maze_do_not_depend_on_the_order_of_updates() {
     let maze = Builtin::Maze.surface(POINTS, POINTS).unwrap();
     let source = at(off_centre(POINTS, POINTS));
     let a = directed::<f64>(&maze, &source, Wavefront::Anchored, CONVERGED_F64).distances();
@@ -148,10 +148,9 @@ fn arcs_in_the_maze_do_not_depend_on_the_order_of_updates() {
     }
 }
 
-/// Among walls rounding may decide where the borders of several shadows cross, or where fronts meet that
-/// have come around both sides of a wall, whether two arcs touch: on few plans, and by little.
+/// Among boxes rounding may decide where the borders of several shadows cross: on few plans, and by little.
 #[test]
-fn arcs_among_walls_hardly_depend_on_the_order_of_updates() {
+fn anchors_among_boxes_hardly_depend_on_the_order_of_updates() {
     let (mut plans, mut apart, mut worst) = (0, 0, [0.0f64; 3]);
     for size in [3, 5, 8, 14] {
         for seed in 1..=12 {

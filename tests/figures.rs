@@ -197,10 +197,12 @@ fn the_accuracy_report_says_what_the_library_computes() {
     }
 
     let rows = rows.as_array().unwrap();
-    // Arcs are for planes with holes.
-    let arcs: Vec<_> = rows.iter().filter(|row| row["wavefront"] == "arcs").collect();
-    assert!(arcs.len() == 2 && arcs.iter().all(|row| row["surface"] == "maze"), "{arcs:?}");
-    assert_eq!(rows.len(), Builtin::measurable().count() * 2 * Wavefront::ALL.len() + arcs.len());
+    // Anchors are for planes with holes.
+    let anchored: Vec<_> = rows.iter().filter(|row| row["wavefront"] == "anchored").collect();
+    let are_of_maze = anchored.iter().all(|row| row["surface"] == "maze");
+    assert!(anchored.len() == 2 && are_of_maze, "{anchored:?}");
+    let all = Builtin::measurable().count() * 2 * Wavefront::ALL.len() + anchored.len();
+    assert_eq!(rows.len(), all);
     for row in rows {
         let builtin = Builtin::parse(row["surface"].as_str().unwrap()).unwrap();
         let points = row["points"].as_u64().unwrap() as usize;

@@ -121,11 +121,10 @@ fn point_sources_on_the_sphere_are_accurate() {
     assert!(mean < 3e-4, "{mean:e}");
 }
 
-/// Behind each corner of the maze two arcs of the front touch and go on by themselves; with their
-/// mean these maps are wrong by 1e-3. What is left is rounding, 6e-8 for each of some hundred steps, of
-/// which the earlier of two fronts stays.
+/// Behind each corner of the maze two fronts touch; with their mean these maps are wrong by 1e-3. Their
+/// anchors leave rounding.
 #[test]
-fn arcs_in_the_maze_are_as_good_as_exact() {
+fn the_maze_is_exact_with_anchors() {
     let side = 49;
     let surface = Builtin::Maze.surface(side, side).unwrap();
     let (chart, edges) = (surface.chart(), EdgeLengths::<f32>::new(&surface).unwrap());

@@ -8,7 +8,7 @@ use geosweep::accuracy::Errors;
 use geosweep::cpu::PairwiseScan;
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
-use geosweep::vulkan::{Method, PairwiseSchedule, Schedule, Solver, VulkanError};
+use geosweep::vulkan::{Method, PairwiseSchedule, Schedule, VulkanError};
 use geosweep::{Sources, Spacing, Surface, Wavefront};
 use measure::Random;
 
@@ -19,7 +19,7 @@ fn anchored(schedule: Schedule) -> Method {
     Method { wavefront: Wavefront::Anchored, schedule: Some(schedule), stop: CONVERGED }
 }
 
-/// A plane with boxes, walls and strewn points left out, and some of its points.
+/// A plane without some boxes and walls, and some of its points.
 fn floor_plan(number: u64, rows: usize, cols: usize) -> (Surface, Vec<[usize; 2]>) {
     let mut random = Random::new(number);
     let mut below = |most: usize| (random.next() * most as f64) as usize;
@@ -31,7 +31,7 @@ fn floor_plan(number: u64, rows: usize, cols: usize) -> (Surface, Vec<[usize; 2]
     };
     for _ in 0..1 + number % 7 {
         let (row, col) = (below(rows), below(cols));
-        clear(row, col, 1 + below(rows / 4), 1 + below(cols / 4));
+        clear(row, col, 2 + below(rows / 4), 2 + below(cols / 4));
     }
     for _ in 0..number % 5 {
         let (row, col) = (below(rows), below(cols));
@@ -40,10 +40,6 @@ fn floor_plan(number: u64, rows: usize, cols: usize) -> (Surface, Vec<[usize; 2]
         } else {
             clear(row, col, 2 + below(rows / 2), 1);
         }
-    }
-    for _ in 0..(number % 3) * 6 {
-        let (row, col) = (below(rows), below(cols));
-        clear(row, col, 1, 1);
     }
     let free: Vec<_> = (0..rows * cols).filter(|&point| floor[point]).collect();
     let some = (0..8).map(|_| free[below(free.len())]).map(|point| [point / cols, point % cols]);
@@ -69,90 +65,164 @@ fn some_seeds(surface: &Surface, places: &[[usize; 2]], number: u64) -> Vec<Seed
     all
 }
 
-fn plans() -> u64 {
-    std::env::var("PLANS").map_or(24, |plans| plans.parse().unwrap())
+/// The plan with a number, and seeds on it.
+fn seeded_plan(number: u64) -> (Surface, Vec<Seed>) {
+    let (rows, cols) = (30 + number as usize % 40, 34 + 3 * (number as usize % 17));
+    let (surface, places) = floor_plan(number, rows, cols);
+    assert!(surface.is_floor_plan());
+    let count = [1, 1, 3, 6][number as usize % 4];
+    let seeds = some_seeds(&surface, &places[..count], number);
+    (surface, seeds)
 }
 
 #[test]
 fn every_schedule_leads_to_the_map_of_the_cpu() {
-    let mut solver = if std::env::var_os("FAST").is_some() { Solver::new(&geosweep::DeviceChoice::Any).unwrap() } else { vulkan_solver() };
-    let mut worst = [0.0f32; 3];
-    for number in 0..plans() {
-        let (surface, places) = floor_plan(number, 30 + number as usize % 40, 34 + 3 * (number as usize % 17));
-        assert!(surface.is_floor_plan());
-        let count = [1, 1, 3, 6][number as usize % 4];
-        let seeds = some_seeds(&surface, &places[..count], number);
+    let mut solver = vulkan_solver();
+    let mut worst = 0.0f32;
+    for number in 0..20 {
+        let (surface, seeds) = seeded_plan(number);
         let cpu = on_cpu(&surface, &seeds, Wavefront::Anchored, CONVERGED);
         let mut on_device = solver.upload(&surface).unwrap();
-        for (k, schedule) in Schedule::ALL.into_iter().enumerate() {
-            let solution = solver.solve(&mut on_device, &seeds, anchored(schedule)).unwrap();
-            assert!(solution.residual <= CONVERGED.tolerance, "plan {number}, {schedule}");
-            let found = relative_difference(&cpu, &solution.distances);
-            worst[k] = worst[k].max(found);
-            if found > AGREEMENT || std::env::var_os("ALL").is_some() { println!("plan {number}, {schedule}: {found:e}, {} iterations, {:?}", solution.iterations, solution.time); }
-        }
-    }
-    println!("{worst:?}");
-    assert!(worst.iter().all(|&found| found < AGREEMENT), "{worst:?}");
-}
-
-#[test]
-fn twins_print() {
-    let mut solver = Solver::new(&geosweep::DeviceChoice::Any).unwrap();
-    let one: Option<u64> = std::env::var("PLAN").ok().map(|p| p.parse().unwrap());
-    for number in 0..plans() {
-        if one.is_some_and(|one| one != number) { continue; }
-        let (surface, places) = floor_plan(number, 30 + number as usize % 40, 34 + 3 * (number as usize % 17));
-        let count = [1, 1, 3, 6][number as usize % 4];
-        let seeds = some_seeds(&surface, &places[..count], number);
-        let edges = EdgeLengths::<f32>::new(&surface).unwrap();
-        let cpu = on_cpu(&surface, &seeds, Wavefront::Anchored, CONVERGED);
-        let mut on_device = solver.upload(&surface).unwrap();
-        let rounds = geosweep::cpu::Rounds { tile: 16, inner: 4, recorded: 16 };
-        let w = Wavefront::Anchored;
         for schedule in Schedule::ALL {
-            let twin = match schedule {
-                Schedule::Raster => geosweep::cpu::scan_in_turn(&edges, &seeds, w, CONVERGED),
-                Schedule::AllPoints => geosweep::cpu::all_points(&edges, &seeds, w, CONVERGED),
-                Schedule::Tiles => geosweep::cpu::tile_rounds(&edges, &seeds, w, CONVERGED, rounds),
-            };
             let solution = solver.solve(&mut on_device, &seeds, anchored(schedule)).unwrap();
-            let [a, b, c] = [relative_difference(&cpu, &twin.distances()), relative_difference(&cpu, &solution.distances), relative_difference(&twin.distances(), &solution.distances)];
-            if a.max(b).max(c) > 2e-6 || std::env::var_os("ALL").is_some() {
-                println!("plan {number} {schedule}: cpu-twin {a:.1e} cpu-gpu {b:.1e} twin-gpu {c:.1e}; iterations {} {}", twin.iterations, solution.iterations);
-            }
+            let difference = relative_difference(&cpu, &solution.distances);
+            let what = format!("plan {number}, {schedule}");
+            assert!(difference < AGREEMENT, "{what}: {difference:e}");
+            assert!(solution.residual <= CONVERGED.tolerance, "{what}");
+            let again = solver.solve(&mut on_device, &seeds, anchored(schedule)).unwrap();
+            assert!(again.distances == solution.distances, "{what}");
+            worst = worst.max(difference);
+        }
+    }
+    println!("{worst:.1e}");
+}
+
+/// Among them sources inside cells, whose numbers go on from those of the map.
+#[test]
+fn sources_can_be_added() {
+    let mut solver = vulkan_solver();
+    for number in [3, 7, 10, 14] {
+        let (surface, seeds) = seeded_plan(number);
+        let mut on_device = solver.upload(&surface).unwrap();
+        let cpu = on_cpu(&surface, &seeds, Wavefront::Anchored, CONVERGED);
+        let of_first = |seed: &&Seed| seed.from == seeds[0].from;
+        let first = seeds.iter().take_while(of_first).count();
+        let (first, rest) = seeds.split_at(first);
+        assert!(!rest.is_empty());
+        for schedule in Schedule::ALL {
+            let one = solver.solve(&mut on_device, first, anchored(schedule)).unwrap();
+            let all = solver.add(&mut on_device, rest, anchored(schedule)).unwrap();
+            assert_ne!(one.distances, all.distances);
+            let difference = relative_difference(&cpu, &all.distances);
+            assert!(difference < AGREEMENT, "plan {number}, {schedule}: {difference:e}");
         }
     }
 }
 
 #[test]
-fn first_difference() {
-    let mut solver = Solver::new(&geosweep::DeviceChoice::Any).unwrap();
-    let number: u64 = std::env::var("PLAN").ok().map(|p| p.parse().unwrap()).unwrap();
-    let schedule = if std::env::var_os("RASTER").is_some() { Schedule::Raster } else { Schedule::AllPoints };
-    let (surface, places) = floor_plan(number, 30 + number as usize % 40, 34 + 3 * (number as usize % 17));
-    let count = [1, 1, 3, 6][number as usize % 4];
-    let seeds = some_seeds(&surface, &places[..count], number);
-    println!("{} x {}, {seeds:?}", surface.rows(), surface.cols());
-    let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+fn the_maze_is_exact() {
+    let mut solver = vulkan_solver();
+    let (rows, cols) = (129, 161);
+    let surface = Builtin::Maze.surface(rows, cols).unwrap();
     let mut on_device = solver.upload(&surface).unwrap();
-    let w = Wavefront::Anchored;
-    for iterations in 1..60 {
-        let stop = geosweep::cpu::Stop::after(iterations);
-        let twin = match schedule { Schedule::Raster => geosweep::cpu::scan_in_turn(&edges, &seeds, w, stop), _ => geosweep::cpu::all_points(&edges, &seeds, w, stop) }.distances();
-        let gpu = solver.solve(&mut on_device, &seeds, Method { stop, ..anchored(schedule) }).unwrap().distances;
-        let mut found = 0;
-        for (i, (a, b)) in twin.iter().zip(&gpu).enumerate() {
-            if a.is_finite() != b.is_finite() || a.is_finite() && (a - b).abs() > 1e-5 * a {
-                found += 1;
-                if found < 12 { println!("{iterations}: {:?} {a} {b}", surface.chart().position(i)); }
-            }
+    let exact = Builtin::Maze.exact_distances(rows, cols, [2.0, 3.0]).unwrap();
+    for schedule in Schedule::ALL {
+        let method = anchored(schedule);
+        let map = solver.solve(&mut on_device, &seeds_at(&surface, (2, 3)), method).unwrap();
+        let errors = Errors::of(&map.distances, &exact);
+        println!("{schedule}: {errors:?}, {} iterations", map.iterations);
+        assert!(
+            errors.mean_relative < 1e-6 && errors.max_relative < 5e-6,
+            "{schedule}: {errors:?}"
+        );
+    }
+}
+
+/// Where anchors do not hold fronts are curved.
+#[test]
+fn other_surfaces_have_curved_fronts() {
+    let mut solver = vulkan_solver();
+    let slowness = (0..30 * 40).map(|i| 1.0 + f64::from(i % 3)).collect();
+    let (plan, _) = floor_plan(5, 30, 40);
+    for surface in [rough(30, 40, 0), plan.with_slowness(slowness).unwrap()] {
+        let seeds = seeds_at(&surface, some_point(&surface));
+        let maps = [Wavefront::Anchored, Wavefront::Curved]
+            .map(|wavefront| on_vulkan(&mut solver, &surface, &seeds, wavefront, CONVERGED));
+        assert_eq!(maps[0], maps[1]);
+        let on_device = solver.upload(&surface).unwrap();
+        let sources = [surface.present().iter().position(|&present| present)];
+        let rows = [Wavefront::Anchored, Wavefront::Curved].map(|wavefront| {
+            let mut pairwise = solver.pairwise(&on_device, wavefront, None).unwrap();
+            let mut row = vec![0.0; surface.chart().points()];
+            pairwise.solve(&solver, &on_device, &sources, CONVERGED, &mut row).unwrap();
+            row
+        });
+        assert_eq!(rows[0], rows[1]);
+    }
+}
+
+/// Sources inside cells are kept in a table. More of them are no anchors in a map of their own, and cannot be
+/// added to one.
+#[test]
+fn sources_inside_cells_are_as_many_as_there_is_room_for() {
+    let mut solver = vulkan_solver();
+    let surface = Surface::from_heights(70, 66, vec![0.0; 70 * 66], Spacing::square(1.0)).unwrap();
+    let sources = |count: usize| {
+        let place = |i: usize| ((i / 64) as f64 + 0.5, (i % 64) as f64 + 0.25);
+        let places = (0..count).map(place);
+        let all = Sources::default();
+        places.fold(all, |all, (row, col)| all.and_point(row, col, 0.01 * row)).seeds(&surface)
+    };
+    let (most, more) = (sources(4096).unwrap(), sources(4097).unwrap());
+    let mut on_device = solver.upload(&surface).unwrap();
+    let method = anchored(Schedule::Raster);
+    let map = solver.solve(&mut on_device, &most, method).unwrap();
+    let cpu = on_cpu(&surface, &most, Wavefront::Anchored, CONVERGED);
+    assert!(relative_difference(&cpu, &map.distances) < AGREEMENT);
+    let error = solver.add(&mut on_device, &more[more.len() - 4..], method);
+    assert!(matches!(error, Err(VulkanError::TooManyAnchors { most: 4096 })), "{error:?}");
+    let map = solver.solve(&mut on_device, &more, method).unwrap();
+    let curved = Method { wavefront: Wavefront::Curved, ..method };
+    assert_eq!(map.distances, solver.solve(&mut on_device, &more, curved).unwrap().distances);
+    // A map goes on as it has begun.
+    let alone = Sources::point(68.5, 3.25).seeds(&surface).unwrap();
+    solver.solve(&mut on_device, &more, method).unwrap();
+    solver.add(&mut on_device, &alone, method).unwrap();
+    let fresh = solver.solve(&mut on_device, &alone, method).unwrap();
+    let cpu = on_cpu(&surface, &alone, Wavefront::Anchored, CONVERGED);
+    assert!(relative_difference(&cpu, &fresh.distances) < AGREEMENT);
+}
+
+/// Both schedules, against the CPU's lanes and against maps one by one.
+#[test]
+fn many_maps_at_once_are_those_of_single_sources() {
+    let mut solver = vulkan_solver();
+    for number in 0..8 {
+        let (surface, places) = floor_plan(number, 31 + number as usize, 36);
+        let (chart, edges) = (surface.chart(), EdgeLengths::<f32>::new(&surface).unwrap());
+        let points = chart.points();
+        let sources: Vec<_> = places.iter().map(|&[r, c]| Some(chart.index(r, c))).collect();
+        let mut on_device = solver.upload(&surface).unwrap();
+        let mut cpu = vec![0.0; sources.len() * points];
+        let lanes = PairwiseScan::new(&edges, Wavefront::Anchored);
+        for (sources, rows) in
+            sources.chunks(PairwiseScan::LANES).zip(cpu.chunks_mut(PairwiseScan::LANES * points))
+        {
+            lanes.solve(sources, CONVERGED, rows);
         }
-        if found > 0 {
-            println!("{found}");
-            for row in (0..surface.rows()).rev() { for col in 0..surface.cols() { let i = surface.chart().index(row, col); if (twin[i] - gpu[i]).abs() > 1e-5 * twin[i] && row > 26 { let s = seeds[0]; println!("{row} {col}: twin {} gpu {} straight {}", twin[i], gpu[i], f64::from(((row as f64 - s.row as f64)*1.3).hypot(col as f64 - s.col as f64))); } } }
-            for row in 0..surface.rows() { println!("{row:3} {}", (0..surface.cols()).map(|col| { let i = surface.chart().index(row, col); if !surface.has(row, col) { '#' } else if seeds.iter().any(|s| s.row == row && s.col == col) { 'S' } else if (twin[i] - gpu[i]).abs() > 1e-5 * twin[i] || twin[i].is_finite() != gpu[i].is_finite() { 'X' } else { '.' } }).collect::<String>()); }
-            break;
+        for schedule in PairwiseSchedule::ALL {
+            let mut pairwise =
+                solver.pairwise(&on_device, Wavefront::Anchored, Some(schedule)).unwrap();
+            let mut rows = vec![0.0; sources.len() * points];
+            pairwise.solve(&solver, &on_device, &sources, CONVERGED, &mut rows).unwrap();
+            for (k, &[row, col]) in places.iter().enumerate() {
+                let [map, of_cpu] = [&rows, &cpu].map(|rows| &rows[k * points..][..points]);
+                let seeds = seeds_at(&surface, (row, col));
+                let single = solver.solve(&mut on_device, &seeds, anchored(Schedule::Raster));
+                let single = single.unwrap().distances;
+                let found = relative_difference(map, &single).max(relative_difference(map, of_cpu));
+                assert!(found < AGREEMENT, "plan {number}, {schedule}, {row}, {col}: {found:e}");
+            }
         }
     }
 }

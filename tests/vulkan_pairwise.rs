@@ -146,7 +146,7 @@ fn every_iteration_of_the_shaders_is_one_of_their_twin() {
 
 /// As in tests/pairwise.rs, with both schedules.
 #[test]
-fn arcs_in_the_maze_are_as_good_as_exact() {
+fn the_maze_is_exact_with_anchors() {
     let solver = vulkan_solver();
     let side = 49;
     let surface = Builtin::Maze.surface(side, side).unwrap();
