@@ -178,18 +178,21 @@ int side_of_anchor(uint anchor, uint from, uint to) {
     return int(sign(area_of(place_of_anchor(to) - at, place_of_anchor(anchor) - at)));
 }
 
+// The step in one of the eight directions. No table: lavapipe reads those for idle invocations too, anywhere.
+ivec2 step_of(int to) {
+    return ivec2(int(0x83u >> to & 1u) - int(0x38u >> to & 1u), int(0xe0u >> to & 1u) - int(0x0eu >> to & 1u));
+}
+
 // On which side of the ray from an anchor to a corner the hole is that the corner is one of: 1, -1, or 0
 // if there are holes on both.
 int shadow_of(uint anchor, uint corner) {
-    const ivec2 STEPS[9] = ivec2[](ivec2(1, 0), ivec2(1, -1), ivec2(0, -1), ivec2(-1, -1), ivec2(-1, 0),
-                                   ivec2(-1, 1), ivec2(0, 1), ivec2(1, 1), ivec2(1, 0));
     ivec2 at = point_of(corner);
     uint open = open_eighths(neighbours_of(at));
     vec2 ray = vec2(at) - place_of_anchor(anchor);
     bool left = false;
     bool right = false;
     for (int eighth = 0; eighth < 8; eighth++) {
-        float side = area_of(ray, vec2(STEPS[eighth] + STEPS[eighth + 1]));
+        float side = area_of(ray, vec2(step_of(eighth) + step_of((eighth + 1) & 7)));
         bool blocked = (open >> eighth & 1u) == 0u;
         left = left || (blocked && side > 0.0);
         right = right || (blocked && side < 0.0);

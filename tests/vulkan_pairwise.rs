@@ -4,7 +4,6 @@
 mod common;
 
 use common::*;
-use geosweep::accuracy::Errors;
 use geosweep::cpu::{self, PairwiseScan, Stop};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
@@ -140,28 +139,6 @@ fn every_iteration_of_the_shaders_is_one_of_their_twin() {
                     }
                 }
             }
-        }
-    }
-}
-
-/// As in tests/pairwise.rs, with both schedules.
-#[test]
-fn the_maze_is_exact_with_anchors() {
-    let solver = vulkan_solver();
-    let side = 49;
-    let surface = Builtin::Maze.surface(side, side).unwrap();
-    let (chart, uploaded) = (surface.chart(), solver.upload(&surface).unwrap());
-    let points = chart.points();
-    let places = [(0, 0), (1, 41), (17, 47), (24, 24), (31, 1)];
-    let sources = places.map(|(row, col)| Some(chart.index(row, col)));
-    for schedule in PairwiseSchedule::ALL {
-        let mut pairwise = solver.pairwise(&uploaded, Wavefront::Anchored, Some(schedule)).unwrap();
-        let rows = solve(&mut pairwise, (&solver, &uploaded, points), &sources, CONVERGED);
-        for ((r, c), row) in places.into_iter().zip(rows.chunks_exact(points)) {
-            let exact = Builtin::Maze.exact_distances(side, side, [r as f64, c as f64]).unwrap();
-            let largest = Errors::of(row, &exact).max_relative;
-            println!("{schedule}, from {r}, {c}: {largest:.2e}");
-            assert!(largest < 4e-6, "{schedule}, from {r}, {c}: {largest:e}");
         }
     }
 }

@@ -192,11 +192,11 @@ fn update<R: Real>(
     };
     let mut brought = Brought { times: [R::FAR; TILE], anchors: [R::zero(); TILE] };
     if is_one {
-        brought.from_one(lines, &behind, first, 0..points, how.scan);
+        brought.bring_from_one(lines, &behind, first, 0..points, how.scan);
     } else {
         let may_come =
             |i: usize| behind.first(i) < times[i] || how.renews && is_from(anchors[i], how.scan.0);
-        brought.from_several(lines, &behind, first, points, how.scan, may_come);
+        brought.bring_from_several(lines, &behind, first, points, how.scan, may_come);
     }
     let (mut new_times, mut new_anchors) = ([R::zero(); TILE], [R::zero(); TILE]);
     let mut changes = [R::Bits::default(); TILE];
@@ -249,7 +249,7 @@ struct Brought<R> {
 impl<R: Real> Brought<R> {
     /// To points behind which all have one anchor, and no hole is near.
     #[inline(always)]
-    fn from_one(
+    fn bring_from_one(
         &mut self,
         lines: &Lines<R>,
         behind: &Behind<R>,
@@ -269,7 +269,7 @@ impl<R: Real> Brought<R> {
 
     /// To others: as many as possible at once, and the rest one after another.
     #[inline(always)]
-    fn from_several(
+    fn bring_from_several(
         &mut self,
         lines: &Lines<R>,
         behind: &Behind<R>,
@@ -283,7 +283,7 @@ impl<R: Real> Brought<R> {
             let anchor = behind.anchors[i];
             let run = (i..points).take_while(|&other| behind.has(other, anchor, scan)).count();
             if run > 0 && behind.times[i] < R::FAR {
-                self.from_one(lines, behind, first, i..i + run, scan);
+                self.bring_from_one(lines, behind, first, i..i + run, scan);
                 i += run;
                 continue;
             }

@@ -34,7 +34,7 @@ use std::time::{Duration, Instant};
 use crate::cpu::Stop;
 use crate::solve::check_anchored;
 use crate::surface::Surface;
-use crate::{Error, Options, Wavefront};
+use crate::{Engine, Error, Options, Wavefront};
 use engine::RowEngine;
 pub use report::PairwiseReport;
 use report::Tally;
@@ -55,7 +55,7 @@ pub struct Pairwise<'a> {
 impl<'a> Pairwise<'a> {
     /// Prepares a surface. Options mean what they mean for a single map, but for
     /// [`Options::schedule`], which rows do not have, and
-    /// [`Engine::Auto`](crate::Engine::Auto), which is the CPU here. That computes sixteen maps at
+    /// [`Engine::Auto`], which is the CPU here. That computes sixteen maps at
     /// once in the lanes of one instruction stream ([`PairwiseScan`](crate::cpu::PairwiseScan)),
     /// curved wavefronts map by map ([`RotatedScan`](crate::cpu::RotatedScan)), on all of rayon's
     /// threads.
@@ -72,9 +72,18 @@ impl<'a> Pairwise<'a> {
                     .into(),
             ));
         }
-        let wavefront = options.wavefront_from_a_point(surface);
+        let mut wavefront = options.wavefront_from_a_point(surface);
         if wavefront == Wavefront::Anchored {
             check_anchored(surface)?;
+            let on_device = matches!(options.engine, Engine::Vulkan(_));
+            if on_device && options.wavefront.is_some() {
+                return Err(Error::Options(
+                    "the rows of a matrix have no anchored fronts on a Vulkan device; compute them on \
+                     the CPU, or with curved ones"
+                        .into(),
+                ));
+            }
+            wavefront = if on_device { Wavefront::Curved } else { wavefront };
         }
         let engine = RowEngine::new(surface, wavefront, &options.engine)?;
         Ok(Self { surface, engine, wavefront, stop })

@@ -100,7 +100,8 @@ pub struct PairwiseOnDevice {
 
 impl Solver {
     /// Makes room for the maps of many sources of a surface: as many at a time as suit device and
-    /// grid. Anchored fronts are curved ones but over floor plans, as in [`super::Method`]. `schedule` is for measuring; by default maps lie in shared memory where they fit.
+    /// grid. In place of anchored fronts they have curved ones. `schedule` is for measuring; by default maps
+    /// lie in shared memory where they fit.
     ///
     /// # Errors
     /// If a batch does not fit the device's memory, or shared memory was asked for and a map does
@@ -117,10 +118,8 @@ impl Solver {
         let (context, grid) = (&self.context, &surface.images);
         assert!(Arc::ptr_eq(context, &surface.context), "a surface of another solver");
         let (chart, texels) = (grid.chart, grid.texels);
-        let wavefront = match (wavefront, &surface.anchors) {
-            (Wavefront::Anchored, None) => Wavefront::Curved,
-            _ => wavefront,
-        };
+        let is_anchored = wavefront == Wavefront::Anchored;
+        let wavefront = if is_anchored { Wavefront::Curved } else { wavefront };
         let metric = surface.anchors.as_ref().map_or([1.0, 0.0, 1.0], Anchors::metric);
         let (rows, cols, device) = (chart.rows, chart.cols, context.info.name.clone());
         // SAFETY: the physical device is from this instance.
