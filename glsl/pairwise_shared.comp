@@ -54,7 +54,7 @@ bool by_rows_now = false;
 
 vec2 front_at(ivec2 point) {
     if ((by_rows_now ? point.y : point.x) == line_now) return vec2(FAR, 0.0);
-    int place = point.y * PITCH + point.x;
+    int place = min(point.y * PITCH + point.x, AREA - 1);
     return vec2(fronts[place], fronts[HAS_TWO_LAYERS ? AREA + place : 0]);
 }
 
