@@ -50,10 +50,10 @@ pub struct Options {
     pub engine: Engine,
     /// The front assumed inside a triangle. By default curved, the most accurate on smooth
     /// surfaces, around walls and from curves, and as good as the circular one on rough terrain;
-    /// but [`Wavefront::Anchored`], which is exact, over floor plans ([`Surface::is_floor_plan`]) from
-    /// points; circular for point sources that start together on a surface with a slowness, which may
+    /// but circular for point sources that start together on a surface with a slowness, which may
     /// jump from point to point; and planar for fast marching. A curved map takes about twice the
-    /// time of a circular one, one with anchors less.
+    /// time of a circular one. Over floor plans ([`Surface::is_floor_plan`]) and from points
+    /// [`Wavefront::Anchored`] is exact.
     pub wavefront: Option<Wavefront>,
     /// The order of updates on a Vulkan device, which makes no difference to the map; by default
     /// [`Schedule::best_on`] the device. The CPU's engines have one order each.
@@ -98,7 +98,6 @@ impl Options {
         let or_else = || match surface.slowness() {
             _ if self.engine == Engine::FastMarching => Wavefront::Planar,
             Some(_) => Wavefront::PointSource,
-            None if surface.is_floor_plan() => Wavefront::Anchored,
             None => Wavefront::Curved,
         };
         self.wavefront.unwrap_or_else(or_else)
@@ -111,12 +110,9 @@ impl Options {
     ) -> Result<Wavefront, Error> {
         let circular = sources.are_points() && sources.start_together();
         match self.wavefront {
-            None if sources.are_points() => match self.wavefront_from_a_point(surface) {
-                Wavefront::Anchored if check_anchors(sources).is_err() => Ok(Wavefront::Curved),
-                Wavefront::PointSource if !circular => Ok(Wavefront::Curved),
-                wavefront => Ok(wavefront),
-            },
-            None if self.engine == Engine::FastMarching => Ok(Wavefront::Planar),
+            None if circular || self.engine == Engine::FastMarching => {
+                Ok(self.wavefront_from_a_point(surface))
+            }
             None => Ok(Wavefront::Curved),
             Some(Wavefront::Anchored) => {
                 check_anchored(surface)?;

@@ -262,8 +262,9 @@ impl<R: Real> Brought<R> {
         let (ahead, along) = (scan.ahead(), if scan.by_rows() { [0, 1] } else { [1, 0] });
         let rays = lines.plan.floor.rays([row, col], ahead, along, |x| lines.front(x));
         self.anchors[points.clone()].fill(behind.anchors[i]);
-        for (i, time) in self.times[points].iter_mut().enumerate() {
-            *time = rays.time(i);
+        let beside = &behind.times[points.start + 1..points.end + 1];
+        for (i, (time, &behind)) in self.times[points].iter_mut().zip(beside).enumerate() {
+            *time = rays.time(i, behind);
         }
     }
 

@@ -348,7 +348,7 @@ fn settled_anchored<R: Real>(
     let rays = plan.floor.rays(at, how.scan.ahead(), [0, 1], known);
     let mut settled = true;
     for (i, &time) in around.times[..points].iter().enumerate() {
-        settled &= !is_shorter(rays.time(i), time);
+        settled &= !is_shorter(rays.time(i, around.behind[1][i]), time);
     }
     settled
 }

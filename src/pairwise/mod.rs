@@ -72,18 +72,16 @@ impl<'a> Pairwise<'a> {
                     .into(),
             ));
         }
-        let mut wavefront = options.wavefront_from_a_point(surface);
+        let wavefront = options.wavefront_from_a_point(surface);
         if wavefront == Wavefront::Anchored {
             check_anchored(surface)?;
-            let on_device = matches!(options.engine, Engine::Vulkan(_));
-            if on_device && options.wavefront.is_some() {
+            if matches!(options.engine, Engine::Vulkan(_)) {
                 return Err(Error::Options(
                     "the rows of a matrix have no anchored fronts on a Vulkan device; compute them on \
                      the CPU, or with curved ones"
                         .into(),
                 ));
             }
-            wavefront = if on_device { Wavefront::Curved } else { wavefront };
         }
         let engine = RowEngine::new(surface, wavefront, &options.engine)?;
         Ok(Self { surface, engine, wavefront, stop })

@@ -78,7 +78,10 @@ pub(crate) fn is_shorter<R: Real>(a: R, b: R) -> bool {
 /// length of that line.
 #[derive(Clone, Copy)]
 pub(crate) struct Rays<R> {
-    start: R,
+    /// The anchor's time, as far as it is known.
+    known: R,
+    /// From the line behind.
+    ahead: Step<R>,
     metric: [R; 3],
     /// To the anchor, and what is added from a point to the next.
     step: Step<R>,
@@ -89,15 +92,28 @@ pub(crate) struct Rays<R> {
 }
 
 impl<R: Real> Rays<R> {
-    /// The time at one of the points, or [`Real::FAR`].
+    /// The time at one of the points, or [`Real::FAR`], given that of the point behind it.
     #[inline(always)]
-    pub(crate) fn time(&self, i: usize) -> R {
-        let [start, i] = [self.start, R::of(i as f64)];
+    pub(crate) fn time(&self, i: usize, behind: R) -> R {
+        let i = R::of(i as f64);
         let [back, aside] = [self.back, self.aside].map(|[first, per_point]| first + per_point * i);
         let step = [0, 1].map(|k| self.step[k] + self.per_point[k] * i);
         let passes = (aside.abs() <= back) & (back >= R::one());
+        let from_behind = [step[0] + self.ahead[0], step[1] + self.ahead[1]];
+        let start = start(self.known, behind, length(self.metric, from_behind));
         if passes { start + length(self.metric, step) } else { R::FAR }
     }
+}
+
+/// When the anchor of a point was reached, that lies so far from it.
+///
+/// It is the time that is known there, to which what follows from the point is rounded; but the latter
+/// where the two differ, since a change must come from the neighbours.
+#[inline(always)]
+fn start<R: Real>(known: R, time: R, straight: R) -> R {
+    let follows = time - straight;
+    let rounding = R::of(ALIKE_AT_ANCHOR) * R::epsilon() * time;
+    if (known - follows).abs() <= rounding { known } else { follows }
 }
 
 /// Length of a straight line.
@@ -269,17 +285,15 @@ impl<R: Real> Floor<R> {
         let number = (first[0] * self.stride + first[1]).wrapping_add_signed(-offset);
         let [ahead, along] = [ahead, along].map(|steps| steps.map(|steps| R::of(steps as f64)));
         let point = first.map(|line| R::of(line as f64));
-        let behind = [point[0] - ahead[0], point[1] - ahead[1]];
-        let [time, code] = front(number);
-        let anchor = code.number();
+        let anchor = front(number)[1].number();
         let place = self.place(anchor);
-        let start = self.start(time, anchor, [place[0] - behind[0], place[1] - behind[1]], &front);
         let step = [place[0] - point[0], place[1] - point[1]];
         let per_point = along.map(|steps| -steps);
         let across = ahead.map(|steps| R::one() - steps.abs());
         let product = |a: Step<R>, b: Step<R>| a[0] * b[0] + a[1] * b[1];
         Rays {
-            start,
+            known: self.known(anchor, &front),
+            ahead,
             metric: self.metric,
             step,
             per_point,
@@ -288,19 +302,13 @@ impl<R: Real> Floor<R> {
         }
     }
 
-    /// When the anchor of a point was reached, that lies so far from it.
-    ///
-    /// It is the time that is known there, to which what follows from the point is rounded; but the latter
-    /// where the two differ, since a change must come from the neighbours.
+    /// When an anchor was reached.
     #[inline(always)]
-    fn start(&self, time: R, anchor: usize, step: Step<R>, front: &impl Fn(usize) -> [R; 2]) -> R {
-        let follows = time - self.length(step);
-        let rounding = R::of(ALIKE_AT_ANCHOR) * R::epsilon() * time;
-        let known = match anchor.checked_sub(self.points) {
+    fn known(&self, anchor: usize, front: &impl Fn(usize) -> [R; 2]) -> R {
+        match anchor.checked_sub(self.points) {
             Some(source) => self.inside[source].time,
             None => front(anchor)[0],
-        };
-        if (known - follows).abs() <= rounding { known } else { follows }
+        }
     }
 
     /// When an anchor was reached, and from which; nothing if it has not been.
@@ -334,7 +342,8 @@ impl<R: Real> Floor<R> {
             return None;
         }
         let anchor = code.number();
-        let start = self.start(time, anchor, self.step(point, anchor), front);
+        let straight = self.length(self.step(point, anchor));
+        let start = start(self.known(anchor, front), time, straight);
         Some(End { point, time, anchor, start })
     }
 

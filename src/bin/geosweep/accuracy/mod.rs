@@ -34,7 +34,7 @@ pub struct Args {
     /// Built-in surfaces (default: all)
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = measurable)]
     surfaces: Vec<Builtin>,
-    /// Wavefronts (default: those that suit the surface: arcs in the maze only)
+    /// Wavefronts (default: those that suit the surface: anchored over floor plans only)
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = study::wavefront)]
     wavefronts: Vec<Wavefront>,
     /// What computes the maps

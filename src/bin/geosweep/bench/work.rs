@@ -60,7 +60,7 @@ impl Work {
     }
 }
 
-/// Which of the ceilings of updates holds; arcs are rare among curved fronts.
+/// Which of the ceilings of updates holds; what anchors cost has none of its own.
 fn rate_of(wavefront: Wavefront) -> usize {
     if wavefront.is_curved() { Wavefront::Curved as usize } else { wavefront as usize }
 }
