@@ -177,7 +177,8 @@ impl<R: Real> Floor<R> {
                 (0..8).filter(is_blocked).fold(0, |all, eighth| all | 1 << eighth)
             }),
             metric: grid.metric().map(R::of),
-            inside: Vec::new(),
+            // Few sources lie inside cells, and further maps allocate nothing.
+            inside: Vec::with_capacity(16),
         })
     }
 
