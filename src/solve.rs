@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use crate::constants::SOURCES_INSIDE;
 use crate::cpu::{self, Connections, Stop};
-use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface};
+use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface, with_diagonals};
 use crate::update::Wavefront;
 use crate::vulkan::{self, Schedule, VulkanError};
 use crate::{DistanceMap, Error, Report};
@@ -290,6 +290,9 @@ impl<'a> Problem<'a> {
         let stop = options.stop::<R>(surface)?;
         let start = sources.start();
         seeds.iter_mut().for_each(|seed| seed.time -= start);
+        if wavefront == Wavefront::Anchored {
+            seeds = with_diagonals(surface, seeds);
+        }
         Ok(Self { surface, seeds, start, wavefront, schedule: options.schedule, stop })
     }
 

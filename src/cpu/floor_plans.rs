@@ -6,7 +6,7 @@ use super::{Solution, Stop, raster_scan, rotated_scan};
 use crate::accuracy::Errors;
 use crate::pairwise::Pairwise;
 use crate::surface::builtin::{Builtin, FlatPaths, FloorPlan};
-use crate::surface::{EdgeLengths, Real, Spacing, Surface};
+use crate::surface::{EdgeLengths, Real, Seed, Spacing, Surface, with_diagonals};
 use crate::{Engine, Options, Sources, Wavefront, distance_map, distance_map_f64};
 
 const ROWS: usize = 97;
@@ -114,7 +114,7 @@ impl Kind {
     }
 }
 
-type Scan<R> = fn(&EdgeLengths<R>, &[crate::surface::Seed], Wavefront, Stop) -> Solution<R>;
+type Scan<R> = fn(&EdgeLengths<R>, &[Seed], Wavefront, Stop) -> Solution<R>;
 
 /// A floor, a source on it and exact distances.
 struct Case {
@@ -132,6 +132,14 @@ impl Case {
     /// With the source inside a cell.
     fn between(kind: Kind, seed: u64) -> Self {
         Self::from_places(kind, seed, |place| place)
+    }
+
+    fn all(kind: Kind) -> impl Iterator<Item = Self> {
+        (1..=PLANS).map(move |seed| Self::new(kind, seed))
+    }
+
+    fn all_between(kind: Kind) -> impl Iterator<Item = Self> {
+        (1..=PLANS).map(move |seed| Self::between(kind, seed))
     }
 
     fn from_places(kind: Kind, seed: u64, of_random: fn(DVec2) -> DVec2) -> Self {
@@ -156,7 +164,7 @@ impl Case {
     fn solve<R: Real>(&self, wavefront: Wavefront, tolerance: f64, scan: Scan<R>) -> Vec<f64> {
         let edges = EdgeLengths::new(&self.surface).unwrap();
         let stop = Stop { tolerance, iterations: 1000 };
-        let seeds = self.sources.seeds(&self.surface).unwrap();
+        let seeds = with_diagonals(&self.surface, self.sources.seeds(&self.surface).unwrap());
         let map = scan(&edges, &seeds, wavefront, stop).distances();
         map.into_iter().map(Real::wide).collect()
     }
@@ -172,15 +180,14 @@ struct Found {
 }
 
 impl Found {
-    fn of(kind: Kind, wavefront: Wavefront) -> Self {
+    fn of(cases: impl Iterator<Item = Case>, wavefront: Wavefront) -> Self {
         let mut found = Self::default();
-        for seed in 1..=PLANS {
-            let case = Case::new(kind, seed);
+        for (seed, case) in (1..).zip(cases) {
             let rotated = case.solve::<f32>(wavefront, 1e-6, rotated_scan);
             let directed = case.solve::<f32>(wavefront, 1e-6, raster_scan);
             let double = case.solve::<f64>(wavefront, 1e-13, rotated_scan);
             let errors = Errors::of(&rotated, &case.exact);
-            assert_eq!(errors.reached_by_one, 0, "{kind:?} {seed}");
+            assert_eq!(errors.reached_by_one, 0, "{seed}");
             found.errors.push(errors.mean_relative);
             found.orders.push(Errors::of(&rotated, &directed).max_of_largest);
             found.precisions.push(Errors::of(&rotated, &double).max_of_largest);
@@ -204,7 +211,7 @@ impl Found {
 #[test]
 fn curved_fronts_over_floor_plans_agree() {
     for kind in Kind::ALL {
-        let (mean, apart) = Found::of(kind, Wavefront::Curved).figures();
+        let (mean, apart) = Found::of(Case::all(kind), Wavefront::Curved).figures();
         println!("{kind:?}, curved: mean error {mean:.1e}, orders and precisions apart {apart:?}");
         assert!(mean < 1e-3, "{kind:?}: {mean:e}");
         // As much as where there are no holes.
@@ -215,13 +222,35 @@ fn curved_fronts_over_floor_plans_agree() {
 /// Fronts with anchors are exact, and so they agree.
 #[test]
 fn anchored_fronts_over_floor_plans_are_exact_and_agree() {
-    for kind in Kind::ALL {
-        let (mean, apart) = Found::of(kind, Wavefront::Anchored).figures();
+    for (kind, between) in Kind::ALL.into_iter().flat_map(|kind| [(kind, false), (kind, true)]) {
+        let (mean, apart) = if between {
+            Found::of(Case::all_between(kind), Wavefront::Anchored).figures()
+        } else {
+            Found::of(Case::all(kind), Wavefront::Anchored).figures()
+        };
         println!(
-            "{kind:?}, anchored: mean error {mean:.1e}, orders and precisions apart {apart:?}"
+            "{kind:?}, anchored, sources between points {between}: mean error {mean:.1e}, \
+             orders and precisions apart {apart:?}"
         );
         assert!(mean < 1e-7, "{kind:?}: {mean:e}");
         assert!(apart.iter().all(|&(_, most)| most < 2e-6), "{kind:?}: {apart:?}");
+    }
+}
+
+/// Rays of sources inside cells do not wait beside diagonals: see [`with_diagonals`].
+#[test]
+fn anchored_fronts_settle_in_as_few_iterations_from_between_points() {
+    let stop = Stop { tolerance: 1e-6, iterations: 1000 };
+    for kind in Kind::ALL {
+        let iterations = |case: Case| {
+            let edges = EdgeLengths::<f32>::new(&case.surface).unwrap();
+            let seeds = with_diagonals(&case.surface, case.sources.seeds(&case.surface).unwrap());
+            rotated_scan(&edges, &seeds, Wavefront::Anchored, stop).iterations
+        };
+        let at_points: Vec<_> = Case::all(kind).map(iterations).collect();
+        let between: Vec<_> = Case::all_between(kind).map(iterations).collect();
+        println!("{kind:?}: {at_points:?} iterations, between points {between:?}");
+        assert!(between.iter().max() <= at_points.iter().max(), "{kind:?}");
     }
 }
 

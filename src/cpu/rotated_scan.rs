@@ -255,7 +255,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
         for seed in seeds {
             let point = chart.bordered(seed.row, seed.col);
             let curvature = match &mut self.plan {
-                Some(plan) => plan.floor.seed(seed),
+                Some(plan) => plan.floor.anchor_of(seed),
                 None => R::of(seed.curvature),
             };
             let anchored = self.plan.is_some();

@@ -73,7 +73,7 @@ impl<'a, R: Real> Fronts<'a, R> {
         };
         for seed in seeds {
             let curvature = match &mut fronts.floor {
-                Some(floor) => floor.seed(seed),
+                Some(floor) => floor.anchor_of(seed),
                 None => R::of(seed.curvature),
             };
             let front = Front { time: R::of(seed.time), curvature, whole: true };

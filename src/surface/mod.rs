@@ -31,7 +31,7 @@ pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing};
 pub use real::{FAR, Real};
 pub(crate) use real::{TAG, max, min, relative_change};
-pub use sources::{Seed, Source, SourceError, Sources};
+pub use sources::{Seed, Source, SourceError, Sources, with_diagonals};
 pub(crate) use sources::{corner_weights, grid_crossings};
 
 use std::sync::OnceLock;

@@ -16,15 +16,9 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::inside::InsideSources;
 use crate::constants::{ALIKE, ALIKE_AT_ANCHOR, GENERATIONS};
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, Seed, is_corner, is_open};
-
-/// A source inside a cell: its row and column, from the border, and its time.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Inside<R> {
-    pub place: DVec2,
-    pub time: R,
-}
 
 /// A floor plan as the update sees it: a flat, evenly spaced grid with holes.
 ///
@@ -44,7 +38,7 @@ pub(crate) struct Floor<R> {
     blocked: [u8; 256],
     /// The metric: of rows, of both, of columns.
     metric: [R; 3],
-    inside: Vec<Inside<R>>,
+    inside: InsideSources,
 }
 
 /// How a point is reached: when, from which anchor, and when that was.
@@ -177,8 +171,7 @@ impl<R: Real> Floor<R> {
                 (0..8).filter(is_blocked).fold(0, |all, eighth| all | 1 << eighth)
             }),
             metric: grid.metric().map(R::of),
-            // Few sources lie inside cells, and further maps allocate nothing.
-            inside: Vec::with_capacity(16),
+            inside: InsideSources::new(grid),
         })
     }
 
@@ -187,31 +180,15 @@ impl<R: Real> Floor<R> {
         self.edges.len()
     }
 
-    /// The number of the anchor of a seed, among those of other seeds.
-    pub(crate) fn seed(&mut self, seed: &Seed) -> R {
+    /// The number of the anchor of a seed.
+    pub(crate) fn anchor_of(&mut self, seed: &Seed) -> R {
         let own = self.chart.bordered(seed.row, seed.col);
-        let Some(from) = seed.from else { return R::of_number(own) };
-        let place = from + DVec2::ONE;
-        let ahead = self.length(self.step_to(own, [R::of(place.x), R::of(place.y)]));
-        let time = R::of(seed.time) - ahead;
-        let near = |known: &Inside<R>| {
-            known.place == place
-                && (known.time - time).abs()
-                    <= R::of(ALIKE_AT_ANCHOR) * R::epsilon() * ahead.max(R::of(seed.time).abs())
-        };
-        let number = match self.inside.iter().rposition(near) {
-            Some(known) => known,
-            None => {
-                self.inside.push(Inside { place, time });
-                self.inside.len() - 1
-            }
-        };
-        R::of_number(self.points + number)
+        R::of_number(self.inside.number(seed).map_or(own, |source| self.points + source))
     }
 
     /// Forgets the sources inside cells.
     pub(crate) fn forget(&mut self) {
-        self.inside.clear();
+        self.inside.truncate(0);
     }
 
     /// The neighbour of a point in one of the eight directions.
@@ -246,7 +223,7 @@ impl<R: Real> Floor<R> {
     fn place(&self, anchor: usize) -> Step<R> {
         match anchor.checked_sub(self.points) {
             Some(source) => {
-                let place = self.inside[source].place;
+                let place = self.inside.all()[source].place + DVec2::ONE;
                 [R::of(place.x), R::of(place.y)]
             }
             None => {
@@ -303,11 +280,16 @@ impl<R: Real> Floor<R> {
         }
     }
 
+    #[inline(always)]
+    fn start_inside(&self, source: usize) -> R {
+        R::of(self.inside.all()[source].time)
+    }
+
     /// When an anchor was reached.
     #[inline(always)]
     fn known(&self, anchor: usize, front: &impl Fn(usize) -> [R; 2]) -> R {
         match anchor.checked_sub(self.points) {
-            Some(source) => self.inside[source].time,
+            Some(source) => self.start_inside(source),
             None => front(anchor)[0],
         }
     }
@@ -316,7 +298,7 @@ impl<R: Real> Floor<R> {
     #[inline(always)]
     fn of_anchor(&self, anchor: usize, front: &impl Fn(usize) -> [R; 2]) -> Option<(R, usize)> {
         if let Some(source) = anchor.checked_sub(self.points) {
-            return Some((self.inside[source].time, anchor));
+            return Some((self.start_inside(source), anchor));
         }
         let [time, code] = front(anchor);
         (time < R::FAR).then(|| (time, code.number()))

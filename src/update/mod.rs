@@ -8,12 +8,14 @@
 mod anchored;
 mod crossing;
 mod curved;
+mod inside;
 mod planar;
 mod point_source;
 
 pub(crate) use anchored::{Floor, is_shorter};
 pub(crate) use crossing::base_crossing;
 pub use curved::{Bends, Front, curved};
+pub(crate) use inside::InsideSources;
 pub use planar::planar;
 pub use point_source::point_source;
 

@@ -1,6 +1,7 @@
 //! Sources: where the wavefront starts, and the initial values that this gives at grid points.
 
 mod cell;
+mod diagonals;
 mod pieces;
 mod rise;
 
@@ -10,6 +11,7 @@ use glam::DVec2;
 
 use super::{FAR, Surface};
 pub(crate) use cell::{corner_weights, grid_crossings};
+pub use diagonals::with_diagonals;
 use pieces::{Pieces, Vertex, bends};
 
 /// One source. Rows and columns may be fractional and count from 0.
@@ -69,6 +71,11 @@ impl Seed {
     /// A point source at a grid point.
     pub fn at_source(row: usize, col: usize, time: f64) -> Self {
         Self { row, col, time, curvature: Self::AT_SOURCE, from: None }
+    }
+
+    /// Row and column.
+    pub(crate) fn place(&self) -> DVec2 {
+        DVec2::new(self.row as f64, self.col as f64)
     }
 }
 

@@ -1,0 +1,83 @@
+//! Sources inside cells, which are anchors without being points.
+
+use glam::DVec2;
+
+use crate::constants::ALIKE_AT_ANCHOR;
+use crate::surface::{EvenGrid, Seed};
+
+/// The sources inside cells of a map over a floor plan, numbered from 0.
+#[derive(Clone, Debug)]
+pub(crate) struct InsideSources {
+    grid: EvenGrid,
+    known: Vec<InsideSource>,
+}
+
+/// A source inside a cell: its row and column, and its time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InsideSource {
+    pub place: DVec2,
+    pub time: f64,
+}
+
+impl InsideSources {
+    pub(crate) fn new(grid: EvenGrid) -> Self {
+        // They are few, and further maps allocate nothing.
+        Self { grid, known: Vec::with_capacity(16) }
+    }
+
+    pub(crate) fn grid(&self) -> EvenGrid {
+        self.grid
+    }
+
+    /// All of them, by number.
+    pub(crate) fn all(&self) -> &[InsideSource] {
+        &self.known
+    }
+
+    /// Forgets all but the first so many.
+    pub(crate) fn truncate(&mut self, count: usize) {
+        self.known.truncate(count);
+    }
+
+    /// The number of the one that a seed comes from, as one source has one number, whichever of its seeds asks;
+    /// none if that is the seed's own point.
+    pub(crate) fn number(&mut self, seed: &Seed) -> Option<usize> {
+        let place = seed.from?;
+        let ahead = self.grid.length(place - seed.place());
+        let time = seed.time - ahead;
+        let rounding = ALIKE_AT_ANCHOR * f64::from(f32::EPSILON) * ahead.max(seed.time.abs());
+        let is_same =
+            |known: &InsideSource| known.place == place && (known.time - time).abs() <= rounding;
+        // The seeds of a source follow one another.
+        let known = self.known.iter().rposition(is_same);
+        Some(known.unwrap_or_else(|| {
+            self.known.push(InsideSource { place, time });
+            self.known.len() - 1
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::{Sources, Spacing, Surface, with_diagonals};
+
+    #[test]
+    fn all_seeds_of_a_source_have_its_number() {
+        let spacing = Spacing { dx: 0.3, dy: 1.7 };
+        let plane = Surface::from_heights(70, 90, vec![0.0; 6300], spacing).unwrap();
+        let mut inside = InsideSources::new(plane.floor().unwrap());
+        // The second waits for a time at the first's place.
+        let places = [(50.826, 44.414, 0.7), (50.826, 44.414, 900.1), (3.1, 7.0, -2.6)];
+        for (number, (row, col, initial)) in places.into_iter().enumerate() {
+            let from = Sources::default().and_point(row, col, initial);
+            let seeds = with_diagonals(&plane, from.seeds(&plane).unwrap());
+            assert!(seeds.len() > 40);
+            assert!(seeds.iter().all(|seed| inside.number(seed) == Some(number)));
+            let InsideSource { place, time } = inside.all()[number];
+            assert_eq!(place, DVec2::new(row, col));
+            approx::assert_relative_eq!(time, initial, max_relative = 1e-12);
+        }
+        assert_eq!(inside.number(&Seed::at_source(3, 7, 0.0)), None);
+    }
+}
