@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use crate::constants::SOURCES_INSIDE;
 use crate::cpu::{self, Connections, Stop};
-use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface, with_diagonals};
+use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface};
 use crate::update::Wavefront;
 use crate::vulkan::{self, Schedule, VulkanError};
 use crate::{DistanceMap, Error, Report};
@@ -49,11 +49,11 @@ pub struct Options {
     /// Which engine.
     pub engine: Engine,
     /// The front assumed inside a triangle. By default curved, the most accurate on smooth
-    /// surfaces, around walls and from curves, and as good as the circular one on rough terrain;
-    /// but circular for point sources that start together on a surface with a slowness, which may
+    /// surfaces and from curves, and as good as the circular one on rough terrain; but
+    /// [`Wavefront::Anchored`], which is exact, over floor plans ([`Surface::is_floor_plan`]) from
+    /// points; circular for point sources that start together on a surface with a slowness, which may
     /// jump from point to point; and planar for fast marching. A curved map takes about twice the
-    /// time of a circular one. Over floor plans ([`Surface::is_floor_plan`]) and from points
-    /// [`Wavefront::Anchored`] is exact.
+    /// time of a circular one, one with anchors less.
     pub wavefront: Option<Wavefront>,
     /// The order of updates on a Vulkan device, which makes no difference to the map; by default
     /// [`Schedule::best_on`] the device. The CPU's engines have one order each.
@@ -109,8 +109,12 @@ impl Options {
         sources: &Sources,
     ) -> Result<Wavefront, Error> {
         let circular = sources.are_points() && sources.start_together();
+        let marches = self.engine == Engine::FastMarching;
         match self.wavefront {
-            None if circular || self.engine == Engine::FastMarching => {
+            None if !marches && check_anchored(surface).and(check_anchors(sources)).is_ok() => {
+                Ok(Wavefront::Anchored)
+            }
+            None if circular || marches => {
                 Ok(self.wavefront_from_a_point(surface))
             }
             None => Ok(Wavefront::Curved),
@@ -290,9 +294,7 @@ impl<'a> Problem<'a> {
         let stop = options.stop::<R>(surface)?;
         let start = sources.start();
         seeds.iter_mut().for_each(|seed| seed.time -= start);
-        if wavefront == Wavefront::Anchored {
-            seeds = with_diagonals(surface, seeds);
-        }
+        let seeds = wavefront.seeds(surface, seeds);
         Ok(Self { surface, seeds, start, wavefront, schedule: options.schedule, stop })
     }
 

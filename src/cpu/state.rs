@@ -135,14 +135,9 @@ impl<'a, R: Real> Fronts<'a, R> {
             let way = floor.reach(point, behind.middle as usize, front);
             return Front { time: way.time, curvature: R::of_number(way.anchor), whole: false };
         }
-        let [a, b] = behind.triangles.each_ref().map(|slots| self.through_one(point, slots));
+        let time = |x: usize| self.times[x];
+        let [a, b] = behind.triangles.each_ref().map(|slots| self.through_known(point, slots, time));
         Front::first(a, b)
-    }
-
-    /// The front that reaches a point through one triangle.
-    #[inline]
-    fn through_one(&self, point: usize, slots: &TriangleSlots) -> Front<R> {
-        self.through_known(point, slots, |x| self.times[x])
     }
 
     /// The front that reaches a point through one triangle, with arrival times seen through `time`.
@@ -306,8 +301,9 @@ pub(super) fn accept<R: Real>(
     (if accepted { arrival } else { time }, if accepted { front.curvature } else { curvature })
 }
 
-/// [`accept`] of a front with the number of its anchor, zero where none has arrived: what comes shorter than what is here, by more than
-/// rounding; and if the scan `renews`, what it brings in place of what it has brought before.
+/// [`accept`] of a front with the number of its anchor, zero where none has arrived: what comes shorter than
+/// what is here, by more than rounding; and if the scan `renews`, what it brings in place of what it has
+/// brought before.
 #[inline(always)]
 pub(super) fn accept_anchored<R: Real>(
     [time, anchor]: [R; 2],

@@ -110,7 +110,9 @@ impl<'a> FarthestPoints<'a> {
         seeds.iter_mut().for_each(|seed| seed.time -= start);
         let options = Options::default();
         let stop = options.stop::<f32>(surface)?;
-        let mut solver = RotatedScan::new(edges, options.wavefront(surface, first)?);
+        let wavefront = options.wavefront(surface, first)?;
+        let seeds = wavefront.seeds(surface, seeds);
+        let mut solver = RotatedScan::new(edges, wavefront);
         solver.solve(&seeds, stop);
         Ok(Self { surface, solver, sources: first.clone(), start, stop })
     }

@@ -31,8 +31,8 @@ pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing};
 pub use real::{FAR, Real};
 pub(crate) use real::{TAG, max, min, relative_change};
-pub use sources::{Seed, Source, SourceError, Sources, with_diagonals};
-pub(crate) use sources::{corner_weights, grid_crossings};
+pub use sources::{Seed, Source, SourceError, Sources};
+pub(crate) use sources::{corner_weights, grid_crossings, with_diagonals};
 
 use std::sync::OnceLock;
 

@@ -26,8 +26,6 @@ use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, Seed, is_cor
 #[derive(Clone, Debug)]
 pub(crate) struct Floor<R> {
     chart: Chart,
-    stride: usize,
-    points: usize,
     /// Of each point of the bordered array, to which of its eight neighbours it has edges: bit by bit.
     edges: Vec<u8>,
     /// Where the neighbours lie.
@@ -161,8 +159,6 @@ impl<R: Real> Floor<R> {
         });
         Some(Self {
             chart,
-            stride: chart.stride(),
-            points: chart.bordered_points(),
             edges,
             around: Direction::ALL.map(|to| chart.offset(to)),
             corners: std::array::from_fn(|edges| is_corner(there(edges))),
@@ -183,7 +179,13 @@ impl<R: Real> Floor<R> {
     /// The number of the anchor of a seed.
     pub(crate) fn anchor_of(&mut self, seed: &Seed) -> R {
         let own = self.chart.bordered(seed.row, seed.col);
-        R::of_number(self.inside.number(seed).map_or(own, |source| self.points + source))
+        R::of_number(self.inside.number(seed).map_or(own, |source| self.first_inside() + source))
+    }
+
+    /// From here on numbers are those of sources inside cells.
+    #[inline(always)]
+    fn first_inside(&self) -> usize {
+        self.edges.len()
     }
 
     /// Forgets the sources inside cells.
@@ -221,14 +223,14 @@ impl<R: Real> Floor<R> {
     /// Row and column, from the border: whole numbers, but for sources.
     #[inline(always)]
     fn place(&self, anchor: usize) -> Step<R> {
-        match anchor.checked_sub(self.points) {
+        match anchor.checked_sub(self.first_inside()) {
             Some(source) => {
                 let place = self.inside.all()[source].place + DVec2::ONE;
                 [R::of(place.x), R::of(place.y)]
             }
             None => {
                 // Shorter than a machine word, they are divided sooner.
-                let (anchor, stride) = (anchor as u32, self.stride as u32);
+                let (anchor, stride) = (anchor as u32, self.chart.stride() as u32);
                 [anchor / stride, anchor % stride].map(|line| R::of(f64::from(line)))
             }
         }
@@ -259,8 +261,8 @@ impl<R: Real> Floor<R> {
         along: [isize; 2],
         front: impl Fn(usize) -> [R; 2],
     ) -> Rays<R> {
-        let offset = ahead[0] * self.stride as isize + ahead[1];
-        let number = (first[0] * self.stride + first[1]).wrapping_add_signed(-offset);
+        let offset = ahead[0] * self.chart.stride() as isize + ahead[1];
+        let number = (first[0] * self.chart.stride() + first[1]).wrapping_add_signed(-offset);
         let [ahead, along] = [ahead, along].map(|steps| steps.map(|steps| R::of(steps as f64)));
         let point = first.map(|line| R::of(line as f64));
         let anchor = front(number)[1].number();
@@ -280,25 +282,17 @@ impl<R: Real> Floor<R> {
         }
     }
 
-    #[inline(always)]
-    fn start_inside(&self, source: usize) -> R {
-        R::of(self.inside.all()[source].time)
-    }
-
     /// When an anchor was reached.
     #[inline(always)]
     fn known(&self, anchor: usize, front: &impl Fn(usize) -> [R; 2]) -> R {
-        match anchor.checked_sub(self.points) {
-            Some(source) => self.start_inside(source),
-            None => front(anchor)[0],
-        }
+        self.of_anchor(anchor, front).map_or(R::FAR, |(time, _)| time)
     }
 
     /// When an anchor was reached, and from which; nothing if it has not been.
     #[inline(always)]
     fn of_anchor(&self, anchor: usize, front: &impl Fn(usize) -> [R; 2]) -> Option<(R, usize)> {
-        if let Some(source) = anchor.checked_sub(self.points) {
-            return Some((self.start_inside(source), anchor));
+        if let Some(source) = anchor.checked_sub(self.first_inside()) {
+            return Some((R::of(self.inside.all()[source].time), anchor));
         }
         let [time, code] = front(anchor);
         (time < R::FAR).then(|| (time, code.number()))
@@ -433,7 +427,7 @@ impl<R: Real> Floor<R> {
             return true;
         }
         let corner = self.first_bend(anchor, end.anchor, front);
-        let shadow = corner.filter(|&corner| corner < self.points);
+        let shadow = corner.filter(|&corner| corner < self.first_inside());
         let shadow = shadow.map_or(0.0, |corner| self.shadow(anchor, corner));
         let corner = corner.unwrap_or(end.anchor);
         // On the border the end's own anchor serves as well, and knows which corners come next.

@@ -10,12 +10,9 @@ use glam::DVec2;
 use super::Seed;
 use crate::surface::Surface;
 
-/// The seeds of sources on a floor plan as scans with anchors ([`crate::Wavefront::Anchored`]) start from
-/// them: with points beside the diagonals through each source inside a cell, up to the first hole, at most
-/// as many as the grid has points. On other surfaces the seeds alone.
-///
-/// Maps are the same without them, but take about as many iterations as a diagonal has points.
-pub fn with_diagonals(surface: &Surface, mut seeds: Vec<Seed>) -> Vec<Seed> {
+/// Seeds on a floor plan, and the points beside the diagonals through each source inside a cell, up to the
+/// first hole, at most as many as the grid has points. On other surfaces the seeds alone.
+pub(crate) fn with_diagonals(surface: &Surface, mut seeds: Vec<Seed>) -> Vec<Seed> {
     let Some(grid) = surface.floor() else { return seeds };
     let own = seeds.len();
     let most = surface.points() / own.max(1);

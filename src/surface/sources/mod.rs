@@ -11,7 +11,7 @@ use glam::DVec2;
 
 use super::{FAR, Surface};
 pub(crate) use cell::{corner_weights, grid_crossings};
-pub use diagonals::with_diagonals;
+pub(crate) use diagonals::with_diagonals;
 use pieces::{Pieces, Vertex, bends};
 
 /// One source. Rows and columns may be fractional and count from 0.

@@ -32,8 +32,8 @@ pub struct SolverArgs {
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum WavefrontArg {
-    /// Curved; but point on a surface with a slowness, for point sources that start together, and
-    /// planar for fast marching
+    /// Curved; but anchored over floor plans from points, point on a surface with a slowness, for point
+    /// sources that start together, and planar for fast marching
     #[default]
     Auto,
     /// Carries its curvature: the most accurate on smooth surfaces, around walls and from curves,

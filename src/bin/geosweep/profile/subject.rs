@@ -81,7 +81,7 @@ impl Subject {
                 // As for a map, which adds the smallest start value in the end.
                 let start = seeds.iter().map(|seed| seed.time).fold(f64::INFINITY, f64::min);
                 seeds.iter_mut().for_each(|seed| seed.time -= start);
-                Maps::One(seeds)
+                Maps::One(method.wavefront.seeds(surface, seeds))
             }
             Of::Pairwise(schedule) => {
                 let pairwise = solver.pairwise(&on_device, method.wavefront, schedule)?;
