@@ -50,8 +50,8 @@ vec2 front_at(ivec2 point) {
     return vec2(times[i], held[i]);
 }
 
-vec4 edges_at(ivec2 point) {
-    return imageLoad(edges, point);
+float gaussian_at(ivec2 point) {
+    return imageLoad(gaussians, point / 2)[2 * (point.y & 1) + (point.x & 1)];
 }
 
 int points_in_row() {

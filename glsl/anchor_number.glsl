@@ -14,3 +14,7 @@ uint number_of(float held) {
 float with_number(uint number) {
     return uintBitsToFloat(number >> 25 << 31 | 1u << 29 | (number & (FIRST_INSIDE - 1u)) << 4);
 }
+
+vec4 with_numbers(uvec4 numbers) {
+    return uintBitsToFloat(numbers >> 25 << 31 | 1u << 29 | (numbers & (FIRST_INSIDE - 1u)) << 4);
+}

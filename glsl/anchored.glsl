@@ -1,15 +1,16 @@
-// Fronts that know their anchor: exact over floor plans. Four points at once where all points behind have
-// one anchor and no hole is beside them, which is nearly everywhere; elsewhere one after another.
+// Fronts that know their anchor: exact over floor plans. Four points at once where all that each sees behind it
+// has one anchor, which is nearly everywhere; elsewhere one after another.
 // Include after update.glsl. Twin: src/update/anchored.rs, where it is explained.
 //
 // The including shader defines
 //     vec2 front_at(ivec2 point)          arrival time and numbered value at any point of the grid
-//     vec4 edges_at(ivec2 point)          the lengths stored at a point: see texel.glsl
+//     float gaussian_at(ivec2 point)      what the image of Gaussian curvatures holds of it: see corner.glsl
 //     int points_in_row()                 from a point's number to that of the point below it
 //     vec3 metric()                       of rows, of both, of columns
 //     vec4 source_inside(uint number)     column, row and time of a source inside a cell
 
 #include "anchor_number.glsl"
+#include "corner.glsl"
 
 // How a point is reached: when, from which anchor, and when that was.
 struct Way {
@@ -20,14 +21,21 @@ struct Way {
 
 const Way NO_WAY = Way(FAR, 0u, FAR);
 
-// A neighbour, and its anchor.
-struct End {
-    ivec2 point;
-    float time; // FAR if it has not been reached
-    bool has_all; // its edges
-    uint anchor;
-    float start; // when the anchor was reached
-    uint before; // from which anchor: itself, if that is a source or not known to be reached
+// An anchor, as it is known itself.
+struct Anchor {
+    uint number;
+    vec2 place;  // column and row: whole numbers, but for sources
+    float time;  // FAR if it has not been reached
+    uint before; // its own anchor: itself, if it is a source or not known to be reached
+};
+
+// Three neighbours, and their anchors.
+struct Known {
+    vec3 time;
+    uvec3 anchor;
+    vec3 start;    // when the anchor was reached
+    vec3 col, row; // of the anchor
+    uvec3 before;  // its own anchor
 };
 
 // What four points see of the three neighbours each that a scan has just passed: before it, beside it
@@ -72,15 +80,15 @@ uint number_at(ivec2 point) {
     return uint(point.y * points_in_row() + point.x);
 }
 
+// Not divided in whole numbers, which devices are slow at. No image has so many rows that rounding leads further
+// than to the next one.
 ivec2 point_of(uint anchor) {
     int row = points_in_row();
-    return ivec2(int(anchor) % row, int(anchor) / row);
-}
-
-// Column and row: whole numbers, but for sources.
-vec2 place_of_anchor(uint anchor) {
-    if (anchor >= FIRST_INSIDE) return source_inside(anchor - FIRST_INSIDE).xy;
-    return vec2(point_of(anchor));
+    int y = int(float(anchor) / float(row));
+    int x = int(anchor) - y * row;
+    if (x < 0) return ivec2(x + row, y - 1);
+    if (x >= row) return ivec2(x - row, y + 1);
+    return ivec2(x, y);
 }
 
 // Lengths of straight lines.
@@ -99,83 +107,29 @@ float area_of(vec2 a, vec2 b) {
     return a.x * b.y - a.y * b.x;
 }
 
-// When an anchor was reached, FAR if it has not been, and from which: from itself, if that is not known.
-float of_anchor(uint anchor, out uint before) {
-    before = anchor;
-    if (anchor >= FIRST_INSIDE) return source_inside(anchor - FIRST_INSIDE).z;
-    vec2 front = front_at(point_of(anchor));
-    if (front.x < FAR) before = number_of(front.y);
-    return front.x;
-}
-
-// The way to a point from an anchor that was reached at some time.
-Way way_from(ivec2 point, float start, uint anchor) {
-    return Way(start + length_of(place_of_anchor(anchor) - vec2(point)), anchor, start);
-}
-
-// The neighbours of a point, a bit for each of the eight directions, counter-clockwise from east.
-uint neighbours_of(ivec2 point) {
-    vec4 here = edges_at(point);
-    bvec4 to = lessThan(here, vec4(FAR)); // east, north, north-east, north-west
-    return (to.x ? 1u : 0u) | (to.z ? 2u : 0u) | (to.y ? 4u : 0u) | (to.w ? 8u : 0u)
-         | (edges_at(point + ivec2(-1, 0)).x < FAR ? 16u : 0u)
-         | (edges_at(point + ivec2(-1, 1)).z < FAR ? 32u : 0u)
-         | (edges_at(point + ivec2(0, 1)).y < FAR ? 64u : 0u)
-         | (edges_at(point + ivec2(1, 1)).w < FAR ? 128u : 0u);
-}
-
-const uint AXES = 0x55u;
-
-uint turned(uint bits, int by) {
-    return (bits >> by | bits << (8 - by)) & 255u;
-}
-
-// Between which two directions one can go from a point, by the first of them: in whole cells, and halves of
-// cells. Twin: is_open() in src/surface/corner.rs.
-uint open_eighths(uint there) {
-    uint axes = there & AXES;
-    uint diagonals = there & ~AXES;
-    uint next = axes & turned(axes, 2); // with the axis after it
-    return next | turned(next, 7) | (axes & turned(diagonals, 1)) | (diagonals & turned(axes, 1));
-}
-
-// Whether paths can bend at a point that lacks an edge. Twin: is_corner() in src/surface/corner.rs.
-bool is_corner(ivec2 point) {
-    uint there = neighbours_of(point);
-    uint open = open_eighths(there);
-    uint beside = open | turned(open, 7);
-    uint passable = (there & AXES) | (there & ~AXES & beside);
-    uint ends = open | passable;
-    uint blocked = (passable | beside) & ~open;
-    return (blocked & (turned(ends, 1) | turned(ends, 2) | turned(ends, 3))) != 0u;
-}
-
-// The way along an edge: from its end, if that is a corner, or straight on.
-Way way_along(ivec2 x0, End end) {
-    if (!end.has_all && is_corner(end.point)) return way_from(x0, end.time, number_at(end.point));
-    vec2 edge = vec2(end.point - x0);
-    vec2 ray = place_of_anchor(end.anchor) - vec2(x0);
-    bool goes_on = area_of(edge, ray) == 0.0 && dot(edge, ray) >= dot(edge, edge);
-    if (goes_on) return way_from(x0, end.start, end.anchor);
-    return NO_WAY;
-}
-
-// On which side of the line from one anchor to another a point is.
-int side_of(ivec2 point, uint from, uint to) {
-    if (max(from, to) < FIRST_INSIDE) {
-        ivec2 border = point_of(to) - point_of(from);
-        ivec2 step = point - point_of(from);
-        return sign(border.x * step.y - border.y * step.x);
+Anchor anchor_of(uint number) {
+    if (number >= FIRST_INSIDE) {
+        vec4 source = source_inside(number - FIRST_INSIDE);
+        return Anchor(number, source.xy, source.z, number);
     }
-    vec2 at = place_of_anchor(from);
-    return int(sign(area_of(place_of_anchor(to) - at, vec2(point) - at)));
+    ivec2 point = point_of(number);
+    vec2 front = front_at(point);
+    return Anchor(number, vec2(point), front.x, front.x < FAR ? number_of(front.y) : number);
 }
 
-// The same for an anchor.
-int side_of_anchor(uint anchor, uint from, uint to) {
-    if (anchor < FIRST_INSIDE) return side_of(point_of(anchor), from, to);
-    vec2 at = place_of_anchor(from);
-    return int(sign(area_of(place_of_anchor(to) - at, place_of_anchor(anchor) - at)));
+// The way over a straight line from an anchor that was reached at some time.
+Way way_from(vec2 step, float start, uint anchor) {
+    return Way(start + length_of(step), anchor, start);
+}
+
+// On which side of one step another is. Exact between points of the grid.
+int side_of(vec2 border, vec2 step) {
+    if (border == floor(border) && step == floor(step)) {
+        ivec2 a = ivec2(border);
+        ivec2 b = ivec2(step);
+        return sign(a.x * b.y - a.y * b.x);
+    }
+    return int(sign(area_of(border, step)));
 }
 
 // The step in one of the eight directions. No table: lavapipe reads those for idle invocations too, anywhere.
@@ -183,130 +137,169 @@ ivec2 step_of(int to) {
     return ivec2(int(0x83u >> to & 1u) - int(0x38u >> to & 1u), int(0xe0u >> to & 1u) - int(0x0eu >> to & 1u));
 }
 
-// On which side of the ray from an anchor to a corner the hole is that the corner is one of: 1, -1, or 0
-// if there are holes on both.
-int shadow_of(uint anchor, uint corner) {
-    ivec2 at = point_of(corner);
-    uint open = open_eighths(neighbours_of(at));
-    vec2 ray = vec2(at) - place_of_anchor(anchor);
+// On which side of a ray to a corner the hole is that the corner is one of: 1, -1, or 0 if there are holes
+// on both.
+int shadow_of(vec2 ray, ivec2 corner) {
+    uint blocked = blocked_eighths(gaussian_at(corner));
     bool left = false;
     bool right = false;
     for (int eighth = 0; eighth < 8; eighth++) {
         float side = area_of(ray, vec2(step_of(eighth) + step_of((eighth + 1) & 7)));
-        bool blocked = (open >> eighth & 1u) == 0u;
-        left = left || (blocked && side > 0.0);
-        right = right || (blocked && side < 0.0);
+        bool is_blocked = (blocked >> eighth & 1u) != 0u;
+        left = left || (is_blocked && side > 0.0);
+        right = right || (is_blocked && side < 0.0);
     }
     return int(left) - int(right);
 }
 
 // The corner at which the way from an anchor to that of an end bends first, or that of the end if it is
-// straight; whether that way is known.
-bool first_bend(uint anchor, End end, out uint corner) {
-    uint first = end.anchor;
-    uint before = end.before;
-    corner = end.anchor;
-    for (int i = 0; i < GENERATIONS && before != anchor; i++) {
-        if (before == first) return false;
-        first = before;
-        if (of_anchor(first, before) >= FAR) return false;
-    }
-    if (before != anchor) return false;
-    corner = first;
-    // From the end back: the farthest of those on a line with the first.
-    uint at = end.anchor;
-    before = end.before;
-    bool is_straight = false;
-    for (int i = 0; i < GENERATIONS && at != first; i++) {
-        bool is_on = side_of_anchor(at, anchor, first) == 0;
-        if (!is_on) {
-            corner = first;
-        } else if (!is_straight) {
-            corner = at;
+// straight, and the step there; whether that way is known. Back from the end it is the last that is not on one
+// line with the one before.
+bool first_bend(Anchor anchor, Known ends, int end, out uint corner, out vec2 border) {
+    uint at = ends.anchor[end];
+    uint before = ends.before[end];
+    vec2 ray = vec2(ends.col[end], ends.row[end]) - anchor.place;
+    border = ray;
+    corner = at;
+    bool goes_back = before != anchor.number && before != at;
+    int generation = 0;
+    while (goes_back) {
+        Anchor next = anchor_of(before);
+        goes_back = next.time < FAR;
+        if (goes_back) {
+            at = before;
+            before = next.before;
+            bool is_on = side_of(next.place - anchor.place, ray) == 0;
+            ray = next.place - anchor.place;
+            if (!is_on) {
+                corner = at;
+                border = ray;
+            }
+            generation++;
+            goes_back = generation < GENERATIONS && before != anchor.number && before != at;
         }
-        is_straight = is_on;
-        at = before;
-        of_anchor(at, before);
     }
-    return true;
+    bool known = before == anchor.number;
+    if (!known) {
+        corner = ends.anchor[end];
+        border = vec2(ends.col[end], ends.row[end]) - anchor.place;
+    }
+    return known;
 }
 
 // Whether x0 is out of the shadow that an end of its base lies in, as seen from an anchor: behind the
 // first corner on the way from that anchor to the end, on the side of its hole. Where the end is not there,
 // it lies in the shadow of another if the straight line would have been shorter, and x0 beside it.
-bool sees(ivec2 x0, Way way, End end) {
-    if (end.anchor == way.anchor) return true;
+bool sees(vec2 x0, vec2 point, Anchor anchor, float start, Known ends, int end) {
     uint corner;
-    bool known = first_bend(way.anchor, end, corner);
+    vec2 border;
+    bool known = first_bend(anchor, ends, end, corner, border);
     int shadow = 0;
-    if (known && corner < FIRST_INSIDE) shadow = shadow_of(way.anchor, corner);
+    if (known && corner < FIRST_INSIDE) shadow = shadow_of(border, point_of(corner));
     // On the border the end's own anchor serves as well, and knows which corners come next.
-    bool is_own = corner == end.anchor;
+    bool is_own = corner == ends.anchor[end];
     // Not by times where it can be told by sides: their rounding hides small detours.
-    int of_end = side_of(end.point, way.anchor, corner);
-    if (shadow == 0 || (!is_own && of_end * shadow <= 0)) {
-        if (!is_shorter(way_from(end.point, way.start, way.anchor).time, end.time)) return true;
-        shadow = of_end;
-    }
-    int of_x0 = side_of(x0, way.anchor, corner) * shadow;
-    return of_x0 < 0 || (is_own && of_x0 == 0);
-}
-
-// The shortest straight way through a triangle, from an anchor of its ends or from these' own.
-Way way_through(ivec2 x0, End a, End b) {
-    Way best = NO_WAY;
-    if (a.time >= FAR || b.time >= FAR) return best;
-    vec2 e1 = vec2(a.point - x0);
-    vec2 e2 = vec2(b.point - x0);
-    float turn = area_of(e1, e2);
-    // Where both ends have one anchor, all that lies between is lit by it alone.
-    bool of_one = a.anchor == b.anchor;
-    for (int k = 0; k < (of_one ? 1 : 2); k++) {
-        uint anchor = k == 0 ? a.anchor : b.anchor;
-        float start = k == 0 ? a.start : b.start;
-        uint before = k == 0 ? a.before : b.before;
-        for (int i = 0; i <= GENERATIONS; i++) {
-            vec2 ray = place_of_anchor(anchor) - vec2(x0);
-            vec2 parts = turn * vec2(area_of(ray, e2), area_of(e1, ray));
-            if (parts.x >= 0.0 && parts.y >= 0.0 && parts.x + parts.y >= 1.0) {
-                Way way = way_from(x0, start, anchor);
-                bool comes = !is_shorter(best.time, way.time);
-                for (int j = 0; j < 2; j++) {
-                    if (comes) comes = sees(x0, way, j == 0 ? a : b);
-                }
-                if (comes) best = shorter(best, way);
-            }
-            if (of_one || before == anchor) break;
-            anchor = before;
-            start = of_anchor(anchor, before);
-            if (start >= FAR) break;
-        }
-    }
-    return best;
-}
-
-// The shortest way to a point past three neighbours that follow one another.
-Way reach(ivec2 x0, End ends[3]) {
-    Way best = NO_WAY;
-    for (int i = 0; i < 2; i++) best = shorter(best, way_through(x0, ends[i], ends[i + 1]));
-    for (int i = 0; i < 3; i++) {
-        if (ends[i].time < FAR) best = shorter(best, way_along(x0, ends[i]));
-    }
-    return best;
+    int of_end = side_of(border, point - anchor.place);
+    bool is_far = is_shorter(start + length_of(anchor.place - point), ends.time[end]);
+    bool is_told = shadow != 0 && (is_own || of_end * shadow > 0);
+    int of_x0 = side_of(border, x0 - anchor.place) * (is_told ? shadow : of_end);
+    return (!is_told && !is_far) || of_x0 < 0 || (is_own && of_x0 == 0);
 }
 
 // When the anchor was reached is as it is known there, to which what follows from the neighbour is rounded;
 // but the latter where the two differ, since a change must come from the neighbours.
-End end_of(ivec2 point, Ends fronts, vec4 edges, int i) {
-    End end = End(point, FAR, (floatBitsToUint(fronts.gaussian[i]) & 15u) != 1u, 0u, FAR, 0u);
-    if (fronts.time[i] < FAR && edges[i] < FAR) {
-        end.time = fronts.time[i];
-        end.anchor = number_of(fronts.curvature[i]);
-        float follows = end.time - length_of(place_of_anchor(end.anchor) - vec2(point));
-        float known = of_anchor(end.anchor, end.before);
-        end.start = abs(known - follows) <= ALIKE_AT_ANCHOR * PRECISION * end.time ? known : follows;
+vec4 start_of(float known, vec4 time, vec4 straight) {
+    vec4 follows = time - straight;
+    return mix(follows, vec4(known), lessThanEqual(abs(known - follows), ALIKE_AT_ANCHOR * PRECISION * time));
+}
+
+// The shortest way to a point, the i-th of four, past three neighbours that follow one another: along an edge,
+// from its end, if that is a corner, or straight on; or straight through a triangle, from an anchor of its
+// ends or from these' own.
+// Each step is written once, in a loop over what is left to look at: lavapipe runs all lanes through every
+// branch, so that what is written costs, and loops over bits are not unrolled. Nor is any loop tested at its
+// end: lavapipe then overwrites what lanes take out of it that leave it before others.
+Way reach(ivec2 point, Sight sight, Places places, int i) {
+    vec2 x0 = vec2(point);
+    vec2 ahead = vec2(places.ahead);
+    vec2 along = vec2(places.along);
+    Way best = NO_WAY;
+    Known ends = Known(vec3(0.0), uvec3(0u), vec3(0.0), vec3(0.0), vec3(0.0), uvec3(0u));
+    uint reached = 0u;
+    uint corners = 0u;
+    for (int k = 0; k < 3; k++) {
+        ends.time[k] = sight.ends[k].time[i];
+        ends.anchor[k] = number_of(sight.ends[k].curvature[i]);
+        if (ends.time[k] < FAR && sight.edges[k][i] < FAR) reached |= 1u << k;
+        if (are_corners(vec4(sight.ends[k].gaussian[i])).x) corners |= 1u << k;
     }
-    return end;
+    uint left = reached;
+    while (left != 0u) {
+        int k = findLSB(left);
+        left &= left - 1u;
+        Anchor anchor = anchor_of(ends.anchor[k]);
+        vec2 edge = float(k - 1) * along - ahead;
+        vec2 ray = anchor.place - x0;
+        float start = start_of(anchor.time, vec4(ends.time[k]), vec4(length_of(ray - edge))).x;
+        ends.start[k] = start;
+        ends.col[k] = anchor.place.x;
+        ends.row[k] = anchor.place.y;
+        ends.before[k] = anchor.before;
+        bool bends = (corners >> k & 1u) != 0u;
+        bool goes_on = area_of(edge, ray) == 0.0 && dot(edge, ray) >= dot(edge, edge);
+        Way way = way_from(ray, start, anchor.number);
+        if (bends) way = way_from(edge, ends.time[k], number_at(point + ivec2(edge)));
+        if (bends || goes_on) best = shorter(best, way);
+    }
+
+    // Two bits for each triangle: from the anchors of one end and of the other. Where both have one, all that
+    // lies between is lit by it alone.
+    bvec2 of_one = equal(ends.anchor.xy, ends.anchor.yz);
+    left = (reached & 3u) == 3u ? (of_one.x ? 1u : 3u) : 0u;
+    left |= (reached & 6u) == 6u ? (of_one.y ? 4u : 12u) : 0u;
+    int first = 0; // end of the triangle
+    int last = 0;  // the one that tells
+    int generation = 0;
+    bool goes_back = false;
+    Anchor anchor = Anchor(0u, vec2(0.0), FAR, 0u);
+    Way way = NO_WAY;
+    while (goes_back || left != 0u) {
+        bool comes = false;
+        while (!comes && (goes_back || left != 0u)) {
+            uint number = anchor.before;
+            generation++;
+            if (!goes_back) {
+                int bit = findLSB(left);
+                left &= left - 1u;
+                first = bit >> 1;
+                last = first + (bit & 1);
+                number = ends.anchor[last];
+                generation = 0;
+            }
+            anchor = anchor_of(number);
+            vec2 ray = anchor.place - x0;
+            way = way_from(ray, generation == 0 ? ends.start[last] : anchor.time, number);
+            vec2 e1 = float(first - 1) * along - ahead;
+            vec2 e2 = e1 + along;
+            vec2 parts = area_of(e1, e2) * vec2(area_of(ray, e2), area_of(e1, ray));
+            bool beyond_base = parts.x >= 0.0 && parts.y >= 0.0 && parts.x + parts.y >= 1.0;
+            comes = beyond_base && way.start < FAR && !is_shorter(best.time, way.time);
+            bool may_go_back = generation < GENERATIONS && ends.anchor[first] != ends.anchor[first + 1];
+            goes_back = may_go_back && way.start < FAR && anchor.before != number;
+        }
+        uint asked = ends.anchor[first] != anchor.number ? 1u << first : 0u;
+        asked |= ends.anchor[first + 1] != anchor.number ? 2u << first : 0u;
+        if (!comes) asked = 0u;
+        while (asked != 0u) {
+            int end = findLSB(asked);
+            asked &= asked - 1u;
+            vec2 edge = float(end - 1) * along - ahead;
+            comes = sees(x0, x0 + edge, anchor, way.start, ends, end);
+            if (!comes) asked = 0u;
+        }
+        if (comes) best = shorter(best, way);
+    }
+    return best;
 }
 
 bvec4 are_numbered_as(vec4 a, vec4 b) {
@@ -322,45 +315,72 @@ uint bits_of(bvec4 which) {
 // all neighbours are reached later, unless it is to bring again what it has brought before.
 Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, vec4 time, vec4 held) {
     Fronts found = Fronts(vec4(FAR), vec4(0.0), bvec4(false));
-    Ends before = sight.ends[0];
-    Ends beside = sight.ends[1];
-    Ends after = sight.ends[2];
-    vec4 behind = min(beside.time, min(before.time, after.time));
+    vec4 reached[3];
+    bvec4 bends[3];
+    vec4 behind = vec4(FAR);
+    vec4 told = vec4(0.0);
+    for (int k = 0; k < 3; k++) {
+        reached[k] = mix(vec4(FAR), sight.ends[k].time, lessThan(sight.edges[k], vec4(FAR)));
+        bends[k] = are_corners(sight.ends[k].gaussian);
+        behind = min(behind, reached[k]);
+        told = mix(told, sight.ends[k].curvature, lessThan(reached[k], vec4(FAR)));
+    }
     bvec4 again = both(bvec4(renews), equal(floatBitsToUint(held) & 7u, uvec4(scan)));
     bvec4 wanted = both(lessThan(behind, vec4(FAR)), either(again, lessThan(behind, time)));
     uint left = bits_of(wanted) & points;
     if (left == 0u) return found;
 
-    vec4 latest = max(beside.time, max(before.time, after.time));
-    bvec4 of_one = both(are_numbered_as(before.curvature, beside.curvature),
-                        are_numbered_as(after.curvature, beside.curvature));
-    uvec4 tags = floatBitsToUint(before.gaussian) & 15u;
-    tags |= floatBitsToUint(beside.gaussian) & 15u;
-    tags |= floatBitsToUint(after.gaussian) & 15u;
-    bvec4 open = both(both(lessThan(latest, vec4(FAR)), of_one), equal(tags, uvec4(0u)));
-    uint first = bits_of(open) & left;
+    // Those with one anchor of all neighbours, and among them those with the first one's.
+    bvec4 of_one = wanted;
+    for (int k = 0; k < 3; k++) {
+        bvec4 is_none = greaterThanEqual(reached[k], vec4(FAR));
+        of_one = both(of_one, either(is_none, are_numbered_as(sight.ends[k].curvature, told)));
+    }
+    uint first = bits_of(of_one) & left;
     if (first != 0u) {
-        // The straight line from one anchor runs between the neighbours.
-        float held_there = beside.curvature[findLSB(first)];
-        uint anchor = number_of(held_there);
-        vec2 from = place_of_anchor(anchor);
-        vec4 cols = from.x - (places.first.x + places.to_second.x * vec4(0.0, 1.0, 0.0, 1.0)
-                                             + places.to_third.x * vec4(0.0, 0.0, 1.0, 1.0));
-        vec4 rows = from.y - (places.first.y + places.to_second.y * vec4(0.0, 1.0, 0.0, 1.0)
-                                             + places.to_third.y * vec4(0.0, 0.0, 1.0, 1.0));
+        float held_there = told[findLSB(first)];
+        Anchor anchor = anchor_of(number_of(held_there));
+        vec4 second = vec4(0.0, 1.0, 0.0, 1.0);
+        vec4 third = vec4(0.0, 0.0, 1.0, 1.0);
+        vec4 x = places.first.x + places.to_second.x * second + places.to_third.x * third;
+        vec4 y = places.first.y + places.to_second.y * second + places.to_third.y * third;
+        vec4 cols = anchor.place.x - x;
+        vec4 rows = anchor.place.y - y;
         vec2 ahead = vec2(places.ahead);
-        uint unused;
-        float known = of_anchor(anchor, unused);
-        vec4 follows = beside.time - lengths_of(cols + ahead.x, rows + ahead.y);
-        vec4 rounding = ALIKE_AT_ANCHOR * PRECISION * beside.time;
-        vec4 start = mix(follows, vec4(known), lessThanEqual(abs(known - follows), rounding));
-        vec4 ways = start + lengths_of(cols, rows);
+        vec2 along = vec2(places.along);
+        vec4 straight = lengths_of(cols, rows);
         vec4 back = -(cols * ahead.x + rows * ahead.y);
-        vec4 aside = abs(cols * float(places.along.x) + rows * float(places.along.y));
-        bvec4 passes = both(lessThanEqual(aside, back), greaterThanEqual(back, vec4(1.0)));
-        bvec4 alike = both(open, are_numbered_as(beside.curvature, vec4(held_there)));
-        found.time = mix(vec4(FAR), ways, both(alike, passes));
+        vec4 aside = cols * along.x + rows * along.y;
+        bvec4 is_behind = greaterThanEqual(back, vec4(1.0));
+        vec4 start = vec4(FAR);
+        for (int k = 0; k < 3; k++) {
+            // Through the triangle that begins with this neighbour, or along its edge.
+            vec2 edge = float(k - 1) * along - ahead;
+            vec4 from = float(k - 1) * back;
+            bvec4 through = bvec4(false);
+            if (k < 2) {
+                through = both(lessThan(reached[k + 1], vec4(FAR)),
+                               both(lessThanEqual(from, aside), lessThanEqual(aside, from + back)));
+            }
+            bvec4 lit = both(both(is_behind, lessThan(reached[k], vec4(FAR))),
+                             either(through, both(equal(aside, from), not(bends[k]))));
+            vec4 by_end = start_of(anchor.time, reached[k], lengths_of(cols - edge.x, rows - edge.y));
+            start = min(start, mix(vec4(FAR), by_end, lit));
+        }
+        found.time = mix(vec4(FAR), start + straight, lessThan(start, vec4(FAR)));
         found.curvature = vec4(held_there);
+        // From corners; of two ways that are as long, on one line, from the one passed last.
+        for (int k = 0; k < 3; k++) {
+            vec2 edge = float(k - 1) * along - ahead;
+            vec4 from_corner = reached[k] + length_of(edge);
+            uvec4 number = uvec4(y + edge.y) * uint(points_in_row()) + uvec4(x + edge.x);
+            bvec4 sooner = lessThan(from_corner * (1.0 - ALIKE * PRECISION), found.time);
+            bvec4 comes = both(both(bends[k], sooner), lessThan(reached[k], vec4(FAR)));
+            found.time = mix(found.time, from_corner, comes);
+            found.curvature = mix(found.curvature, with_numbers(number), comes);
+        }
+        bvec4 alike = both(of_one, are_numbered_as(told, vec4(held_there)));
+        found.time = mix(vec4(FAR), found.time, alike);
         left &= ~bits_of(alike);
     }
 
@@ -368,12 +388,7 @@ Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, 
         int i = findLSB(left);
         left &= left - 1u;
         ivec2 point = places.first + (i & 1) * places.to_second + (i >> 1) * places.to_third;
-        End ends[3];
-        for (int k = 0; k < 3; k++) {
-            ivec2 at = point - places.ahead + (k - 1) * places.along;
-            ends[k] = end_of(at, sight.ends[k], sight.edges[k], i);
-        }
-        Way way = reach(point, ends);
+        Way way = reach(point, sight, places, i);
         found.time[i] = way.time;
         found.curvature[i] = with_number(way.anchor);
     }

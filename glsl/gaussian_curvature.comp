@@ -1,10 +1,12 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Gaussian curvature of the surface, from that of its fans as far as neighbours agree. One invocation is one texel.
+// Gaussian curvature of the surface, from that of its fans as far as neighbours agree; on floor plans corners,
+// see corner.glsl. One invocation is one texel.
 // Twin: settled() in src/surface/gaussian_curvature.rs, where the formula is explained.
 
 #include "constants.glsl"
 #include "texel.glsl"
+#include "corner.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
@@ -12,7 +14,9 @@ layout(set = 0, binding = 1, rgba32f) uniform writeonly restrict image2D gaussia
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts_1;
 
 layout(push_constant) uniform Size {
-    ivec2 texels; // columns and rows of texels, without the border
+    ivec2 texels;       // columns and rows of texels, without the border
+    float share_of_fan; // see fan_curvature.comp
+    uint is_floor;      // whether the surface is a floor plan
 };
 
 #include "fan.glsl"
@@ -25,8 +29,15 @@ bool is_whole(float curvature) {
     return (floatBitsToUint(curvature) & 15u) != 1u;
 }
 
+uint neighbours_of(ivec2 point) {
+    uint there = 0u;
+    for (int i = 0; i < 8; i++) there |= edge_length(point, FAN[i]) < FAR ? 1u << i : 0u;
+    return there;
+}
+
 float settled(ivec2 point) {
     float own = fan_curvature(point);
+    if (is_floor != 0u && !is_whole(own)) return with_corner(neighbours_of(point));
     float curvatures[9];
     curvatures[8] = own;
     float largest = is_whole(own) ? abs(own) : 0.0;

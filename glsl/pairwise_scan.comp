@@ -10,7 +10,6 @@
 #include "front.glsl"
 #include "pairwise_progress.glsl"
 #include "pairwise_layers.glsl"
-#include "pairwise_metric.glsl"
 
 layout(local_size_x_id = 3) in;
 

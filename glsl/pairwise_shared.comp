@@ -12,7 +12,6 @@
 #include "pairwise_progress.glsl"
 #include "pairwise_fans.glsl"
 #include "count.glsl"
-#include "pairwise_metric.glsl"
 
 layout(local_size_x_id = 3) in;
 
@@ -24,7 +23,6 @@ layout(constant_id = 8) const int COLS = 1;
 // in different banks of shared memory.
 layout(constant_id = 9) const int PITCH = 1;
 
-layout(set = 0, binding = 0, rgba32f) uniform readonly restrict image2D edges;
 layout(set = 0, binding = 7) readonly restrict buffer Fans {
     float fans[];
 };
@@ -40,33 +38,13 @@ const int AREA = ROWS * PITCH;
 const int FRONTS = HAS_TWO_LAYERS ? 2 * AREA : AREA;
 const uint INFINITY = 0x7f800000u;
 
-// Arrival times, then curvatures or numbers of anchors.
+// Arrival times, then curvatures.
 shared float fronts[FRONTS];
 
 vec4 at_four(int places[4], int layer) {
     return vec4(fronts[layer + places[0]], fronts[layer + places[1]],
                 fronts[layer + places[2]], fronts[layer + places[3]]);
 }
-
-// The line that is being updated, and whether it is a row: what others write there cannot be read.
-int line_now = 0;
-bool by_rows_now = false;
-
-vec2 front_at(ivec2 point) {
-    if ((by_rows_now ? point.y : point.x) == line_now) return vec2(FAR, 0.0);
-    int place = min(point.y * PITCH + point.x, AREA - 1);
-    return vec2(fronts[place], fronts[HAS_TWO_LAYERS ? AREA + place : 0]);
-}
-
-vec4 edges_at(ivec2 point) {
-    return imageLoad(edges, point + 2 * BORDER);
-}
-
-int points_in_row() {
-    return COLS;
-}
-
-#include "anchored.glsl"
 
 // One of the numbers of a pair.
 #define NUMBER(k) fans[first + (k) * pairs]
@@ -102,22 +80,10 @@ uint update_pair(int scan, int line, int behind, int pair, int points, bool may_
     // Left triangles in xy, right triangles in zw.
     vec4 l1 = vec4(NUMBER(0), NUMBER(3), NUMBER(1), NUMBER(4));
     vec4 l2 = vec4(l1.zw, NUMBER(2), NUMBER(5));
-    Fronts found;
-    if (HAS_ANCHORS) {
-        line_now = line;
-        by_rows_now = scan < 2;
-        ivec2 along = by_rows_now ? ivec2(1, 0) : ivec2(0, 1);
-        ivec2 ahead = ivec2(1 - along.x, 1 - along.y);
-        Sight sight = sight_of_two(Ends(time_behind, curvature_behind, bend_behind), l1, l2);
-        Places two = Places(line * ahead + 2 * pair * along, along, ivec2(0), (line - behind) * ahead,
-                            along);
-        found = ways_to(sight, two, has_b ? 3u : 1u, uint(scan) + 1u, may_renew, old_time, old_curvature);
-    } else {
-        Ends near = Ends(time_behind.xyyz, curvature_behind.xyyz, bend_behind.xyyz);
-        Ends far = Ends(time_behind.yzzw, curvature_behind.yzzw, bend_behind.yzzw);
-        vec4 base = vec4(NUMBER(6), NUMBER(7), NUMBER(7), NUMBER(8));
-        found = of_sides(update(near, far, bend, l1, l2, base, are_alone(l1.zwzw)));
-    }
+    Ends near = Ends(time_behind.xyyz, curvature_behind.xyyz, bend_behind.xyyz);
+    Ends far = Ends(time_behind.yzzw, curvature_behind.yzzw, bend_behind.yzzw);
+    vec4 base = vec4(NUMBER(6), NUMBER(7), NUMBER(7), NUMBER(8));
+    Fronts found = of_sides(update(near, far, bend, l1, l2, base, are_alone(l1.zwzw)));
     vec4 time = old_time;
     vec4 curvature = old_curvature;
     accept(found, uint(scan) + 1u, may_renew, time, curvature);
@@ -142,8 +108,7 @@ void start(int source) {
     if (gl_LocalInvocationIndex == 0u) {
         int place = source / COLS * PITCH + source % COLS;
         fronts[place] = 0.0;
-        float held = HAS_ANCHORS ? with_number(uint(source)) : with_tag(SOURCE_CURVATURE, 0u);
-        if (HAS_TWO_LAYERS) fronts[AREA + place] = held;
+        if (HAS_TWO_LAYERS) fronts[AREA + place] = with_tag(SOURCE_CURVATURE, 0u);
     }
 }
 

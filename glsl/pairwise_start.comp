@@ -7,7 +7,6 @@
 #include "constants.glsl"
 #include "texel.glsl"
 #include "update.glsl"
-#include "anchor_number.glsl"
 #include "pairwise_progress.glsl"
 #include "pairwise_layers.glsl"
 
@@ -32,9 +31,7 @@ void main() {
     imageStore(fronts_0, ivec3(texel, layer_of(map, TIME)), time);
     imageStore(fronts_1, ivec3(texel, layer_of(map, TIME)), time);
     if (HAS_TWO_LAYERS) {
-        uint number = uint(point.y * 2 * imageSize(fronts_0).x + point.x);
-        float held = HAS_ANCHORS ? with_number(number) : with_tag(SOURCE_CURVATURE, 0u);
-        vec4 curvature = mix(vec4(0.0), vec4(held), here);
+        vec4 curvature = mix(vec4(0.0), vec4(with_tag(SOURCE_CURVATURE, 0u)), here);
         imageStore(fronts_0, ivec3(texel, layer_of(map, CURVATURE)), curvature);
         imageStore(fronts_1, ivec3(texel, layer_of(map, CURVATURE)), curvature);
     }

@@ -30,6 +30,7 @@ bool passes(ivec2 point, ivec2 ahead) {
     return true;
 }
 
+#define WITH_ANCHORS
 #include "scan.glsl"
 
 void note_moved(uint moved, uint beside_holes, ivec2 texel) {

@@ -17,7 +17,7 @@
 //                                                       texel on, a front has changed at all, and in
 //                                                       which of them at a point that lacks an edge
 //     int LINES                                         most lines of texels in a block
-// and what anchored.glsl asks for of metric and sources.
+// and, for fronts with anchors, WITH_ANCHORS and what anchored.glsl asks for of metric and sources.
 
 // The scan's direction: one of the four unit steps.
 layout(constant_id = 0) const int AHEAD_X = 0;
@@ -94,6 +94,7 @@ Behind gaussians_behind(ivec2 texel) {
                   second_line(imageLoad(gaussians, at + along), ahead));
 }
 
+#ifdef WITH_ANCHORS
 // Behind the block lines are as this scan has left them, in it and ahead as they were before.
 vec2 front_at(ivec2 point) {
     ivec2 texel = point / 2;
@@ -107,8 +108,8 @@ vec2 front_at(ivec2 point) {
     return vec2(times[i], held[i]);
 }
 
-vec4 edges_at(ivec2 point) {
-    return imageLoad(edges, point);
+float gaussian_at(ivec2 point) {
+    return imageLoad(gaussians, point / 2)[2 * (point.y & 1) + (point.x & 1)];
 }
 
 int points_in_row() {
@@ -116,6 +117,7 @@ int points_in_row() {
 }
 
 #include "anchored.glsl"
+#endif
 
 void scan_block() {
     int lane = int(gl_LocalInvocationID.x);
@@ -191,6 +193,7 @@ void scan_block() {
         vec4 line2 = second_line(old, ahead).xyxy;
         vec4 line2_curvature = second_line(old_curvature, ahead).xyxy;
 
+#ifdef WITH_ANCHORS
         if (HAS_ANCHORS) {
             // A loop, since drivers are slow to compile the same code twice over.
             for (int half_of = 0; half_of < 2; half_of++) {
@@ -216,7 +219,9 @@ void scan_block() {
                     line2_curvature = held;
                 }
             }
-        } else {
+        } else
+#endif
+        {
             if (passes(point, ahead)) {
                 bvec4 alone = are_alone(to_middle);
                 Fronts fronts =

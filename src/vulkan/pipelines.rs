@@ -66,8 +66,6 @@ pub(super) mod constant {
     pub(crate) const ROWS: u32 = 7;
     pub(crate) const COLS: u32 = 8;
     pub(crate) const PITCH: u32 = 9;
-    /// The metric of a floor plan: of rows, of both, of columns.
-    pub(crate) const METRIC: [u32; 3] = [10, 11, 12];
 }
 
 /// The layouts common to all pipelines, and those that prepare and read a map.

@@ -174,6 +174,7 @@ impl Solver {
             goes_on: None,
             context,
         };
+        let is_floor = on_device.anchors.is_some();
         let images = &mut on_device.images;
         self.run(images, |recorder| recorder.prepare())?;
         let origin = surface.origin();
@@ -187,7 +188,7 @@ impl Solver {
             write_points(surface, rows_around(&rows, chart), origin, images.staging());
             self.run(images, |recorder| recorder.measure(source, spacing, arcs, rows))?;
         }
-        self.run(images, |recorder| recorder.bend(surface.edge_rule()))?;
+        self.run(images, |recorder| recorder.bend(surface.edge_rule(), is_floor))?;
         self.context.check_validation()?;
         Ok(on_device)
     }

@@ -204,7 +204,7 @@ impl<'a> Recording<'a> {
             recorder.measure(source, spacing, rule == EdgeRule::Arc, rows);
         }
         if solver.is_curved() {
-            recorder.bend(rule);
+            recorder.bend(rule, false);
         }
         Ok(())
     }

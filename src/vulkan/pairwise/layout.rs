@@ -54,11 +54,6 @@ const MOST_ITERATIONS: u32 = 32;
 /// Trips through loops in a dispatch, at most. Mesa's llvmpipe leaves the loops of a shader after
 /// 65,535 trips an invocation, all loops together, without a word.
 const MOST_TRIPS: u32 = 60_000;
-/// With anchors there are so many for each without, beside holes: from anchor to anchor, for each of both
-/// points of a pair up to 270, of which the mean over a line's pairs and all lines stays far below.
-const TRIPS_WITH_ANCHORS: u32 = 128;
-/// Where nothing ends loops, so that dispatches stay short.
-const TRIPS_ON_GPU: u32 = 4;
 /// Invocations of a workgroup, at most: with more of them barriers cost more than lines gain.
 const MOST_INVOCATIONS: u32 = 128;
 
@@ -81,16 +76,13 @@ impl Workgroup {
 
         let shares = |points: u32| 1 + points.div_ceil(2).div_ceil(invocations);
         let trips = 2 * (rows * shares(cols) + cols * shares(rows)) + 5;
-        let anchored = wavefront == Wavefront::Anchored;
-        let more = if limits.on_cpu { TRIPS_WITH_ANCHORS } else { TRIPS_ON_GPU };
-        let trips = if anchored { trips * more } else { trips };
         let loads = 2 * numbers(pitch)?.div_ceil(invocations);
         let iterations = (MOST_TRIPS.checked_sub(loads)? / trips).min(MOST_ITERATIONS);
         (iterations > 0).then_some(Self { pitch, invocations, iterations })
     }
 }
 
-/// Numbers that a point of a map takes: arrival time, and curvature or anchor if fronts carry one.
+/// Numbers that a point of a map takes: arrival time, and curvature if fronts carry one.
 pub(super) fn numbers(wavefront: Wavefront) -> u32 {
     if wavefront.has_two_layers() { LAYERS } else { 1 }
 }

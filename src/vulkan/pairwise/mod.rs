@@ -21,7 +21,6 @@ use std::time::Instant;
 
 use ash::vk;
 
-use super::anchors::Anchors;
 use super::headless::{Commands, Context};
 use super::plan::{self, Reached};
 use super::profile::{self, Detail, Grain, Session, SolveProfile};
@@ -120,7 +119,6 @@ impl Solver {
         let (chart, texels) = (grid.chart, grid.texels);
         let is_anchored = wavefront == Wavefront::Anchored;
         let wavefront = if is_anchored { Wavefront::Curved } else { wavefront };
-        let metric = surface.anchors.as_ref().map_or([1.0, 0.0, 1.0], Anchors::metric);
         let (rows, cols, device) = (chart.rows, chart.cols, context.info.name.clone());
         // SAFETY: the physical device is from this instance.
         let properties = unsafe {
@@ -138,7 +136,7 @@ impl Solver {
             return Err(VulkanError::TooMuchMemory { rows, cols, device, needed, available });
         }
         let commands = Commands::new(context)?;
-        let mut passes = Passes::new(&context.device, &self.pipelines.pipelines, &layout, metric)?;
+        let mut passes = Passes::new(&context.device, &self.pipelines.pipelines, &layout)?;
         let resources = Resources::new(
             &context.device,
             &mut context.allocator(),

@@ -20,17 +20,14 @@ const START: usize = 4;
 const COUNT: usize = 5;
 
 impl Passes {
-    /// Creates them, with the metric of a floor plan for fronts with anchors. [`Passes::destroy`] must be
-    /// called before the device is destroyed.
+    /// Creates them. [`Passes::destroy`] must be called before the device is destroyed.
     pub(super) fn new(
         device: &ash::Device,
         pipelines: &Pipelines,
         layout: &Layout,
-        metric: [f32; 3],
     ) -> Result<Self, VulkanError> {
         let wavefront = (WAVEFRONT, layout.wavefront as i32);
         let maps = (MAPS, layout.maps as i32);
-        let metric = [0, 1, 2].map(|k| (METRIC[k], metric[k].to_bits() as i32));
         let mut passes: Vec<Pass> = Vec::new();
         if let Some(workgroup) = layout.workgroup {
             let constants = [
@@ -42,13 +39,12 @@ impl Passes {
                 (PITCH, workgroup.pitch as i32),
             ];
             passes.push((spirv!("pairwise_fans"), vec![wavefront]));
-            passes.push((spirv!("pairwise_shared"), [&constants[..], &metric].concat()));
+            passes.push((spirv!("pairwise_shared"), constants.to_vec()));
         } else {
             let width = (WIDTH, pipelines.tuning.scan_width as i32);
             let lines = (REPEATS, pipelines.tuning.scan_lines as i32);
             let cols = (COLS, layout.chart.cols as i32);
             let constants = [wavefront, maps, width, lines, cols];
-            let constants = [&constants[..], &metric].concat();
             passes
                 .extend(Scan::ALL.map(|scan| scan_pass(spirv!("pairwise_scan"), scan, &constants)));
             passes.push((spirv!("pairwise_start"), vec![wavefront, maps]));

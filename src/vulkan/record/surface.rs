@@ -51,6 +51,7 @@ struct EdgesBand {
 struct FanSize {
     texels: [u32; 2],
     share_of_fan: f32,
+    is_floor: u32,
 }
 
 /// The rows whose points are needed to measure the edges of a band. An edge to the north also depends
@@ -118,10 +119,12 @@ impl Recorder<'_> {
         self.barrier(SHADER_WRITE, SHADER);
     }
 
-    /// Computes the surface's Gaussian curvature, once all edges are measured by the rule.
-    pub(crate) fn bend(&self, rule: EdgeRule) {
+    /// Computes the surface's Gaussian curvature, once all edges are measured by the rule, and on floor plans
+    /// where shortest paths can bend.
+    pub(crate) fn bend(&self, rule: EdgeRule, is_floor: bool) {
         let texels = self.grid.texels.inner();
-        let size = FanSize { texels, share_of_fan: rule.share_of_fan() as f32 };
+        let share_of_fan = rule.share_of_fan() as f32;
+        let size = FanSize { texels, share_of_fan, is_floor: is_floor.into() };
         for pipeline in [self.pipelines.fan_curvature, self.pipelines.gaussian_curvature] {
             // Lengths of the edges of four points, and a number of each besides in the second pass.
             let read = if pipeline == self.pipelines.fan_curvature { 64 } else { 64 + 16 };

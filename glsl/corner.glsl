@@ -1,0 +1,48 @@
+// Corners of holes, at which shortest paths bend. On floor plans the image of Gaussian curvatures, which has
+// nothing else to tell there, carries them beside the tag of a point that lacks an edge.
+// Twin: src/surface/corner.rs. Neighbours are a bit for each of the eight directions, counter-clockwise from
+// east.
+
+const uint AXES = 0x55u;
+
+uint turned(uint bits, int by) {
+    return (bits >> by | bits << (8 - by)) & 255u;
+}
+
+// Between which two directions one can go from a point, by the first of them: in whole cells, and halves of
+// cells.
+uint open_eighths(uint there) {
+    uint axes = there & AXES;
+    uint diagonals = there & ~AXES;
+    uint next = axes & turned(axes, 2); // with the axis after it
+    return next | turned(next, 7) | (axes & turned(diagonals, 1)) | (diagonals & turned(axes, 1));
+}
+
+// Whether paths can bend at a point.
+bool is_corner(uint there) {
+    uint open = open_eighths(there);
+    uint beside = open | turned(open, 7);
+    uint passable = (there & AXES) | (there & ~AXES & beside);
+    uint ends = open | passable;
+    uint blocked = (passable | beside) & ~open;
+    return (blocked & (turned(ends, 1) | turned(ends, 2) | turned(ends, 3))) != 0u;
+}
+
+const uint CORNER = 1u << 12;
+
+// As small as a zero with a tag.
+float with_corner(uint there) {
+    uint held = floatBitsToUint(FLAT) & 0x7f800000u;
+    return uintBitsToFloat(held | (is_corner(there) ? CORNER : 0u) | open_eighths(there) << 4 | 1u);
+}
+
+// At which of four points paths can bend.
+bvec4 are_corners(vec4 held) {
+    return equal(floatBitsToUint(held) & (CORNER | 15u), uvec4(CORNER | 1u));
+}
+
+// The eighths around a point that lead into a hole.
+uint blocked_eighths(float held) {
+    uint bits = floatBitsToUint(held);
+    return (bits & 15u) == 1u ? ~(bits >> 4) & 255u : 0u;
+}
