@@ -1,5 +1,5 @@
-// Fronts that know their anchor: exact over floor plans. Four points at once where all that each sees behind it
-// has one anchor, which is nearly everywhere; elsewhere one after another.
+// Fronts that know their anchor: exact over floor plans. Four points at once where all that each sees behind
+// it has one anchor, which is nearly everywhere; elsewhere one after another.
 // Include after update.glsl. Twin: src/update/anchored.rs, where it is explained.
 //
 // The including shader defines
@@ -80,8 +80,8 @@ uint number_at(ivec2 point) {
     return uint(point.y * points_in_row() + point.x);
 }
 
-// Not divided in whole numbers, which devices are slow at. No image has so many rows that rounding leads further
-// than to the next one.
+// Not divided in whole numbers, which devices are slow at. No image has so many rows that rounding leads
+// further than to the next one.
 ivec2 point_of(uint anchor) {
     int row = points_in_row();
     int y = int(float(anchor) / float(row));
@@ -134,7 +134,8 @@ int side_of(vec2 border, vec2 step) {
 
 // The step in one of the eight directions. No table: lavapipe reads those for idle invocations too, anywhere.
 ivec2 step_of(int to) {
-    return ivec2(int(0x83u >> to & 1u) - int(0x38u >> to & 1u), int(0xe0u >> to & 1u) - int(0x0eu >> to & 1u));
+    return ivec2(int(0x83u >> to & 1u) - int(0x38u >> to & 1u),
+                 int(0xe0u >> to & 1u) - int(0x0eu >> to & 1u));
 }
 
 // On which side of a ray to a corner the hole is that the corner is one of: 1, -1, or 0 if there are holes

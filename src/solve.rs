@@ -114,9 +114,7 @@ impl Options {
             None if !marches && check_anchored(surface).and(check_anchors(sources)).is_ok() => {
                 Ok(Wavefront::Anchored)
             }
-            None if circular || marches => {
-                Ok(self.wavefront_from_a_point(surface))
-            }
+            None if circular || marches => Ok(self.wavefront_from_a_point(surface)),
             None => Ok(Wavefront::Curved),
             Some(Wavefront::Anchored) => {
                 check_anchored(surface)?;

@@ -136,7 +136,8 @@ impl<'a, R: Real> Fronts<'a, R> {
             return Front { time: way.time, curvature: R::of_number(way.anchor), whole: false };
         }
         let time = |x: usize| self.times[x];
-        let [a, b] = behind.triangles.each_ref().map(|slots| self.through_known(point, slots, time));
+        let [a, b] =
+            behind.triangles.each_ref().map(|slots| self.through_known(point, slots, time));
         Front::first(a, b)
     }
 

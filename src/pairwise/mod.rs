@@ -61,8 +61,9 @@ impl<'a> Pairwise<'a> {
     /// threads.
     ///
     /// # Errors
-    /// If an option is out of range or does not suit the surface, a schedule is given, an edge of the surface is too long or too short for single
-    /// precision, or the Vulkan device asked for cannot be used.
+    /// If an option is out of range or does not suit the surface, a schedule is given, an edge of the
+    /// surface is too long or too short for single precision, or the Vulkan device asked for cannot be
+    /// used.
     pub fn new(surface: &'a Surface, options: &Options) -> Result<Self, Error> {
         let stop = options.stop::<f32>(surface)?;
         if options.schedule.is_some() {
