@@ -31,7 +31,7 @@ fn a_plane_has_straight_distances() {
     assert_eq!(report["engine"], "cpu");
     assert_eq!(report["device"], Value::Null);
     assert!(report["schedule"].is_string());
-    assert_eq!(report["wavefront"], "curved");
+    assert_eq!(report["wavefront"], "anchored");
     assert_eq!(report["converged"], true);
     assert_eq!(report["iteration_bound"], 1);
     assert_eq!(report["points"], rows * cols);

@@ -34,9 +34,14 @@ pub struct Shares {
 
 impl Work {
     /// Of rotated scans on the CPU: for each visit a point's arrival time read and written, four
-    /// lengths of edges; curved fronts have their curvature and the surface's besides.
+    /// lengths of edges; curved fronts have their curvature and the surface's besides, and those with
+    /// anchors, in place of edges, the anchor and where holes are.
     pub fn on_cpu((visits, updates): (u64, u64), wavefront: Wavefront) -> Self {
-        let bytes = if wavefront.is_curved() { 36 } else { 24 };
+        let bytes = match wavefront {
+            Wavefront::Planar | Wavefront::PointSource => 24,
+            Wavefront::Curved => 36,
+            Wavefront::Anchored => 20,
+        };
         Self { bytes: Some(bytes * visits), triangles: Some(2 * updates), ..Self::default() }
     }
 
@@ -60,9 +65,9 @@ impl Work {
     }
 }
 
-/// Which of the ceilings of updates holds; what anchors cost has none of its own.
-fn rate_of(wavefront: Wavefront) -> usize {
-    if wavefront.is_curved() { Wavefront::Curved as usize } else { wavefront as usize }
+/// The ceiling of updates of a wavefront, of those from triangles; fronts with anchors are not.
+fn rate_of(wavefront: Wavefront, triangles: [f64; 3]) -> Option<f64> {
+    triangles.get(wavefront as usize).copied()
 }
 
 impl Shares {
@@ -72,8 +77,8 @@ impl Shares {
         wavefront: Wavefront,
         ceilings: &cpu::Ceilings,
     ) -> Self {
-        let rates = [ceilings.copy, ceilings.triangles[rate_of(wavefront)]];
-        Self { dispatches: None, ..Self::at(work, seconds, rates) }
+        let triangles = rate_of(wavefront, ceilings.triangles);
+        Self { dispatches: None, ..Self::at(work, seconds, ceilings.copy, triangles) }
     }
 
     pub fn on_device(
@@ -86,15 +91,16 @@ impl Shares {
         let commands = work.dispatches as f64 * dispatch.as_secs_f64()
             + work.skipped_dispatches as f64 * skipped_dispatch.as_secs_f64()
             + work.submissions as f64 * submission.as_secs_f64();
-        let rates = [ceilings.copy, ceilings.triangles[rate_of(wavefront)]];
-        Self { dispatches: Some(commands / seconds), ..Self::at(work, seconds, rates) }
+        let triangles = rate_of(wavefront, ceilings.triangles);
+        let dispatches = Some(commands / seconds);
+        Self { dispatches, ..Self::at(work, seconds, ceilings.copy, triangles) }
     }
 
-    fn at(work: Work, seconds: f64, [copy, triangles]: [f64; 2]) -> Self {
+    fn at(work: Work, seconds: f64, copy: f64, triangles: Option<f64>) -> Self {
         let share = |count: Option<u64>, rate| count.map(|count| count as f64 / rate / seconds);
         Self {
             data: share(work.bytes, copy),
-            arithmetic: share(work.triangles, triangles),
+            arithmetic: triangles.and_then(|rate| share(work.triangles, rate)),
             dispatches: None,
         }
     }
@@ -148,5 +154,8 @@ mod tests {
         let ceilings = cpu::Ceilings { threads: 1, copy: 24e3, triangles: [1e3, 1.0, 1.0] };
         let shares = Shares::on_cpu(work, 4.0, Wavefront::Planar, &ceilings);
         assert_eq!((shares.data, shares.arithmetic), (Some(0.25), Some(0.125)));
+        let work = Work::on_cpu((1200, 250), Wavefront::Anchored);
+        let shares = Shares::on_cpu(work, 4.0, Wavefront::Anchored, &ceilings);
+        assert_eq!((shares.data, shares.arithmetic), (Some(0.25), None));
     }
 }
