@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::{Solution, Stop, raster_scan, rotated_scan};
+use super::{RotatedScan, Solution, Stop, raster_scan, rotated_scan};
 use crate::accuracy::Errors;
 use crate::pairwise::Pairwise;
 use crate::surface::builtin::{Builtin, FlatPaths, FloorPlan};
@@ -37,6 +37,18 @@ impl Random {
 
     fn place(&mut self) -> DVec2 {
         DVec2::new(self.between(2.0, ROWS as f64 - 3.0), self.between(2.0, COLS as f64 - 3.0))
+    }
+
+    /// A place in a cell, or at a point, that is free.
+    fn free_place(&mut self, floor: &[bool], of_random: fn(DVec2) -> DVec2) -> DVec2 {
+        let is_free = |place: &DVec2| {
+            let corners = [place.floor(), place.ceil()];
+            let rows_and_cols = corners.map(|row| corners.map(|col| (row.x, col.y)));
+            rows_and_cols.as_flattened().iter().all(|&(r, c)| floor[r as usize * COLS + c as usize])
+        };
+        std::iter::repeat_with(|| of_random(self.place()))
+            .find(is_free)
+            .expect("some floor is free")
     }
 }
 
@@ -116,6 +128,11 @@ impl Kind {
 
 type Scan<R> = fn(&EdgeLengths<R>, &[Seed], Wavefront, Stop) -> Solution<R>;
 
+fn flat(floor: &[bool]) -> Surface {
+    let plane = Surface::from_heights(ROWS, COLS, vec![0.0; ROWS * COLS], Spacing::square(1.0));
+    plane.unwrap().with_mask(floor).unwrap()
+}
+
 /// A floor, a source on it and exact distances.
 struct Case {
     surface: Surface,
@@ -145,17 +162,8 @@ impl Case {
     fn from_places(kind: Kind, seed: u64, of_random: fn(DVec2) -> DVec2) -> Self {
         let mut random = Random::new(seed);
         let floor = kind.floor(&mut random);
-        let is_free = |place: &DVec2| {
-            let corners = [place.floor(), place.ceil()];
-            let rows_and_cols = corners.map(|row| corners.map(|col| (row.x, col.y)));
-            rows_and_cols.as_flattened().iter().all(|&(r, c)| floor[r as usize * COLS + c as usize])
-        };
-        let source = std::iter::repeat_with(|| of_random(random.place()))
-            .find(is_free)
-            .expect("some floor is free")
-            .to_array();
-        let plane = Surface::from_heights(ROWS, COLS, vec![0.0; ROWS * COLS], Spacing::square(1.0));
-        let surface = plane.unwrap().with_mask(&floor).unwrap();
+        let source = random.free_place(&floor, of_random).to_array();
+        let surface = flat(&floor);
         let plan = FloorPlan::new(ROWS, COLS, floor, DVec2::ONE);
         let exact = FlatPaths::new(plan, source).distances();
         Self { surface, sources: Sources::point(source[0], source[1]), exact }
@@ -234,6 +242,43 @@ fn anchored_fronts_over_floor_plans_are_exact_and_agree() {
         );
         assert!(mean < 1e-7, "{kind:?}: {mean:e}");
         assert!(apart.iter().all(|&(_, most)| most < 2e-6), "{kind:?}: {apart:?}");
+    }
+}
+
+/// From all at once, and one after another, where fronts are overtaken by later ones.
+#[test]
+fn scans_from_several_sources_are_marched_maps() {
+    let stop = Stop { tolerance: 1e-13, iterations: 1000 };
+    for (kind, seed) in
+        Kind::ALL.into_iter().flat_map(|kind| (1..=PLANS).map(move |seed| (kind, seed)))
+    {
+        let mut random = Random::new(100 + seed);
+        let floor = kind.floor(&mut random);
+        let surface = flat(&floor);
+        let of_random: [fn(DVec2) -> DVec2; 2] = [DVec2::floor, |place| place];
+        let places: Vec<_> = (0..2 + seed as usize % 3)
+            .map(|k| (random.free_place(&floor, of_random[k % 2]), random.between(0.0, 20.0)))
+            .collect();
+        let seeds = |places: &[(DVec2, f64)]| {
+            let with =
+                |all: Sources, &(at, initial): &(DVec2, f64)| all.and_point(at.x, at.y, initial);
+            let sources = places.iter().fold(Sources::default(), with);
+            (with_diagonals(&surface, sources.seeds(&surface).unwrap()), sources)
+        };
+        let edges = EdgeLengths::<f64>::new(&surface).unwrap();
+        let (all, sources) = seeds(&places);
+        let exact = marched(&surface, &sources);
+        let at_once = rotated_scan(&edges, &all, Wavefront::Anchored, stop).distances();
+        let mut solver = RotatedScan::new(&edges, Wavefront::Anchored);
+        solver.solve(&seeds(&places[..1]).0, stop);
+        for place in &places[1..] {
+            solver.add(&seeds(std::slice::from_ref(place)).0, stop);
+        }
+        for found in [at_once, solver.distances()] {
+            let errors = Errors::of(&found, &exact);
+            let Errors { reached_by_one, max_of_largest, .. } = errors;
+            assert!(reached_by_one == 0 && max_of_largest < 1e-14, "{kind:?} {seed}: {errors:?}");
+        }
     }
 }
 
