@@ -279,11 +279,22 @@ impl<R: Real> Brought<R> {
         scan: Scan,
         may_come: impl Fn(usize) -> bool,
     ) {
+        let (mut wanted, mut of_one) = ([false; TILE], [false; TILE]);
+        for i in 0..points {
+            wanted[i] = may_come(i);
+            of_one[i] = behind.has(i, behind.anchors[i], scan);
+        }
         let mut i = 0;
         while i < points {
-            let anchor = behind.anchors[i];
-            let run = (i..points).take_while(|&other| behind.has(other, anchor, scan)).count();
-            if run > 0 && behind.times[i] < R::FAR {
+            if !wanted[i] {
+                i += 1;
+                continue;
+            }
+            if of_one[i] && behind.times[i] < R::FAR {
+                let anchor = behind.anchors[i];
+                let goes_on =
+                    |&other: &usize| of_one[other] && behind.anchors[other].is_numbered_as(anchor);
+                let run = (i..points).take_while(goes_on).count();
                 self.bring_from_one(lines, behind, first, i..i + run, scan);
                 i += run;
                 continue;
@@ -291,7 +302,7 @@ impl<R: Real> Brought<R> {
             let [row, col] = first;
             let [row, col] = if scan.by_rows() { [row, col + i] } else { [row + i, col] };
             let point = row * lines.chart.stride() + col;
-            if may_come(i) && lines.plan.floor.has(point) {
+            if lines.plan.floor.has(point) {
                 let front = lines.reach(point, scan);
                 (self.times[i], self.anchors[i]) = (front.time, front.curvature);
             }
