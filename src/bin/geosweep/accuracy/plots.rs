@@ -12,7 +12,7 @@ use super::peers::Peer;
 pub const FILES: [&str; 2] = ["accuracy-size.png", "accuracy-time.png"];
 
 const COLUMNS: usize = 3;
-const FRAME: [usize; 2] = [430, 340];
+const FRAME: [usize; 2] = [430, 420];
 
 /// The errors against the number of points a side.
 pub fn by_size(measured: &[Measurement], peers: &[Peer]) -> Sheet {
