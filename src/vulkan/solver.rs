@@ -3,16 +3,15 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::anchors::Anchors;
-use super::grid_images::{GridImages, POINT_BYTES, Purpose, bands, transfer_bytes};
+use super::grid_images::{GridImages, POINT_BYTES, bands, transfer_bytes};
 use super::headless::{Commands, Context};
 use super::plan::{self, Reached, Step};
 use super::profile::{self, Capabilities, Capability, Detail, Executable, Session, SolveProfile};
 use super::record::{EdgeSource, Recorder, rows_around};
-use super::upload::{SeedTexel, curvatures, seed_texels, write_points};
+use super::surface_on_device::{Start, SurfaceOnDevice};
+use super::upload::{SeedTexel, seed_texels, write_points};
 use super::{Schedule, Tuning, ValidationLog, VulkanError, embed};
 use crate::DeviceChoice;
-use crate::constants::SOURCES_INSIDE;
 use crate::cpu::Stop;
 use crate::surface::{EdgeRule, Geometry, Seed, Spacing, Surface};
 use crate::update::Wavefront;
@@ -55,23 +54,6 @@ pub struct Method {
     pub schedule: Option<Schedule>,
     /// When to stop; an iteration is one of the schedule's.
     pub stop: Stop,
-}
-
-/// A surface's edge lengths on a device, ready for any number of maps.
-///
-/// Must not outlive its solver's last use of it; memory is freed when it is dropped.
-pub struct SurfaceOnDevice {
-    pub(super) images: GridImages,
-    /// Over floor plans.
-    pub(super) anchors: Option<Anchors>,
-    /// Whether the last map's fronts have anchors.
-    is_anchored: bool,
-    /// Starts a map.
-    first: Commands,
-    /// Goes on with one, as recorded for this wavefront and these steps.
-    further: Commands,
-    goes_on: Option<(Wavefront, Vec<Step>)>,
-    pub(super) context: Arc<Context>,
 }
 
 /// A distance map as the Vulkan engine leaves it.
@@ -155,25 +137,9 @@ impl Solver {
     pub fn upload(&self, surface: &Surface) -> Result<SurfaceOnDevice, VulkanError> {
         surface.check_edges()?;
         let chart = surface.chart();
-        let size = (chart, self.pipelines.limits.texels(chart)?);
-        let context = Arc::clone(&self.context);
-        let (first, further) = (Commands::new(&context)?, Commands::new(&context)?);
-        let images = GridImages::new(
-            &context.device,
-            &mut context.allocator(),
-            &self.pipelines.pipelines,
-            size,
-            Purpose::Headless,
-        )?;
-        let mut on_device = SurfaceOnDevice {
-            images,
-            anchors: Anchors::of(surface, size.1),
-            is_anchored: false,
-            first,
-            further,
-            goes_on: None,
-            context,
-        };
+        let texels = self.pipelines.limits.texels(chart)?;
+        let pipelines = &self.pipelines.pipelines;
+        let mut on_device = SurfaceOnDevice::new(&self.context, pipelines, surface, texels)?;
         let is_floor = on_device.anchors.is_some();
         let images = &mut on_device.images;
         self.run(images, |recorder| recorder.prepare())?;
@@ -443,56 +409,6 @@ impl Drop for Solver {
     fn drop(&mut self) {
         self.pipelines.destroy(&self.context.device);
     }
-}
-
-impl SurfaceOnDevice {
-    /// The wavefront of a map, and what the fronts at its seeds carry beside their times.
-    fn begin(
-        &mut self,
-        wavefront: Wavefront,
-        seeds: &[Seed],
-        start: Start,
-    ) -> Result<(Wavefront, Vec<f32>), VulkanError> {
-        let wanted = wavefront == Wavefront::Anchored;
-        let goes_on = start == Start::FromLast;
-        // A map goes on as it has begun.
-        let may_be = wanted && (!goes_on || self.is_anchored);
-        if let Some(anchors) = self.anchors.as_mut().filter(|_| may_be) {
-            if !goes_on {
-                anchors.forget();
-            }
-            if let Some(numbers) = anchors.numbers(seeds) {
-                anchors.write(self.images.anchors());
-                self.is_anchored = true;
-                return Ok((wavefront, numbers));
-            }
-            if goes_on {
-                return Err(VulkanError::TooManyAnchors { most: SOURCES_INSIDE as usize });
-            }
-        }
-        self.is_anchored = false;
-        Ok((if wanted { Wavefront::Curved } else { wavefront }, curvatures(seeds)))
-    }
-
-    /// Bytes of device and staging memory held.
-    pub fn bytes(&self) -> u64 {
-        self.images.bytes()
-    }
-}
-
-impl Drop for SurfaceOnDevice {
-    fn drop(&mut self) {
-        self.images.destroy(&self.context.device, &mut self.context.allocator());
-    }
-}
-
-/// What is there before the seeds.
-#[derive(Clone, Copy, PartialEq)]
-enum Start {
-    /// Nothing.
-    Fresh,
-    /// The last map.
-    FromLast,
 }
 
 #[cfg(test)]

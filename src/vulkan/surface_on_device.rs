@@ -1,0 +1,107 @@
+//! A surface on a device, and what its maps need beside the solver's pipelines.
+
+use std::sync::Arc;
+
+use super::anchors::Anchors;
+use super::grid_images::{GridImages, Purpose};
+use super::headless::{Commands, Context};
+use super::pipelines::Pipelines;
+use super::plan::Step;
+use super::upload::curvatures;
+use super::{TexelChart, VulkanError};
+use crate::constants::SOURCES_INSIDE;
+use crate::surface::{Seed, Surface};
+use crate::update::Wavefront;
+
+/// A surface's edge lengths on a device, ready for any number of maps.
+///
+/// Must not outlive its solver's last use of it; memory is freed when it is dropped.
+pub struct SurfaceOnDevice {
+    pub(super) images: GridImages,
+    /// Over floor plans.
+    pub(super) anchors: Option<Anchors>,
+    /// Whether the last map's fronts have anchors.
+    is_anchored: bool,
+    /// Starts a map.
+    pub(super) first: Commands,
+    /// Goes on with one, as recorded for this wavefront and these steps.
+    pub(super) further: Commands,
+    pub(super) goes_on: Option<(Wavefront, Vec<Step>)>,
+    pub(super) context: Arc<Context>,
+}
+
+/// What is there before the seeds.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Start {
+    /// Nothing.
+    Fresh,
+    /// The last map.
+    FromLast,
+}
+
+impl SurfaceOnDevice {
+    /// Makes room for a surface whose points have these places in texels.
+    pub(super) fn new(
+        context: &Arc<Context>,
+        pipelines: &Pipelines,
+        surface: &Surface,
+        texels: TexelChart,
+    ) -> Result<Self, VulkanError> {
+        let (first, further) = (Commands::new(context)?, Commands::new(context)?);
+        let images = GridImages::new(
+            &context.device,
+            &mut context.allocator(),
+            pipelines,
+            (surface.chart(), texels),
+            Purpose::Headless,
+        )?;
+        Ok(Self {
+            images,
+            anchors: Anchors::of(surface, texels),
+            is_anchored: false,
+            first,
+            further,
+            goes_on: None,
+            context: Arc::clone(context),
+        })
+    }
+
+    /// The wavefront of a map, and what the fronts at its seeds carry beside their times.
+    pub(super) fn begin(
+        &mut self,
+        wavefront: Wavefront,
+        seeds: &[Seed],
+        start: Start,
+    ) -> Result<(Wavefront, Vec<f32>), VulkanError> {
+        let wanted = wavefront == Wavefront::Anchored;
+        let goes_on = start == Start::FromLast;
+        // A map goes on as it has begun.
+        let may_be = wanted && (!goes_on || self.is_anchored);
+        if let Some(anchors) = self.anchors.as_mut().filter(|_| may_be) {
+            if !goes_on {
+                anchors.forget();
+            }
+            if let Some(numbers) = anchors.numbers(seeds) {
+                anchors.write(self.images.anchors());
+                self.is_anchored = true;
+                return Ok((wavefront, numbers));
+            }
+            if goes_on {
+                return Err(VulkanError::TooManyAnchors { most: SOURCES_INSIDE as usize });
+            }
+        }
+        self.is_anchored = false;
+        Ok((if wanted { Wavefront::Curved } else { wavefront }, curvatures(seeds)))
+    }
+
+    /// Bytes of device and staging memory held.
+    pub fn bytes(&self) -> u64 {
+        self.images.bytes()
+    }
+}
+
+impl Drop for SurfaceOnDevice {
+    fn drop(&mut self) {
+        self.images.destroy(&self.context.device, &mut self.context.allocator());
+    }
+}
