@@ -51,7 +51,7 @@ pub struct Options {
     /// The front assumed inside a triangle. By default curved, the most accurate on smooth
     /// surfaces and from curves, and as good as the circular one on rough terrain; but
     /// [`Wavefront::Anchored`], which is exact, over floor plans ([`Surface::is_floor_plan`]) from
-    /// points; circular for point sources that start together on a surface with a slowness, which may
+    /// points, unless in tiles; circular for point sources that start together on a surface with a slowness, which may
     /// jump from point to point; and planar for fast marching. A curved map takes about twice the
     /// time of a circular one, one with anchors less.
     pub wavefront: Option<Wavefront>,
@@ -111,14 +111,13 @@ impl Options {
         let circular = sources.are_points() && sources.start_together();
         let marches = self.engine == Engine::FastMarching;
         match self.wavefront {
-            None if !marches && check_anchored(surface).and(check_anchors(sources)).is_ok() => {
+            None if !marches && self.check_anchored(surface, sources).is_ok() => {
                 Ok(Wavefront::Anchored)
             }
             None if circular || marches => Ok(self.wavefront_from_a_point(surface)),
             None => Ok(Wavefront::Curved),
             Some(Wavefront::Anchored) => {
-                check_anchored(surface)?;
-                check_anchors(sources)?;
+                self.check_anchored(surface, sources)?;
                 Ok(Wavefront::Anchored)
             }
             Some(Wavefront::PointSource) if !sources.are_points() => Err(Error::Options(
@@ -128,6 +127,20 @@ impl Options {
             )),
             Some(wavefront) => Ok(wavefront),
         }
+    }
+
+    /// Refuses what fronts have no anchors for.
+    fn check_anchored(&self, surface: &Surface, sources: &Sources) -> Result<(), Error> {
+        check_anchored(surface)?;
+        check_anchors(sources)?;
+        if self.schedule == Some(Schedule::Tiles) {
+            return Err(Error::Options(
+                "the anchored wavefront needs another schedule than tiles, which can leave it too \
+                 early; leave the schedule out, or use the curved wavefront"
+                    .into(),
+            ));
+        }
+        Ok(())
     }
 }
 

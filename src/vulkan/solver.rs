@@ -231,8 +231,12 @@ impl Solver {
     }
 
     fn schedule(&self, images: &GridImages, method: Method) -> Schedule {
-        let kind = self.pipelines.limits.kind;
-        method.schedule.unwrap_or_else(|| Schedule::best_on(kind, images.chart))
+        let best = || match Schedule::best_on(self.pipelines.limits.kind, images.chart) {
+            // Tiles can leave fronts with anchors too early.
+            Schedule::Tiles if method.wavefront == Wavefront::Anchored => Schedule::Raster,
+            best => best,
+        };
+        method.schedule.unwrap_or_else(best)
     }
 
     fn solve_planned(
