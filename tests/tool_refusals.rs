@@ -37,7 +37,6 @@ fn wrong_words_are_refused() {
         (&flat, "-s 1,1 --precision double -o map.exr", &["map.exr", "single precision", ".tif"]),
         (&flat, "-s 1,1 --precision double --error e.exr -o m.npy", &["e.exr", "single precision"]),
         (&flat, "-s 1,1 --precision double --schedule tiles -o map.npy", &["--schedule"]),
-        (&flat, "-s 1,1 --wavefront anchored --schedule tiles -o map.npy", &["anchored", "leave"]),
         (&flat, "-s 1,1 --precision half -o map.npy", &["half", "double"]),
         (&flat, "-s 1,1 --edges chord --metric METRIC -o map.npy", &["--edges", "leave"]),
         (&flat, "-s 1,1 --wavefront round -o map.npy", &["round", "planar"]),
