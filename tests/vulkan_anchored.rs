@@ -217,3 +217,23 @@ fn many_maps_at_once_have_curved_fronts() {
     let refused = Pairwise::new(&surface, &options).err().unwrap().to_string();
     assert!(refused.contains("on the CPU"), "{refused}");
 }
+
+/// Tiles are curved by default, and not anchored.
+#[test]
+fn maps_in_tiles_have_no_anchors() {
+    let (surface, free) = floor_plan(3, 40, 50);
+    let from = Sources::point(free[7][0] as f64, free[7][1] as f64);
+    let in_tiles = Options {
+        engine: Engine::Vulkan(DeviceChoice::Any),
+        schedule: Some(Schedule::Tiles),
+        ..Options::default()
+    };
+    let map = geosweep::distance_map(&surface, &from, &in_tiles).unwrap();
+    assert_eq!(map.report.wavefront, Wavefront::Curved);
+    let anchored = Options { wavefront: Some(Wavefront::Anchored), ..in_tiles.clone() };
+    let refused = geosweep::distance_map(&surface, &from, &anchored).unwrap_err().to_string();
+    assert!(refused.contains("schedule") && refused.contains("tiles"), "{refused}");
+    let by_default = Options { schedule: None, wavefront: None, ..in_tiles };
+    let map = geosweep::distance_map(&surface, &from, &by_default).unwrap();
+    assert_eq!(map.report.wavefront, Wavefront::Anchored);
+}
