@@ -283,7 +283,8 @@ Way reach(ivec2 point, Sight sight, Places places, int i) {
             vec2 e1 = float(first - 1) * along - ahead;
             vec2 e2 = e1 + along;
             vec2 parts = area_of(e1, e2) * vec2(area_of(ray, e2), area_of(e1, ray));
-            bool beyond_base = parts.x >= 0.0 && parts.y >= 0.0 && parts.x + parts.y >= 1.0;
+            bool is_end = ray == e1 || ray == e2;
+            bool beyond_base = !is_end && parts.x >= 0.0 && parts.y >= 0.0 && parts.x + parts.y >= 1.0;
             comes = beyond_base && way.start < FAR && !is_shorter(best.time, way.time);
             bool may_go_back = generation < GENERATIONS && ends.anchor[first] != ends.anchor[first + 1];
             goes_back = may_go_back && way.start < FAR && anchor.before != number;

@@ -210,7 +210,12 @@ void merge(ivec2 in_tile, inout vec4 time, inout vec4 curvature) {
             for (int copy = 0; copy < 4; copy++) {
                 float other = times[copy * AREA + at];
                 float other_curvature = curvatures[copy * AREA + at];
-                // One that the copy's own scan has not brought stands for nothing but the old one.
+                // One that the copy's own scan has not brought stands for nothing but the old one; if that has
+                // been taken back, none is left.
+                if (other >= FAR && !found) {
+                    time[j] = other;
+                    curvature[j] = other_curvature;
+                }
                 uint brought_by = floatBitsToUint(other_curvature) & 7u;
                 if (brought_by != uint(copy) + 1u || other >= FAR) continue;
                 bool second = !found || is_first(other, other_curvature, time[j], curvature[j]);

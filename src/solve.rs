@@ -51,9 +51,9 @@ pub struct Options {
     /// The front assumed inside a triangle. By default curved, the most accurate on smooth
     /// surfaces and from curves, and as good as the circular one on rough terrain; but
     /// [`Wavefront::Anchored`], which is exact, over floor plans ([`Surface::is_floor_plan`]) from
-    /// points, unless in tiles; circular for point sources that start together on a surface with a slowness, which may
-    /// jump from point to point; and planar for fast marching. A curved map takes about twice the
-    /// time of a circular one, one with anchors less.
+    /// points; circular for point sources that start together on a surface with a slowness, which
+    /// may jump from point to point; and planar for fast marching. A curved map takes about twice
+    /// the time of a circular one, one with anchors less.
     pub wavefront: Option<Wavefront>,
     /// The order of updates on a Vulkan device, which makes no difference to the map; by default
     /// [`Schedule::best_on`] the device. The CPU's engines have one order each.
@@ -111,13 +111,11 @@ impl Options {
         let circular = sources.are_points() && sources.start_together();
         let marches = self.engine == Engine::FastMarching;
         match self.wavefront {
-            None if !marches && self.check_anchored(surface, sources).is_ok() => {
-                Ok(Wavefront::Anchored)
-            }
+            None if !marches && check_anchored(surface, sources).is_ok() => Ok(Wavefront::Anchored),
             None if circular || marches => Ok(self.wavefront_from_a_point(surface)),
             None => Ok(Wavefront::Curved),
             Some(Wavefront::Anchored) => {
-                self.check_anchored(surface, sources)?;
+                check_anchored(surface, sources)?;
                 Ok(Wavefront::Anchored)
             }
             Some(Wavefront::PointSource) if !sources.are_points() => Err(Error::Options(
@@ -128,24 +126,11 @@ impl Options {
             Some(wavefront) => Ok(wavefront),
         }
     }
-
-    /// Refuses what fronts have no anchors for.
-    fn check_anchored(&self, surface: &Surface, sources: &Sources) -> Result<(), Error> {
-        check_anchored(surface)?;
-        check_anchors(sources)?;
-        if self.schedule == Some(Schedule::Tiles) {
-            return Err(Error::Options(
-                "the anchored wavefront needs another schedule than tiles, which can leave it too \
-                 early; leave the schedule out, or use the curved wavefront"
-                    .into(),
-            ));
-        }
-        Ok(())
-    }
 }
 
-/// Refuses sources from which fronts have no anchors.
-fn check_anchors(sources: &Sources) -> Result<(), Error> {
+/// Refuses surfaces and sources for which fronts have no anchors.
+fn check_anchored(surface: &Surface, sources: &Sources) -> Result<(), Error> {
+    check_floor_plan(surface)?;
     if !sources.are_points() {
         return Err(Error::Options(
             "the anchored wavefront needs point sources; use the curved or the planar one for curves"
@@ -162,7 +147,7 @@ fn check_anchors(sources: &Sources) -> Result<(), Error> {
 }
 
 /// Refuses surfaces over which fronts have no anchors.
-pub(crate) fn check_anchored(surface: &Surface) -> Result<(), Error> {
+pub(crate) fn check_floor_plan(surface: &Surface) -> Result<(), Error> {
     if surface.is_floor_plan() {
         return Ok(());
     }

@@ -13,11 +13,9 @@ fn run(bench: &Bench, line: &str) -> std::process::Output {
 #[test]
 fn every_schedule_gives_the_same_map() {
     let bench = Bench::new();
-    // By default the maze is anchored, but in tiles, which have no anchors.
     let map = |schedule: &str| {
         let line = format!(
-            "distance builtin:maze:61x67 --source 0,0 --schedule {schedule} --wavefront curved \
-             -o {schedule}.npy --json"
+            "distance builtin:maze:61x67 --source 0,0 --schedule {schedule} -o {schedule}.npy --json"
         );
         json(&run(&bench, &line))["schedule"].as_str().unwrap().to_owned()
     };

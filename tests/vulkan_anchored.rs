@@ -218,22 +218,44 @@ fn many_maps_at_once_have_curved_fronts() {
     assert!(refused.contains("on the CPU"), "{refused}");
 }
 
-/// Tiles are curved by default, and not anchored.
+/// Rooms of 23 x 23 points, some doors between them, and a place inside a cell of one.
+fn rooms(number: u64, rows: usize, cols: usize) -> (Surface, Sources) {
+    let mut random = Random::new(number);
+    let mut from = |low: f64, high: f64| low + (high - low) * random.next();
+    let mut floor: Vec<_> =
+        (0..rows * cols).map(|point| (point / cols) % 24 > 0 && (point % cols) % 24 > 0).collect();
+    for (row, col) in
+        (0..rows).step_by(24).flat_map(|row| (0..cols).step_by(24).map(move |col| (row, col)))
+    {
+        let (door, width) = (from(2.0, 16.0) as usize, from(3.0, 7.0) as usize);
+        (row + door..(row + door + width).min(rows)).for_each(|row| floor[row * cols + col] = true);
+        let (door, width) = (from(2.0, 16.0) as usize, from(3.0, 7.0) as usize);
+        (col + door..(col + door + width).min(cols)).for_each(|col| floor[row * cols + col] = true);
+    }
+    let plane = Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0));
+    let source = Sources::point(24.0 + from(2.0, 21.0), 24.0 + from(2.0, 21.0));
+    (plane.unwrap().with_mask(&floor).unwrap(), source)
+}
+
+/// By default, and wherever the source lies.
 #[test]
-fn maps_in_tiles_have_no_anchors() {
-    let (surface, free) = floor_plan(3, 40, 50);
-    let from = Sources::point(free[7][0] as f64, free[7][1] as f64);
-    let in_tiles = Options {
-        engine: Engine::Vulkan(DeviceChoice::Any),
-        schedule: Some(Schedule::Tiles),
-        ..Options::default()
-    };
-    let map = geosweep::distance_map(&surface, &from, &in_tiles).unwrap();
-    assert_eq!(map.report.wavefront, Wavefront::Curved);
-    let anchored = Options { wavefront: Some(Wavefront::Anchored), ..in_tiles.clone() };
-    let refused = geosweep::distance_map(&surface, &from, &anchored).unwrap_err().to_string();
-    assert!(refused.contains("schedule") && refused.contains("tiles"), "{refused}");
-    let by_default = Options { schedule: None, wavefront: None, ..in_tiles };
-    let map = geosweep::distance_map(&surface, &from, &by_default).unwrap();
-    assert_eq!(map.report.wavefront, Wavefront::Anchored);
+fn rooms_are_the_same_in_every_schedule() {
+    let mut worst = 0.0f32;
+    for number in 0..10 {
+        let (surface, source) = rooms(number, 97, 73);
+        let map = |engine, schedule| {
+            let options = Options { engine, schedule, ..Options::default() };
+            let map = geosweep::distance_map(&surface, &source, &options).unwrap();
+            assert_eq!(map.report.wavefront, Wavefront::Anchored);
+            map.distances
+        };
+        let cpu = map(Engine::Cpu, None);
+        for schedule in Schedule::ALL {
+            let found = map(Engine::Vulkan(DeviceChoice::Any), Some(schedule));
+            let difference = relative_difference(&cpu, &found);
+            assert!(difference < AGREEMENT, "plan {number}, {schedule}: {difference:e}");
+            worst = worst.max(difference);
+        }
+    }
+    println!("{worst:.1e}");
 }

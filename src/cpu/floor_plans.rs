@@ -2,7 +2,10 @@
 
 use glam::DVec2;
 
-use super::{RotatedScan, Solution, Stop, raster_scan, rotated_scan};
+use super::{
+    RotatedScan, Rounds, Solution, Stop, all_points, raster_scan, rotated_scan, scan_in_turn,
+    tile_rounds,
+};
 use crate::accuracy::Errors;
 use crate::pairwise::Pairwise;
 use crate::surface::builtin::{Builtin, FlatPaths, FloorPlan};
@@ -296,6 +299,29 @@ fn anchored_fronts_settle_in_as_few_iterations_from_between_points() {
         let between: Vec<_> = Case::all_between(kind).map(iterations).collect();
         println!("{kind:?}: {at_points:?} iterations, between points {between:?}");
         assert!(between.iter().max() <= at_points.iter().max(), "{kind:?}");
+    }
+}
+
+/// In the order of the shaders of each schedule.
+#[test]
+fn anchored_fronts_over_floor_plans_are_exact_in_all_schedules() {
+    let rounds = |edges: &EdgeLengths<f32>, seeds: &[Seed], wavefront, stop| {
+        tile_rounds(edges, seeds, wavefront, stop, Rounds { tile: 16, inner: 4, recorded: 8 })
+    };
+    let schedules: [(&str, Scan<f32>); 3] =
+        [("raster", scan_in_turn), ("all points", all_points), ("tiles", rounds)];
+    for ((name, schedule), kind) in
+        schedules.into_iter().flat_map(|schedule| Kind::ALL.map(|kind| (schedule, kind)))
+    {
+        let mut largest = 0.0f64;
+        for case in Case::all(kind).chain(Case::all_between(kind)) {
+            let map = case.solve::<f32>(Wavefront::Anchored, 1e-6, schedule);
+            let errors = Errors::of(&map, &case.exact);
+            assert_eq!(errors.reached_by_one, 0, "{name}, {kind:?}");
+            largest = largest.max(errors.max_of_largest);
+        }
+        println!("{name}, {kind:?}: off by at most {largest:.1e} of the largest distance");
+        assert!(largest < 2e-6, "{name}, {kind:?}: {largest:e}");
     }
 }
 

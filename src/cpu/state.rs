@@ -241,22 +241,23 @@ impl<'a, R: Real> Fronts<'a, R> {
 
     /// Takes the first of the fronts that copies have at a point after scans of their own, numbered
     /// from 1 in their order; returns the change. A front that the copy's own scan has not brought
-    /// stands for nothing but the one that is here.
+    /// stands for nothing but the one that is here; if that has been taken back, none is left.
     pub(super) fn take_first(&mut self, copies: &[Self; 4], point: usize) -> R::Bits {
         let (before, first) = match self.floor {
             Some(_) => (self.at(point), first_anchored as fn([R; 2], [R; 2]) -> [R; 2]),
             None => (self.at(point), first as fn([R; 2], [R; 2]) -> [R; 2]),
         };
-        let mut taken: Option<[R; 2]> = None;
+        let (mut taken, mut left): (Option<[R; 2]>, _) = (None, before);
         for (copy, scan) in copies.iter().zip(1..) {
             let other = copy.at(point);
             let straight = self.curvatures.is_empty();
-            if other[0] >= R::FAR || (!straight && !is_from(other[1], scan)) {
-                continue;
+            if other[0] >= R::FAR {
+                left = other;
+            } else if straight || is_from(other[1], scan) {
+                taken = Some(taken.map_or(other, |taken| first(taken, other)));
             }
-            taken = Some(taken.map_or(other, |taken| first(taken, other)));
         }
-        let after = taken.unwrap_or(before);
+        let after = taken.unwrap_or(left);
         self.set(point, after);
         self.change(before, after)
     }

@@ -32,7 +32,7 @@ mod rows;
 use std::time::{Duration, Instant};
 
 use crate::cpu::Stop;
-use crate::solve::check_anchored;
+use crate::solve::check_floor_plan;
 use crate::surface::Surface;
 use crate::{Engine, Error, Options, Wavefront};
 use engine::RowEngine;
@@ -75,7 +75,7 @@ impl<'a> Pairwise<'a> {
         }
         let wavefront = options.wavefront_from_a_point(surface);
         if wavefront == Wavefront::Anchored {
-            check_anchored(surface)?;
+            check_floor_plan(surface)?;
             if matches!(options.engine, Engine::Vulkan(_)) {
                 return Err(Error::Options(
                     "the rows of a matrix have no anchored fronts on a Vulkan device; compute them on \

@@ -373,7 +373,10 @@ impl<R: Real> Floor<R> {
             for _ in 0..=generations {
                 let ray = self.step(x0, anchor);
                 let [a, b] = [cross(ray, e2) * turn, cross(e1, ray) * turn];
-                let beyond_base = a >= 0.0 && b >= 0.0 && a + b >= turn * turn;
+                // What an end is the anchor of comes along its edge (`along`): two points that are told so by
+                // one another would go on with a time that it had once.
+                let is_end = ends.iter().any(|end| end.point == anchor);
+                let beyond_base = a >= 0.0 && b >= 0.0 && a + b >= turn * turn && !is_end;
                 let way = self.way(x0, start, anchor);
                 if beyond_base && ends.iter().all(|end| self.sees(x0, way, end, front)) {
                     best = best.or(way);

@@ -37,8 +37,7 @@ pub enum Wavefront {
     /// A front that knows its anchor, the corner or source that it comes from on a straight line, in place
     /// of its curvature: exact over floor plans ([`crate::Surface::is_floor_plan`]), from points. Elsewhere
     /// and from curves it is refused; given the edges of another surface, engines solve as
-    /// [`Self::Curved`]. Among many corners tiles on a device ([`crate::vulkan::Schedule::Tiles`]) can leave
-    /// it too early by up to a hundredth of the largest distance: maps choose other schedules.
+    /// [`Self::Curved`].
     Anchored = 3,
 }
 

@@ -231,11 +231,7 @@ impl Solver {
     }
 
     fn schedule(&self, images: &GridImages, method: Method) -> Schedule {
-        let best = || match Schedule::best_on(self.pipelines.limits.kind, images.chart) {
-            // Tiles can leave fronts with anchors too early.
-            Schedule::Tiles if method.wavefront == Wavefront::Anchored => Schedule::Raster,
-            best => best,
-        };
+        let best = || Schedule::best_on(self.pipelines.limits.kind, images.chart);
         method.schedule.unwrap_or_else(best)
     }
 
