@@ -41,10 +41,12 @@ impl<R: Real> Plan<R> {
         Self { floor, holes }
     }
 
-    /// Whether that is so at a point of [`Plan::holes`].
+    /// Whether that is so at a point, of which this is the value in [`Plan::holes`], and the three neighbours
+    /// behind have this anchor.
     #[inline(always)]
-    pub(super) fn is_clear(hole: R, scan: Scan) -> bool {
-        hole.tag_has(hole_bit(scan), 0)
+    pub(super) fn is_of_one(anchor: R, behind: [R; 3], hole: R, scan: Scan) -> bool {
+        let [a, b, c] = behind.map(|other| other.is_numbered_as(anchor));
+        a & b & c & hole.tag_has(hole_bit(scan), 0)
     }
 
     /// Bytes held.
@@ -235,8 +237,8 @@ impl<R: Real> Behind<'_, R> {
     /// Whether all three have an anchor, and no hole is near.
     #[inline(always)]
     fn has(&self, i: usize, anchor: R, scan: Scan) -> bool {
-        let [a, b, c] = [0, 1, 2].map(|k| self.anchors[i + k].is_numbered_as(anchor));
-        a & b & c & Plan::is_clear(self.holes[i], scan)
+        let behind = [self.anchors[i], self.anchors[i + 1], self.anchors[i + 2]];
+        Plan::is_of_one(anchor, behind, self.holes[i], scan)
     }
 }
 

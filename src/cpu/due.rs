@@ -335,10 +335,7 @@ fn settled_anchored<R: Real>(
     let anchor = beside[0];
     let mut is_one = around.behind[1][0] < R::FAR;
     for i in 0..points {
-        is_one &= behind[i].is_numbered_as(anchor)
-            & beside[i].is_numbered_as(anchor)
-            & after[i].is_numbered_as(anchor)
-            & Plan::is_clear(holes[i], how.scan);
+        is_one &= Plan::is_of_one(anchor, [behind[i], beside[i], after[i]], holes[i], how.scan);
     }
     if !is_one {
         return false;

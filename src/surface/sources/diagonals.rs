@@ -10,23 +10,23 @@ use glam::DVec2;
 use super::Seed;
 use crate::surface::Surface;
 
-/// Seeds on a floor plan, and the points beside the diagonals through each source inside a cell, up to the
-/// first hole, at most as many as the grid has points. On other surfaces the seeds alone.
-pub(crate) fn with_diagonals(surface: &Surface, mut seeds: Vec<Seed>) -> Vec<Seed> {
+/// Seeds on a floor plan, each followed by the points beside the diagonal through its source inside a cell, up
+/// to the first hole, in all at most as many as the grid has points. On other surfaces the seeds alone.
+pub(crate) fn with_diagonals(surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
     let Some(grid) = surface.floor() else { return seeds };
-    let own = seeds.len();
-    let most = surface.points() / own.max(1);
-    for number in 0..own {
-        let seed = seeds[number];
+    let most = surface.points() / seeds.len().max(1);
+    let mut all = Vec::with_capacity(seeds.len());
+    for seed in seeds {
+        all.push(seed);
         let Some(from) = seed.from else { continue };
         let start = seed.time - grid.length(seed.place() - from);
         let points = Diagonal::through(&seed, from).into_iter().flat_map(|it| it.points(surface));
-        seeds.extend(points.take(most).map(|(row, col)| {
+        all.extend(points.take(most).map(|(row, col)| {
             let ahead = grid.length(DVec2::new(row as f64, col as f64) - from);
             Seed { row, col, time: start + ahead, curvature: 1.0 / ahead, from: Some(from) }
         }));
     }
-    seeds
+    all
 }
 
 /// Two lines of points beside a diagonal, of which each point is reached between the two before it, one on
@@ -83,9 +83,10 @@ mod tests {
     }
 
     fn added(surface: &Surface, sources: &Sources) -> Vec<Seed> {
-        let seeds = sources.seeds(surface).unwrap();
-        let own = seeds.len();
-        with_diagonals(surface, seeds).split_off(own)
+        let own = sources.seeds(surface).unwrap();
+        let mut all = with_diagonals(surface, own.clone());
+        all.retain(|seed| !own.contains(seed));
+        all
     }
 
     #[test]
