@@ -222,8 +222,9 @@ fn many_maps_at_once_have_curved_fronts() {
 fn rooms(number: u64, rows: usize, cols: usize) -> (Surface, Sources) {
     let mut random = Random::new(number);
     let mut from = |low: f64, high: f64| low + (high - low) * random.next();
-    let mut floor: Vec<_> =
-        (0..rows * cols).map(|point| (point / cols) % 24 > 0 && (point % cols) % 24 > 0).collect();
+    let mut floor: Vec<_> = (0..rows * cols)
+        .map(|point| ![point / cols, point % cols].iter().any(|line| line.is_multiple_of(24)))
+        .collect();
     for (row, col) in
         (0..rows).step_by(24).flat_map(|row| (0..cols).step_by(24).map(move |col| (row, col)))
     {

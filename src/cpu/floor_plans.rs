@@ -10,7 +10,7 @@ use crate::accuracy::Errors;
 use crate::pairwise::Pairwise;
 use crate::surface::builtin::{Builtin, FlatPaths, FloorPlan};
 use crate::surface::{EdgeLengths, Real, Seed, Spacing, Surface, with_diagonals};
-use crate::{Engine, Options, Sources, Wavefront, distance_map, distance_map_f64};
+use crate::{Engine, Options, Sources, Wavefront, distance_map, distance_map_f64, estimate_error};
 
 const ROWS: usize = 97;
 const COLS: usize = 73;
@@ -385,6 +385,43 @@ fn anchors_among_single_points_are_nearly_exact() {
     );
     assert!(off < points / 8 && largest < 3e-2, "{off} of {points}, {largest:e}");
     assert!(means[0] < 0.2 * means[1], "{means:?}");
+}
+
+/// Where anchors are exact, estimates tell rounding, and among single points what is missing.
+#[test]
+fn estimates_over_floor_plans_are_near_the_errors() {
+    for (kind, between) in
+        Kind::ALL.into_iter().chain([Kind::Strewn]).flat_map(|kind| [(kind, false), (kind, true)])
+    {
+        let (mut errors, mut estimates, mut left) = (0.0, 0.0, 0.0);
+        let (mut within_twice, mut count) = (0.0, 0.0);
+        for seed in 1..=PLANS {
+            let case = if between { Case::between(kind, seed) } else { Case::new(kind, seed) };
+            let options = Options { engine: Engine::Cpu, ..Options::default() };
+            let found = estimate_error(&case.surface, &case.sources, &options).unwrap();
+            assert_eq!(found.unknown(), 0);
+            for (index, &exact) in case.exact.iter().enumerate() {
+                if exact.is_infinite() || exact == 0.0 {
+                    continue;
+                }
+                let off = |distance: f32| (f64::from(distance) - exact).abs();
+                let estimate = f64::from(found.errors[index]);
+                errors += off(found.map.distances[index]);
+                left += off(found.extrapolated[index]);
+                estimates += estimate;
+                within_twice += f64::from(off(found.map.distances[index]) <= 2.0 * estimate);
+                count += 1.0;
+            }
+        }
+        let (ratio, within_twice, left) = (estimates / errors, within_twice / count, left / errors);
+        println!(
+            "{kind:?}, sources between points {between}: mean estimate over mean error {ratio:.2}, \
+             errors below twice the estimate {within_twice:.4}, left {left:.2}"
+        );
+        // Measured: 2.8 to 4.7, among single points 2.1 to 2.3 with 0.16 and 0.36 left; 98.7 % and more.
+        assert!((1.5..6.0).contains(&ratio) && within_twice > 0.98, "{kind:?}");
+        assert!(left < if matches!(kind, Kind::Strewn) { 0.5 } else { 1.1 }, "{kind:?}: {left}");
+    }
 }
 
 #[test]

@@ -43,9 +43,14 @@ impl EvenGrid {
         [a.dot(a), a.dot(b), b.dot(b)]
     }
 
+    /// A place by row and column, seen from the first point.
+    pub(crate) fn at(self, place: DVec2) -> DVec3 {
+        self.steps[0] * place.x + self.steps[1] * place.y
+    }
+
     /// Length of a straight line over so many rows and columns.
     pub(crate) fn length(self, step: DVec2) -> f64 {
-        (self.steps[0] * step.x + self.steps[1] * step.y).length()
+        self.at(step).length()
     }
 
     /// Whether one of the triangles of neighbours has an obtuse angle.
@@ -126,12 +131,11 @@ impl Fit {
 
     /// Whether the points lie so near that grid, of its extent.
     fn is_even(&self, surface: &Surface, grid: EvenGrid, near: f64) -> bool {
-        let even = |at: DVec2| grid.steps[0] * at.x + grid.steps[1] * at.y;
-        let mean = self.position / self.count - even(self.place / self.count);
+        let mean = self.position / self.count - grid.at(self.place / self.count);
         let near = near * grid.length(DVec2::new(surface.rows() as f64, surface.cols() as f64));
         let is_even = |row| {
             self.row(surface, row)
-                .all(|(place, position)| position.distance(mean + even(place)) <= near)
+                .all(|(place, position)| position.distance(mean + grid.at(place)) <= near)
         };
         (0..surface.rows()).into_par_iter().step_by(self.every[0]).all(is_even)
     }

@@ -17,6 +17,7 @@ mod iteration_bound;
 mod measure;
 mod points;
 mod real;
+mod refine;
 mod sources;
 
 pub use arc::EdgeRule;
@@ -329,9 +330,8 @@ impl Surface {
 
     /// The grid of a floor plan.
     pub(crate) fn floor(&self) -> Option<EvenGrid> {
-        let has_numbers = (self.rows() + AROUND) * (self.cols() + AROUND) <= f32::NUMBERS / 2;
         let grid = || EvenGrid::of(self).filter(|grid| !grid.is_obtuse());
-        *self.floor.get_or_init(|| has_numbers.then(grid).flatten())
+        *self.floor.get_or_init(|| has_numbers(self.chart).then(grid).flatten())
     }
 
     /// Whether the surface has an edge from a grid point to a neighbour: both ends are there,
@@ -346,6 +346,11 @@ impl Surface {
 
 /// Rows and columns that engines keep around a grid, and more.
 const AROUND: usize = 16;
+
+/// Whether fronts can carry the numbers of a grid's points.
+fn has_numbers(chart: Chart) -> bool {
+    (chart.rows + AROUND) * (chart.cols + AROUND) <= f32::NUMBERS / 2
+}
 
 fn check_shape(what: &'static str, found: usize, chart: Chart) -> Result<(), SurfaceError> {
     let Chart { rows, cols } = chart;

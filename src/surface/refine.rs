@@ -1,0 +1,79 @@
+//! A floor plan on a grid twice as fine.
+
+use glam::DVec2;
+
+use super::{Chart, Direction, Surface, has_numbers};
+
+impl Surface {
+    /// A floor plan ([`Self::is_floor_plan`]) with a point between any two neighbours: row r and column c become
+    /// 2 r and 2 c, and holes keep their outlines. None on other surfaces, and if it had too many points to be a
+    /// floor plan.
+    pub(crate) fn halved_floor(&self) -> Option<Self> {
+        let grid = self.floor()?;
+        let chart = Chart { rows: 2 * self.rows() - 1, cols: 2 * self.cols() - 1 };
+        if !has_numbers(chart) {
+            return None;
+        }
+        let places = || (0..chart.points()).map(|index| chart.position(index));
+        let position = |(row, col)| grid.at(0.5 * DVec2::new(row as f64, col as f64));
+        let positions = places().map(position).collect();
+        let there: Vec<_> =
+            places().map(|(row, col)| self.is_between_neighbours(row, col)).collect();
+        let plane = Self::from_positions(chart.rows, chart.cols, positions).ok()?;
+        plane.with_mask(&there).ok()
+    }
+
+    /// Whether a place, by half rows and columns, is a grid point or lies on an edge.
+    fn is_between_neighbours(&self, row: usize, col: usize) -> bool {
+        let (r, c) = (row / 2, col / 2);
+        let has_edge = |row, col, to| self.has_edge(row, col, to);
+        match (row % 2, col % 2) {
+            (0, 0) => self.has(r, c),
+            (0, _) => has_edge(r, c, Direction::East),
+            (_, 0) => has_edge(r, c, Direction::South),
+            _ => has_edge(r, c, Direction::SouthEast) || has_edge(r, c + 1, Direction::SouthWest),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Spacing;
+
+    #[test]
+    fn outlines_stay() {
+        // Two holes, between which an edge leads from cell to cell, and a cell cut in half beside each.
+        let floor = [
+            [true, true, true, true],
+            [true, false, true, true],
+            [true, true, false, true],
+            [true, true, true, true],
+        ];
+        let spacing = Spacing { dx: 2.0, dy: 1.0 };
+        let plane = Surface::from_heights(4, 4, vec![7.0; 16], spacing).unwrap();
+        let surface = plane.with_mask(floor.as_flattened()).unwrap();
+        let fine = surface.halved_floor().unwrap();
+        let sign = |index: usize| if fine.present()[index] { '#' } else { '.' };
+        let rows: Vec<String> =
+            (0..7).map(|row| (7 * row..7 * row + 7).map(sign).collect()).collect();
+        assert_eq!(
+            rows,
+            ["#######", "##.####", "#...###", "##...##", "###...#", "####.##", "#######"],
+            "{rows:?}"
+        );
+        let length = |surface: &Surface, step: DVec2| surface.floor().unwrap().length(step);
+        let step = DVec2::new(2.0, -6.0);
+        approx::assert_relative_eq!(length(&fine, step), length(&surface, 0.5 * step));
+    }
+
+    #[test]
+    fn what_is_no_floor_plan_has_none() {
+        let heights = (0..16).map(|k| f64::from(k * k)).collect();
+        let hill = Surface::from_heights(4, 4, heights, Spacing::square(1.0)).unwrap();
+        assert!(hill.halved_floor().is_none());
+        let large = Surface::from_heights(4000, 4000, vec![0.0; 16_000_000], Spacing::square(1.0));
+        let large = large.unwrap();
+        assert!(large.is_floor_plan() && large.halved_floor().is_none());
+    }
+}
