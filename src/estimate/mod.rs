@@ -93,8 +93,8 @@ pub struct ErrorEstimate<R = f32> {
 /// ```
 ///
 /// # Errors
-/// Those of [`distance_map`](crate::distance_map), and if a side of the grid has two points or both
-/// have one, or no point near a source is left on every second row and column.
+/// Those of [`distance_map`](crate::distance_map), and, where coarser grids are compared, if a side of the
+/// grid has two points or both have one, or no point near a source is left on every second row and column.
 pub fn estimate_error(
     surface: &Surface,
     sources: &Sources,
