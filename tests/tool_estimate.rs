@@ -90,7 +90,10 @@ fn floor_plans_of_two_rows_have_estimates() {
 #[test]
 fn extrapolation_beside_holes_is_said_to_be_worse() {
     let bench = Bench::new();
-    let output = bench.distance("builtin:maze:65x65", "-s 1,1 --extrapolate -o map.npy");
-    assert!(output.status.success(), "{}", stderr(&output));
-    assert!(stderr(&output).contains("around holes"), "{}", stderr(&output));
+    for (wavefront, is_worse) in [("curved", true), ("anchored", false)] {
+        let words = format!("-s 1,1 --wavefront {wavefront} --extrapolate -o {wavefront}.npy");
+        let output = bench.distance("builtin:maze:65x65", &words);
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert_eq!(stderr(&output).contains("around holes"), is_worse, "{}", stderr(&output));
+    }
 }

@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use geosweep::io::{self, MapFormat, MapValue, OutputFile};
 use geosweep::surface::Real;
 use geosweep::{
-    DistanceMap, ErrorEstimate, Options, Sources, Surface, distance_map, distance_map_f64,
-    estimate_error, estimate_error_f64,
+    DistanceMap, ErrorEstimate, Options, Sources, Surface, Wavefront, distance_map,
+    distance_map_f64, estimate_error, estimate_error_f64,
 };
 use serde::Serialize;
 
@@ -187,7 +187,8 @@ impl Args {
                 say("note", format_args!("{unknown} points have no estimate of their error"));
             }
         }
-        if self.extrapolate && report.points < surface.chart().points() {
+        let holes = report.points < surface.chart().points();
+        if self.extrapolate && holes && report.wavefront != Wavefront::Anchored {
             say(
                 "note",
                 "extrapolated distances are less accurate than plain ones where paths bend around \
