@@ -153,58 +153,81 @@ int shadow_of(vec2 ray, ivec2 corner) {
     return int(left) - int(right);
 }
 
-// The corner at which the way from an anchor to that of an end bends first, or that of the end if it is
-// straight, and the step there; whether that way is known. Back from the end it is the last that is not on one
-// line with the one before.
-bool first_bend(Anchor anchor, Known ends, int end, out uint corner, out vec2 border) {
+// How the way from an anchor to an end of a base goes.
+struct Detour {
+    bool known;
+    uint corner; // at which it bends first; the end's own anchor, if it bends at none before or is not known
+    vec2 border; // the step there
+    bool winds;  // whether it bends to both sides
+};
+
+Detour detour_of(Anchor anchor, float start, vec2 point, Known ends, int end) {
+    vec2 place = vec2(ends.col[end], ends.row[end]);
+    vec2 ahead = point - place;
+    vec2 ray = place - anchor.place;
     uint at = ends.anchor[end];
     uint before = ends.before[end];
-    vec2 ray = vec2(ends.col[end], ends.row[end]) - anchor.place;
-    border = ray;
-    corner = at;
+    Detour found = Detour(false, at, ray, false);
+    bool left = false;
+    bool right = false;
+    int lines = 1;
     bool goes_back = before != anchor.number && before != at;
-    int generation = 0;
     while (goes_back) {
         Anchor next = anchor_of(before);
-        goes_back = next.time < FAR;
+        goes_back = next.time < FAR && !is_shorter(next.time, start);
         if (goes_back) {
+            vec2 come = place - next.place;
+            int turn = side_of(come, ahead);
+            left = left || turn > 0;
+            right = right || turn < 0;
+            vec2 to_next = next.place - anchor.place;
+            if (side_of(to_next, ray) != 0) {
+                found.corner = before;
+                found.border = to_next;
+            }
             at = before;
             before = next.before;
-            bool is_on = side_of(next.place - anchor.place, ray) == 0;
-            ray = next.place - anchor.place;
-            if (!is_on) {
-                corner = at;
-                border = ray;
-            }
-            generation++;
-            goes_back = generation < GENERATIONS && before != anchor.number && before != at;
+            place = next.place;
+            ahead = come;
+            ray = to_next;
+            lines++;
+            goes_back = lines < LINES_BACK && before != anchor.number && before != at;
         }
     }
-    bool known = before == anchor.number;
-    if (!known) {
-        corner = ends.anchor[end];
-        border = vec2(ends.col[end], ends.row[end]) - anchor.place;
+    found.known = before == anchor.number;
+    int turn = side_of(ray, ahead);
+    found.winds = (left || turn > 0) && (right || turn < 0);
+    if (!found.known) {
+        found.corner = ends.anchor[end];
+        found.border = vec2(ends.col[end], ends.row[end]) - anchor.place;
+        found.winds = false;
     }
-    return known;
+    return found;
 }
 
 // Whether x0 is out of the shadow that an end of its base lies in, as seen from an anchor: behind the
 // first corner on the way from that anchor to the end, on the side of its hole. Where the end is not there,
-// it lies in the shadow of another if the straight line would have been shorter, and x0 beside it.
+// it lies in the shadow of another if the straight line would have been shorter, and x0 beside it; so it does
+// if that way winds between two holes.
 bool sees(vec2 x0, vec2 point, Anchor anchor, float start, Known ends, int end) {
-    uint corner;
-    vec2 border;
-    bool known = first_bend(anchor, ends, end, corner, border);
+    Detour detour = detour_of(anchor, start, point, ends, end);
     int shadow = 0;
-    if (known && corner < FIRST_INSIDE) shadow = shadow_of(border, point_of(corner));
+    if (detour.known && detour.corner < FIRST_INSIDE) shadow = shadow_of(detour.border, point_of(detour.corner));
     // On the border the end's own anchor serves as well, and knows which corners come next.
-    bool is_own = corner == ends.anchor[end];
+    bool is_own = detour.corner == ends.anchor[end];
+    vec2 to_end = point - anchor.place;
+    vec2 to_x0 = x0 - anchor.place;
     // Not by times where it can be told by sides: their rounding hides small detours.
-    int of_end = side_of(border, point - anchor.place);
-    bool is_far = is_shorter(start + length_of(anchor.place - point), ends.time[end]);
+    bool is_hidden = is_shorter(start + length_of(to_end), ends.time[end]);
+    int of_end = side_of(detour.border, to_end);
     bool is_told = shadow != 0 && (is_own || of_end * shadow > 0);
-    int of_x0 = side_of(border, x0 - anchor.place) * (is_told ? shadow : of_end);
-    return (!is_told && !is_far) || of_x0 < 0 || (is_own && of_x0 == 0);
+    int of_x0 = side_of(detour.border, to_x0) * (is_told ? shadow : of_end);
+    bool is_lit = of_x0 < 0 || (is_own && of_x0 == 0);
+    // Also beside the line to the end's own anchor.
+    vec2 last = vec2(ends.col[end], ends.row[end]) - anchor.place;
+    bool is_beyond = side_of(last, to_x0) * side_of(last, to_end) <= 0;
+    bool is_out = is_lit && (is_beyond || !detour.winds || !is_hidden);
+    return is_out || (!is_told && !is_hidden);
 }
 
 // When the anchor was reached is as it is known there, to which what follows from the neighbour is rounded;
@@ -260,34 +283,43 @@ Way reach(ivec2 point, Sight sight, Places places, int i) {
     left |= (reached & 6u) == 6u ? (of_one.y ? 4u : 12u) : 0u;
     int first = 0; // end of the triangle
     int last = 0;  // the one that tells
-    int generation = 0;
+    int lines = 0;
+    int bends = 0;
     bool goes_back = false;
+    vec2 went = vec2(0.0); // from the anchor to what was asked before
     Anchor anchor = Anchor(0u, vec2(0.0), FAR, 0u);
     Way way = NO_WAY;
     while (goes_back || left != 0u) {
         bool comes = false;
         while (!comes && (goes_back || left != 0u)) {
             uint number = anchor.before;
-            generation++;
+            vec2 from = anchor.place;
+            lines++;
             if (!goes_back) {
                 int bit = findLSB(left);
                 left &= left - 1u;
                 first = bit >> 1;
                 last = first + (bit & 1);
                 number = ends.anchor[last];
-                generation = 0;
+                from = x0 + float(last - 1) * along - ahead;
+                lines = 0;
+                bends = 0;
             }
             anchor = anchor_of(number);
+            vec2 goes = from - anchor.place;
+            if (goes_back && side_of(goes, went) != 0) bends++;
+            went = goes;
             vec2 ray = anchor.place - x0;
-            way = way_from(ray, generation == 0 ? ends.start[last] : anchor.time, number);
+            way = way_from(ray, lines == 0 ? ends.start[last] : anchor.time, number);
             vec2 e1 = float(first - 1) * along - ahead;
             vec2 e2 = e1 + along;
             vec2 parts = area_of(e1, e2) * vec2(area_of(ray, e2), area_of(e1, ray));
             bool is_end = ray == e1 || ray == e2;
             bool beyond_base = !is_end && parts.x >= 0.0 && parts.y >= 0.0 && parts.x + parts.y >= 1.0;
-            comes = beyond_base && way.start < FAR && !is_shorter(best.time, way.time);
-            bool may_go_back = generation < GENERATIONS && ends.anchor[first] != ends.anchor[first + 1];
-            goes_back = may_go_back && way.start < FAR && anchor.before != number;
+            bool is_near = way.start < FAR && bends <= BENDS_BACK;
+            comes = beyond_base && is_near && !is_shorter(best.time, way.time);
+            bool may_go_back = lines < LINES_BACK && ends.anchor[first] != ends.anchor[first + 1];
+            goes_back = may_go_back && is_near && anchor.before != number;
         }
         uint asked = ends.anchor[first] != anchor.number ? 1u << first : 0u;
         asked |= ends.anchor[first + 1] != anchor.number ? 2u << first : 0u;

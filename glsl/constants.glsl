@@ -37,9 +37,11 @@
 // A front that comes again, together with itself, is the same if its curvature differs by no more than
 // so many times its rounding: a tag takes 16.
 #define BENT_AGAIN 1024.0
-// How many anchors back a point looks beside its neighbours' own: where several corners lie close
+// How many bends back a point looks for anchors beside its neighbours' own: where several corners lie close
 // together, what is lit from between them may be narrower than a cell for long.
-#define GENERATIONS 4
+#define BENDS_BACK 4
+// Through how many anchors a way is followed back, those that lie on one line included.
+#define LINES_BACK 32
 // With anchors, times that differ by no more than so many times their rounding are the same.
 #define ALIKE 8.0
 // The same for an anchor's time and what follows for it from a point's.

@@ -17,7 +17,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::inside::InsideSources;
-use crate::constants::{ALIKE, ALIKE_AT_ANCHOR, GENERATIONS};
+use crate::constants::{ALIKE, ALIKE_AT_ANCHOR, BENDS_BACK, LINES_BACK};
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, Seed, is_corner, is_open};
 
 /// A floor plan as the update sees it: a flat, evenly spaced grid with holes.
@@ -139,6 +139,14 @@ fn cross<R: Real>(a: Step<R>, b: Step<R>) -> f64 {
 
 fn dot<R: Real>(a: Step<R>, b: Step<R>) -> f64 {
     a[0].wide() * b[0].wide() + a[1].wide() * b[1].wide()
+}
+
+/// A way that is not straight.
+struct Detour {
+    /// The corner at which it bends first; the last one, if it bends at none before.
+    first_bend: usize,
+    /// Whether it bends to both sides.
+    winds: bool,
 }
 
 impl<R: Real> Floor<R> {
@@ -364,13 +372,11 @@ impl<R: Real> Floor<R> {
         let turn = cross(e1, e2);
         let mut best = Way::NONE;
         // Where both ends have one anchor, all that lies between is lit by it alone.
-        let (ends_told, generations) = match ends {
-            [a, b] if a.anchor == b.anchor => (1, 0),
-            _ => (2, GENERATIONS),
-        };
-        for end in &ends[..ends_told] {
-            let (mut start, mut anchor) = (end.start, end.anchor);
-            for _ in 0..=generations {
+        let is_of_one = ends[0].anchor == ends[1].anchor;
+        for end in &ends[..if is_of_one { 1 } else { 2 }] {
+            let (mut start, mut anchor, mut next) = (end.start, end.anchor, end.point);
+            let mut bends = 0;
+            for _ in 0..=LINES_BACK {
                 let ray = self.step(x0, anchor);
                 let [a, b] = [cross(ray, e2) * turn, cross(e1, ray) * turn];
                 // What an end is the anchor of comes along its edge (`along`): two points that are told so by
@@ -381,8 +387,12 @@ impl<R: Real> Floor<R> {
                 if beyond_base && ends.iter().all(|end| self.sees(x0, way, end, front)) {
                     best = best.or(way);
                 }
-                let Some(before) = self.before(anchor, front) else { break };
-                (start, anchor) = before;
+                let Some((time, before)) = self.before(anchor, front) else { break };
+                bends += u32::from(self.turn(before, anchor, next) != 0.0);
+                if is_of_one || bends > BENDS_BACK {
+                    break;
+                }
+                (start, anchor, next) = (time, before, anchor);
             }
         }
         best
@@ -403,49 +413,71 @@ impl<R: Real> Floor<R> {
         f64::from(u8::from(left)) - f64::from(u8::from(right))
     }
 
-    /// The corner at which the way from an anchor to a later one bends first, or that later one if it is
-    /// straight; nothing if that way is not known.
-    fn first_bend(
+    /// To which side a way turns at the second of three places that it passes, if it does.
+    #[inline(always)]
+    fn turn(&self, before: usize, at: usize, next: usize) -> f64 {
+        cross(self.step(before, at), self.step(at, next))
+    }
+
+    /// How the way from an anchor to an end goes; nothing if that is not known.
+    fn detour(
         &self,
         anchor: usize,
-        last: usize,
+        start: R,
+        end: &End<R>,
         front: &impl Fn(usize) -> [R; 2],
-    ) -> Option<usize> {
-        let mut way = [last; 2 + GENERATIONS as usize];
-        let found = (0..=GENERATIONS as usize).find(|&k| {
-            way[k + 1] = self.before(way[k], front).map_or(way[k], |(_, before)| before);
-            way[k + 1] == anchor
-        })?;
-        let border = self.step(anchor, way[found]);
-        let is_on = |&corner: &usize| cross(border, self.step(anchor, corner)) == 0.0;
-        way[..=found].iter().rev().copied().take_while(is_on).last()
+    ) -> Option<Detour> {
+        let (mut at, mut next, mut first_bend) = (end.anchor, end.point, end.anchor);
+        let (mut left, mut right) = (false, false);
+        for _ in 0..LINES_BACK {
+            let (time, before) = self.before(at, front)?;
+            let turn = self.turn(before, at, next);
+            left |= turn > 0.0;
+            right |= turn < 0.0;
+            if before == anchor {
+                return Some(Detour { first_bend, winds: left && right });
+            }
+            if is_shorter(time, start) {
+                return None;
+            }
+            if self.turn(anchor, before, at) != 0.0 {
+                first_bend = before;
+            }
+            (at, next) = (before, at);
+        }
+        None
     }
 
     /// Whether x0 is out of the shadow that an end of its base lies in, as seen from an anchor: behind the
     /// first corner on the way from that anchor to the end, on the side of its hole. Where the end is not there,
-    /// it lies in the shadow of another if the straight line would have been shorter, and x0 beside it.
+    /// it lies in the shadow of another if the straight line would have been shorter, and x0 beside it; so it
+    /// does if that way winds between two holes.
     fn sees(&self, x0: usize, way: Way<R>, end: &End<R>, front: &impl Fn(usize) -> [R; 2]) -> bool {
         let Way { anchor, start, .. } = way;
         if end.anchor == anchor {
             return true;
         }
-        let corner = self.first_bend(anchor, end.anchor, front);
-        let shadow = corner.filter(|&corner| corner < self.first_inside());
-        let shadow = shadow.map_or(0.0, |corner| self.shadow(anchor, corner));
-        let corner = corner.unwrap_or(end.anchor);
+        let detour = self.detour(anchor, start, end, front);
+        let corner = detour.as_ref().map_or(end.anchor, |detour| detour.first_bend);
+        let is_told = detour.is_some() && corner < self.first_inside();
+        let shadow = if is_told { self.shadow(anchor, corner) } else { 0.0 };
+        let side = |corner, point| cross(self.step(anchor, corner), self.step(anchor, point));
         // On the border the end's own anchor serves as well, and knows which corners come next.
-        let is_own = corner == end.anchor;
-        let border = self.step(anchor, corner);
-        let side = |point| cross(border, self.step(anchor, point));
-        // Not by times where it can be told by sides: their rounding hides small detours.
-        let of_shadow = if shadow != 0.0 && (is_own || side(end.point) * shadow > 0.0) {
-            shadow
-        } else if is_shorter(self.way(end.point, start, anchor).time, end.time) {
-            side(end.point)
-        } else {
-            return true;
+        let is_lit = |corner, of_shadow: f64| {
+            let of_x0 = side(corner, x0) * of_shadow;
+            of_x0 < 0.0 || corner == end.anchor && of_x0 == 0.0
         };
-        let of_x0 = side(x0) * of_shadow;
-        of_x0 < 0.0 || is_own && of_x0 == 0.0
+        let is_hidden = || is_shorter(self.way(end.point, start, anchor).time, end.time);
+        // Not by times where it can be told by sides: their rounding hides small detours.
+        let of_shadow =
+            if shadow != 0.0 && (corner == end.anchor || side(corner, end.point) * shadow > 0.0) {
+                shadow
+            } else if is_hidden() {
+                side(corner, end.point)
+            } else {
+                return true;
+            };
+        let winds = detour.is_some_and(|detour| detour.winds) && is_hidden();
+        is_lit(corner, of_shadow) && (!winds || is_lit(end.anchor, side(end.anchor, end.point)))
     }
 }
