@@ -205,29 +205,75 @@ Detour detour_of(Anchor anchor, float start, vec2 point, Known ends, int end) {
     return found;
 }
 
+// The eighths on both sides of one of the eight directions.
+uint beside(int to) {
+    return 1u << to | 1u << ((to + 7) & 7);
+}
+
+// The direction of a column or row.
+int axis_of(bool by_cols, float step) {
+    return by_cols ? (step > 0.0 ? 0 : 4) : (step > 0.0 ? 6 : 2);
+}
+
+// Whether the straight line from a point to an anchor passes over floor alone: from line to line of the
+// grid, of its columns if it passes more of these than rows.
+bool is_clear(ivec2 point, vec2 step) {
+    bool by_cols = abs(step.x) >= abs(step.y);
+    int ahead = axis_of(by_cols, by_cols ? step.x : step.y);
+    int toward = axis_of(!by_cols, by_cols ? step.y : step.x);
+    float lines = max(abs(step.x), abs(step.y));
+    float aside = min(abs(step.x), abs(step.y));
+    int eighth = toward == ((ahead + 2) & 7) ? ahead : (ahead + 7) & 7;
+
+    // Along edges, a cell is to be there on one side.
+    bool on_edges = aside == 0.0 || aside == lines;
+    int diagonal = toward == ((ahead + 2) & 7) ? ahead + 1 : (ahead + 7) & 7;
+    int edge = aside == 0.0 ? ahead : diagonal;
+    // Else through edges with cells on both sides, or through points.
+    uint through_point = 1u << eighth | 1u << ((eighth + 4) & 7);
+    float beyond = 0.0;
+    float left = lines;
+    bool clear = true;
+    while (clear && left > 0.0) {
+        if (on_edges) {
+            clear = (blocked_eighths(gaussian_at(point)) & beside(edge)) != beside(edge);
+            point += step_of(edge);
+            left -= 1.0;
+        } else {
+            // How far the line lies beyond the point: where it passes the next one, times the lines in all.
+            beyond += aside * min(left, 1.0);
+            ivec2 next = point + step_of(toward);
+            if (beyond > lines) clear = (blocked_eighths(gaussian_at(next)) & beside(ahead)) == 0u;
+            if (beyond >= lines) {
+                point = next;
+                beyond -= lines;
+            }
+            point += step_of(ahead);
+            left -= 1.0;
+            uint way = beyond == 0.0 ? through_point : beside(toward);
+            if (left > 0.0) clear = clear && (blocked_eighths(gaussian_at(point)) & way) == 0u;
+        }
+    }
+    return clear;
+}
+
 // Whether x0 is out of the shadow that an end of its base lies in, as seen from an anchor: behind the
 // first corner on the way from that anchor to the end, on the side of its hole. Where the end is not there,
-// it lies in the shadow of another if the straight line would have been shorter, and x0 beside it; so it does
-// if that way winds between two holes.
+// or that way winds between holes, it lies in the shadow of another if the straight line would have been
+// shorter; only there is x0's own line followed.
 bool sees(vec2 x0, vec2 point, Anchor anchor, float start, Known ends, int end) {
     Detour detour = detour_of(anchor, start, point, ends, end);
     int shadow = 0;
     if (detour.known && detour.corner < FIRST_INSIDE) shadow = shadow_of(detour.border, point_of(detour.corner));
     // On the border the end's own anchor serves as well, and knows which corners come next.
     bool is_own = detour.corner == ends.anchor[end];
-    vec2 to_end = point - anchor.place;
-    vec2 to_x0 = x0 - anchor.place;
-    // Not by times where it can be told by sides: their rounding hides small detours.
-    bool is_hidden = is_shorter(start + length_of(to_end), ends.time[end]);
-    int of_end = side_of(detour.border, to_end);
-    bool is_told = shadow != 0 && (is_own || of_end * shadow > 0);
-    int of_x0 = side_of(detour.border, to_x0) * (is_told ? shadow : of_end);
-    bool is_lit = of_x0 < 0 || (is_own && of_x0 == 0);
-    // Also beside the line to the end's own anchor.
-    vec2 last = vec2(ends.col[end], ends.row[end]) - anchor.place;
-    bool is_beyond = side_of(last, to_x0) * side_of(last, to_end) <= 0;
-    bool is_out = is_lit && (is_beyond || !detour.winds || !is_hidden);
-    return is_out || (!is_told && !is_hidden);
+    bool is_told = shadow != 0 && (is_own || side_of(detour.border, point - anchor.place) * shadow > 0);
+    int of_x0 = side_of(detour.border, x0 - anchor.place) * shadow;
+    if (is_told && (of_x0 > 0 || (of_x0 == 0 && !is_own))) return false;
+    if (is_told && !detour.winds) return true;
+    // By times last: their rounding hides small detours.
+    bool is_hidden = is_shorter(start + length_of(point - anchor.place), ends.time[end]);
+    return !is_hidden || is_clear(ivec2(x0), anchor.place - x0);
 }
 
 // When the anchor was reached is as it is known there, to which what follows from the neighbour is rounded;

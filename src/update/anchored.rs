@@ -18,7 +18,9 @@ use rayon::prelude::*;
 
 use super::inside::InsideSources;
 use crate::constants::{ALIKE, ALIKE_AT_ANCHOR, BENDS_BACK, LINES_BACK};
-use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, Seed, is_corner, is_open};
+use crate::surface::{
+    Chart, Direction, EdgeLengths, EdgeSlot, Real, Seed, is_corner, is_open, min,
+};
 
 /// A floor plan as the update sees it: a flat, evenly spaced grid with holes.
 ///
@@ -450,34 +452,85 @@ impl<R: Real> Floor<R> {
 
     /// Whether x0 is out of the shadow that an end of its base lies in, as seen from an anchor: behind the
     /// first corner on the way from that anchor to the end, on the side of its hole. Where the end is not there,
-    /// it lies in the shadow of another if the straight line would have been shorter, and x0 beside it; so it
-    /// does if that way winds between two holes.
+    /// or that way winds between holes, it lies in the shadow of another if the straight line would have been
+    /// shorter; only there is x0's own line followed.
     fn sees(&self, x0: usize, way: Way<R>, end: &End<R>, front: &impl Fn(usize) -> [R; 2]) -> bool {
         let Way { anchor, start, .. } = way;
         if end.anchor == anchor {
             return true;
         }
-        let detour = self.detour(anchor, start, end, front);
-        let corner = detour.as_ref().map_or(end.anchor, |detour| detour.first_bend);
-        let is_told = detour.is_some() && corner < self.first_inside();
-        let shadow = if is_told { self.shadow(anchor, corner) } else { 0.0 };
-        let side = |corner, point| cross(self.step(anchor, corner), self.step(anchor, point));
-        // On the border the end's own anchor serves as well, and knows which corners come next.
-        let is_lit = |corner, of_shadow: f64| {
-            let of_x0 = side(corner, x0) * of_shadow;
-            of_x0 < 0.0 || corner == end.anchor && of_x0 == 0.0
+        if let Some(Detour { first_bend, winds }) = self.detour(anchor, start, end, front)
+            && first_bend < self.first_inside()
+        {
+            let shadow = self.shadow(anchor, first_bend);
+            let border = self.step(anchor, first_bend);
+            let side = |point| shadow * cross(border, self.step(anchor, point));
+            // On the border the end's own anchor serves as well, and knows which corners come next.
+            let is_own = first_bend == end.anchor;
+            if shadow != 0.0 && (is_own || side(end.point) > 0.0) {
+                let of_x0 = side(x0);
+                if of_x0 > 0.0 || of_x0 == 0.0 && !is_own {
+                    return false;
+                }
+                if !winds {
+                    return true;
+                }
+            }
+        }
+        // By times last: their rounding hides small detours.
+        let is_hidden = is_shorter(self.way(end.point, start, anchor).time, end.time);
+        !is_hidden || self.is_clear(x0, anchor)
+    }
+
+    /// Whether the straight line from a point to an anchor passes over floor alone: from line to line of the
+    /// grid, of its columns if it passes more of these than rows.
+    fn is_clear(&self, x0: usize, anchor: usize) -> bool {
+        let [rows, cols] = self.step(x0, anchor);
+        let axis = |by_cols, step: R| match (by_cols, step > R::zero()) {
+            (true, true) => 0,
+            (false, false) => 2,
+            (true, false) => 4,
+            (false, true) => 6,
         };
-        let is_hidden = || is_shorter(self.way(end.point, start, anchor).time, end.time);
-        // Not by times where it can be told by sides: their rounding hides small detours.
-        let of_shadow =
-            if shadow != 0.0 && (corner == end.anchor || side(corner, end.point) * shadow > 0.0) {
-                shadow
-            } else if is_hidden() {
-                side(corner, end.point)
-            } else {
-                return true;
-            };
-        let winds = detour.is_some_and(|detour| detour.winds) && is_hidden();
-        is_lit(corner, of_shadow) && (!winds || is_lit(end.anchor, side(end.anchor, end.point)))
+        let by_cols = cols.abs() >= rows.abs();
+        let [along, aside] = if by_cols { [cols, rows] } else { [rows, cols] };
+        let (ahead, toward) = (axis(by_cols, along), axis(!by_cols, aside));
+        let [lines, aside] = [along.abs(), aside.abs()];
+        let is_left = toward == (ahead + 2) % 8;
+        let blocked = |point: usize| self.blocked[usize::from(self.edges[point])];
+        let beside = |to: usize| 1u8 << to | 1u8 << ((to + 7) % 8);
+        let past = |point: usize, to: usize| point.wrapping_add_signed(self.around[to]);
+
+        // Along edges, a cell is to be there on one side.
+        if aside == R::zero() || aside == lines {
+            let diagonal = if is_left { ahead + 1 } else { (ahead + 7) % 8 };
+            let to = if aside == R::zero() { ahead } else { diagonal };
+            let (mut point, mut left) = (x0, lines);
+            while left > R::zero() && blocked(point) & beside(to) != beside(to) {
+                (point, left) = (past(point, to), left - R::one());
+            }
+            return left <= R::zero();
+        }
+
+        // Else through edges with cells on both sides, or through points.
+        let eighth = if is_left { ahead } else { (ahead + 7) % 8 };
+        let through_point = 1u8 << eighth | 1u8 << ((eighth + 4) % 8);
+        let (mut point, mut beyond, mut left) = (x0, R::zero(), lines);
+        while left > R::zero() {
+            // How far the line lies beyond the point: where it passes the next one, times the lines in all.
+            beyond = beyond + aside * min(left, R::one());
+            if beyond > lines && blocked(past(point, toward)) & beside(ahead) != 0 {
+                return false;
+            }
+            if beyond >= lines {
+                (point, beyond) = (past(point, toward), beyond - lines);
+            }
+            (point, left) = (past(point, ahead), left - R::one());
+            let way = if beyond == R::zero() { through_point } else { beside(toward) };
+            if left > R::zero() && blocked(point) & way != 0 {
+                return false;
+            }
+        }
+        true
     }
 }
