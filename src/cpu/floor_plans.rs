@@ -84,9 +84,6 @@ impl Kind {
                 *free &= !inside(DVec2::new((index / COLS) as f64, (index % COLS) as f64));
             }
         };
-        let is_in_box = |to: DVec2, half: DVec2, ahead: DVec2| {
-            to.dot(ahead).abs() <= half.x && to.perp_dot(ahead).abs() <= half.y
-        };
         match self {
             Self::Boxes | Self::TurnedBoxes => (0..9).for_each(|_| {
                 let middle = random.place();
@@ -127,6 +124,11 @@ impl Kind {
         }
         floor
     }
+}
+
+/// Whether a place, as seen from the middle of a box, lies in it.
+fn is_in_box(to: DVec2, half: DVec2, ahead: DVec2) -> bool {
+    to.dot(ahead).abs() <= half.x && to.perp_dot(ahead).abs() <= half.y
 }
 
 type Scan<R> = fn(&EdgeLengths<R>, &[Seed], Wavefront, Stop) -> Solution<R>;
@@ -383,8 +385,65 @@ fn anchors_among_single_points_are_nearly_exact() {
         "{off} of {points} points off, by at most {largest:.1e}, mean {:.1e}, curved {:.1e}",
         means[0], means[1]
     );
-    assert!(off < points / 8 && largest < 3e-2, "{off} of {points}, {largest:e}");
-    assert!(means[0] < 0.2 * means[1], "{means:?}");
+    assert!(off < points / 40 && largest < 1e-2, "{off} of {points}, {largest:e}");
+    assert!(means[0] < 0.01 * means[1], "{means:?}");
+}
+
+/// A floor of 300 x 400 points, crowded with boxes at all angles, with the source inside a cell.
+fn crowded(boxes: usize, [shortest, longest]: [DVec2; 2], seed: u64) -> Case {
+    let (rows, cols) = (300, 400);
+    let mut random = Random::new(seed);
+    let mut place = |low: DVec2, high: DVec2| {
+        DVec2::new(random.between(low.x, high.x), random.between(low.y, high.y))
+    };
+    let (first, last) = (DVec2::splat(2.0), DVec2::new(rows as f64, cols as f64) - 3.0);
+    let mut floor = vec![true; rows * cols];
+    for _ in 0..boxes {
+        let (middle, half) = (place(first, last), place(shortest, longest));
+        let ahead = DVec2::from_angle(place(DVec2::ZERO, DVec2::splat(3.2)).x);
+        for (index, free) in floor.iter_mut().enumerate() {
+            let to = DVec2::new((index / cols) as f64, (index % cols) as f64) - middle;
+            *free &= !is_in_box(to, half, ahead);
+        }
+    }
+    let is_free = |source: &DVec2| {
+        let index = source.x as usize * cols + source.y as usize;
+        [0, 1, cols, cols + 1].iter().all(|step| floor[index + step])
+    };
+    let source = std::iter::repeat_with(|| place(first, last)).find(is_free).unwrap().to_array();
+    let plane = Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0));
+    let surface = plane.unwrap().with_mask(&floor).unwrap();
+    let plan = FloorPlan::new(rows, cols, floor, DVec2::ONE);
+    let exact = FlatPaths::new(plan, source).distances();
+    Case { surface, sources: Sources::point(source[0], source[1]), exact }
+}
+
+/// Large plans, on which most paths bend many times: marched, and by scans in single precision.
+#[test]
+fn anchors_among_crowds_are_nearly_exact() {
+    for (name, boxes, shortest, longest) in [
+        ("boxes", 30, DVec2::splat(2.0), DVec2::splat(25.0)),
+        ("small boxes", 100, DVec2::splat(1.0), DVec2::splat(8.0)),
+        ("walls", 40, DVec2::new(1.0, 0.7), DVec2::new(50.0, 0.7)),
+    ] {
+        for seed in 1..=3 {
+            let case = crowded(boxes, [shortest, longest], seed);
+            let single = case.solve::<f32>(Wavefront::Anchored, 1e-6, rotated_scan);
+            let [marched, scanned] = [marched(&case.surface, &case.sources), single].map(|map| {
+                let errors = Errors::of(&map, &case.exact);
+                assert_eq!(errors.reached_by_one, 0, "{name} {seed}");
+                errors
+            });
+            println!("{name} {seed}: marched {marched}; scanned {scanned}");
+            for (errors, mean) in [(marched, 1e-8), (scanned, 3e-7)] {
+                // Of ten seeds each: 1.0e-8 and 1.1e-7, single points by up to 5.3e-4.
+                assert!(
+                    errors.mean_relative < mean && errors.max_of_largest < 1e-4,
+                    "{name} {seed}"
+                );
+            }
+        }
+    }
 }
 
 /// Where anchors are exact, estimates tell rounding, and among single points what is missing.
@@ -418,9 +477,9 @@ fn estimates_over_floor_plans_are_near_the_errors() {
             "{kind:?}, sources between points {between}: mean estimate over mean error {ratio:.2}, \
              errors below twice the estimate {within_twice:.4}, left {left:.2}"
         );
-        // Measured: 2.8 to 4.7, among single points 2.1 to 2.3 with 0.16 and 0.36 left; 98.7 % and more.
+        // Measured: 2.8 to 4.7, among single points 2.0 with 0.01 and 0.03 left; 98.7 % and more.
         assert!((1.5..6.0).contains(&ratio) && within_twice > 0.98, "{kind:?}");
-        assert!(left < if matches!(kind, Kind::Strewn) { 0.5 } else { 1.1 }, "{kind:?}: {left}");
+        assert!(left < if matches!(kind, Kind::Strewn) { 0.1 } else { 1.1 }, "{kind:?}: {left}");
     }
 }
 

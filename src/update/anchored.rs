@@ -6,7 +6,8 @@
 //! distance is its anchor's and that of the straight line from there. So no front has to be assumed inside
 //! a triangle: a point takes the nearest of the anchors of two neighbours, and of these anchors' own, that
 //! it can be reached from through the triangle. All that is asked of them is on which side of a line a
-//! grid point lies, in whole numbers.
+//! grid point lies, in whole numbers; where fronts meet, and what shades one from the other is not known, its
+//! straight line is followed over the grid.
 //!
 //! What no neighbour knows of is missed: among holes of single points a corner often lights less than a
 //! cell for long, and there distances can be too long.
