@@ -28,6 +28,7 @@ mod rotated_scan;
 mod settled;
 mod state;
 mod stream;
+mod surroundings;
 mod tiles;
 mod transpose;
 mod turned;

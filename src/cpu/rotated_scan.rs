@@ -221,6 +221,15 @@ impl<'a, R: Real> RotatedScan<'a, R> {
         self.fronts.iter().map(of).sum::<usize>() + self.tiles.bytes() + turned + plan
     }
 
+    /// Arrival time and curvature of the front at a point, [`Real::FAR`] or later where no source reaches.
+    /// A front without a curvature of its own has that of a circle around its source.
+    pub(crate) fn front(&self, row: usize, col: usize) -> [R; 2] {
+        let (point, Fronts { times, curvatures, .. }) =
+            (self.edges.chart().bordered(row, col), &self.fronts[0]);
+        let time = times[point];
+        [time, curvatures.get(point).copied().unwrap_or_else(|| time.recip())]
+    }
+
     /// The arrival times along a row, [`Real::FAR`] or later where no source reaches.
     pub(crate) fn row(&self, row: usize) -> &[R] {
         let chart = self.edges.chart();

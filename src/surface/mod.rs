@@ -19,6 +19,7 @@ mod points;
 mod real;
 mod refine;
 mod sources;
+mod window;
 
 pub use arc::EdgeRule;
 pub use chart::{Chart, Direction};

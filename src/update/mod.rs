@@ -19,7 +19,7 @@ pub(crate) use inside::InsideSources;
 pub use planar::planar;
 pub use point_source::point_source;
 
-use crate::surface::{EdgeLengths, Real, Seed, Surface, min, with_diagonals};
+use crate::surface::{EdgeLengths, Real, min};
 
 /// The shape of the front that an update assumes inside a triangle. The numbers are those of
 /// `WAVEFRONT` in `glsl/update.glsl`.
@@ -61,13 +61,6 @@ impl Wavefront {
     pub(crate) fn over<R: Real>(self, edges: &EdgeLengths<R>) -> Self {
         let is_lost = self == Self::Anchored && edges.floor().is_none();
         if is_lost { Self::Curved } else { self }
-    }
-
-    /// Seeds as engines do best to start from them with this wavefront: all are as they were, but over floor
-    /// plans fronts with anchors have further ones beside the diagonals through sources inside cells. Their
-    /// maps are the same without these, but take about as many iterations as a diagonal has points.
-    pub fn seeds(self, surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
-        if self == Self::Anchored { with_diagonals(surface, seeds) } else { seeds }
     }
 
     /// The name used by the tool and in reports.

@@ -1,7 +1,7 @@
 //! How much longer ways inside a cell are along the surface than straight through space.
 
 use super::cell::{Cell, corner_weights};
-use crate::surface::{Chart, Direction, EdgeLengths, EdgeRule, Real, Surface};
+use crate::surface::{Direction, EdgeLengths, EdgeRule, Real, Surface};
 use glam::DVec2;
 
 /// For a place in a cell, by how much the squares of its distances from the corners grow with those
@@ -32,7 +32,7 @@ impl Rise {
             first.saturating_sub(2)..points.min(last + 3)
         };
         let (rows, cols) = (span(rows, surface.rows()), span(cols, surface.cols()));
-        let around = surface.window(rows.clone(), cols.clone());
+        let around = surface.window(rows.clone(), cols.clone()).without_slowness();
         let lengths = |rule| EdgeLengths::<f64>::new(&around.clone().with_edge_rule(rule)).ok();
         let (arcs, chords) = (lengths(EdgeRule::Arc)?, lengths(EdgeRule::Chord)?);
         let between = |a: (usize, usize), b: (usize, usize)| {
@@ -57,22 +57,6 @@ impl Rise {
         let to = |a: usize| weights[a] * squares[corner][a];
         let within = |a: usize| (0..4).map(|b| weights[b] * squares[a][b]).sum::<f64>();
         (0..4).map(|a| to(a) - 0.5 * weights[a] * within(a)).sum()
-    }
-}
-
-impl Surface {
-    /// A part of the surface without its slowness, for which positions are known.
-    fn window(&self, rows: std::ops::Range<usize>, cols: std::ops::Range<usize>) -> Self {
-        let chart = Chart { rows: rows.len(), cols: cols.len() };
-        let points: Vec<_> = rows.flat_map(|row| cols.clone().map(move |col| (row, col))).collect();
-        let position = |&(row, col): &(usize, usize)| {
-            let position = self.geometry().position(self.chart(), row, col);
-            position.expect("only surfaces with positions have arcs")
-        };
-        let present: Vec<_> = points.iter().map(|&(row, col)| self.has(row, col)).collect();
-        Self::from_positions(chart.rows, chart.cols, points.iter().map(position).collect())
-            .and_then(|surface| surface.with_mask(&present))
-            .expect("a part of a surface, with a corner that is there")
     }
 }
 

@@ -1,0 +1,254 @@
+//! What sources inside cells reach first, solved before the whole grid is.
+//!
+//! A scan follows rays up to 45 degrees from its way. Those of a source at a grid point stay between grid
+//! points of one scan; those of a source inside a cell, close to a diagonal, pass between points of which
+//! two scans reach one each, and either has to wait for the other's next iteration, point after point. Some
+//! cells from the source that changes hardly anything, but what changes is passed on to the end of the
+//! grid: maps took two to three times the iterations. So the source's surroundings are a map of
+//! their own first, in which iterations cost nothing.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use glam::DVec2;
+
+use super::{RotatedScan, Stop};
+use crate::surface::{EdgeLengths, Real, Seed, Surface, with_diagonals};
+use crate::update::Wavefront;
+
+/// How many rows and columns around a source's cell are its surroundings, at most: with 8 maps from inside
+/// cells take as many iterations as from grid points or one more, with 4 one or two more.
+const REACH: usize = 8;
+/// And at least, or there is little to gain.
+const LEAST_REACH: usize = 4;
+/// All surroundings together are no more than one in so many points of the grid, for solving them takes
+/// that much longer for a point than what is saved.
+const SHARE: usize = 40;
+/// Rows and columns around, as far as edges and curvatures of the surroundings depend on points.
+const MARGIN: usize = 5;
+/// Near enough: what is left the scans of the whole grid find, which start from it.
+const STOP: Stop = Stop { tolerance: 1e-8, iterations: 100 };
+
+impl Wavefront {
+    /// Seeds as engines do best to start from them with this wavefront: those from points inside cells are
+    /// followed by others around them, up to some cells away, or with anchors along the
+    /// diagonals. Maps are the same without these, but take up to three times the iterations, with
+    /// anchors about as many as a diagonal has points.
+    ///
+    /// ```
+    /// use geosweep::{Sources, Wavefront, surface::builtin::Builtin};
+    /// let surface = Builtin::Sphere.surface(200, 200)?;
+    /// let seeds = Sources::point(60.3, 80.75).seeds(&surface)?;
+    /// assert_eq!(seeds.len(), 4);
+    /// assert!(Wavefront::Curved.seeds(&surface, seeds).len() > 200);
+    /// # Ok::<(), geosweep::Error>(())
+    /// ```
+    pub fn seeds(self, surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
+        match self {
+            Self::Planar => seeds,
+            Self::Anchored if surface.is_floor_plan() => with_diagonals(surface, seeds),
+            Self::PointSource => with_surroundings(self, surface, seeds),
+            Self::Curved | Self::Anchored => with_surroundings(Self::Curved, surface, seeds),
+        }
+    }
+}
+
+/// Seeds, and what those from each point inside a cell reach around it; in row-major order, the earliest
+/// where several meet.
+fn with_surroundings(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
+    let by_source = by_source(&seeds);
+    let Some(reach) = reach(surface, by_source.len()) else { return seeds };
+    let around = by_source.into_iter().flat_map(|(source, own)| {
+        Surroundings::new(surface, source, reach).seeds(wavefront, surface, &own)
+    });
+    let mut earliest = BTreeMap::new();
+    for seed in seeds.iter().copied().chain(around) {
+        let first = earliest.entry((seed.row, seed.col)).or_insert(seed);
+        if seed.time < first.time {
+            *first = seed;
+        }
+    }
+    earliest.into_values().collect()
+}
+
+/// The seeds that come from a point inside a cell, by that point.
+fn by_source(seeds: &[Seed]) -> Vec<(DVec2, Vec<Seed>)> {
+    let mut found = BTreeMap::<_, (DVec2, Vec<Seed>)>::new();
+    for seed in seeds {
+        let Some(from) = seed.from else { continue };
+        let key = from.to_array().map(f64::to_bits);
+        found.entry(key).or_insert((from, Vec::new())).1.push(*seed);
+    }
+    found.into_values().collect()
+}
+
+/// How far the surroundings of so many sources go, if there are any and few enough.
+fn reach(surface: &Surface, sources: usize) -> Option<usize> {
+    let points = surface.chart().points().checked_div(SHARE * sources)?;
+    let reach = (points.isqrt() / 2).saturating_sub(1).min(REACH);
+    (reach >= LEAST_REACH).then_some(reach)
+}
+
+/// The points around a source inside a cell.
+struct Surroundings {
+    /// Their rows and columns, and those with a margin.
+    rows: Range<usize>,
+    cols: Range<usize>,
+    window: [Range<usize>; 2],
+}
+
+impl Surroundings {
+    fn new(surface: &Surface, source: DVec2, reach: usize) -> Self {
+        let span = |at: f64, reach: usize, points: usize| {
+            let cell = at as usize;
+            cell.saturating_sub(reach)..points.min(cell + 2 + reach)
+        };
+        let rows = |reach| span(source.x, reach, surface.rows());
+        let cols = |reach| span(source.y, reach, surface.cols());
+        let window = [rows(reach + MARGIN), cols(reach + MARGIN)];
+        Self { rows: rows(reach), cols: cols(reach), window }
+    }
+
+    /// The fronts that arrive there from seeds of the source, by ways that do not lead further away: what
+    /// comes from outside arrives earlier, or not at all.
+    fn seeds(&self, wavefront: Wavefront, surface: &Surface, own: &[Seed]) -> Vec<Seed> {
+        let [rows, cols] = &self.window;
+        let window = surface.window(rows.clone(), cols.clone());
+        // An edge that has no length is the engine's to report, with all others.
+        let Ok(edges) = EdgeLengths::<f64>::new(&window) else { return Vec::new() };
+        let inside = |seed: &Seed| {
+            let (row, col) = (seed.row - rows.start, seed.col - cols.start);
+            Seed { row, col, ..*seed }
+        };
+        let mut solver = RotatedScan::new(&edges, wavefront);
+        solver.solve(&own.iter().map(inside).collect::<Vec<_>>(), STOP);
+        let from = own.first().and_then(|seed| seed.from);
+        let points = self.rows.clone().flat_map(|row| self.cols.clone().map(move |col| (row, col)));
+        let arrived = points.filter_map(|(row, col)| {
+            let [time, curvature] = solver.front(row - rows.start, col - cols.start);
+            (time < f64::FAR).then_some(Seed { row, col, time, curvature, from })
+        });
+        arrived.collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cpu::rotated_scan;
+    use crate::surface::builtin::Builtin;
+    use crate::surface::{Sources, Spacing};
+
+    const SINGLE: Stop = Stop { tolerance: 1e-6, iterations: 1000 };
+    const DOUBLE: Stop = Stop { tolerance: 1e-13, iterations: 1000 };
+
+    fn map(surface: &Surface, wavefront: Wavefront, seeds: &[Seed]) -> Vec<f64> {
+        let edges = EdgeLengths::<f64>::new(surface).unwrap();
+        rotated_scan(&edges, seeds, wavefront, DOUBLE).distances()
+    }
+
+    /// Holds the map with surroundings to the one from the sources' cells alone; returns how many seeds
+    /// there are. Of one source they differ by what `STOP` leaves open. Where curved fronts of two meet, they
+    /// are early by what either takes from the other, which depends on which is there first.
+    fn assert_same_map(surface: &Surface, wavefront: Wavefront, sources: &Sources) -> usize {
+        let tolerance = if sources.iter().count() > 1 { 1e-6 } else { 1e-8 };
+        let own = sources.seeds(surface).unwrap();
+        let seeds = wavefront.seeds(surface, own.clone());
+        let [alone, with] = [&own, &seeds].map(|seeds| map(surface, wavefront, seeds));
+        let largest = alone.iter().copied().filter(|d| d.is_finite()).fold(0.0, f64::max);
+        for (index, (alone, with)) in alone.iter().zip(with).enumerate() {
+            let same = alone.is_infinite() && with.is_infinite()
+                || (alone - with).abs() < tolerance * largest;
+            assert!(same, "{wavefront} {:?}: {alone} {with}", surface.chart().position(index));
+        }
+        seeds.len()
+    }
+
+    #[test]
+    fn maps_from_inside_cells_take_about_as_many_iterations_as_from_grid_points() {
+        for builtin in [Builtin::Plane, Builtin::Sphere, Builtin::Torus, Builtin::Peaks] {
+            let surface = builtin.surface(300, 300).unwrap();
+            let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+            let own = |row, col| Sources::point(row, col).seeds(&surface).unwrap();
+            for wavefront in [Wavefront::PointSource, Wavefront::Curved] {
+                let iterations =
+                    |seeds: &[Seed]| rotated_scan(&edges, seeds, wavefront, SINGLE).iterations;
+                let at_point = iterations(&own(100.0, 125.0));
+                let mut saved = 0;
+                for (row, col) in [(100.0, 125.25), (100.3, 125.9), (100.75, 125.625)] {
+                    let seeds = own(row, col);
+                    let alone = iterations(&seeds);
+                    let with = iterations(&wavefront.seeds(&surface, seeds));
+                    // Two, where from a grid point one is enough and one more tells so.
+                    let most = at_point.max(3) + 1;
+                    assert!(with <= most, "{builtin} {wavefront} {row} {col}: {with}, {at_point}");
+                    saved += alone - with;
+                }
+                assert!(saved >= 2, "{builtin} {wavefront}: {saved} of three maps");
+            }
+        }
+    }
+
+    #[test]
+    fn maps_are_those_without_surroundings() {
+        let mask: Vec<_> = (0..160 * 160).map(|k| k % 97 != 13 || k % 160 > 90).collect();
+        for (builtin, masked) in
+            [(Builtin::Sphere, false), (Builtin::Torus, false), (Builtin::Plane, true)]
+        {
+            let whole = builtin.surface(160, 160).unwrap();
+            let surface = if masked { whole.with_mask(&mask).unwrap() } else { whole };
+            for wavefront in [Wavefront::PointSource, Wavefront::Curved] {
+                // In the middle, on a side of a cell, and beside the grid's corner.
+                for (row, col) in [(80.3, 100.75), (81.0, 100.5), (0.25, 158.5)] {
+                    let seeds = assert_same_map(&surface, wavefront, &Sources::point(row, col));
+                    assert!(seeds > 80, "{builtin}: {seeds}");
+                }
+                let two = Sources::point(80.3, 100.75).and_point(84.5, 103.5, 0.02);
+                assert_same_map(&surface, wavefront, &two);
+            }
+        }
+    }
+
+    /// Around a wall the front comes from outside the surroundings, earlier than by any way inside.
+    #[test]
+    fn what_comes_from_outside_the_surroundings_is_not_kept_off() {
+        let (rows, cols) = (130, 140);
+        let fast = |k: usize| if k % cols > 80 { 0.01 } else { 1.0 };
+        let plane = Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0));
+        let surface = plane.unwrap().with_slowness((0..rows * cols).map(fast).collect()).unwrap();
+        // The wall reaches from the fast half on past the source, which lies beside it.
+        let wall = |k: usize| k / cols != 60 || k % cols < 66 || k % cols > 90;
+        let surface = surface.with_mask(&(0..rows * cols).map(wall).collect::<Vec<_>>()).unwrap();
+        for wavefront in [Wavefront::PointSource, Wavefront::Curved] {
+            assert!(assert_same_map(&surface, wavefront, &Sources::point(58.5, 73.25)) > 200);
+        }
+    }
+
+    #[test]
+    fn planar_fronts_grid_points_small_grids_and_crowds_have_none() {
+        let surface = Builtin::Sphere.surface(150, 150).unwrap();
+        let added = |wavefront: Wavefront, surface: &Surface, sources: &Sources| {
+            let own = sources.seeds(surface).unwrap();
+            let seeds = wavefront.seeds(surface, own.clone());
+            assert!(own.iter().all(|seed| seeds.contains(seed)));
+            seeds.len() - own.len()
+        };
+        let inside = Sources::point(60.3, 80.75);
+        assert_eq!(added(Wavefront::Planar, &surface, &inside), 0);
+        assert_eq!(added(Wavefront::Curved, &surface, &Sources::point(60.0, 80.0)), 0);
+        let small = Builtin::Sphere.surface(40, 40).unwrap();
+        assert_eq!(added(Wavefront::Curved, &small, &Sources::point(20.3, 20.75)), 0);
+        let one = added(Wavefront::Curved, &surface, &inside);
+        assert_eq!(one, 18 * 18 - 4);
+        // Where fronts have no anchors.
+        assert_eq!(added(Wavefront::Anchored, &surface, &inside), one);
+        let crowd = |count: usize| {
+            let place = |k: usize| (5.3 + 14.0 * (k / 10) as f64, 5.75 + 14.0 * (k % 10) as f64);
+            let add = |all: Sources, (row, col)| all.and_point(row, col, 0.0);
+            (0..count).map(place).fold(Sources::default(), add)
+        };
+        let five = added(Wavefront::Curved, &surface, &crowd(5));
+        assert!((5 * 80..5 * 150).contains(&five), "{five}");
+        assert_eq!(added(Wavefront::Curved, &surface, &crowd(50)), 0);
+    }
+}

@@ -1,0 +1,106 @@
+//! Parts of a surface.
+
+use std::ops::Range;
+use std::sync::OnceLock;
+
+use super::{Chart, Geometry, Surface};
+
+impl Surface {
+    /// The points of some rows and columns, with their slowness. It may have nothing but holes.
+    ///
+    /// Edges and curvatures of a part are those of the whole but for some points along its sides: an
+    /// edge depends on points up to three rows and columns around it, the Gaussian curvature at a point on
+    /// the edges up to two around.
+    ///
+    /// # Panics
+    /// If the grid does not have them, or there are none.
+    pub(crate) fn window(&self, rows: Range<usize>, cols: Range<usize>) -> Self {
+        let chart = Chart { rows: rows.len(), cols: cols.len() };
+        assert!(chart.points() > 0, "no point of a surface");
+        let part = Part { of: self.chart, rows, cols };
+        let geometry = match &self.geometry {
+            Geometry::Positions(positions) => Geometry::Positions(part.cut(positions)),
+            Geometry::Heights { heights, spacing } => {
+                Geometry::Heights { heights: part.cut(heights), spacing: *spacing }
+            }
+            Geometry::Metric(metric) => Geometry::Metric(part.cut(metric)),
+        };
+        Self {
+            chart,
+            geometry,
+            slowness: self.slowness.as_deref().map(|slowness| part.cut(slowness)),
+            present: part.cut(&self.present),
+            edge_rule: self.edge_rule,
+            floor: OnceLock::new(),
+        }
+    }
+
+    /// The same surface, on which a length is a length.
+    pub(super) fn without_slowness(self) -> Self {
+        Self { slowness: None, floor: OnceLock::new(), ..self }
+    }
+}
+
+/// Rows and columns of a grid.
+struct Part {
+    of: Chart,
+    rows: Range<usize>,
+    cols: Range<usize>,
+}
+
+impl Part {
+    /// Their values of an array.
+    fn cut<T: Copy>(&self, whole: &[T]) -> Vec<T> {
+        let row = |row| &whole[self.of.index(row, self.cols.start)..][..self.cols.len()];
+        self.rows.clone().flat_map(row).copied().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::builtin::Builtin;
+    use crate::surface::{Direction, EdgeLengths, MetricTensor, Spacing};
+
+    /// Far enough for all that a point's update depends on.
+    const MARGIN: usize = 5;
+
+    /// But for rounding, since positions are taken relative to the middle.
+    #[test]
+    fn inside_a_part_edges_and_curvatures_are_those_of_the_whole() {
+        let (rows, cols) = (20, 24);
+        let wavy = |k: usize| ((k / cols) as f64 * 0.7).sin() + ((k % cols) as f64 * 0.4).cos();
+        let points = rows * cols;
+        let heights = (0..points).map(wavy).collect();
+        let metric = |k| MetricTensor { rr: 2.0 + wavy(k), rc: 0.2, cc: 3.0 - wavy(k) };
+        let slow = |surface: Surface| {
+            surface.with_slowness((0..points).map(|k| 3.0 + wavy(k)).collect()).unwrap()
+        };
+        let mask: Vec<_> = (0..points).map(|k| k % 53 != 40).collect();
+        for whole in [
+            Builtin::Torus.surface(rows, cols).unwrap().with_mask(&mask).unwrap(),
+            slow(Surface::from_heights(rows, cols, heights, Spacing { dx: 1.5, dy: 0.5 }).unwrap()),
+            slow(Surface::from_metric(rows, cols, (0..points).map(metric).collect()).unwrap()),
+        ] {
+            let (first_row, first_col) = (3, 4);
+            let part = whole.window(first_row..18, first_col..23);
+            assert_eq!((part.rows(), part.cols()), (15, 19));
+            let [of_whole, of_part] = [&whole, &part].map(|s| EdgeLengths::<f64>::new(s).unwrap());
+            for row in MARGIN..part.rows() - MARGIN {
+                for col in MARGIN..part.cols() - MARGIN {
+                    let (r, c) = (first_row + row, first_col + col);
+                    assert_eq!(part.has(row, col), whole.has(r, c));
+                    for to in Direction::ALL {
+                        let [a, b] = [of_part.length(row, col, to), of_whole.length(r, c, to)];
+                        approx::assert_relative_eq!(a, b, max_relative = 1e-14);
+                    }
+                    let curvature = |edges: &EdgeLengths<f64>, row, col| {
+                        edges.gaussian_curvature()[edges.chart().bordered(row, col)]
+                    };
+                    let [a, b] = [curvature(&of_part, row, col), curvature(&of_whole, r, c)];
+                    approx::assert_abs_diff_eq!(a, b, epsilon = 1e-11);
+                }
+            }
+        }
+    }
+}
