@@ -26,14 +26,16 @@ impl EvenGrid {
         if surface.slowness().is_some() {
             return None;
         }
-        // Of most surfaces that are none, some points tell already.
+        // Of most surfaces that are none, some points tell already, seen from one of them.
         let few = |lines: usize| (lines / FEW).max(1);
-        let origin = surface.origin();
+        let first = surface.present().iter().position(|&is| is)?;
+        let (row, col) = surface.chart().position(first);
+        let origin = surface.position(row, col)?;
         let sample = Fit::of(surface, origin, [few(surface.rows()), few(surface.cols())]);
         if sample.grid().is_some_and(|grid| !sample.is_even(surface, grid, 4.0 * NEAR)) {
             return None;
         }
-        let all = Fit::of(surface, origin, [1, 1]);
+        let all = Fit::of(surface, surface.origin(), [1, 1]);
         all.grid().filter(|&grid| all.is_even(surface, grid, NEAR))
     }
 

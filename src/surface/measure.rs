@@ -31,6 +31,20 @@ impl<R: Real> RowBends<R> {
         Self { along: [(); 4].map(|_| zeros()), normals: [(); 3].map(|_| zeros()) }
     }
 
+    /// Bends along a line and normals of so many points from one on, counted from the point before the row's
+    /// first.
+    #[inline(always)]
+    fn part(&self, line: usize, first: usize, points: usize) -> [&[R]; 4] {
+        let [x, y, z] = &self.normals;
+        let along = &self.along[line];
+        [
+            &along[first..][..points],
+            &x[first..][..points],
+            &y[first..][..points],
+            &z[first..][..points],
+        ]
+    }
+
     /// Normals of so many points, with a point more at each end.
     #[inline(always)]
     fn normals(&self, first: usize, points: usize) -> [&[R]; 3] {
@@ -134,6 +148,12 @@ impl Surface {
             }
         }
     }
+}
+
+/// What arrays say of a point.
+#[inline(always)]
+fn at<R: Real>([a, b, c, d]: [&[R]; 4], i: usize) -> [R; 4] {
+    [a[i], b[i], c[i], d[i]]
 }
 
 /// Whether a length is neither too short nor too long, nor zero.
@@ -246,42 +266,60 @@ impl<R: Real, S: Space<R>> Work for Measure<'_, R, S> {
 impl<R: Real, S: Space<R>> Measure<'_, R, S> {
     #[inline(always)]
     fn stretch(&mut self, start: usize, points: usize) -> bool {
-        let rows = [self.rows[0].window(start, points), self.rows[1].window(start, points)];
         let mut found = [[R::FAR; STRETCH]; 4];
-        let mut suspicious = 0;
-        for k in 0..4 {
-            let step = STORED[k].step();
-            let diagonal = step.0 != 0 && step.1 != 0;
-            let row = 1usize.wrapping_add_signed(step.0);
-            let [here, there] = [self.bends[HERE], self.bends[HERE - 1 + row]];
-            let bends =
-                [&here.along[k][start..][..points + 2], &there.along[k][start..][..points + 2]];
-            let normals = [here.normals(start, points), there.normals(start, points)];
-            let mut ends = 0;
-            for i in 0..points.min(STRETCH) {
-                let other = (i + 1).wrapping_add_signed(step.1);
-                let (a, b) = (rows[1].at(i + 1), rows[row].at(other));
-                let beside =
-                    (rows[1].slowness(other) > R::zero()) | (rows[0].slowness(i + 1) > R::zero());
-                let exists = (a[3] > R::zero()) & (b[3] > R::zero()) & (!diagonal | beside);
-                let bends = [bends[0][i + 1], bends[1][other]];
-                let normal = |[x, y, z]: [&[R]; 3], at: usize| [x[at], y[at], z[at]];
-                let normals = [normal(normals[0], i + 1), normal(normals[1], other)];
-                let length = arc(self.space.separation(a, b, step), bends, normals);
-                let length = R::of(0.5) * (a[3] + b[3]) * length;
-                found[k][i] = if exists { length } else { R::FAR };
-                suspicious |= u32::from(exists & !is_usual(length));
-                ends |= u32::from(exists & (max(bends[0], bends[1]) >= R::FAR));
-            }
-            if ends != 0 {
-                let found = &mut found[k][..points.min(STRETCH)];
-                suspicious |= u32::from(self.measure_ends(k, start, found));
-            }
-        }
+        // Direction by direction at compile time: with steps that it does not know, the compiler sees no lanes.
+        let mut suspicious = self.line::<0>(start, points, &mut found[0]);
+        suspicious |= self.line::<1>(start, points, &mut found[1]);
+        suspicious |= self.line::<2>(start, points, &mut found[2]);
+        suspicious |= self.line::<3>(start, points, &mut found[3]);
         for (lengths, found) in self.lengths.iter_mut().zip(&found) {
             lengths[start..][..points].copy_from_slice(&found[..points]);
         }
+        suspicious
+    }
+
+    /// Measures the edges of a stretch along one of the lines of [`STORED`]. Returns whether one may be too
+    /// short or too long.
+    #[inline(always)]
+    fn line<const LINE: usize>(
+        &self,
+        start: usize,
+        points: usize,
+        found: &mut [R; STRETCH],
+    ) -> bool {
+        let (step, points) = (STORED[LINE].step(), points.min(STRETCH));
+        let (down, right) = step;
+        let diagonal = down != 0 && right != 0;
+        // From a point before the row's first on.
+        let (here, there) = (start + 1, (start + 1).wrapping_add_signed(right));
+        let [before, own] = self.rows;
+        let [a, b] = [own.part(here, points), self.row(down).part(there, points)];
+        let [beside, below] = [own.part(there, points)[3], before.part(here, points)[3]];
+        let bent = [self.bends[HERE], self.bends[HERE.wrapping_add_signed(down)]];
+        let [of_a, of_b] = [bent[0].part(LINE, here, points), bent[1].part(LINE, there, points)];
+        let (mut suspicious, mut ends) = (0, 0);
+        for i in 0..points {
+            let (from, to) = (at(a, i), at(b, i));
+            let corner = (beside[i] > R::zero()) | (below[i] > R::zero());
+            let exists = (from[3] > R::zero()) & (to[3] > R::zero()) & (!diagonal | corner);
+            let ([bend_a, normal_a @ ..], [bend_b, normal_b @ ..]) = (at(of_a, i), at(of_b, i));
+            let length =
+                arc(self.space.separation(from, to, step), [bend_a, bend_b], [normal_a, normal_b]);
+            let length = R::of(0.5) * (from[3] + to[3]) * length;
+            found[i] = if exists { length } else { R::FAR };
+            suspicious |= u32::from(exists & !is_usual(length));
+            ends |= u32::from(exists & (max(bend_a, bend_b) >= R::FAR));
+        }
+        if ends != 0 {
+            suspicious |= u32::from(self.measure_ends(LINE, start, &mut found[..points]));
+        }
         suspicious != 0
+    }
+
+    /// This row of points, or the one so far down.
+    #[inline(always)]
+    fn row(&self, down: isize) -> &Row<R> {
+        self.rows[1usize.wrapping_add_signed(down)]
     }
 
     /// Measures those edges of a stretch again that end where their line does, one after another, since
@@ -307,10 +345,8 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
             let a = if bends[0] < R::FAR { bends[0] } else { at_end(bends[1], 2) };
             let b = if bends[1] < R::FAR { bends[1] } else { at_end(bends[0], -1) };
             let (here, there) = (start + i, (start + i).wrapping_add_signed(right));
-            let window = |row: isize, col: usize| {
-                self.rows[1usize.wrapping_add_signed(row)].window(col, 0).at(1)
-            };
-            let (from, to) = (window(0, here), window(down, there));
+            let point = |row: isize, col: usize| at(self.row(row).part(col + 1, 1), 0);
+            let (from, to) = (point(0, here), point(down, there));
             let normal =
                 |row: usize, col: usize| self.bends[row].normals(col, 0).map(|axis| axis[1]);
             let normals = [normal(HERE, here), normal(HERE.wrapping_add_signed(down), there)];

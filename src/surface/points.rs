@@ -34,15 +34,22 @@ impl Surface {
 
     /// The middle of the surface: single precision keeps more digits of positions relative to it.
     pub(crate) fn origin(&self) -> DVec3 {
-        let nowhere = || (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (chart, present) = (self.chart(), self.present());
         let row_box = |row: usize| {
-            let positions = (0..self.cols()).filter_map(|col| self.position(row, col));
-            positions.fold(nowhere(), |(low, high), at| (low.min(at), high.max(at)))
+            let points = chart.index(row, 0)..chart.index(row, 0) + chart.cols;
+            let present = &present[points.clone()];
+            match self.geometry() {
+                // As they lie in memory, since this reads the whole surface once more.
+                Geometry::Positions(positions) => corners(
+                    positions[points].iter().zip(present).filter_map(|(&at, &is)| is.then_some(at)),
+                ),
+                _ => corners((0..chart.cols).filter_map(|col| self.position(row, col))),
+            }
         };
-        let (low, high) = (0..self.rows())
+        let (low, high) = (0..chart.rows)
             .into_par_iter()
             .map(row_box)
-            .reduce(nowhere, |a, b| (a.0.min(b.0), a.1.max(b.1)));
+            .reduce(|| corners([]), |a, b| (a.0.min(b.0), a.1.max(b.1)));
         if low.is_finite() { 0.5 * (low + high) } else { DVec3::ZERO }
     }
 
@@ -62,6 +69,12 @@ impl Surface {
     }
 }
 
+/// The least and the largest coordinates of some positions.
+fn corners(positions: impl IntoIterator<Item = DVec3>) -> (DVec3, DVec3) {
+    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    positions.into_iter().fold(none, |(low, high), at| (low.min(at), high.max(at)))
+}
+
 /// A row of grid points, coordinate by coordinate, with a missing point before the first and after
 /// the last.
 pub(super) struct Row<R>([Vec<R>; 4]);
@@ -70,6 +83,18 @@ impl<R: Real> Row<R> {
     /// Number of grid points.
     pub(super) fn len(&self) -> usize {
         self.0[0].len() - 2
+    }
+
+    /// So many points from one on, counted from the one before the first.
+    #[inline(always)]
+    pub(super) fn part(&self, first: usize, points: usize) -> [&[R]; 4] {
+        let [x, y, z, slowness] = &self.0;
+        [
+            &x[first..][..points],
+            &y[first..][..points],
+            &z[first..][..points],
+            &slowness[first..][..points],
+        ]
     }
 
     /// Some of them, with a point more at each end.
@@ -94,10 +119,5 @@ impl<R: Real> Window<'_, R> {
     pub(super) fn at(&self, i: usize) -> Point<R> {
         let [x, y, z, slowness] = self.0;
         [x[i], y[i], z[i], slowness[i]]
-    }
-
-    #[inline(always)]
-    pub(super) fn slowness(&self, i: usize) -> R {
-        self.0[3][i]
     }
 }
