@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use rayon::prelude::*;
+
 use crate::constants::SOURCES_INSIDE;
 use crate::cpu::{self, Connections, Stop};
 use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface};
@@ -355,12 +357,19 @@ impl<'a> Problem<'a> {
 
     /// Adds the initial value that was taken away, and counts.
     fn finish<R: Real>(&self, mut distances: Vec<R>, report: Report) -> DistanceMap<R> {
-        let (mut reached, mut max_distance) = (0, R::neg_infinity());
-        for distance in distances.iter_mut().filter(|distance| distance.is_finite()) {
-            *distance = *distance + R::of(self.start);
-            reached += 1;
-            max_distance = max_distance.max(*distance);
-        }
+        let of_row = |row: &mut [R]| {
+            let (mut reached, mut largest) = (0, R::neg_infinity());
+            for distance in row.iter_mut().filter(|distance| distance.is_finite()) {
+                *distance = *distance + R::of(self.start);
+                reached += 1;
+                largest = largest.max(*distance);
+            }
+            (reached, largest)
+        };
+        let (reached, max_distance) = distances
+            .par_chunks_mut(self.surface.cols())
+            .map(of_row)
+            .reduce(|| (0, R::neg_infinity()), |a, b| (a.0 + b.0, a.1.max(b.1)));
         let max_distance = max_distance.wide();
         let converged = report.residual <= self.stop.tolerance;
         DistanceMap {

@@ -115,7 +115,8 @@ impl<'a, R: Real> RotatedScan<'a, R> {
                 .flatten(),
             wavefront,
             instructions: Instructions::best(),
-            fronts: [fronts(), fronts()],
+            // Each by the thread that will use it.
+            fronts: rayon::join(fronts, fronts).into(),
             tiles,
             turned: (!two_layers && chart.points() >= TURNED_FROM).then(|| Turned::new(chart)),
             solved: false,

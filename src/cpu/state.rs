@@ -1,5 +1,7 @@
 //! Arrival times in a bordered array, and the update of one point in it.
 
+use rayon::prelude::*;
+
 use super::bend_units;
 use crate::constants::{ANCHOR_COUNTS, WHOLE};
 use crate::surface::EdgeSlot;
@@ -33,11 +35,14 @@ impl<R: Real> Solution<R> {
 
 /// The arrival times of a bordered array as distances, row-major.
 pub(super) fn distances<R: Real>(chart: Chart, times: &[R]) -> Vec<R> {
-    let finite = |&time: &R| if time < R::FAR { time } else { R::infinity() };
-    (0..chart.rows)
-        .flat_map(|row| &times[chart.bordered(row, 0)..][..chart.cols])
-        .map(finite)
-        .collect()
+    let mut distances = vec![R::zero(); chart.points()];
+    distances.par_chunks_mut(chart.cols).enumerate().for_each(|(row, distances)| {
+        let times = &times[chart.bordered(row, 0)..][..chart.cols];
+        for (distance, &time) in distances.iter_mut().zip(times) {
+            *distance = if time < R::FAR { time } else { R::infinity() };
+        }
+    });
+    distances
 }
 
 /// Tag ([`Real::with_tag`]) of the curvature of fronts that no scan has brought.
