@@ -9,8 +9,7 @@ use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::plan::{self, Step};
 use geosweep::vulkan::{Method, Schedule, Solver, TexelChart, Tuning, VulkanError};
 use geosweep::{
-    DeviceChoice, EdgeRule, Engine, MetricTensor, Options, Sources, Spacing, Surface, Wavefront,
-    distance_map,
+    DeviceChoice, Engine, MetricTensor, Options, Sources, Spacing, Surface, Wavefront, distance_map,
 };
 
 /// Both engines stop where nothing falls by more than 1e-6 in an iteration, and measure edges
@@ -262,21 +261,6 @@ fn every_update_and_every_round_is_one_of_its_twin() {
         let source = if surface.has(source.0, source.1) { source } else { some_point(&surface) };
         assert_schedule_twins(solver, &surface, source, Schedule::AllPoints, [1, 2, 7, 34]);
         assert_schedule_twins(solver, &surface, source, Schedule::Tiles, [1, 2, 3, 9, 200]);
-    }
-}
-
-/// Chords, and arcs around holes and across creases: the lengths are the twin's.
-#[test]
-fn both_rules_for_edges_are_those_of_the_twin() {
-    let mut solver = vulkan_solver();
-    let folded = (0..60 * 50).map(|i| f64::from(i % 50 - 20).abs().max(f64::from(i / 50).sqrt()));
-    let folded = Surface::from_heights(60, 50, folded.collect(), Spacing::square(1.0)).unwrap();
-    let holes = rough(60, 50, 7);
-    for surface in [Builtin::Torus.surface(61, 70).unwrap(), holes, folded] {
-        for rule in [EdgeRule::Chord, EdgeRule::Arc] {
-            let surface = surface.clone().with_edge_rule(rule);
-            assert_twins(&mut solver, &surface, some_point(&surface), 1);
-        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use ash::vk;
 use ash::vk::Handle;
+use bytemuck::{NoUninit, bytes_of};
 use glam::DVec3;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocator;
@@ -10,10 +11,11 @@ use super::arguments::list;
 use super::choices::{GeosweepPointKind, PointKindNumber, point_kind};
 use super::solver::Shared;
 use super::status::Failure;
-use crate::surface::{Chart, EdgeRule, LONGEST_EDGE, MetricTensor, Spacing, Surface, SurfaceError};
+use crate::surface::{
+    Chart, EdgeRule, Geometry, LONGEST_EDGE, MetricTensor, Spacing, Surface, SurfaceError,
+};
 use crate::vulkan::embed;
 use crate::vulkan::memory::{Buffer, BufferInfo};
-use crate::vulkan::upload::write_points;
 
 /// The points of a surface, one a grid point, row by row: in a buffer or an image of yours on the
 /// device, read whenever a recording measures them, or in the program's memory, copied at once.
@@ -206,6 +208,25 @@ impl Layout {
     }
 }
 
+/// Writes the points of a surface as edges_from_*.comp read them: slowness 0 marks a hole.
+fn write_points(surface: &Surface, buffer: &mut [u8]) {
+    let point = |index| surface.point::<f32>(index, DVec3::ZERO);
+    match surface.geometry() {
+        Geometry::Heights { .. } => write(buffer, surface, |index| {
+            let [_, _, height, slowness] = point(index);
+            [height, slowness]
+        }),
+        Geometry::Positions(_) | Geometry::Metric(_) => write(buffer, surface, point),
+    }
+}
+
+fn write<T: NoUninit>(buffer: &mut [u8], surface: &Surface, point: impl Fn(usize) -> T) {
+    let indices = 0..surface.chart().points();
+    for (bytes, index) in buffer.chunks_exact_mut(size_of::<T>()).zip(indices) {
+        bytes.copy_from_slice(bytes_of(&point(index)));
+    }
+}
+
 /// Points copied from the program's memory, in a buffer of ours.
 pub(super) struct Copied {
     pub(super) layout: Layout,
@@ -229,7 +250,7 @@ impl Copied {
     pub(super) fn write(&mut self, surface: &Surface) {
         let mapped = self.buffer.mapped();
         // Where they are, so that curves are lifted there; they were single precision before.
-        write_points(surface, 0..surface.rows(), DVec3::ZERO, mapped);
+        write_points(surface, mapped);
         let (chart, bytes) = (surface.chart(), 4 * self.layout.floats());
         for (index, point) in mapped.chunks_exact_mut(bytes).take(chart.points()).enumerate() {
             let (row, col) = chart.position(index);

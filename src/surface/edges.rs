@@ -209,6 +209,27 @@ impl Surface {
         })
     }
 
+    /// Measures the edges stored at the points of some rows in single precision, in parallel, and puts those
+    /// of a point side by side as the device's texels have them.
+    pub(crate) fn write_edges(
+        &self,
+        rows: Range<usize>,
+        origin: DVec3,
+        texels: &mut [[f32; 4]],
+    ) -> Result<(), SurfaceError> {
+        let cols = self.cols();
+        texels.par_chunks_mut(BAND * cols).enumerate().try_for_each(|(band, texels)| {
+            let first = rows.start + band * BAND;
+            let band = first..first + texels.len() / cols;
+            self.measure_rows(band, origin, |row, [east, north, north_east, north_west]| {
+                let texels = &mut texels[(row - first) * cols..][..cols];
+                for (col, texel) in texels.iter_mut().enumerate() {
+                    *texel = [east[col], north[col], north_east[col], north_west[col]];
+                }
+            })
+        })
+    }
+
     /// Measures the edges stored at the points of some rows, and gives them to `store` row by row.
     /// The arithmetic is in `measure.rs`.
     fn measure_rows<R: Real>(

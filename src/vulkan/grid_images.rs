@@ -18,11 +18,11 @@ use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;
 use crate::surface::Chart;
 
-/// Points are uploaded, and distances read back, in bands of rows of at most this many bytes.
+/// Edges are uploaded, points measured, and distances read back, in bands of rows of at most this many bytes.
 const BAND_BYTES: usize = 16 << 20;
 /// The smallest upload buffer: room for the sources on a small grid.
 const LEAST_UPLOAD_BYTES: usize = 64 << 10;
-/// Bytes of a point to upload, at most: position and slowness.
+/// Bytes of a point, at most: position and slowness, or its edges.
 pub(crate) const POINT_BYTES: usize = 16;
 
 /// Sources that a recording brings with it, at most.
@@ -31,8 +31,8 @@ pub(crate) const INLINE_SOURCES: usize = 1024;
 /// What a grid's images serve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Purpose<'a> {
-    /// Points and sources come from the program's memory, and distances go back there, through
-    /// buffers of 4 bytes a point, up to 16 MiB, each. Behind the points is room for anchors.
+    /// Edges and sources come from the program's memory, and distances go back there, through
+    /// buffers of 4 bytes a point, up to 16 MiB, each. Behind the edges is room for anchors.
     Headless,
     /// All stays on the device, and there are so many images of distances, used by these queue
     /// families.
@@ -40,7 +40,7 @@ pub(crate) enum Purpose<'a> {
 }
 
 /// The images of one surface: edge lengths (16 bytes a point), Gaussian curvature (4) and two of
-/// fronts (8 each: arrival time and curvature), with the lists of tiles, a buffer of points, and a
+/// fronts (8 each: arrival time and curvature), with the lists of tiles, a buffer of points or edges, and a
 /// buffer for read-back or images of distances.
 #[derive(Debug)]
 pub(crate) struct GridImages {
@@ -175,7 +175,7 @@ impl GridImages {
         *bytemuck::from_bytes(&bytes[..size_of::<Outcome>()])
     }
 
-    /// Where points and sources of a headless surface are written.
+    /// Where edges and sources of a headless surface are written.
     pub(crate) fn staging(&mut self) -> &mut [u8] {
         let bytes = upload_bytes(self.chart, transfer_bytes(self.chart));
         &mut self.upload.mapped()[..bytes]

@@ -7,13 +7,13 @@ use super::grid_images::{GridImages, POINT_BYTES, bands, transfer_bytes};
 use super::headless::{Commands, Context};
 use super::plan::{self, Reached, Step};
 use super::profile::{self, Capabilities, Capability, Detail, Executable, Session, SolveProfile};
-use super::record::{EdgeSource, Recorder, rows_around};
+use super::record::Recorder;
 use super::surface_on_device::{Start, SurfaceOnDevice};
-use super::upload::{SeedTexel, seed_texels, write_points};
+use super::upload::{SeedTexel, seed_texels};
 use super::{Schedule, Tuning, ValidationLog, VulkanError, embed};
 use crate::DeviceChoice;
 use crate::cpu::Stop;
-use crate::surface::{EdgeRule, Geometry, Seed, Spacing, Surface};
+use crate::surface::{Seed, Surface};
 use crate::update::Wavefront;
 
 /// Turns the validation layers on in every [`Solver`], if set to anything but 0.
@@ -129,13 +129,13 @@ impl Solver {
         self.context.instance.validation_log()
     }
 
-    /// Uploads a surface and measures its edges on the device.
+    /// Measures the edges of a surface, which the processor does in lanes while it checks them anyhow, and
+    /// uploads them.
     ///
     /// # Errors
     /// If an edge is too long or too short for single precision, or the grid is too large for
     /// the device's images or memory.
     pub fn upload(&self, surface: &Surface) -> Result<SurfaceOnDevice, VulkanError> {
-        surface.check_edges()?;
         let chart = surface.chart();
         let texels = self.pipelines.limits.texels(chart)?;
         let pipelines = &self.pipelines.pipelines;
@@ -144,15 +144,10 @@ impl Solver {
         let images = &mut on_device.images;
         self.run(images, |recorder| recorder.prepare())?;
         let origin = surface.origin();
-        let (source, spacing) = match surface.geometry() {
-            Geometry::Positions(_) => (EdgeSource::Positions, Spacing::square(1.0)),
-            Geometry::Heights { spacing, .. } => (EdgeSource::Heights, *spacing),
-            Geometry::Metric(_) => (EdgeSource::Metric, Spacing::square(1.0)),
-        };
-        let arcs = surface.edge_rule() == EdgeRule::Arc;
         for rows in bands(chart, POINT_BYTES, transfer_bytes(chart)) {
-            write_points(surface, rows_around(&rows, chart), origin, images.staging());
-            self.run(images, |recorder| recorder.measure(source, spacing, arcs, rows))?;
+            let bytes = &mut images.staging()[..rows.len() * chart.cols * POINT_BYTES];
+            surface.write_edges(rows.clone(), origin, bytemuck::cast_slice_mut(bytes))?;
+            self.run(images, |recorder| recorder.upload_edges(rows))?;
         }
         self.run(images, |recorder| recorder.bend(surface.edge_rule(), is_floor))?;
         self.context.check_validation()?;

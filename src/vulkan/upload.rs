@@ -1,38 +1,9 @@
-//! Points and sources in the form in which the shaders read them.
+//! Sources in the form in which the shaders read them.
 
-use std::ops::Range;
-
-use bytemuck::{NoUninit, bytes_of};
-use glam::DVec3;
+use bytemuck::NoUninit;
 
 use super::TexelChart;
-use crate::surface::{FAR, Geometry, Real, Seed, Surface};
-
-/// Writes the points of some rows into the upload buffer, as edges_from_*.comp read them:
-/// slowness 0 marks a hole. Positions and heights are taken relative to `origin`.
-pub(crate) fn write_points(
-    surface: &Surface,
-    rows: Range<usize>,
-    origin: DVec3,
-    buffer: &mut [u8],
-) {
-    let chart = surface.chart();
-    let indices = chart.index(rows.start, 0)..chart.index(rows.end, 0);
-    let point = |index| surface.point::<f32>(index, origin);
-    match surface.geometry() {
-        Geometry::Heights { .. } => write(buffer, indices, |index| {
-            let [_, _, height, slowness] = point(index);
-            [height, slowness]
-        }),
-        Geometry::Positions(_) | Geometry::Metric(_) => write(buffer, indices, point),
-    }
-}
-
-fn write<T: NoUninit>(buffer: &mut [u8], indices: Range<usize>, point: impl Fn(usize) -> T) {
-    for (bytes, index) in buffer.chunks_exact_mut(size_of::<T>()).zip(indices) {
-        bytes.copy_from_slice(bytes_of(&point(index)));
-    }
-}
+use crate::surface::{FAR, Real, Seed};
 
 /// Bytes of a source as `glsl/sources.comp` reads it.
 pub(crate) const SOURCE_BYTES: usize = 16;

@@ -13,7 +13,7 @@ pub enum PassKind {
     Prepare,
     /// Reads a band of the host's points.
     Points,
-    /// Measures the edges of a band of rows.
+    /// Measures the edges of a band of rows, or copies them from the program's memory.
     Edges,
     /// Computes the surface's Gaussian curvature, in two passes.
     Curvature,

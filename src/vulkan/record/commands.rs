@@ -125,4 +125,27 @@ impl Recorder<'_> {
         // SAFETY: both buffers hold so many bytes there, of the host's as the host has promised.
         unsafe { self.device.cmd_copy_buffer(self.commands, from.0, to.0, &copy) };
     }
+
+    /// Copies the start of a buffer, row after row, to a part of an image's first layer.
+    pub(super) fn copy_to_image(
+        &self,
+        from: vk::Buffer,
+        to: vk::Image,
+        (offset, extent): (vk::Offset3D, vk::Extent3D),
+    ) {
+        let layer = vk::ImageSubresourceLayers {
+            aspect_mask: vk::ImageAspectFlags::COLOR,
+            mip_level: 0,
+            base_array_layer: 0,
+            layer_count: 1,
+        };
+        let copy = vk::BufferImageCopy::default()
+            .image_subresource(layer)
+            .image_offset(offset)
+            .image_extent(extent);
+        let layout = vk::ImageLayout::GENERAL;
+        // SAFETY: the buffer holds so many texels, the part lies in the image, which is in this layout, and
+        // nothing else uses either until the next barrier.
+        unsafe { self.device.cmd_copy_buffer_to_image(self.commands, from, to, layout, &[copy]) };
+    }
 }

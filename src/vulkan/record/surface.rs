@@ -6,7 +6,7 @@ use ash::vk;
 use bytemuck::NoUninit;
 
 use super::{Recorder, dispatched};
-use crate::constants::{FAR, LAYERS};
+use crate::constants::{BORDER, FAR, LAYERS};
 use crate::surface::{Chart, EdgeRule, Spacing};
 use crate::vulkan::barrier::{CLEAR, NOTHING, SHADER, SHADER_WRITE};
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
@@ -117,6 +117,22 @@ impl Recorder<'_> {
         self.bind(pipeline, 0);
         self.dispatch(&band, size);
         self.barrier(SHADER_WRITE, SHADER);
+    }
+
+    /// Copies the edges of a band of rows, four of each point, from the upload buffer.
+    pub(crate) fn upload_edges(&self, rows: Range<usize>) {
+        let extent = vk::Extent3D {
+            width: self.grid.chart.cols as u32,
+            height: rows.len() as u32,
+            depth: 1,
+        };
+        let bytes = 16 * u64::from(extent.width) * u64::from(extent.height);
+        let _pass = self.pass_of_copy(PassKind::Edges, bytes);
+        self.barrier(SHADER, CLEAR);
+        let border = 2 * BORDER as i32;
+        let offset = vk::Offset3D { x: border, y: border + rows.start as i32, z: 0 };
+        self.copy_to_image(self.grid.upload.buffer, self.grid.edges.image, (offset, extent));
+        self.barrier(CLEAR, SHADER);
     }
 
     /// Computes the surface's Gaussian curvature, once all edges are measured by the rule, and on floor plans
