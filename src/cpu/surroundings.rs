@@ -21,8 +21,8 @@ use crate::update::Wavefront;
 const REACH: usize = 8;
 /// And at least, or there is little to gain.
 const LEAST_REACH: usize = 4;
-/// All surroundings together are no more than one in so many points of the grid, for solving them takes
-/// that much longer for a point than what is saved.
+/// All surroundings together are no more than one in so many points of the grid, since solving one of them
+/// takes about as long as what is saved at so many.
 const SHARE: usize = 40;
 /// Rows and columns around, as far as edges and curvatures of the surroundings depend on points.
 const MARGIN: usize = 5;
@@ -109,12 +109,12 @@ impl Surroundings {
         Self { rows: rows(reach), cols: cols(reach), window }
     }
 
-    /// The fronts that arrive there from seeds of the source, by ways that do not lead further away: what
-    /// comes from outside arrives earlier, or not at all.
+    /// The fronts that arrive there from seeds of the source by ways inside. Where one by a way outside is
+    /// earlier, it will take their place.
     fn seeds(&self, wavefront: Wavefront, surface: &Surface, own: &[Seed]) -> Vec<Seed> {
         let [rows, cols] = &self.window;
         let window = surface.window(rows.clone(), cols.clone());
-        // An edge that has no length is the engine's to report, with all others.
+        // Edges that are too long or too short are the engine's to report, with those of the whole surface.
         let Ok(edges) = EdgeLengths::<f64>::new(&window) else { return Vec::new() };
         let inside = |seed: &Seed| {
             let (row, col) = (seed.row - rows.start, seed.col - cols.start);
