@@ -9,7 +9,7 @@ use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::plan::{self, Step};
 use geosweep::vulkan::{Method, Schedule, Solver, TexelChart, Tuning, VulkanError};
 use geosweep::{
-    DeviceChoice, Engine, MetricTensor, Options, Sources, Spacing, Surface, Wavefront, distance_map,
+    DeviceChoice, Engine, MetricTensor, Options, Sources, Surface, Wavefront, distance_map,
 };
 
 /// Both engines stop where nothing falls by more than 1e-6 in an iteration, and measure edges
