@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod curves;
+mod edges;
 #[path = "../../examples/embed.rs"]
 mod example;
 mod families;
