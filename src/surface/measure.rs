@@ -44,13 +44,6 @@ impl<R: Real> RowBends<R> {
             &z[first..][..points],
         ]
     }
-
-    /// Normals of so many points, with a point more at each end.
-    #[inline(always)]
-    fn normals(&self, first: usize, points: usize) -> [&[R]; 3] {
-        let [x, y, z] = &self.normals;
-        [&x[first..][..points + 2], &y[first..][..points + 2], &z[first..][..points + 2]]
-    }
 }
 
 /// How far neighbouring points are apart.
@@ -294,14 +287,14 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
         let (here, there) = (start + 1, (start + 1).wrapping_add_signed(right));
         let [before, own] = self.rows;
         let [a, b] = [own.part(here, points), self.row(down).part(there, points)];
-        let [beside, below] = [own.part(there, points)[3], before.part(here, points)[3]];
+        let [beside, above] = [own.part(there, points)[3], before.part(here, points)[3]];
         let bent = [self.bends[HERE], self.bends[HERE.wrapping_add_signed(down)]];
         let [of_a, of_b] = [bent[0].part(LINE, here, points), bent[1].part(LINE, there, points)];
         let (mut suspicious, mut ends) = (0, 0);
         for i in 0..points {
             let (from, to) = (at(a, i), at(b, i));
-            let corner = (beside[i] > R::zero()) | (below[i] > R::zero());
-            let exists = (from[3] > R::zero()) & (to[3] > R::zero()) & (!diagonal | corner);
+            let third = (beside[i] > R::zero()) | (above[i] > R::zero());
+            let exists = (from[3] > R::zero()) & (to[3] > R::zero()) & (!diagonal | third);
             let ([bend_a, normal_a @ ..], [bend_b, normal_b @ ..]) = (at(of_a, i), at(of_b, i));
             let length =
                 arc(self.space.separation(from, to, step), [bend_a, bend_b], [normal_a, normal_b]);
@@ -347,8 +340,10 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
             let (here, there) = (start + i, (start + i).wrapping_add_signed(right));
             let point = |row: isize, col: usize| at(self.row(row).part(col + 1, 1), 0);
             let (from, to) = (point(0, here), point(down, there));
-            let normal =
-                |row: usize, col: usize| self.bends[row].normals(col, 0).map(|axis| axis[1]);
+            let normal = |row: usize, col: usize| {
+                let [_, normal @ ..] = at(self.bends[row].part(k, col + 1, 1), 0);
+                normal
+            };
             let normals = [normal(HERE, here), normal(HERE.wrapping_add_signed(down), there)];
             let length = arc(self.space.separation(from, to, (down, right)), [a, b], normals);
             *found = R::of(0.5) * (from[3] + to[3]) * length;
