@@ -61,6 +61,13 @@
 #define VISIT_WORDS 1024
 // Sources that one dispatch looks at, of which each looks at all others.
 #define SOURCES_TOGETHER 256
+// Texels on a side of the surroundings of a source inside a cell, which are solved first on a device: 8 to
+// 10 points to each side of the cell. One workgroup has them, an invocation each, within what every device
+// offers: 128 invocations and 16 KiB of shared memory. And how often they are updated, at most: 14 to 18
+// times are enough on smooth surfaces, 28 on ones that turn about within some cells.
+#define SURROUNDINGS_TEXELS 10
+#define SURROUNDINGS_WORKGROUP 128
+#define SURROUNDINGS_STEPS 40
 // Longest length of an edge: squares and sums of such lengths stay within single precision and below
 // FAR. A coordinate beyond it in memory of a renderer's marks a hole, as NaN does.
 #define LONGEST_EDGE 1e12

@@ -9,15 +9,9 @@
 #include "progress.glsl"
 #include "tiles.glsl"
 #include "blocks.glsl"
+#include "seed_texel.glsl"
 
 layout(local_size_x = WORKGROUP) in;
-
-struct SeedTexel {
-    ivec2 texel;
-    ivec2 unused; // vec4 follows on a multiple of 16 bytes
-    vec4 times;
-    vec4 curvatures;
-};
 
 layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray fronts;
 layout(set = 0, binding = 4, rgba32f) uniform writeonly image2DArray seeded_fronts;

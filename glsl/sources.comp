@@ -9,15 +9,9 @@
 #include "texel.glsl"
 #include "fan.glsl"
 #include "cell.glsl"
+#include "seed_texel.glsl"
 
 layout(local_size_x = WORKGROUP) in;
-
-struct SeedTexel {
-    ivec2 texel;
-    ivec2 unused; // vec4 follows on a multiple of 16 bytes
-    vec4 times;
-    vec4 curvatures;
-};
 
 layout(set = 0, binding = 7) writeonly restrict buffer Seeds {
     SeedTexel seeds[];

@@ -45,7 +45,8 @@ pub use rotated_scan::{Convergence, RotatedScan, rotated_scan};
 pub(crate) use settled::{Visited, stays};
 pub use state::Solution;
 pub use twins::{
-    Rounds, Visits, all_points, regions, scan_due, scan_in_turn, scan_outward, tile_rounds,
+    Rounds, Visits, all_points, regions, scan_due, scan_in_turn, scan_outward, surroundings,
+    tile_rounds,
 };
 
 /// When raster scans stop: at whichever comes first.

@@ -5,7 +5,8 @@
 //! two scans reach one each, and either has to wait for the other's next iteration, point after point. Some
 //! cells from the source that changes hardly anything, but what changes is passed on to the end of the
 //! grid: maps took two to three times the iterations. So the source's surroundings are a map of
-//! their own first, in which iterations cost nothing.
+//! their own first, in which iterations cost nothing. For a renderer's sources, which may be known on the
+//! device alone, `glsl/surroundings.comp` does that.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -272,7 +272,7 @@ fn buffer_infos(
 }
 
 /// For points in bands of at most so many bytes, and for sources.
-fn upload_bytes(chart: Chart, most: usize) -> usize {
+pub(crate) fn upload_bytes(chart: Chart, most: usize) -> usize {
     let points = (band_rows(chart, POINT_BYTES, most) + HALO) * chart.cols * POINT_BYTES;
     points.max(LEAST_UPLOAD_BYTES)
 }

@@ -226,6 +226,18 @@ impl Pipelines {
         Ok(())
     }
 
+    /// The pass that solves the surroundings of a host's source, for one wavefront; whoever asks for it
+    /// destroys it.
+    pub(crate) fn surroundings(
+        &self,
+        device: &ash::Device,
+        wavefront: Wavefront,
+    ) -> Result<vk::Pipeline, VulkanError> {
+        let constants = [(constant::WAVEFRONT, wavefront as i32)];
+        let spirv = spirv!("surroundings");
+        compute_pipeline_with(device, self.flags, self.host_layout, spirv, &constants)
+    }
+
     /// Destroys them. No submitted work may still use them.
     pub(crate) fn destroy(&mut self, device: &ash::Device) {
         // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.

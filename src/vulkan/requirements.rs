@@ -24,7 +24,7 @@ use ash::vk;
 
 use super::memory::{FORMAT, IMAGE_USAGE, RESULT_FORMAT};
 use super::pipelines::{PUSH_CONSTANT_BYTES, binding, host};
-use crate::constants::WORKGROUP;
+use crate::constants::SURROUNDINGS_WORKGROUP;
 
 /// The Vulkan version needed; instances should be created for it or a later one.
 pub const API_VERSION: u32 = vk::API_VERSION_1_1;
@@ -48,7 +48,12 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
     }
     let limits = properties.limits;
     for (what, offered, needed) in [
-        ("workgroups hold # invocations", limits.max_compute_work_group_invocations, WORKGROUP),
+        // The largest of those that are no matter of tuning.
+        (
+            "workgroups hold # invocations",
+            limits.max_compute_work_group_invocations,
+            SURROUNDINGS_WORKGROUP,
+        ),
         (
             "shaders see # storage images",
             limits.max_per_stage_descriptor_storage_images,

@@ -20,6 +20,7 @@ mod readme;
 #[path = "../../examples/render.rs"]
 mod render;
 mod stage;
+mod surroundings;
 
 /// It checks that every frame has converged.
 #[test]

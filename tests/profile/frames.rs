@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use geosweep::Wavefront;
 use geosweep::ash::vk;
 use geosweep::vulkan::Schedule;
 use geosweep::vulkan::embed::Tools;
@@ -75,6 +76,28 @@ fn a_frame_is_taken_down_pass_by_pass() {
             assert_eq!(done, Some(outcome.iterations - 1), "{schedule}");
         }
         assert_eq!(renderer.end(), Vec::<String>::new(), "{schedule}");
+    }
+}
+
+/// Of a source between grid points, if the wavefront has any.
+#[test]
+fn surroundings_are_solved_once_a_source_and_set() {
+    for (wavefront, carried) in [(Wavefront::PointSource, 1), (Wavefront::Curved, 3)] {
+        let host = Host::without_validation();
+        let renderer = Renderer::with(host, Schedule::Raster, wavefront, Tools::default());
+        let (_, passes) = renderer.timed_frame();
+        let first = passes.iter().position(|pass| pass.kind == PassKind::Surroundings).unwrap();
+        let kinds: Vec<_> = passes[first - 1..].iter().map(|pass| pass.kind).take(3).collect();
+        assert_eq!(kinds, [PassKind::Seed, PassKind::Surroundings, PassKind::Seed]);
+        let count = passes.iter().filter(|pass| pass.kind == PassKind::Surroundings).count();
+        assert_eq!((count, passes[first].groups), (1, Some([1; 3])));
+        // A source is read; of each texel its times and 16 lengths, with curved fronts their curvature and
+        // the surface's; and written its place, times and curvatures.
+        let Work { bytes_read, bytes_written, .. } = passes[first].work;
+        let texels = 100;
+        let read = 16 + texels * 16 * (carried + 4);
+        assert_eq!((bytes_read, bytes_written), (Some(read), Some(texels * 40)), "{wavefront}");
+        renderer.end();
     }
 }
 

@@ -32,13 +32,18 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    pub fn new(mut host: Host, schedule: Schedule, tools: Tools) -> Self {
+    /// With planar fronts.
+    pub fn new(host: Host, schedule: Schedule, tools: Tools) -> Self {
+        Self::with(host, schedule, Wavefront::Planar, tools)
+    }
+
+    pub fn with(mut host: Host, schedule: Schedule, wavefront: Wavefront, tools: Tools) -> Self {
         let device = host.device.clone();
         let heights: Vec<f32> = (0..CHART.points())
             .map(|i| ((i % 37) as f32 * 0.1).sin() + (i / 3000) as f32)
             .collect();
         let points = host.buffer_of(&heights);
-        let passes = [(schedule, Wavefront::Planar)];
+        let passes = [(schedule, wavefront)];
         let (instance, physical_device) = (&host.instance, host.physical_device);
         let solver =
             embed::Solver::with_tools(instance, physical_device, &device, &passes, tools).unwrap();
@@ -46,7 +51,7 @@ impl Renderer {
         let inputs = [Points { kind, ..Points::positions(points.handle, 4) }];
         let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
         let surface = solver.surface(&device, host.allocator(), &info).unwrap();
-        let method = Method { wavefront: Wavefront::Planar, schedule: None, stop: STOP };
+        let method = Method { wavefront, schedule: None, stop: STOP };
         let plan = solver.plan(CHART, method, 6).unwrap();
         let grain = Grain::Blocks;
         let count = solver.passes_of_frame(&surface, &plan, grain);

@@ -5,12 +5,14 @@ mod all_points;
 mod regions;
 mod scan_due;
 mod scan_in_turn;
+mod surroundings;
 mod tile_rounds;
 
 pub use all_points::all_points;
 pub use regions::regions;
 pub use scan_due::{Visits, scan_due};
 pub use scan_in_turn::{scan_in_turn, scan_outward};
+pub use surroundings::surroundings;
 pub use tile_rounds::{Rounds, tile_rounds};
 
 use super::state::Behind;

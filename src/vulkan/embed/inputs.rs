@@ -155,3 +155,15 @@ pub enum SourceInput<'a> {
     /// From the surface's source buffer with this number.
     Buffer(usize),
 }
+
+impl SourceInput<'_> {
+    /// Whether a source may lie between grid points: nobody knows what is in a buffer.
+    pub(super) fn may_lie_inside_cells(&self) -> bool {
+        let is_inside =
+            |source: &PointSource| source.row.fract() != 0.0 || source.col.fract() != 0.0;
+        match self {
+            Self::Inline(sources) => sources.iter().any(is_inside),
+            Self::Buffer(_) => true,
+        }
+    }
+}

@@ -9,7 +9,7 @@ use super::inputs::{PointKind, PointMemory, PointSource, SourceInput};
 use super::plan::Plan;
 use super::solver::Solver;
 use super::surface::{ResultImage, Surface};
-use crate::constants::SOURCES_TOGETHER;
+use crate::constants::{SOURCES_TOGETHER, SURROUNDINGS_TEXELS, WORKGROUP};
 use crate::surface::{Chart, EdgeRule, Spacing};
 use crate::vulkan::VulkanError;
 use crate::vulkan::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE, TRANSFER};
@@ -62,6 +62,10 @@ struct PointsBand {
     first_word: i32,
     stride: i32,
 }
+
+/// Points of a grid for each source that has surroundings. These, of up to 400 points, are updated some
+/// sixteen times, which takes as long as two to four iterations of 1,500 to 3,000 points.
+const POINTS_A_SURROUNDED: usize = 4000;
 
 #[derive(Clone, Copy, NoUninit)]
 #[repr(C)]
@@ -123,7 +127,8 @@ impl<'a> Recording<'a> {
         let points = surface.points.iter().zip(&sets.points);
         let points = points.map(|(points, set)| (self.points_pipeline(points.memory), set));
         let lookups = sets.lookups.iter().map(|set| (pipelines.lookup, set));
-        let sources = std::iter::once((pipelines.sources, &sets.inline_sources));
+        let sources = std::iter::once(pipelines.sources).chain(solver.all_surroundings());
+        let sources = sources.map(|pipeline| (pipeline, &sets.inline_sources));
         for (pipeline, set) in points.chain(lookups).chain(sources) {
             recorder.host_pass(pipeline, set.set, &[0u32; 8], [0, 0]);
         }
@@ -382,9 +387,40 @@ impl<'a> Recording<'a> {
             recorder.barrier(SHADER_WRITE, SHADER);
             recorder.seed(4 * together, plan.schedule);
         }
+        if sources.may_lie_inside_cells() {
+            self.surroundings(set, count, plan);
+        }
         recorder.steps(passes, plan.steps());
         recorder.end_portion();
         Ok(())
+    }
+
+    /// Goes on from so many sources to what they reach first, if maps of the plan gain by it.
+    fn surroundings(&self, set: HostSet, count: u32, plan: &Plan) {
+        let Self { recorder, surface, solver } = self;
+        let chart = surface.grid.chart;
+        let Some(pipeline) = solver.surroundings(plan.schedule, plan.wavefront) else { return };
+        if count == 0 || count > most_surrounded(chart) {
+            return;
+        }
+        let sources = SourcePortion {
+            grid: grid_size(chart),
+            first_word: set.first_word,
+            count: count as i32,
+        };
+        let each = SURROUNDINGS_TEXELS * SURROUNDINGS_TEXELS;
+        let work = Work::of_surroundings(count.into(), each.into(), plan.wavefront.is_curved());
+        let record = PassRecord {
+            groups: Some([count, 1, 1]),
+            work,
+            ..PassRecord::new(PassKind::Surroundings)
+        };
+        let pass = recorder.pass_with(record);
+        // A group for each source.
+        recorder.host_pass(pipeline, set.set, &sources, [count * WORKGROUP, 1]);
+        drop(pass);
+        recorder.barrier(SHADER_WRITE, SHADER);
+        recorder.seed(count * each, plan.schedule);
     }
 
     pub(super) fn points(&self, number: usize) -> Result<(HostSet, super::Points), VulkanError> {
@@ -400,10 +436,34 @@ impl<'a> Recording<'a> {
     }
 }
 
+/// Sources of a recording that have surroundings on such a grid, at most: one is worth it on any, a crowd
+/// if its surroundings are a small part of the grid.
+fn most_surrounded(chart: Chart) -> u32 {
+    let share = chart.points() / POINTS_A_SURROUNDED;
+    share.clamp(1, SOURCES_TOGETHER as usize) as u32
+}
+
 fn nth(sets: &[HostSet], what: &'static str, number: usize) -> Result<HostSet, VulkanError> {
     sets.get(number).copied().ok_or(VulkanError::NoSuch { what, number, count: sets.len() })
 }
 
 pub(super) fn grid_size(chart: Chart) -> [i32; 2] {
     [chart.cols as i32, chart.rows as i32]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vulkan::grid_images::upload_bytes;
+
+    #[test]
+    fn there_is_room_for_the_seeds_of_all_surroundings() {
+        let each = (SURROUNDINGS_TEXELS * SURROUNDINGS_TEXELS) as usize * size_of::<SeedTexel>();
+        for (rows, cols) in [(1, 1), (1, 70_000), (89, 90), (400, 400), (1012, 1012), (9000, 114)] {
+            let chart = Chart { rows, cols };
+            let sources = most_surrounded(chart) as usize;
+            assert!((1..=SOURCES_TOGETHER as usize).contains(&sources));
+            assert!(sources * each <= upload_bytes(chart, frame_bytes(chart)), "{chart:?}");
+        }
+    }
 }

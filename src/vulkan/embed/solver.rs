@@ -25,6 +25,8 @@ pub struct Solver {
     pub(crate) pipelines: Pipelines,
     /// By schedule and wavefront.
     passes: [[Option<SchedulePipelines>; Wavefront::EVERY.len()]; Schedule::ALL.len()],
+    /// By wavefront, for raster scans.
+    surroundings: [Option<vk::Pipeline>; Wavefront::EVERY.len()],
     pub(crate) limits: Limits,
 }
 
@@ -79,7 +81,8 @@ impl Solver {
         let tuning = Tuning::of(&properties);
         let pipelines = Pipelines::new(device, tuning, labels, tools.executables)?;
         let limits = Limits::of(instance, physical_device);
-        let mut new = Self { pipelines, passes: Default::default(), limits };
+        let (made, surroundings) = (Default::default(), Default::default());
+        let mut new = Self { pipelines, passes: made, surroundings, limits };
         for &(schedule, wavefront) in passes {
             if let Err(error) = new.add_passes(device, schedule, wavefront) {
                 new.destroy(device);
@@ -96,7 +99,16 @@ impl Solver {
         schedule: Schedule,
         wavefront: Wavefront,
     ) -> Result<(), VulkanError> {
-        self.make_passes(device, schedule, over_any(wavefront))
+        let wavefront = over_any(wavefront);
+        self.make_passes(device, schedule, wavefront)?;
+        let surroundings = &mut self.surroundings[wavefront as usize];
+        // Headless solvers, which do without this, start from `Wavefront::seeds`.
+        if surroundings.is_none() && have_surroundings(schedule, wavefront) {
+            let pipeline = self.pipelines.surroundings(device, wavefront)?;
+            self.pipelines.name(&surroundings_name(wavefront), pipeline);
+            *surroundings = Some(pipeline);
+        }
+        Ok(())
     }
 
     /// The same, where it is known whether fronts have anchors.
@@ -144,6 +156,10 @@ impl Solver {
                 }
             }
         }
+        for wavefront in Wavefront::EVERY {
+            let pipeline = self.surroundings[wavefront as usize];
+            all.extend(pipeline.map(|pipeline| (surroundings_name(wavefront), pipeline)));
+        }
         all.extend(plain);
         profile::executables(&loader, &all)
     }
@@ -154,6 +170,19 @@ impl Solver {
         wavefront: Wavefront,
     ) -> Option<&SchedulePipelines> {
         self.passes[schedule as usize][wavefront as usize].as_ref()
+    }
+
+    /// The pass that solves a source's surroundings, if maps gain by it.
+    pub(super) fn surroundings(
+        &self,
+        schedule: Schedule,
+        wavefront: Wavefront,
+    ) -> Option<vk::Pipeline> {
+        self.surroundings[wavefront as usize].filter(|_| have_surroundings(schedule, wavefront))
+    }
+
+    pub(super) fn all_surroundings(&self) -> impl Iterator<Item = vk::Pipeline> {
+        self.surroundings.iter().copied().flatten()
     }
 
     pub(super) fn all_passes(&self) -> impl Iterator<Item = &SchedulePipelines> {
@@ -314,8 +343,22 @@ impl Solver {
                 passes.destroy(device);
             }
         }
+        for pipeline in self.surroundings.iter_mut().filter_map(Option::take) {
+            // SAFETY: the caller has made sure that nothing uses it.
+            unsafe { device.destroy_pipeline(pipeline, None) };
+        }
         self.pipelines.destroy(device);
     }
+}
+
+/// Whether maps from between grid points take fewer iterations if the surroundings of sources are solved
+/// first. Tiles and updates of all points have none in which two scans wait for one another.
+fn have_surroundings(schedule: Schedule, wavefront: Wavefront) -> bool {
+    schedule == Schedule::Raster && wavefront != Wavefront::Planar
+}
+
+fn surroundings_name(wavefront: Wavefront) -> String {
+    format!("surroundings, {wavefront}")
 }
 
 /// The wavefront over a surface of which it is not known whether it is a floor plan.

@@ -222,9 +222,9 @@ impl Surface {
         let inline = INLINE_SOURCES as u32;
         let sources = self.sources.iter().map(|sources| sources.count).max();
         let sources = sources.unwrap_or(0).max(inline);
-        // Sources are taken, found and set in portions; the rest is forgotten, started, copied and
-        // unpacked.
-        measured + 1 + 2 * sources.div_ceil(SOURCES_TOGETHER) + 4
+        // Sources are taken, found and set in portions, and their surroundings solved and set; the rest is
+        // forgotten, started, copied and unpacked.
+        measured + 1 + 2 * sources.div_ceil(SOURCES_TOGETHER) + 2 + 4
     }
 
     pub(super) fn check_slot(&self, slot: usize) -> Result<(), VulkanError> {

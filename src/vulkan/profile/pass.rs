@@ -25,7 +25,9 @@ pub enum PassKind {
     Resume,
     /// Takes sources that come with the recording, or finds the texels around them.
     Sources,
-    /// Sets the texels with sources; for maps of a batch all others, too.
+    /// Solves what a source inside a cell reaches first.
+    Surroundings,
+    /// Sets the texels with sources, or with what they reach first; for maps of a batch all others, too.
     Seed,
     /// One of the four rotated scans, or a block of its lines.
     Scan(Scan),
@@ -91,6 +93,7 @@ impl PassKind {
             Self::Start => c"start",
             Self::Resume => c"resume",
             Self::Sources => c"sources",
+            Self::Surroundings => c"surroundings",
             Self::Seed => c"seed",
             Self::Scan(Scan::Down) => c"scan down",
             Self::Scan(Scan::Up) => c"scan up",
@@ -155,7 +158,7 @@ impl Grain {
         use PassKind::*;
         match (self, pass) {
             (Self::Iterations, Scan(_) | AllPoints | Count) => Iteration,
-            (Self::Portions, Forget | Start | Resume | Sources | Seed) => Portion,
+            (Self::Portions, Forget | Start | Resume | Sources | Surroundings | Seed) => Portion,
             (Self::Portions, Scan(_) | AllPoints | Count | Tiles | Settle | Decisions) => Portion,
             _ => pass,
         }

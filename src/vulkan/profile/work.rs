@@ -12,6 +12,7 @@ use super::pass::{Area, Grain, PassKind, PassRecord};
 use crate::constants::{LAYERS, WORKGROUP};
 use crate::update::Wavefront;
 use crate::vulkan::plan::{Scan, ScanPass, Step};
+use crate::vulkan::upload::SeedTexel;
 use crate::vulkan::{TexelChart, Tuning};
 
 /// Bytes, texels and updates of a pass; `None` for what is not known, or not counted for passes of
@@ -29,6 +30,7 @@ use crate::vulkan::{TexelChart, Tuning};
 /// | start | | the progress, and four numbers a tile; many maps at once: a copy of their progress |
 /// | resume | a number | the progress of rounds, and a number a tile |
 /// | sources | as a dispatch four numbers each | ten for each of four texels; as a copy four each |
+/// | surroundings | four numbers a source, and of each of 100 texels around it its times and 16 lengths; with curved fronts their curvature and the surface's | ten for each of these texels |
 /// | seed | ten numbers a texel, both layers of its fronts | its fronts; many maps at once: those of all |
 /// | scans, all points, tiles | a texel's times and 16 lengths; with curved fronts their curvature and the surface's | times; with curved fronts their curvature |
 /// | settle | a number a tile, and both layers of the texels that are brought back | the same |
@@ -53,7 +55,7 @@ use crate::vulkan::{TexelChart, Tuning};
 /// writes that this one is not, and with the last of them two numbers more, in place of the two.
 ///
 /// Where a place may be bad, it counts as if it were good: all four texels around a source lie on the
-/// grid and are no other source's, places looked up and starts lie on the grid where the map is
+/// grid and are no other source's, the 100 around it as well, and it lies inside a cell; places looked up and starts lie on the grid where the map is
 /// reached, and there is room for all contours. Not counted is what depends on where things lie, and is
 /// little beside the rest: the lengths of edges around a source, the tiles that seeds and rounds put on
 /// lists, the levels that a search for contours looks at, and the numbers by which rounds are counted.
@@ -136,6 +138,15 @@ impl Work {
     /// Of texels that a scan updates.
     pub(super) fn of_scan(texels: u64, skipped: u64, curved: bool) -> Self {
         Self::of_updates(texels, skipped, curved, Some(SCAN_TRIANGLES))
+    }
+
+    /// Of the texels around so many sources, so many around each, which are read once, updated as often as it
+    /// takes, and written as seeds.
+    pub(crate) fn of_surroundings(sources: u64, each: u64, curved: bool) -> Self {
+        let Self { bytes_read, .. } = Self::of_updates(sources * each, 0, curved, None);
+        let places = sources * size_of::<[f32; 4]>() as u64;
+        let seeds = sources * each * SeedTexel::BYTES;
+        Self { bytes_read: bytes_read.map(|read| read + places), ..Self::of_bytes(0, seeds) }
     }
 
     /// The same, but for texels that have not been visited.
