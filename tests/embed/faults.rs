@@ -69,7 +69,7 @@ fn all_that_a_device_lacks_is_named() {
     let unmet = requirements::unmet(&lesser, host.physical_device);
     for (word, needed) in [
         ("Vulkan 1.0", "1.1"),
-        ("32 invocations", "64"),
+        ("32 invocations", "128"),
         ("4 storage images", "7"),
         ("4 storage buffers", "7"),
         ("four 32-bit floats", ""),
