@@ -63,9 +63,10 @@ struct PointsBand {
     stride: i32,
 }
 
-/// Points of a grid for each source that has surroundings. These, of up to 400 points, are updated some
-/// sixteen times, which takes as long as two to four iterations of 1,500 to 3,000 points.
-const POINTS_A_SURROUNDED: usize = 4000;
+/// So many points has a grid for each source of a crowd that has surroundings. Updating these, 400 points
+/// from all sides some sixteen times, takes as long as two to four iterations of 1,500 to 3,000 points, which
+/// is what it saves.
+const POINTS_FOR_SURROUNDINGS: usize = 4000;
 
 #[derive(Clone, Copy, NoUninit)]
 #[repr(C)]
@@ -439,7 +440,7 @@ impl<'a> Recording<'a> {
 /// Sources of a recording that have surroundings on such a grid, at most: one is worth it on any, a crowd
 /// if its surroundings are a small part of the grid.
 fn most_surrounded(chart: Chart) -> u32 {
-    let share = chart.points() / POINTS_A_SURROUNDED;
+    let share = chart.points() / POINTS_FOR_SURROUNDINGS;
     share.clamp(1, SOURCES_TOGETHER as usize) as u32
 }
 

@@ -25,7 +25,7 @@ pub struct Solver {
     pub(crate) pipelines: Pipelines,
     /// By schedule and wavefront.
     passes: [[Option<SchedulePipelines>; Wavefront::EVERY.len()]; Schedule::ALL.len()],
-    /// By wavefront, for raster scans.
+    /// The passes that solve the surroundings of sources, by wavefront, for raster scans.
     surroundings: [Option<vk::Pipeline>; Wavefront::EVERY.len()],
     pub(crate) limits: Limits,
 }
@@ -81,8 +81,8 @@ impl Solver {
         let tuning = Tuning::of(&properties);
         let pipelines = Pipelines::new(device, tuning, labels, tools.executables)?;
         let limits = Limits::of(instance, physical_device);
-        let (made, surroundings) = (Default::default(), Default::default());
-        let mut new = Self { pipelines, passes: made, surroundings, limits };
+        let surroundings = Default::default();
+        let mut new = Self { pipelines, passes: Default::default(), surroundings, limits };
         for &(schedule, wavefront) in passes {
             if let Err(error) = new.add_passes(device, schedule, wavefront) {
                 new.destroy(device);
@@ -352,7 +352,7 @@ impl Solver {
 }
 
 /// Whether maps from between grid points take fewer iterations if the surroundings of sources are solved
-/// first. Tiles and updates of all points have none in which two scans wait for one another.
+/// first. With tiles and updates of all points no scan waits for another's next iteration.
 fn have_surroundings(schedule: Schedule, wavefront: Wavefront) -> bool {
     schedule == Schedule::Raster && wavefront != Wavefront::Planar
 }

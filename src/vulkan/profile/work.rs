@@ -54,11 +54,11 @@ use crate::vulkan::{TexelChart, Tuning};
 /// With many maps at once, the count by which one is done reads and writes how many are pending and
 /// writes that this one is not, and with the last of them two numbers more, in place of the two.
 ///
-/// Where a place may be bad, it counts as if it were good: all four texels around a source lie on the
-/// grid and are no other source's, the 100 around it as well, and it lies inside a cell; places looked up and starts lie on the grid where the map is
-/// reached, and there is room for all contours. Not counted is what depends on where things lie, and is
-/// little beside the rest: the lengths of edges around a source, the tiles that seeds and rounds put on
-/// lists, the levels that a search for contours looks at, and the numbers by which rounds are counted.
+/// Where a place may be bad, it counts as if it were good: sources lie inside cells, the texels around one,
+/// four or 100, lie on the grid and are no other source's, places looked up and starts lie on the grid where
+/// the map is reached, and there is room for all contours. Not counted is what depends on where things lie,
+/// and is little beside the rest: the lengths of edges around a source, the tiles that seeds and rounds put
+/// on lists, the levels that a search for contours looks at, and the numbers by which rounds are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// Texels visited, of 2 x 2 points each. Tiles count whole, also where they reach beyond the
