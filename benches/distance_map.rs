@@ -6,7 +6,8 @@
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use geosweep::cpu::{self, Stop};
+use geosweep::Stop;
+use geosweep::cpu;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::{Method, Solver};

@@ -9,7 +9,8 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use geosweep::cpu::{RotatedScan, Stop};
+use geosweep::Stop;
+use geosweep::cpu::RotatedScan;
 use geosweep::geometry::{
     FarthestPoints, Levels, Paths, Side, Voronoi, contours, offset_curves, ridges,
 };

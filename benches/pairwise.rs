@@ -2,8 +2,9 @@
 //! `cargo bench --bench pairwise`. Coefficients are computed outside the measured time.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use geosweep::Stop;
 use geosweep::Wavefront;
-use geosweep::cpu::{Instructions, PairwiseScan, Stop};
+use geosweep::cpu::{Instructions, PairwiseScan};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use rayon::prelude::*;

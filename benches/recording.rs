@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main};
+use geosweep::Stop;
 use geosweep::Wavefront;
-use geosweep::cpu::Stop;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
     self, Access, ContourFrame, Frame, LevelInput, PathFrame, PathsInfo, PointSource, Points,

@@ -3,7 +3,8 @@
 //! What is computed once for a surface is outside the measured time.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use geosweep::cpu::{PairwiseScan, Stop};
+use geosweep::Stop;
+use geosweep::cpu::PairwiseScan;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::{PairwiseSchedule, Solver};

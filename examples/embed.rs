@@ -5,9 +5,9 @@
 
 use std::error::Error;
 
+use geosweep::Stop;
 use geosweep::Wavefront;
 use geosweep::ash::{self, vk};
-use geosweep::cpu::Stop;
 use geosweep::gpu_allocator::{MemoryLocation, vulkan::*};
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{self, Access, Frame, PointSource, Points, Reader, SourceInput};

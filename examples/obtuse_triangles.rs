@@ -9,7 +9,8 @@
 
 use std::time::{Duration, Instant};
 
-use geosweep::cpu::{self, Connections, Stop};
+use geosweep::Stop;
+use geosweep::cpu::{self, Connections};
 use geosweep::glam::DVec2;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;

@@ -9,9 +9,9 @@ mod host;
 
 use std::error::Error;
 
+use geosweep::Stop;
 use geosweep::Wavefront;
 use geosweep::ash::vk;
-use geosweep::cpu::Stop;
 use geosweep::glam::Vec3;
 use geosweep::glam::camera::rh::{proj, view};
 use geosweep::surface::Chart;

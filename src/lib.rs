@@ -38,6 +38,7 @@ mod map;
 mod method;
 pub mod pairwise;
 mod solve;
+mod stop;
 pub mod surface;
 pub mod update;
 pub mod vulkan;
@@ -49,11 +50,12 @@ pub use glam;
 pub use gpu_allocator;
 pub use map::{DistanceMap, Report};
 pub use solve::{
-    DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, DeviceChoice, Engine, Options, distance_map,
-    distance_map_f64,
+    DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, Engine, Options, distance_map, distance_map_f64,
 };
+pub use stop::{Convergence, Stop};
 pub use surface::{EdgeRule, MetricTensor, Source, Sources, Spacing, Surface};
 pub use update::Wavefront;
+pub use vulkan::DeviceChoice;
 
 /// README's example compiles and runs.
 #[cfg(doctest)]

@@ -4,11 +4,12 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
+use crate::Stop;
 use crate::constants::SOURCES_INSIDE;
-use crate::cpu::{self, Connections, Stop};
+use crate::cpu::{self, Connections};
 use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface};
 use crate::update::Wavefront;
-use crate::vulkan::{self, Schedule, VulkanError};
+use crate::vulkan::{self, DeviceChoice, Schedule, VulkanError};
 use crate::{DistanceMap, Error, Report};
 
 /// Which engine computes a map.
@@ -26,18 +27,6 @@ pub enum Engine {
     /// split. With the other fronts it can err by several per cent where triangles are obtuse: it
     /// fixes points once, and where they are split a front's curvature is that of the air between.
     FastMarching,
-}
-
-/// Which Vulkan device, in the order of [`vulkan::devices`].
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum DeviceChoice {
-    /// The first usable one: a discrete GPU before an integrated one before others.
-    #[default]
-    Any,
-    /// The first whose name contains this text, whatever the case.
-    Name(String),
-    /// The one with this index.
-    Index(usize),
 }
 
 /// Default of [`Options::tolerance`]: near the rounding of single precision.

@@ -2,8 +2,8 @@
 
 mod measure;
 
+use geosweep::Stop;
 use geosweep::accuracy::exact_disc;
-use geosweep::cpu::Stop;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{EdgeRule, Sources, Wavefront};
 use measure::{CONVERGED, ENGINES, at, directed, errors, off_centre, rotated};

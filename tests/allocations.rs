@@ -5,7 +5,8 @@
 #[path = "common/heap.rs"]
 mod heap;
 
-use geosweep::cpu::{RotatedScan, Stop};
+use geosweep::Stop;
+use geosweep::cpu::RotatedScan;
 use geosweep::surface::{EdgeLengths, builtin::Builtin};
 use geosweep::{Sources, Wavefront};
 use heap::allocations;

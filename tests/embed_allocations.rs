@@ -10,9 +10,9 @@ mod host;
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use geosweep::Stop;
 use geosweep::Wavefront;
 use geosweep::ash::vk;
-use geosweep::cpu::Stop;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
     self, Access, ContourFrame, Frame, LevelInput, Lookup, PathFrame, PathsInfo, PointSource,

@@ -2,7 +2,8 @@
 
 mod measure;
 
-use geosweep::cpu::{self, Connections, Stop};
+use geosweep::Stop;
+use geosweep::cpu::{self, Connections};
 use geosweep::glam::DVec3;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;

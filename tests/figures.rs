@@ -7,8 +7,9 @@ use std::fs;
 use std::io::Cursor;
 
 use bench::{Bench, json, stderr};
+use geosweep::Stop;
 use geosweep::accuracy::{Errors, exact_disc};
-use geosweep::cpu::{Stop, raster_scan, scan_in_turn};
+use geosweep::cpu::{raster_scan, scan_in_turn};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{DistanceMap, Engine, Options, Sources, Wavefront, distance_map};

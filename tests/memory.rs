@@ -3,7 +3,8 @@
 
 use std::sync::Mutex;
 
-use geosweep::cpu::{RotatedScan, Stop};
+use geosweep::Stop;
+use geosweep::cpu::RotatedScan;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::{Method, Solver};

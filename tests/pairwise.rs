@@ -2,8 +2,9 @@
 
 mod measure;
 
+use geosweep::Stop;
 use geosweep::accuracy::Errors;
-use geosweep::cpu::{Instructions, PairwiseScan, Stop, scan_outward};
+use geosweep::cpu::{Instructions, PairwiseScan, scan_outward};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::{MetricTensor, Spacing, Surface, Wavefront};

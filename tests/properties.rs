@@ -5,7 +5,7 @@
 
 mod measure;
 
-use geosweep::cpu::Stop;
+use geosweep::Stop;
 use geosweep::glam::DVec3;
 use geosweep::surface::{Direction, Geometry};
 use geosweep::{

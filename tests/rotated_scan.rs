@@ -2,9 +2,10 @@
 
 mod measure;
 
-use geosweep::cpu::{Convergence, Instructions, RotatedScan, Stop};
+use geosweep::cpu::{Instructions, RotatedScan};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
+use geosweep::{Convergence, Stop};
 use geosweep::{Sources, Spacing, Surface, Wavefront};
 use measure::{CONVERGED, at, difference, directed, off_centre, rotated};
 

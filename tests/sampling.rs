@@ -2,7 +2,8 @@
 
 mod measure;
 
-use geosweep::cpu::{RotatedScan, Stop};
+use geosweep::Stop;
+use geosweep::cpu::RotatedScan;
 use geosweep::geometry::{Farthest, FarthestPoints, farthest};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{Chart, EdgeLengths, Real};

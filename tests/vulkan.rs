@@ -3,7 +3,8 @@
 mod common;
 
 use common::*;
-use geosweep::cpu::{self, Rounds, Solution, Stop};
+use geosweep::Stop;
+use geosweep::cpu::{self, Rounds, Solution};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::plan::{self, Step};

@@ -4,7 +4,8 @@
 mod common;
 
 use common::*;
-use geosweep::cpu::{self, PairwiseScan, Stop};
+use geosweep::Stop;
+use geosweep::cpu::{self, PairwiseScan};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::{PairwiseOnDevice, PairwiseSchedule, Solver, SurfaceOnDevice, VulkanError};

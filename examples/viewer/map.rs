@@ -1,8 +1,8 @@
 //! The map of distances of a surface: with the lines on it, all that is geosweep's in this program.
 
+use geosweep::Stop;
 use geosweep::Wavefront;
 use geosweep::ash::vk;
-use geosweep::cpu::Stop;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
     Access, Frame, Lookup, Outcome, Plan, PointSource, Points, Reader, ResultImage, Solver,

@@ -6,7 +6,7 @@ use super::arguments::{Output, hand_out, reference, take};
 use super::choices::{ScheduleNumber, WavefrontNumber, schedule, wavefront};
 use super::solver::{GeosweepSolver, Shared};
 use super::status::{Failure, GeosweepStatus, guard};
-use crate::cpu::Stop;
+use crate::Stop;
 use crate::surface::Chart;
 use crate::vulkan::{Method, embed};
 

@@ -3,9 +3,9 @@
 use glam::DVec2;
 
 use super::{
-    RotatedScan, Rounds, Solution, Stop, all_points, raster_scan, rotated_scan, scan_in_turn,
-    tile_rounds,
+    RotatedScan, Rounds, Solution, all_points, raster_scan, rotated_scan, scan_in_turn, tile_rounds,
 };
+use crate::Stop;
 use crate::accuracy::Errors;
 use crate::pairwise::Pairwise;
 use crate::surface::builtin::{Builtin, FlatPaths, FloorPlan};

@@ -41,26 +41,10 @@ pub use fast_marching::{fast_marching, fast_marching_with};
 pub use pairwise::PairwiseScan;
 pub(crate) use progress::{Progress, bend_units};
 pub use raster_scan::raster_scan;
-pub use rotated_scan::{Convergence, RotatedScan, rotated_scan};
+pub use rotated_scan::{RotatedScan, rotated_scan};
 pub(crate) use settled::{Visited, stays};
 pub use state::Solution;
 pub use twins::{
     Rounds, Visits, all_points, regions, scan_due, scan_in_turn, scan_outward, surroundings,
     tile_rounds,
 };
-
-/// When raster scans stop: at whichever comes first.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stop {
-    /// Stop after an iteration in which no arrival time fell by more than this fraction.
-    pub tolerance: f64,
-    /// Stop after this many iterations of four scans.
-    pub iterations: u32,
-}
-
-impl Stop {
-    /// Stops after a fixed number of iterations, or earlier if nothing changes any more.
-    pub fn after(iterations: u32) -> Self {
-        Self { tolerance: 0.0, iterations }
-    }
-}

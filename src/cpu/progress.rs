@@ -5,7 +5,7 @@
 //! On rough surfaces, or where slowness jumps, triangles let two points depend on one another, and
 //! around corners their fronts can then take turns for ever: three of 48 random surfaces did.
 
-use super::Stop;
+use crate::Stop;
 use crate::constants::{CURVATURE_COUNTS, FIRST_REACHED, PATIENCE};
 use crate::surface::{Real, min, relative_change};
 

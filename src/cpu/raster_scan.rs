@@ -1,7 +1,8 @@
 //! Algorithm 3: four directed raster scans, row by row.
 
+use super::Progress;
 use super::state::{Behind, Fronts, Solution};
-use super::{Progress, Stop};
+use crate::Stop;
 use crate::surface::{Direction, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 

@@ -12,10 +12,11 @@ use super::panel::{Grid, Panel};
 use super::state::{SEED, Solution, accept, accept_anchored, first, first_anchored, is_from};
 use super::tiles::{Scan, TILE, Tiles, points};
 use super::turned::Turned;
-use super::{Instructions, Progress, Stop};
+use super::{Instructions, Progress};
 use crate::lanes::Work;
 use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
 use crate::update::{Floor, Front, Wavefront};
+use crate::{Convergence, Stop};
 
 /// Solves by the scans rotated by 45 degrees (figure 3, second row): down and up, then right and
 /// left. All points of a row or column are updated at once, in lanes; see [`RotatedScan`].
@@ -61,15 +62,6 @@ pub struct RotatedScan<'a, R> {
 /// Points from which on edges are turned for good. On smaller grids these and the panels would be more
 /// than 40 bytes a point, and what is turned lies in near caches.
 const TURNED_FROM: usize = 256 * 256;
-
-/// How a solution came about.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Convergence {
-    /// Iterations of four scans.
-    pub iterations: u32,
-    /// See [`Solution::residual`].
-    pub residual: f64,
-}
 
 /// The fronts at all points as one scan sees them, and its work space.
 #[derive(Clone, Debug)]
@@ -158,7 +150,8 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     /// error. Seeds that lie behind the map change nothing. On a new solver this is `solve`.
     ///
     /// ```
-    /// use geosweep::cpu::{RotatedScan, Stop};
+    /// use geosweep::cpu::RotatedScan;
+    /// use geosweep::Stop;
     /// use geosweep::surface::{EdgeLengths, Seed, builtin::Builtin};
     /// use geosweep::Wavefront;
     ///

@@ -13,7 +13,8 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use super::{RotatedScan, Stop};
+use super::RotatedScan;
+use crate::Stop;
 use crate::surface::{EdgeLengths, Real, Seed, Surface, with_diagonals};
 use crate::update::Wavefront;
 

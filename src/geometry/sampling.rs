@@ -4,7 +4,8 @@
 
 use rayon::prelude::*;
 
-use crate::cpu::{RotatedScan, Stop};
+use crate::Stop;
+use crate::cpu::RotatedScan;
 use crate::surface::{Chart, EdgeLengths, Real, Seed};
 use crate::{Error, Options, Sources, Surface};
 

@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use super::lanes::Lanes;
 use super::report::Tally;
-use crate::cpu::{Connections, RotatedScan, Stop, fast_marching_with};
+use crate::Stop;
+use crate::cpu::{Connections, RotatedScan, fast_marching_with};
 use crate::surface::{EdgeLengths, Seed, Surface};
 use crate::vulkan::{PairwiseOnDevice, Solver, SurfaceOnDevice};
 use crate::{Engine, Error, Wavefront};

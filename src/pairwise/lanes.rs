@@ -5,8 +5,9 @@ use rayon::prelude::*;
 use super::batches::{Batch, Batches};
 use super::engine::Done;
 use super::report::Tally;
+use crate::Stop;
 use crate::Wavefront;
-use crate::cpu::{PairwiseScan, Stop};
+use crate::cpu::PairwiseScan;
 use crate::surface::{EdgeLengths, Surface};
 
 /// The pairwise engine of the CPU on a surface.

@@ -31,7 +31,7 @@ mod rows;
 
 use std::time::{Duration, Instant};
 
-use crate::cpu::Stop;
+use crate::Stop;
 use crate::solve::check_floor_plan;
 use crate::surface::Surface;
 use crate::{Engine, Error, Options, Wavefront};

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
+use crate::Convergence;
 use crate::Wavefront;
-use crate::cpu::Convergence;
 
 /// How rows of a distance matrix were computed.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::engine::RowEngine;
 use super::report::Tally;
 use crate::Error;
-use crate::cpu::Stop;
+use crate::Stop;
 
 /// Rows of the matrix that have just been computed.
 #[derive(Clone, Copy, Debug)]

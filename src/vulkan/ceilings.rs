@@ -16,10 +16,10 @@ use super::pipelines::{compute_pipeline, constant, spirv};
 use super::profile::Clock;
 use super::record::Recorder;
 use super::{VulkanError, embed, requirements};
-use crate::DeviceChoice;
 use crate::constants::{LAYERS, WORKGROUP};
 use crate::surface::Chart;
 use crate::update::Wavefront;
+use crate::vulkan::DeviceChoice;
 
 /// What a device can do at best, by the clock of the host.
 #[derive(Clone, Copy, Debug, PartialEq)]

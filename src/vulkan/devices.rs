@@ -7,7 +7,18 @@ use ash::vk;
 use super::VulkanError;
 use super::headless::Instance;
 use super::requirements::{API_VERSION, unmet, version_text};
-use crate::DeviceChoice;
+
+/// Which Vulkan device, in the order of [`devices`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum DeviceChoice {
+    /// The first usable one: a discrete GPU before an integrated one before others.
+    #[default]
+    Any,
+    /// The first whose name contains this text, whatever the case.
+    Name(String),
+    /// The one with this index.
+    Index(usize),
+}
 
 /// A Vulkan device of this machine.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,7 +10,7 @@ use super::profile::{Capabilities, Capability};
 use super::requirements::API_VERSION;
 use super::validation::{self, Messenger, ValidationLog};
 use super::{DeviceInfo, VulkanError, devices, requirements};
-use crate::DeviceChoice;
+use crate::vulkan::DeviceChoice;
 
 /// The loader and an instance, with the validation layers if asked for.
 pub(crate) struct Instance {

@@ -38,7 +38,7 @@ pub(crate) mod upload;
 mod validation;
 
 pub use ceilings::Ceilings;
-pub use devices::{DeviceInfo, devices};
+pub use devices::{DeviceChoice, DeviceInfo, devices};
 pub use error::VulkanError;
 pub use pairwise::{PairwiseOnDevice, PairwiseSchedule};
 pub use schedule::{Schedule, Tuning};

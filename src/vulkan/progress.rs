@@ -2,8 +2,8 @@
 
 use bytemuck::{AnyBitPattern, NoUninit};
 
+use crate::Stop;
 use crate::constants::{ROUNDS, VISIT_WORDS};
-use crate::cpu::Stop;
 
 const SLOTS: usize = 3 * (ROUNDS as usize + 1);
 

@@ -11,10 +11,10 @@ use super::record::Recorder;
 use super::surface_on_device::{Start, SurfaceOnDevice};
 use super::upload::{SeedTexel, seed_texels};
 use super::{Schedule, Tuning, ValidationLog, VulkanError, embed};
-use crate::DeviceChoice;
-use crate::cpu::Stop;
+use crate::Stop;
 use crate::surface::{Seed, Surface};
 use crate::update::Wavefront;
+use crate::vulkan::DeviceChoice;
 
 /// Turns the validation layers on in every [`Solver`], if set to anything but 0.
 const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
@@ -22,7 +22,7 @@ const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 /// A Vulkan device with the pipelines, for use without a renderer.
 ///
 /// ```no_run
-/// use geosweep::cpu::Stop;
+/// use geosweep::Stop;
 /// use geosweep::vulkan::{Method, Solver};
 /// use geosweep::{DeviceChoice, Sources, Spacing, Surface, Wavefront};
 /// let surface = Surface::from_heights(2, 2, vec![0.0; 4], Spacing::square(1.0))?;

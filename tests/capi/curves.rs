@@ -5,9 +5,9 @@ use std::fs;
 use std::path::Path;
 use std::ptr::{null, null_mut};
 
+use geosweep::Stop;
 use geosweep::ash::vk;
 use geosweep::capi::*;
-use geosweep::cpu::Stop;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
     self, Access, ContourFrame, CurveBuffer, CurveRecord, CurveStatus, CurveVertex, Frame,

@@ -2,7 +2,8 @@
 
 #![allow(dead_code)] // each test file uses its part
 
-use geosweep::cpu::{self, Stop};
+use geosweep::Stop;
+use geosweep::cpu;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::{Method, Solver};
 use geosweep::{DeviceChoice, Sources, Spacing, Surface, Wavefront};

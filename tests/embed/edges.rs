@@ -1,7 +1,7 @@
 //! Edges that shaders measure from a host's points, against those of their twin, which the headless solver
 //! brings to the device: by the maps that one iteration makes of them.
 
-use geosweep::cpu::Stop;
+use geosweep::Stop;
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{Chart, EdgeRule, Geometry};
 use geosweep::vulkan::embed::{

@@ -1,7 +1,7 @@
 //! What a host can give, in every form, against the headless solver on the same surface.
 
+use geosweep::Stop;
 use geosweep::ash::vk;
-use geosweep::cpu::Stop;
 use geosweep::glam::DVec3;
 use geosweep::surface::{Chart, EdgeRule};
 use geosweep::vulkan::embed::{

@@ -1,4 +1,4 @@
-use geosweep::{Wavefront, ash::{self, vk}, cpu::Stop, surface::Chart};
+use geosweep::{Stop, Wavefront, ash::{self, vk}, surface::Chart};
 use geosweep::vulkan::{Method, Schedule, VulkanError, embed::*};
 pub fn host(instance: &ash::Instance, physical_device: vk::PhysicalDevice, device: &ash::Device,
     allocator: &mut geosweep::gpu_allocator::vulkan::Allocator, vertices: vk::Buffer, stop: Stop,

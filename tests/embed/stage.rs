@@ -1,8 +1,8 @@
 //! A host with a solver and a surface of ours, and what tests do with them.
 
+use geosweep::Stop;
 use geosweep::Wavefront;
 use geosweep::ash::vk;
-use geosweep::cpu::Stop;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
     self, Access, Frame, PointSource, Reader, ResultImage, SourceInput, SurfaceInfo,

@@ -1,6 +1,7 @@
 //! Sources between grid points, whose surroundings are solved before the whole grid is.
 
-use geosweep::cpu::{self, Stop};
+use geosweep::Stop;
+use geosweep::cpu;
 use geosweep::glam::DVec2;
 use geosweep::surface::{Chart, EdgeLengths};
 use geosweep::vulkan::embed::{

@@ -3,8 +3,9 @@
 
 use std::sync::Mutex;
 
+use geosweep::Stop;
 use geosweep::accuracy::Errors;
-use geosweep::cpu::{self, Solution, Stop};
+use geosweep::cpu::{self, Solution};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::{Method, Solver};

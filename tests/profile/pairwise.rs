@@ -1,7 +1,7 @@
 //! Maps of many sources at once.
 
+use geosweep::Stop;
 use geosweep::Wavefront;
-use geosweep::cpu::Stop;
 use geosweep::vulkan::PairwiseSchedule;
 use geosweep::vulkan::plan::{self, Reached, Step};
 use geosweep::vulkan::profile::{Capability, Detail, Grain, PassKind, PassRecord};

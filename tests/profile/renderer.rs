@@ -1,8 +1,8 @@
 //! A host with one surface, and what its profile needs.
 
+use geosweep::Stop;
 use geosweep::Wavefront;
 use geosweep::ash::vk;
-use geosweep::cpu::Stop;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
     self, Access, Frame, Plan, PointKind, PointSource, Points, Reader, SourceInput, SurfaceInfo,

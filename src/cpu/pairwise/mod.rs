@@ -12,9 +12,10 @@ mod reach;
 mod scans;
 mod stage;
 
-use super::{Convergence, Instructions, RotatedScan, Stop};
+use super::{Instructions, RotatedScan};
 use crate::surface::{Chart, EdgeLengths, Seed};
 use crate::update::Wavefront;
+use crate::{Convergence, Stop};
 use curved::Curved;
 use kernel::LANES;
 use planar::Planar;

@@ -9,9 +9,10 @@ use super::marks::WORD;
 use super::outward::{Outward, Passing};
 use super::pending::{Pending, SCANS};
 use super::stage::Stage;
-use crate::cpu::{Convergence, Instructions, Progress, Stop};
+use crate::cpu::{Instructions, Progress};
 use crate::lanes::Work;
 use crate::surface::{Chart, EdgeLengths, Real, Seed};
+use crate::{Convergence, Stop};
 
 /// The coefficients of a surface for one kind of front, and work space for as many batches as
 /// have been computed at once.

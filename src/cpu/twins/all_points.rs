@@ -1,9 +1,10 @@
 //! All points at once from their eight triangles, again and again. The twin of
 //! `glsl/all_points.comp`.
 
+use super::super::Progress;
 use super::super::state::{Fronts, Solution};
-use super::super::{Progress, Stop};
 use super::scan_triangles;
+use crate::Stop;
 use crate::surface::{EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 

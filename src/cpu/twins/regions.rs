@@ -1,8 +1,8 @@
 //! Labels by the nearest source. The twin of `glsl/region_*.comp`.
 
-use super::super::Stop;
 use super::super::state::{Fronts, TriangleSlots};
 use super::scan_in_turn::scan;
+use crate::Stop;
 use crate::constants::{FLOW_JUMPS, NEAR_PLACES, PARENT_JUMPS};
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
 use crate::update::{Wavefront, base_crossing};

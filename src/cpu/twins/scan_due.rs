@@ -1,9 +1,10 @@
 //! Rotated raster scans that pass over the blocks of lines in which nothing can change. The twin of
 //! `glsl/blocks.glsl`.
 
+use super::super::Progress;
 use super::super::state::{Fronts, Solution};
-use super::super::{Progress, Stop};
 use super::scan_triangles;
+use crate::Stop;
 use crate::surface::{Chart, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 

@@ -1,8 +1,9 @@
 //! Rotated raster scans one after another, point by point. The twin of `glsl/scan.comp`.
 
+use super::super::Progress;
 use super::super::state::{Fronts, Solution};
-use super::super::{Progress, Stop};
 use super::scan_triangles;
+use crate::Stop;
 use crate::surface::{EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 

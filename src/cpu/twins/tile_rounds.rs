@@ -1,8 +1,8 @@
 //! Rounds of scans inside tiles. The twin of `glsl/tiles.comp` and `glsl/settle.comp`.
 
-use super::super::Stop;
 use super::super::state::{Behind, Fronts, Solution};
 use super::scan_triangles;
+use crate::Stop;
 use crate::constants::PATIENCE;
 use crate::surface::{Chart, EdgeLengths, Real, Seed, relative_change};
 use crate::update::Wavefront;

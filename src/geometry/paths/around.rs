@@ -15,7 +15,8 @@ use super::corners::Corners;
 use super::goals::Goals;
 use super::rests::Rests;
 use super::trace::{Field, Place, Trace};
-use crate::cpu::{RotatedScan, Stop};
+use crate::Stop;
+use crate::cpu::RotatedScan;
 use crate::surface::{Chart, EdgeLengths, Seed, Sources};
 use crate::update::Wavefront;
 

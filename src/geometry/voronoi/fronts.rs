@@ -537,7 +537,8 @@ impl Origin {
 mod tests {
     use super::*;
     use crate::Spacing;
-    use crate::cpu::{Stop, raster_scan};
+    use crate::Stop;
+    use crate::cpu::raster_scan;
     use crate::update::Wavefront;
 
     /// Whether points are left out or not, all fronts are the same.

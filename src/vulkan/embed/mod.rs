@@ -17,7 +17,7 @@
 //! #     allocator: &mut Allocator, vertices: vk::Buffer, load_commands: vk::CommandBuffer,
 //! #     commands: vk::CommandBuffer, frame_in_flight: usize,
 //! # ) -> Result<(), geosweep::vulkan::VulkanError> {
-//! use geosweep::cpu::Stop;
+//! use geosweep::Stop;
 //! use geosweep::surface::Chart;
 //! use geosweep::vulkan::embed::{self, Access, Frame, PointSource, Points, Reader, SourceInput};
 //! use geosweep::vulkan::{Method, Schedule};

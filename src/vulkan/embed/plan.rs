@@ -1,6 +1,6 @@
 //! The passes of a recording, made once for many frames.
 
-use crate::cpu::Stop;
+use crate::Stop;
 use crate::update::Wavefront;
 use crate::vulkan::plan::{self, Portions, Step};
 use crate::vulkan::profile::{Grain, records};

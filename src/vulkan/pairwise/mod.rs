@@ -25,8 +25,8 @@ use super::headless::{Commands, Context};
 use super::plan::{self, Reached};
 use super::profile::{self, Detail, Grain, Session, SolveProfile};
 use super::{Schedule, Solver, SurfaceOnDevice, TexelChart, Tuning, VulkanError};
-use crate::cpu::{Convergence, Stop};
 use crate::update::Wavefront;
+use crate::{Convergence, Stop};
 use layout::{Layout, Limits};
 use pipelines::Passes;
 use progress::{MapProgress, Outcome};
@@ -73,7 +73,7 @@ impl fmt::Display for PairwiseSchedule {
 /// Room on a device for the maps of a batch of sources of one surface.
 ///
 /// ```no_run
-/// use geosweep::cpu::Stop;
+/// use geosweep::Stop;
 /// use geosweep::vulkan::Solver;
 /// use geosweep::{DeviceChoice, Spacing, Surface, Wavefront};
 /// let surface = Surface::from_heights(32, 32, vec![0.0; 1024], Spacing::square(1.0))?;
@@ -383,8 +383,8 @@ impl Drop for PairwiseOnDevice {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::DeviceChoice;
     use crate::surface::{Spacing, Surface};
+    use crate::vulkan::DeviceChoice;
 
     const STOP: Stop = Stop { tolerance: 1e-6, iterations: 100 };
 

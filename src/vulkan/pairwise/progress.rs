@@ -2,8 +2,8 @@
 
 use bytemuck::{AnyBitPattern, NoUninit, bytes_of};
 
-use crate::cpu::{Convergence, Stop};
 use crate::surface::relative_change;
+use crate::{Convergence, Stop};
 
 /// Of a whole batch.
 #[derive(Clone, Copy, Debug, AnyBitPattern, NoUninit)]

@@ -316,11 +316,12 @@ impl Drop for Session {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cpu::Stop;
+    use crate::Stop;
     use crate::surface::{Sources, Spacing, Surface};
+    use crate::update::Wavefront;
+    use crate::vulkan::DeviceChoice;
     use crate::vulkan::profile::Capability;
     use crate::vulkan::{Method, Schedule, Solver};
-    use crate::{DeviceChoice, Wavefront};
 
     /// Queries, copies of decisions and lists, labels and names leave no message under the
     /// validation layers, with synchronization validation; whatever is left out, the map is the

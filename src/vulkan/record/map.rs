@@ -6,8 +6,8 @@ use ash::vk;
 use bytemuck::{NoUninit, bytes_of};
 
 use super::{Recorder, dispatched};
+use crate::Stop;
 use crate::constants::{CURVATURE, FAR, LAYERS, TIME, WORKGROUP};
-use crate::cpu::Stop;
 use crate::vulkan::Schedule;
 use crate::vulkan::barrier::{CLEAR, COPY, HOST_READ, PASS, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::pipelines::{Pipelines, SchedulePipelines};

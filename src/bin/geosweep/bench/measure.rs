@@ -3,7 +3,8 @@
 use std::error::Error;
 use std::time::{Duration, Instant};
 
-use geosweep::cpu::{self, RotatedScan, Stop};
+use geosweep::Stop;
+use geosweep::cpu::{self, RotatedScan};
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::profile::{Capability, Detail, Grain};
 use geosweep::vulkan::{self, Schedule, Solution, Solver, SurfaceOnDevice, VulkanError};

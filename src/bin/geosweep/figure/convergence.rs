@@ -4,8 +4,9 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use geosweep::Stop;
 use geosweep::accuracy::{Errors, exact_disc};
-use geosweep::cpu::{Stop, raster_scan};
+use geosweep::cpu::raster_scan;
 use geosweep::io::StagedFile;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use geosweep::cpu::{Stop, scan_in_turn};
+use geosweep::Stop;
+use geosweep::cpu::scan_in_turn;
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::{DEFAULT_TOLERANCE, Sources, Surface, Wavefront};
