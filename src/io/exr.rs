@@ -2,15 +2,18 @@
 
 use std::io::{self, Cursor, Seek, Write};
 
+use ::exr::compression::Compression;
 use ::exr::error::Error;
 use ::exr::meta::MetaData;
+use ::exr::meta::header::Header;
 use ::exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels,
     ReadLayers, WritableImage, read,
 };
 use glam::DVec3;
 
-use super::{Grid, checked_points};
+use super::Grid;
+use super::limits::{check_decoded, checked_points};
 
 /// What the channels are.
 pub(super) enum Pixels {
@@ -26,7 +29,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
         Error::NotSupported(what) => format!("uses an EXR feature that is not supported: {what}"),
         other => format!("is no usable EXR file: {other}"),
     };
-    check_sizes(bytes).map_err(malformed)??;
+    let meta = MetaData::read_from_buffered(bytes, false).map_err(malformed)?;
+    meta.headers.iter().try_for_each(|header| check_header(header, bytes.len()))?;
     let layer = read()
         .no_deep_data()
         .largest_resolution_level()
@@ -67,11 +71,15 @@ fn samples(channel: &AnyChannel<FlatSamples>) -> Box<dyn Iterator<Item = f64> + 
     Box::new(channel.sample_data.values_as_f32().map(f64::from))
 }
 
-/// Looks at every layer's size before any pixel is given memory.
-fn check_sizes(bytes: &[u8]) -> Result<Result<(), String>, Error> {
-    let meta = MetaData::read_from_buffered(bytes, false)?;
-    let check = |size: ::exr::math::Vec2<usize>| checked_points(size.height(), size.width());
-    Ok(meta.headers.iter().try_for_each(|header| check(header.layer_size).map(drop)))
+/// Looks at a layer's size and compression before any pixel is given memory.
+fn check_header(header: &Header, file: usize) -> Result<(), String> {
+    if matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
+        return Err("is compressed by DWA, which loses digits; write it with ZIP or PIZ".into());
+    }
+    let points = checked_points(header.layer_size.height(), header.layer_size.width())?;
+    let channels = &header.channels.list;
+    let bytes = channels.iter().map(|channel| channel.sample_type.bytes_per_sample()).sum();
+    check_decoded(file, points, bytes)
 }
 
 /// Writes a map as one channel `Y` of float32.
@@ -89,4 +97,43 @@ pub(super) fn encode(
         Error::Io(error) => error,
         other => io::Error::other(other),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(compression: Compression, channels: usize) -> Vec<u8> {
+        let channel = |n: usize| {
+            AnyChannel::new(format!("c{n}").as_str(), FlatSamples::F32(vec![1.0; 64 * 64]))
+        };
+        let channels = AnyChannels::sort((0..channels).map(channel).collect());
+        let encoding = Encoding { compression, ..Encoding::SMALL_LOSSLESS };
+        let layer = Layer::new((64, 64), LayerAttributes::named("heights"), encoding, channels);
+        let mut bytes = Cursor::new(Vec::new());
+        Image::from_layer(layer).write().to_buffered(&mut bytes).unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn compression_that_loses_digits_is_refused() {
+        assert!(matches!(decode(&file(Compression::ZIP16, 1)), Ok(Pixels::Single(_))));
+        for compression in [Compression::DWAA(None), Compression::DWAB(None)] {
+            let message = decode(&file(compression, 1)).err().unwrap();
+            assert!(message.contains("DWA"), "{message}");
+        }
+    }
+
+    #[test]
+    fn files_that_claim_more_than_they_hold_are_refused() {
+        // 16384 x 16384 points in place of 64 x 64: the corner of both windows.
+        let corner = [63i32, 63].map(i32::to_le_bytes).concat();
+        let large = [16383i32, 16383].map(i32::to_le_bytes).concat();
+        let mut bytes = file(Compression::ZIP16, 1);
+        while let Some(at) = bytes.windows(8).position(|window| window == corner) {
+            bytes[at..at + 8].copy_from_slice(&large);
+        }
+        let message = decode(&bytes).err().unwrap();
+        assert!(message.contains("more than compression can hold"), "{message}");
+    }
 }

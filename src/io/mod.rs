@@ -5,7 +5,7 @@
 //! name's extension. Output files appear whole or not at all ([`OutputFile`]).
 //!
 //! Files are not trusted: sizes are checked against the data before anything is allocated for
-//! them, and at most [`MAX_POINTS`] points are accepted.
+//! them (`limits.rs`), and at most [`MAX_POINTS`] points are accepted.
 
 mod arrays;
 mod atomic;
@@ -14,6 +14,7 @@ mod error;
 mod exr;
 mod georeference;
 mod geotiff;
+mod limits;
 mod map_file;
 mod matrix_file;
 mod npy;
@@ -27,6 +28,7 @@ pub use atomic::{OutputFile, StagedFile};
 pub use curves::{Attribute, CurveFormat, Drawing, Polyline};
 pub use error::IoError;
 pub use georeference::{CoordinateSystem, Georeference};
+pub use limits::{MAX_POINTS, checked_points};
 pub use map_file::{MapFormat, MapValue, read_map};
 pub use matrix_file::{
     Element, MatrixFile, MatrixLayout, Provenance, SquareMatrix, is_distance_matrix, read_matrix,
@@ -38,22 +40,6 @@ pub use surface_file::SurfaceFile;
 
 use std::fs;
 use std::path::Path;
-
-/// The largest number of grid points that is read or made: 2^28, 16384 x 16384.
-pub const MAX_POINTS: usize = 1 << 28;
-
-/// The number of points of a grid, or why there cannot be so many.
-pub fn checked_points(rows: usize, cols: usize) -> Result<usize, String> {
-    match rows.checked_mul(cols) {
-        Some(0) => {
-            Err(format!("a grid of {rows} x {cols} points is empty; at least 1 x 1 is needed"))
-        }
-        Some(points) if points <= MAX_POINTS => Ok(points),
-        _ => Err(format!(
-            "a grid of {rows} x {cols} points is too large; the limit is {MAX_POINTS} points, 16384 x 16384"
-        )),
-    }
-}
 
 /// Checks that there is a regular file: devices and pipes may never end. Returns its size.
 fn check_regular(path: &Path) -> Result<u64, IoError> {

@@ -4,7 +4,8 @@ use std::io::Cursor;
 
 use ::png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 
-use super::{Grid, checked_points};
+use super::Grid;
+use super::limits::{PNG_BUFFERS, check_decoded, checked_points};
 
 /// A grey picture's values, unscaled at 8 and 16 bits; fewer bits are scaled to 0..=255.
 pub(super) struct GreyPicture {
@@ -15,7 +16,10 @@ pub(super) struct GreyPicture {
 
 pub(super) fn decode(bytes: &[u8]) -> Result<GreyPicture, String> {
     let malformed = |error: ::png::DecodingError| format!("is no usable PNG file: {error}");
-    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: usize::MAX });
+    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: PNG_BUFFERS });
+    // Compressed, they could be of any size, and say nothing about heights.
+    decoder.set_ignore_iccp_chunk(true);
+    decoder.set_ignore_text_chunk(true);
     let info = decoder.read_header_info().map_err(malformed)?;
     let (rows, cols) = (info.height as usize, info.width as usize);
     let (color, depth) = (info.color_type, info.bit_depth);
@@ -28,6 +32,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<GreyPicture, String> {
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(malformed)?;
     let width = if depth == BitDepth::Sixteen { 2 } else { 1 };
+    check_decoded(bytes.len(), points, width)?;
     let mut samples = vec![0; points * width];
     if reader.output_buffer_size() != Some(samples.len()) {
         return Err("is a PNG file with transparency; only grey PNG without alpha is read".into());

@@ -10,8 +10,9 @@ use ::tiff::tags::Tag;
 use ::tiff::{ColorType, TiffError};
 
 use super::geotiff::GeoTags;
+use super::limits::{checked_points, most_decoded};
 use super::surface_file::FileSpacing;
-use super::{Georeference, Grid, MAX_POINTS, checked_points};
+use super::{Georeference, Grid};
 
 /// Heights, NaN where the file says "no data".
 pub(super) struct Raster {
@@ -23,7 +24,8 @@ pub(super) struct Raster {
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Raster, String> {
     let malformed = |error: TiffError| format!("is no usable TIFF file: {error}");
-    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(malformed)?.with_limits(limits());
+    let mut decoder =
+        Decoder::new(Cursor::new(bytes)).map_err(malformed)?.with_limits(limits(bytes.len()));
     let (cols, rows) = decoder.dimensions().map_err(malformed)?;
     let (rows, cols) = (rows as usize, cols as usize);
     let points = checked_points(rows, cols)?;
@@ -45,9 +47,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Raster, String> {
     })
 }
 
-fn limits() -> Limits {
+fn limits(file: usize) -> Limits {
     let mut limits = Limits::default();
-    limits.decoding_buffer_size = MAX_POINTS * size_of::<f64>();
+    limits.decoding_buffer_size = most_decoded(file);
     limits.intermediate_buffer_size = limits.decoding_buffer_size;
     limits
 }
