@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -62,8 +62,16 @@ impl Checkpoint {
 
     pub fn read(part: &Path) -> Result<Self, IoError> {
         let path = path(part);
-        let text =
-            fs::read(&path).map_err(|source| IoError::Read { path: path.clone(), source })?;
+        let text = fs::read(&path).map_err(|source| match source.kind() {
+            io::ErrorKind::NotFound => IoError::content(
+                part,
+                format!(
+                    "is an unfinished matrix without its checkpoint {}; remove it to begin anew",
+                    path.display()
+                ),
+            ),
+            _ => IoError::Read { path: path.clone(), source },
+        })?;
         serde_json::from_slice(&text)
             .map_err(|error| IoError::content(&path, format!("is no checkpoint: {error}")))
     }
@@ -93,6 +101,13 @@ impl Checkpoint {
             if found != wanted {
                 return refuse(what, found, wanted);
             }
+        }
+        if self.rows > layout.rows {
+            let reason = format!(
+                "has {} rows by its checkpoint, more than the {} of the matrix; remove it to begin anew",
+                self.rows, layout.rows
+            );
+            return Err(IoError::content(part, reason));
         }
         Ok(())
     }

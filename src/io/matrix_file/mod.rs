@@ -10,7 +10,7 @@ mod read;
 mod symmetric;
 
 use std::fs::{self, File, TryLockError};
-use std::io::{self, Seek, SeekFrom, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -117,6 +117,7 @@ impl MatrixFile {
         lock(&file, &part)?;
         let checkpoint = Checkpoint::read(&part)?;
         checkpoint.check(&part, &made_from, layout.of_rows())?;
+        check_header(&mut file, &part, &layout.of_rows())?;
         let kept = layout.of_rows().bytes_of_rows(checkpoint.rows);
         let found = file.metadata().map_err(error)?.len();
         if found < kept {
@@ -227,6 +228,19 @@ impl MatrixFile {
     }
 }
 
+/// Refuses an unfinished matrix that does not begin as it was begun: something else has written to
+/// it since.
+fn check_header(file: &mut File, part: &Path, layout: &MatrixLayout) -> Result<(), IoError> {
+    let wanted = layout.header();
+    let mut found = vec![0; wanted.len()];
+    if file.read_exact(&mut found).is_ok() && found == wanted {
+        return Ok(());
+    }
+    let reason =
+        "does not begin as the matrix that its checkpoint speaks of; remove it to begin anew";
+    Err(IoError::content(part, reason))
+}
+
 /// Where a matrix lies until it is finished.
 fn part_path(output: &OutputFile) -> PathBuf {
     with_suffix(output.target(), ".part")
@@ -247,5 +261,64 @@ fn lock(file: &File, part: &Path) -> Result<(), IoError> {
         // Some network file systems have no locks.
         Err(TryLockError::Error(source)) if source.kind() == io::ErrorKind::Unsupported => Ok(()),
         Err(TryLockError::Error(source)) => Err(IoError::write(part, source)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAYOUT: MatrixLayout = MatrixLayout {
+        rows: 3,
+        cols: 3,
+        element: Element::Float32,
+        upper: false,
+        symmetric: false,
+    };
+
+    /// An unfinished matrix of one row, after something has happened to its files.
+    fn resumed_after(change: impl FnOnce(&Path, &Path)) -> Result<MatrixFile, IoError> {
+        let folder = tempfile::tempdir().unwrap();
+        let output = OutputFile::new(&folder.path().join("d.npy")).unwrap();
+        let mut matrix = MatrixFile::begin(output.clone(), LAYOUT, Provenance::new()).unwrap();
+        matrix.append(&[0.0, 1.0, 2.0]).unwrap();
+        let part = part_path(&output);
+        matrix.pause().unwrap();
+        change(&part, &with_suffix(&part, ".json"));
+        MatrixFile::resume(output, LAYOUT, Provenance::new())
+    }
+
+    fn refused(change: impl FnOnce(&Path, &Path)) -> String {
+        resumed_after(change).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn what_was_left_is_resumed() {
+        assert_eq!(resumed_after(|_, _| {}).unwrap().rows(), 1);
+    }
+
+    #[test]
+    fn an_unfinished_matrix_that_something_has_changed_is_refused() {
+        let overwrite = |bytes: &'static [u8]| {
+            move |part: &Path, _: &Path| {
+                let file = File::options().write(true).open(part);
+                file.and_then(|mut file| file.write_all(bytes)).unwrap();
+            }
+        };
+        for bytes in [[0; 16].as_slice(), b"\x93NUMPY\x01\x00\xff\xff"] {
+            let message = refused(overwrite(bytes));
+            assert!(message.contains("remove it to begin anew"), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_checkpoint_that_lies_is_refused() {
+        let message = refused(|_, checkpoint| {
+            let text = fs::read_to_string(checkpoint).unwrap();
+            fs::write(checkpoint, text.replace("\"rows\": 1", "\"rows\": 4000000000000")).unwrap();
+        });
+        assert!(message.contains("4000000000000 rows"), "{message}");
+        let message = refused(|_, checkpoint| fs::remove_file(checkpoint).unwrap());
+        assert!(message.contains("without its checkpoint"), "{message}");
     }
 }

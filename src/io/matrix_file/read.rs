@@ -1,7 +1,7 @@
 //! A matrix of distances from its file.
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 use crate::io::npy::{Header, shape_text};
@@ -30,7 +30,8 @@ pub fn read_matrix(path: &Path) -> Result<SquareMatrix, IoError> {
     let content = |reason| IoError::content(path, reason);
     let mut file = BufReader::new(File::open(path).map_err(read_error)?);
     let header = Header::read(&mut file).map_err(content)?;
-    let bytes = header.check_size(size).map_err(content)?;
+    let after_header = file.stream_position().map_err(read_error)?;
+    let bytes = header.check_size(size.saturating_sub(after_header)).map_err(content)?;
     let place = Place::of(&header).map_err(content)?;
     let points = place.points();
 
@@ -55,12 +56,14 @@ pub fn read_matrix(path: &Path) -> Result<SquareMatrix, IoError> {
 /// +infinity on its diagonal, and something else in its first row.
 pub fn is_distance_matrix(path: &Path) -> bool {
     let is = || {
-        check_regular(path).ok()?;
+        let size = check_regular(path).ok()?;
         let mut file = BufReader::new(File::open(path).ok()?);
         let header = Header::read(&mut file).ok()?;
+        // A row is given memory only where the file has so many.
+        header.check_size(size.saturating_sub(file.stream_position().ok()?)).ok()?;
         let points = match header.shape[..] {
             [_] => return Some(true),
-            [rows, cols] if rows == cols && header.dtype.kind == b'f' => rows,
+            [rows, cols] if rows == cols && rows > 0 && header.dtype.kind == b'f' => rows,
             _ => return None,
         };
         let size = header.dtype.bytes;
@@ -143,5 +146,34 @@ impl Place {
                 distances[col * points + row] = distance;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::npy;
+
+    /// A file of this shape, with a few numbers.
+    fn file(folder: &Path, shape: &[usize], numbers: usize) -> std::path::PathBuf {
+        let path = folder.join("d.npy");
+        let data = vec![0; numbers * size_of::<f32>()];
+        std::fs::write(&path, [npy::header("<f4", shape), data].concat()).unwrap();
+        path
+    }
+
+    #[test]
+    fn shapes_that_the_file_does_not_fill_are_no_matrices() {
+        let folder = tempfile::tempdir().unwrap();
+        for side in [0, 3, 1 << 40, 1 << 61] {
+            let path = file(folder.path(), &[side, side], 8);
+            assert!(!is_distance_matrix(&path), "{side}");
+            read_matrix(&path).unwrap_err();
+        }
+        // The header has bytes enough for the number that is missing.
+        let path = file(folder.path(), &[3, 3], 8);
+        let message = read_matrix(&path).unwrap_err().to_string();
+        assert!(message.contains("needs 36 bytes, 32 are there"), "{message}");
+        assert_eq!(read_matrix(&file(folder.path(), &[3, 3], 9)).unwrap().points, 3);
     }
 }
