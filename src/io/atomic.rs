@@ -47,7 +47,7 @@ impl OutputFile {
             return Err(error("the name of a file is missing"));
         }
         // A link is followed, so that its target is replaced and not the link.
-        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let target = follow_links(path).map_err(|source| IoError::write(path, source))?;
         match fs::metadata(&target) {
             Ok(found) if found.is_dir() => return Err(error("a folder has this name")),
             Ok(found) if !found.is_file() => return Err(error("it is not a regular file")),
@@ -121,6 +121,20 @@ impl OutputFile {
     }
 }
 
+/// Links that are followed before they are taken for a circle, as many as Linux follows.
+const MOST_LINKS: usize = 40;
+
+/// Where a path leads, also if nothing is there yet.
+fn follow_links(path: &Path) -> io::Result<PathBuf> {
+    let mut target = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        let Ok(link) = fs::read_link(&target) else { return Ok(target) };
+        // Relative to the folder of the link; an absolute one replaces all of it.
+        target = target.parent().unwrap_or(Path::new("")).join(link);
+    }
+    Err(io::Error::other("its links lead in a circle; remove them"))
+}
+
 impl StagedFile {
     /// Gives the file its name, in one step.
     ///
@@ -131,5 +145,41 @@ impl StagedFile {
         file.persist(&output.target)
             .map(drop)
             .map_err(|failure| IoError::write(&output.path, failure.error))
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::os::unix::fs::symlink;
+
+    use super::*;
+
+    fn write(path: &Path) {
+        let output = OutputFile::new(path).unwrap();
+        output.stage(|writer| writer.write_all(b"map")).unwrap().commit().unwrap();
+    }
+
+    #[test]
+    fn links_are_followed_to_files_that_are_not_there_yet() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::create_dir(at("maps")).unwrap();
+        symlink("maps/second", at("first")).unwrap();
+        symlink("map.npy", at("maps/second")).unwrap();
+        write(&at("first"));
+        assert_eq!(fs::read(at("maps/map.npy")).unwrap(), b"map");
+        assert!(fs::symlink_metadata(at("first")).unwrap().is_symlink());
+        // And now that it is there.
+        write(&at("first"));
+        assert!(fs::symlink_metadata(at("maps/second")).unwrap().is_symlink());
+    }
+
+    #[test]
+    fn links_in_a_circle_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let [a, b] = ["a", "b"].map(|name| folder.path().join(name));
+        symlink(&a, &b).unwrap();
+        symlink(&b, &a).unwrap();
+        assert!(OutputFile::new(&a).unwrap_err().to_string().contains("circle"));
     }
 }
