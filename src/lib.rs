@@ -67,6 +67,11 @@ struct Readme;
 #[doc = include_str!("../docs/profiling.md")]
 struct Profiling;
 
+/// So does that of the page on maps.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/maps.md")]
+struct Maps;
+
 /// So does that of the page on all pairs.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/pairwise.md")]

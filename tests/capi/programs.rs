@@ -1,4 +1,4 @@
-//! Programs in C: the example, README's snippet, and one that leaves out a barrier.
+//! Programs in C: the example, the guide's frame, and one that leaves out a barrier.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -80,16 +80,20 @@ fn a_reader_that_is_not_named_is_reported() {
     );
 }
 
-/// README's block of C, between the lines that a renderer has around it.
+/// The guide's frame in C, between the lines that a renderer has around it.
 #[test]
-fn the_snippet_of_readme_compiles_and_runs() {
-    let readme = read("README.md");
-    let [snippet] = blocks(&readme, "c")[..] else { panic!("one block of C is in README") };
+fn the_frame_of_the_guide_compiles_and_runs() {
+    let guide = read("docs/embedding.md");
+    let blocks = blocks(&guide, "c");
+    let mut frames = blocks.iter().filter(|block| block.contains("geosweep_solver_create("));
+    let (Some(snippet), None) = (frames.next(), frames.next()) else {
+        panic!("one block of C in the guide creates a solver")
+    };
     let folder = scratch("snippet");
     let harness = read("tests/capi/snippet.c");
     let source = harness
         .replace("examples/embed.c", &format!("{ROOT}/{EXAMPLE}"))
-        .replace("/* README's snippet */", snippet);
+        .replace("/* the guide's frame */", snippet);
     assert!(source.contains(snippet));
     fs::write(folder.join("snippet.c"), source).unwrap();
     compile(&folder.join("snippet.c"), &folder.join("snippet"), Linkage::Shared);

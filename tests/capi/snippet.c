@@ -1,4 +1,4 @@
-/* What a renderer has around README's snippet: tests/capi/programs.rs puts that in its place. */
+/* What a renderer has around the guide's frame: tests/capi/programs.rs puts that in its place. */
 
 #define main example_main
 #include "examples/embed.c"
@@ -34,7 +34,7 @@ int main(int argc, char **argv) {
     GeosweepImage distances;
     begin(&host);
 
-/* README's snippet */
+/* the guide's frame */
 
     /* Fragment shaders could read now; the test copies. */
     VkImageMemoryBarrier barrier = {
