@@ -1,11 +1,8 @@
 //! `geosweep canonical` and the figure of forms: files, reports and refusals.
-#![cfg(feature = "cli")]
-
-mod bench;
 
 use std::fs;
 
-use bench::{Bench, json, stderr};
+use crate::workbench::{Workbench, json, stderr};
 use geosweep::geometry::canonical::align;
 use geosweep::io::SurfaceFile;
 
@@ -15,7 +12,7 @@ fn words(line: &str) -> Vec<&str> {
 
 #[test]
 fn the_form_is_a_surface_of_its_own() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "canonical builtin:sphere:12x15 -o form.npy --picture form.png --json";
     let report = json(&bench.run(words(line)));
     assert_eq!(bench.outputs(), ["form.npy", "form.png"]);
@@ -30,7 +27,7 @@ fn the_form_is_a_surface_of_its_own() {
 
 #[test]
 fn holes_come_back_as_nan() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     // A hole, and a corner that a diagonal of holes cuts off.
     let mut heights = vec![0.0; 9 * 8];
     for hole in [4 * 8 + 4, 2, 8 + 1, 2 * 8, 8 + 2, 2 * 8 + 1] {
@@ -48,7 +45,7 @@ fn holes_come_back_as_nan() {
 
 #[test]
 fn large_grids_are_thinned_and_meshes_written() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "canonical builtin:plane:41x21 --points 100 --dimensions 2 -o form.ply --json";
     let output = bench.run(words(line));
     assert!(stderr(&output).contains("14 x 7 of the 41 x 21 points"), "{}", stderr(&output));
@@ -60,7 +57,7 @@ fn large_grids_are_thinned_and_meshes_written() {
 
 #[test]
 fn a_matrix_of_distances_is_taken() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let places = [[0.0, 0.0], [3.0, 0.0], [3.0, 4.0], [0.0, 4.0], [1.0, 1.0]];
     let distance = |a: [f64; 2], b: [f64; 2]| f64::hypot(a[0] - b[0], a[1] - b[1]);
     // A hole comes third.
@@ -97,7 +94,7 @@ fn a_matrix_of_distances_is_taken() {
 
 #[test]
 fn bad_input_is_refused_and_nothing_written() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let refused = |name: &str, shape: &[usize], values: &[f64], parts: &[&str]| {
         let matrix = bench.array(name, shape, values);
         let args = ["canonical", &matrix, "--matrix", "-o", "form.npy", "--dimensions", "1"];
@@ -127,7 +124,7 @@ fn bad_input_is_refused_and_nothing_written() {
 
 #[test]
 fn the_figures_bendings_share_a_form() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let rows = json(&bench.run(words("figure canonical --size 17 --json -o figure.png")));
     assert_eq!(bench.outputs(), ["figure.png"]);
     let deviations: Vec<_> =

@@ -1,19 +1,16 @@
 //! Ridges by the tool, against a bisector; the farthest point in reports; and refusals.
-#![cfg(feature = "cli")]
-
-mod bench;
 
 use std::fs;
 
-use bench::{Bench, json};
+use crate::workbench::{Workbench, json};
 use serde_json::Value;
 
-fn run(bench: &Bench, line: &str) -> std::process::Output {
+fn run(bench: &Workbench, line: &str) -> std::process::Output {
     bench.run(line.split_whitespace())
 }
 
 /// Rows and columns of all vertices in a .csv of curves.
-fn places(bench: &Bench, name: &str) -> Vec<[f64; 2]> {
+fn places(bench: &Workbench, name: &str) -> Vec<[f64; 2]> {
     let mut table = csv::Reader::from_path(bench.output(name)).unwrap();
     let header = ["kind", "length", "least_angle", "largest_angle", "closed", "row", "col"];
     assert_eq!(table.headers().unwrap().iter().skip(1).take(7).collect::<Vec<_>>(), header);
@@ -29,7 +26,7 @@ fn places(bench: &Bench, name: &str) -> Vec<[f64; 2]> {
 /// angle is 30 degrees or more, and as much of it as their angle allows.
 #[test]
 fn ridges_are_the_bisector_as_far_as_the_angle_is_wide() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "ridges builtin:plane:65x65 -s 20,32 -s 45,32 --engine cpu --json";
     for (angle, half) in [("", 32.0), ("--least-angle 90", 12.5)] {
         let report = json(&run(&bench, &format!("{line} {angle} -o r.csv")));
@@ -55,7 +52,7 @@ fn ridges_are_the_bisector_as_far_as_the_angle_is_wide() {
 
 #[test]
 fn ridges_come_in_every_format_and_as_a_picture() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "ridges builtin:peaks:65x65 -s 8,8 --engine cpu --least-angle 25 --json \
                 -o r.npy -o r.svg -o r.ply -o r.obj -o r.csv --picture r.png";
     let report = json(&run(&bench, line));
@@ -76,7 +73,7 @@ fn ridges_come_in_every_format_and_as_a_picture() {
 /// The eccentricity of a source, and where it is, in the report of every command on a map.
 #[test]
 fn reports_have_the_farthest_point() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for line in ["contours builtin:plane:17x17 --count 3", "ridges builtin:plane:17x17"] {
         let report = json(&run(&bench, &format!("{line} -s 2,3 --engine cpu --json")));
         assert_eq!(report["farthest"], serde_json::json!([16, 16]));
@@ -88,7 +85,7 @@ fn reports_have_the_farthest_point() {
 
 #[test]
 fn what_cannot_be_is_refused() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for (words, parts) in [
         ("--least-angle 0 -o r.csv", ["`0`", "180"]),
         ("--least-angle=-5 -o r.csv", ["`-5`", "180"]),

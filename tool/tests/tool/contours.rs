@@ -4,13 +4,13 @@ use geosweep::glam::{DVec2, DVec3};
 use geosweep::surface::builtin::Builtin;
 use serde_json::Value;
 
-use crate::bench::{Bench, json, stderr};
+use crate::workbench::{Workbench, json, stderr};
 use crate::{curves, done, read, run};
 
 /// Great circles: within a tenth of a cell, which is what contours are held to.
 #[test]
 fn contours_on_the_sphere_are_circles() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let (rows, cols, source) = (129, 129, [64, 60]);
     let line = "contours builtin:sphere:129x129 -s 64,60 --levels 0.3,0.6 -o c.npy --engine cpu";
     done(&bench, line);
@@ -31,7 +31,7 @@ fn contours_on_the_sphere_are_circles() {
 
 #[test]
 fn levels_that_the_map_lacks_have_no_curves() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "contours builtin:plane:17x17 -s 8,8 --levels=-1,0.2,99 --engine cpu --json \
                 -o c.npy -o c.csv -o c.svg -o c.obj -o c.ply";
     let output = done(&bench, line);
@@ -47,7 +47,7 @@ fn levels_that_the_map_lacks_have_no_curves() {
     let said = stderr(&done(&bench, wide));
     assert!(said.contains("no curve: the distances on the grid run from 0 to 0.7"), "{said}");
 
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for (levels, part) in [
         ("--levels nan", "finite"),
         ("--every 0", "positive"),
@@ -65,7 +65,7 @@ fn levels_that_the_map_lacks_have_no_curves() {
 
 #[test]
 fn curves_closer_to_a_source_than_the_grid_are_said_to_be_cut() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let plane = bench.flat(9, 9);
     let said = |line: &str| {
         let line = line.replace("PLANE", &format!("{plane} --spacing 1 --engine cpu --json"));
@@ -88,14 +88,14 @@ fn curves_closer_to_a_source_than_the_grid_are_said_to_be_cut() {
     assert!(text.contains("the curves at 0.3 run between"), "{text}");
     assert_eq!(said(&near.replace("0.3", "1.5")).1, "");
 
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let before = format!("offset {plane} -s 4,4 --engine cpu --distances 1,-1 -o c.npy");
     bench.refuses(&run(&bench, &before), &["--distances -1", "nearer than the sources"]);
 }
 
 #[test]
 fn odd_grids_and_sources_have_contours() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     // A source on the border: half circles that end there.
     let line = "contours builtin:plane:17x17 -s 0,8 --levels 0.3 --engine cpu --json";
     let report = json(&done(&bench, line));

@@ -1,5 +1,4 @@
 //! What the tests of the tool share: running it, and what it must not leave behind.
-#![allow(dead_code, reason = "each test file uses its own part")]
 
 use std::ffi::OsStr;
 use std::fs;
@@ -12,12 +11,12 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// A folder of inputs and one of outputs, in which only what was asked for may appear.
-pub struct Bench {
+pub struct Workbench {
     pub inputs: TempDir,
     pub outputs: TempDir,
 }
 
-impl Bench {
+impl Workbench {
     pub fn new() -> Self {
         Self { inputs: tempfile::tempdir().unwrap(), outputs: tempfile::tempdir().unwrap() }
     }

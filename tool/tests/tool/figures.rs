@@ -1,12 +1,9 @@
 //! The figures and the accuracy report: what they show is what the library computes.
-#![cfg(feature = "cli")]
-
-mod bench;
 
 use std::fs;
 use std::io::Cursor;
 
-use bench::{Bench, json, stderr};
+use crate::workbench::{Workbench, json, stderr};
 use geosweep::Stop;
 use geosweep::accuracy::{Errors, exact_disc};
 use geosweep::cpu::{raster_scan, scan_in_turn};
@@ -20,7 +17,7 @@ fn words(line: &str) -> Vec<&str> {
 }
 
 /// Width and height of a picture that can be read, with more than one colour in it.
-fn picture_size(bench: &Bench, name: &str) -> (u32, u32) {
+fn picture_size(bench: &Workbench, name: &str) -> (u32, u32) {
     let bytes = fs::read(bench.output(name)).unwrap();
     let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
@@ -70,7 +67,7 @@ fn assert_same(found: &Value, expected: f64) {
 
 #[test]
 fn convergence_shows_what_the_library_computes() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "figure convergence --sizes 33,17 --json --csv table.csv -o figure.png";
     let rows = json(&bench.run(words(line)));
     assert_eq!(bench.outputs(), ["figure.png", "table.csv"]);
@@ -110,7 +107,7 @@ fn convergence_shows_what_the_library_computes() {
 
 #[test]
 fn the_maze_is_shown_iteration_by_iteration() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let stages = json(&bench.run(words("figure maze --size 65 --json -o maze.png")));
     let (width, height) = picture_size(&bench, "maze.png");
     assert!((1800..2600).contains(&width) && (500..800).contains(&height), "{width} x {height}");
@@ -140,7 +137,7 @@ fn the_maze_is_shown_iteration_by_iteration() {
 /// asked for.
 #[test]
 fn table_2_has_an_iteration_and_a_converged_map_beside_the_papers() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "figure table-2 --sizes 150,33 --surface maze --json --machine toaster -o t.md";
     let rows = json(&bench.run(words(line)));
     let rows = rows.as_array().unwrap();
@@ -173,7 +170,7 @@ fn table_2_has_an_iteration_and_a_converged_map_beside_the_papers() {
 
 #[test]
 fn the_accuracy_report_says_what_the_library_computes() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "accuracy --sizes 33,65 --json -o report.md --plots . --machine toaster --peers";
     let peers = "surface,size,solver,seconds,mean_error\nsphere,65,walker,0.25,1.5e-3\n";
     let peers = bench.input("peers.csv", peers);
@@ -232,7 +229,7 @@ fn the_accuracy_report_says_what_the_library_computes() {
 
 #[test]
 fn a_report_for_nobody_in_particular_goes_to_standard_output() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "accuracy --sizes 9 --surfaces sheared-plane@30,sphere --wavefronts planar";
     let output = bench.run(words(line));
     let report = String::from_utf8(output.stdout.clone()).unwrap();
@@ -244,7 +241,7 @@ fn a_report_for_nobody_in_particular_goes_to_standard_output() {
 
 #[test]
 fn wrong_arguments_are_refused() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for (line, parts) in [
         ("figure", &["convergence", "maze"][..]),
         ("figure convergence", &["--output"]),
@@ -275,7 +272,7 @@ fn wrong_arguments_are_refused() {
 
 #[test]
 fn help_says_what_is_drawn() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for (line, parts) in [
         ("figure convergence --help", &["directed", "disc", "Examples:"][..]),
         ("figure maze --help", &["rotated", "Examples:"]),

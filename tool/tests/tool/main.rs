@@ -1,27 +1,34 @@
-//! Curves, regions and samples by the tool: against truth, in every format, and refusals.
-#![cfg(feature = "cli")]
+//! The tool as a user meets it: what it writes, from which arguments, and what it says.
 
-#[path = "../bench/mod.rs"]
 mod bench;
+mod canonical;
 mod contours;
+mod distance;
+mod estimate;
+mod figures;
 mod formats;
 mod offsets;
+mod pairwise;
 mod paths;
 mod pictures;
+mod profile;
+mod refusals;
 mod regions;
+mod ridges;
 mod samples;
+mod workbench;
 
 use std::fs;
 use std::process::Output;
 
-use bench::{Bench, stderr};
+use workbench::{Workbench, stderr};
 
-fn run(bench: &Bench, line: &str) -> Output {
+fn run(bench: &Workbench, line: &str) -> Output {
     bench.run(line.split_whitespace())
 }
 
 /// Runs a line that must succeed.
-fn done(bench: &Bench, line: &str) -> Output {
+fn done(bench: &Workbench, line: &str) -> Output {
     let output = run(bench, line);
     assert!(output.status.success(), "{line}: {}", stderr(&output));
     output
@@ -38,10 +45,10 @@ fn curves(bytes: &[u8]) -> Vec<Vec<[f64; 5]>> {
     rows.split(|row| row[0].is_nan()).map(<[_]>::to_vec).collect()
 }
 
-fn read(bench: &Bench, name: &str) -> Vec<u8> {
+fn read(bench: &Workbench, name: &str) -> Vec<u8> {
     fs::read(bench.output(name)).unwrap()
 }
 
-fn text(bench: &Bench, name: &str) -> String {
+fn text(bench: &Workbench, name: &str) -> String {
     String::from_utf8(read(bench, name)).unwrap()
 }

@@ -5,12 +5,12 @@ use std::io::Cursor;
 use geosweep::glam::DVec2;
 use serde_json::Value;
 
-use crate::bench::{Bench, json, stderr};
+use crate::workbench::{Workbench, json, stderr};
 use crate::{curves, done, read, run, text};
 
 #[test]
 fn every_format_holds_the_same_curves() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "contours builtin:peaks:41x37 -s 20,18 --count 5 --engine cpu --json \
                 -o c.npy -o c.csv -o c.svg -o c.ply -o c.obj";
     let report = json(&done(&bench, line));
@@ -118,7 +118,7 @@ fn geotiff(rows: u32, cols: u32, tie_point: [f64; 6], keys: &[u16]) -> Vec<u8> {
 
 #[test]
 fn curves_on_a_geotiff_lie_where_it_does() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let corner = [0.0, 0.0, 0.0, 500_000.0, 4_000_000.0, 0.0];
     let utm = [1024, 0, 1, 1, 3072, 0, 1, 32616];
     let dem = bench.input("dem.tif", geotiff(41, 31, corner, &utm));
@@ -164,12 +164,12 @@ fn geojson_asks_for_a_georeference() {
         ("untold.tif", geotiff(9, 9, corner, &[1024, 0, 1, 1]), "ProjectedCRS"),
         ("model.tif", geotiff(9, 9, corner, &[]), "GTModelType"),
     ] {
-        let bench = Bench::new();
+        let bench = Workbench::new();
         let dem = bench.input(name, bytes);
         let line = format!("contours {dem} --spacing 1 -s 4,4 --count 2 -o c.geojson -o c.npy");
         bench.refuses(&run(&bench, &line), &["c.geojson", "georeferenced", part]);
     }
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "path builtin:plane:9x9 -s 4,4 --from 1,1 -o p.geojson";
     bench.refuses(&run(&bench, line), &["p.geojson", "built-in"]);
     let flat = bench.flat(9, 9);

@@ -2,12 +2,12 @@
 
 use geosweep::io::read_map;
 
-use crate::bench::{Bench, json, stderr};
+use crate::workbench::{Workbench, json, stderr};
 use crate::{curves, done, read, run};
 
 #[test]
 fn regions_are_what_is_nearest() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let flat = bench.flat(33, 41);
     let sources = [[8.0, 10.0], [20.0, 30.0], [28.0, 6.0]];
     let line = format!(
@@ -52,7 +52,7 @@ fn regions_are_what_is_nearest() {
 
 #[test]
 fn what_no_source_reaches_has_no_region() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let mut heights = vec![0.0; 9 * 12];
     (0..9).for_each(|row| heights[row * 12 + 7] = f64::NAN);
     let cut = bench.array("cut.npy", &[9, 12], &heights);
@@ -70,6 +70,6 @@ fn what_no_source_reaches_has_no_region() {
     assert_eq!(report["regions"][1]["points"], 0);
     assert_eq!(report["regions"][1]["area"], 0.0);
     let line = format!("voronoi {cut} --spacing 1 -s 4,1 -o l.tif");
-    let bench = Bench::new();
+    let bench = Workbench::new();
     bench.refuses(&run(&bench, &line), &["l.tif", ".npy"]);
 }

@@ -2,12 +2,12 @@
 
 use std::io::Cursor;
 
-use crate::bench::Bench;
+use crate::workbench::Workbench;
 use crate::{curves, done, read, run};
 
 #[test]
 fn pictures_come_in_both_views() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for (view, name) in [("map", "map.png"), ("shaded", "shaded.png")] {
         let line = format!(
             "contours builtin:face:61x51 -s 34,25 --every 20 --unit mm --engine cpu \
@@ -24,7 +24,7 @@ fn pictures_come_in_both_views() {
     let path = &curves(&read(&bench, "m.npy"))[0];
     assert!(path.iter().all(|row| row[2].is_nan() && row[1].is_finite()));
 
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let metric = bench.array("metric.npy", &[5, 5, 2, 2], &[1.0, 0.0, 0.0, 1.0].repeat(25));
     for (rest, parts) in [
         ("-o m.obj", ["m.obj", "metric"]),
@@ -43,7 +43,7 @@ fn pictures_come_in_both_views() {
 
 #[test]
 fn figures_are_drawn() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     done(&bench, "figure scans -o scans.png");
     done(&bench, "figure face -o face.png");
     assert_eq!(bench.outputs(), ["face.png", "scans.png"]);
@@ -51,7 +51,7 @@ fn figures_are_drawn() {
         let picture = png::Decoder::new(Cursor::new(read(&bench, name))).read_info().unwrap();
         assert!(picture.info().width >= 1500, "{name}");
     }
-    let bench = Bench::new();
+    let bench = Workbench::new();
     bench.refuses(&run(&bench, "figure all -o nowhere"), &["nowhere", "create it"]);
     bench.refuses(&run(&bench, "figure face -o face.gif"), &["face.gif", ".png"]);
 }

@@ -2,12 +2,12 @@
 
 use geosweep::surface::builtin::Builtin;
 
-use crate::bench::{Bench, json};
+use crate::workbench::{Workbench, json};
 use crate::{curves, done, read, run};
 
 #[test]
 fn paths_run_from_their_starts_to_the_source() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let starts = bench.input("starts.csv", "row,col\n3.5,50\n60,60.25\n");
     let line = format!(
         "path builtin:sphere:65x65 -s 30,20 --from 10,40 --from 30,20 --from-file {starts} \
@@ -45,7 +45,7 @@ fn paths_run_from_their_starts_to_the_source() {
 
 #[test]
 fn starts_that_cannot_be_are_refused() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let mut heights = vec![0.0; 9 * 9];
     (0..9).for_each(|row| heights[row * 9 + 5] = f64::NAN);
     let cut = bench.array("cut.npy", &[9, 9], &heights);

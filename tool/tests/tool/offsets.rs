@@ -1,11 +1,11 @@
 //! Offset curves.
 
-use crate::bench::{Bench, json};
+use crate::workbench::{Workbench, json};
 use crate::{curves, done, read, run, text};
 
 #[test]
 fn offsets_keep_to_their_side() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let flat = bench.flat(41, 61);
     // From west to east, so that north is on its left.
     let line = bench.input("line.csv", "20,15\n20,45\n");
@@ -53,7 +53,7 @@ fn offsets_keep_to_their_side() {
     assert_eq!(report["levels"][0]["closed"], 3);
     assert_eq!(report["levels"][1]["closed"], 2);
 
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for (rest, part) in [
         ("-s 3,3 --distances 2 --side left", "side"),
         ("-s 3,3", "--distances"),

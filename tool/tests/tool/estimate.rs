@@ -1,16 +1,13 @@
 //! Errors that the tool estimates, and distances that it extrapolates.
-#![cfg(feature = "cli")]
-
-mod bench;
 
 use std::path::Path;
 
-use bench::{Bench, json, map, stderr};
+use crate::workbench::{Workbench, json, map, stderr};
 use geosweep::surface::builtin::Builtin;
 
 #[test]
 fn errors_are_estimated_on_request() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let surface = "builtin:sphere:65x65";
     let words = "-s 20,26 --wavefront planar --json -o";
     let plain = json(&bench.distance(surface, &format!("{words} map.npy")));
@@ -56,7 +53,7 @@ fn errors_are_estimated_on_request() {
 
 #[test]
 fn estimates_that_cannot_be_made_or_written_are_refused() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let flat = bench.flat(2, 9);
     for (surface, words, parts) in [
         (&*flat, "--wavefront curved -o map.npy --error error.npy", &["2 x 9", "three"][..]),
@@ -74,7 +71,7 @@ fn estimates_that_cannot_be_made_or_written_are_refused() {
 
 #[test]
 fn floor_plans_of_two_rows_have_estimates() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let words = "-s 0,0 --json -o map.npy --error error.npy";
     let report = json(&bench.distance(&bench.flat(2, 9), words));
     let (map, errors) = (map(&bench.output("map.npy")), map(&bench.output("error.npy")));
@@ -89,7 +86,7 @@ fn floor_plans_of_two_rows_have_estimates() {
 
 #[test]
 fn extrapolation_beside_holes_is_said_to_be_worse() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for (wavefront, is_worse) in [("curved", true), ("anchored", false)] {
         let words = format!("-s 1,1 --wavefront {wavefront} --extrapolate -o {wavefront}.npy");
         let output = bench.distance("builtin:maze:65x65", &words);

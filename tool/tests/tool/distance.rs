@@ -1,7 +1,4 @@
 //! The tool as a user meets it: what it writes, from which arguments, and what it says.
-#![cfg(feature = "cli")]
-
-mod bench;
 
 use std::process::Output;
 
@@ -9,13 +6,13 @@ use assert_cmd::cargo::cargo_bin_cmd;
 use std::ffi::OsStr;
 use std::fs;
 
-use bench::{Bench, json, map, stderr};
+use crate::workbench::{Workbench, json, map, stderr};
 use geosweep::surface::builtin::Builtin;
 use serde_json::Value;
 
 #[test]
 fn a_plane_has_straight_distances() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let (rows, cols) = (21, 31);
     let surface = bench.flat(rows, cols);
     let output = bench.distance(&surface, "-s 4,5 --spacing 2,3 --json -o map.npy");
@@ -45,7 +42,7 @@ fn a_plane_has_straight_distances() {
 
 #[test]
 fn maps_in_double_precision_are_written_whole() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let exact = Builtin::Plane.exact_distances(30, 40, [3.0, 4.0]).unwrap();
     for file in ["map.npy", "map.tif"] {
         let words =
@@ -72,7 +69,7 @@ fn maps_in_double_precision_are_written_whole() {
 
 #[test]
 fn the_nearest_source_counts_with_its_start_value() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let output =
         bench.distance(&bench.flat(41, 61), "-s 4,5 -s 30.5,50.25,8 --spacing 1 -o map.npy");
     assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
@@ -87,7 +84,7 @@ fn the_nearest_source_counts_with_its_start_value() {
 
 #[test]
 fn start_values_have_digits_left_for_distances() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for start in ["1e39", "-1e39", "1e30"] {
         let output = bench.distance("builtin:plane:30x40", &format!("-s 1,2,{start} -o map.npy"));
         bench.refuses(&output, &["initial value", "source 1,2", "5e29", "subtract the smallest"]);
@@ -108,7 +105,7 @@ fn start_values_have_digits_left_for_distances() {
 
 #[test]
 fn engines_and_fronts_can_be_chosen() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for (words, key, value) in [
         ("--engine fast-marching", "engine", "fast-marching"),
         ("--engine cpu --wavefront planar", "wavefront", "planar"),
@@ -127,7 +124,7 @@ fn engines_and_fronts_can_be_chosen() {
 /// Along chords the way around a cylinder is short by a 24th of the squared angle between points.
 #[test]
 fn edges_can_be_arcs_or_chords() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let exact = Builtin::Cylinder.exact_distances(33, 33, [16.0, 16.0]).unwrap();
     let errors = ["", "--edges arc", "--edges chord"].map(|edges| {
         let words =
@@ -147,7 +144,7 @@ fn edges_can_be_arcs_or_chords() {
 
 #[test]
 fn holes_masks_and_walls_are_respected() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     // A wall from top to bottom, half of it NaN and half masked, and a masked point.
     let mut heights = vec![0.0; 6 * 9];
     let mut mask = vec![255u8; 6 * 9];
@@ -179,7 +176,7 @@ fn holes_masks_and_walls_are_respected() {
 
 #[test]
 fn slowness_and_metric_weigh_lengths() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let surface = bench.flat(11, 11);
     let slowness = bench.array("slowness.npy", &[11, 11], &[2.5; 121]);
     let metric = bench.array("metric.npy", &[11, 11, 2, 2], &[9.0, 0.0, 0.0, 4.0].repeat(121));
@@ -198,7 +195,7 @@ fn slowness_and_metric_weigh_lengths() {
 
 #[test]
 fn curves_come_as_arrays_and_as_text() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let surface = bench.flat(9, 9);
     let array = bench.array("curve.npy", &[2, 2], &[0.0, 2.0, 8.0, 2.0]);
     let text = bench.input("curve.csv", "row,col\n0,2\n8,2\n");
@@ -218,7 +215,7 @@ fn curves_come_as_arrays_and_as_text() {
 
 #[test]
 fn a_missing_spacing_and_a_missing_convergence_are_said() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let output = bench.distance(&bench.flat(5, 5), "-s 0,0 -o map.npy");
     assert!(output.status.success() && output.stdout.is_empty());
     let stderr_text = stderr(&output);
@@ -232,7 +229,7 @@ fn a_missing_spacing_and_a_missing_convergence_are_said() {
 
 #[test]
 fn pictures_show_the_map_and_have_a_sensible_size() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let words = "-s 3,0 -o map.npy --picture map.png";
     let hill = |i: usize| 8.0 * (-((i / 10) as f64 - 25.0).powi(2) / 50.0).exp();
     let hill = bench.array("hill.npy", &[51, 10], &(0..510).map(hill).collect::<Vec<_>>());
@@ -258,7 +255,7 @@ fn pictures_show_the_map_and_have_a_sensible_size() {
 
 #[test]
 fn a_map_is_written_only_if_it_is_asked_for() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let report = json(&bench.distance("builtin:plane:9x9", "-s 1,1 --json"));
     assert_eq!(report["reached"], 81);
     assert_eq!(bench.outputs(), [""; 0]);
@@ -278,7 +275,7 @@ fn a_map_is_written_only_if_it_is_asked_for() {
 
 #[test]
 fn compare_measures_and_its_status_tells() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let inf = f64::INFINITY;
     let a = bench.array("a.npy", &[2, 3], &[0.0, 1.0, 2.0, 3.5, inf, inf]);
     let b = bench.array("b.npy", &[2, 3], &[0.0, 1.0, 2.0, 4.0, inf, 1.0]);
@@ -335,7 +332,7 @@ fn compare_measures_and_its_status_tells() {
 
 #[test]
 fn builtin_surfaces_become_files_that_are_surfaces() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let output = bench.run(["builtin", "maze:65x65", "-o", "maze.npy"]);
     assert!(output.status.success(), "{}", stderr(&output));
     let words = ["-s 1,1 --json -o from-file.npy", "-s 1,1 --json -o from-name.npy"];
@@ -348,7 +345,7 @@ fn builtin_surfaces_become_files_that_are_surfaces() {
 
 #[test]
 fn builtin_refuses_other_formats_and_sizes() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for (words, part) in [
         ("builtin plane:5x5 -o plane.obj", ".npy"),
         ("builtin plane:0x5 -o plane.npy", "empty"),
@@ -360,7 +357,7 @@ fn builtin_refuses_other_formats_and_sizes() {
 }
 
 /// Runs `geosweep distance` with an engine and one variable of the environment changed.
-fn with_environment(bench: &Bench, engine: &str, variable: (&str, &OsStr)) -> Output {
+fn with_environment(bench: &Workbench, engine: &str, variable: (&str, &OsStr)) -> Output {
     let surface = bench.flat(9, 9);
     let args = ["distance", &surface, "--spacing", "1", "--source", "0,0", "-o", "map.npy"];
     cargo_bin_cmd!("geosweep")
@@ -376,7 +373,7 @@ fn with_environment(bench: &Bench, engine: &str, variable: (&str, &OsStr)) -> Ou
 
 #[test]
 fn without_a_driver_vulkan_is_refused_and_auto_says_why_it_falls_back() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let no_driver = ("VK_DRIVER_FILES", OsStr::new("/nonexistent"));
     bench.refuses(&with_environment(&bench, "vulkan", no_driver), &["driver", "CPU engine"]);
     let summary = json(&with_environment(&bench, "auto", no_driver));
@@ -389,7 +386,7 @@ fn without_a_driver_vulkan_is_refused_and_auto_says_why_it_falls_back() {
 #[test]
 #[cfg(target_os = "linux")]
 fn without_a_loader_vulkan_is_refused_and_auto_says_why_it_falls_back() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     bench.input("libvulkan.so.1", "no library");
     let no_loader = ("LD_LIBRARY_PATH", bench.inputs.path().as_os_str());
     bench.refuses(&with_environment(&bench, "vulkan", no_loader), &["no Vulkan loader"]);
@@ -400,7 +397,7 @@ fn without_a_loader_vulkan_is_refused_and_auto_says_why_it_falls_back() {
 
 #[test]
 fn vulkan_and_cpu_write_the_same_map() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let surface = "builtin:peaks:65x80";
     for engine in ["vulkan", "cpu"] {
         let map = format!("{engine}.npy");
@@ -420,7 +417,7 @@ fn vulkan_and_cpu_write_the_same_map() {
 
 #[test]
 fn devices_are_listed_and_unknown_ones_refused() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let listed: Value = json(&bench.run(["devices", "--json"]));
     let name = listed[0]["name"].as_str().unwrap();
     let surface = bench.flat(5, 5);
@@ -435,7 +432,7 @@ fn devices_are_listed_and_unknown_ones_refused() {
 
 #[test]
 fn help_names_every_option() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let help = bench.run(["distance", "--help"]);
     assert!(help.status.success());
     let help = String::from_utf8(help.stdout).unwrap();

@@ -1,18 +1,15 @@
 //! Schedules, devices and their speed as a user meets them.
-#![cfg(feature = "cli")]
 
-mod bench;
-
-use bench::{Bench, json, stderr};
+use crate::workbench::{Workbench, json, stderr};
 
 /// The tool with the words of a command line.
-fn run(bench: &Bench, line: &str) -> std::process::Output {
+fn run(bench: &Workbench, line: &str) -> std::process::Output {
     bench.run(line.split_whitespace())
 }
 
 #[test]
 fn every_schedule_gives_the_same_map() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let map = |schedule: &str| {
         let line = format!(
             "distance builtin:maze:61x67 --source 0,0 --schedule {schedule} -o {schedule}.npy --json"
@@ -32,7 +29,7 @@ fn every_schedule_gives_the_same_map() {
 
 #[test]
 fn a_schedule_is_for_vulkan_alone() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for engine in ["cpu", "fast-marching"] {
         let line = format!(
             "distance builtin:plane:9x9 -s 1,1 --engine {engine} --schedule tiles -o map.npy"
@@ -54,7 +51,7 @@ fn a_schedule_is_for_vulkan_alone() {
 
 #[test]
 fn devices_are_measured() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let measured = json(&run(&bench, "devices --measure --json"));
     let positive = |ceilings: &serde_json::Value, names: &[&str]| {
         for name in names {
@@ -87,7 +84,7 @@ fn devices_are_measured() {
 /// and what is counted is right.
 #[test]
 fn a_bench_counts_right_and_its_numbers_fit() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "bench --sizes 40,17,24 --surfaces sphere,terrain --engines \
                 cpu,vulkan,fast-marching --wavefront planar,curved --quick --json --plot speed.png \
                 --schedules raster,all-points,tiles";
@@ -151,7 +148,7 @@ fn a_bench_counts_right_and_its_numbers_fit() {
 
 #[test]
 fn a_bench_of_a_file_has_its_size_and_one_of_nothing_is_refused() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let flat = bench.flat(30, 50);
     let output = run(&bench, &format!("bench --surfaces {flat} --engines cpu --quick -o speed.md"));
     assert!(output.status.success() && output.stdout.is_empty(), "{}", stderr(&output));

@@ -1,18 +1,15 @@
 //! Profiles as a user meets them.
-#![cfg(feature = "cli")]
-
-mod bench;
 
 use std::collections::BTreeMap;
 use std::process::Output;
 
+use crate::workbench::{Workbench, json, stderr};
 use assert_cmd::cargo::cargo_bin_cmd;
-use bench::{Bench, json, stderr};
 use serde_json::Value;
 
 /// The tool with the words of a command line, under the validation layers: any message of theirs
 /// is an error.
-fn run(bench: &Bench, line: &str) -> Output {
+fn run(bench: &Workbench, line: &str) -> Output {
     let words = line.split_whitespace();
     cargo_bin_cmd!("geosweep")
         .current_dir(bench.outputs.path())
@@ -33,7 +30,7 @@ fn sum(kinds: &[&Value], name: &str) -> u64 {
 /// 31 x 25 texels; each recorded iteration has four scans, visited or skipped.
 #[test]
 fn a_profile_counts_what_the_schedules_do() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for (schedule, grain) in [
         ("raster", "scans"),
         ("raster", "blocks"),
@@ -114,7 +111,7 @@ fn a_profile_counts_what_the_schedules_do() {
 /// Maps of all points of a small grid fit one batch.
 #[test]
 fn maps_of_many_sources_are_profiled_at_once() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "profile builtin:sphere:20x30 --wavefront point --repeat 2 --json";
     for (more, part) in [("--source 1,1", "--source"), ("--picture a.png", "--picture")] {
         bench.refuses(&run(&bench, &format!("{line} --pairwise {more}")), &[part, "--pairwise"]);
@@ -159,7 +156,7 @@ fn times_fit(report: &Value) {
 
 #[test]
 fn the_table_says_what_is_missing() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line =
         "profile builtin:plane:30x30 --source 1,1 --schedule raster --repeat 2 --grain scans";
     let text = |more: &str| {
@@ -268,7 +265,7 @@ fn depths(events: &[Event]) -> Vec<usize> {
 
 #[test]
 fn a_trace_is_one_of_the_chrome_format() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "profile builtin:maze:80x70 --source 0,0 --repeat 3";
     for (more, with_device, placed) in [
         ("--grain scans", true, "timestamps"),
@@ -337,7 +334,7 @@ fn a_trace_that_does_not_nest_is_no_trace() {
 /// Colours of what is visited, of what was, and of what is not.
 #[test]
 fn a_picture_shows_what_is_visited() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for (schedule, colors) in [
         ("tiles", [[219, 107, 46], [168, 204, 224], [204, 204, 207]]),
         ("raster", [[68, 1, 84], [253, 231, 37], [204, 204, 207]]),
@@ -384,7 +381,7 @@ fn scaled(report: &Value, by: f64) -> String {
 
 #[test]
 fn what_got_slower_is_told_from_noise() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "profile builtin:sphere:40x40 --source 5,5 --repeat 4";
     let report = json(&run(&bench, &format!("{line} --json")));
     // A thousandth and a thousandfold are beyond any noise.
@@ -414,7 +411,7 @@ fn what_got_slower_is_told_from_noise() {
 
 #[test]
 fn what_cannot_be_profiled_is_refused() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let nonsense = bench.input("nonsense.json", "{\"rows\": 3}");
     for (words, parts) in [
         ("--engine cpu", vec!["Vulkan", "geosweep bench"]),
@@ -471,7 +468,7 @@ fn renderdoc_captures_one_map() {
             unsafe { *out = Box::leak(Box::new(table)).as_ptr().cast() };
             1
         }"#;
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let source = bench.input("renderdoc.rs", LIBRARY);
     let library = bench.inputs.path().join("librenderdoc.so");
     let compiler = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());

@@ -1,14 +1,11 @@
 //! `geosweep pairwise`: matrices as files, in whole and in part, interrupted and resumed.
-#![cfg(feature = "cli")]
-
-mod bench;
 
 use std::fs;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::workbench::{Workbench, json, stderr};
 use assert_cmd::cargo::cargo_bin;
-use bench::{Bench, json, stderr};
 use geosweep::io::{read_map, read_matrix};
 
 fn words(line: &str) -> Vec<&str> {
@@ -21,7 +18,7 @@ const POINTS: usize = 12 * 15;
 
 #[test]
 fn the_matrix_holds_the_maps_of_all_points() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for wavefront in ["planar", "point", "curved"] {
         let line = format!("pairwise {SPHERE} -o d.npy --wavefront {wavefront} --json");
         let report = json(&bench.run(words(&line)));
@@ -48,7 +45,7 @@ fn the_matrix_holds_the_maps_of_all_points() {
 
 #[test]
 fn the_solver_is_timed_alone() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let report = json(&bench.run(words(&format!("pairwise {SPHERE} --json"))));
     assert_eq!((&report["rows"], &report["disk_bytes"]), (&POINTS.into(), &0.into()));
     assert_eq!(bench.outputs(), [""; 0]);
@@ -58,7 +55,7 @@ fn the_solver_is_timed_alone() {
 
 #[test]
 fn rows_triangles_halves_and_means_fit_together() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let run = |options: &str| {
         let line = format!("pairwise {SPHERE} --wavefront point {options}");
         let output = bench.run(words(&line));
@@ -116,7 +113,7 @@ fn rows_triangles_halves_and_means_fit_together() {
 
 #[test]
 fn an_interrupted_matrix_is_resumed_to_the_same_bytes() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     // The slowest engine, so that there is time to interrupt it.
     let line = "pairwise builtin:peaks:40x40 --engine fast-marching --wavefront point -o";
     let start = |name: &str| {
@@ -175,7 +172,7 @@ fn an_interrupted_matrix_is_resumed_to_the_same_bytes() {
 #[test]
 #[cfg(target_os = "linux")]
 fn a_matrix_larger_than_memory_is_written() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let tool = cargo_bin!("geosweep");
     let line = "pairwise builtin:sphere:96x96 -o d.npy --wavefront planar --iterations 1 \
                 --tolerance 0.5 --json";
@@ -198,7 +195,7 @@ fn a_matrix_larger_than_memory_is_written() {
 
 #[test]
 fn what_makes_no_matrix_is_refused() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let refuses = |options: &str, parts: &[&str]| {
         let line = format!("pairwise {SPHERE} {options}");
         bench.refuses(&bench.run(words(&line)), parts);
@@ -240,7 +237,7 @@ fn what_makes_no_matrix_is_refused() {
 
 #[test]
 fn samples_have_rows_and_regions() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = format!("pairwise {SPHERE} --sample 9 --labels labels.npy -o rows.npy --json");
     let report = json(&bench.run(words(&line)));
     assert_eq!(bench.outputs(), ["labels.npy", "rows.npy"]);
@@ -272,7 +269,7 @@ fn samples_have_rows_and_regions() {
 
 #[test]
 fn table_1_is_a_table() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let line = "figure table-1 --sizes 8,32 --runs 3 --json -o table.md";
     let rows = json(&bench.run(words(line)));
     let rows = rows.as_array().unwrap();

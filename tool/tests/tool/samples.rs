@@ -3,12 +3,12 @@
 use geosweep::io::read_map;
 use serde_json::Value;
 
-use crate::bench::{Bench, json, map, stderr};
+use crate::workbench::{Workbench, json, map, stderr};
 use crate::{curves, done, read, run};
 
 #[test]
 fn samples_are_far_from_one_another() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let flat = bench.flat(21, 21);
     let line = format!(
         "sample {flat} --spacing 1 -k 5 -o s.npy -o s.csv -o s.ply --labels l.npy \
@@ -39,7 +39,7 @@ fn samples_are_far_from_one_another() {
     assert!(stderr(&output).contains("4 samples in place of 9"), "{}", stderr(&output));
     assert_eq!(json(&output)["samples"].as_array().unwrap().len(), 4);
 
-    let bench = Bench::new();
+    let bench = Workbench::new();
     for (rest, part) in [
         ("-k 0", "--count 1"),
         ("-k 3 --first 30,2", "--first 30,2 lies outside the grid"),
@@ -54,7 +54,7 @@ fn samples_are_far_from_one_another() {
 /// What one command writes, the others read.
 #[test]
 fn samples_and_curves_are_inputs_too() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let plane = "builtin:plane:17x19 --engine cpu";
     done(&bench, "sample builtin:plane:17x19 -k 5 -o s.csv -o s.npy");
     let samples = curves(&read(&bench, "s.npy")).concat();
@@ -92,7 +92,7 @@ fn samples_and_curves_are_inputs_too() {
     let distances = map(&bench.output("csv.npy"));
     assert_eq!(distances, map(&bench.output("npy.npy")));
     assert!(distances[8 * 19 + 9] > 0.2, "{}", distances[8 * 19 + 9]);
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let named = bench.input("xy.csv", "x,y\n1,2\n");
     let refused = run(&bench, &format!("distance {plane} --source-curve {named} -o d.npy"));
     bench.refuses(&refused, &["xy.csv", "header `x,y`", "row and col"]);

@@ -1,16 +1,13 @@
 //! What the tool says when it cannot, and that nothing is left behind or overwritten then.
-#![cfg(feature = "cli")]
-
-mod bench;
 
 use std::ffi::OsStr;
 use std::fs;
 
-use bench::{Bench, map, stderr};
+use crate::workbench::{Workbench, map, stderr};
 
 #[test]
 fn wrong_words_are_refused() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let flat = bench.flat(5, 7);
     let positions = bench.array("positions.npy", &[5, 7, 3], &vec![0.5; 105]);
     let metric = bench.array("metric.npy", &[5, 7, 2, 2], &[1.0, 0.0, 0.0, 1.0].repeat(35));
@@ -57,7 +54,7 @@ fn wrong_words_are_refused() {
 
 #[test]
 fn wrong_surfaces_are_refused_by_name() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let rgb = {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
@@ -120,7 +117,7 @@ fn wrong_surfaces_are_refused_by_name() {
 
 #[test]
 fn wrong_companions_are_refused_by_name() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let flat = bench.flat(3, 4);
     let doubles = bench.array("doubles.npy", &[3, 4], &[1.0; 12]);
     let small = bench.array("small.npy", &[2, 4], &[1.0; 8]);
@@ -158,7 +155,7 @@ fn wrong_companions_are_refused_by_name() {
 
 #[test]
 fn outputs_that_cannot_be_written_are_refused_before_anything_is_read() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     // A surface that does not exist: its error would come first if it were looked at.
     for (words, parts) in [
         ("-o map.txt", &["unknown extension .txt", ".npy, .tif or .exr"][..]),
@@ -173,7 +170,7 @@ fn outputs_that_cannot_be_written_are_refused_before_anything_is_read() {
 
 #[test]
 fn what_is_in_the_way_stays() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let flat = bench.flat(5, 5);
     let before = fs::read(&flat).unwrap();
     let output = bench.run(["distance", &flat, "--engine", "cpu", "-s", "0,0", "-o", &flat]);
@@ -190,7 +187,7 @@ fn what_is_in_the_way_stays() {
 #[test]
 fn names_need_not_be_text() {
     use std::os::unix::ffi::OsStrExt;
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let name = OsStr::from_bytes(b"\xff.npy");
     let words = |words: &'static str| words.split(' ').map(OsStr::new);
     let output = bench.run(words("distance").chain([name]).chain(words("-s 0,0 -o map.npy")));
@@ -200,7 +197,7 @@ fn names_need_not_be_text() {
     assert!(output.status.success(), "{}", stderr(&output));
     assert_eq!(map(&bench.output("").join(name)).len(), 25);
     let source = OsStr::from_bytes(b"1,\xff");
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let output = bench.run(words("distance builtin:plane:5x5 -o map.npy -s").chain([source]));
     bench.refuses(&output, &["UTF-8"]);
 }
@@ -208,7 +205,7 @@ fn names_need_not_be_text() {
 #[cfg(unix)]
 #[test]
 fn links_are_followed_and_devices_left_alone() {
-    let bench = Bench::new();
+    let bench = Workbench::new();
     std::os::unix::fs::symlink(bench.inputs.path().join("real.npy"), bench.output("map.npy"))
         .unwrap();
     fs::write(bench.inputs.path().join("real.npy"), "old").unwrap();
@@ -228,7 +225,7 @@ fn links_are_followed_and_devices_left_alone() {
 #[test]
 fn a_closed_pipe_is_no_panic() {
     use std::process::{Command, Stdio};
-    let bench = Bench::new();
+    let bench = Workbench::new();
     let program = assert_cmd::cargo::cargo_bin!("geosweep");
     let mut child = Command::new(program)
         .current_dir(bench.outputs.path())
