@@ -1,11 +1,6 @@
 //! Schedules, devices and their speed as a user meets them.
 
-use crate::workbench::{Workbench, json, stderr};
-
-/// The tool with the words of a command line.
-fn run(bench: &Workbench, line: &str) -> std::process::Output {
-    bench.run(line.split_whitespace())
-}
+use crate::workbench::{Workbench, json, run, stderr};
 
 #[test]
 fn every_schedule_gives_the_same_map() {

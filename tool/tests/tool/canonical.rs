@@ -2,13 +2,9 @@
 
 use std::fs;
 
-use crate::workbench::{Workbench, json, stderr};
+use crate::workbench::{Workbench, json, stderr, words};
 use geosweep::geometry::canonical::align;
 use geosweep::io::SurfaceFile;
-
-fn words(line: &str) -> Vec<&str> {
-    line.split_whitespace().collect()
-}
 
 #[test]
 fn the_form_is_a_surface_of_its_own() {

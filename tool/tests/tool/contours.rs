@@ -4,8 +4,7 @@ use geosweep::glam::{DVec2, DVec3};
 use geosweep::surface::builtin::Builtin;
 use serde_json::Value;
 
-use crate::workbench::{Workbench, json, stderr};
-use crate::{curves, done, read, run};
+use crate::workbench::{Workbench, curves, done, json, read, run, stderr};
 
 /// Great circles: within a tenth of a cell, which is what contours are held to.
 #[test]

@@ -2,7 +2,6 @@
 
 use std::process::Output;
 
-use assert_cmd::cargo::cargo_bin_cmd;
 use std::ffi::OsStr;
 use std::fs;
 
@@ -360,8 +359,8 @@ fn builtin_refuses_other_formats_and_sizes() {
 fn with_environment(bench: &Workbench, engine: &str, variable: (&str, &OsStr)) -> Output {
     let surface = bench.flat(9, 9);
     let args = ["distance", &surface, "--spacing", "1", "--source", "0,0", "-o", "map.npy"];
-    cargo_bin_cmd!("geosweep")
-        .current_dir(bench.outputs.path())
+    bench
+        .command()
         .args(args)
         .args(["--engine", engine, "--json"])
         .env(variable.0, variable.1)
@@ -402,8 +401,8 @@ fn vulkan_and_cpu_write_the_same_map() {
     for engine in ["vulkan", "cpu"] {
         let map = format!("{engine}.npy");
         let args = ["--source", "20,30.5", "--engine", engine, "-o", &map, "--json"];
-        let output = cargo_bin_cmd!("geosweep")
-            .current_dir(bench.outputs.path())
+        let output = bench
+            .command()
             .env("GEOSWEEP_VALIDATION", "1")
             .args(["distance", surface])
             .args(args)

@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::Cursor;
 
-use crate::workbench::{Workbench, json, stderr};
+use crate::workbench::{Workbench, json, stderr, words};
 use geosweep::Stop;
 use geosweep::accuracy::{Errors, exact_disc};
 use geosweep::cpu::{raster_scan, scan_in_turn};
@@ -11,10 +11,6 @@ use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{DistanceMap, Engine, Options, Sources, Wavefront, distance_map};
 use serde_json::Value;
-
-fn words(line: &str) -> Vec<&str> {
-    line.split_whitespace().collect()
-}
 
 /// Width and height of a picture that can be read, with more than one colour in it.
 fn picture_size(bench: &Workbench, name: &str) -> (u32, u32) {

@@ -5,8 +5,7 @@ use std::io::Cursor;
 use geosweep::glam::DVec2;
 use serde_json::Value;
 
-use crate::workbench::{Workbench, json, stderr};
-use crate::{curves, done, read, run, text};
+use crate::workbench::{Workbench, curves, done, json, read, run, stderr, text};
 
 #[test]
 fn every_format_holds_the_same_curves() {

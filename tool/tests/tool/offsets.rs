@@ -1,7 +1,6 @@
 //! Offset curves.
 
-use crate::workbench::{Workbench, json};
-use crate::{curves, done, read, run, text};
+use crate::workbench::{Workbench, curves, done, json, read, run, text};
 
 #[test]
 fn offsets_keep_to_their_side() {

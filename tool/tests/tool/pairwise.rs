@@ -4,13 +4,9 @@ use std::fs;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::workbench::{Workbench, json, stderr};
+use crate::workbench::{Workbench, json, stderr, words};
 use assert_cmd::cargo::cargo_bin;
 use geosweep::io::{read_map, read_matrix};
-
-fn words(line: &str) -> Vec<&str> {
-    line.split_whitespace().collect()
-}
 
 /// 12 x 15 points of a sphere.
 const SPHERE: &str = "builtin:sphere:12x15";

@@ -2,8 +2,7 @@
 
 use geosweep::surface::builtin::Builtin;
 
-use crate::workbench::{Workbench, json};
-use crate::{curves, done, read, run};
+use crate::workbench::{Workbench, curves, done, json, read, run};
 
 #[test]
 fn paths_run_from_their_starts_to_the_source() {

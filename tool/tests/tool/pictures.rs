@@ -2,8 +2,7 @@
 
 use std::io::Cursor;
 
-use crate::workbench::Workbench;
-use crate::{curves, done, read, run};
+use crate::workbench::{Workbench, curves, done, read, run};
 
 #[test]
 fn pictures_come_in_both_views() {

@@ -4,19 +4,13 @@ use std::collections::BTreeMap;
 use std::process::Output;
 
 use crate::workbench::{Workbench, json, stderr};
-use assert_cmd::cargo::cargo_bin_cmd;
 use serde_json::Value;
 
 /// The tool with the words of a command line, under the validation layers: any message of theirs
 /// is an error.
 fn run(bench: &Workbench, line: &str) -> Output {
     let words = line.split_whitespace();
-    cargo_bin_cmd!("geosweep")
-        .current_dir(bench.outputs.path())
-        .env("GEOSWEEP_VALIDATION", "1")
-        .args(words)
-        .output()
-        .unwrap()
+    bench.command().env("GEOSWEEP_VALIDATION", "1").args(words).output().unwrap()
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -480,12 +474,8 @@ fn renderdoc_captures_one_map() {
         .unwrap();
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
     let line = "profile builtin:plane:20x20 --source 1,1 --repeat 1 --renderdoc";
-    let output = cargo_bin_cmd!("geosweep")
-        .current_dir(bench.outputs.path())
-        .env("LD_PRELOAD", &library)
-        .args(line.split_whitespace())
-        .output()
-        .unwrap();
+    let output =
+        bench.command().env("LD_PRELOAD", &library).args(line.split_whitespace()).output().unwrap();
     assert!(output.status.success(), "{}", stderr(&output));
     let said = stderr(&output);
     assert!(said.contains("RenderDoc has captured a map: /captures/one.rdc"), "{said}");

@@ -2,8 +2,7 @@
 
 use geosweep::io::read_map;
 
-use crate::workbench::{Workbench, json, stderr};
-use crate::{curves, done, read, run};
+use crate::workbench::{Workbench, curves, done, json, read, run, stderr};
 
 #[test]
 fn regions_are_what_is_nearest() {

@@ -2,12 +2,8 @@
 
 use std::fs;
 
-use crate::workbench::{Workbench, json};
+use crate::workbench::{Workbench, json, run};
 use serde_json::Value;
-
-fn run(bench: &Workbench, line: &str) -> std::process::Output {
-    bench.run(line.split_whitespace())
-}
 
 /// Rows and columns of all vertices in a .csv of curves.
 fn places(bench: &Workbench, name: &str) -> Vec<[f64; 2]> {

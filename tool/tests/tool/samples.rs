@@ -3,8 +3,7 @@
 use geosweep::io::read_map;
 use serde_json::Value;
 
-use crate::workbench::{Workbench, json, map, stderr};
-use crate::{curves, done, read, run};
+use crate::workbench::{Workbench, curves, done, json, map, read, run, stderr};
 
 #[test]
 fn samples_are_far_from_one_another() {

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
+use assert_cmd::Command;
 use assert_cmd::cargo::cargo_bin_cmd;
 use geosweep::io::{read_map, write_npy};
 use serde_json::Value;
@@ -41,9 +42,16 @@ impl Workbench {
         self.outputs.path().join(name)
     }
 
-    /// Runs the tool in the folder of outputs.
+    /// The tool, to be run in the folder of outputs.
+    pub fn command(&self) -> Command {
+        let mut command = cargo_bin_cmd!("geosweep");
+        command.current_dir(self.outputs.path());
+        command
+    }
+
+    /// Runs it.
     pub fn run(&self, args: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Output {
-        cargo_bin_cmd!("geosweep").current_dir(self.outputs.path()).args(args).output().unwrap()
+        self.command().args(args).output().unwrap()
     }
 
     /// Runs `geosweep distance` on the CPU with the words of a command line.
@@ -85,4 +93,41 @@ pub fn map(path: &Path) -> Vec<f64> {
 pub fn json(output: &Output) -> Value {
     assert!(output.status.success(), "{}", stderr(output));
     serde_json::from_slice(&output.stdout).unwrap()
+}
+
+pub fn words(line: &str) -> Vec<&str> {
+    line.split_whitespace().collect()
+}
+
+/// Runs the tool with the words of a command line.
+pub fn run(bench: &Workbench, line: &str) -> Output {
+    bench.run(words(line))
+}
+
+/// Runs a line that must succeed.
+pub fn done(bench: &Workbench, line: &str) -> Output {
+    let output = run(bench, line);
+    assert!(output.status.success(), "{line}: {}", stderr(&output));
+    output
+}
+
+/// The rows of a float64 array (K, 5), split where they are NaN.
+pub fn curves(bytes: &[u8]) -> Vec<Vec<[f64; 5]>> {
+    let length = u16::from_le_bytes([bytes[8], bytes[9]]) as usize;
+    let header = std::str::from_utf8(&bytes[10..10 + length]).unwrap();
+    assert!(header.contains("'descr': '<f8'") && header.contains(", 5)"), "{header}");
+    let values: Vec<f64> =
+        bytes[10 + length..].as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+    let rows = values.as_chunks::<5>().0;
+    rows.split(|row| row[0].is_nan()).map(<[_]>::to_vec).collect()
+}
+
+/// An output file.
+pub fn read(bench: &Workbench, name: &str) -> Vec<u8> {
+    fs::read(bench.output(name)).unwrap()
+}
+
+/// An output file of text.
+pub fn text(bench: &Workbench, name: &str) -> String {
+    String::from_utf8(read(bench, name)).unwrap()
 }
