@@ -1,38 +1,30 @@
 //! The command-line tool `geosweep`: distance maps from files to files.
 
-mod accuracy;
-mod bench;
-mod builtin;
-mod canonical;
+mod ceilings;
+mod choices;
 mod columns;
-mod compare;
-mod contours;
-mod devices;
-mod distance;
-mod figure;
-mod level_curves;
-mod offset;
-mod output_file;
-mod over_map;
-mod pairwise;
-mod path;
+mod commands;
+mod lab;
+mod numbers;
+mod output;
 mod picture;
 mod precision;
 mod problem;
-mod profile;
-mod ridges;
-mod sample;
-mod spinner;
-mod study;
 mod surface_arg;
-mod voronoi;
+mod terminal;
 
 use std::error::Error;
-use std::fmt::Display;
-use std::io::{self, Write};
+use std::io;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+use commands::{
+    builtin, canonical, compare, contours, devices, distance, offset, pairwise, path, profile,
+    ridges, sample, voronoi,
+};
+use lab::{accuracy, bench, figure};
+use terminal::say;
 
 /// Geodesic distance maps on parametric surfaces: on a GPU through Vulkan, or on the CPU.
 #[derive(Parser)]
@@ -91,9 +83,6 @@ enum Command {
     Figure(figure::Args),
 }
 
-/// What a command ends with: a status, or a message for people.
-type Outcome = Result<ExitCode, Box<dyn Error>>;
-
 /// Status for errors; 1 is left to `compare` for "they differ", as in diff.
 const TROUBLE: u8 = 2;
 
@@ -141,19 +130,7 @@ fn usage_exit(usage: &clap::Error) -> ExitCode {
     }
 }
 
+/// Whether the reader of standard output has gone.
 fn is_broken_pipe(error: &(dyn Error + 'static)) -> bool {
     error.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
-}
-
-/// Says something on standard error; nothing can be done if that is closed.
-fn say(kind: &str, message: impl Display) {
-    let _ = writeln!(io::stderr(), "geosweep: {kind}: {message}");
-}
-
-/// Prints a line on standard output.
-fn print(line: impl Display) -> io::Result<()> {
-    let mut stdout = io::stdout().lock();
-    writeln!(stdout, "{line}").and_then(|()| stdout.flush()).map_err(|error| {
-        io::Error::new(error.kind(), format!("cannot write to standard output: {error}"))
-    })
 }

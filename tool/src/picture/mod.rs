@@ -25,9 +25,7 @@ use geosweep::{DistanceMap, Sources, Surface};
 
 pub use canvas::{Canvas, Color};
 pub use colors::Scale;
-pub use curves::{
-    CurvePicture, Key, Line, Look, Mark, contour_lines, mark_all, path_line, rgb, ridge_line,
-};
+pub use curves::{Line, Look, MapPicture, Mark, path_line, rgb, ridge_line};
 pub use form::FormPicture;
 pub use gallery::{Exhibit, Gallery, Tile, tiled};
 pub use isolines::round_levels;

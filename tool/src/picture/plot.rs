@@ -120,6 +120,12 @@ impl Axis {
         Self { title: title.into(), low, high, ticks, labelled: true }
     }
 
+    /// The same beside or below a plot that has it too, where it need not be written again.
+    pub fn written(&self, labelled: bool) -> Self {
+        let title = if labelled { self.title.clone() } else { String::new() };
+        Self { title, labelled, ..self.clone() }
+    }
+
     /// Ticks at some values, each written as it is.
     pub fn at(title: &str, values: &[usize]) -> Self {
         let ends = values.iter().fold((usize::MAX, 0), |(a, b), &n| (a.min(n), b.max(n)));

@@ -7,10 +7,8 @@ use std::path::Path;
 use geosweep::io::OutputFile;
 use geosweep::{DistanceMap, Sources};
 
-use super::{
-    CurveFiles, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs, check_outputs, inputs,
-    solve,
-};
+use super::{CurveFiles, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs, inputs, solve};
+use crate::output::check_outputs;
 use crate::picture::Look;
 
 #[derive(clap::Args)]

@@ -3,7 +3,6 @@
 
 mod args;
 mod curve_files;
-mod outputs;
 mod picture;
 mod solver;
 mod sources;
@@ -18,24 +17,13 @@ use geosweep::{DistanceMap, Options, Report, Sources, Surface, distance_map};
 
 pub use args::{Problem, ProblemArgs};
 pub use curve_files::CurveFiles;
-pub use outputs::check_outputs;
 pub use picture::PictureArgs;
-pub use solver::{SolverArgs, device_choice};
-pub use sources::{SourceArgs, place};
+pub use solver::SolverArgs;
+pub use sources::SourceArgs;
 pub use summary::MapSummary;
 pub use surface::{Scene, SurfaceArgs};
 
-use crate::say;
-use crate::spinner::Spinner;
-
-/// Finite numbers with commas between them.
-pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
-    let number = |text: &str| match text.trim().parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
-        _ => Err(format!("`{text}` is not a finite number")),
-    };
-    text.split(',').map(number).collect()
-}
+use crate::terminal::{Spinner, say};
 
 /// A sentence on the built-in surfaces for the end of a command's help.
 pub fn builtin_names() -> String {

@@ -8,8 +8,9 @@ use geosweep::glam::DVec3;
 use geosweep::io::OutputFile;
 use geosweep::surface::Geometry;
 
-use super::{Scene, numbers};
-use crate::output_file::png_output;
+use super::Scene;
+use crate::numbers::numbers;
+use crate::output::wanted_png;
 use crate::picture::Look;
 
 /// Pixels of a shaded picture's longer side.
@@ -54,7 +55,7 @@ fn direction(text: &str) -> Result<DVec3, String> {
 impl PictureArgs {
     /// The picture to write, if one is wanted.
     pub fn output(&self) -> Result<Option<OutputFile>, Box<dyn Error>> {
-        self.picture.as_deref().map(png_output).transpose()
+        wanted_png(self.picture.as_ref())
     }
 
     /// How to look at a surface.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use geosweep::Sources;
 use geosweep::io::{IoError, read_curves};
 
-use super::numbers;
+use crate::numbers::numbers;
 
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("sources").required(true).multiple(true))]
@@ -33,12 +33,6 @@ fn point(text: &str) -> Result<[f64; 3], String> {
         [row, col, start] => Ok([row, col, start]),
         _ => Err("a source is a row and a column, and perhaps a start value: R,C[,T0]".into()),
     }
-}
-
-/// A place on the grid, which may be fractional.
-pub fn place(text: &str) -> Result<[f64; 2], String> {
-    let place = numbers(text)?.try_into();
-    place.map_err(|_| "a place is a row and a column: R,C".into())
 }
 
 impl SourceArgs {

@@ -3,16 +3,15 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use clap::ValueEnum;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use geosweep::io::{self, Georeference, SurfaceFile};
 use geosweep::surface::Geometry;
 use geosweep::{EdgeRule, Spacing, Surface};
 
-use super::numbers;
-use crate::say;
-use crate::spinner::Spinner;
+use crate::choices::one_of;
+use crate::numbers::numbers;
 use crate::surface_arg::SurfaceArg;
+use crate::terminal::{Spinner, say};
 
 #[derive(clap::Args)]
 pub struct SurfaceArgs {
@@ -42,17 +41,14 @@ pub struct SurfaceArgs {
     metric: Option<PathBuf>,
     /// How long the surface is between neighbouring points (default: arc); a metric has its own
     /// lengths
-    #[arg(long, value_enum, help_heading = "Surface")]
-    edges: Option<EdgesArg>,
+    #[arg(long, value_parser = one_of(&EDGE_RULES), help_heading = "Surface")]
+    edges: Option<EdgeRule>,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum EdgesArg {
-    /// Along the surface where it bends alike at both ends, else the chord
-    Arc,
-    /// Straight: the surface is the polyhedron of its points
-    Chord,
-}
+const EDGE_RULES: [(EdgeRule, &str); 2] = [
+    (EdgeRule::Arc, "Along the surface where it bends alike at both ends, else the chord"),
+    (EdgeRule::Chord, "Straight: the surface is the polyhedron of its points"),
+];
 
 fn spacing(text: &str) -> Result<Spacing, String> {
     let spacing = match numbers(text)?[..] {
@@ -115,11 +111,7 @@ impl Scene {
                     .into(),
             );
         }
-        let surface = surface.with_edge_rule(match args.edges {
-            None => EdgeRule::default(),
-            Some(EdgesArg::Arc) => EdgeRule::Arc,
-            Some(EdgesArg::Chord) => EdgeRule::Chord,
-        });
+        let surface = surface.with_edge_rule(args.edges.unwrap_or_default());
         // A slowness makes times of lengths, another metric may be in another unit.
         let unit = unit.filter(|_| shape.is_none() && surface.slowness().is_none());
         Ok(Self { surface, shape, georeference, unit })

@@ -1,6 +1,7 @@
 //! Curves and marks on a surface: from above as a map, or shaded in space.
 
 mod map;
+mod over_map;
 mod pose;
 mod space;
 
@@ -14,6 +15,7 @@ use super::colors::{Scale, ink_over};
 use super::legend::{Legend, Lines};
 use super::raster::Paint;
 use super::swatches::Swatches;
+pub use over_map::MapPicture;
 
 /// What is drawn.
 pub struct CurvePicture<'a> {
