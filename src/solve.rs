@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::Stop;
 use crate::constants::SOURCES_INSIDE;
 use crate::cpu::{self, Connections};
+use crate::name::{UnknownName, by_name};
 use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface};
 use crate::update::Wavefront;
 use crate::vulkan::{self, DeviceChoice, Schedule, VulkanError};
@@ -27,6 +28,34 @@ pub enum Engine {
     /// split. With the other fronts it can err by several per cent where triangles are obtuse: it
     /// fixes points once, and where they are split a front's curvature is that of the air between.
     FastMarching,
+}
+
+impl Engine {
+    /// The name used by the tool, whichever device.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Vulkan(_) => "vulkan",
+            Self::Cpu => "cpu",
+            Self::FastMarching => "fast-marching",
+        }
+    }
+}
+
+impl std::fmt::Display for Engine {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// By its [`name`](Engine::name); `vulkan` is any device.
+impl std::str::FromStr for Engine {
+    type Err = UnknownName;
+
+    fn from_str(text: &str) -> Result<Self, UnknownName> {
+        let all = [Self::Auto, Self::Vulkan(DeviceChoice::Any), Self::Cpu, Self::FastMarching];
+        by_name("engine", text, &all.each_ref(), |engine| engine.name()).cloned()
+    }
 }
 
 /// Default of [`Options::tolerance`]: near the rounding of single precision.

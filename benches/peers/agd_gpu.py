@@ -157,7 +157,7 @@ def arguments() -> argparse.Namespace:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument(
-        "--geosweep", type=Path, required=True, help="the tool, built with --features cli"
+        "--geosweep", type=Path, required=True, help="the tool, package geosweep-cli"
     )
     parser.add_argument(
         "--device", default="0", help="of geosweep: index or part of a name in `geosweep devices`"

@@ -49,7 +49,7 @@ def arguments() -> argparse.Namespace:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument(
-        "--geosweep", type=Path, required=True, help="the tool, built with --features cli"
+        "--geosweep", type=Path, required=True, help="the tool, package geosweep-cli"
     )
     parser.add_argument(
         "--surfaces", type=words, default=SURFACES, help=f"default {','.join(SURFACES)}"

@@ -61,7 +61,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument(
-        "--geosweep", type=Path, required=True, help="the tool, built with --features cli"
+        "--geosweep", type=Path, required=True, help="the tool, package geosweep-cli"
     )
     print(study(parser.parse_args().geosweep.resolve()))
 

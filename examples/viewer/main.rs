@@ -1,6 +1,6 @@
 //! geosweep in a renderer: surfaces drawn in 3D, coloured by distance maps that stay on the GPU.
 //!
-//! `cargo run --release --features cli --example viewer`
+//! `cargo run --release --features formats --example viewer`
 //!
 //! Click or drag moves the source; drag with the right button turns, the wheel zooms. S is the
 //! next surface, C the next schedule, W the next wavefront; L draws lines of equal distance as

@@ -59,6 +59,15 @@ pub enum EdgeRule {
     Arc,
 }
 
+impl std::fmt::Display for EdgeRule {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Chord => "chord",
+            Self::Arc => "arc",
+        })
+    }
+}
+
 impl EdgeRule {
     /// The part of the area of a point's fan of eight triangles to which its angle defect belongs.
     ///

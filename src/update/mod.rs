@@ -19,6 +19,7 @@ pub(crate) use inside::InsideSources;
 pub use planar::planar;
 pub use point_source::point_source;
 
+use crate::name::{UnknownName, by_name};
 use crate::surface::{EdgeLengths, Real, min};
 
 /// The shape of the front that an update assumes inside a triangle. The numbers are those of
@@ -77,6 +78,15 @@ impl Wavefront {
 impl std::fmt::Display for Wavefront {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.name())
+    }
+}
+
+/// By its [`name`](Wavefront::name).
+impl std::str::FromStr for Wavefront {
+    type Err = UnknownName;
+
+    fn from_str(text: &str) -> Result<Self, UnknownName> {
+        by_name("wavefront", text, &Self::EVERY, |wavefront| wavefront.name())
     }
 }
 

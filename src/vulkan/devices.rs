@@ -20,6 +20,15 @@ pub enum DeviceChoice {
     Index(usize),
 }
 
+/// An index, or else a part of the name.
+impl std::str::FromStr for DeviceChoice {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(text.parse().map_or_else(|_| Self::Name(text.to_owned()), Self::Index))
+    }
+}
+
 /// A Vulkan device of this machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceInfo {

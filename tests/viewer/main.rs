@@ -1,6 +1,6 @@
 //! The viewer as one meets it: a window on an X server, and input events. All under the validation
 //! layers, whose messages fail its exit status.
-#![cfg(all(feature = "cli", target_os = "linux"))]
+#![cfg(all(feature = "formats", target_os = "linux"))]
 
 mod screen;
 

@@ -139,6 +139,12 @@ pub enum Grain {
     Blocks,
 }
 
+impl std::fmt::Display for Grain {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
 impl Grain {
     /// All of them, the coarsest first.
     pub const ALL: [Self; 4] = [Self::Portions, Self::Iterations, Self::Scans, Self::Blocks];

@@ -1,0 +1,112 @@
+//! What devices and processors can do at best, and what that says of a map's time.
+
+mod shares;
+
+use geosweep::{Wavefront, cpu, vulkan};
+use serde::Serialize;
+
+use crate::choices::label;
+pub use shares::{Shares, Work};
+
+/// What a device can do at best, in bytes, triangles and seconds.
+#[derive(Clone, Copy, Serialize)]
+pub struct DeviceCeilings {
+    copy: f64,
+    triangles: Triangles,
+    dispatch: f64,
+    indirect_dispatch: f64,
+    skipped_dispatch: f64,
+    barrier: f64,
+    timestamp: Option<f64>,
+    submission: f64,
+    read_back: f64,
+}
+
+/// What some threads can do at best.
+#[derive(Clone, Copy, Serialize)]
+pub struct CpuCeilings {
+    threads: usize,
+    copy: f64,
+    triangles: Triangles,
+}
+
+/// Updates from one triangle a second.
+#[derive(Clone, Copy, Serialize)]
+struct Triangles {
+    planar: f64,
+    point: f64,
+    curved: f64,
+}
+
+impl From<[f64; 3]> for Triangles {
+    fn from([planar, point, curved]: [f64; 3]) -> Self {
+        Self { planar, point, curved }
+    }
+}
+
+impl From<vulkan::Ceilings> for DeviceCeilings {
+    fn from(ceilings: vulkan::Ceilings) -> Self {
+        Self {
+            copy: ceilings.copy,
+            triangles: ceilings.triangles.into(),
+            dispatch: ceilings.dispatch.as_secs_f64(),
+            indirect_dispatch: ceilings.indirect_dispatch.as_secs_f64(),
+            skipped_dispatch: ceilings.skipped_dispatch.as_secs_f64(),
+            barrier: ceilings.barrier.as_secs_f64(),
+            timestamp: ceilings.timestamp.map(|time| time.as_secs_f64()),
+            submission: ceilings.submission.as_secs_f64(),
+            read_back: ceilings.read_back,
+        }
+    }
+}
+
+impl From<cpu::Ceilings> for CpuCeilings {
+    fn from(ceilings: cpu::Ceilings) -> Self {
+        let cpu::Ceilings { threads, copy, triangles } = ceilings;
+        Self { threads, copy, triangles: triangles.into() }
+    }
+}
+
+impl std::fmt::Display for DeviceCeilings {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { copy, triangles, read_back, .. } = self;
+        let [dispatch, indirect, skipped, barrier, submission] = [
+            self.dispatch,
+            self.indirect_dispatch,
+            self.skipped_dispatch,
+            self.barrier,
+            self.submission,
+        ]
+        .map(|seconds| 1e6 * seconds);
+        write!(
+            f,
+            "copies {:.1} GB/s; {triangles}; dispatch of one group {dispatch:.2} us, indirect \
+             {indirect:.2} us, of none {skipped:.2} us, barrier {barrier:.2} us, ",
+            copy / 1e9,
+        )?;
+        if let Some(timestamp) = self.timestamp {
+            write!(f, "timestamp {:.2} us, ", 1e6 * timestamp)?;
+        }
+        write!(f, "submission {submission:.0} us; reads back {:.1} GB/s", read_back / 1e9)
+    }
+}
+
+impl std::fmt::Display for CpuCeilings {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { threads, copy, triangles } = self;
+        let s = if *threads == 1 { "" } else { "s" };
+        write!(f, "{threads} thread{s}: copies {:.1} GB/s; {triangles}", copy / 1e9)
+    }
+}
+
+impl std::fmt::Display for Triangles {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { planar, point, curved } = self;
+        f.write_str("triangles a second:")?;
+        for (wavefront, rate) in Wavefront::ALL.into_iter().zip([planar, point, curved]) {
+            let comma = if wavefront == Wavefront::ALL[0] { "" } else { "," };
+            write!(f, "{comma} {} {:.0} M", label(wavefront), rate / 1e6)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,108 @@
+//! The library's choices as options: their own names, and what each means.
+
+use std::fmt::Display;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use geosweep::Wavefront;
+
+/// A choice that may be left open. An alias, since clap takes a plain `Option` for an option that
+/// may be left out.
+pub type Choice<T> = Option<T>;
+
+/// One of some values, by the names that the library prints them with; a hyphen stands for a space.
+/// Each comes with its line of help, or with an empty one.
+pub fn one_of<T>(table: &[(T, &'static str)]) -> impl TypedValueParser<Value = T> + use<T>
+where
+    T: Clone + Display + Send + Sync + 'static,
+{
+    parser(table.iter().map(named).collect())
+}
+
+/// One of some values, or `auto`, which leaves the choice open.
+pub fn auto_or<T>(
+    help: &'static str,
+    table: &[(T, &'static str)],
+) -> impl TypedValueParser<Value = Choice<T>> + use<T>
+where
+    T: Clone + Display + Send + Sync + 'static,
+{
+    let auto = ("auto".into(), help, None);
+    let named = |entry| some(named(entry));
+    parser(std::iter::once(auto).chain(table.iter().map(named)).collect())
+}
+
+/// One of some values, or else a name that leaves the choice open.
+pub fn one_of_or<T>(
+    table: &[(T, &'static str)],
+    (name, help): (&'static str, &'static str),
+) -> impl TypedValueParser<Value = Choice<T>> + use<T>
+where
+    T: Clone + Display + Send + Sync + 'static,
+{
+    let open = (name.into(), help, None);
+    let named = |entry| some(named(entry));
+    parser(table.iter().map(named).chain([open]).collect())
+}
+
+/// A name, its help, and what it stands for.
+type Entry<T> = (String, &'static str, T);
+
+fn named<T: Clone + Display>((value, help): &(T, &'static str)) -> Entry<T> {
+    (value.to_string().replace(' ', "-"), help, value.clone())
+}
+
+fn some<T>((name, help, value): Entry<T>) -> Entry<Choice<T>> {
+    (name, help, Some(value))
+}
+
+fn parser<T>(entries: Vec<Entry<T>>) -> impl TypedValueParser<Value = T>
+where
+    T: Clone + Send + Sync + 'static,
+{
+    let possible = |(name, help, _): &Entry<T>| match *help {
+        "" => PossibleValue::new(name.clone()),
+        help => PossibleValue::new(name.clone()).help(help),
+    };
+    let names = PossibleValuesParser::new(entries.iter().map(possible));
+    names.map(move |name| {
+        let entry = entries.iter().find(|entry| entry.0 == name);
+        entry.expect("only these names are possible").2.clone()
+    })
+}
+
+/// All wavefronts' names, for help.
+pub fn wavefront_names() -> String {
+    Wavefront::EVERY.map(Wavefront::name).join(", ")
+}
+
+/// A wavefront's name in figures and reports for people.
+pub fn label(wavefront: Wavefront) -> &'static str {
+    match wavefront {
+        Wavefront::PointSource => "point-source",
+        other => other.name(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ffi::OsStr;
+
+    use geosweep::vulkan::PairwiseSchedule;
+
+    use super::*;
+
+    #[test]
+    fn names_are_the_librarys_and_helps_are_ours() {
+        let command = clap::Command::new("test");
+        let table = PairwiseSchedule::ALL.map(|schedule| (schedule, "where maps lie"));
+        let parser = auto_or("where they fit", &table);
+        let parse = |text| parser.parse_ref(&command, None, OsStr::new(text)).ok();
+        assert_eq!(parse("auto"), Some(None));
+        assert_eq!(parse("shared-memory"), Some(Some(PairwiseSchedule::SharedMemory)));
+        assert_eq!(parse("layers"), None);
+        let possible: Vec<_> = parser.possible_values().unwrap().collect();
+        let names: Vec<_> = possible.iter().map(PossibleValue::get_name).collect();
+        assert_eq!(names, ["auto", "shared-memory", "images"]);
+        assert!(possible.iter().all(|value| value.get_help().is_some()));
+    }
+}

@@ -1,0 +1,96 @@
+//! `geosweep contours`: curves of equal distance.
+
+use std::path::PathBuf;
+
+use geosweep::geometry::{Levels, contours};
+
+use super::level_curves::{LevelCurves, comment, extent};
+use crate::numbers::Numbers;
+use crate::problem::{self, CurveFiles, ProblemArgs};
+use crate::terminal::{Outcome, say};
+
+/// The arguments of `geosweep contours`.
+#[derive(clap::Args)]
+#[command(after_help = examples())]
+pub struct Args {
+    /// Where to write the curves, repeatable: .npy (K, 5) with row, column, x, y, z of each vertex
+    /// and a row of NaN between curves; .csv; .svg (the parameter domain); .geojson (from a GeoTIFF,
+    /// in its coordinates); .ply or .obj (in space)
+    #[arg(short, long, value_name = "CURVES", required_unless_present_any = ["picture", "json"])]
+    output: Vec<PathBuf>,
+    #[command(flatten)]
+    levels: LevelArgs,
+
+    #[command(flatten)]
+    problem: ProblemArgs,
+
+    /// Print one JSON object: what `distance --json` says of the map, and levels, an array of
+    /// objects with level, curves, closed (how many of them are), vertices and length (in the unit
+    /// of the surface)
+    #[arg(long, help_heading = "Reports")]
+    json: bool,
+}
+
+#[derive(clap::Args)]
+#[group(required = true, multiple = false)]
+struct LevelArgs {
+    /// At these distances
+    #[arg(long, value_name = "A,B,...", value_parser = Numbers::parse)]
+    #[arg(allow_hyphen_values = true)]
+    levels: Option<Numbers>,
+    /// At so many distances, equally spaced between the smallest and the largest
+    #[arg(long, value_name = "N", value_parser = count)]
+    count: Option<usize>,
+    /// At all multiples of a distance
+    #[arg(long, value_name = "D", allow_hyphen_values = true)]
+    every: Option<f64>,
+}
+
+fn count(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count @ 1..) => Ok(count),
+        _ => Err(format!("`{text}` is no number of distances; give 1 or more")),
+    }
+}
+
+fn examples() -> String {
+    format!(
+        "\
+Contours are closed, or end at the surface's border or at holes. Nearer points lie
+to their left as seen on the grid with rows downwards. A level that the map does not
+have gives no curve.
+
+{}
+
+Examples:
+  geosweep contours dem.tif --source 120,85 --every 1000 -o km.geojson --picture km.png
+  geosweep contours builtin:face:183x155 --source 103,77 --count 12 -o face.svg \\
+      --picture face.png
+  geosweep contours scan.npy --source 80,64 --levels 10,20,50 -o rings.csv -o rings.obj",
+        problem::builtin_names()
+    )
+}
+
+impl LevelArgs {
+    fn levels(&self) -> Levels {
+        match (&self.levels, self.count, self.every) {
+            (Some(Numbers(levels)), _, _) => Levels::List(levels.clone()),
+            (_, Some(count), _) => Levels::Count(count),
+            (_, _, every) => Levels::Spacing(every.unwrap_or(f64::NAN)),
+        }
+    }
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let files = CurveFiles::new(&args.output)?;
+    let problem = args.problem.solve(&files, None, None)?;
+    let levels = args.levels.levels().on(&problem.map, &problem.sources)?;
+    let found = contours(&problem.map, &problem.sources, &levels);
+    comment(&found, &problem)?;
+    if found.is_empty() {
+        let [low, high] = extent(&problem.map);
+        say("note", format_args!("no curve: the distances on the grid run from {low} to {high}"));
+    }
+    let quantity = args.problem.quantity(&problem.scene);
+    LevelCurves { kind: "contour", side: None, problem, found }.write(files, &quantity, args.json)
+}

@@ -1,0 +1,130 @@
+//! `geosweep devices`: what Vulkan offers, and what devices and processor can do at best.
+
+use std::process::ExitCode;
+
+use geosweep::vulkan::{self, DeviceInfo};
+use geosweep::{DeviceChoice, cpu};
+use serde::Serialize;
+
+use crate::ceilings::{CpuCeilings, DeviceCeilings};
+use crate::terminal::{Outcome, Spinner, print, print_pretty_json, say};
+
+/// The arguments of `geosweep devices`.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Measure what each usable device and the processor can do at best, in some seconds
+    #[arg(long)]
+    measure: bool,
+    /// Print one JSON array: index, name, kind, api_version, driver, unmet (requirements). With
+    /// --measure one object: devices, that array, each usable device with its ceilings; and cpu, an
+    /// array of ceilings by number of threads. Rates are per second, times in seconds
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+The index, or any part of the name, selects a device for `geosweep distance --device`.
+
+With --measure: the rate at which bytes are copied (read plus written), the rate of
+updates from single triangles with everything at hand, by wavefront; of a device also
+the time of an empty dispatch with its barrier, direct and indirect, of an indirect
+dispatch of nothing with its barrier, of a barrier alone, of what a timestamp adds
+(null or nothing where there are none) and of an empty submission, and the rate of
+reading back.
+
+Examples:
+  geosweep devices
+  geosweep devices --measure
+  geosweep devices --json";
+
+#[derive(Serialize)]
+struct Device<'a> {
+    index: usize,
+    name: &'a str,
+    kind: &'a str,
+    api_version: &'a str,
+    driver: &'a str,
+    /// What it lacks; empty for a usable device.
+    unmet: &'a [String],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ceilings: Option<DeviceCeilings>,
+}
+
+#[derive(Serialize)]
+struct Measured<'a> {
+    devices: Vec<Device<'a>>,
+    cpu: Vec<CpuCeilings>,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let found = match vulkan::devices() {
+        Err(error) if args.measure => {
+            say("note", format_args!("no Vulkan device: {error}"));
+            Vec::new()
+        }
+        other => other?,
+    };
+    let mut devices: Vec<_> = found.iter().map(Device::from).collect();
+    if !args.measure {
+        if args.json {
+            print_pretty_json(&devices)?;
+        } else {
+            devices.iter().try_for_each(print)?;
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    let cpu = {
+        let _spinner = Spinner::new("measuring");
+        for device in devices.iter_mut().filter(|device| device.unmet.is_empty()) {
+            let choice = DeviceChoice::Index(device.index);
+            device.ceilings = Some(vulkan::Ceilings::measure(&choice)?.into());
+        }
+        thread_counts().map(cpu::Ceilings::measure).map(CpuCeilings::from).collect()
+    };
+    let measured = Measured { devices, cpu };
+    if args.json {
+        print_pretty_json(&measured)?;
+    } else {
+        print(&measured)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Powers of two, and all that the machine has.
+fn thread_counts() -> impl Iterator<Item = usize> {
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    let powers = std::iter::successors(Some(1), |count| Some(2 * count));
+    powers.take_while(move |&count| count < all).chain([all])
+}
+
+impl<'a> From<&'a DeviceInfo> for Device<'a> {
+    fn from(info: &'a DeviceInfo) -> Self {
+        let DeviceInfo { index, name, kind, api_version, driver, unmet } = info;
+        Self { index: *index, name, kind, api_version, driver, unmet, ceilings: None }
+    }
+}
+
+impl std::fmt::Display for Device<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { index, name, kind, api_version, driver, unmet, ceilings } = self;
+        write!(f, "{index}: {name} ({kind}, Vulkan {api_version}, {driver})")?;
+        if !unmet.is_empty() {
+            write!(f, "\n   not usable: {}", unmet.join("; "))?;
+        }
+        match ceilings {
+            Some(ceilings) => write!(f, "\n   {ceilings}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl std::fmt::Display for Measured<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for device in &self.devices {
+            writeln!(f, "{device}")?;
+        }
+        write!(f, "CPU ({}):", cpu::Instructions::best())?;
+        self.cpu.iter().try_for_each(|ceilings| write!(f, "\n   {ceilings}"))
+    }
+}

@@ -1,0 +1,271 @@
+//! `geosweep distance`: from a surface and sources to a map.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use geosweep::io::{MapFormat, OutputFile};
+use geosweep::surface::Real;
+use geosweep::{DistanceMap, ErrorEstimate, Options, Sources, Surface, Wavefront};
+use serde::Serialize;
+
+use crate::output::{check_outputs, commit, stage_picture, wanted_png};
+use crate::picture::Picture;
+use crate::precision::{InPrecision, Number, Precision};
+use crate::problem::{self, MapSummary, Scene, SolverArgs, SourceArgs, SurfaceArgs};
+use crate::terminal::{Outcome, Spinner, print_json, say};
+
+/// The arguments of `geosweep distance`.
+#[derive(clap::Args)]
+#[command(after_help = examples())]
+pub struct Args {
+    /// Where to write the map: .npy (M, N), .tif or .exr, float32, +infinity at holes and where no
+    /// source reaches; .npy or .tif, float64, in double precision
+    #[arg(short, long, value_name = "MAP")]
+    #[arg(required_unless_present_any = ["error", "picture", "json"])]
+    output: Option<PathBuf>,
+
+    #[command(flatten)]
+    sources: SourceArgs,
+    #[command(flatten)]
+    surface: SurfaceArgs,
+    #[command(flatten)]
+    solver: SolverArgs,
+
+    /// Compute, and write, in this precision
+    #[arg(long, value_enum, default_value_t, help_heading = "Accuracy")]
+    precision: Precision,
+    /// Estimate each distance's error from maps of every second and fourth point, which takes a
+    /// third more time; over floor plans from that of a grid twice as fine, in four to five times the
+    /// time: a file as the map's, in the unit of the distances, +infinity where there is no estimate.
+    /// Behind holes of other surfaces too large by far
+    #[arg(long, value_name = "FILE", help_heading = "Accuracy")]
+    error: Option<PathBuf>,
+    /// Write the map less its estimated error (Richardson's extrapolation), for a third more time.
+    /// On smooth surfaces a half to a hundredth of the error is left, least from sources at grid
+    /// points; behind holes it grows. Over floor plans the distances of the finer grid
+    #[arg(long, help_heading = "Accuracy")]
+    extrapolate: bool,
+
+    /// Draw the map: colours and lines of equal distance over the shaded surface
+    #[arg(long, value_name = "FILE.png", help_heading = "Reports")]
+    picture: Option<PathBuf>,
+    /// The unit of lengths, for the picture's legend (default: what a projected GeoTIFF says, else
+    /// none)
+    #[arg(long, value_name = "NAME", help_heading = "Reports")]
+    unit: Option<String>,
+    /// Print one JSON object: precision, engine, device, fallback, schedule, wavefront, iterations,
+    /// iteration_bound (Theorem 1's, where it applies), residual, converged, solve_seconds, rows,
+    /// cols, points, reached, max_distance, farthest (row and column of the first point that is so
+    /// far), extrapolated, and with --error or --extrapolate the
+    /// estimated mean_relative_error and max_relative_error before extrapolation
+    #[arg(long, help_heading = "Reports")]
+    json: bool,
+}
+
+fn examples() -> String {
+    format!(
+        "\
+Distances are in the unit of the positions, or of the heights and the spacing,
+which must agree. Rows count downwards from 0, columns rightwards from 0.
+
+{}
+
+Examples:
+  An elevation model in metres, 30 m between points, with a picture:
+    geosweep distance dem.png --spacing 30 --source 172,201 -o map.npy --picture map.png
+  A scan with a mask, from a curve and from a point that starts at 12.5:
+    geosweep distance scan.npy --mask face.png --source-curve brow.csv \\
+      --source 80.5,64.25,12.5 -o map.npy
+  Travel times, on the CPU, with a report to parse:
+    geosweep distance dem.tif --slowness slowness.npy --source 10,10 \\
+      --engine cpu --json -o time.npy
+  In double precision, for what is left of errors below single precision's rounding:
+    geosweep distance scan.npy --source 80,64 --precision double -o map.npy
+  A built-in surface, with an estimate of each distance's error:
+    geosweep distance builtin:sphere:257x257 --source 0,0 -o sphere.npy \\
+      --error error.npy",
+        problem::builtin_names()
+    )
+}
+
+pub fn run(args: &Args) -> Outcome {
+    args.precision.run(args)
+}
+
+impl InPrecision for &Args {
+    type Result = Outcome;
+
+    fn run<R: Number>(self) -> Outcome {
+        let options = self.solver.options()?;
+        let outputs = Outputs::new(self)?;
+        let scene = self.surface.read()?;
+        let sources = self.sources.sources()?;
+        let solved = {
+            let _spinner = Spinner::new("computing distances");
+            Solved::<R>::new(self, &scene.surface, &sources, &options)?
+        };
+        self.comment(&scene.surface, &solved);
+        problem::comment_on_starts::<R>(&scene.surface, &sources);
+        let quantity = scene.quantity(self.unit.as_deref().or(scene.unit));
+        outputs.write(&scene, &sources, &quantity, &solved)?;
+        if self.json {
+            print_json(&Summary::new(&scene.surface, self, &solved))?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// What is written and reported.
+struct Solved<R> {
+    map: DistanceMap<R>,
+    estimate: Option<Estimate<R>>,
+}
+
+/// The estimated errors of the map, before any extrapolation.
+struct Estimate<R> {
+    errors: Vec<R>,
+    mean_relative: f64,
+    max_relative: f64,
+    unknown: usize,
+}
+
+impl<R: Real> Estimate<R> {
+    fn of(estimate: &mut ErrorEstimate<R>) -> Self {
+        let (mean_relative, max_relative) = estimate.relative();
+        let unknown = estimate.unknown();
+        let errors = std::mem::take(&mut estimate.errors);
+        Self { errors, mean_relative, max_relative, unknown }
+    }
+}
+
+impl<R: Number> Solved<R> {
+    fn new(
+        args: &Args,
+        surface: &Surface,
+        sources: &Sources,
+        options: &Options,
+    ) -> Result<Self, geosweep::Error> {
+        if args.error.is_none() && !args.extrapolate {
+            return Ok(Self { map: R::MAP(surface, sources, options)?, estimate: None });
+        }
+        let mut found = R::ESTIMATE(surface, sources, options)?;
+        let estimate = Some(Estimate::of(&mut found));
+        let map = if args.extrapolate { found.into_extrapolated_map() } else { found.map };
+        Ok(Self { map, estimate })
+    }
+}
+
+impl Args {
+    /// What the user should know though the map is there.
+    fn comment<R>(&self, surface: &Surface, solved: &Solved<R>) {
+        let report = &solved.map.report;
+        problem::comment(report);
+        if let Some(Estimate { mean_relative, max_relative, unknown, .. }) = solved.estimate {
+            let before = if self.extrapolate { " before extrapolation" } else { "" };
+            say(
+                "note",
+                format_args!(
+                    "estimated relative error{before}: mean {mean_relative:.1e}, largest \
+                     {max_relative:.1e}"
+                ),
+            );
+            if unknown > 0 {
+                say("note", format_args!("{unknown} points have no estimate of their error"));
+            }
+        }
+        let holes = report.points < surface.chart().points();
+        if self.extrapolate && holes && report.wavefront != Wavefront::Anchored {
+            say(
+                "note",
+                "extrapolated distances are less accurate than plain ones where paths bend around \
+                 holes",
+            );
+        }
+    }
+}
+
+/// The files to write, checked before the work begins.
+struct Outputs {
+    map: Option<(OutputFile, MapFormat)>,
+    error: Option<(OutputFile, MapFormat)>,
+    picture: Option<OutputFile>,
+}
+
+impl Outputs {
+    fn new(args: &Args) -> Result<Self, Box<dyn Error>> {
+        let map_output = |path| map_output(path, args.precision);
+        let map = args.output.as_deref().map(map_output).transpose()?;
+        let error = args.error.as_deref().map(map_output).transpose()?;
+        let picture = wanted_png(args.picture.as_ref())?;
+        let maps = map.iter().chain(&error).map(|(file, _)| file);
+        let files: Vec<_> = maps.chain(&picture).collect();
+        check_outputs(&files, problem::inputs(&args.surface, &args.sources))?;
+        Ok(Self { map, error, picture })
+    }
+
+    /// Writes all files, then gives them their names.
+    fn write<R: Number>(
+        self,
+        scene: &Scene,
+        sources: &Sources,
+        quantity: &str,
+        Solved { map, estimate }: &Solved<R>,
+    ) -> Result<(), Box<dyn Error>> {
+        let (rows, cols) = (map.chart.rows, map.chart.cols);
+        let mut staged = Vec::new();
+        if let Some((output, format)) = self.map {
+            staged.push(output.stage(|writer| format.write(writer, rows, cols, &map.distances))?);
+        }
+        if let Some(((output, format), Estimate { errors, .. })) = self.error.zip(estimate.as_ref())
+        {
+            staged.push(output.stage(|writer| format.write(writer, rows, cols, errors))?);
+        }
+        if let Some(output) = self.picture {
+            let (surface, shape, map) = (&scene.surface, scene.shape(), &map.to_single());
+            let picture = Picture { surface, shape, map, sources, quantity };
+            staged.push(stage_picture(output, || picture.draw())?);
+        }
+        Ok(commit(staged)?)
+    }
+}
+
+/// A map to write, in the format that its name says.
+fn map_output(
+    path: &Path,
+    precision: Precision,
+) -> Result<(OutputFile, MapFormat), Box<dyn Error>> {
+    let format = MapFormat::of(path)?;
+    if precision == Precision::Double && !format.holds_double() {
+        let name = path.display();
+        let message = format!(
+            "{name}: {format} files hold single precision only; write .npy or .tif, or leave \
+             --precision double out"
+        );
+        return Err(message.into());
+    }
+    Ok((OutputFile::new(path)?, format))
+}
+
+#[derive(Serialize)]
+struct Summary<'a, R> {
+    precision: Precision,
+    #[serde(flatten)]
+    map: MapSummary<'a, R>,
+    extrapolated: bool,
+    mean_relative_error: Option<f64>,
+    max_relative_error: Option<f64>,
+}
+
+impl<'a, R: Real> Summary<'a, R> {
+    fn new(surface: &Surface, args: &Args, solved: &'a Solved<R>) -> Self {
+        let Solved { map, estimate } = solved;
+        Self {
+            precision: args.precision,
+            map: MapSummary::new(surface, map),
+            extrapolated: args.extrapolate,
+            mean_relative_error: estimate.as_ref().map(|estimate| estimate.mean_relative),
+            max_relative_error: estimate.as_ref().map(|estimate| estimate.max_relative),
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Curves at some distances, as files, pictures and reports.
+
+use std::ops::Range;
+use std::process::ExitCode;
+
+use geosweep::geometry::{Contour, CurveError, Side};
+use geosweep::io::{Attribute, Polyline};
+use geosweep::surface::{Source, SourceError};
+use geosweep::{DistanceMap, Sources, Surface};
+use serde::Serialize;
+
+use crate::output::{commit, stage_picture};
+use crate::picture::{Canvas, Look, MapPicture, rgb, scale_of};
+use crate::problem::{CurveFiles, MapSummary, Problem};
+use crate::terminal::{Outcome, print_json, say};
+
+/// Contours or offset curves of a map.
+pub struct LevelCurves {
+    pub kind: &'static str,
+    /// On which side of the sources they are, if only there.
+    pub side: Option<Side>,
+    pub problem: Problem,
+    pub found: Vec<Contour>,
+}
+
+impl LevelCurves {
+    /// Writes and reports all that is wanted.
+    pub fn write(mut self, files: CurveFiles, quantity: &str, json: bool) -> Outcome {
+        let lengths = self.lengths()?;
+        let picture = self.problem.picture.take();
+        let Problem { scene, map, .. } = &self.problem;
+        let mut staged = files.stage(scene, self.polylines(&lengths)?)?;
+        if let Some((output, look)) = picture {
+            staged.push(stage_picture(output, || self.picture(look, quantity))?);
+        }
+        commit(staged)?;
+        if json {
+            let level = |(contour, lengths): (_, &Vec<f64>)| Level::new(contour, lengths);
+            let summary = Summary {
+                map: MapSummary::new(&scene.surface, map),
+                levels: self.found.iter().zip(&lengths).map(level).collect(),
+            };
+            print_json(&summary)?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// The lengths of all curves, level by level.
+    fn lengths(&self) -> Result<Vec<Vec<f64>>, CurveError> {
+        let surface = &self.problem.scene.surface;
+        let of =
+            |contour: &Contour| contour.curves.iter().map(|curve| curve.length(surface)).collect();
+        self.found.iter().map(of).collect()
+    }
+
+    fn polylines(&self, lengths: &[Vec<f64>]) -> Result<Vec<Polyline>, CurveError> {
+        let Problem { scene, sources, map, .. } = &self.problem;
+        let scale = scale_of(map, sources);
+        let mut polylines = Vec::new();
+        for (contour, lengths) in self.found.iter().zip(lengths) {
+            // The scale's light end is hard to see on white.
+            let color = rgb(scale.color(contour.level as f32).map(|channel| 0.85 * channel));
+            for (curve, &length) in contour.curves.iter().zip(lengths) {
+                let mut polyline = Polyline::new(self.kind, curve.clone(), scene.shape())?
+                    .with("level", Attribute::Number(contour.level))
+                    .with("length", Attribute::Number(length));
+                if let Some(side) = self.side {
+                    polyline = polyline.with("side", Attribute::Name(side.name()));
+                }
+                polylines.push(Polyline { color, ..polyline });
+            }
+        }
+        Ok(polylines)
+    }
+
+    fn picture(&self, look: Look, quantity: &str) -> Canvas {
+        let Problem { scene, sources, map, .. } = &self.problem;
+        MapPicture {
+            surface: &scene.surface,
+            shape: scene.shape(),
+            map,
+            sources,
+            contours: &self.found,
+            plain: true,
+            curves: Default::default(),
+            quantity: Some(quantity),
+        }
+        .draw(look)
+    }
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    #[serde(flatten)]
+    map: MapSummary<'a>,
+    levels: Vec<Level>,
+}
+
+#[derive(Serialize)]
+struct Level {
+    level: f64,
+    curves: usize,
+    closed: usize,
+    vertices: usize,
+    length: f64,
+}
+
+impl Level {
+    fn new(contour: &Contour, lengths: &[f64]) -> Self {
+        let curves = &contour.curves;
+        Self {
+            level: contour.level,
+            curves: curves.len(),
+            closed: curves.iter().filter(|curve| curve.closed).count(),
+            vertices: curves.iter().map(|curve| curve.vertices.len()).sum(),
+            // The sum of nothing is -0.
+            length: 0.0 + lengths.iter().sum::<f64>(),
+        }
+    }
+}
+
+/// Names the levels that have no curve, or perhaps a part of it.
+pub fn comment(found: &[Contour], problem: &Problem) -> Result<(), SourceError> {
+    let Problem { scene, sources, map, .. } = problem;
+    let levels = |which: &dyn Fn(&Contour) -> bool| {
+        let levels = found.iter().filter(|contour| which(contour));
+        levels.map(|contour| contour.level.to_string()).collect::<Vec<_>>().join(", ")
+    };
+    let none = levels(&|contour| contour.curves.is_empty());
+    if !none.is_empty() {
+        let [low, high] = extent(map);
+        say(
+            "note",
+            format_args!("no curve at {none}: the distances on the grid run from {low} to {high}"),
+        );
+    }
+    let near = sources
+        .iter()
+        .map(|source| beside(source, &scene.surface))
+        .collect::<Result<Vec<_>, _>>()?;
+    let cut = levels(&|contour| {
+        !contour.curves.is_empty() && near.iter().any(|near| near.contains(&contour.level))
+    });
+    if !cut.is_empty() {
+        say(
+            "note",
+            format_args!(
+                "the curves at {cut} run between a source and the points of the grid beside it, \
+                 closer than the grid's spacing there, and parts of them are missing; a finer grid \
+                 has them whole"
+            ),
+        );
+    }
+    Ok(())
+}
+
+/// The smallest and the largest distance on the grid.
+pub fn extent(map: &DistanceMap) -> [f32; 2] {
+    let reached = map.distances.iter().copied().filter(|distance| distance.is_finite());
+    [reached.fold(f32::INFINITY, f32::min), map.report.max_distance as f32]
+}
+
+/// The distances from a source to the points of the grid beside it.
+fn beside(source: &Source, surface: &Surface) -> Result<Range<f64>, SourceError> {
+    let seeds = Sources::from_iter([source.clone()]).seeds(surface)?;
+    Ok(source.initial()..seeds.iter().map(|seed| seed.time).fold(source.initial(), f64::max))
+}

@@ -1,0 +1,22 @@
+//! What users run: maps, matrices, curves and regions from files to files; devices and profiles.
+//!
+//! A file a command, and below them what several share: level curves, curves over a map, labels of
+//! regions, samples.
+
+pub mod builtin;
+pub mod canonical;
+pub mod compare;
+pub mod contours;
+pub mod devices;
+pub mod distance;
+mod labels;
+mod level_curves;
+pub mod offset;
+mod over_map;
+pub mod pairwise;
+pub mod path;
+pub mod profile;
+pub mod ridges;
+pub mod sample;
+mod samples;
+pub mod voronoi;

@@ -1,0 +1,384 @@
+//! `geosweep pairwise`: the distances between all points of a surface.
+
+mod sources;
+
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use geosweep::geometry::Voronoi;
+use geosweep::io::{
+    Element, IoError, MatrixFile, MatrixLayout, OutputFile, Provenance, StagedFile,
+    surface_checksum,
+};
+use geosweep::pairwise::{Pairwise, PairwiseReport, Rows};
+use geosweep::surface::{Chart, EdgeLengths};
+use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Surface};
+use indicatif::ProgressBar;
+use serde::Serialize;
+
+use super::labels::{labels_output, write_labels};
+use super::samples::{Sample, farthest_points, middle};
+use crate::choices::one_of;
+use crate::output::{check_outputs, wanted_file};
+use crate::problem::{SolverArgs, SurfaceArgs, builtin_names, warn_of_no_convergence};
+use crate::terminal::{Outcome, Spinner, print_json, progress_of_rows, say};
+use sources::RowsOf;
+
+/// The arguments of `geosweep pairwise`.
+#[derive(clap::Args)]
+#[command(after_help = examples(), mut_arg("schedule", |schedule| schedule.hide(true)))]
+pub struct Args {
+    #[command(flatten)]
+    surface: SurfaceArgs,
+    /// Where to write the distances: .npy, float32, (n, n) for the n points of the grid in row-major
+    /// order, +infinity where no path leads and throughout for a hole. With --json it may be left
+    /// out, to time the solver alone
+    #[arg(short, long, value_name = "D.npy", required_unless_present = "json")]
+    output: Option<PathBuf>,
+    /// Only the rows of these points, (k, n): a range A..B of rows of the matrix, without B; or a
+    /// file: .npy, (k,) for rows of the matrix or (k, 2) for rows and columns of the grid, as
+    /// `geosweep sample` writes, or text with a line `row,col` per point, which may have more columns
+    /// if its first line names them
+    #[arg(long, value_name = "A..B|FILE", help_heading = "Matrix")]
+    sources: Option<RowsOf>,
+    /// Only the rows of k points that are far from one another, (k, n): the point next to the middle
+    /// of the grid, then each time the farthest from all before it, as `geosweep sample` has it
+    #[arg(long, value_name = "K", conflicts_with = "sources", help_heading = "Matrix")]
+    #[arg(value_parser = sample_size)]
+    sample: Option<usize>,
+    /// With --sample, write which sample each point is nearest to: .npy int32 (M, N), from 0, -1 at
+    /// holes and where none reaches
+    #[arg(long, value_name = "LABELS.npy", requires = "sample", help_heading = "Matrix")]
+    labels: Option<PathBuf>,
+    /// Type of the numbers
+    #[arg(long, default_value = "float32", value_parser = one_of(&NUMBERS))]
+    #[arg(help_heading = "Matrix")]
+    numbers: Element,
+    /// Only what lies above the diagonal, row after row: (n (n - 1) / 2,), as SciPy's squareform has
+    /// it
+    #[arg(long, conflicts_with_all = ["sources", "sample"], help_heading = "Matrix")]
+    upper: bool,
+    /// Replace both distances between two points by their mean. Needs the disk space of a whole
+    /// float32 matrix more
+    #[arg(long, conflicts_with_all = ["sources", "sample"], help_heading = "Matrix")]
+    symmetrize: bool,
+    /// Start rows from the distances back to points that earlier rows know (eq. 20 of the paper),
+    /// and do not compute these again. Needs the matrix in memory; for the planar and the point
+    /// wavefront on the CPU
+    #[arg(long, conflicts_with_all = ["sources", "sample", "resume"])]
+    #[arg(help_heading = "Solver")]
+    from_symmetry: bool,
+    #[command(flatten)]
+    solver: SolverArgs,
+    /// Go on with D.npy.part, which an interrupted command has left: the same bytes as without the
+    /// interruption. Begins if there is none
+    #[arg(long, requires = "output")]
+    resume: bool,
+    /// Print one JSON object: rows, points, engine, device, wavefront, iterations (of the slowest
+    /// map), converged, residual, solve_seconds, distances_per_second, resumed_rows, memory_bytes
+    /// (beside the surface), disk_bytes, samples (with --sample, an array of [row, column])
+    #[arg(long, help_heading = "Reports")]
+    json: bool,
+}
+
+const NUMBERS: [(Element, &str); 2] = [
+    (Element::Float32, "What the solvers compute"),
+    (
+        Element::Float16,
+        "Half the space: a relative error of up to 5e-4, and no distance above 65504",
+    ),
+];
+
+fn examples() -> String {
+    format!(
+        "\
+Rows are written as they are done, so that the matrix may be larger than memory. It
+lies in D.npy.part until it is finished. The curved wavefront is the most accurate; point
+computes sixteen maps at once, many times faster, and is about as accurate on surfaces
+that are not much curved. The distance from one point to another and that back are
+computed apart and differ by the solver's error; --symmetrize takes their mean.
+
+{}
+
+Examples:
+  geosweep pairwise face.npy -o distances.npy --wavefront point
+  geosweep pairwise dem.tif -o rows.npy --sources 4096..8192 --resume
+  geosweep pairwise scan.npy -o rows.npy --sample 200 --labels regions.npy
+  geosweep pairwise builtin:torus:64x64 -o d.npy --upper --numbers float16 --symmetrize --json",
+        builtin_names()
+    )
+}
+
+/// Whether the user has asked to stop.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Why rows stopped coming.
+#[derive(Debug, thiserror::Error)]
+enum Stopped {
+    #[error(transparent)]
+    Solver(#[from] geosweep::Error),
+    #[error(transparent)]
+    Output(#[from] IoError),
+    #[error("interrupted")]
+    Interrupted,
+}
+
+fn sample_size(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count @ 1..) => Ok(count),
+        _ => Err(format!("`{text}` is no number of samples; give 1 or more")),
+    }
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let Outputs { matrix, labels } = Outputs::new(args)?;
+    let scene = args.surface.read()?;
+    let surface = &scene.surface;
+    let samples = args.sample.map(|count| Samples::new(surface, count)).transpose()?;
+    let sources = match &samples {
+        Some(samples) => samples.points.clone(),
+        None => args.sources(surface)?,
+    };
+    let mut pairwise = Pairwise::new(surface, &args.solver.options()?)?;
+    let points = pairwise.points();
+    let layout = MatrixLayout {
+        rows: sources.len(),
+        cols: points,
+        element: args.numbers,
+        upper: args.upper,
+        symmetric: args.symmetrize,
+    };
+    let held = if args.from_symmetry { points * points * size_of::<f32>() } else { 0 };
+    let memory_bytes = held + pairwise.bytes();
+    let disk_bytes = matrix.as_ref().map_or(0, |_| layout.bytes());
+    say("note", needs(layout, memory_bytes, disk_bytes));
+
+    let begin = |output| {
+        let made_from = args.provenance(surface, &sources)?;
+        let file = if args.resume { MatrixFile::resume } else { MatrixFile::begin };
+        Ok::<_, Box<dyn Error>>(file(output, layout, made_from)?)
+    };
+    let mut file = matrix.map(begin).transpose()?;
+    let resumed_rows = file.as_ref().map_or(0, MatrixFile::rows);
+    if resumed_rows > 0 {
+        say("note", format_args!("goes on after row {resumed_rows} of {}", layout.rows));
+    }
+    // A second interruption ends the program as it would have without this.
+    ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::SeqCst) {
+            std::process::exit(130);
+        }
+    })?;
+    let bar = progress_of_rows(layout.rows, resumed_rows);
+    let solved = if args.from_symmetry {
+        by_symmetry(&mut pairwise, file.as_mut(), &bar)
+    } else {
+        row_by_row(&mut pairwise, file.as_mut(), &sources[resumed_rows..], &bar)
+    };
+    bar.finish_and_clear();
+    let report = match solved {
+        Ok(report) => report,
+        Err(stopped) => {
+            let rows = file.as_ref().map_or(0, MatrixFile::rows);
+            // What is there is good, whatever has failed since.
+            let paused = file.map_or(Ok(()), MatrixFile::pause);
+            return match stopped {
+                Stopped::Interrupted if rows > 0 => {
+                    paused?;
+                    let all = layout.rows;
+                    let what = format!("interrupted after {rows} of {all} rows");
+                    Err(format!("{what}; the same command with --resume goes on").into())
+                }
+                stopped => Err(stopped.into()),
+            };
+        }
+    };
+    {
+        let _spinner = Spinner::new(if args.symmetrize { "symmetrizing" } else { "writing" });
+        let labels = samples.as_ref().zip(labels).map(|(samples, output)| {
+            output.stage(|writer| write_labels(writer, surface.chart(), &samples.regions))
+        });
+        let labels = labels.transpose()?;
+        file.map_or(Ok(()), MatrixFile::finish)?;
+        labels.map_or(Ok(()), StagedFile::commit)?;
+    }
+    if !report.converged() {
+        warn_of_no_convergence(report.iterations, report.residual, report.tolerance);
+    }
+    if args.json {
+        let places = samples.as_ref().map(|samples| samples.places(surface.chart()));
+        let bytes = (memory_bytes, disk_bytes);
+        let summary = Summary::new(&report, resumed_rows, bytes, places);
+        print_json(&summary)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The files to write, checked before the work begins.
+struct Outputs {
+    matrix: Option<OutputFile>,
+    labels: Option<OutputFile>,
+}
+
+impl Outputs {
+    fn new(args: &Args) -> Result<Self, Box<dyn Error>> {
+        let matrix = wanted_file(args.output.as_ref(), "a matrix is", "npy")?;
+        let labels = labels_output(args.labels.as_ref())?;
+        let files = args.sources.iter().filter_map(RowsOf::file);
+        let inputs = args.surface.inputs().chain(files).map(AsRef::as_ref);
+        check_outputs(&matrix.iter().chain(&labels).collect::<Vec<_>>(), inputs)?;
+        Ok(Self { matrix, labels })
+    }
+}
+
+impl Args {
+    fn sources(&self, surface: &Surface) -> Result<Vec<usize>, Box<dyn Error>> {
+        let chart = surface.chart();
+        let Some(rows) = &self.sources else { return Ok((0..chart.points()).collect()) };
+        let sources = rows.points(chart)?;
+        let holes = sources.iter().filter(|&&source| !surface.present()[source]).count();
+        if holes > 0 && rows.file().is_some() {
+            say("note", format_args!("{holes} of the sources are holes; their rows are +infinity"));
+        }
+        Ok(sources)
+    }
+
+    /// All that the bytes of the matrix depend on.
+    fn provenance(
+        &self,
+        surface: &Surface,
+        sources: &[usize],
+    ) -> Result<Provenance, Box<dyn Error>> {
+        let options = self.solver.options()?;
+        let wavefront = options.wavefront.map_or("auto", |wavefront| wavefront.name());
+        let engine = match &options.engine {
+            Engine::Auto | Engine::Cpu => "cpu".into(),
+            Engine::FastMarching => "fast-marching".into(),
+            Engine::Vulkan(DeviceChoice::Any) => "vulkan".into(),
+            Engine::Vulkan(DeviceChoice::Name(name)) => format!("vulkan on {name}"),
+            Engine::Vulkan(DeviceChoice::Index(index)) => format!("vulkan on device {index}"),
+        };
+        let sources = match sources {
+            [first, .., last] if last - first + 1 == sources.len() && sources.is_sorted() => {
+                format!("{first}..{}", last + 1)
+            }
+            _ => format!("{sources:?}"),
+        };
+        Ok(Provenance::new()
+            .with("surface", surface_checksum(surface)?)
+            .with("sources", sources)
+            .with("wavefront", wavefront)
+            .with("engine", engine)
+            .with("tolerance", options.tolerance.unwrap_or(DEFAULT_TOLERANCE))
+            .with("iterations", options.iterations.map_or("default".into(), |n| n.to_string()))
+            .with("from symmetry", self.from_symmetry))
+    }
+}
+
+/// Points that are far from one another, and what is nearest to each.
+struct Samples {
+    points: Vec<usize>,
+    regions: Voronoi,
+}
+
+impl Samples {
+    fn new(surface: &Surface, count: usize) -> Result<Self, Box<dyn Error>> {
+        let (chart, edges) = (surface.chart(), EdgeLengths::new(surface)?);
+        let (map, samples) = farthest_points(surface, &edges, middle(surface), count)?;
+        let regions = Voronoi::new(surface, &edges, map.sources(), &map.distances())?;
+        let index = |sample: &Sample| chart.index(sample.row as usize, sample.col as usize);
+        Ok(Self { points: samples.iter().map(index).collect(), regions })
+    }
+
+    fn places(&self, chart: Chart) -> Vec<(usize, usize)> {
+        self.points.iter().map(|&point| chart.position(point)).collect()
+    }
+}
+
+/// Computes rows and writes them.
+fn row_by_row(
+    pairwise: &mut Pairwise,
+    mut file: Option<&mut MatrixFile>,
+    sources: &[usize],
+    bar: &ProgressBar,
+) -> Result<PairwiseReport, Stopped> {
+    pairwise.rows(sources, |rows: Rows| {
+        if let Some(file) = &mut file {
+            file.append(rows.distances)?;
+        }
+        bar.inc(rows.sources.len() as u64);
+        if INTERRUPTED.load(Ordering::SeqCst) { Err(Stopped::Interrupted) } else { Ok(()) }
+    })
+}
+
+/// Computes the matrix in memory, and writes it.
+fn by_symmetry(
+    pairwise: &mut Pairwise,
+    file: Option<&mut MatrixFile>,
+    bar: &ProgressBar,
+) -> Result<PairwiseReport, Stopped> {
+    let (matrix, report) = pairwise.matrix_by_symmetry(|rows| bar.inc(rows as u64))?;
+    if let Some(file) = file {
+        file.append(&matrix)?;
+    }
+    Ok(report)
+}
+
+/// What will be taken, before anything is.
+fn needs(layout: MatrixLayout, memory: usize, disk: u64) -> String {
+    let sizes: Vec<_> = layout.shape().iter().map(usize::to_string).collect();
+    let mib = |bytes: u64| bytes.div_ceil(1 << 20);
+    format!(
+        "{} distances of {}: {} MiB on disk, {} MiB of memory",
+        sizes.join(" x "),
+        layout.element.name(),
+        mib(disk),
+        mib(memory as u64)
+    )
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    rows: usize,
+    points: usize,
+    engine: &'static str,
+    device: Option<&'a str>,
+    wavefront: &'static str,
+    iterations: u32,
+    converged: bool,
+    residual: f64,
+    solve_seconds: f64,
+    distances_per_second: f64,
+    resumed_rows: usize,
+    memory_bytes: usize,
+    disk_bytes: u64,
+    samples: Option<Vec<(usize, usize)>>,
+}
+
+impl<'a> Summary<'a> {
+    fn new(
+        report: &'a PairwiseReport,
+        resumed_rows: usize,
+        (memory_bytes, disk_bytes): (usize, u64),
+        samples: Option<Vec<(usize, usize)>>,
+    ) -> Self {
+        Self {
+            rows: resumed_rows + report.rows,
+            points: report.points,
+            engine: report.engine,
+            device: report.device.as_deref(),
+            wavefront: report.wavefront.name(),
+            iterations: report.iterations,
+            converged: report.converged(),
+            residual: report.residual,
+            solve_seconds: report.solve_time.as_secs_f64(),
+            distances_per_second: report.distances_per_second(),
+            resumed_rows,
+            memory_bytes,
+            disk_bytes,
+            samples,
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The passes of all runs by kind.
+
+use geosweep::vulkan::profile::{PassRecord, SolveProfile, Work as Needed};
+
+use super::measure::Measured;
+use crate::ceilings::{Shares, Work};
+
+/// All passes of one kind.
+#[derive(Clone, Debug)]
+pub struct Kind {
+    pub name: &'static str,
+    /// Records of one map.
+    pub count: usize,
+    /// Dispatches of one map.
+    pub dispatches: u64,
+    /// What they do in one map.
+    pub work: Needed,
+    pub invocations: Option<u64>,
+    /// Of each run, in the order of the runs; empty without timestamps.
+    pub seconds: Vec<f64>,
+    /// Of one pass in the median.
+    pub median_pass: Option<f64>,
+    /// Of its time at the device's ceilings.
+    pub shares: Shares,
+}
+
+/// Passes that visit nothing, of whatever kind.
+pub const IDLE: &str = "idle passes";
+
+fn name(pass: &PassRecord) -> &'static str {
+    if pass.is_idle() { IDLE } else { pass.kind.name() }
+}
+
+/// The middle of some numbers, or between the two in the middle.
+pub fn median(numbers: &[f64]) -> Option<f64> {
+    let mut sorted = numbers.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let (low, high) = (sorted.len().checked_sub(1)? / 2, sorted.len() / 2);
+    Some(0.5 * (sorted[low] + sorted[high]))
+}
+
+/// By the time that they take, the longest first; without times in their order.
+pub fn kinds(measured: &Measured) -> Vec<Kind> {
+    let mut names = Vec::new();
+    for pass in measured.counted.passes() {
+        if !names.contains(&name(pass)) {
+            names.push(name(pass));
+        }
+    }
+    let mut kinds: Vec<_> = names.into_iter().map(|name| kind(measured, name)).collect();
+    let total = |kind: &Kind| median(&kind.seconds).unwrap_or(0.0);
+    kinds.sort_by(|a, b| total(b).total_cmp(&total(a)));
+    kinds
+}
+
+fn kind(measured: &Measured, wanted: &'static str) -> Kind {
+    let of_kind = |run: &SolveProfile| -> Vec<PassRecord> {
+        run.passes().filter(|pass| name(pass) == wanted).copied().collect()
+    };
+    let seconds = |pass: &PassRecord| pass.nanoseconds.map(|nanoseconds| 1e-9 * nanoseconds as f64);
+    let runs: Vec<_> = measured.runs.iter().map(of_kind).collect();
+    let passes = of_kind(&measured.counted);
+    let dispatches = passes.iter().map(|pass| u64::from(pass.dispatches)).sum();
+    let each: Vec<f64> = runs.iter().flatten().filter_map(seconds).collect();
+    let mut kind = Kind {
+        name: wanted,
+        count: runs.first().map_or(0, Vec::len),
+        dispatches,
+        work: sum_of_work(&passes),
+        invocations: passes.iter().map(|pass| pass.invocations).sum(),
+        seconds: runs.iter().filter_map(|run| run.iter().map(seconds).sum()).collect(),
+        median_pass: median(&each),
+        shares: Shares::default(),
+    };
+    if let Some(total) = median(&kind.seconds).filter(|&total| total > 0.0) {
+        let is_idle = wanted == IDLE;
+        let work = Work {
+            bytes: kind.work.bytes().filter(|&bytes| bytes > 0),
+            triangles: kind.work.triangles.filter(|&triangles| triangles > 0),
+            dispatches: if is_idle { 0 } else { dispatches },
+            skipped_dispatches: if is_idle { dispatches } else { 0 },
+            submissions: 0,
+        };
+        kind.shares = Shares::on_device(work, total, measured.wavefront, &measured.ceilings);
+        kind.shares.dispatches = kind.shares.dispatches.filter(|_| dispatches > 0);
+    }
+    kind
+}
+
+fn sum_of_work(passes: &[PassRecord]) -> Needed {
+    let sum = |of: fn(&Needed) -> Option<u64>| passes.iter().map(|pass| of(&pass.work)).sum();
+    Needed {
+        texels: sum(|work| work.texels),
+        skipped: sum(|work| work.skipped),
+        bytes_read: sum(|work| work.bytes_read),
+        bytes_written: sum(|work| work.bytes_written),
+        triangles: sum(|work| work.triangles),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_lie_in_the_middle() {
+        assert_eq!(median(&[]), None);
+        assert_eq!(median(&[3.0]), Some(3.0));
+        assert_eq!(median(&[5.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(&[4.0, 1.0, 2.0, 9.0]), Some(3.0));
+    }
+}

@@ -1,0 +1,151 @@
+//! What is computed while it is profiled: a map, or the maps of many sources at once.
+
+use std::time::{Duration, Instant};
+
+use geosweep::surface::Seed;
+use geosweep::vulkan::profile::{Detail, SolveProfile};
+use geosweep::vulkan::{
+    Method, PairwiseOnDevice, PairwiseSchedule, Schedule, Solver, SurfaceOnDevice, VulkanError,
+};
+use geosweep::{Options, Sources, Surface};
+
+/// What the profile is of.
+#[derive(Clone, Copy)]
+pub enum Of<'a> {
+    /// The map from some sources.
+    Map(&'a Sources),
+    /// A batch of maps at once, as they are computed for a matrix.
+    Pairwise(Option<PairwiseSchedule>),
+}
+
+/// Computes it as often as is wanted.
+pub struct Subject {
+    on_device: SurfaceOnDevice,
+    method: Method,
+    maps: Maps,
+}
+
+enum Maps {
+    /// From seeds.
+    One(Vec<Seed>),
+    Batch(Box<Batch>),
+}
+
+/// Maps at once.
+struct Batch {
+    pairwise: PairwiseOnDevice,
+    sources: Vec<Option<usize>>,
+    rows: Vec<f32>,
+}
+
+/// In which way it was computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Solved {
+    Map(Schedule),
+    Pairwise { schedule: PairwiseSchedule, maps: usize },
+}
+
+impl Solved {
+    /// The schedule's name in reports.
+    pub fn schedule(self) -> String {
+        match self {
+            Self::Map(schedule) => schedule.name().into(),
+            Self::Pairwise { schedule, .. } => format!("pairwise {schedule}"),
+        }
+    }
+
+    pub fn maps(self) -> usize {
+        match self {
+            Self::Map(_) => 1,
+            Self::Pairwise { maps, .. } => maps,
+        }
+    }
+}
+
+/// What has come of it.
+pub struct Ended {
+    pub solved: Solved,
+    pub iterations: u32,
+    pub residual: f64,
+}
+
+impl Subject {
+    /// By the method that the options mean; for maps at once as if from one of their sources.
+    pub fn new(
+        solver: &Solver,
+        surface: &Surface,
+        of: &Of,
+        options: &Options,
+    ) -> Result<Self, geosweep::Error> {
+        let on_device = solver.upload(surface)?;
+        let method = match of {
+            Of::Map(sources) => options.method(surface, sources)?,
+            Of::Pairwise(_) => options.method(surface, &Sources::point(0.0, 0.0))?,
+        };
+        let maps = match *of {
+            Of::Map(sources) => {
+                let mut seeds = sources.seeds(surface)?;
+                // As for a map, which adds the smallest start value in the end.
+                let start = seeds.iter().map(|seed| seed.time).fold(f64::INFINITY, f64::min);
+                seeds.iter_mut().for_each(|seed| seed.time -= start);
+                Maps::One(method.wavefront.seeds(surface, seeds))
+            }
+            Of::Pairwise(schedule) => {
+                let pairwise = solver.pairwise(&on_device, method.wavefront, schedule)?;
+                let (present, points) = (surface.present(), surface.chart().points());
+                // Neighbours, as in a matrix whose rows are computed in their order.
+                let count = pairwise.batch().min(points);
+                let first = (points - count) / 2;
+                let source = |point: usize| present[point].then_some(point);
+                let sources = (first..first + count).map(source).collect();
+                let rows = vec![0.0; count * points];
+                Maps::Batch(Box::new(Batch { pairwise, sources, rows }))
+            }
+        };
+        Ok(Self { on_device, method, maps })
+    }
+
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// Without profiling: how long it takes.
+    pub fn solve(&mut self, solver: &mut Solver) -> Result<Duration, VulkanError> {
+        let Self { on_device, method, maps } = self;
+        match maps {
+            Maps::One(seeds) => Ok(solver.solve(on_device, seeds, *method)?.time),
+            Maps::Batch(batch) => {
+                let Batch { pairwise, sources, rows } = &mut **batch;
+                let begin = Instant::now();
+                pairwise.solve(solver, on_device, sources, method.stop, rows)?;
+                Ok(begin.elapsed())
+            }
+        }
+    }
+
+    /// With it.
+    pub fn profile(
+        &mut self,
+        solver: &mut Solver,
+        detail: Detail,
+    ) -> Result<(Ended, SolveProfile), VulkanError> {
+        let Self { on_device, method, maps } = self;
+        match maps {
+            Maps::One(seeds) => {
+                let (solution, profile) = solver.profile(on_device, seeds, *method, detail)?;
+                let solved = Solved::Map(solution.schedule);
+                let (iterations, residual) = (solution.iterations, solution.residual);
+                Ok((Ended { solved, iterations, residual }, profile))
+            }
+            Maps::Batch(batch) => {
+                let Batch { pairwise, sources, rows } = &mut **batch;
+                let schedule = pairwise.schedule();
+                let solved = Solved::Pairwise { schedule, maps: sources.iter().flatten().count() };
+                let (convergence, profile) =
+                    pairwise.profile(solver, on_device, sources, method.stop, rows, detail)?;
+                let (iterations, residual) = (convergence.iterations, convergence.residual);
+                Ok((Ended { solved, iterations, residual }, profile))
+            }
+        }
+    }
+}

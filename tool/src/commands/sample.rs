@@ -1,0 +1,132 @@
+//! `geosweep sample`: points spread over a surface.
+
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use geosweep::geometry::{Curve, CurveError, Voronoi};
+use geosweep::io::{Attribute, Polyline};
+use geosweep::surface::EdgeLengths;
+use serde::Serialize;
+
+use super::labels::{labels_output, write_labels};
+use super::samples::{Sample, farthest_points, middle};
+use crate::numbers::place;
+use crate::output::{check_outputs, commit, stage_picture};
+use crate::picture::Regions;
+use crate::problem::{CurveFiles, PictureArgs, SurfaceArgs, builtin_names};
+use crate::terminal::{Outcome, print_json};
+
+/// The arguments of `geosweep sample`.
+#[derive(clap::Args)]
+#[command(after_help = examples())]
+pub struct Args {
+    /// Where to write the samples, repeatable: .npy float64 (k, 5) with row, column, x, y, z of
+    /// each; .csv; .svg (the parameter domain); .geojson (from a GeoTIFF, in its coordinates);
+    /// .ply or .obj (in space)
+    #[arg(short, long, value_name = "SAMPLES")]
+    #[arg(required_unless_present_any = ["labels", "picture", "json"])]
+    output: Vec<PathBuf>,
+    /// How many samples
+    #[arg(short = 'k', long, value_name = "K")]
+    count: usize,
+    /// The first sample (default: the point next to the middle of the grid)
+    #[arg(long, value_name = "R,C", value_parser = place, allow_hyphen_values = true)]
+    first: Option<[f64; 2]>,
+    /// Write which sample each point is nearest to: .npy int32 (M, N), from 0 in the order of the
+    /// samples, -1 at holes and where none reaches
+    #[arg(long, value_name = "LABELS.npy")]
+    labels: Option<PathBuf>,
+
+    #[command(flatten)]
+    surface: SurfaceArgs,
+    #[command(flatten)]
+    picture: PictureArgs,
+
+    /// Print one JSON object: radius (the largest distance from a point to its nearest sample, null
+    /// while a part of the surface has none) and samples, an array of objects with row, col and
+    /// radius (how far it was from all before it; null for the first, and for the first on a part
+    /// of the surface)
+    #[arg(long, help_heading = "Reports")]
+    json: bool,
+}
+
+fn examples() -> String {
+    format!(
+        "\
+Farthest-point sampling: each sample is the point that is farthest from all before
+it, on the CPU, with the curved wavefront. Every point of the surface is within the
+radius of a sample, and samples are at least that far apart.
+
+{}
+
+Examples:
+  geosweep sample builtin:face:183x155 -k 50 -o samples.npy --picture samples.png
+  geosweep sample dem.tif -k 100 --first 10,10 -o samples.geojson \\
+      --labels regions.npy --json",
+        builtin_names()
+    )
+}
+
+pub fn run(args: &Args) -> Outcome {
+    if args.count == 0 {
+        return Err("0 samples are none; give --count 1 or more".into());
+    }
+    let files = CurveFiles::new(&args.output)?;
+    let labels = labels_output(args.labels.as_ref())?;
+    let picture = args.picture.output()?;
+    let outputs: Vec<_> = files.files().chain(&labels).chain(&picture).collect();
+    check_outputs(&outputs, args.surface.inputs().map(AsRef::as_ref))?;
+    let scene = args.surface.read()?;
+    let (surface, chart) = (&scene.surface, scene.surface.chart());
+    files.check(&scene)?;
+    let look = picture.as_ref().map(|_| args.picture.look(&scene)).transpose()?;
+
+    let edges = EdgeLengths::new(surface)?;
+    let first = args.first.unwrap_or_else(|| middle(surface));
+    let sampled = farthest_points(surface, &edges, first, args.count);
+    let (points, samples) = sampled.map_err(|error| match error {
+        // The source is a sample here.
+        geosweep::Error::Source(error) => error.to_string().replacen("source", "--first", 1).into(),
+        error => Box::<dyn Error>::from(error),
+    })?;
+
+    let polyline = |(index, sample): (usize, &Sample)| {
+        let curve = Curve { vertices: vec![[sample.row, sample.col]], closed: false };
+        let polyline = Polyline::new("sample", curve, scene.shape())?;
+        Ok(polyline.with("sample", Attribute::Index(index)))
+    };
+    let polylines: Vec<_> =
+        samples.iter().enumerate().map(polyline).collect::<Result<_, CurveError>>()?;
+    let mut staged = files.stage(&scene, polylines)?;
+    if labels.is_some() || picture.is_some() {
+        let (sources, distances) = (points.sources(), points.distances());
+        let voronoi = Voronoi::new(surface, &edges, sources, &distances)?;
+        if let Some(output) = labels {
+            staged.push(output.stage(|writer| write_labels(writer, chart, &voronoi))?);
+        }
+        if let Some((output, look)) = picture.zip(look) {
+            let areas = voronoi.areas(surface);
+            let regions = Regions {
+                surface,
+                shape: scene.shape(),
+                sources,
+                values: &distances,
+                voronoi: &voronoi,
+                areas: Some((&areas, args.picture.unit(&scene))),
+            };
+            staged.push(stage_picture(output, || regions.draw(look))?);
+        }
+    }
+    commit(staged)?;
+    if args.json {
+        print_json(&Summary { radius: points.radius(), samples })?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+#[derive(Serialize)]
+struct Summary {
+    radius: f32,
+    samples: Vec<Sample>,
+}

@@ -1,0 +1,60 @@
+//! Points that are far from one another.
+
+use geosweep::geometry::{Farthest, FarthestPoints};
+use geosweep::surface::EdgeLengths;
+use geosweep::{Sources, Surface};
+use serde::Serialize;
+
+use crate::terminal::{progress, say};
+
+/// So many samples, or as many as there are points, and the map from them.
+pub fn farthest_points<'a>(
+    surface: &'a Surface,
+    edges: &'a EdgeLengths<f32>,
+    [row, col]: [f64; 2],
+    count: usize,
+) -> Result<(FarthestPoints<'a>, Vec<Sample>), geosweep::Error> {
+    let mut points = FarthestPoints::new(surface, edges, &Sources::point(row, col))?;
+    let bar = progress(count).with_message("sampling");
+    let farthest = points.by_ref().take(count - 1).inspect(|_| bar.inc(1));
+    let samples: Vec<Sample> = std::iter::once(Sample { row, col, radius: None })
+        .chain(farthest.map(Sample::of))
+        .collect();
+    bar.finish_and_clear();
+    let found = samples.len();
+    if found < count {
+        say(
+            "note",
+            format_args!("{found} samples in place of {count}: every point is one of them"),
+        );
+    }
+    Ok((points, samples))
+}
+
+/// The point of the surface that is next to the middle of the grid.
+pub fn middle(surface: &Surface) -> [f64; 2] {
+    let chart = surface.chart();
+    let from_middle = |&index: &usize| {
+        let (row, col) = chart.position(index);
+        (2 * row).abs_diff(chart.rows - 1).pow(2) + (2 * col).abs_diff(chart.cols - 1).pow(2)
+    };
+    let present = (0..chart.points()).filter(|&index| surface.present()[index]);
+    let (row, col) = chart.position(present.min_by_key(from_middle).unwrap_or_default());
+    [row as f64, col as f64]
+}
+
+/// A sample, and how far it was from all before it.
+#[derive(Serialize)]
+pub struct Sample {
+    pub row: f64,
+    pub col: f64,
+    radius: Option<f32>,
+}
+
+impl Sample {
+    fn of(farthest: Farthest) -> Self {
+        let Farthest { row, col, distance } = farthest;
+        let radius = distance.is_finite().then_some(distance);
+        Self { row: row as f64, col: col as f64, radius }
+    }
+}

@@ -1,0 +1,129 @@
+//! `geosweep voronoi`: which part of a surface is nearest to which source.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use geosweep::geometry::{Border, CurveError, NO_REGION, Voronoi};
+use geosweep::io::{Attribute, Polyline};
+use geosweep::surface::EdgeLengths;
+use serde::Serialize;
+
+use super::labels::{labels_output, write_labels};
+use crate::output::{commit, stage_picture};
+use crate::picture::Regions;
+use crate::problem::{self, CurveFiles, MapSummary, Problem, ProblemArgs, Scene};
+use crate::terminal::{Outcome, Spinner, print_json};
+
+/// The arguments of `geosweep voronoi`.
+#[derive(clap::Args)]
+#[command(after_help = examples())]
+pub struct Args {
+    /// Where to write the regions: .npy int32 (M, N), at each point the index of its nearest
+    /// source, counted from 0 in the order of points, then curves; -1 at holes and where no source
+    /// reaches
+    #[arg(short, long, value_name = "LABELS.npy")]
+    #[arg(required_unless_present_any = ["borders", "picture", "json"])]
+    output: Option<PathBuf>,
+    /// Write the borders between regions, repeatable: .npy (K, 5), .csv, .svg, .geojson, .ply or
+    /// .obj, as `geosweep contours --help` says
+    #[arg(long, value_name = "CURVES")]
+    borders: Vec<PathBuf>,
+
+    #[command(flatten)]
+    problem: ProblemArgs,
+
+    /// Print one JSON object: what `distance --json` says of the map, area (of all regions),
+    /// regions (an array of objects with source, points and area) and neighbours (pairs of regions
+    /// with a common border, the Delaunay graph)
+    #[arg(long, help_heading = "Reports")]
+    json: bool,
+}
+
+fn examples() -> String {
+    format!(
+        "\
+A source with a start value begins later, so that its region is smaller. Areas are
+in the squared unit of the surface, without any slowness.
+
+{}
+
+Examples:
+  geosweep voronoi dem.tif --source 120,85 --source 30,200 -o regions.npy \\
+      --borders borders.geojson --picture regions.png
+  geosweep voronoi builtin:face:183x155 --source 60,40 --source 60,115 \\
+      --source 103,77 --json",
+        problem::builtin_names()
+    )
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let labels = labels_output(args.output.as_ref())?;
+    let borders = CurveFiles::new(&args.borders)?;
+    let Problem { scene, sources, map, picture } =
+        args.problem.solve(&borders, labels.as_ref(), None)?;
+    let voronoi = {
+        let _spinner = Spinner::new("finding regions");
+        let edges = EdgeLengths::new(&scene.surface)?;
+        Voronoi::new(&scene.surface, &edges, &sources, &map.distances)?
+    };
+    let areas = voronoi.areas(&scene.surface);
+
+    let mut staged = borders.stage(&scene, polylines(&voronoi, &scene)?)?;
+    if let Some(output) = labels {
+        staged.push(output.stage(|writer| write_labels(writer, map.chart, &voronoi))?);
+    }
+    if let Some((output, look)) = picture {
+        let regions = Regions {
+            surface: &scene.surface,
+            shape: scene.shape(),
+            sources: &sources,
+            values: &map.distances,
+            voronoi: &voronoi,
+            areas: Some((&areas, args.problem.unit(&scene))),
+        };
+        staged.push(stage_picture(output, || regions.draw(look))?);
+    }
+    commit(staged)?;
+    if args.json {
+        let mut points = vec![0; voronoi.regions()];
+        let reached = voronoi.labels.iter().filter(|label| **label != NO_REGION);
+        reached.for_each(|label| points[*label as usize] += 1);
+        let region = |(source, (&points, &area))| Region { source, points, area };
+        let summary = Summary {
+            map: MapSummary::new(&scene.surface, &map),
+            area: areas.iter().sum(),
+            regions: points.iter().zip(&areas).enumerate().map(region).collect(),
+            neighbours: voronoi.neighbours(),
+        };
+        print_json(&summary)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn polylines(voronoi: &Voronoi, scene: &Scene) -> Result<Vec<Polyline>, CurveError> {
+    let polyline = |border: &Border| {
+        let [left, right] = border.regions.map(|region| Attribute::Index(region as usize));
+        let length = border.curve.length(&scene.surface)?;
+        Ok(Polyline::new("border", border.curve.clone(), scene.shape())?
+            .with("left", left)
+            .with("right", right)
+            .with("length", Attribute::Number(length)))
+    };
+    voronoi.borders.iter().map(polyline).collect()
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    #[serde(flatten)]
+    map: MapSummary<'a>,
+    area: f64,
+    regions: Vec<Region>,
+    neighbours: Vec<[u32; 2]>,
+}
+
+#[derive(Serialize)]
+struct Region {
+    source: usize,
+    points: usize,
+    area: f64,
+}

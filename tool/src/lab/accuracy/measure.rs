@@ -1,0 +1,150 @@
+//! The measurements.
+
+use std::time::Duration;
+
+use geosweep::accuracy::Errors;
+use geosweep::surface::builtin::Builtin;
+use geosweep::{Engine, Error, Options, Wavefront};
+use serde::Serialize;
+
+use crate::lab::reference::Reference;
+use crate::precision::Precision;
+use crate::terminal::progress;
+
+/// One map: how accurate it is, and what it took.
+pub struct Measurement {
+    pub builtin: Builtin,
+    pub wavefront: Wavefront,
+    /// Points a side.
+    pub points: usize,
+    pub errors: Errors,
+    /// Of the mean error, from the size before.
+    pub order: Option<f64>,
+    pub iterations: u32,
+    pub time: Duration,
+    pub device: Option<String>,
+    /// The order of updates.
+    pub schedule: &'static str,
+}
+
+/// A measurement as JSON.
+#[derive(Serialize)]
+pub struct Row {
+    surface: String,
+    wavefront: &'static str,
+    points: usize,
+    mean: f64,
+    rms: f64,
+    max: f64,
+    order: Option<f64>,
+    iterations: u32,
+    seconds: f64,
+}
+
+/// Measures each surface with each of its wavefronts at each size, and returns them in this order.
+pub fn all(
+    cases: &[(Builtin, Vec<Wavefront>)],
+    sizes: &[usize],
+    engine: &Engine,
+    precision: Precision,
+) -> Result<Vec<Measurement>, Error> {
+    let maps = cases.iter().map(|(_, wavefronts)| wavefronts.len()).sum::<usize>();
+    let bar = progress(maps * sizes.len());
+    let mut measured = Vec::new();
+    for &(builtin, ref wavefronts) in cases {
+        let mut of_surface: Vec<Vec<Measurement>> = wavefronts.iter().map(|_| Vec::new()).collect();
+        for &points in sizes {
+            bar.set_message(format!("{builtin} {points}"));
+            let reference = Reference::new(builtin, points, source(builtin))?;
+            for (&wavefront, row) in wavefronts.iter().zip(&mut of_surface) {
+                let measurement =
+                    Measurement::new(builtin, &reference, wavefront, engine, precision)?;
+                let order = row.last().and_then(|coarser| measurement.order_from(coarser));
+                row.push(Measurement { order, ..measurement });
+                bar.inc(1);
+            }
+        }
+        measured.extend(of_surface.into_iter().flatten());
+    }
+    bar.finish_and_clear();
+    Ok(measured)
+}
+
+/// Where the source lies, as fractions of rows and columns: off every line of symmetry, and a
+/// point of every grid of 32 k + 1 points.
+fn source(builtin: Builtin) -> [f64; 2] {
+    match builtin {
+        Builtin::Maze => [0.0, 0.0],
+        _ => [0.3125, 0.40625],
+    }
+}
+
+impl Measurement {
+    fn new(
+        builtin: Builtin,
+        reference: &Reference,
+        wavefront: Wavefront,
+        engine: &Engine,
+        precision: Precision,
+    ) -> Result<Self, Error> {
+        let options =
+            Options { engine: engine.clone(), wavefront: Some(wavefront), ..Options::default() };
+        let sources = reference.point_source();
+        let solve = || reference.solve(&sources, &options, precision);
+        let (report, errors) = solve()?;
+        Ok(Self {
+            builtin,
+            wavefront,
+            points: reference.surface.rows(),
+            errors,
+            order: None,
+            iterations: report.iterations,
+            time: shortest(report.solve_time, || Ok(solve()?.0.solve_time))?,
+            device: report.device,
+            schedule: report.schedule,
+        })
+    }
+
+    /// The power of the spacing with which the mean error falls.
+    fn order_from(&self, coarser: &Self) -> Option<f64> {
+        let cells = |measurement: &Self| (measurement.points - 1) as f64;
+        let order = (coarser.errors.mean_relative / self.errors.mean_relative).log2()
+            / (cells(self) / cells(coarser)).log2();
+        order.is_finite().then_some(order)
+    }
+
+    pub fn row(&self) -> Row {
+        Row {
+            surface: self.builtin.to_string(),
+            wavefront: self.wavefront.name(),
+            points: self.points,
+            mean: self.errors.mean_relative,
+            rms: self.errors.rms_relative,
+            max: self.errors.max_relative,
+            order: self.order,
+            iterations: self.iterations,
+            seconds: self.time.as_secs_f64(),
+        }
+    }
+}
+
+/// The shortest time of several solves, of more where they are short: other work on the machine
+/// only ever adds.
+fn shortest(
+    first: Duration,
+    mut again: impl FnMut() -> Result<Duration, Error>,
+) -> Result<Duration, Error> {
+    const FEWEST: usize = 3;
+    const MOST: usize = 5;
+    const ENOUGH: Duration = Duration::from_millis(300);
+    let (mut shortest, mut sum) = (first, first);
+    for solved in 1..MOST {
+        if solved >= FEWEST && sum > ENOUGH {
+            break;
+        }
+        let time = again()?;
+        shortest = shortest.min(time);
+        sum += time;
+    }
+    Ok(shortest)
+}

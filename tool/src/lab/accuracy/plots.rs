@@ -1,0 +1,129 @@
+//! The measurements as plots, one for each surface.
+
+use geosweep::Wavefront;
+use geosweep::surface::builtin::Builtin;
+
+use crate::picture::plot::{Axis, COLORS, Line, Plot, Series, Sheet};
+
+use super::measure::Measurement;
+use super::peers::Peer;
+
+/// Names of the plots' files: by size and by time.
+pub const FILES: [&str; 2] = ["accuracy-size.png", "accuracy-time.png"];
+
+const COLUMNS: usize = 3;
+const FRAME: [usize; 2] = [430, 420];
+
+/// The errors against the number of points a side.
+pub fn by_size(measured: &[Measurement], peers: &[Peer]) -> Sheet {
+    let peer_sizes = peers.iter().map(|peer| peer.points);
+    let mut sizes: Vec<_> = measured.iter().map(|m| m.points).chain(peer_sizes).collect();
+    sizes.sort_unstable();
+    sizes.dedup();
+    let errors = |m: &Measurement| [m.errors.mean_relative, m.errors.max_relative];
+    let x = Axis::at("points a side", &sizes);
+    let y = Axis::decades("relative error", measured.iter().flat_map(errors).chain(means(peers)));
+    let mean = Curve {
+        line: Line::Solid,
+        named: true,
+        point: |m| [m.points as f64, m.errors.mean_relative],
+    };
+    let max = Curve {
+        line: Line::Dashed,
+        named: false,
+        point: |m| [m.points as f64, m.errors.max_relative],
+    };
+    let key = vec![(mean.line, "mean".into()), (max.line, "largest".into())];
+    let of_peer = |peer: &Peer| [peer.points as f64, peer.mean];
+    sheet(measured, peers, [x, y], &[mean, max], of_peer, key)
+}
+
+/// The mean error against the time it takes.
+pub fn by_time(measured: &[Measurement], peers: &[Peer]) -> Sheet {
+    let seconds = |m: &Measurement| m.time.as_secs_f64();
+    let x = Axis::decades(
+        "solve time, seconds",
+        measured.iter().map(seconds).chain(peers.iter().map(|peer| peer.seconds)),
+    );
+    let y = Axis::decades(
+        "mean relative error",
+        measured.iter().map(|m| m.errors.mean_relative).chain(means(peers)),
+    );
+    let curve = Curve {
+        line: Line::Solid,
+        named: true,
+        point: |m| [m.time.as_secs_f64(), m.errors.mean_relative],
+    };
+    let sizes = || measured.iter().map(|m| m.points);
+    let (smallest, largest) = (sizes().min().unwrap_or(0), sizes().max().unwrap_or(0));
+    let key = format!("from {smallest} to {largest} points a side");
+    let key = vec![(curve.line, key)];
+    sheet(measured, peers, [x, y], &[curve], |peer| [peer.seconds, peer.mean], key)
+}
+
+fn means(peers: &[Peer]) -> impl Iterator<Item = f64> {
+    peers.iter().map(|peer| peer.mean)
+}
+
+fn title(builtin: Builtin) -> String {
+    match builtin {
+        Builtin::ShearedPlane { degrees } => format!("plane sheared by {degrees}°"),
+        other => other.name().into(),
+    }
+}
+
+/// What is drawn of a series of measurements.
+struct Curve {
+    line: Line,
+    /// Whether the wavefront is written where the line ends.
+    named: bool,
+    point: fn(&Measurement) -> [f64; 2],
+}
+
+/// A plot for each surface, all with the same axes.
+fn sheet(
+    measured: &[Measurement],
+    peers: &[Peer],
+    [x, y]: [Axis; 2],
+    curves: &[Curve],
+    of_peer: fn(&Peer) -> [f64; 2],
+    key: Vec<(Line, String)>,
+) -> Sheet {
+    let surfaces: Vec<_> = measured.chunk_by(|a, b| a.builtin == b.builtin).collect();
+    let mut solvers: Vec<_> = peers.iter().map(|peer| &peer.solver).collect();
+    solvers.dedup();
+    let plot = |(index, of_surface): (usize, &&[Measurement])| {
+        let (leftmost, lowest) = (index % COLUMNS == 0, index + COLUMNS >= surfaces.len());
+        let of_wavefronts = of_surface.chunk_by(|a, b| a.wavefront == b.wavefront).enumerate();
+        let series = |(index, of_wavefront): (usize, &[Measurement])| {
+            let color = COLORS[index % COLORS.len()];
+            let name = of_wavefront[0].wavefront.name();
+            let series = |curve: &Curve| Series {
+                label: if curve.named { name.to_owned() } else { String::new() },
+                color,
+                line: curve.line,
+                points: of_wavefront.iter().map(curve.point).collect(),
+            };
+            curves.iter().map(series).collect::<Vec<_>>()
+        };
+        let builtin = of_surface[0].builtin;
+        let of_peers = solvers.iter().enumerate().map(|(index, solver)| {
+            let of_solver = |peer: &&Peer| peer.builtin == builtin && peer.solver == **solver;
+            Series {
+                label: (*solver).clone(),
+                color: COLORS[(Wavefront::EVERY.len() + index) % COLORS.len()],
+                line: Line::Solid,
+                points: peers.iter().filter(of_solver).map(of_peer).collect(),
+            }
+        });
+        Plot {
+            title: title(of_surface[0].builtin),
+            x: x.written(lowest),
+            y: y.written(leftmost),
+            series: of_wavefronts.flat_map(series).chain(of_peers).collect(),
+            slopes: None,
+        }
+    };
+    let plots = surfaces.iter().enumerate().map(plot).collect();
+    Sheet { plots, columns: COLUMNS, frame: FRAME, key }
+}

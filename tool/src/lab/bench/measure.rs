@@ -1,0 +1,370 @@
+//! The measurements.
+
+use std::error::Error;
+use std::time::{Duration, Instant};
+
+use geosweep::Stop;
+use geosweep::cpu::{self, RotatedScan};
+use geosweep::surface::{EdgeLengths, Seed};
+use geosweep::vulkan::profile::{Capability, Detail, Grain};
+use geosweep::vulkan::{self, Schedule, Solution, Solver, SurfaceOnDevice, VulkanError};
+use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Sources, Surface, Wavefront};
+use indicatif::ProgressBar;
+
+use super::memory::fits;
+use super::surface::BenchSurface;
+use crate::ceilings::{Shares, Work};
+use crate::terminal::{progress, say};
+
+/// An engine, with one of its schedules where it has several.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    Cpu,
+    FastMarching,
+    Vulkan(Schedule),
+}
+
+impl Method {
+    pub fn engine(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+            Self::FastMarching => "fast-marching",
+            Self::Vulkan(_) => "vulkan",
+        }
+    }
+
+    pub fn schedule(self) -> &'static str {
+        match self {
+            Self::Cpu => "rotated-scan",
+            Self::FastMarching => "heap",
+            Self::Vulkan(schedule) => schedule.name(),
+        }
+    }
+}
+
+/// What is measured.
+pub struct Plan {
+    pub surfaces: Vec<BenchSurface>,
+    /// Ascending.
+    pub sizes: Vec<usize>,
+    pub wavefronts: Vec<Wavefront>,
+    pub methods: Vec<Method>,
+    pub device: DeviceChoice,
+    /// Stop after so many, converged or not.
+    pub iterations: Option<u32>,
+    /// A method whose map takes longer is timed once, and left out at larger sizes.
+    pub limit: Duration,
+    /// Runs go on for so long.
+    pub long_enough: Duration,
+}
+
+/// A map, timed.
+pub struct Timing {
+    pub surface: BenchSurface,
+    pub rows: usize,
+    pub cols: usize,
+    /// Without holes.
+    pub points: usize,
+    pub wavefront: Wavefront,
+    pub method: Method,
+    /// Edge lengths and room for the solver, or the upload.
+    pub set_up: Duration,
+    /// Of each run, ascending.
+    pub times: Vec<Duration>,
+    pub iterations: u32,
+    pub converged: bool,
+    /// Held by the solver, edge lengths included.
+    pub bytes: Option<u64>,
+    pub work: Option<Work>,
+    pub shares: Shares,
+}
+
+impl Timing {
+    /// Half the distance of the quartiles.
+    pub fn spread(&self) -> f64 {
+        let at = |fraction: f64| {
+            let index = ((self.times.len() - 1) as f64 * fraction).round() as usize;
+            self.times[index].as_secs_f64()
+        };
+        0.5 * (at(0.75) - at(0.25))
+    }
+
+    pub fn best(&self) -> f64 {
+        self.times[0].as_secs_f64()
+    }
+
+    pub fn median(&self) -> f64 {
+        let (low, high) =
+            (self.times[(self.times.len() - 1) / 2], self.times[self.times.len() / 2]);
+        0.5 * (low + high).as_secs_f64()
+    }
+}
+
+/// All of it.
+pub struct Measurements {
+    /// By surface, wavefront, size and method.
+    pub timings: Vec<Timing>,
+    pub cpu: Option<cpu::Ceilings>,
+    pub device: Option<(String, vulkan::Ceilings)>,
+}
+
+/// The scans of the CPU engine run two at a time.
+const MOST_THREADS: usize = 2;
+const FEWEST_RUNS: usize = 3;
+const MOST_RUNS: usize = 20;
+
+/// Measures what is planned.
+pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
+    let sizes = |surface: &BenchSurface| surface.sizes(&plan.sizes);
+    let maps: usize = plan.surfaces.iter().map(|surface| sizes(surface).len()).sum();
+    let bar = progress(maps * plan.wavefronts.len() * plan.methods.len());
+    bar.set_message("ceilings");
+    let on_device = plan.methods.iter().any(|method| matches!(method, Method::Vulkan(_)));
+    let mut bench = Bench {
+        plan,
+        bar,
+        // Looked at for what maps take alone, so that nothing else is asked of the device.
+        solver: on_device
+            .then(|| Solver::for_profiling(&plan.device, &Capability::ALL))
+            .transpose()?,
+        cpu: cpu::Ceilings::measure(rayon::current_num_threads().min(MOST_THREADS)),
+        device: if on_device { Some(vulkan::Ceilings::measure(&plan.device)?) } else { None },
+        too_slow: Vec::new(),
+        timings: Vec::new(),
+    };
+    for surface in &plan.surfaces {
+        bench.too_slow.clear();
+        for size in sizes(surface) {
+            bench.measure(surface, size)?;
+        }
+    }
+    let Bench { bar, mut timings, solver, cpu, device, .. } = bench;
+    bar.finish_and_clear();
+    let place = |timing: &Timing| {
+        let surface = plan.surfaces.iter().position(|surface| *surface == timing.surface);
+        (surface, timing.wavefront as usize)
+    };
+    timings.sort_by_key(place);
+    Ok(Measurements {
+        timings,
+        cpu: plan.methods.contains(&Method::Cpu).then_some(cpu),
+        device: solver.map(|solver| solver.device_name().to_owned()).zip(device),
+    })
+}
+
+struct Bench<'a> {
+    plan: &'a Plan,
+    bar: ProgressBar,
+    solver: Option<Solver>,
+    cpu: cpu::Ceilings,
+    device: Option<vulkan::Ceilings>,
+    /// On the surface at hand.
+    too_slow: Vec<(Wavefront, Method)>,
+    timings: Vec<Timing>,
+}
+
+/// A surface at some size, and what it takes to solve on it.
+struct Task<'a> {
+    name: &'a BenchSurface,
+    surface: &'a Surface,
+    seeds: Vec<Seed>,
+    stop: Stop,
+}
+
+/// What one run tells.
+struct Run {
+    time: Duration,
+    iterations: u32,
+    residual: f64,
+    visits_and_updates: Option<(u64, u64)>,
+}
+
+impl Bench<'_> {
+    fn measure(&mut self, name: &BenchSurface, size: Option<usize>) -> Result<(), Box<dyn Error>> {
+        let plan = self.plan;
+        let rounds = plan.wavefronts.len() * plan.methods.len();
+        if let Some(side) = size.filter(|&side| !fits(side * side)) {
+            say("note", format_args!("{name}: {side} x {side} points do not fit the memory left"));
+            self.bar.inc(rounds as u64);
+            return Ok(());
+        }
+        self.bar.set_message(match size {
+            Some(side) => format!("{name} {side} x {side}"),
+            None => name.to_string(),
+        });
+        let surface = name.surface(size)?;
+        let (row, col) = name.source(&surface);
+        let most = u32::try_from(10 * (surface.rows() + surface.cols())).unwrap_or(u32::MAX);
+        let iterations = plan.iterations.unwrap_or(most);
+        let task = Task {
+            name,
+            surface: &surface,
+            seeds: Sources::point(row as f64, col as f64).seeds(&surface)?,
+            stop: Stop { tolerance: DEFAULT_TOLERANCE, iterations },
+        };
+        self.on_cpu(&task)?;
+        self.on_device(&task)
+    }
+
+    /// Whether a method is to be timed, or has been too slow before.
+    fn is_wanted(&self, wavefront: Wavefront, method: Method) -> bool {
+        let is_planned = self.plan.methods.contains(&method);
+        let too_slow = self.too_slow.contains(&(wavefront, method));
+        if is_planned && too_slow {
+            self.bar.inc(1);
+        }
+        is_planned && !too_slow
+    }
+
+    fn on_cpu(&mut self, task: &Task) -> Result<(), Box<dyn Error>> {
+        let methods = [Method::Cpu, Method::FastMarching];
+        if !methods.iter().any(|method| self.plan.methods.contains(method)) {
+            return Ok(());
+        }
+        let start = Instant::now();
+        let edges = EdgeLengths::<f32>::new(task.surface)?;
+        let edges_time = start.elapsed();
+        for &wavefront in &self.plan.wavefronts {
+            if self.is_wanted(wavefront, Method::Cpu) {
+                let start = Instant::now();
+                let mut solver = RotatedScan::new(&edges, wavefront);
+                let set_up = edges_time + start.elapsed();
+                let bytes = (edges.bytes() + solver.bytes()) as u64;
+                self.time(task, wavefront, Method::Cpu, set_up, Some(bytes), |task| {
+                    let start = Instant::now();
+                    let found = solver.solve(&task.seeds, task.stop);
+                    Ok(Run {
+                        time: start.elapsed(),
+                        iterations: found.iterations,
+                        residual: found.residual,
+                        visits_and_updates: Some((solver.visits(), solver.updates())),
+                    })
+                })?;
+            }
+            if self.is_wanted(wavefront, Method::FastMarching) {
+                self.time(task, wavefront, Method::FastMarching, edges_time, None, |task| {
+                    let start = Instant::now();
+                    let found = cpu::fast_marching(&edges, &task.seeds, wavefront);
+                    Ok(Run {
+                        time: start.elapsed(),
+                        iterations: found.iterations,
+                        residual: 0.0,
+                        visits_and_updates: None,
+                    })
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    fn on_device(&mut self, task: &Task) -> Result<(), Box<dyn Error>> {
+        let Some(mut solver) = self.solver.take() else { return Ok(()) };
+        let start = Instant::now();
+        let uploaded = solver.upload(task.surface);
+        let set_up = start.elapsed();
+        match uploaded {
+            Ok(mut surface) => self.schedules(task, &mut solver, &mut surface, set_up)?,
+            Err(error @ (VulkanError::TooLarge { .. } | VulkanError::TooMuchMemory { .. })) => {
+                say("note", format_args!("{}: left out on the device: {error}", task.name));
+            }
+            Err(error) => return Err(error.into()),
+        }
+        self.solver = Some(solver);
+        Ok(())
+    }
+
+    fn schedules(
+        &mut self,
+        task: &Task,
+        solver: &mut Solver,
+        surface: &mut SurfaceOnDevice,
+        set_up: Duration,
+    ) -> Result<(), Box<dyn Error>> {
+        let bytes = Some(surface.bytes());
+        for &wavefront in &self.plan.wavefronts {
+            for schedule in Schedule::ALL {
+                let method = Method::Vulkan(schedule);
+                if !self.is_wanted(wavefront, method) {
+                    continue;
+                }
+                let how = vulkan::Method { wavefront, schedule: Some(schedule), stop: task.stop };
+                self.time(task, wavefront, method, set_up, bytes, |task| {
+                    let Solution { iterations, residual, time, .. } =
+                        solver.solve(surface, &task.seeds, how)?;
+                    Ok(Run { time, iterations, residual, visits_and_updates: None })
+                })?;
+                // What it takes, once more and not timed.
+                let detail = Detail { grain: Grain::Blocks, ..Detail::default() };
+                let (_, profile) = solver.profile(surface, &task.seeds, how, detail)?;
+                let work = Work::on_device(&profile);
+                let (timing, ceilings) = (self.timings.last_mut(), self.device.as_ref());
+                let (timing, ceilings) = timing.zip(ceilings).expect("it has just been timed");
+                timing.shares = Shares::on_device(work, timing.median(), wavefront, ceilings);
+                timing.work = Some(work);
+            }
+        }
+        Ok(())
+    }
+
+    /// Times a method: once to warm up, then several times.
+    fn time(
+        &mut self,
+        task: &Task,
+        wavefront: Wavefront,
+        method: Method,
+        set_up: Duration,
+        bytes: Option<u64>,
+        mut run: impl FnMut(&Task) -> Result<Run, Box<dyn Error>>,
+    ) -> Result<(), Box<dyn Error>> {
+        let mut last = run(task)?;
+        let mut times = vec![last.time];
+        if last.time > self.plan.limit {
+            self.too_slow.push((wavefront, method));
+            say(
+                "note",
+                format_args!(
+                    "{}, {wavefront} fronts: {} {} took {:.1} s at {} x {} points, and is left out \
+                     at larger sizes; see --limit",
+                    task.name,
+                    method.engine(),
+                    method.schedule(),
+                    last.time.as_secs_f64(),
+                    task.surface.rows(),
+                    task.surface.cols()
+                ),
+            );
+        } else {
+            times.clear();
+            while times.len() < FEWEST_RUNS
+                || (times.len() < MOST_RUNS
+                    && times.iter().sum::<Duration>() < self.plan.long_enough)
+            {
+                last = run(task)?;
+                times.push(last.time);
+            }
+        }
+        times.sort();
+        let work = last.visits_and_updates.map(|counts| Work::on_cpu(counts, wavefront));
+        let mut timing = Timing {
+            surface: task.name.clone(),
+            rows: task.surface.rows(),
+            cols: task.surface.cols(),
+            points: task.surface.points(),
+            wavefront,
+            method,
+            set_up,
+            times,
+            iterations: last.iterations,
+            converged: last.residual <= task.stop.tolerance,
+            bytes,
+            work,
+            shares: Shares::default(),
+        };
+        if let Some(work) = work {
+            timing.shares = Shares::on_cpu(work, timing.median(), wavefront, &self.cpu);
+        }
+        self.timings.push(timing);
+        self.bar.inc(1);
+        Ok(())
+    }
+}

@@ -1,0 +1,161 @@
+//! `geosweep bench`: how long maps take, and what bounds them.
+
+mod growth;
+mod measure;
+mod memory;
+mod plot;
+mod report;
+mod surface;
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use geosweep::vulkan::Schedule;
+use geosweep::{DeviceChoice, Engine, Wavefront};
+
+use super::lists;
+use super::publication::Publication;
+use crate::choices::{one_of, wavefront_names};
+use crate::output::{stage_picture, wanted_file, wanted_png};
+use crate::terminal::Outcome;
+pub use measure::{Measurements, Method, Plan, Timing, all as measure};
+use report::{Report, Summary};
+pub use surface::BenchSurface;
+
+/// The arguments of `geosweep bench`.
+#[derive(clap::Args)]
+#[command(after_help = examples())]
+pub struct Args {
+    /// Points a side (default: those of the paper's table 2, 150 to 1200, and 2048 and 4096 where
+    /// memory allows; with --quick 150 and 400)
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = lists::size)]
+    sizes: Vec<usize>,
+    /// Built-in surfaces, terrain, or files of surfaces, each at its own size, heights with
+    /// their file's spacing or 1 (default: plane, sphere, peaks, maze, terrain; with --quick
+    /// sphere and maze)
+    #[arg(long, value_name = "NAME|FILE,...", value_delimiter = ',')]
+    #[arg(value_parser = BenchSurface::parse)]
+    surfaces: Vec<BenchSurface>,
+    /// Wavefronts (default: curved)
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    wavefront: Vec<Wavefront>,
+    /// Engines
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = one_of(&ENGINES))]
+    #[arg(default_values = ["cpu", "vulkan"])]
+    engines: Vec<Engine>,
+    /// Schedules on the Vulkan device (default: all; with --quick raster and tiles)
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    #[arg(value_parser = one_of(&Schedule::ALL.map(|schedule| (schedule, ""))))]
+    schedules: Vec<Schedule>,
+    /// The Vulkan device: its index in `geosweep devices`, or a part of its name
+    #[arg(long, value_name = "NAME|INDEX")]
+    device: Option<DeviceChoice>,
+    /// Leave an engine or schedule out at larger sizes once a map takes more than this
+    #[arg(long, value_name = "SECONDS", default_value_t = 3.0, value_parser = seconds)]
+    limit: f64,
+    /// Fewer sizes, surfaces and runs: some seconds
+    #[arg(long)]
+    quick: bool,
+    /// Where to write the tables, as Markdown (default: standard output, unless --json)
+    #[arg(short, long, value_name = "REPORT.md")]
+    output: Option<PathBuf>,
+    /// Draw time against points
+    #[arg(long, value_name = "FILE.png")]
+    plot: Option<PathBuf>,
+    /// What the report says about the machine
+    #[arg(long, value_name = "TEXT")]
+    machine: Option<String>,
+    /// Print one JSON object: cpu and device (their ceilings, as from `geosweep devices`), maps
+    /// and growth. A map: surface, rows, cols, points, wavefront, engine, schedule,
+    /// set_up_seconds, median_seconds, best_seconds, runs, iterations, converged,
+    /// points_per_second, bytes (held), work (bytes moved, triangles, dispatches,
+    /// skipped_dispatches, submissions) and shares (of the time: data, arithmetic, dispatches).
+    /// Growth: the exponent for each surface, wavefront, engine and schedule
+    #[arg(long)]
+    json: bool,
+}
+
+fn examples() -> String {
+    format!(
+        "\
+Times are those of converged maps of a surface that is ready to be solved on: the median
+and the best of 3 to 20 runs after one to warm up. Set-up is what comes before: edge
+lengths and room for the solver, or the upload. Iterations are of four scans, of two
+updates of all points, or rounds of tiles.
+
+The last three columns say what bounds a map. Each is the share of the time that a part of
+its work would take on its own at the ceiling of the machine, which is measured first:
+moving the data, computing the updates, and empty dispatches. None can be much above
+100 %, and the largest is what to look at; see docs/speed.md.
+
+Surfaces: {}.
+Wavefronts: {}.
+
+Examples:
+  geosweep bench --quick
+  geosweep bench --sizes 600,1200 --surfaces sphere,maze --engines cpu --wavefront planar,curved
+  geosweep bench --surfaces dem.tif --schedules raster --json
+  geosweep bench -o speed.md --plot speed.png",
+        BenchSurface::names(),
+        wavefront_names()
+    )
+}
+
+const ENGINES: [(Engine, &str); 3] = [
+    (Engine::Cpu, "Scans on the CPU"),
+    (Engine::Vulkan(DeviceChoice::Any), "A Vulkan device"),
+    (Engine::FastMarching, "Fast marching on the CPU, the sequential reference"),
+];
+
+const TABLE_2: [usize; 9] = [150, 200, 400, 600, 800, 1000, 1200, 2048, 4096];
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(seconds) if (0.0..=1e6).contains(&seconds) => Ok(seconds),
+        _ => Err("a limit is a number of seconds from 0 on".into()),
+    }
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let output = wanted_file(args.output.as_ref(), "a report is", "md")?;
+    let plot = wanted_png(args.plot.as_ref())?;
+    let plan = args.plan();
+    let measured = measure(&plan)?;
+
+    let sheet = || plot::by_points(&measured.timings, &plan.methods).draw();
+    let plot = plot.map(|plot| stage_picture(plot, sheet)).transpose()?;
+    Publication {
+        markdown: Report { measured: &measured, machine: args.machine.as_deref() }.to_string(),
+        output,
+        pictures: plot.into_iter().collect(),
+        rows: &Summary::new(&measured),
+    }
+    .publish(args.json)
+}
+
+impl Args {
+    fn plan(&self) -> Plan {
+        let sizes = if self.quick { &[150, 400][..] } else { &TABLE_2 };
+        let surfaces =
+            if self.quick { BenchSurface::quick_set() } else { BenchSurface::default_set() };
+        let schedules = lists::or_else(&self.schedules, || match self.quick {
+            true => vec![Schedule::Raster, Schedule::Tiles],
+            false => Schedule::ALL.to_vec(),
+        });
+        let of_engine = |engine: &Engine| match engine {
+            Engine::FastMarching => vec![Method::FastMarching],
+            Engine::Vulkan(_) => schedules.iter().copied().map(Method::Vulkan).collect(),
+            Engine::Cpu | Engine::Auto => vec![Method::Cpu],
+        };
+        Plan {
+            surfaces: lists::or_else(&self.surfaces, || surfaces),
+            sizes: lists::ascending(if self.sizes.is_empty() { sizes } else { &self.sizes }),
+            wavefronts: lists::or_else(&self.wavefront, || vec![Wavefront::Curved]),
+            methods: lists::or_else(&self.engines, Vec::new).iter().flat_map(of_engine).collect(),
+            device: self.device.clone().unwrap_or_default(),
+            iterations: None,
+            limit: Duration::from_secs_f64(self.limit),
+            long_enough: Duration::from_millis(if self.quick { 100 } else { 500 }),
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! `geosweep figure canonical`: the paper's figure 8.
+
+use std::error::Error;
+use std::f64::consts::PI;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use geosweep::geometry::canonical::{Distances, FormOptions, align, canonical_form};
+use geosweep::glam::DVec3;
+use geosweep::pairwise::Pairwise;
+use geosweep::surface::builtin::Builtin;
+use geosweep::{Options, Surface, Wavefront};
+use serde::Serialize;
+
+use crate::output::{commit, png_output, stage_picture};
+use crate::picture::{Exhibit, FormPicture, Gallery};
+use crate::terminal::{Outcome, print_json, progress};
+
+/// The arguments of `geosweep figure canonical`.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Where to write the picture
+    #[arg(short, long, value_name = "FILE.png")]
+    output: PathBuf,
+    /// Columns of each grid; the face has a quarter more rows
+    #[arg(long, value_name = "N", default_value_t = 54, value_parser = columns)]
+    size: usize,
+    /// Print one JSON array with an object for each surface: title, points, stress_1, and deviation
+    /// from the first bending's form (null for the face)
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Above, a face and three surfaces that are bendings of one another without stretching:
+a helicoid, a catenoid and one between. Below, their canonical forms by least-squares
+scaling of all geodesic distances, turned for the least squared distance. Those of
+the bendings are the same but for the errors of the distances. Under each, how far
+it is from the first one's, over its size (root mean squares).
+
+Examples:
+  geosweep figure canonical -o canonical.png
+  geosweep figure canonical --size 33 --json -o canonical.png";
+
+/// A panel's width and height, in pixels.
+const PANEL: [usize; 2] = [520, 460];
+/// Angles of the bendings from helicoid (0) to catenoid (90), in degrees, with their titles.
+const BENDINGS: [(f64, &str); 3] = [(0.0, "helicoid"), (45.0, "between both"), (90.0, "catenoid")];
+
+fn columns(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(size @ 9..=110) => Ok(size),
+        _ => Err(format!("`{text}` is no number of columns from 9 to 110")),
+    }
+}
+
+/// A surface, its form in the pose it is shown in, and how to look at both.
+struct Study {
+    title: &'static str,
+    surface: Surface,
+    positions: Vec<DVec3>,
+    form: Vec<DVec3>,
+    stress_1: f64,
+    deviation: Option<f64>,
+    /// The directions to the viewer of surface and form.
+    toward: [DVec3; 2],
+    up: DVec3,
+}
+
+#[derive(Serialize)]
+struct Row {
+    title: &'static str,
+    points: usize,
+    stress_1: f64,
+    deviation: Option<f64>,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let output = png_output(&args.output)?;
+    let bar = progress(1 + BENDINGS.len());
+    let face = Builtin::Face.surface(args.size * 5 / 4, args.size)?;
+    bar.set_message("face");
+    let mut studies = vec![Study::new("a face", face, None)?];
+    studies[0].toward = [DVec3::new(0.5, -0.35, 1.0); 2];
+    studies[0].up = -DVec3::Y;
+    for (degrees, title) in BENDINGS {
+        bar.inc(1);
+        bar.set_message(title);
+        let first = studies.get(1).map(|first| first.form.clone());
+        studies.push(Study::new(title, bending(args.size, degrees)?, first.as_deref())?);
+    }
+    bar.finish_and_clear();
+
+    let exhibits: Vec<_> = studies.iter().map(Study::exhibit).collect();
+    commit([stage_picture(output, || Gallery { exhibits: &exhibits }.draw())?])?;
+    if args.json {
+        let row = |study: &Study| Row {
+            title: study.title,
+            points: study.surface.points(),
+            stress_1: study.stress_1,
+            deviation: study.deviation,
+        };
+        print_json(&studies.iter().map(row).collect::<Vec<_>>())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Bonnet's bending of the helicoid to the catenoid, three quarters of a turn of it.
+fn bending(size: usize, degrees: f64) -> Result<Surface, geosweep::Error> {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let along = |k: usize| k as f64 / (size - 1) as f64 - 0.5;
+    let position = |index: usize| {
+        let (u, v) = (2.4 * along(index % size), 1.5 * PI * along(index / size));
+        let helicoid = DVec3::new(u.sinh() * v.sin(), -u.sinh() * v.cos(), v);
+        let catenoid = DVec3::new(u.cosh() * v.cos(), u.cosh() * v.sin(), u);
+        cos * helicoid + sin * catenoid
+    };
+    Ok(Surface::from_positions(size, size, (0..size * size).map(position).collect())?)
+}
+
+impl Study {
+    /// The form is turned onto a given one, else onto the surface.
+    fn new(
+        title: &'static str,
+        surface: Surface,
+        onto: Option<&[DVec3]>,
+    ) -> Result<Self, Box<dyn Error>> {
+        let chart = surface.chart();
+        let all: Vec<usize> = (0..chart.points()).collect();
+        let positions: Vec<DVec3> = all
+            .iter()
+            .map(|&index| {
+                let (row, col) = chart.position(index);
+                surface.position(row, col).unwrap_or(DVec3::NAN)
+            })
+            .collect();
+        let options = Options { wavefront: Some(Wavefront::Curved), ..Options::default() };
+        let (matrix, _) = Pairwise::new(&surface, &options)?.matrix(|_| ())?;
+        let (distances, kept) = Distances::of_largest_piece(all.len(), matrix)?;
+        let options = FormOptions { tolerance: 1e-6, ..FormOptions::default() };
+        let form = canonical_form(&distances, &options)?;
+        let fixed = onto.unwrap_or(&positions);
+        let fixed: Vec<f64> = kept.iter().flat_map(|&index| fixed[index].to_array()).collect();
+        let aligned = align(&form.coordinates, &fixed, form.dimensions);
+        let mut placed = vec![DVec3::NAN; all.len()];
+        for (&index, place) in kept.iter().zip(aligned.moved.as_chunks().0) {
+            placed[index] = DVec3::from_array(*place);
+        }
+        Ok(Self {
+            title,
+            surface,
+            positions,
+            form: placed,
+            stress_1: form.stress_1(),
+            deviation: onto.map(|_| aligned.deviation),
+            toward: [DVec3::new(1.0, -0.5, 0.55), DVec3::new(-1.0, 0.5, 0.55)],
+            up: DVec3::Z,
+        })
+    }
+
+    fn exhibit(&self) -> Exhibit<'_> {
+        let Self { toward, up, .. } = *self;
+        let [surface, form] = toward;
+        let chart = Some(self.surface.chart());
+        let picture = |positions, toward| FormPicture { positions, chart, toward, up, size: PANEL };
+        let subtitle = match self.deviation {
+            None => "its canonical form".into(),
+            Some(deviation) => format!("its form, {:.3} % away", 100.0 * deviation),
+        };
+        Exhibit {
+            title: self.title.into(),
+            surface: picture(&self.positions, surface),
+            subtitle,
+            form: picture(&self.form, form),
+        }
+    }
+}

@@ -1,0 +1,265 @@
+//! `geosweep figure convergence`: the paper's figure 5, and what better wavefronts make of it.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use geosweep::Stop;
+use geosweep::accuracy::{Errors, exact_disc};
+use geosweep::cpu::raster_scan;
+use geosweep::surface::EdgeLengths;
+use geosweep::surface::builtin::Builtin;
+use geosweep::{Engine, Options, Sources, Wavefront};
+use serde::Serialize;
+
+use crate::choices::label;
+use crate::lab::lists;
+use crate::lab::reference::Reference;
+use crate::output::{commit, png_output, stage_picture, wanted_file};
+use crate::picture::plot::{Axis, COLORS, Color, Line, Plot, Series, Sheet, Slopes};
+use crate::precision::Precision;
+use crate::terminal::{Outcome, print_json, progress};
+
+/// The arguments of `geosweep figure convergence`.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Where to write the picture
+    #[arg(short, long, value_name = "FILE.png")]
+    output: PathBuf,
+    /// Points a side
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = lists::size)]
+    #[arg(default_values_t = [17, 33, 65, 129, 257, 513, 1025])]
+    sizes: Vec<usize>,
+    /// Write the numbers as a table: surface, wavefront, source, iterations, points, error
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    /// Print the numbers as one JSON array, with an object for each row of the table
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+The mean relative error against the number of points a side. On the left, as in the
+paper, one iteration of directed raster scans with the planar wavefront: from a bare
+point, and from exact values in a disc of radius 0.15 around it. Beside it the other
+wavefronts from a bare point, converged. All on the CPU, in single precision.
+
+Examples:
+  geosweep figure convergence -o convergence.png --csv convergence.csv
+  geosweep figure convergence --sizes 33,65,129 --json -o convergence.png";
+
+/// Where the source lies, as fractions of rows and columns: on every grid of the default sizes.
+const SOURCE: [f64; 2] = [0.25, 0.375];
+/// Radius of the disc of exact values.
+const RADIUS: f64 = 0.15;
+
+const SHEARED: Builtin = Builtin::ShearedPlane { degrees: Builtin::DEFAULT_SHEAR };
+/// The surfaces of the paper's figure, and two more that unroll into the plane.
+const SURFACES: [(Builtin, &str); 5] = [
+    (Builtin::Plane, "plane"),
+    (SHEARED, "sheared"),
+    (Builtin::Sphere, "sphere"),
+    (Builtin::Cylinder, "cylinder"),
+    (Builtin::Cone, "cone"),
+];
+const IN_THE_PAPER: usize = 3;
+/// Width and height of a plot, in pixels.
+const FRAME: [usize; 2] = [450, 500];
+/// The wavefronts whose converged maps are shown beside the paper's figure.
+const CONVERGED: &[Wavefront] = &[Wavefront::PointSource, Wavefront::Curved];
+
+/// What a map starts from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Start {
+    Point,
+    Disc,
+}
+
+/// One map's error.
+#[derive(Clone, Serialize)]
+struct Row {
+    surface: String,
+    wavefront: &'static str,
+    source: Start,
+    iterations: u32,
+    points: usize,
+    error: f64,
+}
+
+/// One line of a plot, with how its maps are made.
+struct Study {
+    builtin: Builtin,
+    /// How the surface is called and coloured in the figure.
+    label: &'static str,
+    color: Color,
+    wavefront: Wavefront,
+    start: Start,
+    /// By the paper's directed raster scans; else converged, as the tool's CPU engine does.
+    one_iteration: bool,
+    line: Line,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let output = png_output(&args.output)?;
+    let table = wanted_file(args.csv.as_ref(), "a table is", "csv")?;
+    let sizes = lists::ascending(&args.sizes);
+
+    let studies = studies();
+    let bar = progress(studies.iter().map(Vec::len).sum::<usize>() * sizes.len());
+    let rows: Vec<Vec<Vec<Row>>> = studies
+        .iter()
+        .map(|studies| studies.iter().map(|study| study.rows(&sizes, &bar)).collect())
+        .collect::<Result<_, geosweep::Error>>()?;
+    bar.finish_and_clear();
+
+    let sheet = sheet(&sizes, &studies, &rows);
+    let rows: Vec<Row> = rows.into_iter().flatten().flatten().collect();
+    let mut staged = vec![stage_picture(output, || sheet.draw())?];
+    if let Some(table) = table {
+        staged.push(table.stage(|writer| write_table(writer, &rows))?);
+    }
+    commit(staged)?;
+    if args.json {
+        print_json(&rows)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The lines of each plot: the paper's, from a point and from a disc, then one plot for each of
+/// [`CONVERGED`].
+fn studies() -> Vec<Vec<Study>> {
+    let surfaces = || SURFACES.into_iter().zip(COLORS);
+    let starts = [(Start::Point, Line::Solid), (Start::Disc, Line::Dashed)];
+    let one_iteration = |((builtin, label), color)| {
+        starts.map(|(start, line)| Study {
+            builtin,
+            label,
+            color,
+            wavefront: Wavefront::Planar,
+            start,
+            one_iteration: true,
+            line,
+        })
+    };
+    let converged = |wavefront| {
+        let study = |((builtin, label), color)| Study {
+            builtin,
+            label,
+            color,
+            wavefront,
+            start: Start::Point,
+            one_iteration: false,
+            line: Line::Solid,
+        };
+        surfaces().map(study).collect()
+    };
+    let in_the_paper = surfaces().take(IN_THE_PAPER).flat_map(one_iteration).collect();
+    std::iter::once(in_the_paper).chain(CONVERGED.iter().copied().map(converged)).collect()
+}
+
+impl Study {
+    fn rows(
+        &self,
+        sizes: &[usize],
+        bar: &indicatif::ProgressBar,
+    ) -> Result<Vec<Row>, geosweep::Error> {
+        let row = |&points: &usize| {
+            bar.set_message(format!("{} {points}", self.builtin));
+            let reference = Reference::new(self.builtin, points, SOURCE)?;
+            let sources = match self.start {
+                Start::Point => reference.point_source(),
+                Start::Disc => exact_disc(reference.surface.chart(), &reference.distances, RADIUS),
+            };
+            let (iterations, errors) = self.solve(&reference, &sources)?;
+            bar.inc(1);
+            Ok(Row {
+                surface: self.builtin.to_string(),
+                wavefront: self.wavefront.name(),
+                source: self.start,
+                iterations,
+                points,
+                error: errors.mean_relative,
+            })
+        };
+        sizes.iter().map(row).collect()
+    }
+
+    /// Iterations and errors of the map from some sources.
+    fn solve(
+        &self,
+        reference: &Reference,
+        sources: &Sources,
+    ) -> Result<(u32, Errors), geosweep::Error> {
+        if self.one_iteration {
+            // The tool's own engines scan in another order.
+            let edges = EdgeLengths::<f32>::new(&reference.surface)?;
+            let seeds = sources.seeds(&reference.surface)?;
+            let solution = raster_scan(&edges, &seeds, self.wavefront, Stop::after(1));
+            return Ok((1, Errors::of(&solution.distances(), &reference.distances)));
+        }
+        let options =
+            Options { engine: Engine::Cpu, wavefront: Some(self.wavefront), ..Options::default() };
+        let (report, errors) = reference.solve(sources, &options, Precision::Single)?;
+        Ok((report.iterations, errors))
+    }
+}
+
+fn sheet(sizes: &[usize], studies: &[Vec<Study>], rows: &[Vec<Vec<Row>>]) -> Sheet {
+    let errors = |rows: &[Vec<Vec<Row>>]| {
+        let errors: Vec<_> = rows.iter().flatten().flatten().map(|row| row.error).collect();
+        Axis::decades("mean relative error", errors.into_iter())
+    };
+    let (paper_axis, converged_axis) = (errors(&rows[..1]), errors(&rows[1..]));
+    let plot = |(index, (studies, rows)): (usize, (&Vec<Study>, &Vec<Vec<Row>>))| {
+        let (title, y) = match index {
+            0 => ("Planar wavefront, one iteration".into(), paper_axis.clone()),
+            _ => (converged_title(studies[0].wavefront), converged_axis.clone()),
+        };
+        let series = |(study, rows): (&Study, &Vec<Row>)| Series {
+            label: study.label.into(),
+            color: study.color,
+            line: study.line,
+            points: rows.iter().map(|row| [row.points as f64, row.error]).collect(),
+        };
+        Plot {
+            title,
+            x: Axis::at("points a side, n", sizes),
+            y,
+            series: studies.iter().zip(rows).map(series).collect(),
+            slopes: Some(Slopes {
+                from: [0.05, 0.36],
+                width: 0.2,
+                powers: vec![(-1.0, "1/n"), (-2.0, "1/n²")],
+            }),
+        }
+    };
+    Sheet {
+        plots: studies.iter().zip(rows).enumerate().map(plot).collect(),
+        columns: studies.len(),
+        frame: FRAME,
+        key: vec![
+            (Line::Solid, "from a point".into()),
+            (Line::Dashed, "from exact values in a disc around it".into()),
+        ],
+    }
+}
+
+fn converged_title(wavefront: Wavefront) -> String {
+    let mut title = format!("{} wavefront, converged", label(wavefront));
+    title[..1].make_ascii_uppercase();
+    title
+}
+
+fn write_table(writer: &mut impl Write, rows: &[Row]) -> io::Result<()> {
+    writeln!(writer, "surface,wavefront,source,iterations,points,error")?;
+    for Row { surface, wavefront, source, iterations, points, error } in rows {
+        let source = match source {
+            Start::Point => "point",
+            Start::Disc => "disc",
+        };
+        writeln!(writer, "{surface},{wavefront},{source},{iterations},{points},{error:e}")?;
+    }
+    Ok(())
+}

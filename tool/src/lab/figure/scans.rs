@@ -1,0 +1,32 @@
+//! `geosweep figure scans`: the paper's figures 3 and 4.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use crate::output::{commit, png_output, stage_picture};
+use crate::picture::scan_figure;
+use crate::terminal::Outcome;
+
+/// The arguments of `geosweep figure scans`.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Where to write the picture
+    #[arg(short, long, value_name = "FILE.png")]
+    output: PathBuf,
+}
+
+const EXAMPLES: &str = "\
+Above, the two triangles from which a point is updated in each directed raster scan
+and in each scan turned by 45 degrees, with the order of the scan. Below, which
+updates wait for which, in one scan of each kind; those with one number are done at
+once.
+
+Example:
+  geosweep figure scans -o scans.png";
+
+pub fn run(args: &Args) -> Outcome {
+    let output = png_output(&args.output)?;
+    commit([stage_picture(output, scan_figure)?])?;
+    Ok(ExitCode::SUCCESS)
+}

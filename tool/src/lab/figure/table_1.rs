@@ -1,0 +1,216 @@
+//! `geosweep figure table-1`: the paper's table 1.
+
+use std::error::Error;
+use std::fmt::{self, Display, Formatter};
+use std::path::PathBuf;
+
+use geosweep::cpu::Instructions;
+use geosweep::pairwise::{Pairwise, PairwiseReport};
+use geosweep::surface::builtin::Builtin;
+use geosweep::{Engine, Options, Surface, Wavefront};
+use serde::Serialize;
+
+use crate::lab::lists;
+use crate::lab::publication::Publication;
+use crate::output::wanted_file;
+use crate::terminal::{Outcome, progress};
+
+/// The arguments of `geosweep figure table-1`.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Where to write the table, as Markdown (default: standard output, unless --json)
+    #[arg(short, long, value_name = "TABLE.md")]
+    output: Option<PathBuf>,
+    /// Points a side (default: those of the paper)
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = side)]
+    #[arg(default_values_t = PAPER.map(|row| row.side))]
+    sizes: Vec<usize>,
+    /// The built-in surface
+    #[arg(long, value_name = "NAME", default_value = "sphere", value_parser = Builtin::parse)]
+    surface: Builtin,
+    /// Runs of the raster scans, of which the median counts; fast marching runs once
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = runs)]
+    runs: usize,
+    /// What the table says about the machine that the times come from
+    #[arg(long, value_name = "TEXT")]
+    machine: Option<String>,
+    /// Print one JSON array with an object per size: vertices, distances, planar_seconds,
+    /// planar_spread, fast_marching_seconds, speed_up, planar_distances_per_second, point_seconds,
+    /// point_spread, point_distances_per_second
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+All distances between the points of a square grid: one iteration of raster scans with
+the planar wavefront, sixteen maps in the lanes of one instruction stream; for
+comparison our fast marching, a map for each thread, with the same wavefront; and the
+point-source wavefront until it has converged. Memory is there before the clock starts.
+
+Examples:
+  geosweep figure table-1
+  geosweep figure table-1 --sizes 32,64 --runs 3 --json";
+
+/// A row of the paper's table: an AMD Opteron with SSE2 in 2008.
+struct Published {
+    side: usize,
+    raster_seconds: f64,
+    marching_seconds: f64,
+}
+
+const PAPER: [Published; 6] = [
+    Published { side: 32, raster_seconds: 0.1541, marching_seconds: 1.2824 },
+    Published { side: 44, raster_seconds: 0.5156, marching_seconds: 5.5156 },
+    Published { side: 50, raster_seconds: 0.8348, marching_seconds: 9.4335 },
+    Published { side: 54, raster_seconds: 1.1336, marching_seconds: 12.9128 },
+    Published { side: 60, raster_seconds: 1.8539, marching_seconds: 19.5472 },
+    Published { side: 64, raster_seconds: 2.4762, marching_seconds: 25.8347 },
+];
+
+fn side(text: &str) -> Result<usize, String> {
+    match text.trim().parse() {
+        Ok(side @ 4..=128) => Ok(side),
+        _ => Err(format!("`{text}` is no number of points a side from 4 to 128")),
+    }
+}
+
+fn runs(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(runs @ 1..=1000) => Ok(runs),
+        _ => Err(format!("`{text}` is no number of runs from 1 to 1000")),
+    }
+}
+
+#[derive(Serialize)]
+struct Row {
+    #[serde(skip)]
+    side: usize,
+    vertices: usize,
+    distances: usize,
+    planar_seconds: f64,
+    planar_spread: f64,
+    fast_marching_seconds: f64,
+    speed_up: f64,
+    planar_distances_per_second: f64,
+    point_seconds: f64,
+    point_spread: f64,
+    point_distances_per_second: f64,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let output = wanted_file(args.output.as_ref(), "a table is", "md")?;
+    let sizes = lists::ascending(&args.sizes);
+    let bar = progress(sizes.len());
+    let mut rows = Vec::new();
+    for side in sizes {
+        bar.set_message(format!("{side} x {side} points"));
+        rows.push(Row::measure(args.surface, side, args.runs)?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let markdown = Table { args, rows: &rows }.to_string();
+    Publication { markdown, output, pictures: Vec::new(), rows: &rows }.publish(args.json)
+}
+
+impl Row {
+    fn measure(builtin: Builtin, side: usize, runs: usize) -> Result<Self, Box<dyn Error>> {
+        let surface = builtin.surface(side, side)?;
+        let options = |engine, wavefront, iterations| Options {
+            engine,
+            wavefront: Some(wavefront),
+            iterations,
+            ..Options::default()
+        };
+        let planar = options(Engine::Cpu, Wavefront::Planar, Some(1));
+        let (planar_seconds, planar_spread) = median(&surface, &planar, runs)?;
+        let point = options(Engine::Cpu, Wavefront::PointSource, None);
+        let (point_seconds, point_spread) = median(&surface, &point, runs)?;
+        let marching = options(Engine::FastMarching, Wavefront::Planar, None);
+        let (fast_marching_seconds, _) = median(&surface, &marching, 1)?;
+        let distances = (side * side).pow(2);
+        Ok(Self {
+            side,
+            vertices: side * side,
+            distances,
+            planar_seconds,
+            planar_spread,
+            fast_marching_seconds,
+            speed_up: fast_marching_seconds / planar_seconds,
+            planar_distances_per_second: distances as f64 / planar_seconds,
+            point_seconds,
+            point_spread,
+            point_distances_per_second: distances as f64 / point_seconds,
+        })
+    }
+}
+
+/// The median time of a whole matrix, and half the spread of the middle half of the runs.
+fn median(surface: &Surface, options: &Options, runs: usize) -> Result<(f64, f64), Box<dyn Error>> {
+    let mut pairwise = Pairwise::new(surface, options)?;
+    let run = |_| {
+        let (_, PairwiseReport { solve_time, .. }) = pairwise.matrix(|_| ())?;
+        Ok(solve_time.as_secs_f64())
+    };
+    // On rayon's own threads: woken up anew for each short run, they are often put on one core.
+    let all = |_: &_| (0..runs).map(run).collect::<Result<Vec<f64>, geosweep::Error>>();
+    let mut seconds = rayon::scope(all)?;
+    seconds.sort_by(f64::total_cmp);
+    let at = |fraction: f64| seconds[((runs - 1) as f64 * fraction).round() as usize];
+    Ok((at(0.5), 0.5 * (at(0.75) - at(0.25))))
+}
+
+/// The rows as Markdown.
+struct Table<'a> {
+    args: &'a Args,
+    rows: &'a [Row],
+}
+
+impl Display for Table<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let machine = match &self.args.machine {
+            Some(machine) => format!(" on a {machine}"),
+            None => String::new(),
+        };
+        let (threads, surface) = (rayon::current_num_threads(), self.args.surface);
+        let (instructions, runs) = (Instructions::best(), self.args.runs);
+        writeln!(
+            f,
+            "\
+All distances between the points of a grid on the {surface}, in seconds{machine},
+{threads} threads, {instructions}: medians of {runs} runs and half the distance of their quartiles. Raster
+scan: one iteration, planar wavefront. Point-source: the same with circular wavefronts until
+they have converged. The paper's own figures, from its table 1, are those of an AMD Opteron with
+SSE2 in 2008.
+"
+        )?;
+        writeln!(
+            f,
+            "\
+| vertices | distances | raster scan | fast marching | speed-up | distances/s | point-source, converged | distances/s | paper: raster scan | fast marching | speed-up |
+|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
+        )?;
+        self.rows.iter().try_for_each(|row| {
+            let published = PAPER.iter().find(|published| published.side == row.side);
+            let [scan, marching, ratio] = published.map_or([(); 3].map(|()| String::new()), |p| {
+                let (scan, marching) = (p.raster_seconds, p.marching_seconds);
+                [format!("{scan:.2}"), format!("{marching:.1}"), format!("{:.1}", marching / scan)]
+            });
+            writeln!(
+                f,
+                "| {} | {} | {:.4} ± {:.4} | {:.2} | {:.0} | {:.0} M | {:.4} ± {:.4} | {:.0} M | \
+                 {scan} | {marching} | {ratio} |",
+                row.vertices,
+                row.distances,
+                row.planar_seconds,
+                row.planar_spread,
+                row.fast_marching_seconds,
+                row.speed_up,
+                1e-6 * row.planar_distances_per_second,
+                row.point_seconds,
+                row.point_spread,
+                1e-6 * row.point_distances_per_second,
+            )
+        })
+    }
+}

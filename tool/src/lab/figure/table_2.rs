@@ -1,0 +1,196 @@
+//! `geosweep figure table-2`: the paper's table 2.
+
+use std::fmt::{self, Display, Formatter};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use geosweep::vulkan::{Schedule, Solver};
+use geosweep::{DeviceChoice, Wavefront};
+use serde::Serialize;
+
+use crate::lab::bench::{self, BenchSurface, Measurements, Method, Plan, Timing};
+use crate::lab::lists;
+use crate::lab::publication::Publication;
+use crate::output::wanted_file;
+use crate::terminal::{Outcome, say};
+
+/// The arguments of `geosweep figure table-2`.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Where to write the table, as Markdown (default: standard output, unless --json)
+    #[arg(short, long, value_name = "TABLE.md")]
+    output: Option<PathBuf>,
+    /// Points a side (default: those of the paper)
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = lists::size)]
+    #[arg(default_values_t = PAPER.map(|row| row.side))]
+    sizes: Vec<usize>,
+    /// The surface: built-in, terrain or a file, as for `geosweep bench`
+    #[arg(long, value_name = "NAME", default_value = "sphere", value_parser = BenchSurface::parse)]
+    surface: BenchSurface,
+    /// The Vulkan device: its index in `geosweep devices`, or a part of its name (default: the
+    /// first usable one; without any, the table has the CPU alone)
+    #[arg(long, value_name = "NAME|INDEX")]
+    device: Option<DeviceChoice>,
+    /// What the table says about the machine that the times come from
+    #[arg(long, value_name = "TEXT")]
+    machine: Option<String>,
+    /// Print one JSON array with an object per size and engine: engine, rows, cols, points,
+    /// iteration_seconds, iteration_spread, iteration_bytes (one planar iteration),
+    /// converged_seconds, converged_spread, converged_iterations and converged_bytes (curved)
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Single maps from a point: one iteration of raster scans with the planar wavefront, as
+in the paper, and a converged map with the curved one, timed as `geosweep bench` does:
+the median of 3 to 20 runs after one to warm up, without the set-up of the surface.
+
+Examples:
+  geosweep figure table-2
+  geosweep figure table-2 --sizes 150,400 --json";
+
+/// A row of the paper's table: an nVidia 7950 GT in 2008.
+struct Published {
+    side: usize,
+    seconds: f64,
+    bytes: u64,
+}
+
+const PAPER: [Published; 7] = [
+    Published { side: 150, seconds: 0.1110, bytes: 1_620_000 },
+    Published { side: 200, seconds: 0.1208, bytes: 2_880_000 },
+    Published { side: 400, seconds: 0.1629, bytes: 11_520_000 },
+    Published { side: 600, seconds: 0.2766, bytes: 25_920_000 },
+    Published { side: 800, seconds: 0.4192, bytes: 46_080_000 },
+    Published { side: 1000, seconds: 0.6125, bytes: 72_000_000 },
+    Published { side: 1200, seconds: 0.7362, bytes: 103_680_000 },
+];
+
+/// An engine at one size.
+#[derive(Serialize)]
+struct Row {
+    engine: &'static str,
+    rows: usize,
+    cols: usize,
+    points: usize,
+    iteration_seconds: f64,
+    iteration_spread: f64,
+    iteration_bytes: Option<u64>,
+    converged_seconds: f64,
+    converged_spread: f64,
+    converged_iterations: u32,
+    converged_bytes: Option<u64>,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let output = wanted_file(args.output.as_ref(), "a table is", "md")?;
+    let device = args.device.clone().unwrap_or_default();
+    let mut methods = vec![Method::Cpu];
+    match Solver::new(&device) {
+        Ok(_) => methods.push(Method::Vulkan(Schedule::Raster)),
+        Err(error) if args.device.is_some() => return Err(error.into()),
+        Err(error) => say("note", format_args!("the table has the CPU alone: {error}")),
+    }
+    let measure = |wavefront, iterations| {
+        bench::measure(&Plan {
+            surfaces: vec![args.surface.clone()],
+            sizes: lists::ascending(&args.sizes),
+            wavefronts: vec![wavefront],
+            methods: methods.clone(),
+            device: device.clone(),
+            iterations,
+            limit: Duration::from_secs(60),
+            long_enough: Duration::from_secs(1),
+        })
+    };
+    let once = measure(Wavefront::Planar, Some(1))?;
+    let converged = measure(Wavefront::Curved, None)?;
+    let rows: Vec<Row> =
+        once.timings.iter().zip(&converged.timings).map(|(a, b)| Row::new(a, b)).collect();
+    let markdown = Table { args, measured: &once, rows: &rows }.to_string();
+    Publication { markdown, output, pictures: Vec::new(), rows: &rows }.publish(args.json)
+}
+
+impl Row {
+    /// Both of the same method on the same grid.
+    fn new(once: &Timing, converged: &Timing) -> Self {
+        Self {
+            engine: once.method.engine(),
+            rows: once.rows,
+            cols: once.cols,
+            points: once.points,
+            iteration_seconds: once.median(),
+            iteration_spread: once.spread(),
+            iteration_bytes: once.bytes,
+            converged_seconds: converged.median(),
+            converged_spread: converged.spread(),
+            converged_iterations: converged.iterations,
+            converged_bytes: converged.bytes,
+        }
+    }
+}
+
+/// The rows as Markdown.
+struct Table<'a> {
+    args: &'a Args,
+    measured: &'a Measurements,
+    rows: &'a [Row],
+}
+
+impl Display for Table<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let machine = match &self.args.machine {
+            Some(machine) => format!(" on a {machine}"),
+            None => String::new(),
+        };
+        let device = match &self.measured.device {
+            Some((name, _)) => format!("; vulkan is {name}"),
+            None => String::new(),
+        };
+        writeln!(
+            f,
+            "\
+Distances from one point of the {} to all others, in milliseconds{machine}{device}: medians, and
+half the distance of the quartiles. One iteration: four raster scans with the planar wavefront, as in
+the paper. Converged: with the curved wavefront, as many iterations as it takes (in brackets).
+Memory is what the solver holds, edge lengths included, in megabytes. The paper's own figures, from
+its table 2, are those of one iteration on an nVidia 7950 GT in 2008.
+",
+            self.args.surface
+        )?;
+        writeln!(
+            f,
+            "\
+| points | engine | one iteration | memory | M points/s | converged, curved | memory | paper: one iteration | memory |
+|---:|---|---:|---:|---:|---:|---:|---:|---:|"
+        )?;
+        self.rows.iter().try_for_each(|row| {
+            let square = row.rows == row.cols;
+            let published = PAPER.iter().find(|published| square && published.side == row.rows);
+            let [seconds, bytes] = published.map_or([(); 2].map(|()| String::new()), |p| {
+                [format!("{:.0}", 1e3 * p.seconds), format!("{:.1}", 1e-6 * p.bytes as f64)]
+            });
+            let held = |bytes: Option<u64>| match bytes {
+                Some(bytes) => format!("{:.1}", 1e-6 * bytes as f64),
+                None => String::new(),
+            };
+            writeln!(
+                f,
+                "| {} x {} | {} | {:.2} ± {:.2} | {} | {:.0} | {:.2} ± {:.2} ({}) | {} | {seconds} | {bytes} |",
+                row.rows,
+                row.cols,
+                row.engine,
+                1e3 * row.iteration_seconds,
+                1e3 * row.iteration_spread,
+                held(row.iteration_bytes),
+                1e-6 * row.points as f64 / row.iteration_seconds,
+                1e3 * row.converged_seconds,
+                1e3 * row.converged_spread,
+                row.converged_iterations,
+                held(row.converged_bytes),
+            )
+        })
+    }
+}

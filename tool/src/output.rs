@@ -1,0 +1,84 @@
+//! Output files: named by what is in them, neither inputs nor one another, whole or not at all.
+
+use std::error::Error;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use geosweep::io::{IoError, OutputFile, StagedFile};
+
+use crate::picture::Canvas;
+use crate::terminal::Spinner;
+
+/// A file to write, checked before the work begins; `what` ends with the verb, as in "a picture
+/// is".
+pub fn output_file(path: &Path, what: &str, extension: &str) -> Result<OutputFile, Box<dyn Error>> {
+    if path.extension().is_none_or(|found| !found.eq_ignore_ascii_case(extension)) {
+        let name = path.display();
+        return Err(format!("{name}: {what} written as .{extension}; choose such a name").into());
+    }
+    Ok(OutputFile::new(path)?)
+}
+
+/// The same where a file is wanted.
+pub fn wanted_file(
+    path: Option<&PathBuf>,
+    what: &str,
+    extension: &str,
+) -> Result<Option<OutputFile>, Box<dyn Error>> {
+    path.map(|path| output_file(path, what, extension)).transpose()
+}
+
+/// A picture to write.
+pub fn png_output(path: &Path) -> Result<OutputFile, Box<dyn Error>> {
+    output_file(path, "a picture is", "png")
+}
+
+/// The same where a picture is wanted.
+pub fn wanted_png(path: Option<&PathBuf>) -> Result<Option<OutputFile>, Box<dyn Error>> {
+    path.map(|path| png_output(path)).transpose()
+}
+
+/// Refuses to write a file twice, or over an input: the same file under two names is rare and
+/// worth an error before anything is lost.
+pub fn check_outputs<'a>(
+    outputs: &[&OutputFile],
+    inputs: impl Iterator<Item = &'a Path>,
+) -> Result<(), String> {
+    for (index, output) in outputs.iter().enumerate() {
+        if outputs[..index].iter().any(|before| before.is_same(output)) {
+            let name = output.path().display();
+            return Err(format!("{name}: is given for two outputs; choose another name"));
+        }
+    }
+    let resolve = |path: &Path| fs::canonicalize(path).ok();
+    let inputs: Vec<_> = inputs.filter_map(resolve).collect();
+    for output in outputs {
+        let target = resolve(output.path());
+        if target.is_some_and(|target| inputs.contains(&target)) {
+            let name = output.path().display();
+            return Err(format!("{name}: is also an input; choose another name"));
+        }
+    }
+    Ok(())
+}
+
+/// Draws a picture and writes it, yet without its name.
+pub fn stage_picture(
+    output: OutputFile,
+    draw: impl FnOnce() -> Canvas,
+) -> Result<StagedFile, IoError> {
+    let _spinner = Spinner::new("drawing");
+    let picture = draw();
+    output.stage(|writer| picture.write_png(writer))
+}
+
+/// Writes a text, yet without its name.
+pub fn stage_text(output: OutputFile, text: &str) -> Result<StagedFile, IoError> {
+    output.stage(|writer| writer.write_all(text.as_bytes()))
+}
+
+/// Gives all files their names, once all are written.
+pub fn commit(staged: impl IntoIterator<Item = StagedFile>) -> Result<(), IoError> {
+    staged.into_iter().try_for_each(StagedFile::commit)
+}

@@ -1,0 +1,169 @@
+//! Curves and marks on a surface: from above as a map, or shaded in space.
+
+mod map;
+mod over_map;
+mod pose;
+mod space;
+
+use geosweep::geometry::{Contour, Curve, Path, Ridge};
+use geosweep::glam::DVec3;
+use geosweep::surface::Source;
+use geosweep::{Sources, Surface};
+
+use super::canvas::{Canvas, Color, mix};
+use super::colors::{Scale, ink_over};
+use super::legend::{Legend, Lines};
+use super::raster::Paint;
+use super::swatches::Swatches;
+pub use over_map::MapPicture;
+
+/// What is drawn.
+pub struct CurvePicture<'a> {
+    /// The surface that was solved for.
+    pub surface: &'a Surface,
+    /// The same grid with positions.
+    pub shape: &'a Surface,
+    /// One value per grid point, infinite where there is none.
+    pub values: &'a [f32],
+    pub paint: Paint<'a>,
+    /// In the order of drawing; all rims lie under all lines.
+    pub lines: &'a [Line],
+    pub marks: &'a [Mark],
+    pub key: Key<'a>,
+}
+
+/// A polyline in the parameter domain.
+pub struct Line {
+    /// Rows and columns.
+    pub vertices: Vec<[f64; 2]>,
+    /// Half its width, in pixels of a picture of about a thousand.
+    pub radius: f32,
+    pub color: Color,
+    pub rim: Option<Color>,
+}
+
+/// A disc with a dark rim.
+pub struct Mark {
+    pub at: [f64; 2],
+    pub radius: f32,
+    pub color: Color,
+}
+
+/// What explains the colours.
+pub enum Key<'a> {
+    /// A scale of the quantity, with lines at these values.
+    Scale {
+        quantity: &'a str,
+        scale: &'a Scale,
+        levels: &'a [f64],
+    },
+    /// Colours and their names.
+    Names {
+        title: &'a str,
+        entries: &'a [(Color, String)],
+    },
+    Nothing,
+}
+
+/// From where.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Look {
+    /// As a map: the parameter domain with relief.
+    Map,
+    /// In space, from the side that shows most or from a direction; so many pixels on the longer
+    /// side.
+    Space { toward: Option<DVec3>, long_side: usize },
+}
+
+const WHITE: Color = [1.0; 3];
+
+/// Contours over the colours of a scale: plainly, or faintly where they are not what matters.
+pub fn contour_lines(contours: &[Contour], scale: &Scale, plain: bool) -> Vec<Line> {
+    let line = |level: f64, curve: &Curve| {
+        let ground = scale.color(level as f32);
+        let (radius, opacity) = if plain { (0.9, 0.9) } else { (0.5, 0.3) };
+        let color = mix(ground, ink_over(ground), opacity);
+        Line { vertices: curve.points().collect(), radius, color, rim: None }
+    };
+    let lines = |contour: &Contour| {
+        contour.curves.iter().map(|curve| line(contour.level, curve)).collect::<Vec<_>>()
+    };
+    contours.iter().flat_map(lines).collect()
+}
+
+/// Of lines that are what matters: against every colour of the scale.
+const BOLD: Color = [1.0, 0.42, 0.25];
+
+/// A path, and a mark where it starts.
+pub fn path_line(path: &Path) -> (Line, Mark) {
+    let vertices = path.curve.vertices.clone();
+    let mark = Mark { at: vertices[0], radius: 3.5, color: BOLD };
+    (Line { vertices, radius: 1.5, color: BOLD, rim: Some(RIM) }, mark)
+}
+
+/// A line on which fronts meet.
+pub fn ridge_line(ridge: &Ridge) -> Line {
+    Line { vertices: ridge.curve.points().collect(), radius: 1.5, color: BOLD, rim: Some(RIM) }
+}
+
+/// Sources, white with dark rims.
+pub fn mark_all(sources: &Sources) -> (Vec<Line>, Vec<Mark>) {
+    let (mut lines, mut marks) = (Vec::new(), Vec::new());
+    for source in sources.iter() {
+        match source {
+            Source::Point { at, .. } => {
+                marks.push(Mark { at: at.to_array(), radius: 5.5, color: WHITE });
+            }
+            Source::Curve { vertices, .. } => {
+                let vertices = vertices.iter().map(|vertex| vertex.to_array()).collect();
+                lines.push(Line { vertices, radius: 1.8, color: WHITE, rim: Some(RIM) });
+            }
+        }
+    }
+    (lines, marks)
+}
+
+/// A colour in eight bits a channel.
+pub fn rgb(color: Color) -> [u8; 3] {
+    color.map(|channel| (channel.clamp(0.0, 1.0) * 255.0).round() as u8)
+}
+
+/// Rim of marks, and the room that it takes.
+const RIM: Color = [0.1, 0.1, 0.1];
+const RIM_WIDTH: f32 = 1.6;
+
+impl CurvePicture<'_> {
+    pub fn draw(&self, look: Look) -> Canvas {
+        let picture = match look {
+            Look::Map => self.draw_map(),
+            Look::Space { toward, long_side } => self.draw_space(toward, long_side),
+        };
+        let size = Legend::text_size(&picture);
+        match self.key {
+            Key::Nothing => picture,
+            Key::Names { title, entries } => Swatches { title, entries }.beside(&picture, size).0,
+            Key::Scale { quantity, scale, levels } => {
+                let legend = Legend { quantity, scale, lines: Lines::At(levels) };
+                legend.beside(&picture, size, 0).0
+            }
+        }
+    }
+
+    /// Polylines with their half widths in pixels and colours, in the order of drawing.
+    fn strokes(&self, thickness: f32) -> impl Iterator<Item = (Vec<[f64; 2]>, f32, Color)> {
+        let rims = self.lines.iter().filter_map(move |line| {
+            let radius = line.radius * thickness + RIM_WIDTH;
+            Some((line.vertices.clone(), radius, line.rim?))
+        });
+        let lines = self
+            .lines
+            .iter()
+            .map(move |line| (line.vertices.clone(), line.radius * thickness, line.color));
+        let marks = self.marks.iter().flat_map(move |mark| {
+            let radius = mark.radius * thickness;
+            [(radius + RIM_WIDTH, RIM), (radius, mark.color)]
+                .map(|(radius, color)| (vec![mark.at], radius, color))
+        });
+        rims.chain(lines).chain(marks)
+    }
+}

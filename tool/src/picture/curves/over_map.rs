@@ -1,0 +1,49 @@
+//! A map with some of its contours, its sources, and what was found on it.
+
+use geosweep::geometry::Contour;
+use geosweep::{DistanceMap, Sources, Surface};
+
+use super::{CurvePicture, Key, Line, Look, Mark, contour_lines, mark_all};
+use crate::picture::raster::Paint;
+use crate::picture::{Canvas, scale_of};
+
+/// What is drawn.
+pub struct MapPicture<'a> {
+    /// The surface that was solved for.
+    pub surface: &'a Surface,
+    /// The same grid with positions.
+    pub shape: &'a Surface,
+    pub map: &'a DistanceMap,
+    pub sources: &'a Sources,
+    pub contours: &'a [Contour],
+    /// Whether contours are the only curves, and not under others.
+    pub plain: bool,
+    /// What was found.
+    pub curves: (Vec<Line>, Vec<Mark>),
+    /// What the map's values are, with their unit, for a key.
+    pub quantity: Option<&'a str>,
+}
+
+impl MapPicture<'_> {
+    pub fn draw(self, look: Look) -> Canvas {
+        let Self { surface, shape, map, sources, contours, plain, quantity, .. } = self;
+        let (curves, mut marks) = self.curves;
+        let scale = scale_of(map, sources);
+        let levels: Vec<f64> = contours.iter().map(|contour| contour.level).collect();
+        let (source_lines, source_marks) = mark_all(sources);
+        let mut lines = contour_lines(contours, &scale, plain);
+        lines.extend(source_lines.into_iter().chain(curves));
+        marks.extend(source_marks);
+        let key = |quantity| Key::Scale { quantity, scale: &scale, levels: &levels };
+        CurvePicture {
+            surface,
+            shape,
+            values: &map.distances,
+            paint: Paint::Values(&scale, None),
+            lines: &lines,
+            marks: &marks,
+            key: quantity.map_or(Key::Nothing, key),
+        }
+        .draw(look)
+    }
+}

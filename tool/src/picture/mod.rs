@@ -1,0 +1,136 @@
+//! Pictures of distance maps, colours and lines of equal distance over the shaded surface; and
+//! plots.
+
+mod canvas;
+mod colors;
+mod curves;
+mod form;
+mod gallery;
+mod isolines;
+mod legend;
+mod panels;
+pub mod plot;
+mod raster;
+mod regions;
+mod relief;
+pub mod scene;
+mod stencils;
+mod swatches;
+mod text;
+mod visits;
+
+use geosweep::glam::{DVec2, Vec2};
+use geosweep::surface::{Direction, Geometry, Source};
+use geosweep::{DistanceMap, Sources, Surface};
+
+pub use canvas::{Canvas, Color};
+pub use colors::Scale;
+pub use curves::{Line, Look, MapPicture, Mark, path_line, rgb, ridge_line};
+pub use form::FormPicture;
+pub use gallery::{Exhibit, Gallery, Tile, tiled};
+pub use isolines::round_levels;
+use isolines::{Isolines, MOST_LINES};
+use legend::{Legend, Lines};
+pub use panels::{Panel, Panels};
+pub use raster::Paint;
+use raster::{Raster, View};
+pub use regions::Regions;
+use relief::Relief;
+pub use stencils::scan_figure;
+pub use swatches::Swatches;
+pub use visits::{Visit, Visits};
+
+/// What is drawn.
+pub struct Picture<'a> {
+    /// The surface that was solved for.
+    pub surface: &'a Surface,
+    /// The same grid with positions, for shading and proportions.
+    pub shape: &'a Surface,
+    pub map: &'a DistanceMap,
+    pub sources: &'a Sources,
+    /// What the map's values are, with their unit.
+    pub quantity: &'a str,
+}
+
+impl Picture<'_> {
+    pub fn draw(&self) -> Canvas {
+        let Self { surface, shape, map, sources, quantity } = *self;
+        let view = View::new(surface.chart(), aspect(shape));
+        let scale = scale_of(map, sources);
+        let isolines = Isolines::over(&scale, MOST_LINES, view.thickness());
+        let raster = Raster {
+            view,
+            present: surface.present(),
+            values: &map.distances,
+            relief: &Relief::of(shape),
+            paint: Paint::Values(&scale, Some(&isolines)),
+        };
+        let legend = Legend { quantity, scale: &scale, lines: Lines::Every(&isolines) };
+        let picture = raster.draw();
+        let (mut canvas, corner) = legend.beside(&picture, Legend::text_size(&picture), 0);
+        mark_sources(&mut canvas, view, corner, sources);
+        canvas
+    }
+}
+
+/// The scale over a map's distances.
+pub fn scale_of(map: &DistanceMap, sources: &Sources) -> Scale {
+    let distances = map.distances.iter().copied().filter(|distance| distance.is_finite());
+    Scale::over(distances.chain([start(sources)]))
+}
+
+/// The smallest distance, which need not occur at a grid point.
+fn start(sources: &Sources) -> f32 {
+    sources.start() as f32
+}
+
+/// Mean distance between columns over mean distance between rows, heights seen from above.
+fn aspect(shape: &Surface) -> f64 {
+    if let Geometry::Heights { spacing, .. } = shape.geometry() {
+        return spacing.dx / spacing.dy;
+    }
+    let ratio = mean_step(shape, Direction::East) / mean_step(shape, Direction::South);
+    if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
+}
+
+fn mean_step(shape: &Surface, to: Direction) -> f64 {
+    let chart = shape.chart();
+    let step = |index| {
+        let (row, col) = chart.position(index);
+        let there = chart.neighbour(row, col, to).filter(|_| shape.has_edge(row, col, to))?;
+        match (shape.geometry(), to) {
+            (Geometry::Metric(metric), Direction::East) => Some(metric[index].cc.sqrt()),
+            (Geometry::Metric(metric), _) => Some(metric[index].rr.sqrt()),
+            _ => Some(shape.position(row, col)?.distance(shape.position(there.0, there.1)?)),
+        }
+    };
+    let steps = (0..chart.points()).filter_map(step);
+    let (sum, count) = steps.fold((0.0, 0u32), |(sum, count), step| (sum + step, count + 1));
+    sum / f64::from(count)
+}
+
+/// Points as discs and curves as bands, white with a dark rim, over a picture whose first pixel
+/// is at `corner`.
+fn mark_sources(canvas: &mut Canvas, view: View, corner: Vec2, sources: &Sources) {
+    const RIM: [f32; 3] = [0.1, 0.1, 0.1];
+    const FILL: [f32; 3] = [1.0, 1.0, 1.0];
+    let size = view.thickness();
+    let pixel = |at: &DVec2| corner + view.pixel(*at);
+    // All rims first, so that a curve's pieces and crossing sources join.
+    for (color, wider) in [(RIM, 1.6 * size), (FILL, 0.0)] {
+        for source in sources.iter() {
+            match source {
+                Source::Point { at, .. } => {
+                    let center = pixel(at);
+                    canvas.stroke(center, center, 5.5 * size + wider, color);
+                }
+                Source::Curve { vertices, .. } => {
+                    // Twice the first, so that a single vertex shows too.
+                    let pixels: Vec<Vec2> =
+                        vertices.first().into_iter().chain(vertices).map(pixel).collect();
+                    canvas.polyline(&pixels, 1.8 * size + wider, color);
+                }
+            }
+        }
+    }
+}

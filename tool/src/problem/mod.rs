@@ -1,0 +1,122 @@
+//! The arguments that all commands on a distance map share: the surface, the sources and the
+//! solver; and the map they give.
+
+mod args;
+mod curve_files;
+mod picture;
+mod solver;
+mod sources;
+mod summary;
+mod surface;
+
+use std::path::Path;
+
+use geosweep::surface::builtin::Builtin;
+use geosweep::surface::{Direction, EdgeLengths, Real};
+use geosweep::{DistanceMap, Options, Report, Sources, Surface, distance_map};
+
+pub use args::{Problem, ProblemArgs};
+pub use curve_files::CurveFiles;
+pub use picture::PictureArgs;
+pub use solver::SolverArgs;
+pub use sources::SourceArgs;
+pub use summary::MapSummary;
+pub use surface::{Scene, SurfaceArgs};
+
+use crate::terminal::{Spinner, say};
+
+/// A sentence on the built-in surfaces for the end of a command's help.
+pub fn builtin_names() -> String {
+    format!("Built-in surfaces:\n  {}; sheared-plane@DEGREES says by what angle.", Builtin::names())
+}
+
+/// The map from some sources, with what the user should know of it.
+pub fn solve(
+    scene: &Scene,
+    sources: &Sources,
+    options: &Options,
+) -> Result<DistanceMap, geosweep::Error> {
+    let _spinner = Spinner::new("computing distances");
+    let map = distance_map(&scene.surface, sources, options)?;
+    comment(&map.report);
+    comment_on_starts::<f32>(&scene.surface, sources);
+    Ok(map)
+}
+
+/// All files that are read.
+pub fn inputs<'a>(
+    surface: &'a SurfaceArgs,
+    sources: &'a SourceArgs,
+) -> impl Iterator<Item = &'a Path> {
+    surface.inputs().chain(sources.files()).map(AsRef::as_ref)
+}
+
+/// What the user should know though the map is there.
+pub fn comment(report: &Report) {
+    if let Some(reason) = &report.fallback {
+        say("note", format_args!("computed on the CPU, since Vulkan cannot be used: {reason}"));
+    }
+    if !report.converged {
+        warn_of_no_convergence(report.iterations, report.residual, report.tolerance);
+    }
+    let unreached = report.points - report.reached;
+    if unreached > 0 {
+        let points = report.points;
+        say("note", format_args!("{unreached} of {points} points cannot be reached"));
+    }
+}
+
+/// Says where start values leave too few of a precision's digits to the distances.
+pub fn comment_on_starts<R: Real>(surface: &Surface, sources: &Sources) {
+    let rounded = |start: f64| start.abs() * 0.5 * R::epsilon().wide();
+    let largest = sources.iter().map(|source| source.initial().abs()).fold(0.0, f64::max);
+    // Surfaces are measured only where it may matter.
+    if largest == 0.0 {
+        return;
+    }
+    let Some(edge) = EdgeLengths::new(surface).ok().as_ref().and_then(mean_edge) else { return };
+    if rounded(largest) > ROUNDING * edge {
+        let smallest = sources.start();
+        let advice = match rounded(smallest) > ROUNDING * edge {
+            true => format!("; subtract the smallest, {smallest}, from all"),
+            false => String::new(),
+        };
+        say(
+            "note",
+            format_args!(
+                "distances beyond a start value of {largest} are rounded by up to {:.1e}, where \
+                 neighbouring points are {edge:.1e} apart{advice}",
+                rounded(largest)
+            ),
+        );
+    }
+}
+
+/// Rounding of distances that is worth a word, as a fraction of a typical edge.
+const ROUNDING: f64 = 1e-3;
+
+/// The mean length of the edges along rows and columns.
+fn mean_edge(edges: &EdgeLengths<f32>) -> Option<f64> {
+    let chart = edges.chart();
+    let (mut sum, mut count) = (0.0, 0u32);
+    for (row, col) in (0..chart.points()).map(|point| chart.position(point)) {
+        for to in [Direction::East, Direction::North] {
+            let length = edges.length(row, col, to);
+            if length < f32::FAR {
+                sum += f64::from(length);
+                count += 1;
+            }
+        }
+    }
+    (count > 0).then(|| sum / f64::from(count))
+}
+
+pub fn warn_of_no_convergence(iterations: u32, residual: f64, tolerance: f64) {
+    say(
+        "warning",
+        format_args!(
+            "not converged after {iterations} iterations: the last changed a distance by a \
+             fraction of {residual:.1e}, the tolerance is {tolerance:.1e}; give more --iterations"
+        ),
+    );
+}

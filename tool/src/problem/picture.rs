@@ -1,0 +1,87 @@
+//! Pictures of curves on a surface.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use geosweep::glam::DVec3;
+use geosweep::io::OutputFile;
+use geosweep::surface::Geometry;
+
+use super::Scene;
+use crate::numbers::numbers;
+use crate::output::wanted_png;
+use crate::picture::Look;
+
+/// Pixels of a shaded picture's longer side.
+const LONG_SIDE: usize = 1200;
+
+#[derive(clap::Args)]
+pub struct PictureArgs {
+    /// Draw the result on the surface
+    #[arg(long, value_name = "FILE.png", help_heading = "Picture")]
+    pub picture: Option<PathBuf>,
+    /// How the surface is seen
+    #[arg(long, value_enum, default_value_t, help_heading = "Picture")]
+    view: ViewArg,
+    /// From where, as a direction in the surface's coordinates, z being up; implies --view shaded.
+    /// Heights lie over x along the columns and y along the rows, southwards (default: terrain
+    /// from the south, other surfaces from the side to which they bulge)
+    #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
+    #[arg(help_heading = "Picture")]
+    toward: Option<DVec3>,
+    /// The unit of lengths, for the legend (default: what a projected GeoTIFF says, else none)
+    #[arg(long, value_name = "NAME", help_heading = "Picture")]
+    unit: Option<String>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum ViewArg {
+    /// A map for heights, shaded for positions
+    #[default]
+    Auto,
+    /// The parameter domain as a map, with relief
+    Map,
+    /// In space, shaded
+    Shaded,
+}
+
+fn direction(text: &str) -> Result<DVec3, String> {
+    let direction = numbers(text)?.try_into().map(DVec3::from_array).ok();
+    let direction = direction.filter(|direction| direction.length() > 0.0);
+    direction.ok_or_else(|| "a direction is three numbers, not all 0: X,Y,Z".into())
+}
+
+impl PictureArgs {
+    /// The picture to write, if one is wanted.
+    pub fn output(&self) -> Result<Option<OutputFile>, Box<dyn Error>> {
+        wanted_png(self.picture.as_ref())
+    }
+
+    /// How to look at a surface.
+    pub fn look(&self, scene: &Scene) -> Result<Look, String> {
+        let bare = matches!(scene.shape().geometry(), Geometry::Metric(_));
+        let shaded = match self.view {
+            _ if self.toward.is_some() => true,
+            ViewArg::Auto => matches!(scene.shape().geometry(), Geometry::Positions(_)),
+            ViewArg::Map => false,
+            ViewArg::Shaded => true,
+        };
+        match (shaded, bare) {
+            (true, true) => Err("the surface is known only by its metric and has no shape in \
+                                 space; choose --view map"
+                .into()),
+            (true, false) => Ok(Look::Space { toward: self.toward, long_side: LONG_SIDE }),
+            (false, _) => Ok(Look::Map),
+        }
+    }
+
+    /// What a map's values are, with their unit.
+    pub fn quantity(&self, scene: &Scene) -> String {
+        scene.quantity(self.unit(scene))
+    }
+
+    pub fn unit<'a>(&'a self, scene: &Scene) -> Option<&'a str> {
+        self.unit.as_deref().or(scene.unit)
+    }
+}

@@ -1,0 +1,98 @@
+//! How to solve: the options of every command that computes a map.
+
+use geosweep::vulkan::Schedule;
+use geosweep::{DeviceChoice, Engine, Options, Wavefront};
+
+use crate::choices::{Choice, auto_or, one_of};
+
+#[derive(clap::Args)]
+pub struct SolverArgs {
+    /// The front assumed between points
+    #[arg(long, default_value = "auto", value_parser = auto_or(BEST_WAVEFRONT, &WAVEFRONTS))]
+    #[arg(help_heading = "Solver")]
+    wavefront: Choice<Wavefront>,
+    /// What computes the map
+    #[arg(long, default_value = "auto", value_parser = one_of(&ENGINES), help_heading = "Solver")]
+    engine: Engine,
+    /// The Vulkan device: its index in `geosweep devices`, or a part of its name; implies
+    /// --engine vulkan
+    #[arg(long, value_name = "NAME|INDEX", help_heading = "Solver")]
+    device: Option<DeviceChoice>,
+    /// The order of updates on a Vulkan device, the same map from each; any but auto implies
+    /// --engine vulkan, and is for single maps
+    #[arg(long, default_value = "auto", value_parser = auto_or(BEST_SCHEDULE, &SCHEDULES))]
+    #[arg(help_heading = "Solver")]
+    schedule: Choice<Schedule>,
+    /// Stop after this many iterations: of four scans, of two updates of all points, or rounds of
+    /// tiles (default: 10 for each row and column)
+    #[arg(long, value_name = "N", help_heading = "Solver")]
+    iterations: Option<u32>,
+    /// Stop when no distance falls by more than this fraction in an iteration (default: 1e-6; in
+    /// double precision 1e-13)
+    #[arg(long, value_name = "T", help_heading = "Solver", allow_hyphen_values = true)]
+    tolerance: Option<f64>,
+}
+
+const BEST_WAVEFRONT: &str = "\
+    Curved; but anchored over floor plans from points, point on a surface with a slowness, for \
+    point sources that start together, and planar for fast marching";
+const WAVEFRONTS: [(Wavefront, &str); 4] = [
+    (
+        Wavefront::Curved,
+        "Carries its curvature: the most accurate on smooth surfaces, around walls and from \
+         curves, in about twice the time of point",
+    ),
+    (
+        Wavefront::Anchored,
+        "Knows its anchor, the corner or source that it comes from on a straight line: exact, for \
+         point sources over floor plans only (flat, evenly spaced, with holes)",
+    ),
+    (
+        Wavefront::PointSource,
+        "Circular: exact on developable surfaces but for the sampling, for point sources only",
+    ),
+    (Wavefront::Planar, "Straight: first-order accurate, as in the paper"),
+];
+
+const ENGINES: [(Engine, &str); 4] = [
+    (Engine::Auto, "The first usable Vulkan device, else the CPU; for `pairwise` the CPU"),
+    (Engine::Vulkan(DeviceChoice::Any), "A Vulkan device, or an error"),
+    (Engine::Cpu, "Raster scans on the CPU"),
+    (
+        Engine::FastMarching,
+        "Fast marching on the CPU, the sequential reference for the planar front",
+    ),
+];
+
+const BEST_SCHEDULE: &str = "What is best on the device";
+const SCHEDULES: [(Schedule, &str); 3] = [
+    (Schedule::Raster, "Scans over rows and columns, as in the paper"),
+    (Schedule::AllPoints, "All points at once: for tiny grids, and for comparison"),
+    (Schedule::Tiles, "Tiles in the device's shared memory, where something has changed"),
+];
+
+impl SolverArgs {
+    pub fn options(&self) -> Result<Options, String> {
+        let stops = self.iterations.is_some() || self.tolerance.is_some();
+        if self.engine == Engine::FastMarching && stops {
+            return Err("--iterations and --tolerance are for engines that iterate, which fast \
+                        marching does not; leave them out"
+                .into());
+        }
+        if matches!(self.engine, Engine::Cpu | Engine::FastMarching) {
+            let for_vulkan =
+                [("--device", self.device.is_some()), ("--schedule", self.schedule.is_some())];
+            if let Some((option, _)) = for_vulkan.into_iter().find(|(_, is_given)| *is_given) {
+                return Err(format!("{option} is for --engine vulkan; leave one of them out"));
+            }
+        }
+        let device = self.device.clone().map(Engine::Vulkan);
+        Ok(Options {
+            engine: device.unwrap_or_else(|| self.engine.clone()),
+            schedule: self.schedule,
+            wavefront: self.wavefront,
+            tolerance: self.tolerance,
+            iterations: self.iterations,
+        })
+    }
+}

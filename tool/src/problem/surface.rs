@@ -1,0 +1,192 @@
+//! What surface distances are measured on.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use clap::builder::{OsStringValueParser, TypedValueParser};
+use geosweep::io::{self, Georeference, SurfaceFile};
+use geosweep::surface::Geometry;
+use geosweep::{EdgeRule, Spacing, Surface};
+
+use crate::choices::one_of;
+use crate::numbers::numbers;
+use crate::surface_arg::SurfaceArg;
+use crate::terminal::{Spinner, say};
+
+#[derive(clap::Args)]
+pub struct SurfaceArgs {
+    /// A file, or builtin:NAME:ROWSxCOLS. Files: .npy with positions (M, N, 3), heights (M, N) or a
+    /// metric (M, N, 2, 2); .png with heights, grey, 8 or 16 bits; .tif with heights; .exr with
+    /// positions in channels X, Y, Z or R, G, B, or heights in a single channel. NaN marks holes
+    #[arg(value_parser = OsStringValueParser::new().try_map(SurfaceArg::parse))]
+    surface: SurfaceArg,
+
+    /// Distance between columns and rows of heights, in the unit of the heights (default: what a
+    /// projected GeoTIFF says, else 1)
+    #[arg(long, value_name = "DX[,DY]", help_heading = "Surface", value_parser = spacing)]
+    #[arg(allow_hyphen_values = true)]
+    spacing: Option<Spacing>,
+    /// Where the surface is (non-zero) and where it has holes (zero): .npy (M, N) of bool or uint8,
+    /// or an 8-bit grey .png
+    #[arg(long, value_name = "FILE", help_heading = "Surface")]
+    mask: Option<PathBuf>,
+    /// Weight of lengths at each point, the reciprocal of a speed, so that distances become travel
+    /// times: .npy (M, N), positive
+    #[arg(long, value_name = "FILE", help_heading = "Surface")]
+    slowness: Option<PathBuf>,
+    /// Lengths from this metric in place of SURFACE's, whose positions are still used for the
+    /// picture: .npy (M, N, 2, 2), symmetric and positive definite, per step of one row (axis 0)
+    /// and one column (axis 1)
+    #[arg(long, value_name = "FILE", help_heading = "Surface")]
+    metric: Option<PathBuf>,
+    /// How long the surface is between neighbouring points (default: arc); a metric has its own
+    /// lengths
+    #[arg(long, value_parser = one_of(&EDGE_RULES), help_heading = "Surface")]
+    edges: Option<EdgeRule>,
+}
+
+const EDGE_RULES: [(EdgeRule, &str); 2] = [
+    (EdgeRule::Arc, "Along the surface where it bends alike at both ends, else the chord"),
+    (EdgeRule::Chord, "Straight: the surface is the polyhedron of its points"),
+];
+
+fn spacing(text: &str) -> Result<Spacing, String> {
+    let spacing = match numbers(text)?[..] {
+        [both] => Spacing::square(both),
+        [dx, dy] => Spacing { dx, dy },
+        _ => return Err("a spacing is one number, or one for columns and one for rows".into()),
+    };
+    if spacing.dx > 0.0 && spacing.dy > 0.0 {
+        Ok(spacing)
+    } else {
+        Err("a spacing must be positive".into())
+    }
+}
+
+/// The surface that is solved for, and the one that is drawn.
+pub struct Scene {
+    pub surface: Surface,
+    /// Where lengths come from a metric of their own, the surface that has positions.
+    shape: Option<Surface>,
+    /// Where it lies on the Earth, or why that is not known.
+    pub georeference: Result<Georeference, String>,
+    /// The unit of lengths, if the file has one.
+    pub unit: Option<&'static str>,
+}
+
+/// A surface as its file or name gives it.
+struct Given {
+    surface: Surface,
+    georeference: Result<Georeference, String>,
+    unit: Option<&'static str>,
+}
+
+impl Scene {
+    fn read(args: &SurfaceArgs) -> Result<Self, Box<dyn Error>> {
+        let Given { surface: given, georeference, unit } = args.read_surface()?;
+        let (rows, cols) = (given.rows(), given.cols());
+        let (mut surface, shape) = match &args.metric {
+            None => (given, None),
+            Some(path) => {
+                let metric = io::read_metric(path)?.fit(path, rows, cols)?;
+                let surface = Surface::from_metric(rows, cols, metric)
+                    .and_then(|surface| surface.with_mask(given.present()))
+                    .map_err(|error| format!("{}: {error}", path.display()))?;
+                (surface, Some(given))
+            }
+        };
+        if let Some(path) = &args.mask {
+            let mask = io::read_mask(path)?.fit(path, rows, cols)?;
+            surface = surface.with_mask(&mask).map_err(|e| format!("{}: {e}", path.display()))?;
+        }
+        if let Some(path) = &args.slowness {
+            let slowness = io::read_slowness(path)?.fit(path, rows, cols)?;
+            surface =
+                surface.with_slowness(slowness).map_err(|e| format!("{}: {e}", path.display()))?;
+        }
+        if args.edges.is_some() && matches!(surface.geometry(), Geometry::Metric(_)) {
+            return Err(
+                "--edges is for positions and heights; a metric has its own lengths, leave \
+                        one of them out"
+                    .into(),
+            );
+        }
+        let surface = surface.with_edge_rule(args.edges.unwrap_or_default());
+        // A slowness makes times of lengths, another metric may be in another unit.
+        let unit = unit.filter(|_| shape.is_none() && surface.slowness().is_none());
+        Ok(Self { surface, shape, georeference, unit })
+    }
+
+    pub fn shape(&self) -> &Surface {
+        self.shape.as_ref().unwrap_or(&self.surface)
+    }
+
+    /// What a map's values are, with their unit.
+    pub fn quantity(&self, unit: Option<&str>) -> String {
+        let name = if self.surface.slowness().is_some() { "travel time" } else { "distance" };
+        unit.map_or(name.into(), |unit| format!("{name} ({unit})"))
+    }
+}
+
+impl SurfaceArgs {
+    pub fn read(&self) -> Result<Scene, Box<dyn Error>> {
+        Scene::read(self)
+    }
+
+    /// The surface's file, if it comes from one.
+    pub fn file(&self) -> Option<&PathBuf> {
+        match &self.surface {
+            SurfaceArg::File(path) => Some(path),
+            SurfaceArg::Builtin(_) => None,
+        }
+    }
+
+    /// The files that are read.
+    pub fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
+        let optional =
+            [self.file(), self.mask.as_ref(), self.slowness.as_ref(), self.metric.as_ref()];
+        optional.into_iter().flatten()
+    }
+
+    fn read_surface(&self) -> Result<Given, Box<dyn Error>> {
+        match &self.surface {
+            SurfaceArg::Builtin(builtin) => {
+                if self.spacing.is_some() {
+                    return Err("--spacing is for heights from a file; a built-in surface has \
+                                its own size, leave it out"
+                        .into());
+                }
+                let georeference = Err("a built-in surface lies nowhere on the Earth".into());
+                Ok(Given { surface: builtin.surface()?, georeference, unit: None })
+            }
+            SurfaceArg::File(path) => {
+                let _spinner = Spinner::new("reading");
+                let file = SurfaceFile::read(path)?;
+                if file.lacks_spacing() && self.spacing.is_none() {
+                    let name = path.display();
+                    say(
+                        "note",
+                        format_args!(
+                            "{name}: heights are taken as 1 apart; --spacing says otherwise"
+                        ),
+                    );
+                }
+                if file.assumes_metres() && self.spacing.is_none() {
+                    let name = path.display();
+                    say(
+                        "note",
+                        format_args!(
+                            "{name}: pixel size and heights are taken as metres, since the file \
+                             does not say its unit (GeoTIFF key ProjLinearUnits); --spacing says \
+                             otherwise"
+                        ),
+                    );
+                }
+                let georeference = file.georeference().map_err(|error| error.to_string());
+                // A spacing that is given may be in any unit.
+                let unit = file.unit().filter(|_| self.spacing.is_none());
+                Ok(Given { surface: file.into_surface(self.spacing)?, georeference, unit })
+            }
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! Schedules, devices and their speed as a user meets them.
+
+use crate::workbench::{Workbench, json, run, stderr};
+
+#[test]
+fn every_schedule_gives_the_same_map() {
+    let bench = Workbench::new();
+    let map = |schedule: &str| {
+        let line = format!(
+            "distance builtin:maze:61x67 --source 0,0 --schedule {schedule} -o {schedule}.npy --json"
+        );
+        json(&run(&bench, &line))["schedule"].as_str().unwrap().to_owned()
+    };
+    for schedule in ["raster", "all-points", "tiles"] {
+        assert_eq!(map(schedule), schedule);
+    }
+    assert!(["raster", "tiles"].contains(&map("auto").as_str()));
+    // Tolerances are relative to the largest distance; each map stops at changes of 1e-6.
+    for schedule in ["auto", "all-points", "tiles"] {
+        let compared = run(&bench, &format!("compare {schedule}.npy raster.npy --tolerance 1e-5"));
+        assert!(compared.status.success(), "{schedule}: {}", stderr(&compared));
+    }
+}
+
+#[test]
+fn a_schedule_is_for_vulkan_alone() {
+    let bench = Workbench::new();
+    for engine in ["cpu", "fast-marching"] {
+        let line = format!(
+            "distance builtin:plane:9x9 -s 1,1 --engine {engine} --schedule tiles -o map.npy"
+        );
+        bench.refuses(&run(&bench, &line), &["--schedule", "--engine vulkan"]);
+    }
+    let wrong = "distance builtin:plane:9x9 -s 1,1 --schedule spiral -o map.npy";
+    bench.refuses(&run(&bench, wrong), &["spiral", "all-points"]);
+    let options = geosweep::Options {
+        engine: geosweep::Engine::Cpu,
+        schedule: Some(geosweep::vulkan::Schedule::Tiles),
+        ..Default::default()
+    };
+    let surface = geosweep::surface::builtin::Builtin::Plane.surface(9, 9).unwrap();
+    let source = geosweep::Sources::point(1.0, 1.0);
+    let error = geosweep::distance_map(&surface, &source, &options).unwrap_err();
+    assert!(error.to_string().contains("schedule"), "{error}");
+}
+
+#[test]
+fn devices_are_measured() {
+    let bench = Workbench::new();
+    let measured = json(&run(&bench, "devices --measure --json"));
+    let positive = |ceilings: &serde_json::Value, names: &[&str]| {
+        for name in names {
+            assert!(ceilings[name].as_f64().unwrap() > 0.0, "{name}: {ceilings}");
+        }
+        for wavefront in geosweep::Wavefront::ALL {
+            let rate = ceilings["triangles"][wavefront.name()].as_f64().unwrap();
+            assert!(rate > 0.0, "{wavefront}: {ceilings}");
+        }
+    };
+    let usable: Vec<_> = measured["devices"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|device| device["unmet"].as_array().unwrap().is_empty())
+        .collect();
+    assert!(!usable.is_empty());
+    for device in usable {
+        let times = ["dispatch", "indirect_dispatch", "skipped_dispatch", "barrier", "submission"];
+        positive(&device["ceilings"], &[&times[..], &["copy", "read_back"]].concat());
+    }
+    let cpu = measured["cpu"].as_array().unwrap();
+    assert_eq!(cpu[0]["threads"], 1);
+    cpu.iter().for_each(|ceilings| positive(ceilings, &["copy"]));
+    let text = run(&bench, "devices --measure");
+    assert!(String::from_utf8_lossy(&text.stdout).contains("triangles a second"));
+}
+
+/// What can be said of numbers that depend on the machine: they are there, they fit one another,
+/// and what is counted is right.
+#[test]
+fn a_bench_counts_right_and_its_numbers_fit() {
+    let bench = Workbench::new();
+    let line = "bench --sizes 40,17,24 --surfaces sphere,terrain --engines \
+                cpu,vulkan,fast-marching --wavefront planar,curved --quick --json --plot speed.png \
+                --schedules raster,all-points,tiles";
+    let report = json(&run(&bench, line));
+    let maps = report["maps"].as_array().unwrap();
+    // Two surfaces, two wavefronts, three sizes, five methods.
+    assert_eq!(maps.len(), 2 * 2 * 3 * 5);
+    for map in maps {
+        let number = |name: &str| map[name].as_f64().unwrap_or_else(|| panic!("{name}: {map}"));
+        assert_eq!(map["converged"], true, "{map}");
+        assert!(number("best_seconds") > 0.0 && number("set_up_seconds") > 0.0, "{map}");
+        assert!(number("best_seconds") <= number("median_seconds"), "{map}");
+        let rate = number("points") / number("median_seconds");
+        approx::assert_relative_eq!(number("points_per_second"), rate, max_relative = 1e-9);
+        assert!(number("points") <= number("rows") * number("cols"), "{map}");
+        // Each of an iteration's four scans sees two of a point's triangles.
+        let all_scans = 4.0 * 2.0 * number("iterations");
+        let texels = (number("rows") / 2.0).ceil() * (number("cols") / 2.0).ceil();
+        let (work, shares) = (&map["work"], &map["shares"]);
+        let triangles = work["triangles"].as_f64();
+        match map["schedule"].as_str().unwrap() {
+            // Skips what cannot change.
+            "rotated-scan" => {
+                let all = all_scans * number("rows") * number("cols");
+                assert!(triangles.unwrap() > 0.1 * all && triangles.unwrap() <= all, "{map}");
+                assert!(shares["data"].as_f64().unwrap() > 0.0, "{map}");
+                assert!(shares["arithmetic"].as_f64().unwrap() > 0.0, "{map}");
+                assert!(number("bytes") < 400.0 * number("points"), "{map}");
+            }
+            schedule @ ("raster" | "all-points") => {
+                let all = all_scans * 4.0 * texels;
+                match schedule {
+                    // The first iteration knows where the source is.
+                    "raster" => assert!(triangles.unwrap() < all, "{map}"),
+                    // Two updates from eight triangles.
+                    _ => assert_eq!(triangles.unwrap(), 2.0 * all, "{map}"),
+                }
+                assert!(work["dispatches"].as_f64().unwrap() > number("iterations"), "{map}");
+                for part in ["data", "arithmetic", "dispatches"] {
+                    assert!(shares[part].as_f64().unwrap() > 0.0, "{map}");
+                }
+            }
+            "tiles" => {
+                assert!(work["dispatches"].as_f64().unwrap() > number("iterations"), "{map}");
+                assert!(shares["data"].as_f64().unwrap() > 0.0, "{map}");
+                assert!(work["triangles"].is_null() && shares["arithmetic"].is_null(), "{map}");
+            }
+            "heap" => assert!(work.is_null() && number("iterations") == 1.0, "{map}"),
+            other => panic!("{other}: {map}"),
+        }
+    }
+    let sizes: Vec<_> = maps[..15].iter().map(|map| map["rows"].as_u64().unwrap()).collect();
+    assert_eq!(sizes, [[17; 5], [24; 5], [40; 5]].concat());
+    let growth = report["growth"].as_array().unwrap();
+    assert_eq!(growth.len(), 2 * 2 * 5);
+    assert!(growth.iter().all(|found| found["exponent"].is_f64()));
+    assert!(report["cpu"]["copy"].as_f64().unwrap() > 0.0);
+    assert!(report["device"]["ceilings"]["dispatch"].as_f64().unwrap() > 0.0);
+    assert!(bench.outputs() == ["speed.png"]);
+}
+
+#[test]
+fn a_bench_of_a_file_has_its_size_and_one_of_nothing_is_refused() {
+    let bench = Workbench::new();
+    let flat = bench.flat(30, 50);
+    let output = run(&bench, &format!("bench --surfaces {flat} --engines cpu --quick -o speed.md"));
+    assert!(output.status.success() && output.stdout.is_empty(), "{}", stderr(&output));
+    let report = std::fs::read_to_string(bench.output("speed.md")).unwrap();
+    assert!(report.contains("30 x 50") && report.contains("flat.npy, curved"), "{report}");
+    std::fs::remove_file(bench.output("speed.md")).unwrap();
+    for (line, parts) in [
+        ("bench --surfaces teapot", ["teapot", "terrain"]),
+        ("bench --sizes 1", ["`1`", "points a side"]),
+        ("bench --wavefront square", ["square", "curved"]),
+        ("bench --limit=-1", ["--limit", "-1"]),
+        ("bench --quick --plot speed.jpg", ["speed.jpg", ".png"]),
+        ("bench --quick --device nonesuch", ["nonesuch", "available"]),
+    ] {
+        bench.refuses(&run(&bench, line), &parts);
+    }
+}

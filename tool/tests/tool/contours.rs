@@ -1,0 +1,133 @@
+//! Contours: against truth, and where there are none.
+
+use geosweep::glam::{DVec2, DVec3};
+use geosweep::surface::builtin::Builtin;
+use serde_json::Value;
+
+use crate::workbench::{Workbench, curves, done, json, read, run, stderr};
+
+/// Great circles: within a tenth of a cell, which is what contours are held to.
+#[test]
+fn contours_on_the_sphere_are_circles() {
+    let bench = Workbench::new();
+    let (rows, cols, source) = (129, 129, [64, 60]);
+    let line = "contours builtin:sphere:129x129 -s 64,60 --levels 0.3,0.6 -o c.npy --engine cpu";
+    done(&bench, line);
+    let surface = Builtin::Sphere.surface(rows, cols).unwrap();
+    let from = surface.position(source[0], source[1]).unwrap();
+    let cell = from.distance(surface.position(source[0] + 1, source[1]).unwrap());
+    let curves = curves(&read(&bench, "c.npy"));
+    assert_eq!(curves.len(), 2);
+    for (curve, level) in curves.iter().zip([0.3, 0.6]) {
+        assert_eq!(curve.first(), curve.last(), "closed");
+        for [_, _, x, y, z] in curve {
+            let at = DVec3::new(*x, *y, *z);
+            let distance = from.length() * at.angle_between(from);
+            assert!((distance - level).abs() < 0.1 * cell, "{distance} {level}");
+        }
+    }
+}
+
+#[test]
+fn levels_that_the_map_lacks_have_no_curves() {
+    let bench = Workbench::new();
+    let line = "contours builtin:plane:17x17 -s 8,8 --levels=-1,0.2,99 --engine cpu --json \
+                -o c.npy -o c.csv -o c.svg -o c.obj -o c.ply";
+    let output = done(&bench, line);
+    assert!(stderr(&output).contains("no curve at -1, 99"), "{}", stderr(&output));
+    let report = json(&output);
+    let curves: Vec<_> =
+        report["levels"].as_array().unwrap().iter().map(|l| &l["curves"]).collect();
+    assert_eq!(curves, [&Value::from(0), &Value::from(1), &Value::from(0)]);
+    let none = "contours builtin:plane:17x17 -s 8,8 --levels 99 --engine cpu -o n.npy -o n.csv";
+    done(&bench, none);
+    assert!(self::curves(&read(&bench, "n.npy")).concat().is_empty());
+    let wide = "contours builtin:plane:17x17 -s 8,8 --every 1e9 --engine cpu -o n.npy";
+    let said = stderr(&done(&bench, wide));
+    assert!(said.contains("no curve: the distances on the grid run from 0 to 0.7"), "{said}");
+
+    let bench = Workbench::new();
+    for (levels, part) in [
+        ("--levels nan", "finite"),
+        ("--every 0", "positive"),
+        ("--every=-2", "positive"),
+        ("--every 1e-9", "too many"),
+        ("--count 100000", "too many"),
+        ("--count 0", "give 1 or more"),
+        ("--count 3 --every 2", "cannot be used with"),
+        ("", "--levels"),
+    ] {
+        let line = format!("contours builtin:plane:17x17 -s 8,8 {levels} -o c.npy --engine cpu");
+        bench.refuses(&run(&bench, &line), &[part]);
+    }
+}
+
+#[test]
+fn curves_closer_to_a_source_than_the_grid_are_said_to_be_cut() {
+    let bench = Workbench::new();
+    let plane = bench.flat(9, 9);
+    let said = |line: &str| {
+        let line = line.replace("PLANE", &format!("{plane} --spacing 1 --engine cpu --json"));
+        let output = done(&bench, &line);
+        let curves = json(&output)["levels"][0]["curves"].as_u64().unwrap();
+        assert!(!String::from_utf8(output.stdout.clone()).unwrap().contains("-0.0"));
+        (curves, stderr(&output))
+    };
+    // The corners of the source's cell are 0.42 to 0.99 away.
+    let (none, text) = said("contours PLANE -s 4.3,4.3 --levels 0.1");
+    assert!(none == 0 && text.contains("no curve at 0.1: the distances on the grid run from 0.42"));
+    let (some, text) = said("contours PLANE -s 4.3,4.3 --levels 0.6");
+    assert!(some > 0 && text.contains("the curves at 0.6 run between"), "{some} {text}");
+    assert_eq!(said("contours PLANE -s 4.3,4.3 --levels 1"), (1, String::new()));
+    // At a point of the grid circles are whole however small.
+    assert_eq!(said("contours PLANE -s 4,4 --levels 0.001"), (1, String::new()));
+    let line = bench.input("line.csv", "4.2,1.5\n4.2,6.5\n");
+    let near = format!("offset PLANE --source-curve {line} --distances 0.3");
+    let (_, text) = said(&near);
+    assert!(text.contains("the curves at 0.3 run between"), "{text}");
+    assert_eq!(said(&near.replace("0.3", "1.5")).1, "");
+
+    let bench = Workbench::new();
+    let before = format!("offset {plane} -s 4,4 --engine cpu --distances 1,-1 -o c.npy");
+    bench.refuses(&run(&bench, &before), &["--distances -1", "nearer than the sources"]);
+}
+
+#[test]
+fn odd_grids_and_sources_have_contours() {
+    let bench = Workbench::new();
+    // A source on the border: half circles that end there.
+    let line = "contours builtin:plane:17x17 -s 0,8 --levels 0.3 --engine cpu --json";
+    let report = json(&done(&bench, line));
+    assert_eq!(
+        (&report["levels"][0]["curves"], &report["levels"][0]["closed"]),
+        (&1.into(), &0.into())
+    );
+    // Two sources at one point are one.
+    let twice = "contours builtin:plane:17x17 -s 5,8 -s 5,8 --levels 0.2 --engine cpu -o twice.npy";
+    let once = "contours builtin:plane:17x17 -s 5,8 --levels 0.2 --engine cpu -o once.npy";
+    done(&bench, twice);
+    done(&bench, once);
+    let [twice, once] = ["twice.npy", "once.npy"].map(|name| curves(&read(&bench, name)));
+    assert_eq!(twice.len(), once.len());
+    for (a, b) in twice[0].iter().zip(&once[0]) {
+        assert!(DVec2::new(a[0], a[1]).distance(DVec2::new(b[0], b[1])) < 1e-3, "{a:?} {b:?}");
+    }
+    // Strips, in both views.
+    for (rows, cols, source) in [(2, 9, "1,0"), (9, 2, "0,1"), (2, 2, "0,0"), (1, 9, "0,2")] {
+        let flat = bench.array("strip.npy", &[rows, cols], &vec![0.0; rows * cols]);
+        for view in ["map", "shaded"] {
+            let line = format!(
+                "contours {flat} --spacing 1 -s {source} --levels 0.5 --engine cpu -o s.csv \
+                 --picture s.png --view {view}"
+            );
+            done(&bench, &line);
+            let line = format!(
+                "path {flat} --spacing 1 -s {source} --from {},{} --engine cpu -o p.npy \
+                 --picture p.png --view {view}",
+                rows - 1,
+                cols - 1
+            );
+            done(&bench, &line);
+        }
+    }
+}

@@ -1,0 +1,451 @@
+//! The tool as a user meets it: what it writes, from which arguments, and what it says.
+
+use std::process::Output;
+
+use std::ffi::OsStr;
+use std::fs;
+
+use crate::workbench::{Workbench, json, map, stderr};
+use geosweep::surface::builtin::Builtin;
+use serde_json::Value;
+
+#[test]
+fn a_plane_has_straight_distances() {
+    let bench = Workbench::new();
+    let (rows, cols) = (21, 31);
+    let surface = bench.flat(rows, cols);
+    let output = bench.distance(&surface, "-s 4,5 --spacing 2,3 --json -o map.npy");
+    let report = json(&output);
+    assert_eq!(bench.outputs(), ["map.npy"]);
+    let map = map(&bench.output("map.npy"));
+    for (index, &distance) in map.iter().enumerate() {
+        let (row, col) = ((index / cols) as f64, (index % cols) as f64);
+        let exact = (3.0 * (row - 4.0)).hypot(2.0 * (col - 5.0));
+        approx::assert_relative_eq!(distance, exact, max_relative = 1e-5);
+    }
+    assert_eq!(map[4 * cols + 5], 0.0);
+    assert_eq!(report["engine"], "cpu");
+    assert_eq!(report["device"], Value::Null);
+    assert!(report["schedule"].is_string());
+    assert_eq!(report["wavefront"], "anchored");
+    assert_eq!(report["converged"], true);
+    assert_eq!(report["iteration_bound"], 1);
+    assert_eq!(report["points"], rows * cols);
+    assert_eq!(report["reached"], rows * cols);
+    assert!(report["iterations"].as_u64().unwrap() >= 1);
+    assert!(report["residual"].as_f64().unwrap() <= 1e-6);
+    assert!(report["solve_seconds"].as_f64().unwrap() > 0.0);
+    let max = map.iter().copied().fold(0.0, f64::max);
+    approx::assert_relative_eq!(report["max_distance"].as_f64().unwrap(), max, epsilon = 1e-6);
+}
+
+#[test]
+fn maps_in_double_precision_are_written_whole() {
+    let bench = Workbench::new();
+    let exact = Builtin::Plane.exact_distances(30, 40, [3.0, 4.0]).unwrap();
+    for file in ["map.npy", "map.tif"] {
+        let words =
+            format!("-s 3,4 --precision double --error e.npy --picture m.png --json -o {file}");
+        let report = json(&bench.distance("builtin:plane:30x40", &words));
+        assert_eq!((&report["precision"], &report["engine"]), (&"double".into(), &"cpu".into()));
+        assert!(report["residual"].as_f64().unwrap() <= 1e-13);
+        let found = map(&bench.output(file));
+        let largest = found.iter().copied().fold(0.0, f64::max);
+        assert_eq!(report["max_distance"].as_f64().unwrap(), largest, "{file}");
+        for (found, exact) in found.iter().zip(&exact) {
+            approx::assert_relative_eq!(found, exact, max_relative = 1e-13);
+        }
+        assert!(map(&bench.output("e.npy")).iter().all(|&error| error < 1e-12), "{file}");
+    }
+    let single = json(&bench.distance("builtin:plane:30x40", "-s 3,4 --json -o map.npy"));
+    assert_eq!(single["precision"], "single");
+    let found = map(&bench.output("map.npy"));
+    assert!(found.iter().zip(&exact).any(|(found, exact)| (found - exact).abs() > 1e-9));
+    // No digits are lost behind a start value that single precision has few left for.
+    let output = bench.distance("builtin:plane:30x40", "-s 1,2,1e6 --precision double -o map.npy");
+    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+}
+
+#[test]
+fn the_nearest_source_counts_with_its_start_value() {
+    let bench = Workbench::new();
+    let output =
+        bench.distance(&bench.flat(41, 61), "-s 4,5 -s 30.5,50.25,8 --spacing 1 -o map.npy");
+    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+    let map = map(&bench.output("map.npy"));
+    for (index, distance) in map.iter().enumerate() {
+        let (row, col) = ((index / 61) as f64, (index % 61) as f64);
+        let exact = (row - 4.0).hypot(col - 5.0).min((row - 30.5).hypot(col - 50.25) + 8.0);
+        // Less the start value, fronts are circles around another centre: first order only.
+        assert!((distance - exact).abs() < 0.6, "{row},{col}: {distance} {exact}");
+    }
+}
+
+#[test]
+fn start_values_have_digits_left_for_distances() {
+    let bench = Workbench::new();
+    for start in ["1e39", "-1e39", "1e30"] {
+        let output = bench.distance("builtin:plane:30x40", &format!("-s 1,2,{start} -o map.npy"));
+        bench.refuses(&output, &["initial value", "source 1,2", "5e29", "subtract the smallest"]);
+    }
+    let said = |words: &str| {
+        let output = bench.distance("builtin:plane:30x40", &format!("{words} -o map.npy"));
+        assert!(output.status.success(), "{}", stderr(&output));
+        stderr(&output)
+    };
+    let all = said("-s 1,2,1e8 -s 3,4,100000001");
+    assert!(all.contains("note: distances beyond a start value of 100000001"), "{all}");
+    assert!(all.contains("subtract the smallest, 100000000, from all"), "{all}");
+    let one = said("-s 1,2 -s 3,4,1e8");
+    assert!(one.contains("rounded") && !one.contains("subtract"), "{one}");
+    // Points are a 39th apart, and 12.5 is rounded by 7e-7.
+    assert_eq!(said("-s 1,2,12.5 -s 3,4"), "");
+}
+
+#[test]
+fn engines_and_fronts_can_be_chosen() {
+    let bench = Workbench::new();
+    for (words, key, value) in [
+        ("--engine fast-marching", "engine", "fast-marching"),
+        ("--engine cpu --wavefront planar", "wavefront", "planar"),
+        ("--engine cpu --wavefront point", "wavefront", "point"),
+    ] {
+        let words = format!("distance builtin:sphere:33x33 -s 3,4 --json -o map.npy {words}");
+        let report = json(&bench.run(words.split_whitespace()));
+        assert_eq!(report[key], value, "{words}");
+        let exact = Builtin::Sphere.exact_distances(33, 33, [3.0, 4.0]).unwrap();
+        for (distance, exact) in map(&bench.output("map.npy")).iter().zip(exact) {
+            assert!((distance - exact).abs() < 0.03, "{words}: {distance} {exact}");
+        }
+    }
+}
+
+/// Along chords the way around a cylinder is short by a 24th of the squared angle between points.
+#[test]
+fn edges_can_be_arcs_or_chords() {
+    let bench = Workbench::new();
+    let exact = Builtin::Cylinder.exact_distances(33, 33, [16.0, 16.0]).unwrap();
+    let errors = ["", "--edges arc", "--edges chord"].map(|edges| {
+        let words =
+            format!("distance builtin:cylinder:33x33 -s 16,16 --engine cpu -o map.npy {edges}");
+        assert!(bench.run(words.split_whitespace()).status.success(), "{words}");
+        let map = map(&bench.output("map.npy"));
+        let errors = map.iter().zip(&exact).map(|(distance, exact)| distance - exact);
+        errors.sum::<f64>() / exact.iter().sum::<f64>()
+    });
+    println!("{errors:?}");
+    assert_eq!(errors[0], errors[1], "arcs are the default");
+    assert!(errors[1].abs() < 0.1 * errors[2].abs() && errors[2] < -1e-4, "{errors:?}");
+    let words = "distance builtin:plane:9x9 -s 1,1 -o map.npy --edges round";
+    let wrong = bench.run(words.split_whitespace());
+    assert!(!wrong.status.success() && stderr(&wrong).contains("chord"), "{}", stderr(&wrong));
+}
+
+#[test]
+fn holes_masks_and_walls_are_respected() {
+    let bench = Workbench::new();
+    // A wall from top to bottom, half of it NaN and half masked, and a masked point.
+    let mut heights = vec![0.0; 6 * 9];
+    let mut mask = vec![255u8; 6 * 9];
+    for row in 0..6 {
+        if row < 3 {
+            heights[row * 9 + 5] = f64::NAN;
+        } else {
+            mask[row * 9 + 5] = 0;
+        }
+    }
+    mask[9] = 0;
+    let surface = bench.array("heights.npy", &[6, 9], &heights);
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 9, 6);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.write_header().unwrap().write_image_data(&mask).unwrap();
+    let mask = bench.input("mask.png", bytes);
+    let words = format!("-s 0,0 --mask {mask} --spacing 1 --json -o map.tif");
+    let output = bench.distance(&surface, &words);
+    let report = json(&output);
+    assert_eq!((&report["points"], &report["reached"]), (&47.into(), &29.into()));
+    assert!(report["iteration_bound"].is_null());
+    assert!(stderr(&output).contains("18 of 47 points cannot be reached"), "{}", stderr(&output));
+    let map = map(&bench.output("map.tif"));
+    for (index, distance) in map.iter().enumerate() {
+        assert_eq!(distance.is_finite(), index % 9 < 5 && index != 9, "{index}");
+    }
+}
+
+#[test]
+fn slowness_and_metric_weigh_lengths() {
+    let bench = Workbench::new();
+    let surface = bench.flat(11, 11);
+    let slowness = bench.array("slowness.npy", &[11, 11], &[2.5; 121]);
+    let metric = bench.array("metric.npy", &[11, 11, 2, 2], &[9.0, 0.0, 0.0, 4.0].repeat(121));
+    let (dr, dc) = (3.0, 7.0f64);
+    for (surface, words, exact) in [
+        (&surface, format!("--slowness {slowness}"), 2.5 * dc.hypot(dr)),
+        (&surface, format!("--metric {metric}"), (2.0 * dc).hypot(3.0 * dr)),
+        (&metric, String::new(), (2.0 * dc).hypot(3.0 * dr)),
+    ] {
+        let output = bench.distance(surface, &format!("-s 2,1 -o map.exr {words}"));
+        assert!(output.status.success(), "{}", stderr(&output));
+        let found = map(&bench.output("map.exr"))[5 * 11 + 8];
+        approx::assert_relative_eq!(found, exact, max_relative = 1e-5);
+    }
+}
+
+#[test]
+fn curves_come_as_arrays_and_as_text() {
+    let bench = Workbench::new();
+    let surface = bench.flat(9, 9);
+    let array = bench.array("curve.npy", &[2, 2], &[0.0, 2.0, 8.0, 2.0]);
+    let text = bench.input("curve.csv", "row,col\n0,2\n8,2\n");
+    for curve in [array, text] {
+        let words = format!("--source-curve {curve} --json -o map.npy");
+        let report = json(&bench.distance(&surface, &words));
+        assert_eq!(report["wavefront"], "curved");
+        for (index, distance) in map(&bench.output("map.npy")).iter().enumerate() {
+            approx::assert_relative_eq!(
+                *distance,
+                (index as f64 % 9.0 - 2.0).abs(),
+                epsilon = 1e-5
+            );
+        }
+    }
+}
+
+#[test]
+fn a_missing_spacing_and_a_missing_convergence_are_said() {
+    let bench = Workbench::new();
+    let output = bench.distance(&bench.flat(5, 5), "-s 0,0 -o map.npy");
+    assert!(output.status.success() && output.stdout.is_empty());
+    let stderr_text = stderr(&output);
+    assert!(stderr_text.contains("geosweep: note:") && stderr_text.contains("--spacing"));
+
+    let output = bench.distance("builtin:maze:65x65", "-s 1,1 --iterations 1 --json -o map.npy");
+    assert_eq!(json(&output)["converged"], false);
+    let stderr_text = stderr(&output);
+    assert!(stderr_text.contains("warning: not converged after 1 iteration"), "{stderr_text}");
+}
+
+#[test]
+fn pictures_show_the_map_and_have_a_sensible_size() {
+    let bench = Workbench::new();
+    let words = "-s 3,0 -o map.npy --picture map.png";
+    let hill = |i: usize| 8.0 * (-((i / 10) as f64 - 25.0).powi(2) / 50.0).exp();
+    let hill = bench.array("hill.npy", &[51, 10], &(0..510).map(hill).collect::<Vec<_>>());
+    // A single column is a strip that still can be seen.
+    for (surface, widths) in [(&*hill, 250..400), ("builtin:plane:30x1", 100..250)] {
+        let output = bench.distance(surface, words);
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert_eq!(bench.outputs(), ["map.npy", "map.png"]);
+        let bytes = fs::read(bench.output("map.png")).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        assert!((800..2500).contains(&info.height), "{surface}: {info:?}");
+        assert!(widths.contains(&info.width), "{surface}: {info:?}");
+        // Both ends of the colour scale occur: dark violet at the source, yellow far away.
+        let near = |color: [i32; 3]| {
+            let distance = |p: &[u8]| (0..3).map(|k| (i32::from(p[k]) - color[k]).abs()).max();
+            pixels.chunks(3).filter(|pixel| distance(pixel) < Some(12)).count()
+        };
+        assert!(near([68, 1, 84]) > 20 && near([253, 231, 37]) > 20, "{surface}");
+    }
+}
+
+#[test]
+fn a_map_is_written_only_if_it_is_asked_for() {
+    let bench = Workbench::new();
+    let report = json(&bench.distance("builtin:plane:9x9", "-s 1,1 --json"));
+    assert_eq!(report["reached"], 81);
+    assert_eq!(bench.outputs(), [""; 0]);
+    for (unit, picture) in [("", "bare.png"), ("--unit furlongs", "named.png")] {
+        let words = format!("-s 1,1 --picture {picture} {unit}");
+        let output = bench.distance("builtin:plane:9x9", &words);
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+    assert_eq!(bench.outputs(), ["bare.png", "named.png"]);
+    // The unit's name is in the legend, which is wider for it.
+    let width = |name: &str| {
+        let bytes = fs::read(bench.output(name)).unwrap();
+        png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap().info().width
+    };
+    assert!(width("named.png") > width("bare.png"));
+}
+
+#[test]
+fn compare_measures_and_its_status_tells() {
+    let bench = Workbench::new();
+    let inf = f64::INFINITY;
+    let a = bench.array("a.npy", &[2, 3], &[0.0, 1.0, 2.0, 3.5, inf, inf]);
+    let b = bench.array("b.npy", &[2, 3], &[0.0, 1.0, 2.0, 4.0, inf, 1.0]);
+    let c = bench.array("c.npy", &[2, 3], &[0.0, 1.0, 2.0, 4.0, inf, inf]);
+    let other = bench.array("other.npy", &[3, 2], &[0.0; 6]);
+
+    let output = bench.run(["compare", &a, &b, "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let expected = serde_json::json!({
+        "max": 0.125, "mean": 0.125 / 4.0, "at": [1, 0], "scale": 4.0,
+        "compared": 4, "only_in_a": 0, "only_in_b": 1, "equal": false,
+    });
+    assert_eq!(found, expected);
+
+    for (words, status) in [
+        (vec!["compare", &*a, &*c], 1),
+        (vec!["compare", &a, &c, "--tolerance", "0.125"], 0),
+        (vec!["compare", &a, &b, "--tolerance", "0.125"], 1),
+        (vec!["compare", &b, &b, "--tolerance", "0"], 0),
+    ] {
+        let output = bench.run(&words);
+        assert_eq!(output.status.code(), Some(status), "{words:?}: {}", stderr(&output));
+        assert!(!output.stdout.is_empty());
+    }
+    bench.refuses(&bench.run(["compare", &a, &other]), &["2 x 3", "3 x 2"]);
+    bench.refuses(&bench.run(["compare", &a, "missing.npy"]), &["missing.npy"]);
+    for (name, value) in [("nan.npy", f64::NAN), ("below.npy", -inf)] {
+        let wrong = bench.array(name, &[2, 3], &[0.0, 1.0, 2.0, 4.0, value, inf]);
+        for pair in [[&wrong, &a], [&a, &wrong], [&wrong, &wrong]] {
+            let output = bench.run(["compare"].into_iter().chain(pair.map(|name| &**name)));
+            bench.refuses(&output, &[name, "row 1, column 1", "+infinity"]);
+        }
+    }
+    // No scale: nothing is reached, or nothing is far.
+    let none = bench.array("none.npy", &[2, 3], &[inf; 6]);
+    let zero = bench.array("zero.npy", &[2, 3], &[0.0; 6]);
+    for (pair, status, part) in [
+        ([&none, &none], 0, "equal: neither map reaches any point"),
+        ([&none, &zero], 1, "no point is finite in both"),
+        ([&zero, &none], 1, "in A: 6, in B: 0"),
+        ([&zero, &zero], 0, "over 6 points"),
+        ([&a, &zero], 1, "3.500e0 (at row 1, column 0)"),
+    ] {
+        let output = bench.run(["compare"].into_iter().chain(pair.map(|name| &**name)));
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(output.status.code(), Some(status), "{text}");
+        assert!(text.contains(part) && !text.contains(" of "), "{text}");
+    }
+    let found = json(&bench.run(["compare", &none, &none, "--json"]));
+    assert_eq!((&found["at"], &found["scale"]), (&Value::Null, &Value::Null));
+    bench.refuses(&bench.run(["compare", &a, &b, "--tolerance", "nan"]), &["tolerance"]);
+}
+
+#[test]
+fn builtin_surfaces_become_files_that_are_surfaces() {
+    let bench = Workbench::new();
+    let output = bench.run(["builtin", "maze:65x65", "-o", "maze.npy"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let words = ["-s 1,1 --json -o from-file.npy", "-s 1,1 --json -o from-name.npy"];
+    let from_file = json(&bench.distance("maze.npy", words[0]));
+    let from_name = json(&bench.distance("builtin:maze:65x65", words[1]));
+    assert!(from_file["points"].as_u64().unwrap() < 65 * 65);
+    assert_eq!(from_file["points"], from_name["points"]);
+    assert_eq!(map(&bench.output("from-file.npy")), map(&bench.output("from-name.npy")));
+}
+
+#[test]
+fn builtin_refuses_other_formats_and_sizes() {
+    let bench = Workbench::new();
+    for (words, part) in [
+        ("builtin plane:5x5 -o plane.obj", ".npy"),
+        ("builtin plane:0x5 -o plane.npy", "empty"),
+        ("builtin plane:65536x65536 -o plane.npy", "too large"),
+        ("builtin plane -o plane.npy", "ROWSxCOLS"),
+    ] {
+        bench.refuses(&bench.run(words.split(' ')), &[part]);
+    }
+}
+
+/// Runs `geosweep distance` with an engine and one variable of the environment changed.
+fn with_environment(bench: &Workbench, engine: &str, variable: (&str, &OsStr)) -> Output {
+    let surface = bench.flat(9, 9);
+    let args = ["distance", &surface, "--spacing", "1", "--source", "0,0", "-o", "map.npy"];
+    bench
+        .command()
+        .args(args)
+        .args(["--engine", engine, "--json"])
+        .env(variable.0, variable.1)
+        // The older name of the same variable would win where a machine sets it.
+        .env_remove("VK_ICD_FILENAMES")
+        .output()
+        .unwrap()
+}
+
+#[test]
+fn without_a_driver_vulkan_is_refused_and_auto_says_why_it_falls_back() {
+    let bench = Workbench::new();
+    let no_driver = ("VK_DRIVER_FILES", OsStr::new("/nonexistent"));
+    bench.refuses(&with_environment(&bench, "vulkan", no_driver), &["driver", "CPU engine"]);
+    let summary = json(&with_environment(&bench, "auto", no_driver));
+    assert_eq!(summary["engine"], "cpu");
+    assert!(summary["fallback"].as_str().unwrap().contains("driver"), "{summary}");
+    assert_eq!(bench.outputs(), ["map.npy"]);
+}
+
+/// A file in the loader's place that is no library stands for a machine without one.
+#[test]
+#[cfg(target_os = "linux")]
+fn without_a_loader_vulkan_is_refused_and_auto_says_why_it_falls_back() {
+    let bench = Workbench::new();
+    bench.input("libvulkan.so.1", "no library");
+    let no_loader = ("LD_LIBRARY_PATH", bench.inputs.path().as_os_str());
+    bench.refuses(&with_environment(&bench, "vulkan", no_loader), &["no Vulkan loader"]);
+    let summary = json(&with_environment(&bench, "auto", no_loader));
+    assert_eq!(summary["engine"], "cpu");
+    assert!(summary["fallback"].as_str().unwrap().contains("loader"), "{summary}");
+}
+
+#[test]
+fn vulkan_and_cpu_write_the_same_map() {
+    let bench = Workbench::new();
+    let surface = "builtin:peaks:65x80";
+    for engine in ["vulkan", "cpu"] {
+        let map = format!("{engine}.npy");
+        let args = ["--source", "20,30.5", "--engine", engine, "-o", &map, "--json"];
+        let output = bench
+            .command()
+            .env("GEOSWEEP_VALIDATION", "1")
+            .args(["distance", surface])
+            .args(args)
+            .output()
+            .unwrap();
+        assert_eq!(json(&output)["engine"], engine, "{}", stderr(&output));
+    }
+    let output = bench.run(["compare", "vulkan.npy", "cpu.npy", "--tolerance", "1e-5"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+}
+
+#[test]
+fn devices_are_listed_and_unknown_ones_refused() {
+    let bench = Workbench::new();
+    let listed: Value = json(&bench.run(["devices", "--json"]));
+    let name = listed[0]["name"].as_str().unwrap();
+    let surface = bench.flat(5, 5);
+    let distance = |device: &str| {
+        let args = ["distance", &surface, "--spacing", "1", "--source", "1,1", "-o", "map.npy"];
+        bench.run(args.into_iter().chain(["--engine", "vulkan", "--device", device]))
+    };
+    bench.refuses(&distance("no such device"), &["no such device", name]);
+    bench.refuses(&distance("99"), &["99", name]);
+    assert!(distance(name).status.success());
+}
+
+#[test]
+fn help_names_every_option() {
+    let bench = Workbench::new();
+    let help = bench.run(["distance", "--help"]);
+    assert!(help.status.success());
+    let help = String::from_utf8(help.stdout).unwrap();
+    for word in [
+        "--source-curve",
+        "--spacing",
+        "--device",
+        "--error",
+        "--extrapolate",
+        "Examples:",
+        "sheared-plane",
+        "unit",
+    ] {
+        assert!(help.contains(word), "{word}");
+    }
+    bench.refuses(&bench.run(["sing"]), &["sing"]);
+}

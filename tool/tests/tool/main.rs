@@ -1,0 +1,19 @@
+//! The tool as a user meets it: what it writes, from which arguments, and what it says.
+
+mod bench;
+mod canonical;
+mod contours;
+mod distance;
+mod estimate;
+mod figures;
+mod formats;
+mod offsets;
+mod pairwise;
+mod paths;
+mod pictures;
+mod profile;
+mod refusals;
+mod regions;
+mod ridges;
+mod samples;
+mod workbench;

@@ -1,0 +1,66 @@
+//! Offset curves.
+
+use crate::workbench::{Workbench, curves, done, json, read, run, text};
+
+#[test]
+fn offsets_keep_to_their_side() {
+    let bench = Workbench::new();
+    let flat = bench.flat(41, 61);
+    // From west to east, so that north is on its left.
+    let line = bench.input("line.csv", "20,15\n20,45\n");
+    let offset = |rest: &str| {
+        let line = format!(
+            "offset {flat} --spacing 1 --source-curve {line} --distances 8 --engine cpu --json \
+             -o o.npy -o o.csv {rest}"
+        );
+        let level = json(&done(&bench, &line))["levels"][0].clone();
+        assert_eq!((&level["level"], &level["curves"]), (&8.0.into(), &1.into()), "{rest}");
+        (curves(&read(&bench, "o.npy")).remove(0), level)
+    };
+    let half = 30.0 + std::f64::consts::PI * 8.0;
+    let (all, level) = offset("");
+    assert_eq!(level["closed"], 1);
+    // Corners of fronts are cut within a cell.
+    assert!((level["length"].as_f64().unwrap() - 2.0 * half).abs() < 0.02 * half, "{level}");
+    assert_eq!(all.first(), all.last());
+    for (side, sign) in [("left", 1.0), ("right", -1.0)] {
+        let (curve, level) = offset(&format!("--side {side}"));
+        assert_eq!(level["closed"], 0);
+        assert!((level["length"].as_f64().unwrap() - half).abs() < 0.02 * half, "{level}");
+        for [row, col, ..] in curve {
+            assert!(sign * (20.0 - row) > -0.1, "{side}: {row},{col}");
+            let beyond = (15.0 - col).max(col - 45.0).max(0.0);
+            // Around the ends of a curve, where its front turns at once, the map itself is 0.17 of
+            // a cell off (measured, with any wavefront).
+            let tolerance = if beyond > 0.0 { 0.2 } else { 0.1 };
+            assert!(((row - 20.0).hypot(beyond) - 8.0).abs() < tolerance, "{side}: {row},{col}");
+        }
+        let table = text(&bench, "o.csv");
+        let header = table.lines().next().unwrap();
+        assert!(header.contains(",level,length,side,"), "{header}");
+        assert!(table.lines().nth(1).unwrap().contains(&format!(",{side},")));
+    }
+
+    // Two curves that are not connected, one of them closed.
+    let loops = bench.input("loop.csv", "5,50\n5,56\n11,56\n11,50\n5,50\n");
+    let line = format!(
+        "offset {flat} --spacing 1 --source-curve {line} --source-curve {loops} --distances 2,4 \
+         --engine cpu --json -o two.svg --picture two.png"
+    );
+    let report = json(&done(&bench, &line));
+    // Around the line; outside and inside of the square, whose middle is 3 away.
+    assert_eq!(report["levels"][0]["closed"], 3);
+    assert_eq!(report["levels"][1]["closed"], 2);
+
+    let bench = Workbench::new();
+    for (rest, part) in [
+        ("-s 3,3 --distances 2 --side left", "side"),
+        ("-s 3,3", "--distances"),
+        ("-s 3,3 --distances nan", "finite"),
+        ("--distances 3", "--source"),
+        ("--source-curve nowhere.csv --distances 3", "nowhere.csv"),
+    ] {
+        let line = format!("offset {flat} --spacing 1 {rest} --engine cpu -o o.npy");
+        bench.refuses(&run(&bench, &line), &[part]);
+    }
+}

@@ -1,0 +1,68 @@
+//! Paths, and starts that cannot be.
+
+use geosweep::surface::builtin::Builtin;
+
+use crate::workbench::{Workbench, curves, done, json, read, run};
+
+#[test]
+fn paths_run_from_their_starts_to_the_source() {
+    let bench = Workbench::new();
+    let starts = bench.input("starts.csv", "row,col\n3.5,50\n60,60.25\n");
+    let line = format!(
+        "path builtin:sphere:65x65 -s 30,20 --from 10,40 --from 30,20 --from-file {starts} \
+         --engine cpu --json -o p.npy -o p.csv"
+    );
+    let report = json(&done(&bench, &line));
+    let paths = curves(&read(&bench, "p.npy"));
+    let starts = [[10.0, 40.0], [30.0, 20.0], [3.5, 50.0], [60.0, 60.25]];
+    assert_eq!(paths.len(), starts.len());
+    let surface = Builtin::Sphere.surface(65, 65).unwrap();
+    let source = surface.position(30, 20).unwrap();
+    for ((path, start), row) in paths.iter().zip(starts).zip(report["paths"].as_array().unwrap()) {
+        assert_eq!(path[0][..2], start);
+        assert_eq!(path.last().unwrap()[..2], [30.0, 20.0]);
+        assert_eq!(path.last().unwrap()[2..], source.to_array());
+        assert_eq!(row["vertices"], path.len());
+        assert_eq!(row["source"], 0);
+        let exact = Builtin::Sphere.exact_distance(65, 65, start, [30.0, 20.0]).unwrap();
+        let (length, distance) =
+            (row["length"].as_f64().unwrap(), row["distance"].as_f64().unwrap());
+        // Paths bend by steps as long as cells: a few 1e-4 at 65 points.
+        assert!((length - exact).abs() <= 2e-3 * exact, "{length} {exact}");
+        assert!((distance - exact).abs() <= 2e-3 * exact, "{distance} {exact}");
+    }
+    assert_eq!(paths[1].len(), 1, "a start at the source");
+    let single = "path builtin:plane:17x17 -s 3,3 --from 12,9 --engine cpu -o one.npy";
+    done(&bench, single);
+    let one = curves(&read(&bench, "one.npy"));
+    assert_eq!(one.len(), 1, "one path is one array without NaN");
+    for [row, col, ..] in &one[0] {
+        let across = (row - 3.0) * 6.0 - (col - 3.0) * 9.0;
+        assert!(across.abs() / 6f64.hypot(9.0) < 0.02, "a straight line: {row},{col}");
+    }
+}
+
+#[test]
+fn starts_that_cannot_be_are_refused() {
+    let bench = Workbench::new();
+    let mut heights = vec![0.0; 9 * 9];
+    (0..9).for_each(|row| heights[row * 9 + 5] = f64::NAN);
+    let cut = bench.array("cut.npy", &[9, 9], &heights);
+    for (from, parts) in [
+        ("2,7", ["2,7", "cannot be reached"]),
+        ("9.5,1", ["9.5,1", "outside the grid"]),
+        ("-1,1", ["-1,1", "outside the grid"]),
+        ("4,5", ["4,5", "hole"]),
+    ] {
+        let line = format!(
+            "path {cut} --spacing 1 -s 2,2 --from 1,1 --from {from} -o p.npy -o p.svg \
+             --picture p.png --engine cpu"
+        );
+        let output = run(&bench, &line);
+        bench.refuses(&output, &parts);
+    }
+    let line = format!("path {cut} --spacing 1 -s 2,2 -o p.npy");
+    bench.refuses(&run(&bench, &line), &["--from"]);
+    let line = format!("path {cut} --spacing 1 -s 2,2 --from 1 -o p.npy");
+    bench.refuses(&run(&bench, &line), &["R,C"]);
+}

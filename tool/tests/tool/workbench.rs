@@ -1,0 +1,133 @@
+//! What the tests of the tool share: running it, and what it must not leave behind.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use assert_cmd::Command;
+use assert_cmd::cargo::cargo_bin_cmd;
+use geosweep::io::{read_map, write_npy};
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A folder of inputs and one of outputs, in which only what was asked for may appear.
+pub struct Workbench {
+    pub inputs: TempDir,
+    pub outputs: TempDir,
+}
+
+impl Workbench {
+    pub fn new() -> Self {
+        Self { inputs: tempfile::tempdir().unwrap(), outputs: tempfile::tempdir().unwrap() }
+    }
+
+    pub fn input(&self, name: &str, bytes: impl AsRef<[u8]>) -> String {
+        let path = self.inputs.path().join(name);
+        fs::write(&path, bytes).unwrap();
+        path.to_str().unwrap().to_owned()
+    }
+
+    pub fn array(&self, name: &str, shape: &[usize], values: &[f64]) -> String {
+        let mut bytes = Vec::new();
+        write_npy(&mut bytes, shape, values).unwrap();
+        self.input(name, bytes)
+    }
+
+    pub fn flat(&self, rows: usize, cols: usize) -> String {
+        self.array("flat.npy", &[rows, cols], &vec![0.0; rows * cols])
+    }
+
+    pub fn output(&self, name: &str) -> PathBuf {
+        self.outputs.path().join(name)
+    }
+
+    /// The tool, to be run in the folder of outputs.
+    pub fn command(&self) -> Command {
+        let mut command = cargo_bin_cmd!("geosweep");
+        command.current_dir(self.outputs.path());
+        command
+    }
+
+    /// Runs it.
+    pub fn run(&self, args: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Output {
+        self.command().args(args).output().unwrap()
+    }
+
+    /// Runs `geosweep distance` on the CPU with the words of a command line.
+    pub fn distance(&self, surface: &str, words: &str) -> Output {
+        let words = words.split_whitespace();
+        self.run(["distance", surface, "--engine", "cpu"].into_iter().chain(words))
+    }
+
+    pub fn outputs(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.outputs.path()).unwrap();
+        let mut names: Vec<_> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    /// The tool must refuse, in one message with all these parts, and leave nothing behind.
+    pub fn refuses(&self, output: &Output, parts: &[&str]) {
+        let stderr = stderr(output);
+        assert_eq!(output.status.code(), Some(2), "{stderr}");
+        assert_eq!(stderr.matches("geosweep: error: ").count(), 1, "{stderr}");
+        for part in parts {
+            assert!(stderr.contains(part), "`{part}` is missing in: {stderr}");
+        }
+        assert!(output.stdout.is_empty(), "{}", String::from_utf8_lossy(&output.stdout));
+        assert_eq!(self.outputs(), [""; 0], "{stderr}");
+    }
+}
+
+pub fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// The distances of a map.
+pub fn map(path: &Path) -> Vec<f64> {
+    read_map(path).unwrap().values
+}
+
+pub fn json(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", stderr(output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+pub fn words(line: &str) -> Vec<&str> {
+    line.split_whitespace().collect()
+}
+
+/// Runs the tool with the words of a command line.
+pub fn run(bench: &Workbench, line: &str) -> Output {
+    bench.run(words(line))
+}
+
+/// Runs a line that must succeed.
+pub fn done(bench: &Workbench, line: &str) -> Output {
+    let output = run(bench, line);
+    assert!(output.status.success(), "{line}: {}", stderr(&output));
+    output
+}
+
+/// The rows of a float64 array (K, 5), split where they are NaN.
+pub fn curves(bytes: &[u8]) -> Vec<Vec<[f64; 5]>> {
+    let length = u16::from_le_bytes([bytes[8], bytes[9]]) as usize;
+    let header = std::str::from_utf8(&bytes[10..10 + length]).unwrap();
+    assert!(header.contains("'descr': '<f8'") && header.contains(", 5)"), "{header}");
+    let values: Vec<f64> =
+        bytes[10 + length..].as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+    let rows = values.as_chunks::<5>().0;
+    rows.split(|row| row[0].is_nan()).map(<[_]>::to_vec).collect()
+}
+
+/// An output file.
+pub fn read(bench: &Workbench, name: &str) -> Vec<u8> {
+    fs::read(bench.output(name)).unwrap()
+}
+
+/// An output file of text.
+pub fn text(bench: &Workbench, name: &str) -> String {
+    String::from_utf8(read(bench, name)).unwrap()
+}
