@@ -34,7 +34,7 @@ impl Lanes {
         largest: &mut [u32; LANES],
     ) -> bool {
         let mut wakes_others = !TRACKS;
-        for lane in 0..LANES {
+        for (lane, largest) in largest.iter_mut().enumerate() {
             let old = self.0[lane];
             let new = min(old, times.0[lane]);
             self.0[lane] = new;
@@ -42,14 +42,14 @@ impl Lanes {
                 // No time grows.
                 let change = old.to_bits() - new.to_bits();
                 wakes_others |= change > wakes;
-                largest[lane] = largest[lane].max(change);
+                *largest = (*largest).max(change);
             }
         }
         wakes_others
     }
 }
 
-/// Two triangles around a point and what lies at their corners.
+/// The lengths of two triangles around a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fan {
     /// Lengths of the edges to the neighbours behind: the one before, the one beside, the one after.

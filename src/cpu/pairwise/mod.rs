@@ -2,6 +2,7 @@
 //! section 5.1, Algorithm 4).
 
 mod kernel;
+mod maps;
 mod marks;
 mod outward;
 mod pending;
@@ -16,9 +17,10 @@ use crate::surface::{Chart, EdgeLengths};
 use crate::update::Wavefront;
 use crate::{Convergence, Stop};
 use kernel::LANES;
+use maps::Known;
 use planar::Planar;
 use point_source::PointSource;
-use scans::{BatchSolver, Known, Scans};
+use scans::{BatchSolver, Scans};
 
 /// Solves for batches of maps of one surface, from any number of threads.
 ///

@@ -3,14 +3,14 @@
 use std::sync::Mutex;
 
 use super::kernel::{FanSlots, Kernel, LANES, Lanes};
+use super::maps::{Known, Maps};
 use super::marks::WORD;
-use super::outward::{Outward, Passing};
-use super::pending::{Pending, SCANS};
-use super::stage::Stage;
+use super::outward::Passing;
+use super::pending::SCANS;
 use crate::cpu::tiles::Scan;
 use crate::cpu::{Instructions, Progress};
 use crate::lanes::Work;
-use crate::surface::{Chart, EdgeLengths, Real};
+use crate::surface::{Chart, EdgeLengths};
 use crate::{Convergence, Stop};
 
 /// The coefficients of a surface for one kind of front, and work space for as many batches as
@@ -20,31 +20,6 @@ pub(super) struct Scans<K: Kernel> {
     /// For each scan the coefficients of all points, in the order in which it passes them.
     coefficients: [Vec<K::Coefficients>; 4],
     spare: Mutex<Vec<Maps>>,
-}
-
-/// The maps of a batch: bordered arrays of points, a lane of each for one of the maps. No point is
-/// reached between two batches.
-struct Maps {
-    points: Vec<Lanes>,
-    pending: Pending,
-    /// What the scans of the first iteration are kept to; none afterwards.
-    outward: Option<Outward>,
-    stage: Stage,
-}
-
-/// What a batch starts from: the rows of the distance matrix above its own, or nothing.
-#[derive(Clone, Copy)]
-pub(super) struct Known<'a> {
-    /// Rows of the matrix, one after another.
-    pub rows: &'a [f32],
-    /// How many of them are taken over (eq. 20), for as many points, row-major.
-    pub count: usize,
-    /// The first source of the batch.
-    pub column: usize,
-}
-
-impl Known<'_> {
-    pub(super) const NOTHING: Self = Self { rows: &[], count: 0, column: 0 };
 }
 
 /// Scans, whatever their front.
@@ -157,9 +132,7 @@ impl<K: Kernel> Scans<K> {
 impl<K: Kernel> BatchSolver for Scans<K> {
     fn bytes(&self) -> (usize, usize) {
         let coefficients = self.coefficients.iter().map(Vec::len).sum::<usize>();
-        let points = self.chart.bordered_points() * size_of::<Lanes>();
-        let batch = points + Pending::bytes(self.chart) + Stage::bytes(self.chart);
-        (coefficients * size_of::<K::Coefficients>(), batch)
+        (coefficients * size_of::<K::Coefficients>(), Maps::bytes(self.chart))
     }
 
     fn solve(
@@ -182,36 +155,6 @@ impl<K: Kernel> BatchSolver for Scans<K> {
         maps.stage.store(self.chart, &mut maps.points, instructions, into);
         self.spare.lock().expect("nothing panics while it is held").push(maps);
         convergence
-    }
-}
-
-impl Maps {
-    fn new(chart: Chart) -> Self {
-        Self {
-            points: vec![Lanes::UNREACHED; chart.bordered_points()],
-            pending: Pending::new(chart),
-            outward: None,
-            stage: Stage::new(chart),
-        }
-    }
-
-    /// Reaches the sources and what is known.
-    fn start(&mut self, chart: Chart, sources: &[Option<usize>], known: Known) {
-        self.pending.start(known.count);
-        self.outward = Outward::new(chart, sources);
-        for (point, row) in known.rows.chunks_exact(chart.points()).enumerate() {
-            let (at, col) = chart.position(point);
-            let times = &mut self.points[chart.bordered(at, col)].0;
-            let found = &row[known.column..][..sources.len()];
-            for (time, distance) in times.iter_mut().zip(found) {
-                *time = distance.min(f32::FAR);
-            }
-        }
-        for (lane, source) in sources.iter().enumerate() {
-            let Some((row, col)) = source.map(|point| chart.position(point)) else { continue };
-            self.points[chart.bordered(row, col)].0[lane] = 0.0;
-            self.pending.touch(row, col);
-        }
     }
 }
 
@@ -267,10 +210,10 @@ impl<K: Kernel, const TRACKS: bool, const ALL: bool> Work for Visit<'_, K, TRACK
 
 /// A point in the maps that pass it as it has become, in the others as it was.
 #[inline(always)]
-fn merged(mut new: Lanes, old: Lanes, maps: [u32; LANES]) -> Lanes {
+fn merged(new: Lanes, old: Lanes, maps: [u32; LANES]) -> Lanes {
+    let (mut new, old): ([u32; LANES], [u32; LANES]) = (bytemuck::cast(new), bytemuck::cast(old));
     for lane in 0..LANES {
-        let [now, before] = [new, old].map(|times| times.0[lane].to_bits());
-        new.0[lane] = f32::from_bits((now & maps[lane]) | (before & !maps[lane]));
+        new[lane] = (new[lane] & maps[lane]) | (old[lane] & !maps[lane]);
     }
-    new
+    bytemuck::cast(new)
 }

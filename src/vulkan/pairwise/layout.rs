@@ -89,12 +89,12 @@ impl Workgroup {
 
 /// Numbers that a point of a map takes: arrival time, and curvature if fronts carry one.
 pub(super) fn numbers(wavefront: Wavefront) -> u32 {
-    if wavefront.has_two_layers() { LAYERS } else { 1 }
+    if wavefront.is_curved() { LAYERS } else { 1 }
 }
 
 /// Numbers in the fan of a pair of points, as `glsl/pairwise_fans.glsl` has it.
 pub(super) fn fan_numbers(wavefront: Wavefront) -> u64 {
-    if wavefront.has_two_layers() { 15 } else { 9 }
+    if wavefront.is_curved() { 15 } else { 9 }
 }
 
 /// How the maps of a surface are computed.

@@ -12,7 +12,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PairwiseSchedule {
     /// A map in the shared memory of a workgroup: for small grids, with 16 KiB up to 64 x 64 points
-    /// where fronts are straight or circular and half as many where they are curved or anchored.
+    /// where fronts are straight or circular and half as many where they are curved.
     SharedMemory,
     /// All maps in the layers of images.
     Images,
