@@ -22,7 +22,8 @@ fn pairwise(c: &mut Criterion) {
         group.throughput(Throughput::Elements((POINTS * POINTS) as u64)).sample_size(10);
         for wavefront in [Wavefront::Planar, Wavefront::PointSource] {
             for instructions in Instructions::available() {
-                let solver = PairwiseScan::new(&edges, wavefront).with_instructions(instructions);
+                let solver = PairwiseScan::new(&edges, wavefront).expect("fronts for lanes");
+                let solver = solver.with_instructions(instructions);
                 group.bench_function(BenchmarkId::new(wavefront.name(), instructions), |b| {
                     b.iter(|| {
                         let batches = matrix.par_chunks_mut(PairwiseScan::LANES * POINTS);

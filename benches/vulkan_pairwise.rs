@@ -4,12 +4,10 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use geosweep::Stop;
-use geosweep::cpu::PairwiseScan;
-use geosweep::surface::EdgeLengths;
+use geosweep::pairwise::Pairwise;
 use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::{PairwiseSchedule, Solver};
-use geosweep::{DeviceChoice, Wavefront};
-use rayon::prelude::*;
+use geosweep::{DeviceChoice, Engine, Error, Options, Wavefront};
 
 const CONVERGED: Stop = Stop { tolerance: 1e-6, iterations: 1000 };
 
@@ -20,7 +18,6 @@ fn vulkan_pairwise(c: &mut Criterion) {
     for side in [32, 64] {
         let points = side * side;
         let surface = Builtin::Sphere.surface(side, side).expect("built-in surfaces fit");
-        let edges = EdgeLengths::<f32>::new(&surface).expect("built-in surfaces fit");
         let on_device = solver.upload(&surface).expect("small surfaces fit");
         // Every eighth row of the matrix, in runs of neighbours.
         let sources: Vec<_> = (0..points).filter(|i| i / 64 % 8 == 0).map(Some).collect();
@@ -29,16 +26,17 @@ fn vulkan_pairwise(c: &mut Criterion) {
             let mut group = c.benchmark_group(format!("{side} x {side}, {name}"));
             group.throughput(Throughput::Elements(rows.len() as u64)).sample_size(10);
             for wavefront in Wavefront::ALL {
-                let on_cpu = PairwiseScan::new(&edges, wavefront);
+                let options = Options {
+                    engine: Engine::Cpu,
+                    wavefront: Some(wavefront),
+                    tolerance: Some(stop.tolerance),
+                    iterations: Some(stop.iterations),
+                    ..Options::default()
+                };
+                let mut on_cpu = Pairwise::new(&surface, &options).expect("built-in surfaces fit");
+                let points: Vec<_> = sources.iter().flatten().copied().collect();
                 group.bench_function(BenchmarkId::new(wavefront.name(), "CPU engine"), |b| {
-                    b.iter(|| {
-                        let batches = rows.par_chunks_mut(PairwiseScan::LANES * points);
-                        batches.zip(sources.par_chunks(PairwiseScan::LANES)).for_each(
-                            |(rows, sources)| {
-                                on_cpu.solve(sources, stop, rows);
-                            },
-                        );
-                    });
+                    b.iter(|| on_cpu.rows(&points, |_| Ok::<_, Error>(())).expect("it runs"));
                 });
                 for schedule in PairwiseSchedule::ALL {
                     let pairwise = solver.pairwise(&on_device, wavefront, Some(schedule));

@@ -25,3 +25,16 @@ pub struct Convergence {
     /// reached in it.
     pub residual: f64,
 }
+
+impl Convergence {
+    /// That of no map at all.
+    pub(crate) const NONE: Self = Self { iterations: 0, residual: 0.0 };
+
+    /// That of two together: of the slower, and of the less converged.
+    pub(crate) fn worse(self, other: Self) -> Self {
+        Self {
+            iterations: self.iterations.max(other.iterations),
+            residual: self.residual.max(other.residual),
+        }
+    }
+}

@@ -154,6 +154,32 @@ fn the_symmetric_start_is_as_accurate() {
     assert!(message.contains("planar"), "{message}");
 }
 
+/// Sources are single points of the grid; over floor plans too fronts are curved by default.
+#[test]
+fn the_report_names_the_wavefront_of_all_rows() {
+    let plan = Builtin::Plane.surface(5, 6).unwrap();
+    let slow = plan.clone().with_slowness(vec![1.5; 30]).unwrap();
+    let of = |surface: &Surface, engine: Engine, wavefront| {
+        let options = Options { engine, wavefront, ..Options::default() };
+        let mut pairwise = Pairwise::new(surface, &options)?;
+        pairwise.rows(&[3], |_| Ok::<_, Error>(())).map(|report| report.wavefront)
+    };
+    for (surface, engine, wanted, found) in [
+        (&plan, Engine::Auto, None, Wavefront::Curved),
+        (&plan, Engine::Cpu, None, Wavefront::Curved),
+        (&slow, Engine::Cpu, None, Wavefront::PointSource),
+        (&plan, Engine::FastMarching, None, Wavefront::Planar),
+        (&slow, Engine::FastMarching, None, Wavefront::Planar),
+        (&plan, Engine::Cpu, Some(Wavefront::Anchored), Wavefront::Anchored),
+        (&plan, Engine::FastMarching, Some(Wavefront::Anchored), Wavefront::Anchored),
+        (&slow, Engine::Cpu, Some(Wavefront::Planar), Wavefront::Planar),
+    ] {
+        assert_eq!(of(surface, engine.clone(), wanted).unwrap(), found, "{engine:?} {wanted:?}");
+    }
+    let refused = of(&slow, Engine::Cpu, Some(Wavefront::Anchored)).unwrap_err().to_string();
+    assert!(refused.contains("floor plans"), "{refused}");
+}
+
 #[test]
 fn an_error_of_the_sink_ends_the_work() {
     #[derive(Debug)]

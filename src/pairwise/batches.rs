@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::cpu::PairwiseScan;
-use crate::surface::Chart;
+use crate::surface::{Chart, Surface};
 
 /// Maps to compute together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -96,6 +96,12 @@ impl Batches {
             lines.iter().flat_map(line).collect()
         })
     }
+}
+
+/// Sources, and `None` in place of holes.
+pub(super) fn without_holes(surface: &Surface, sources: &[usize]) -> Vec<Option<usize>> {
+    let present = surface.present();
+    sources.iter().map(|&source| present[source].then_some(source)).collect()
 }
 
 /// How many of the sources from the first on follow one another.

@@ -2,13 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::lanes::Lanes;
-use super::report::Tally;
-use crate::Stop;
+use super::batches::without_holes;
+use super::lanes::LaneEngine;
 use crate::cpu::{Connections, RotatedScan, fast_marching_with};
 use crate::surface::{EdgeLengths, Seed, Surface};
 use crate::vulkan::{PairwiseOnDevice, Solver, SurfaceOnDevice};
-use crate::{Engine, Error, Wavefront};
+use crate::{Convergence, Engine, Error, Stop, Wavefront};
 
 /// An engine, ready for a surface.
 pub(super) struct RowEngine<'a> {
@@ -19,7 +18,7 @@ pub(super) struct RowEngine<'a> {
 
 enum Kind<'a> {
     /// Batches of maps.
-    Lanes(Lanes<'a>),
+    Lanes(LaneEngine<'a>),
     /// A map for each thread.
     Maps(EdgeLengths<f32>),
     /// The reference, a map for each thread.
@@ -34,18 +33,17 @@ struct OnDevice {
     solver: Solver,
 }
 
-/// Told how many rows have been added, from any thread.
-pub(super) type Done<'a> = &'a (dyn Fn(usize) + Sync);
+/// How a map comes about that was marched.
+const MARCHED: Convergence = Convergence { iterations: 1, residual: 0.0 };
 
 impl<'a> RowEngine<'a> {
     pub fn new(surface: &'a Surface, wavefront: Wavefront, engine: &Engine) -> Result<Self, Error> {
         let kind = match engine {
             Engine::Auto | Engine::Cpu => {
                 let edges = EdgeLengths::new(surface)?;
-                if wavefront.has_two_layers() {
-                    Kind::Maps(edges)
-                } else {
-                    Kind::Lanes(Lanes::new(surface, &edges, wavefront))
+                match LaneEngine::new(surface, &edges, wavefront) {
+                    Some(lanes) => Kind::Lanes(lanes),
+                    None => Kind::Maps(edges),
                 }
             }
             Engine::FastMarching => {
@@ -76,8 +74,12 @@ impl<'a> RowEngine<'a> {
         }
     }
 
+    pub fn wavefront(&self) -> Wavefront {
+        self.wavefront
+    }
+
     /// The engine that has a symmetric initialisation.
-    pub fn lanes(&self) -> Option<&Lanes<'a>> {
+    pub fn lanes(&self) -> Option<&LaneEngine<'a>> {
         match &self.kind {
             Kind::Lanes(lanes) => Some(lanes),
             _ => None,
@@ -101,10 +103,10 @@ impl<'a> RowEngine<'a> {
 
     /// The least number of rows that keeps so many threads at work.
     pub fn rows_at_once(&self, threads: usize) -> usize {
-        match self.kind {
-            Kind::Lanes(ref lanes) => lanes.rows_at_once(threads),
+        match &self.kind {
+            Kind::Lanes(lanes) => lanes.rows_at_once(threads),
             Kind::Maps(_) | Kind::FastMarching(..) => 4 * threads,
-            Kind::Vulkan(ref device) => device.pairwise.batch(),
+            Kind::Vulkan(device) => device.pairwise.batch(),
         }
     }
 
@@ -116,79 +118,78 @@ impl<'a> RowEngine<'a> {
         }
     }
 
-    /// Computes the rows of some sources; a hole's is +infinity.
+    /// Computes the rows of some sources; a hole's is +infinity. `done` is told how many rows have
+    /// been added, from any thread.
     pub fn solve(
         &mut self,
         sources: &[usize],
         stop: Stop,
         into: &mut [f32],
-        done: Done,
-    ) -> Result<Tally, Error> {
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Result<Convergence, Error> {
         let (surface, wavefront) = (self.surface, self.wavefront);
-        let seed = |source: usize| {
-            let (row, col) = surface.chart().position(source);
-            surface.has(row, col).then(|| [Seed::at_source(row, col, 0.0)])
-        };
-        let points = surface.chart().points();
         match &mut self.kind {
             Kind::Lanes(lanes) => Ok(lanes.solve(sources, stop, into, done)),
             Kind::Maps(edges) => {
-                let rows = into.par_chunks_exact_mut(points).zip(sources);
-                let tallies = rows.map_init(
-                    || RotatedScan::new(edges, wavefront),
-                    |solver, (row, &source)| {
-                        let tally = if let Some(seeds) = seed(source) {
-                            let tally = solver.solve(&seeds, stop).into();
-                            row.copy_from_slice(&solver.distances());
-                            tally
-                        } else {
-                            row.fill(f32::INFINITY);
-                            Tally::default()
-                        };
-                        done(1);
-                        tally
-                    },
-                );
-                Ok(tallies.reduce(Tally::default, Tally::join))
+                let new = || RotatedScan::new(edges, wavefront);
+                Ok(map_by_map(surface, sources, into, done, new, |solver, seed| {
+                    let convergence = solver.solve(&[seed], stop);
+                    (convergence, solver.distances())
+                }))
             }
             Kind::FastMarching(edges, split) => {
-                let map = |seed| fast_marching_with(edges, split, &[seed], wavefront);
-                Ok(each_row(into, points, sources, done, |source| {
-                    seed(source).map(|[seed]| map(seed).distances())
-                }))
+                let marched = map_by_map(
+                    surface,
+                    sources,
+                    into,
+                    done,
+                    || (),
+                    |(), seed| {
+                        (MARCHED, fast_marching_with(edges, split, &[seed], wavefront).distances())
+                    },
+                );
+                // The rows of holes are marched as well.
+                Ok(marched.worse(MARCHED))
             }
             Kind::Vulkan(device) => {
                 let OnDevice { pairwise, surface: on_device, solver } = &mut **device;
-                let mut tally = Tally::default();
+                let points = surface.chart().points();
+                let mut convergence = Convergence::NONE;
                 let batch = pairwise.batch();
                 for (sources, rows) in sources.chunks(batch).zip(into.chunks_mut(batch * points)) {
-                    let present = surface.present();
-                    let sources: Vec<_> =
-                        sources.iter().map(|&source| present[source].then_some(source)).collect();
-                    tally.add(pairwise.solve(solver, on_device, &sources, stop, rows)?.into());
+                    let sources = without_holes(surface, sources);
+                    let solved = pairwise.solve(solver, on_device, &sources, stop, rows)?;
+                    convergence = convergence.worse(solved);
                     done(sources.len());
                 }
-                Ok(tally)
+                Ok(convergence)
             }
         }
     }
 }
 
-/// Fills rows by marching from their sources, one for each thread at a time; those of holes are +infinity.
-fn each_row(
-    into: &mut [f32],
-    points: usize,
+/// Fills each row by a map of its own, one for each thread at a time; a hole's is +infinity.
+fn map_by_map<Solver>(
+    surface: &Surface,
     sources: &[usize],
-    done: Done,
-    row_of: impl Fn(usize) -> Option<Vec<f32>> + Sync,
-) -> Tally {
-    let rows = into.par_chunks_exact_mut(points).zip(sources);
-    rows.for_each(|(row, &source)| {
-        match row_of(source) {
-            Some(distances) => row.copy_from_slice(&distances),
-            None => row.fill(f32::INFINITY),
-        }
+    into: &mut [f32],
+    done: &(dyn Fn(usize) + Sync),
+    new: impl Fn() -> Solver + Sync + Send,
+    map: impl Fn(&mut Solver, Seed) -> (Convergence, Vec<f32>) + Sync + Send,
+) -> Convergence {
+    let rows = into.par_chunks_exact_mut(surface.chart().points()).zip(sources);
+    let maps = rows.map_init(new, |solver, (into, &source)| {
+        let (row, col) = surface.chart().position(source);
+        let convergence = if surface.has(row, col) {
+            let (convergence, distances) = map(solver, Seed::at_source(row, col, 0.0));
+            into.copy_from_slice(&distances);
+            convergence
+        } else {
+            into.fill(f32::INFINITY);
+            Convergence::NONE
+        };
         done(1);
+        convergence
     });
-    Tally { iterations: 1, residual: 0.0 }
+    maps.reduce(|| Convergence::NONE, Convergence::worse)
 }

@@ -2,18 +2,14 @@
 
 use rayon::prelude::*;
 
-use super::batches::{Batch, Batches};
-use super::engine::Done;
-use super::report::Tally;
-use crate::Stop;
-use crate::Wavefront;
+use super::batches::{Batch, Batches, without_holes};
 use crate::cpu::PairwiseScan;
 use crate::surface::{EdgeLengths, Surface};
+use crate::{Convergence, Stop, Wavefront};
 
-/// The pairwise engine of the CPU on a surface.
-pub(super) struct Lanes<'a> {
+/// The batches of a surface on the CPU, for the fronts that have any.
+pub(super) struct LaneEngine<'a> {
     surface: &'a Surface,
-    wavefront: Wavefront,
     scan: PairwiseScan,
     batches: Batches,
 }
@@ -22,15 +18,20 @@ pub(super) struct Lanes<'a> {
 /// rows, and less is known on average.
 const GENERATION: usize = 256;
 
-impl<'a> Lanes<'a> {
-    pub fn new(surface: &'a Surface, edges: &EdgeLengths<f32>, wavefront: Wavefront) -> Self {
-        let (scan, batches) = (PairwiseScan::new(edges, wavefront), Batches::new(surface.chart()));
-        Self { surface, wavefront, scan, batches }
+impl<'a> LaneEngine<'a> {
+    /// `None` if maps of the wavefront are not computed side by side.
+    pub fn new(
+        surface: &'a Surface,
+        edges: &EdgeLengths<f32>,
+        wavefront: Wavefront,
+    ) -> Option<Self> {
+        let (scan, batches) = (PairwiseScan::new(edges, wavefront)?, Batches::new(surface.chart()));
+        Some(Self { surface, scan, batches })
     }
 
     /// Bytes held for the surface and for the work of so many threads.
     pub fn bytes(&self, threads: usize) -> usize {
-        let (shared, batch) = PairwiseScan::bytes(self.surface.chart(), self.wavefront);
+        let (shared, batch) = self.scan.bytes();
         shared + threads * batch
     }
 
@@ -45,8 +46,14 @@ impl<'a> Lanes<'a> {
         ends.take_while(|&end| end <= most.max(self.batches.most())).last().unwrap_or(0)
     }
 
-    /// Computes the rows of some sources.
-    pub fn solve(&self, sources: &[usize], stop: Stop, into: &mut [f32], done: Done) -> Tally {
+    /// Computes the rows of some sources. `done` is told how many have been added.
+    pub fn solve(
+        &self,
+        sources: &[usize],
+        stop: Stop,
+        into: &mut [f32],
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Convergence {
         let points = self.surface.chart().points();
         let mut rows: Vec<_> = into.chunks_exact_mut(points).map(Some).collect();
         let batches = self.batches.split(sources).flat_map(|(_, batches)| batches);
@@ -54,21 +61,26 @@ impl<'a> Lanes<'a> {
             .map(|Batch { sources, places }| {
                 let rows: Vec<_> =
                     places.into_iter().map(|place| place.and_then(|at| rows[at].take())).collect();
-                (self.present(&sources), rows)
+                (without_holes(self.surface, &sources), rows)
             })
             .collect();
         let solved = parts.into_par_iter().map(|(sources, mut rows)| {
             let convergence = self.scan.solve_rows(&sources, stop, &mut rows);
             done(rows.iter().flatten().count());
-            Tally::from(convergence)
+            convergence
         });
-        solved.reduce(Tally::default, Tally::join)
+        solved.reduce(|| Convergence::NONE, Convergence::worse)
     }
 
     /// Computes the whole matrix by the symmetric initialisation (paper, eq. 20).
-    pub fn solve_by_symmetry(&self, stop: Stop, matrix: &mut [f32], done: Done) -> Tally {
+    pub fn solve_by_symmetry(
+        &self,
+        stop: Stop,
+        matrix: &mut [f32],
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Convergence {
         let points = self.surface.chart().points();
-        let mut tally = Tally::default();
+        let mut convergence = Convergence::NONE;
         for first in (0..points).step_by(GENERATION) {
             let (known, rest) = matrix.split_at_mut(first * points);
             let rows = &mut rest[..GENERATION.min(points - first) * points];
@@ -76,19 +88,14 @@ impl<'a> Lanes<'a> {
             let solved = batches.map(|(batch, rows)| {
                 let first = first + batch * PairwiseScan::LANES;
                 let sources: Vec<_> = (first..first + rows.len() / points).collect();
-                let sources = self.present(&sources);
+                let sources = without_holes(self.surface, &sources);
                 let convergence = self.scan.solve_below(known, first, &sources, stop, rows);
                 done(sources.len());
-                Tally::from(convergence)
+                convergence
             });
-            tally.add(solved.reduce(Tally::default, Tally::join));
+            let solved = solved.reduce(|| Convergence::NONE, Convergence::worse);
+            convergence = convergence.worse(solved);
         }
-        tally
-    }
-
-    /// Sources that are no holes.
-    fn present(&self, sources: &[usize]) -> Vec<Option<usize>> {
-        let present = self.surface.present();
-        sources.iter().map(|&source| present[source].then_some(source)).collect()
+        convergence
     }
 }

@@ -31,13 +31,11 @@ mod rows;
 
 use std::time::{Duration, Instant};
 
-use crate::Stop;
 use crate::solve::check_floor_plan;
 use crate::surface::Surface;
-use crate::{Engine, Error, Options, Wavefront};
+use crate::{Convergence, Engine, Error, Options, Stop, Wavefront};
 use engine::RowEngine;
 pub use report::PairwiseReport;
-use report::Tally;
 pub use rows::Rows;
 
 /// Computes rows of the distance matrix of a surface, with everything that they share ready.
@@ -48,7 +46,6 @@ pub use rows::Rows;
 pub struct Pairwise<'a> {
     surface: &'a Surface,
     engine: RowEngine<'a>,
-    wavefront: Wavefront,
     stop: Stop,
 }
 
@@ -73,19 +70,9 @@ impl<'a> Pairwise<'a> {
                     .into(),
             ));
         }
-        let wavefront = options.wavefront_from_a_point(surface);
-        if wavefront == Wavefront::Anchored {
-            check_floor_plan(surface)?;
-            if matches!(options.engine, Engine::Vulkan(_)) {
-                return Err(Error::Options(
-                    "the rows of a matrix have no anchored fronts on a Vulkan device; compute them on \
-                     the CPU, or with curved ones"
-                        .into(),
-                ));
-            }
-        }
+        let wavefront = wavefront_of_rows(surface, options)?;
         let engine = RowEngine::new(surface, wavefront, &options.engine)?;
-        Ok(Self { surface, engine, wavefront, stop })
+        Ok(Self { surface, engine, stop })
     }
 
     /// Number of grid points: of the matrix's rows and of its columns.
@@ -110,9 +97,9 @@ impl<'a> Pairwise<'a> {
     ) -> Result<(Vec<f32>, PairwiseReport), Error> {
         let sources: Vec<usize> = (0..self.points()).collect();
         let mut matrix = self.room_for_a_matrix()?;
-        let (start, mut tally) = (Instant::now(), Tally::default());
-        tally.add(self.engine.solve(&sources, self.stop, &mut matrix, &done)?);
-        Ok((matrix, self.report(sources.len(), tally, start.elapsed())))
+        let start = Instant::now();
+        let convergence = self.engine.solve(&sources, self.stop, &mut matrix, &done)?;
+        Ok((matrix, self.report(sources.len(), convergence, start.elapsed())))
     }
 
     /// The same with the symmetric initialisation (paper, eq. 20): rows are computed in
@@ -135,8 +122,8 @@ impl<'a> Pairwise<'a> {
         };
         let mut matrix = self.room_for_a_matrix()?;
         let start = Instant::now();
-        let tally = lanes.solve_by_symmetry(self.stop, &mut matrix, &done);
-        Ok((matrix, self.report(self.points(), tally, start.elapsed())))
+        let convergence = lanes.solve_by_symmetry(self.stop, &mut matrix, &done);
+        Ok((matrix, self.report(self.points(), convergence, start.elapsed())))
     }
 
     /// Computes the distances between some points alone, given by the index of their grid point: a
@@ -186,9 +173,9 @@ impl<'a> Pairwise<'a> {
         let (wave, stop, engine) = (self.wave(), self.stop, &mut self.engine);
         // In rayon's own threads from the first wave to the last: woken up anew for each, they are
         // often put on one core.
-        let (tally, time) =
+        let (convergence, time) =
             rayon::scope(|_| rows::stream(engine, sources, points, wave, stop, sink))?;
-        Ok(self.report(sources.len(), tally, time))
+        Ok(self.report(sources.len(), convergence, time))
     }
 
     /// Rows that are computed before they are handed over: enough to keep all threads at work.
@@ -204,17 +191,39 @@ impl<'a> Pairwise<'a> {
         rows::room(points, points)
     }
 
-    fn report(&self, rows: usize, tally: Tally, solve_time: Duration) -> PairwiseReport {
+    fn report(
+        &self,
+        rows: usize,
+        convergence: Convergence,
+        solve_time: Duration,
+    ) -> PairwiseReport {
         PairwiseReport {
             engine: self.engine.name(),
             device: self.engine.device().map(Into::into),
-            wavefront: self.wavefront,
+            wavefront: self.engine.wavefront(),
             rows,
             points: self.points(),
-            iterations: tally.iterations,
-            residual: tally.residual,
+            iterations: convergence.iterations,
+            residual: convergence.residual,
             tolerance: self.stop.tolerance,
             solve_time,
         }
     }
+}
+
+/// The wavefront of a matrix, whose sources are single points of the grid. Unlike that of a map it
+/// is the curved one over floor plans too, unless another is asked for.
+fn wavefront_of_rows(surface: &Surface, options: &Options) -> Result<Wavefront, Error> {
+    let wavefront = options.wavefront_from_a_point(surface);
+    if wavefront == Wavefront::Anchored {
+        check_floor_plan(surface)?;
+        if matches!(options.engine, Engine::Vulkan(_)) {
+            return Err(Error::Options(
+                "the rows of a matrix have no anchored fronts on a Vulkan device; compute them on \
+                 the CPU, or with curved ones"
+                    .into(),
+            ));
+        }
+    }
+    Ok(wavefront)
 }

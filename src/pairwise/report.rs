@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use crate::Convergence;
 use crate::Wavefront;
 
 /// How rows of a distance matrix were computed.
@@ -37,31 +36,5 @@ impl PairwiseReport {
     /// Distances a second.
     pub fn distances_per_second(&self) -> f64 {
         (self.rows * self.points) as f64 / self.solve_time.as_secs_f64()
-    }
-}
-
-/// The slowest and the least converged of some maps.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tally {
-    pub iterations: u32,
-    pub residual: f64,
-}
-
-impl Tally {
-    pub fn add(&mut self, other: Self) {
-        self.iterations = self.iterations.max(other.iterations);
-        self.residual = self.residual.max(other.residual);
-    }
-
-    /// Of two.
-    pub fn join(mut self, other: Self) -> Self {
-        self.add(other);
-        self
-    }
-}
-
-impl From<Convergence> for Tally {
-    fn from(Convergence { iterations, residual }: Convergence) -> Self {
-        Self { iterations, residual }
     }
 }

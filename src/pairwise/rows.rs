@@ -5,9 +5,7 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::engine::RowEngine;
-use super::report::Tally;
-use crate::Error;
-use crate::Stop;
+use crate::{Convergence, Error, Stop};
 
 /// Rows of the matrix that have just been computed.
 #[derive(Clone, Copy, Debug)]
@@ -43,10 +41,10 @@ pub(super) fn stream<E: From<Error> + Send>(
     wave: usize,
     stop: Stop,
     mut sink: impl FnMut(Rows) -> Result<(), E> + Send,
-) -> Result<(Tally, Duration), E> {
+) -> Result<(Convergence, Duration), E> {
     let wave = wave.min(sources.len());
     let (mut ready, mut next) = (room(wave, points)?, room(wave, points)?);
-    let (mut tally, start) = (Tally::default(), Instant::now());
+    let (mut convergence, start) = (Convergence::NONE, Instant::now());
     let (mut before, mut rest): (&[usize], _) = (&[], sources);
     while !(before.is_empty() && rest.is_empty()) {
         let (now, after) = rest.split_at(engine.whole_batches(rest, wave));
@@ -57,9 +55,9 @@ pub(super) fn stream<E: From<Error> + Send>(
             || engine.solve(now, stop, into, &|_| ()),
         );
         handed_over?;
-        tally.add(solved?);
+        convergence = convergence.worse(solved?);
         std::mem::swap(&mut ready, &mut next);
         (before, rest) = (now, after);
     }
-    Ok((tally, start.elapsed()))
+    Ok((convergence, start.elapsed()))
 }

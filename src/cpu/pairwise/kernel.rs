@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::cpu::state::TriangleSlots;
 use crate::cpu::tiles::Scan;
-use crate::surface::{Chart, Direction, EdgeLengths, Seed, min};
+use crate::surface::{Chart, Direction, EdgeLengths, Real, min};
 
 /// Maps that are computed side by side: as many as AVX-512 has lanes of single precision. With
 /// narrower instructions a few vectors stand for them, which hides the latency of square roots.
@@ -16,145 +16,94 @@ pub(super) const LANES: usize = 16;
 pub(super) struct Lanes(pub [f32; LANES]);
 
 impl Lanes {
+    /// Where no front has arrived.
+    pub(super) const UNREACHED: Self = Self::all(f32::FAR);
+
     pub(super) const fn all(value: f32) -> Self {
         Self([value; LANES])
     }
 
-    /// Whether one of these is later than the earliest of three others.
-    #[inline(always)]
-    pub(super) fn some_after(&self, others: [&Self; 3]) -> bool {
-        let mut some = false;
-        for lane in 0..LANES {
-            let [a, b, c] = others.map(|times| times.0[lane]);
-            some |= min(min(a, b), c) < self.0[lane];
-        }
-        some
-    }
-
     /// Takes the times that are earlier than these. Returns whether one of them is by more than
-    /// `how` wants; the largest changes are noted if `TRACKS`, else all count as large.
+    /// `wakes`, in units of its precision: then the points beside it are worth another visit. The
+    /// largest changes, in the same units, are noted if `TRACKS`, else all count as large.
     #[inline(always)]
     pub(super) fn lower<const TRACKS: bool>(
         &mut self,
-        times: [f32; LANES],
-        how: How,
+        times: Self,
+        wakes: u32,
         largest: &mut [u32; LANES],
     ) -> bool {
-        let mut wakes = !TRACKS;
-        for lane in 0..LANES {
+        let mut wakes_others = !TRACKS;
+        for (lane, largest) in largest.iter_mut().enumerate() {
             let old = self.0[lane];
-            let new = min(old, times[lane]);
+            let new = min(old, times.0[lane]);
             self.0[lane] = new;
             if TRACKS {
                 // No time grows.
                 let change = old.to_bits() - new.to_bits();
-                wakes |= change > how.wakes;
-                largest[lane] = largest[lane].max(change);
+                wakes_others |= change > wakes;
+                *largest = (*largest).max(change);
             }
         }
-        wakes
+        wakes_others
     }
 }
 
-/// Two triangles around a point and what lies at their corners.
+/// The lengths of two triangles around a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fan {
     /// Lengths of the edges to the neighbours behind: the one before, the one beside, the one after.
     pub edges: [f32; 3],
     /// Lengths of the edges between them.
     pub bases: [f32; 2],
-    /// Gaussian curvature at the point and at the three neighbours; zero unless it is needed.
-    pub gaussian: [f32; 4],
 }
 
-/// How points are updated.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct How {
-    pub scan: Scan,
-    /// Whether curved fronts that the scan has brought before are renewed.
-    pub renews: bool,
-    /// Changes above this, in units of the time's precision, are worth another visit beside them.
-    pub wakes: u32,
+impl Fan {
+    /// The sides of both triangles: the edges to the neighbour that comes first on the line and to
+    /// the next one, and the base between these.
+    pub(super) fn triangles(self) -> [[f32; 3]; 2] {
+        let [before, beside, after] = self.edges;
+        let [first, second] = self.bases;
+        [[before, beside, first], [beside, after, second]]
+    }
 }
 
-/// A front in lanes.
-pub(super) trait Kernel: Sized + 'static {
-    /// The maps at a point; the first lanes are the arrival times.
-    type State: Pod + Send + Sync;
-
+/// A front that its arrival times describe, in lanes.
+pub(super) trait Kernel: 'static {
     /// What all maps share at a point, for one of the scans.
     type Coefficients: Copy + Send + Sync;
 
-    /// Where no front has arrived.
-    const UNREACHED: Self::State;
-
-    /// Whether [`Fan::gaussian`] is needed, and fronts are renewed.
-    const BENDS: bool = false;
-
     fn coefficients(fan: Fan) -> Self::Coefficients;
 
-    /// Makes a point the source of one of the maps.
-    fn start(state: &mut Self::State, lane: usize, seed: Seed);
+    /// Whether a front from the three points behind could arrive before these times by more than
+    /// rounding, in one of the maps, as a cheap test sees it.
+    fn may_change(here: &Lanes, behind: [&Lanes; 3], coefficients: &Self::Coefficients) -> bool;
 
-    /// Whether an update could change a point by more than rounding, as a cheap test sees it.
-    fn may_change(
-        here: &Self::State,
-        behind: [&Self::State; 3],
-        coefficients: &Self::Coefficients,
-        how: How,
-    ) -> bool;
-
-    /// Updates a point from the three behind; returns whether a map has changed by more than `how`
-    /// wants. The largest changes of arrival times, in units of their precision, are noted if
-    /// `TRACKS`.
-    fn update<const TRACKS: bool>(
-        here: &mut Self::State,
-        behind: [&Self::State; 3],
-        coefficients: &Self::Coefficients,
-        how: How,
-        largest: &mut [u32; LANES],
-    ) -> bool;
+    /// When the fronts arrive from the three points behind.
+    fn arrivals(behind: [&Lanes; 3], coefficients: &Self::Coefficients) -> Lanes;
 }
 
 /// Where the two triangles of a scan lie, seen from their point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FanSlots {
-    triangles: [TriangleSlots; 2],
-    neighbours: [isize; 3],
-}
+pub(super) struct FanSlots([TriangleSlots; 2]);
 
 impl FanSlots {
     /// The neighbours that a scan has just passed, in the order of the points on its lines.
     pub(super) fn new(chart: Chart, scan: Scan) -> Self {
         use Direction::*;
-        let neighbours = match scan {
+        let [before, beside, after] = match scan {
             Scan::DOWN => [NorthWest, North, NorthEast],
             Scan::UP => [SouthWest, South, SouthEast],
             Scan::RIGHT => [NorthWest, West, SouthWest],
             _ => [NorthEast, East, SouthEast],
         };
-        let [before, beside, after] = neighbours;
-        Self {
-            triangles: [
-                TriangleSlots::new(chart, before, beside),
-                TriangleSlots::new(chart, beside, after),
-            ],
-            neighbours: neighbours.map(|neighbour| chart.offset(neighbour)),
-        }
+        Self([(before, beside), (beside, after)].map(|(a, b)| TriangleSlots::new(chart, a, b)))
     }
 
     /// The fan of a point of a bordered array.
-    pub(super) fn fan(&self, edges: &EdgeLengths<f32>, gaussian: &[f32], point: usize) -> Fan {
+    pub(super) fn fan(&self, edges: &EdgeLengths<f32>, point: usize) -> Fan {
         let [[before, beside, first], [_, after, second]] =
-            self.triangles.each_ref().map(|slots| slots.lengths(edges, point));
-        let [a, b, c] = self.neighbours;
-        let at = |offset: isize| {
-            gaussian.get(point.wrapping_add_signed(offset)).copied().unwrap_or_default()
-        };
-        Fan {
-            edges: [before, beside, after],
-            bases: [first, second],
-            gaussian: [at(0), at(a), at(b), at(c)],
-        }
+            self.0.each_ref().map(|slots| slots.lengths(edges, point));
+        Fan { edges: [before, beside, after], bases: [first, second] }
     }
 }

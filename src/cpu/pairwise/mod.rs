@@ -1,8 +1,8 @@
 //! All pairs: the maps of neighbouring sources in the lanes of one instruction stream (paper,
 //! section 5.1, Algorithm 4).
 
-mod curved;
 mod kernel;
+mod maps;
 mod marks;
 mod outward;
 mod pending;
@@ -12,15 +12,15 @@ mod reach;
 mod scans;
 mod stage;
 
-use super::{Instructions, RotatedScan};
-use crate::surface::{Chart, EdgeLengths, Seed};
+use super::Instructions;
+use crate::surface::{Chart, EdgeLengths};
 use crate::update::Wavefront;
 use crate::{Convergence, Stop};
-use curved::Curved;
 use kernel::LANES;
+use maps::Known;
 use planar::Planar;
 use point_source::PointSource;
-use scans::{Known, Scans};
+use scans::{BatchSolver, Scans};
 
 /// Solves for batches of maps of one surface, from any number of threads.
 ///
@@ -30,31 +30,25 @@ use scans::{Known, Scans};
 /// batch has changed since it passed, so sources in a batch should be neighbours.
 pub struct PairwiseScan {
     chart: Chart,
-    fronts: Fronts,
+    scans: Box<dyn BatchSolver>,
     instructions: Instructions,
-}
-
-enum Fronts {
-    Planar(Scans<Planar>),
-    PointSource(Scans<PointSource>),
-    Curved(Scans<Curved>),
-    /// One map after another: maps whose anchors differ have no update in common.
-    Anchored(Box<EdgeLengths<f32>>),
 }
 
 impl PairwiseScan {
     /// Number of maps in a batch.
     pub const LANES: usize = LANES;
 
-    /// Computes the coefficients of a surface, on the best instructions there are.
-    pub fn new(edges: &EdgeLengths<f32>, wavefront: Wavefront) -> Self {
-        let fronts = match wavefront.over(edges) {
-            Wavefront::Planar => Fronts::Planar(Scans::new(edges)),
-            Wavefront::PointSource => Fronts::PointSource(Scans::new(edges)),
-            Wavefront::Curved => Fronts::Curved(Scans::new(edges)),
-            Wavefront::Anchored => Fronts::Anchored(Box::new(edges.clone())),
+    /// Computes the coefficients of a surface, on the best instructions there are. `None` for a
+    /// wavefront whose maps have no update in common, because its fronts carry more than their
+    /// arrival time: [`Wavefront::Curved`] and [`Wavefront::Anchored`]. Those are computed map by
+    /// map, by [`RotatedScan`](super::RotatedScan).
+    pub fn new(edges: &EdgeLengths<f32>, wavefront: Wavefront) -> Option<Self> {
+        let scans: Box<dyn BatchSolver> = match wavefront {
+            Wavefront::Planar => Box::new(Scans::<Planar>::new(edges)),
+            Wavefront::PointSource => Box::new(Scans::<PointSource>::new(edges)),
+            Wavefront::Curved | Wavefront::Anchored => return None,
         };
-        Self { chart: edges.chart(), fronts, instructions: Instructions::best() }
+        Some(Self { chart: edges.chart(), scans, instructions: Instructions::best() })
     }
 
     /// Chooses the instructions; the maps do not depend on them.
@@ -67,14 +61,9 @@ impl PairwiseScan {
         self
     }
 
-    /// Bytes that a solver holds for a grid of some size: for itself, and for each batch that is
-    /// computed at the same time.
-    pub fn bytes(chart: Chart, wavefront: Wavefront) -> (usize, usize) {
-        match wavefront {
-            Wavefront::Planar => Scans::<Planar>::bytes(chart),
-            Wavefront::PointSource => Scans::<PointSource>::bytes(chart),
-            Wavefront::Curved | Wavefront::Anchored => Scans::<Curved>::bytes(chart),
-        }
+    /// Bytes held: for the surface, and for each batch that is computed at the same time.
+    pub fn bytes(&self) -> (usize, usize) {
+        self.scans.bytes()
     }
 
     /// Computes the distances from at most [`Self::LANES`] grid points, given by their index, to
@@ -102,12 +91,10 @@ impl PairwiseScan {
 
     /// The same for sources that follow one another from `first` on, with the symmetric
     /// initialisation (paper, eq. 20): distances from them to the first points are taken from
-    /// `rows`, the distances from those points, and are not computed again. The planar and the
-    /// point-source front only, since a curved one would need curvatures there too.
+    /// `rows`, the distances from those points, and are not computed again.
     ///
     /// # Panics
-    /// As [`Self::solve`]; if `rows` are not whole rows of the matrix's first `first` ones; and with
-    /// the curved wavefront.
+    /// As [`Self::solve`]; and if `rows` are not whole rows of the matrix's first `first` ones.
     pub fn solve_below(
         &self,
         rows: &[f32],
@@ -116,8 +103,6 @@ impl PairwiseScan {
         stop: Stop,
         into: &mut [f32],
     ) -> Convergence {
-        let straight = matches!(self.fronts, Fronts::Planar(_) | Fronts::PointSource(_));
-        assert!(straight, "curvatures are not known");
         let count = rows.len() / self.chart.points();
         assert!(rows.len().is_multiple_of(self.chart.points()) && count <= first, "rows before");
         let follow = |(lane, source): (usize, &Option<usize>)| {
@@ -144,36 +129,6 @@ impl PairwiseScan {
         assert_eq!(into.len(), sources.len(), "a row for each source");
         let points = self.chart.points();
         assert!(into.iter().flatten().all(|row| row.len() == points), "rows of {points} points");
-        let instructions = self.instructions;
-        match &self.fronts {
-            Fronts::Planar(scans) => scans.solve(sources, known, stop, instructions, into),
-            Fronts::PointSource(scans) => scans.solve(sources, known, stop, instructions, into),
-            Fronts::Curved(scans) => scans.solve(sources, known, stop, instructions, into),
-            Fronts::Anchored(edges) => self.solve_each(edges, sources, stop, into),
-        }
-    }
-
-    fn solve_each(
-        &self,
-        edges: &EdgeLengths<f32>,
-        sources: &[Option<usize>],
-        stop: Stop,
-        into: &mut [Option<&mut [f32]>],
-    ) -> Convergence {
-        let solver = RotatedScan::new(edges, Wavefront::Anchored);
-        let mut solver = solver.with_instructions(self.instructions);
-        let mut all = Convergence { iterations: 0, residual: 0.0 };
-        for (source, row) in sources.iter().zip(into) {
-            let Some(row) = row else { continue };
-            row.fill(f32::INFINITY);
-            let Some((row_of, col)) = source.map(|point| self.chart.position(point)) else {
-                continue;
-            };
-            let found = solver.solve(&[Seed::at_source(row_of, col, 0.0)], stop);
-            row.copy_from_slice(&solver.distances());
-            all.iterations = all.iterations.max(found.iterations);
-            all.residual = all.residual.max(found.residual);
-        }
-        all
+        self.scans.solve(sources, known, stop, self.instructions, into)
     }
 }

@@ -15,13 +15,10 @@ pub(super) struct Pending {
     changed: [Marks; 2],
     /// Points before this one, row-major, are known and never visited.
     known: usize,
-    /// Whether scans visit changed points too: where fronts are renewed, times may grow, and then
-    /// one that came second may be the first.
-    renews: bool,
 }
 
 impl Pending {
-    pub(super) fn new(chart: Chart, renews: bool) -> Self {
+    pub(super) fn new(chart: Chart) -> Self {
         let Chart { rows, cols } = chart;
         let (by_rows, by_cols) = (Marks::none(rows, cols), Marks::none(cols, rows));
         Self {
@@ -29,7 +26,6 @@ impl Pending {
             visits: [by_rows.clone(), by_rows.clone(), by_cols.clone(), by_cols.clone()],
             changed: [by_rows, by_cols],
             known: 0,
-            renews,
         }
     }
 
@@ -86,10 +82,6 @@ impl Pending {
         }
         if line > 0 {
             self.visits[index(backward)].spread(line - 1, changed);
-        }
-        if self.renews {
-            self.visits[index(forward)].spread(line, changed);
-            self.visits[index(backward)].spread(line, changed);
         }
     }
 
@@ -164,7 +156,7 @@ mod tests {
 
     #[test]
     fn a_source_wakes_its_neighbours_and_nothing_else() {
-        let mut pending = Pending::new(Chart { rows: 4, cols: 5 }, false);
+        let mut pending = Pending::new(Chart { rows: 4, cols: 5 });
         pending.start(0);
         pending.touch(1, 4);
         assert_eq!(take(&mut pending, Scan::DOWN, 2), [3, 4]);
@@ -176,7 +168,7 @@ mod tests {
     #[test]
     fn a_change_wakes_its_neighbours_ahead_of_each_scan() {
         for scan in SCANS {
-            let mut pending = Pending::new(Chart { rows: 80, cols: 90 }, false);
+            let mut pending = Pending::new(Chart { rows: 80, cols: 90 });
             pending.start(0);
             let (line, point) = if scan.by_rows() { (65, 64) } else { (64, 65) };
             pending.changed[kind(scan)].mark(line, point);
@@ -195,7 +187,7 @@ mod tests {
         let chart = Chart { rows: 4, cols: 5 };
         for known in 1..=20 {
             for scan in SCANS {
-                let mut pending = Pending::new(chart, false);
+                let mut pending = Pending::new(chart);
                 pending.start(known);
                 let mut visited = Vec::new();
                 for line in 0..pending.lines(scan) {

@@ -1,8 +1,8 @@
 //! The planar wavefront in lanes, from coefficients that all maps share.
 
-use super::kernel::{Fan, How, Kernel, LANES, Lanes};
+use super::kernel::{Fan, Kernel, LANES, Lanes};
 use super::reach::Reach;
-use crate::surface::{Real, Seed, max, min};
+use crate::surface::{Real, max, min};
 use crate::update::Corner;
 
 pub(super) struct Planar;
@@ -13,7 +13,7 @@ pub(super) struct Planar;
 /// `low` and `high`. Beyond them the ray runs along an edge, which is what the same formula gives
 /// at the nearer one of them: the coefficients make the Dijkstra step (16) without a comparison.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Triangle {
+pub(super) struct PlanarTriangle {
     low: f32,
     high: f32,
     w: f32,
@@ -25,11 +25,11 @@ pub(super) struct Triangle {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coefficients {
     reach: Reach,
-    triangles: [Triangle; 2],
+    triangles: [PlanarTriangle; 2],
 }
 
-impl Triangle {
-    fn new(l1: f32, l2: f32, c: f32) -> Self {
+impl PlanarTriangle {
+    fn new([l1, l2, c]: [f32; 3]) -> Self {
         let along_edges = |alpha, low| Self { low, high: f32::FAR, w: 0.0, alpha, beta: 0.0 };
         match Corner::new(l1, l2, c) {
             Corner::Triangle { foot, height, base } => {
@@ -62,22 +62,10 @@ impl Triangle {
 }
 
 impl Kernel for Planar {
-    type State = Lanes;
     type Coefficients = Coefficients;
 
-    const UNREACHED: Lanes = Lanes::all(f32::FAR);
-
     fn coefficients(fan: Fan) -> Coefficients {
-        let [before, beside, after] = fan.edges;
-        let [first, second] = fan.bases;
-        Coefficients {
-            reach: Reach::new(fan),
-            triangles: [Triangle::new(before, beside, first), Triangle::new(beside, after, second)],
-        }
-    }
-
-    fn start(times: &mut Lanes, lane: usize, seed: Seed) {
-        times.0[lane] = seed.time as f32;
+        Coefficients { reach: Reach::new(fan), triangles: fan.triangles().map(PlanarTriangle::new) }
     }
 
     #[inline(always)]
@@ -85,7 +73,6 @@ impl Kernel for Planar {
         here: &Lanes,
         [before, beside, after]: [&Lanes; 3],
         Coefficients { reach, .. }: &Coefficients,
-        _: How,
     ) -> bool {
         let mut some = false;
         for lane in 0..LANES {
@@ -96,18 +83,15 @@ impl Kernel for Planar {
     }
 
     #[inline(always)]
-    fn update<const TRACKS: bool>(
-        here: &mut Lanes,
+    fn arrivals(
         [before, beside, after]: [&Lanes; 3],
         Coefficients { triangles: [left, right], .. }: &Coefficients,
-        how: How,
-        largest: &mut [u32; LANES],
-    ) -> bool {
+    ) -> Lanes {
         let mut times = Lanes::all(0.0);
         for lane in 0..LANES {
             let (a, b, c) = (before.0[lane], beside.0[lane], after.0[lane]);
             times.0[lane] = min(left.arrival(a, b), right.arrival(b, c));
         }
-        here.lower::<TRACKS>(times.0, how, largest)
+        times
     }
 }

@@ -1,8 +1,8 @@
 //! The point-source wavefront in lanes, from coefficients that all maps share.
 
-use super::kernel::{Fan, How, Kernel, LANES, Lanes};
+use super::kernel::{Fan, Kernel, LANES, Lanes};
 use super::reach::{Bulge, Reach};
-use crate::surface::{Real, Seed, min};
+use crate::surface::min;
 use crate::update::Corner;
 
 pub(super) struct PointSource;
@@ -10,7 +10,7 @@ pub(super) struct PointSource;
 /// What the circular update needs of a triangle, with x1 at the origin, x2 at (base, 0) and x0 at
 /// (foot, height). Not a number where there is no triangle, so that every comparison fails.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Triangle {
+pub(super) struct CircularTriangle {
     half_base: f32,
     half_per_base: f32,
     /// Square of the length of x0 x1.
@@ -28,11 +28,11 @@ pub(super) struct Coefficients {
     edges: [f32; 3],
     reach: Reach,
     bulge: Bulge,
-    triangles: [Triangle; 2],
+    triangles: [CircularTriangle; 2],
 }
 
-impl Triangle {
-    fn new(l1: f32, l2: f32, c: f32) -> Self {
+impl CircularTriangle {
+    fn new([l1, l2, c]: [f32; 3]) -> Self {
         let (foot, height, base) = match Corner::new(l1, l2, c) {
             Corner::Triangle { foot, height, base } => (foot, height, base),
             _ => (f64::NAN, f64::NAN, f64::NAN),
@@ -68,24 +68,15 @@ impl Triangle {
 }
 
 impl Kernel for PointSource {
-    type State = Lanes;
     type Coefficients = Coefficients;
 
-    const UNREACHED: Lanes = Lanes::all(f32::FAR);
-
     fn coefficients(fan: Fan) -> Coefficients {
-        let [before, beside, after] = fan.edges;
-        let [first, second] = fan.bases;
         Coefficients {
             edges: fan.edges,
             reach: Reach::new(fan),
             bulge: Bulge::new(fan),
-            triangles: [Triangle::new(before, beside, first), Triangle::new(beside, after, second)],
+            triangles: fan.triangles().map(CircularTriangle::new),
         }
-    }
-
-    fn start(times: &mut Lanes, lane: usize, seed: Seed) {
-        times.0[lane] = seed.time as f32;
     }
 
     #[inline(always)]
@@ -93,7 +84,6 @@ impl Kernel for PointSource {
         here: &Lanes,
         [before, beside, after]: [&Lanes; 3],
         Coefficients { reach, bulge, .. }: &Coefficients,
-        _: How,
     ) -> bool {
         let mut some = false;
         for lane in 0..LANES {
@@ -105,13 +95,10 @@ impl Kernel for PointSource {
     }
 
     #[inline(always)]
-    fn update<const TRACKS: bool>(
-        here: &mut Lanes,
+    fn arrivals(
         [before, beside, after]: [&Lanes; 3],
         Coefficients { edges, triangles: [left, right], .. }: &Coefficients,
-        how: How,
-        largest: &mut [u32; LANES],
-    ) -> bool {
+    ) -> Lanes {
         let mut times = Lanes::all(0.0);
         for lane in 0..LANES {
             let (a, b, c) = (before.0[lane], beside.0[lane], after.0[lane]);
@@ -120,6 +107,6 @@ impl Kernel for PointSource {
             let squared = min(left.arrival_squared(aa, bb), right.arrival_squared(bb, cc));
             times.0[lane] = min(along_edge, squared.sqrt());
         }
-        here.lower::<TRACKS>(times.0, how, largest)
+        times
     }
 }

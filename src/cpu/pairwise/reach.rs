@@ -95,7 +95,6 @@ mod tests {
                 let fan = Fan {
                     edges: [before, beside, after].map(|corner| corner.length() as f32),
                     bases: [before.distance(beside) as f32, beside.distance(after) as f32],
-                    gaussian: [0.0; 4],
                 };
                 for (angle, far) in
                     steps(-2.5, 2.5).flat_map(|a| [1.5, 3.0, 20.0, 300.0].map(move |far| (a, far)))
@@ -146,7 +145,7 @@ mod tests {
     #[test]
     fn what_is_not_reached_is_never_kept() {
         let far = f32::FAR;
-        let fan = Fan { edges: [far, 1.0, far], bases: [far; 2], gaussian: [0.0; 4] };
+        let fan = Fan { edges: [far, 1.0, far], bases: [far; 2] };
         let earliest = Reach::new(fan).earliest(far, 0.0, far);
         assert_eq!(earliest, 1.0);
         assert!(!Bulge::new(fan).keeps(earliest - far, 0.0));
@@ -157,7 +156,7 @@ mod tests {
     #[test]
     fn the_scan_across_leaves_what_has_arrived() {
         let diagonal = 2f32.sqrt();
-        let fan = Fan { edges: [diagonal, 1.0, diagonal], bases: [1.0; 2], gaussian: [0.0; 4] };
+        let fan = Fan { edges: [diagonal, 1.0, diagonal], bases: [1.0; 2] };
         // From the west, where the source lies to the north, at these angles from north.
         for angle in (0..44).map(|degrees| (degrees as f32).to_radians()) {
             let (south, east) = (angle.cos(), angle.sin());

@@ -2,16 +2,15 @@
 
 use std::sync::Mutex;
 
-use bytemuck::Pod;
-
-use super::kernel::{FanSlots, How, Kernel, LANES};
+use super::kernel::{FanSlots, Kernel, LANES, Lanes};
+use super::maps::{Known, Maps};
 use super::marks::WORD;
-use super::outward::{Outward, Passing};
-use super::pending::{Pending, SCANS};
-use super::stage::Stage;
+use super::outward::Passing;
+use super::pending::SCANS;
+use crate::cpu::tiles::Scan;
 use crate::cpu::{Instructions, Progress};
 use crate::lanes::Work;
-use crate::surface::{Chart, EdgeLengths, Real, Seed};
+use crate::surface::{Chart, EdgeLengths};
 use crate::{Convergence, Stop};
 
 /// The coefficients of a surface for one kind of front, and work space for as many batches as
@@ -20,42 +19,31 @@ pub(super) struct Scans<K: Kernel> {
     chart: Chart,
     /// For each scan the coefficients of all points, in the order in which it passes them.
     coefficients: [Vec<K::Coefficients>; 4],
-    spare: Mutex<Vec<Maps<K>>>,
+    spare: Mutex<Vec<Maps>>,
 }
 
-/// The maps of a batch: bordered arrays of points, a lane of each for one of the maps. No point is
-/// reached between two batches.
-struct Maps<K: Kernel> {
-    points: Vec<K::State>,
-    pending: Pending,
-    /// What the scans of the first iteration are kept to; none afterwards.
-    outward: Option<Outward>,
-    stage: Stage,
-}
+/// Scans, whatever their front.
+pub(super) trait BatchSolver: Send + Sync {
+    /// Bytes of the coefficients, and of the work space of one batch.
+    fn bytes(&self) -> (usize, usize);
 
-/// What a batch starts from: the rows of the distance matrix above its own, or nothing.
-#[derive(Clone, Copy)]
-pub(super) struct Known<'a> {
-    /// Rows of the matrix, one after another.
-    pub rows: &'a [f32],
-    /// How many of them are taken over (eq. 20), for as many points, row-major.
-    pub count: usize,
-    /// The first source of the batch.
-    pub column: usize,
-}
-
-impl Known<'_> {
-    pub(super) const NOTHING: Self = Self { rows: &[], count: 0, column: 0 };
+    /// Computes the maps of at most [`LANES`] sources, into rows for those that are wanted.
+    fn solve(
+        &self,
+        sources: &[Option<usize>],
+        known: Known,
+        stop: Stop,
+        instructions: Instructions,
+        into: &mut [Option<&mut [f32]>],
+    ) -> Convergence;
 }
 
 impl<K: Kernel> Scans<K> {
     pub(super) fn new(edges: &EdgeLengths<f32>) -> Self {
         let chart = edges.chart();
-        let gaussian = if K::BENDS { edges.gaussian_curvature() } else { &[] };
         let coefficients = SCANS.map(|scan| {
             let slots = FanSlots::new(chart, scan);
-            let at =
-                |row, col| K::coefficients(slots.fan(edges, gaussian, chart.bordered(row, col)));
+            let at = |row, col| K::coefficients(slots.fan(edges, chart.bordered(row, col)));
             if scan.by_rows() {
                 (0..chart.points()).map(|k| at(k / chart.cols, k % chart.cols)).collect()
             } else {
@@ -65,39 +53,9 @@ impl<K: Kernel> Scans<K> {
         Self { chart, coefficients, spare: Mutex::default() }
     }
 
-    /// Bytes of the coefficients, and of the work space of one batch.
-    pub(super) fn bytes(chart: Chart) -> (usize, usize) {
-        let coefficients = 4 * chart.points() * size_of::<K::Coefficients>();
-        let points = chart.bordered_points() * size_of::<K::State>();
-        (coefficients, points + Pending::bytes(chart) + Stage::bytes(chart))
-    }
-
-    /// Computes the maps of at most [`LANES`] sources, into rows for those that are wanted.
-    pub(super) fn solve(
-        &self,
-        sources: &[Option<usize>],
-        known: Known,
-        stop: Stop,
-        instructions: Instructions,
-        into: &mut [Option<&mut [f32]>],
-    ) -> Convergence {
-        let spare = self.spare.lock().expect("nothing panics while it is held").pop();
-        let mut maps = spare.unwrap_or_else(|| Maps::new(self.chart));
-        maps.start(self.chart, sources, known);
-        let convergence = if stop.iterations == 1 {
-            // Whatever a single iteration changes, it was the last.
-            self.iterate::<false>(&mut maps, stop, instructions)
-        } else {
-            self.iterate::<true>(&mut maps, stop, instructions)
-        };
-        maps.stage.store::<K>(self.chart, &mut maps.points, instructions, into);
-        self.spare.lock().expect("nothing panics while it is held").push(maps);
-        convergence
-    }
-
     fn iterate<const TRACKS: bool>(
         &self,
-        maps: &mut Maps<K>,
+        maps: &mut Maps,
         stop: Stop,
         instructions: Instructions,
     ) -> Convergence {
@@ -107,8 +65,7 @@ impl<K: Kernel> Scans<K> {
         loop {
             let mut largest = 0;
             for scan in SCANS {
-                let how = How { scan, renews: progress.renews(), wakes };
-                largest = largest.max(self.scan::<TRACKS>(maps, how, instructions));
+                largest = largest.max(self.scan::<TRACKS>(maps, scan, wakes, instructions));
             }
             maps.outward = None;
             if !TRACKS {
@@ -124,12 +81,12 @@ impl<K: Kernel> Scans<K> {
     /// One scan over the pending points; returns the largest change.
     fn scan<const TRACKS: bool>(
         &self,
-        maps: &mut Maps<K>,
-        how: How,
+        maps: &mut Maps,
+        scan: Scan,
+        wakes: u32,
         instructions: Instructions,
     ) -> u32 {
         let Maps { points, pending, outward, .. } = maps;
-        let scan = how.scan;
         let (lines, stride) = (pending.lines(scan), self.chart.stride());
         let (step, across) = if scan.by_rows() { (1, stride) } else { (stride, 1) };
         let behind = if scan.is_forward() { -(across as isize) } else { across as isize };
@@ -150,7 +107,7 @@ impl<K: Kernel> Scans<K> {
                 Passing::Some(maps) => maps,
                 _ => [u32::MAX; LANES],
             };
-            let work = Line::<K> {
+            let work = MarkedLine::<K> {
                 points,
                 first: (line + 1) * across + step,
                 step,
@@ -158,7 +115,7 @@ impl<K: Kernel> Scans<K> {
                 coefficients: &coefficients[line * on_line..][..on_line],
                 marks,
                 maps,
-                how,
+                wakes,
             };
             let change = match passing {
                 Passing::All => instructions.run(Visit::<K, TRACKS, true>(work)),
@@ -172,41 +129,38 @@ impl<K: Kernel> Scans<K> {
     }
 }
 
-impl<K: Kernel> Maps<K> {
-    fn new(chart: Chart) -> Self {
-        Self {
-            points: vec![K::UNREACHED; chart.bordered_points()],
-            pending: Pending::new(chart, K::BENDS),
-            outward: None,
-            stage: Stage::new(chart),
-        }
+impl<K: Kernel> BatchSolver for Scans<K> {
+    fn bytes(&self) -> (usize, usize) {
+        let coefficients = self.coefficients.iter().map(Vec::len).sum::<usize>();
+        (coefficients * size_of::<K::Coefficients>(), Maps::bytes(self.chart))
     }
 
-    /// Reaches the sources and what is known.
-    fn start(&mut self, chart: Chart, sources: &[Option<usize>], known: Known) {
-        self.pending.start(known.count);
-        self.outward = Outward::new(chart, sources);
-        for (point, row) in known.rows.chunks_exact(chart.points()).enumerate() {
-            let (at, col) = chart.position(point);
-            let numbers: &mut [f32] =
-                bytemuck::cast_slice_mut(&mut self.points[chart.bordered(at, col)..][..1]);
-            let found = &row[known.column..][..sources.len()];
-            for (time, distance) in numbers.iter_mut().zip(found) {
-                *time = distance.min(f32::FAR);
-            }
-        }
-        for (lane, source) in sources.iter().enumerate() {
-            let Some((row, col)) = source.map(|point| chart.position(point)) else { continue };
-            let seed = Seed::at_source(row, col, 0.0);
-            K::start(&mut self.points[chart.bordered(row, col)], lane, seed);
-            self.pending.touch(row, col);
-        }
+    fn solve(
+        &self,
+        sources: &[Option<usize>],
+        known: Known,
+        stop: Stop,
+        instructions: Instructions,
+        into: &mut [Option<&mut [f32]>],
+    ) -> Convergence {
+        let spare = self.spare.lock().expect("nothing panics while it is held").pop();
+        let mut maps = spare.unwrap_or_else(|| Maps::new(self.chart));
+        maps.start(self.chart, sources, known);
+        let convergence = if stop.iterations == 1 {
+            // Whatever a single iteration changes, it was the last.
+            self.iterate::<false>(&mut maps, stop, instructions)
+        } else {
+            self.iterate::<true>(&mut maps, stop, instructions)
+        };
+        maps.stage.store(self.chart, &mut maps.points, instructions, into);
+        self.spare.lock().expect("nothing panics while it is held").push(maps);
+        convergence
     }
 }
 
 /// The marked points of a line, and the line behind.
-struct Line<'a, K: Kernel> {
-    points: &'a mut [K::State],
+struct MarkedLine<'a, K: Kernel> {
+    points: &'a mut [Lanes],
     /// The first point of the bordered array, from there to the next, and to the neighbour behind.
     first: usize,
     step: usize,
@@ -215,19 +169,20 @@ struct Line<'a, K: Kernel> {
     marks: &'a mut [u64],
     /// All bits set for the maps that pass the line.
     maps: [u32; LANES],
-    how: How,
+    /// Changes above this wake the points beside; see [`Lanes::lower`].
+    wakes: u32,
 }
 
 /// The update of the marked points of a line, in `ALL` maps or in those that pass it. Leaves those
 /// marked that have changed, and returns the largest change.
-struct Visit<'a, K: Kernel, const TRACKS: bool, const ALL: bool>(Line<'a, K>);
+struct Visit<'a, K: Kernel, const TRACKS: bool, const ALL: bool>(MarkedLine<'a, K>);
 
 impl<K: Kernel, const TRACKS: bool, const ALL: bool> Work for Visit<'_, K, TRACKS, ALL> {
     type Output = u32;
 
     #[inline(always)]
     fn run(self) -> u32 {
-        let Line { points, first, step, behind, coefficients, marks, maps, how } = self.0;
+        let MarkedLine { points, first, step, behind, coefficients, marks, maps, wakes } = self.0;
         let mut largest = [0; LANES];
         for (k, word) in marks.iter_mut().enumerate() {
             let (mut visits, mut changed) = (*word, 0);
@@ -239,11 +194,11 @@ impl<K: Kernel, const TRACKS: bool, const ALL: bool> Work for Visit<'_, K, TRACK
                 let beside = here.wrapping_add_signed(behind);
                 let behind = [&points[beside - step], &points[beside], &points[beside + step]];
                 let (mut state, coefficients) = (points[here], &coefficients[point]);
-                if K::may_change(&state, behind, coefficients, how) {
+                if K::may_change(&state, behind, coefficients) {
+                    let arrivals = K::arrivals(behind, coefficients);
                     // Not as a branch: nobody could foretell it.
-                    let wakes =
-                        K::update::<TRACKS>(&mut state, behind, coefficients, how, &mut largest);
-                    changed |= u64::from(wakes) << bit;
+                    let wakes_others = state.lower::<TRACKS>(arrivals, wakes, &mut largest);
+                    changed |= u64::from(wakes_others) << bit;
                     points[here] = if ALL { state } else { merged(state, points[here], maps) };
                 }
             }
@@ -255,13 +210,10 @@ impl<K: Kernel, const TRACKS: bool, const ALL: bool> Work for Visit<'_, K, TRACK
 
 /// A point in the maps that pass it as it has become, in the others as it was.
 #[inline(always)]
-fn merged<S: Pod>(mut new: S, old: S, maps: [u32; LANES]) -> S {
-    let numbers: &mut [[u32; LANES]] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut new));
-    let before: &[[u32; LANES]] = bytemuck::cast_slice(std::slice::from_ref(&old));
-    for (new, old) in numbers.iter_mut().zip(before) {
-        for lane in 0..LANES {
-            new[lane] = (new[lane] & maps[lane]) | (old[lane] & !maps[lane]);
-        }
+fn merged(new: Lanes, old: Lanes, maps: [u32; LANES]) -> Lanes {
+    let (mut new, old): ([u32; LANES], [u32; LANES]) = (bytemuck::cast(new), bytemuck::cast(old));
+    for lane in 0..LANES {
+        new[lane] = (new[lane] & maps[lane]) | (old[lane] & !maps[lane]);
     }
-    new
+    bytemuck::cast(new)
 }

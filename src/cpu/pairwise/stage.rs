@@ -1,6 +1,6 @@
 //! From maps in lanes to rows of a matrix.
 
-use super::kernel::{Kernel, LANES, Lanes};
+use super::kernel::{LANES, Lanes};
 use crate::cpu::Instructions;
 use crate::cpu::stream::stream;
 use crate::cpu::transpose::{Block, transpose};
@@ -27,23 +27,22 @@ impl Stage {
     }
 
     /// Writes the distances of each map that has a row, and leaves the points unreached.
-    pub(super) fn store<K: Kernel>(
+    pub(super) fn store(
         &mut self,
         chart: Chart,
-        points: &mut [K::State],
+        points: &mut [Lanes],
         instructions: Instructions,
         into: &mut [Option<&mut [f32]>],
     ) {
         let staged: &mut [f32] = bytemuck::cast_slice_mut(&mut self.rows);
         let to_stride = staged.len() / LANES;
-        let from_stride = size_of::<K::State>() / size_of::<f32>();
         for first in (0..chart.rows).step_by(self.band) {
             let rows = first..chart.rows.min(first + self.band);
             for row in rows.clone() {
                 let line = &mut points[chart.bordered(row, 0)..][..chart.cols];
                 let block = Block {
                     from: 0,
-                    from_stride,
+                    from_stride: LANES,
                     to: chart.index(row - first, 0),
                     to_stride,
                     rows: chart.cols,
@@ -51,7 +50,7 @@ impl Stage {
                 };
                 transpose(bytemuck::cast_slice_mut::<_, f32>(line), staged, block, instructions);
                 // While it is at hand.
-                instructions.run(Clear::<K>(line));
+                instructions.run(Clear(line));
             }
             let (start, count) = (chart.index(first, 0), rows.len() * chart.cols);
             let rows = into.iter_mut().zip(staged.chunks_exact(to_stride));
@@ -67,13 +66,13 @@ fn band(chart: Chart) -> usize {
     (2048 / chart.cols).clamp(1, chart.rows)
 }
 
-struct Clear<'a, K: Kernel>(&'a mut [K::State]);
+struct Clear<'a>(&'a mut [Lanes]);
 
-impl<K: Kernel> Work for Clear<'_, K> {
+impl Work for Clear<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        self.0.fill(K::UNREACHED);
+        self.0.fill(Lanes::UNREACHED);
     }
 }

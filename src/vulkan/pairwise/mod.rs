@@ -12,10 +12,10 @@ mod pipelines;
 mod progress;
 mod record;
 mod resources;
+mod schedule;
 mod steps;
 mod tally;
 
-use std::fmt;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -27,48 +27,14 @@ use super::profile::{self, Detail, Grain, Session, SolveProfile};
 use super::{Schedule, Solver, SurfaceOnDevice, TexelChart, Tuning, VulkanError};
 use crate::update::Wavefront;
 use crate::{Convergence, Stop};
-use layout::{Layout, Limits};
+use layout::{BatchLayout, BatchLimits};
 use pipelines::Passes;
-use progress::{MapProgress, Outcome};
+use progress::{BatchOutcome, MapProgress};
 use record::Recorder;
 use resources::Resources;
+pub use schedule::PairwiseSchedule;
 use steps::Step;
 use tally::Tally;
-
-/// Where the maps of many sources lie while a device computes them. Both ways lead to the same
-/// maps, scan by scan.
-///
-/// Measured on lavapipe (Mesa 22.3, by the processor's time): on 32 x 32 points maps in shared memory
-/// take about half the time of maps in images, on 64 x 64 points 0.8 to 1.1 times. No GPU has been at
-/// hand; there the first way needs no traffic with memory but for the lengths, which caches hold, and
-/// no barrier beyond a workgroup.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum PairwiseSchedule {
-    /// A map in the shared memory of a workgroup: for small grids, with 16 KiB up to 64 x 64 points
-    /// where fronts are straight or circular and half as many where they are curved or anchored.
-    SharedMemory,
-    /// All maps in the layers of images.
-    Images,
-}
-
-impl PairwiseSchedule {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::SharedMemory, Self::Images];
-
-    /// The name used in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::SharedMemory => "shared memory",
-            Self::Images => "images",
-        }
-    }
-}
-
-impl fmt::Display for PairwiseSchedule {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
 
 /// Room on a device for the maps of a batch of sources of one surface.
 ///
@@ -91,7 +57,7 @@ pub struct PairwiseOnDevice {
     edges: vk::Image,
     texels: TexelChart,
     wavefront: Wavefront,
-    layout: Layout,
+    layout: BatchLayout,
     passes: Passes,
     resources: Resources,
     commands: Commands,
@@ -124,8 +90,8 @@ impl Solver {
         let properties = unsafe {
             context.instance.handle.get_physical_device_properties(context.physical_device)
         };
-        let limits = Limits::of(&properties);
-        let layout = Layout::new(chart, texels, wavefront, schedule, &limits);
+        let limits = BatchLimits::of(&properties);
+        let layout = BatchLayout::new(chart, texels, wavefront, schedule, &limits);
         let Some(layout) = layout else {
             let available = limits.shared_memory;
             return Err(VulkanError::NotInSharedMemory { rows, cols, device, available });
@@ -171,6 +137,12 @@ impl PairwiseOnDevice {
     /// Sources whose maps are computed at a time; more are computed one batch after another.
     pub fn batch(&self) -> usize {
         self.layout.maps as usize
+    }
+
+    /// The front of the maps: the one that was asked for, or the curved one in place of the anchored
+    /// one.
+    pub fn wavefront(&self) -> Wavefront {
+        self.wavefront
     }
 
     /// Where the maps lie.
@@ -261,11 +233,11 @@ impl PairwiseOnDevice {
         assert_eq!(into.len(), sources.len() * points, "a row for each source");
         assert!(sources.iter().flatten().all(|&source| source < points), "sources are grid points");
         let batch = self.batch();
-        let mut convergence = progress::NOTHING;
+        let mut convergence = Convergence::NONE;
         for (sources, rows) in sources.chunks(batch).zip(into.chunks_mut(batch * points)) {
             let watched = session.as_deref_mut();
             let of_batch = self.solve_batch(solver, sources, stop, rows, &edit, watched)?;
-            convergence = progress::worse(convergence, of_batch);
+            convergence = convergence.worse(of_batch);
         }
         self.context.check_validation()?;
         Ok(convergence)
@@ -289,7 +261,7 @@ impl PairwiseOnDevice {
         let Some(reached) = Reached::around(sources.iter().flatten().map(|&source| texel(source)))
         else {
             into.fill(f32::INFINITY);
-            return Ok(progress::NOTHING);
+            return Ok(Convergence::NONE);
         };
         let tuning = solver.pipelines.pipelines.tuning;
         let texels = self.texels.inner();
@@ -312,7 +284,7 @@ impl PairwiseOnDevice {
                 let tally = Tally { layout: &self.layout, sources };
                 tally.settle(session.last(), &before, &gone);
             }
-            let outcome = Outcome::read(sources.len(), self.resources.read_outcome());
+            let outcome = BatchOutcome::read(sources.len(), self.resources.read_outcome());
             if outcome.is_done {
                 break outcome;
             }

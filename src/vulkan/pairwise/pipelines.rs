@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use super::layout::Layout;
+use super::layout::BatchLayout;
 use crate::vulkan::VulkanError;
 use crate::vulkan::pipelines::{Pass, Pipelines, SchedulePipelines, constant::*, scan_pass, spirv};
 use crate::vulkan::plan::Scan;
@@ -24,7 +24,7 @@ impl Passes {
     pub(super) fn new(
         device: &ash::Device,
         pipelines: &Pipelines,
-        layout: &Layout,
+        layout: &BatchLayout,
     ) -> Result<Self, VulkanError> {
         let wavefront = (WAVEFRONT, layout.wavefront as i32);
         let maps = (MAPS, layout.maps as i32);

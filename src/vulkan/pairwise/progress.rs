@@ -64,21 +64,21 @@ pub(super) fn start(sources: &[Option<usize>], stop: Stop, [row, col]: [u32; 2],
 }
 
 /// What the host reads of a batch.
-pub(super) struct Outcome {
+pub(super) struct BatchOutcome {
     /// Whether all maps are.
     pub(super) is_done: bool,
     /// Most iterations and largest change.
     pub(super) convergence: Convergence,
 }
 
-impl Outcome {
+impl BatchOutcome {
     pub(super) fn read(count: usize, from: &[u8]) -> Self {
         let batch: Batch = bytemuck::pod_read_unaligned(&from[..size_of::<Batch>()]);
-        let mut outcome = Self { is_done: batch.pending == 0, convergence: NOTHING };
+        let mut outcome = Self { is_done: batch.pending == 0, convergence: Convergence::NONE };
         for map in maps(count, from) {
             let residual = relative_change::<f32>(map.last_residual);
             let of_map = Convergence { iterations: map.iterations, residual };
-            outcome.convergence = worse(outcome.convergence, of_map);
+            outcome.convergence = outcome.convergence.worse(of_map);
         }
         outcome
     }
@@ -102,12 +102,4 @@ impl MapProgress {
         let of = |map: Map| Self { iterations: map.iterations, is_done: map.done != 0 };
         maps(count, from).map(of).collect()
     }
-}
-
-/// The convergence of no map at all.
-pub(super) const NOTHING: Convergence = Convergence { iterations: 0, residual: 0.0 };
-
-/// The convergence of both together.
-pub(super) fn worse(a: Convergence, b: Convergence) -> Convergence {
-    Convergence { iterations: a.iterations.max(b.iterations), residual: a.residual.max(b.residual) }
 }

@@ -3,7 +3,7 @@
 use ash::vk;
 use bytemuck::{NoUninit, bytes_of};
 
-use super::layout::{Layout, fan_numbers, numbers};
+use super::layout::{BatchLayout, fan_numbers, numbers};
 use super::pipelines::Passes;
 use super::progress::{self, offset};
 use super::resources::Resources;
@@ -27,7 +27,7 @@ pub(super) struct Recorder<'a> {
     pub(super) pipelines: &'a Pipelines,
     pub(super) passes: &'a Passes,
     pub(super) resources: &'a Resources,
-    pub(super) layout: &'a Layout,
+    pub(super) layout: &'a BatchLayout,
     pub(super) texels: TexelChart,
     /// Maps in the batch.
     pub(super) maps: u32,

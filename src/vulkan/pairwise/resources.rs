@@ -4,7 +4,7 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocator;
 
-use super::layout::Layout;
+use super::layout::BatchLayout;
 use super::progress;
 use crate::vulkan::grid_images::GridImages;
 use crate::vulkan::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo};
@@ -44,7 +44,7 @@ impl Resources {
         allocator: &mut Allocator,
         pipelines: &Pipelines,
         grid: &GridImages,
-        layout: &Layout,
+        layout: &BatchLayout,
     ) -> Result<Self, VulkanError> {
         let mut new = Self::default();
         match new.create(device, allocator, pipelines, grid, layout) {
@@ -62,7 +62,7 @@ impl Resources {
         allocator: &mut Allocator,
         pipelines: &Pipelines,
         grid: &GridImages,
-        layout: &Layout,
+        layout: &BatchLayout,
     ) -> Result<(), VulkanError> {
         if layout.workgroup.is_none() {
             for name in ["batch of fronts 0", "batch of fronts 1"] {

@@ -1,6 +1,6 @@
 //! The list of passes over a batch, as plain values that need no device.
 
-use super::PairwiseSchedule;
+use super::schedule::PairwiseSchedule;
 use crate::vulkan::barrier::{Access, CLEAR, COPY, HOST_READ, PASS, SHADER_WRITE};
 use crate::vulkan::plan;
 

@@ -1,0 +1,67 @@
+//! The maps of a batch, and what they start from.
+
+use super::kernel::Lanes;
+use super::outward::Outward;
+use super::pending::Pending;
+use super::stage::Stage;
+use crate::surface::{Chart, Real};
+
+/// The maps of a batch: bordered arrays of points, a lane of each for one of the maps. No point is
+/// reached between two batches.
+pub(super) struct Maps {
+    pub points: Vec<Lanes>,
+    pub pending: Pending,
+    /// What the scans of the first iteration are kept to; none afterwards.
+    pub outward: Option<Outward>,
+    pub stage: Stage,
+}
+
+/// What a batch starts from: the rows of the distance matrix above its own, or nothing.
+#[derive(Clone, Copy)]
+pub(super) struct Known<'a> {
+    /// Rows of the matrix, one after another.
+    pub rows: &'a [f32],
+    /// How many of them are taken over (eq. 20), for as many points, row-major.
+    pub count: usize,
+    /// The first source of the batch.
+    pub column: usize,
+}
+
+impl Known<'_> {
+    pub(super) const NOTHING: Self = Self { rows: &[], count: 0, column: 0 };
+}
+
+impl Maps {
+    pub(super) fn new(chart: Chart) -> Self {
+        Self {
+            points: vec![Lanes::UNREACHED; chart.bordered_points()],
+            pending: Pending::new(chart),
+            outward: None,
+            stage: Stage::new(chart),
+        }
+    }
+
+    pub(super) fn bytes(chart: Chart) -> usize {
+        let points = chart.bordered_points() * size_of::<Lanes>();
+        points + Pending::bytes(chart) + Stage::bytes(chart)
+    }
+
+    /// Reaches the sources and what is known.
+    pub(super) fn start(&mut self, chart: Chart, sources: &[Option<usize>], known: Known) {
+        self.pending.start(known.count);
+        self.outward = Outward::new(chart, sources);
+        for (point, row) in known.rows.chunks_exact(chart.points()).enumerate() {
+            let (at, col) = chart.position(point);
+            let times = &mut self.points[chart.bordered(at, col)].0;
+            let found = &row[known.column..][..sources.len()];
+            for (time, distance) in times.iter_mut().zip(found) {
+                *time = distance.min(f32::FAR);
+            }
+        }
+        for (lane, source) in sources.iter().enumerate() {
+            let Some((row, col)) = source.map(|point| chart.position(point)) else { continue };
+            self.points[chart.bordered(row, col)].0[lane] = 0.0;
+            self.pending.touch(row, col);
+        }
+    }
+}
