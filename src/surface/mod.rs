@@ -22,6 +22,7 @@ mod sources;
 mod window;
 
 pub use arc::EdgeRule;
+pub(crate) use chart::{Block, Cell, Edge, corner_weights, grid_crossings, ring, triangles};
 pub use chart::{Chart, Direction};
 pub use coarsen::Coarsened;
 pub(crate) use corner::{is_corner, is_open};
@@ -33,8 +34,8 @@ pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing};
 pub use real::{FAR, Real};
 pub(crate) use real::{TAG, max, min, relative_change};
+pub(crate) use sources::with_diagonals;
 pub use sources::{Seed, Source, SourceError, Sources};
-pub(crate) use sources::{corner_weights, grid_crossings, with_diagonals};
 
 use std::sync::OnceLock;
 
@@ -288,12 +289,14 @@ impl Surface {
         self.slowness.as_deref()
     }
 
+    /// The slowness of a point, one where lengths are not weighted.
+    pub(crate) fn slowness_at(&self, row: usize, col: usize) -> f64 {
+        self.slowness.as_ref().map_or(1.0, |slowness| slowness[self.chart.index(row, col)])
+    }
+
     /// How edges are measured; a surface known only by its metric has no arcs.
     pub fn edge_rule(&self) -> EdgeRule {
-        match self.geometry {
-            Geometry::Metric(_) => EdgeRule::Chord,
-            _ => self.edge_rule,
-        }
+        if self.geometry.has_positions() { self.edge_rule } else { EdgeRule::Chord }
     }
 
     /// For each point whether the surface is there (true) or has a hole, row-major.
@@ -339,9 +342,9 @@ impl Surface {
     /// and a diagonal has a third corner of its cell beside it, since a path would otherwise
     /// slip through between two holes.
     pub fn has_edge(&self, row: usize, col: usize, to: Direction) -> bool {
-        let Some((r, c)) = self.chart.neighbour(row, col, to) else { return false };
-        let beside = r == row || c == col || self.has(row, c) || self.has(r, col);
-        self.has(row, col) && self.has(r, c) && beside
+        let has = |to| self.chart.neighbour(row, col, to).is_some_and(|(r, c)| self.has(r, c));
+        let beside = !to.is_diagonal() || has(to.previous()) || has(to.next());
+        self.has(row, col) && has(to) && beside
     }
 }
 

@@ -3,7 +3,8 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use super::{Chart, Geometry, Surface};
+use super::Surface;
+use super::chart::Block;
 
 impl Surface {
     /// The points of some rows and columns, with their slowness. It may have nothing but holes.
@@ -15,21 +16,14 @@ impl Surface {
     /// # Panics
     /// If the grid does not have them, or there are none.
     pub(crate) fn window(&self, rows: Range<usize>, cols: Range<usize>) -> Self {
-        let chart = Chart { rows: rows.len(), cols: cols.len() };
+        let (whole, block) = (self.chart, Block { rows, cols });
+        let chart = block.chart();
         assert!(chart.points() > 0, "no point of a surface");
-        let part = Part { of: self.chart, rows, cols };
-        let geometry = match &self.geometry {
-            Geometry::Positions(positions) => Geometry::Positions(part.cut(positions)),
-            Geometry::Heights { heights, spacing } => {
-                Geometry::Heights { heights: part.cut(heights), spacing: *spacing }
-            }
-            Geometry::Metric(metric) => Geometry::Metric(part.cut(metric)),
-        };
         Self {
             chart,
-            geometry,
-            slowness: self.slowness.as_deref().map(|slowness| part.cut(slowness)),
-            present: part.cut(&self.present),
+            geometry: self.geometry.cut(whole, &block),
+            slowness: self.slowness.as_deref().map(|slowness| block.cut(whole, slowness)),
+            present: block.cut(whole, &self.present),
             edge_rule: self.edge_rule,
             floor: OnceLock::new(),
         }
@@ -38,21 +32,6 @@ impl Surface {
     /// The same surface, on which a length is a length.
     pub(super) fn without_slowness(self) -> Self {
         Self { slowness: None, floor: OnceLock::new(), ..self }
-    }
-}
-
-/// Rows and columns of a grid.
-struct Part {
-    of: Chart,
-    rows: Range<usize>,
-    cols: Range<usize>,
-}
-
-impl Part {
-    /// Their values of an array.
-    fn cut<T: Copy>(&self, whole: &[T]) -> Vec<T> {
-        let row = |row| &whole[self.of.index(row, self.cols.start)..][..self.cols.len()];
-        self.rows.clone().flat_map(row).copied().collect()
     }
 }
 

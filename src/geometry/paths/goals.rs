@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec2;
 
-use super::cell::{Cell, Weights};
+use super::cell::{CellLengths, Weights};
 use crate::surface::{Chart, Source, Sources, corner_weights, grid_crossings};
 
 /// The part of a source that lies in one cell: a straight segment, or a point.
@@ -80,10 +80,10 @@ impl Goals {
         let middle = 0.5 * (ends[0] + ends[1]);
         for row in before(middle.x) {
             for col in before(middle.y) {
-                let north_west = (row + 1.0) as usize * chart.stride() + (col + 1.0) as usize;
-                let corners = super::cell::corners(chart, north_west);
-                let weights =
-                    ends.map(|end| corner_weights(corners.map(&there), end.x - row, end.y - col));
+                let corner = DVec2::new(row, col);
+                let north_west = chart.bordered_at(corner);
+                let there = chart.bordered_corners(north_west).map(&there);
+                let weights = ends.map(|end| corner_weights(there, end - corner));
                 let [Some(first), Some(last)] = weights else { continue };
                 let goal = Goal { source, initial, ends, weights: [first, last] };
                 self.by_cell.entry(north_west).or_default().push(goal);
@@ -105,7 +105,7 @@ impl Goals {
     pub(super) fn nearest(
         &self,
         north_west: usize,
-        cell: &Cell,
+        cell: &CellLengths,
         place: &Weights,
     ) -> Option<Nearest> {
         if !self.touches(north_west) {
@@ -118,7 +118,7 @@ impl Goals {
 }
 
 impl Goal {
-    fn nearest(&self, cell: &Cell, place: &Weights) -> Nearest {
+    fn nearest(&self, cell: &CellLengths, place: &Weights) -> Nearest {
         let [first, last] = self.weights.map(|end| cell.square(place, &end));
         let along = cell.square(&self.weights[0], &self.weights[1]);
         let foot =

@@ -55,8 +55,7 @@ impl Diagonal {
     /// The points after the first, by row and column, as far as the surface is there.
     fn points(self, surface: &Surface) -> impl Iterator<Item = (usize, usize)> {
         let there = |[row, col]: [isize; 2]| {
-            let (row, col) = (usize::try_from(row).ok()?, usize::try_from(col).ok()?);
-            surface.has(row, col).then_some((row, col))
+            surface.chart().at(row, col).filter(|&(row, col)| surface.has(row, col))
         };
         let Self { first: [mut before, mut last], step } = self;
         let mut starts = there(before).is_some() && there(last).is_some();
