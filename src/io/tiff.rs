@@ -9,8 +9,8 @@ use ::tiff::encoder::{TiffEncoder, TiffValue};
 use ::tiff::tags::Tag;
 use ::tiff::{ColorType, TiffError};
 
-use super::geotiff::GeoTags;
-use super::surface_file::FileSpacing;
+use super::file_spacing::FileSpacing;
+use super::geotiff::{GeoTags, TiffDecoder};
 use super::{Georeference, Grid, MAX_POINTS, checked_points};
 
 /// Heights, NaN where the file says "no data".
@@ -51,8 +51,6 @@ fn limits() -> Limits {
     limits.intermediate_buffer_size = limits.decoding_buffer_size;
     limits
 }
-
-pub(super) type TiffDecoder<'a> = Decoder<Cursor<&'a [u8]>>;
 
 /// GDAL's value for "no data", written as text.
 fn no_data(decoder: &mut TiffDecoder) -> Result<Option<f64>, String> {
