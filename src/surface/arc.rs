@@ -24,8 +24,7 @@
 //! difference. It bends as the next two points inwards do, by the smaller of their bends where these
 //! are to one side ([`end_bend`]); a line of three points has no two such, and keeps its chords.
 
-use super::chart::Direction;
-use super::edges::STORED;
+use super::chart::{Direction, STORED};
 use super::real::{Real, max, min};
 
 /// How long the surface is between neighbouring grid points.

@@ -7,19 +7,12 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::arc::EdgeRule;
-use super::chart::{Block, Chart, Direction};
+use super::chart::{Block, Chart, Direction, EdgeSlot, STORED};
 use super::even_grid::EvenGrid;
-use super::gaussian_curvature::gaussian_curvature;
-use super::measure::RowBends;
+use super::measure::{LONGEST_EDGE, RowBends, SHORTEST_EDGE};
 use super::points::Row;
 use super::real::Real;
 use super::{Surface, SurfaceError};
-
-/// Shortest length of an edge between distinct points, in the surface's unit.
-pub const SHORTEST_EDGE: f64 = 1e-12;
-/// Longest length of an edge: squares and sums of such lengths stay within single precision
-/// and below [`super::FAR`].
-pub const LONGEST_EDGE: f64 = crate::constants::LONGEST_EDGE;
 
 /// Rows that are measured together, so that each row's points and bends serve the next.
 const BAND: usize = 32;
@@ -39,28 +32,8 @@ pub struct EdgeLengths<R> {
     rule: EdgeRule,
     /// Of floor plans.
     floor: Option<EvenGrid>,
-    gaussian_curvature: OnceLock<Vec<R>>,
-}
-
-/// The directions stored at a point, in this order, here and in the shaders.
-pub(crate) const STORED: [Direction; 4] =
-    [Direction::East, Direction::North, Direction::NorthEast, Direction::NorthWest];
-
-/// Where the length of an edge is stored: an offset from the point, and one of [`STORED`].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct EdgeSlot {
-    offset: isize,
-    stored: usize,
-}
-
-impl EdgeSlot {
-    /// The edge from the point `at` (an offset from the point that the slot is used for).
-    pub(crate) fn new(chart: Chart, at: isize, to: Direction) -> Self {
-        match STORED.iter().position(|&direction| direction == to) {
-            Some(stored) => Self { offset: at, stored },
-            None => Self::new(chart, at + chart.offset(to), to.opposite()),
-        }
-    }
+    /// See `gaussian_curvature.rs`; empty until it is asked for.
+    pub(super) gaussian_curvature: OnceLock<Vec<R>>,
 }
 
 impl<R: Real> EdgeLengths<R> {
@@ -136,12 +109,6 @@ impl<R: Real> EdgeLengths<R> {
     pub fn length(&self, row: usize, col: usize, to: Direction) -> R {
         assert!(row < self.chart.rows && col < self.chart.cols, "point outside the grid");
         self.at(self.chart.bordered(row, col), EdgeSlot::new(self.chart, 0, to))
-    }
-
-    /// Gaussian curvature at each point of the bordered array, from the lengths alone; see
-    /// `gaussian_curvature.rs`. Computed when it is first asked for.
-    pub(crate) fn gaussian_curvature(&self) -> &[R] {
-        self.gaussian_curvature.get_or_init(|| gaussian_curvature(self))
     }
 
     /// The grid, if the surface is a floor plan ([`Surface::is_floor_plan`]).

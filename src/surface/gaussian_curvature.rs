@@ -4,14 +4,22 @@ use rayon::prelude::*;
 
 #[cfg(doc)]
 use super::arc::EdgeRule;
-use super::chart::{Direction, ring};
-use super::edges::{EdgeLengths, EdgeSlot};
+use super::chart::{Direction, EdgeSlot, ring};
+use super::edges::EdgeLengths;
 use super::real::{Real, max, min};
 use crate::constants::{DEFECT_NOISE, LARGEST_DEFECT};
 use crate::lanes::{Instructions, Work};
 
 /// Tag ([`Real::with_tag`]) of the Gaussian curvature at points where waves diffract.
 pub(crate) const DIFFRACTS: u8 = 1;
+
+impl<R: Real> EdgeLengths<R> {
+    /// Gaussian curvature at each point of the bordered array, from the lengths alone. Computed when it is
+    /// first asked for.
+    pub(crate) fn gaussian_curvature(&self) -> &[R] {
+        self.gaussian_curvature.get_or_init(|| gaussian_curvature(self))
+    }
+}
 
 /// Gaussian curvature at each point of the bordered array: the angle defect of the fan of eight
 /// triangles around the point, over its share of the fan's area ([`EdgeRule::share_of_fan`]),
@@ -23,7 +31,7 @@ pub(crate) const DIFFRACTS: u8 = 1;
 ///
 /// Points whose fan is not whole, at a border or hole, carry the tag `DIFFRACTS` and
 /// the mean of their neighbours' curvature: waves diffract there.
-pub(crate) fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
+fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
     let chart = edges.chart();
     // Where a triangle of the fan is missing, so is the curvature: FAR.
     let mut fans = vec![R::FAR; chart.bordered_points()];

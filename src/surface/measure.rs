@@ -4,12 +4,17 @@
 
 use super::Surface;
 use super::arc::{arc, bends, end_bend, normal};
-use super::chart::Direction;
-use super::edges::{LONGEST_EDGE, SHORTEST_EDGE, STORED};
+use super::chart::{Direction, STORED};
 use super::geometry::{InSpace, Space};
 use super::points::Row;
 use super::real::{Real, max};
 use crate::lanes::{Instructions, Work};
+
+/// Shortest length of an edge between distinct points, in the surface's unit.
+pub const SHORTEST_EDGE: f64 = 1e-12;
+/// Longest length of an edge: squares and sums of such lengths stay within single precision
+/// and below [`super::FAR`].
+pub const LONGEST_EDGE: f64 = crate::constants::LONGEST_EDGE;
 
 /// This row's among the bends of four.
 const HERE: usize = 2;

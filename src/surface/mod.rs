@@ -22,16 +22,18 @@ mod sources;
 mod window;
 
 pub use arc::EdgeRule;
-pub(crate) use chart::{Block, Cell, Edge, corner_weights, grid_crossings, ring, triangles};
+pub(crate) use chart::{
+    Block, Cell, Edge, EdgeSlot, corner_weights, grid_crossings, ring, triangles,
+};
 pub use chart::{Chart, Direction};
 pub use coarsen::Coarsened;
 pub(crate) use corner::{is_corner, is_open};
-pub(crate) use edges::EdgeSlot;
-pub use edges::{EdgeLengths, LONGEST_EDGE, SHORTEST_EDGE};
+pub use edges::EdgeLengths;
 pub(crate) use even_grid::EvenGrid;
 pub(crate) use gaussian_curvature::DIFFRACTS;
 pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing};
+pub use measure::{LONGEST_EDGE, SHORTEST_EDGE};
 pub use real::{FAR, Real};
 pub(crate) use real::{TAG, max, min, relative_change};
 pub(crate) use sources::with_diagonals;

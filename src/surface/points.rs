@@ -4,12 +4,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Surface;
-use super::geometry::bounds;
+use super::geometry::{Point, bounds};
 use super::real::Real;
-
-/// A grid point: the numbers of its geometry ([`Geometry::numbers`](super::Geometry)), and slowness, 0 in a
-/// hole.
-pub(crate) type Point<R> = [R; 4];
 
 impl Surface {
     /// A grid point in some precision. Positions and heights are taken relative to `origin`.

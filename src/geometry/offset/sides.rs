@@ -165,13 +165,13 @@ fn beside(surface: &Surface, source: &Source) -> Result<BTreeMap<(usize, usize),
 }
 
 /// The place of a curve that is nearest to a point.
-struct Nearest {
+struct Foot {
     distance: f64,
     angle: f64,
 }
 
 /// As if the surface were flat around the point.
-fn nearest(vertices: &[DVec2], at: DVec2, metric: DMat2) -> Option<Nearest> {
+fn nearest(vertices: &[DVec2], at: DVec2, metric: DMat2) -> Option<Foot> {
     let dot = |a: DVec2, b: DVec2| a.dot(metric * b);
     let near = |a: &DVec2, b: &DVec2| {
         const REACH: f64 = 2.0 + AROUND_END as f64;
@@ -219,5 +219,5 @@ fn nearest(vertices: &[DVec2], at: DVec2, metric: DMat2) -> Option<Nearest> {
             cosine.clamp(0.0, 1.0).acos().copysign(left(here, away))
         }
     };
-    Some(Nearest { distance, angle })
+    Some(Foot { distance, angle })
 }

@@ -19,7 +19,7 @@ struct Goal {
 
 /// The nearest place of a source in a cell.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Nearest {
+pub(super) struct NearestSource {
     /// Which source.
     pub source: usize,
     /// Row and column.
@@ -107,7 +107,7 @@ impl Goals {
         north_west: usize,
         cell: &CellLengths,
         place: &Weights,
-    ) -> Option<Nearest> {
+    ) -> Option<NearestSource> {
         if !self.touches(north_west) {
             return None;
         }
@@ -118,13 +118,13 @@ impl Goals {
 }
 
 impl Goal {
-    fn nearest(&self, cell: &CellLengths, place: &Weights) -> Nearest {
+    fn nearest(&self, cell: &CellLengths, place: &Weights) -> NearestSource {
         let [first, last] = self.weights.map(|end| cell.square(place, &end));
         let along = cell.square(&self.weights[0], &self.weights[1]);
         let foot =
             if along > 0.0 { (0.5 + 0.5 * (first - last) / along).clamp(0.0, 1.0) } else { 0.0 };
         let square = first + foot * (last - first - (1.0 - foot) * along);
-        Nearest {
+        NearestSource {
             source: self.source,
             at: self.ends[0].lerp(self.ends[1], foot),
             time: self.initial,

@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use super::cell::{ALONG, CellLengths, NO_EDGE, SIDES, Weights};
 use super::edge_times::EdgeTimes;
-use super::goals::Nearest;
+use super::goals::NearestSource;
 use super::place::Place;
 use super::tracer::Tracer;
 use crate::surface::{Chart, Direction, EdgeSlot, FAR};
@@ -85,7 +85,7 @@ impl Tracer<'_> {
         if cells[0].0 == from {
             cells[..count].rotate_left(1);
         }
-        let (mut best, mut source): (Option<CellLine>, Option<Nearest>) = (None, None);
+        let (mut best, mut source): (Option<CellLine>, Option<NearestSource>) = (None, None);
         for (north_west, weights) in &cells[..count] {
             let cell = CellLengths::new(self.edges, *north_west);
             self.cross(moment, *north_west, &cell, weights, below, &mut best);
@@ -99,7 +99,7 @@ impl Tracer<'_> {
                 break;
             }
         }
-        let line = |Nearest { source, at, time, distance }| CellLine {
+        let line = |NearestSource { source, at, time, distance }| CellLine {
             end: End::Source(source, at),
             time,
             length: distance,

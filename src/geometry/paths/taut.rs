@@ -60,13 +60,13 @@ struct Shared {
 }
 
 /// A path beside a corner.
-struct Bend<'a> {
+struct BesideCorner<'a> {
     tracer: &'a Tracer<'a>,
     vertices: &'a [DVec2],
     corner: DVec2,
 }
 
-impl Bend<'_> {
+impl BesideCorner<'_> {
     /// The straight way over the corner, or past it, where that saves anything. The path is beside
     /// the corner from its vertex `first` on; it changes after the vertex `fixed` only.
     fn shortcut(&self, fixed: usize, first: usize) -> Option<Shortcut> {
@@ -216,9 +216,9 @@ impl Tracer<'_> {
         let is_new = |corner: &DVec2| {
             at == 0 || self.corners_beside(vertices[at - 1]).all(|before| before != *corner)
         };
-        let bend = |corner| Bend { tracer: self, vertices, corner };
+        let beside = |corner| BesideCorner { tracer: self, vertices, corner };
         let corners = self.corners_beside(vertices[at]).filter(is_new);
-        corners.map(bend).find_map(|bend| bend.shortcut(fixed, at))
+        corners.map(beside).find_map(|path| path.shortcut(fixed, at))
     }
 
     /// Leads a path another way: the vertices where that bends, if it does, and where it ends.

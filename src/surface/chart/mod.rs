@@ -10,12 +10,14 @@ mod block;
 mod bordered;
 mod cells;
 mod direction;
+mod edge_slot;
 mod triangles;
 
 pub(crate) use block::Block;
 pub(crate) use cells::{Cell, bilinear, corner_weights, grid_crossings};
 pub use direction::Direction;
 pub(crate) use direction::ring;
+pub(crate) use edge_slot::{EdgeSlot, STORED};
 pub(crate) use triangles::{Edge, triangles};
 
 use std::ops::Range;

@@ -9,7 +9,7 @@ mod sample;
 mod space;
 
 pub(crate) use sample::Sample;
-pub(super) use space::{InSpace, Space};
+pub(super) use space::{InSpace, Point, Space};
 
 use glam::{DMat2, DVec2, DVec3};
 
@@ -142,8 +142,8 @@ impl Geometry {
         }
     }
 
-    /// Whether points have positions. Without, there are no arcs, and no place in space.
-    pub(crate) fn has_positions(&self) -> bool {
+    /// Whether points have positions in space, and are not known by their metric alone.
+    pub fn has_positions(&self) -> bool {
         !matches!(self, Self::Metric(_))
     }
 

@@ -2,8 +2,11 @@
 //! geometry a type, so that loops over a row have no branch.
 
 use super::Geometry;
-use crate::surface::points::Point;
 use crate::surface::real::{Real, max};
+
+/// A grid point in some precision: the three numbers of its geometry ([`Geometry::numbers`]), and its
+/// slowness, 0 in a hole.
+pub(crate) type Point<R> = [R; 4];
 
 /// How far neighbouring points are apart.
 pub(in crate::surface) trait Space<R: Real>: Copy {
