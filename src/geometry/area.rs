@@ -1,11 +1,9 @@
 //! Areas on the surface.
 
-use glam::DVec2;
 use rayon::prelude::*;
 
-use super::triangles::{corners, triangles};
 use crate::Surface;
-use crate::surface::{Geometry, MetricTensor};
+use crate::surface::triangles;
 
 /// The area of a surface, in its unit squared, without any slowness: of the triangles that its
 /// cells are cut into, from north-west to south-east, and of the halves of cells beside a missing
@@ -28,7 +26,7 @@ pub fn area(surface: &Surface) -> f64 {
 
 /// The rows of cells.
 pub(super) fn rows(surface: &Surface) -> impl IndexedParallelIterator<Item = usize> {
-    (0..surface.rows().saturating_sub(1)).into_par_iter()
+    surface.chart().rows_of_cells().into_par_iter()
 }
 
 /// The triangles of a row of cells between points that are `there`, each with its area.
@@ -37,28 +35,11 @@ pub(super) fn of_triangles(
     row: usize,
     there: impl Fn(usize) -> bool,
 ) -> impl Iterator<Item = ([usize; 3], f64)> {
-    let chart = surface.chart();
-    (0..chart.cols.saturating_sub(1)).flat_map(move |col| {
-        let corners = corners(chart, row, col);
+    let (chart, geometry) = (surface.chart(), surface.geometry());
+    chart.cells_of_row(row).flat_map(move |cell| {
+        let corners = cell.indices(chart);
         let points = move |triangle: &[usize; 3]| triangle.map(|corner| corners[corner]);
         let triangles = triangles(corners.map(&there), true).iter().map(points);
-        triangles.map(|points| (points, triangle_area(surface, points)))
+        triangles.map(move |points| (points, geometry.triangle_area(chart, points)))
     })
-}
-
-/// The area of the triangle between three grid points: flat between positions, and with a metric
-/// by the mean of the three tensors' unit areas.
-pub(super) fn triangle_area(surface: &Surface, points: [usize; 3]) -> f64 {
-    let chart = surface.chart();
-    let places = points.map(|point| chart.position(point));
-    if let Geometry::Metric(metric) = surface.geometry() {
-        let unit = |point: usize| {
-            let MetricTensor { rr, rc, cc } = metric[point];
-            (rr * cc - rc * rc).sqrt()
-        };
-        let [a, b, c] = places.map(|(row, col)| DVec2::new(row as f64, col as f64));
-        return points.map(unit).iter().sum::<f64>() / 6.0 * (b - a).perp_dot(c - a).abs();
-    }
-    let [a, b, c] = places.map(|(row, col)| surface.position(row, col).unwrap_or_default());
-    0.5 * (b - a).cross(c - a).length()
 }

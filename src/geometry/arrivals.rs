@@ -41,17 +41,10 @@ impl<'a> Arrivals<'a> {
     }
 
     /// The squared time so many steps from a point, if the grid has that point and it is reached.
-    fn along(&self, (row, col): (usize, usize), to: Direction, steps: isize) -> Option<f64> {
-        self.index(row, col, to, steps).map(|index| self.squared_at(index))
-    }
-
-    /// The index of a reached point so many steps from another.
-    fn index(&self, row: usize, col: usize, to: Direction, steps: isize) -> Option<usize> {
-        let (down, right) = to.step();
-        let row = row.checked_add_signed(steps * down).filter(|&row| row < self.chart.rows)?;
-        let col = col.checked_add_signed(steps * right).filter(|&col| col < self.chart.cols)?;
+    fn along(&self, from: (usize, usize), to: Direction, steps: isize) -> Option<f64> {
+        let (row, col) = self.chart.along(from, to, steps)?;
         let index = self.chart.index(row, col);
-        self.is_reached(index).then_some(index)
+        self.is_reached(index).then(|| self.squared_at(index))
     }
 
     /// Where on the edge from a point (0) to its neighbour (1) the map has a time that lies

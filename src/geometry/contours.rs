@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::Curve;
 use super::arrivals::Arrivals;
 use super::chains::{Segment, join};
-use super::triangles::{Edge, corners, triangles};
+use crate::surface::{Edge, triangles};
 use crate::{DistanceMap, Sources};
 
 /// Where contours are wanted.
@@ -119,8 +119,8 @@ pub fn contours(map: &DistanceMap, sources: &Sources, levels: &[f64]) -> Vec<Con
     let curves = join(segments, |level, node| {
         let (first, to) = Edge::from_number(node).ends(map.chart);
         let s = arrivals.crossing(first, to, ascending[level as usize]);
-        let (down, right) = to.step();
-        [first.0 as f64 + s * down as f64, first.1 as f64 + s * right as f64]
+        let step = to.vector();
+        [first.0 as f64 + s * step.x, first.1 as f64 + s * step.y]
     });
     let mut by_level = vec![Vec::new(); ascending.len()];
     for (level, curve) in curves {
@@ -150,8 +150,8 @@ fn march(arrivals: &Arrivals, levels: &[f64]) -> Vec<Segment<u32>> {
         (0..chart.points()).into_par_iter().with_min_len(4096).map(passed).collect();
     let row_of_cells = |row: usize| {
         let mut segments = Vec::new();
-        for col in 0..chart.cols.saturating_sub(1) {
-            let corners = corners(chart, row, col);
+        for cell in chart.cells_of_row(row) {
+            let corners = cell.indices(chart);
             let counts = corners.map(|index| passed[index]);
             if counts == [counts[0]; 4] {
                 continue;
@@ -170,7 +170,7 @@ fn march(arrivals: &Arrivals, levels: &[f64]) -> Vec<Segment<u32>> {
         }
         segments
     };
-    (0..chart.rows.saturating_sub(1)).into_par_iter().flat_map_iter(row_of_cells).collect()
+    chart.rows_of_cells().into_par_iter().flat_map_iter(row_of_cells).collect()
 }
 
 /// Calls `found` with each level that passes through a triangle, and the edges on which the way

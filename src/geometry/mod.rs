@@ -14,7 +14,6 @@ mod paths;
 mod ridges;
 mod sampling;
 mod spokes;
-mod triangles;
 mod voronoi;
 
 pub use area::area;

@@ -15,9 +15,8 @@ pub(super) fn bordered(chart: Chart, distances: &[f32]) -> Result<Vec<f32>, MapE
         return Err(MapError::Shape { found: distances.len(), rows, cols });
     }
     let mut times = vec![f32::FAR; chart.bordered_points()];
-    let lines = times.par_chunks_mut(chart.stride()).skip(1).zip(distances.par_chunks(cols));
-    lines.for_each(|(line, distances)| {
-        for (time, &distance) in line[1..].iter_mut().zip(distances) {
+    chart.rows_mut(&mut times).zip(distances.par_chunks(cols)).for_each(|(line, distances)| {
+        for (time, &distance) in line.iter_mut().zip(distances) {
             // Adding zero leaves no -0, which would come before 0 without being smaller.
             *time = if distance.is_finite() { distance + 0.0 } else { f32::FAR };
         }

@@ -8,9 +8,8 @@ use rayon::prelude::*;
 use super::chains::ways;
 use super::order::bordered;
 use super::spokes::Spokes;
-use super::triangles::{Edge, triangles};
 use super::{Curve, MapError};
-use crate::surface::{Chart, Direction, EdgeLengths, Real};
+use crate::surface::{Chart, Direction, Edge, EdgeLengths, Real, ring, triangles};
 
 /// A line on which fronts from different directions meet.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,11 +70,11 @@ pub fn ridges(
 ) -> Result<Vec<Ridge>, MapError> {
     let chart = edges.chart();
     let times = bordered(chart, distances)?;
-    let field = Field::new(edges, times);
+    let rays = ArrivingRays::new(edges, times);
     let cosine = least_angle.to_radians().cos();
-    let rows = (0..chart.rows.saturating_sub(1)).into_par_iter();
+    let rows = chart.rows_of_cells().into_par_iter();
     let found: Vec<([u64; 2], [Kink; 2])> =
-        rows.flat_map_iter(|row| field.march(row, cosine)).collect();
+        rows.flat_map_iter(|row| rays.march(row, cosine)).collect();
     let mut kinks: BTreeMap<u64, Kink> = BTreeMap::new();
     for (nodes, ends) in &found {
         kinks.extend(nodes.iter().copied().zip(ends.iter().copied()));
@@ -97,7 +96,7 @@ pub fn ridges(
 
 /// How the first front arrives at a point.
 #[derive(Clone, Copy, Debug, Default)]
-struct Arrival {
+struct Ray {
     /// In steps of rows and columns, of length one on the surface; zero at sources and where no
     /// front arrives.
     direction: Vec2,
@@ -112,11 +111,11 @@ const AT_POINT: f64 = 1e-4;
 const ALONG: f64 = 0.1;
 
 /// A map, and the directions in which its fronts arrive, in bordered arrays.
-struct Field<'a> {
+struct ArrivingRays<'a> {
     spokes: Spokes<'a>,
     times: Vec<f32>,
     start: f64,
-    arrivals: Vec<Arrival>,
+    arrivals: Vec<Ray>,
 }
 
 /// A point by its index in a bordered array, and where it lies.
@@ -133,14 +132,14 @@ impl Point {
     }
 }
 
-impl<'a> Field<'a> {
+impl<'a> ArrivingRays<'a> {
     fn new(edges: &'a EdgeLengths<f32>, times: Vec<f32>) -> Self {
         let spokes = Spokes::new(edges);
         let start = f64::from(times.par_iter().copied().reduce(|| f32::FAR, f32::min));
-        let mut field = Self { spokes, times, start, arrivals: Vec::new() };
-        let points = (0..field.times.len()).into_par_iter().with_min_len(4096);
-        field.arrivals = points.map(|point| field.arrival(point)).collect();
-        field
+        let mut rays = Self { spokes, times, start, arrivals: Vec::new() };
+        let points = (0..rays.times.len()).into_par_iter().with_min_len(4096);
+        rays.arrivals = points.map(|point| rays.ray(point)).collect();
+        rays
     }
 
     fn is_reached(&self, point: usize) -> bool {
@@ -148,27 +147,24 @@ impl<'a> Field<'a> {
     }
 
     /// How the first front arrives at a point over bases that it has passed.
-    fn arrival(&self, point: usize) -> Arrival {
+    fn ray(&self, point: usize) -> Ray {
         if !self.is_reached(point) {
-            return Arrival::default();
+            return Ray::default();
         }
         let since = std::array::from_fn(|to| {
             let time = self.times[self.spokes.neighbour(point, to)];
             if time < self.times[point] { f64::from(time) - self.start } else { f64::FAR }
         });
         let Some((_, to, share)) = self.spokes.first_ray(point, &since) else {
-            return Arrival::default();
+            return Ray::default();
         };
-        let step = |to: usize| {
-            let (down, right) = Direction::ALL[to % 8].step();
-            DVec2::new(down as f64, right as f64)
-        };
-        let direction = -step(to).lerp(step(to + 1), share);
+        let [step, next] = [to, ring::next(to)].map(|to| Direction::ALL[to].vector());
+        let direction = -step.lerp(next, share);
         let metric = self.spokes.metric(point);
         let length = direction.dot(metric * direction).sqrt();
         let direction = if length > 0.0 { direction / length } else { DVec2::ZERO };
         let [rr, rc, _, cc] = metric.to_cols_array();
-        Arrival { direction: direction.as_vec2(), metric: DVec3::new(rr, rc, cc).as_vec3() }
+        Ray { direction: direction.as_vec2(), metric: DVec3::new(rr, rc, cc).as_vec3() }
     }
 
     /// The kink on the edge between two neighbours, if there is one, and its node: the edge, or a
@@ -214,12 +210,11 @@ impl<'a> Field<'a> {
     /// The pieces of ridges in a row of cells: nodes and what is there.
     fn march(&self, row: usize, cosine: f64) -> Vec<([u64; 2], [Kink; 2])> {
         let chart = self.spokes.chart();
-        let (first, stride) = (chart.bordered(row, 0), chart.stride());
         let mut found = Vec::new();
-        for col in 0..chart.cols.saturating_sub(1) {
-            let points = [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[down, right]| Point {
-                index: first + col + down * stride + right,
-                place: DVec2::new((row + down) as f64, (col + right) as f64),
+        for cell in chart.cells_of_row(row) {
+            let points = cell.corners().map(|(row, col)| Point {
+                index: chart.bordered(row, col),
+                place: DVec2::new(row as f64, col as f64),
             });
             let triangles = triangles(points.map(|point| self.is_reached(point.index)), true);
             for (number, triangle) in triangles.iter().enumerate() {

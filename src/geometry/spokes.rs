@@ -2,7 +2,7 @@
 
 use glam::{DMat2, DVec2};
 
-use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real};
+use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, ring};
 
 /// Towards one neighbour: where it lies, and the lengths of the edge to it and of the one from it
 /// to the next neighbour.
@@ -63,7 +63,7 @@ impl<'a> Spokes<'a> {
     /// next, and where it crosses the base, from 0 to 1. The times since the start at both are
     /// infinite where they are not known; `None` if neither is, or no edge leads there.
     pub(super) fn ray(&self, point: usize, to: usize, since: [f64; 2]) -> Option<(f64, f64)> {
-        let next = (to + 1) % 8;
+        let next = ring::next(to);
         let [a, b] = [to, next].map(|to| self.length(point, to));
         let there = [since[0] < f64::FAR && a < f64::FAR, since[1] < f64::FAR && b < f64::FAR];
         let along = [(since[0] + a, 0.0), (since[1] + b, 1.0)];
@@ -95,7 +95,7 @@ impl<'a> Spokes<'a> {
     /// neighbours: when, over which base, and where it crosses that.
     pub(super) fn first_ray(&self, point: usize, since: &[f64; 8]) -> Option<(f64, usize, f64)> {
         let ray = |to: usize| {
-            let (time, share) = self.ray(point, to, [since[to], since[(to + 1) % 8]])?;
+            let (time, share) = self.ray(point, to, [since[to], since[ring::next(to)]])?;
             Some((time, to, share))
         };
         let earlier = |a: &(f64, usize, f64), b: &(f64, usize, f64)| a.0.total_cmp(&b.0);
@@ -108,7 +108,8 @@ impl<'a> Spokes<'a> {
             }
         }
         let nearest = nearest?;
-        let beside = [(nearest + 7) % 8, nearest].into_iter().filter_map(ray).min_by(earlier)?;
+        let beside =
+            [ring::previous(nearest), nearest].into_iter().filter_map(ray).min_by(earlier)?;
         if beside.2 > 0.0 && beside.2 < 1.0 {
             return Some(beside);
         }

@@ -1,11 +1,13 @@
 //! What GeoTIFF's tags (OGC 19-008r4) say about a raster: the distance between its points and
 //! where they lie.
 
+use std::io::Cursor;
+
 use ::tiff::TiffResult;
+use ::tiff::decoder::Decoder;
 use ::tiff::tags::Tag;
 
-use super::surface_file::{FileSpacing, LinearUnit};
-use super::tiff::TiffDecoder;
+use super::file_spacing::{FileSpacing, LinearUnit};
 use super::{CoordinateSystem, Georeference};
 use crate::surface::Spacing;
 
@@ -26,6 +28,9 @@ mod geo_key {
     /// EPSG codes end below; above are "undefined" and "user-defined".
     pub const LARGEST_CODE: u16 = 32766;
 }
+
+/// A TIFF file in memory.
+pub(super) type TiffDecoder<'a> = Decoder<Cursor<&'a [u8]>>;
 
 /// The tags, as far as the file has them.
 pub(super) struct GeoTags {

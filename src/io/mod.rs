@@ -12,6 +12,7 @@ mod atomic;
 mod curves;
 mod error;
 mod exr;
+mod file_spacing;
 mod georeference;
 mod geotiff;
 mod limits;

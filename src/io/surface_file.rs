@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::arrays::{matrix, metric, read_npy, wrong_shape};
+use super::file_spacing::FileSpacing;
 use super::{Georeference, Grid, IoError, checked_points, exr, extension, png, read_bytes, tiff};
 use crate::surface::{MetricTensor, Spacing, Surface, SurfaceError};
 
@@ -30,26 +31,6 @@ enum Content {
     Positions(Grid<DVec3>),
     Heights(Grid<f64>, FileSpacing),
     Metric(Grid<MetricTensor>),
-}
-
-/// What a file of heights says about the distance between its points.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum FileSpacing {
-    /// Nothing.
-    Unknown,
-    /// A distance, in the unit of the heights.
-    Known(Spacing, LinearUnit),
-    /// Something of no use, and why.
-    Unusable(&'static str),
-}
-
-/// The unit of lengths in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct LinearUnit {
-    /// If it is a usual one.
-    pub name: Option<&'static str>,
-    /// Whether the file says it, or it is what files without a word mean.
-    pub said: bool,
 }
 
 impl SurfaceFile {

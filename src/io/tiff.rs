@@ -9,9 +9,9 @@ use ::tiff::encoder::{TiffEncoder, TiffValue};
 use ::tiff::tags::Tag;
 use ::tiff::{ColorType, TiffError};
 
-use super::geotiff::GeoTags;
+use super::file_spacing::FileSpacing;
+use super::geotiff::{GeoTags, TiffDecoder};
 use super::limits::{checked_points, most_decoded};
-use super::surface_file::FileSpacing;
 use super::{Georeference, Grid};
 
 /// Heights, NaN where the file says "no data".
@@ -53,8 +53,6 @@ fn limits(file: usize) -> Limits {
     limits.intermediate_buffer_size = limits.decoding_buffer_size;
     limits
 }
-
-pub(super) type TiffDecoder<'a> = Decoder<Cursor<&'a [u8]>>;
 
 /// GDAL's value for "no data", written as text.
 fn no_data(decoder: &mut TiffDecoder) -> Result<Option<f64>, String> {

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
-use super::{Chart, Geometry, MetricTensor, Source, Sources, Surface, SurfaceError};
+use super::{Chart, Direction, Source, Sources, Surface, SurfaceError};
 
 /// A surface on about every second row and column of a finer one, and which those are.
 ///
@@ -45,7 +45,7 @@ impl Surface {
         if fine.rows == 2 || fine.cols == 2 || fine.points() == 1 {
             return Err(too_small());
         }
-        let evenly = matches!(self.geometry(), Geometry::Metric(_));
+        let evenly = !self.geometry().has_positions();
         let lines = |points, axis: usize| {
             let through: Vec<usize> = through.iter().map(|point| point[axis]).collect();
             every_second(points, &through, evenly)
@@ -55,36 +55,17 @@ impl Surface {
             .iter()
             .flat_map(|&row| cols.iter().map(move |&col| fine.index(row, col)))
             .collect();
-        let (m, n) = (rows.len(), cols.len());
-        let surface = match self.geometry() {
-            Geometry::Metric(metric) => {
-                let step = |points: usize| if points > 1 { 2.0 } else { 1.0 };
-                let (dr, dc) = (step(fine.rows), step(fine.cols));
-                let scaled = |&index: &usize| {
-                    let MetricTensor { rr, rc, cc } = metric[index];
-                    MetricTensor { rr: rr * dr * dr, rc: rc * dr * dc, cc: cc * dc * dc }
-                };
-                Surface::from_metric(m, n, kept.iter().map(scaled).collect())
-            }
-            geometry => {
-                let position = |&index: &usize| {
-                    let (row, col) = fine.position(index);
-                    geometry.position(fine, row, col).expect("only a metric has no positions")
-                };
-                Surface::from_positions(m, n, kept.iter().map(position).collect())
-            }
-        };
+        let step = |points: usize| if points > 1 { 2.0 } else { 1.0 };
+        let geometry = self.geometry().coarsened(fine, &kept, [step(fine.rows), step(fine.cols)]);
+        let surface = Self::new(rows.len(), cols.len(), geometry);
         let mut present: Vec<bool> = kept.iter().map(|&index| self.present()[index]).collect();
         keep_walls(self, &rows, &cols, through, &mut present);
         let surface = surface.and_then(|surface| surface.with_mask(&present));
-        let surface = match (surface, self.slowness()) {
-            (Ok(surface), Some(slowness)) => {
-                surface.with_slowness(kept.iter().map(|&index| slowness[index]).collect())
-            }
-            (Err(SurfaceError::NoPoint), _) => Err(too_small()),
-            (surface, _) => surface,
+        let surface = match surface {
+            Err(SurfaceError::NoPoint) => Err(too_small()),
+            surface => surface,
         }?;
-        let surface = surface.with_edge_rule(self.edge_rule());
+        let surface = surface.weighted_like(self, &kept).with_edge_rule(self.edge_rule());
         Ok(Coarsened { surface, fine, rows, cols })
     }
 }
@@ -140,11 +121,8 @@ fn keep_walls(
     let through: BTreeSet<_> = through.iter().copied().collect();
     for index in 0..chart.points() {
         let (i, j) = chart.position(index);
-        for (down, right) in [(0, 1), (1, 0)] {
-            let (k, l) = (i + down, j + right);
-            if k >= chart.rows || l >= chart.cols {
-                continue;
-            }
+        for to in [Direction::East, Direction::South] {
+            let Some((k, l)) = chart.neighbour(i, j, to) else { continue };
             let other = chart.index(k, l);
             let between = (rows[i].midpoint(rows[k]), cols[j].midpoint(cols[l]));
             if present[index] && present[other] && !fine.has(between.0, between.1) {
@@ -273,6 +251,7 @@ fn corners(lines: &[usize], points: usize) -> Vec<[(usize, f64); 2]> {
 mod tests {
     use super::*;
     use crate::Spacing;
+    use crate::surface::{Geometry, MetricTensor};
 
     fn flat(rows: usize, cols: usize) -> Surface {
         Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing { dx: 2.0, dy: 3.0 })

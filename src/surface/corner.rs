@@ -1,6 +1,6 @@
 //! Corners of holes: the grid points at which a shortest path can bend.
 
-use super::chart::Direction;
+use super::chart::{Direction, ring};
 
 /// Which of the neighbours of a grid point are there, in the order of [`Direction::ALL`].
 type There = [bool; Direction::ALL.len()];
@@ -9,8 +9,9 @@ type There = [bool; Direction::ALL.len()];
 /// next: if their triangle is there, or that of the cell's half it is cut from.
 pub(crate) fn is_open(there: There, eighth: usize) -> bool {
     let first = eighth / 2 * 2;
-    // Of a cell, of which the odd direction is the diagonal.
-    match [first, first + 1, first + 2].map(|to| there[to % 8]) {
+    let diagonal = ring::next(first);
+    // Of a cell.
+    match [first, diagonal, ring::next(diagonal)].map(|to| there[to]) {
         [true, _, true] => true,
         [a, true, b] => {
             if eighth.is_multiple_of(2) {

@@ -7,20 +7,12 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::arc::EdgeRule;
-use super::chart::{Chart, Direction};
+use super::chart::{Block, Chart, Direction, EdgeSlot, STORED};
 use super::even_grid::EvenGrid;
-use super::gaussian_curvature::gaussian_curvature;
-use super::geometry::Geometry;
-use super::measure::RowBends;
+use super::measure::{LONGEST_EDGE, RowBends, SHORTEST_EDGE};
 use super::points::Row;
 use super::real::Real;
 use super::{Surface, SurfaceError};
-
-/// Shortest length of an edge between distinct points, in the surface's unit.
-pub const SHORTEST_EDGE: f64 = 1e-12;
-/// Longest length of an edge: squares and sums of such lengths stay within single precision
-/// and below [`super::FAR`].
-pub const LONGEST_EDGE: f64 = crate::constants::LONGEST_EDGE;
 
 /// Rows that are measured together, so that each row's points and bends serve the next.
 const BAND: usize = 32;
@@ -40,28 +32,8 @@ pub struct EdgeLengths<R> {
     rule: EdgeRule,
     /// Of floor plans.
     floor: Option<EvenGrid>,
-    gaussian_curvature: OnceLock<Vec<R>>,
-}
-
-/// The directions stored at a point, in this order, here and in the shaders.
-pub(crate) const STORED: [Direction; 4] =
-    [Direction::East, Direction::North, Direction::NorthEast, Direction::NorthWest];
-
-/// Where the length of an edge is stored: an offset from the point, and one of [`STORED`].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct EdgeSlot {
-    offset: isize,
-    stored: usize,
-}
-
-impl EdgeSlot {
-    /// The edge from the point `at` (an offset from the point that the slot is used for).
-    pub(crate) fn new(chart: Chart, at: isize, to: Direction) -> Self {
-        match STORED.iter().position(|&direction| direction == to) {
-            Some(stored) => Self { offset: at, stored },
-            None => Self::new(chart, at + chart.offset(to), to.opposite()),
-        }
-    }
+    /// See `gaussian_curvature.rs`; empty until it is asked for.
+    pub(super) gaussian_curvature: OnceLock<Vec<R>>,
 }
 
 impl<R: Real> EdgeLengths<R> {
@@ -78,13 +50,9 @@ impl<R: Real> EdgeLengths<R> {
         let (chart, origin) = (surface.chart(), surface.origin());
         // Zeros come without work; every one of them is written below, by many threads at once.
         let mut lengths = [(); 4].map(|_| vec![R::zero(); chart.bordered_points()]);
-        for plane in &mut lengths {
-            let last = plane.len() - chart.stride();
-            plane[..chart.stride()].fill(R::FAR);
-            plane[last..].fill(R::FAR);
-        }
+        lengths.iter_mut().for_each(|plane| chart.fill_border_rows(plane, R::FAR));
         let [east, north, north_east, north_west] = &mut lengths;
-        let rows = |plane| bordered_rows(chart, plane);
+        let rows = |plane| chart.bordered_rows_mut(plane);
         (rows(east), rows(north), rows(north_east), rows(north_west))
             .into_par_iter()
             .chunks(BAND)
@@ -96,9 +64,9 @@ impl<R: Real> EdgeLengths<R> {
                     for (line, lengths) in
                         [east, north, north_east, north_west].into_iter().zip(lengths)
                     {
-                        line[0] = R::FAR;
-                        line[1..=chart.cols].copy_from_slice(lengths);
-                        line[chart.cols + 1] = R::FAR;
+                        let [before, line @ .., after] = &mut **line else { continue };
+                        (*before, *after) = (R::FAR, R::FAR);
+                        line.copy_from_slice(lengths);
                     }
                 })
             })?;
@@ -106,11 +74,12 @@ impl<R: Real> EdgeLengths<R> {
         Ok(Self { chart, lengths, rule, floor, gaussian_curvature: OnceLock::new() })
     }
 
-    /// The edges between the points of a part of the grid, from its first row and column.
+    /// The edges between the points of a part of the grid.
     ///
     /// # Panics
     /// If the grid has no such part.
-    pub(crate) fn window(&self, [row, col]: [usize; 2], chart: Chart) -> Self {
+    pub(crate) fn window(&self, block: &Block) -> Self {
+        let (chart, (row, col)) = (block.chart(), block.first());
         let mut lengths = [(); 4].map(|_| vec![R::FAR; chart.bordered_points()]);
         for ((to, window), whole) in STORED.into_iter().zip(&mut lengths).zip(self.planes()) {
             for line in 0..chart.rows {
@@ -140,12 +109,6 @@ impl<R: Real> EdgeLengths<R> {
     pub fn length(&self, row: usize, col: usize, to: Direction) -> R {
         assert!(row < self.chart.rows && col < self.chart.cols, "point outside the grid");
         self.at(self.chart.bordered(row, col), EdgeSlot::new(self.chart, 0, to))
-    }
-
-    /// Gaussian curvature at each point of the bordered array, from the lengths alone; see
-    /// `gaussian_curvature.rs`. Computed when it is first asked for.
-    pub(crate) fn gaussian_curvature(&self) -> &[R] {
-        self.gaussian_curvature.get_or_init(|| gaussian_curvature(self))
     }
 
     /// The grid, if the surface is a floor plan ([`Surface::is_floor_plan`]).
@@ -180,22 +143,6 @@ impl<R: Real> EdgeLengths<R> {
     pub(crate) fn planes(&self) -> [&[R]; 4] {
         self.lengths.each_ref().map(Vec::as_slice)
     }
-}
-
-/// The grid's rows in a bordered array, each with a point of the border at either end.
-fn bordered_rows<R: Real>(
-    chart: Chart,
-    plane: &mut [R],
-) -> impl IndexedParallelIterator<Item = &mut [R]> {
-    plane.par_chunks_exact_mut(chart.stride()).skip(1).take(chart.rows)
-}
-
-/// The grid's rows in a bordered array.
-pub(super) fn inner_rows<R: Real>(
-    chart: Chart,
-    plane: &mut [R],
-) -> impl IndexedParallelIterator<Item = &mut [R]> {
-    bordered_rows(chart, plane).map(move |row| &mut row[1..=chart.cols])
 }
 
 impl Surface {
@@ -246,12 +193,12 @@ impl Surface {
         };
         // The points of the row before, of this one and of the next two; the bends of two rows before,
         // of this one and of the next, which the first row's three before it are read for.
-        let mut points = [(); 4].map(|_| self.row(None, origin));
+        let mut points = [(); 4].map(|_| Row::missing(cols));
         let mut around = [(); 4].map(|_| RowBends::none(cols));
         let mut lengths = [(); 4].map(|_| vec![R::FAR; cols]);
         for ahead in rows.start..rows.end + 5 {
             points.rotate_left(1);
-            points[3] = self.row(ahead.checked_sub(3), origin);
+            points[3] = self.row(ahead as isize - 3, origin);
             around.rotate_left(1);
             bends([&points[1], &points[2], &points[3]], &mut around[3]);
             let Some(row) = ahead.checked_sub(5).filter(|row| rows.contains(row)) else { continue };
@@ -268,8 +215,7 @@ impl Surface {
     pub(crate) fn length_between(&self, from: (usize, usize), to: (usize, usize)) -> f64 {
         let chart = self.chart();
         let sample = |(row, col)| self.geometry().sample(chart, row, col);
-        let slowness = |(row, col)| self.slowness().map_or(1.0, |s| s[chart.index(row, col)]);
-        0.5 * (slowness(from) + slowness(to)) * sample(from).length_to(sample(to))
+        self.weight(from, to) * sample(from).length_to(sample(to))
     }
 }
 
@@ -278,25 +224,19 @@ impl Surface {
     /// no data and nobody says so.
     fn cause(&self, error: SurfaceError) -> SurfaceError {
         let SurfaceError::EdgeLength { row, col, .. } = error else { return error };
-        let beyond = |value: &f64| value.abs() > LONGEST_EDGE;
         // The bends of an edge depend on as many points around it.
-        let rows = row.saturating_sub(3)..(row + 4).min(self.rows());
-        for (row, col) in rows.flat_map(|row| {
-            let cols = col.saturating_sub(3)..(col + 4).min(self.cols());
-            cols.map(move |col| (row, col))
-        }) {
+        let around = self.chart().around((row, col), 3).places();
+        let value = |(row, col)| {
             let index = self.chart().index(row, col);
-            let value = match self.geometry() {
-                _ if !self.has(row, col) => None,
-                Geometry::Heights { heights, .. } => Some(heights[index]).filter(beyond),
-                Geometry::Positions(at) => at[index].to_array().into_iter().find(beyond),
-                Geometry::Metric(_) => None,
-            };
-            if let Some(value) = value {
-                return SurfaceError::TooLarge { what: self.geometry().what(), value, row, col };
-            }
-        }
-        error
+            let value = self.geometry().beyond(index, LONGEST_EDGE);
+            Some((row, col, value.filter(|_| self.has(row, col))?))
+        };
+        around.filter_map(value).next().map_or(error, |(row, col, value)| SurfaceError::TooLarge {
+            what: self.geometry().what(),
+            value,
+            row,
+            col,
+        })
     }
 }
 
@@ -323,9 +263,9 @@ mod tests {
     #[test]
     fn a_window_has_the_edges_between_its_points() {
         let whole = EdgeLengths::<f32>::new(&Builtin::Peaks.surface(9, 12).unwrap()).unwrap();
-        let ([row, col], chart) = ([3, 4], Chart { rows: 4, cols: 8 });
-        let window = whole.window([row, col], chart);
-        for (r, c) in (0..chart.rows).flat_map(|r| (0..chart.cols).map(move |c| (r, c))) {
+        let block = Block { rows: 3..7, cols: 4..12 };
+        let (window, chart, (row, col)) = (whole.window(&block), block.chart(), block.first());
+        for (r, c) in chart.places() {
             for to in Direction::ALL {
                 let there = chart.neighbour(r, c, to).is_some();
                 let expected = if there { whole.length(row + r, col + c, to) } else { f32::FAR };

@@ -4,14 +4,22 @@ use rayon::prelude::*;
 
 #[cfg(doc)]
 use super::arc::EdgeRule;
-use super::chart::Direction;
-use super::edges::{EdgeLengths, EdgeSlot, inner_rows};
+use super::chart::{Direction, EdgeSlot, ring};
+use super::edges::EdgeLengths;
 use super::real::{Real, max, min};
 use crate::constants::{DEFECT_NOISE, LARGEST_DEFECT};
 use crate::lanes::{Instructions, Work};
 
 /// Tag ([`Real::with_tag`]) of the Gaussian curvature at points where waves diffract.
 pub(crate) const DIFFRACTS: u8 = 1;
+
+impl<R: Real> EdgeLengths<R> {
+    /// Gaussian curvature at each point of the bordered array, from the lengths alone. Computed when it is
+    /// first asked for.
+    pub(crate) fn gaussian_curvature(&self) -> &[R] {
+        self.gaussian_curvature.get_or_init(|| gaussian_curvature(self))
+    }
+}
 
 /// Gaussian curvature at each point of the bordered array: the angle defect of the fan of eight
 /// triangles around the point, over its share of the fan's area ([`EdgeRule::share_of_fan`]),
@@ -23,15 +31,16 @@ pub(crate) const DIFFRACTS: u8 = 1;
 ///
 /// Points whose fan is not whole, at a border or hole, carry the tag `DIFFRACTS` and
 /// the mean of their neighbours' curvature: waves diffract there.
-pub(crate) fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
+fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
     let chart = edges.chart();
     // Where a triangle of the fan is missing, so is the curvature: FAR.
     let mut fans = vec![R::FAR; chart.bordered_points()];
-    inner_rows(chart, &mut fans)
+    chart
+        .rows_mut(&mut fans)
         .enumerate()
         .for_each(|(row, line)| Instructions::best().run(Fans { edges, row, line }));
     let mut curvature = vec![R::zero().with_tag(DIFFRACTS); chart.bordered_points()];
-    inner_rows(chart, &mut curvature).enumerate().for_each(|(row, line)| {
+    chart.rows_mut(&mut curvature).enumerate().for_each(|(row, line)| {
         Instructions::best().run(Settled { edges, row, fans: &fans, line })
     });
     curvature
@@ -54,8 +63,7 @@ impl<R: Real> Work for Settled<'_, R> {
         let (chart, cols) = (edges.chart(), line.len());
         let first = chart.bordered(row, 0);
         let lengths = Direction::ALL.map(|to| edges.row(first, EdgeSlot::new(chart, 0, to), cols));
-        let around =
-            Direction::ALL.map(|to| &fans[first.wrapping_add_signed(chart.offset(to))..][..cols]);
+        let around = Direction::ALL.map(|to| &fans[chart.beside(first, to)..][..cols]);
         let own = &fans[first..][..cols];
         for (col, curvature) in line.iter_mut().enumerate() {
             let mut neighbours = [R::FAR; 8];
@@ -141,7 +149,7 @@ fn defect_density<R: Real>(edges: [R; 8], bases: [R; 8], share_of_fan: R) -> R {
     // them make a full turn less the defect.
     let (mut re, mut im, mut area, mut whole) = (one, zero, zero, true);
     for index in 0..8 {
-        let (a, b, c) = (edges[index], edges[(index + 1) % 8], bases[index]);
+        let (a, b, c) = (edges[index], edges[ring::next(index)], bases[index]);
         let longest = max(max(a, b), c);
         whole &= (longest < R::FAR) & (longest + longest < a + b + c);
         let x = half * ((a * a + b * b) - c * c) / (a * b);

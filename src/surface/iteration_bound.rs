@@ -2,7 +2,7 @@
 
 use glam::{DMat2, DVec3};
 
-use super::Surface;
+use super::{Chart, Direction, Surface};
 
 impl Surface {
     /// Theorem 1's bound on the number of raster scan iterations, from finite differences.
@@ -19,40 +19,39 @@ impl Surface {
     /// `None` where the theorem says nothing: for a metric without positions, with slowness,
     /// with holes (a path around a wall turns as often as the wall does), and below 3 x 3 points.
     pub fn iteration_bound(&self) -> Option<u64> {
-        let (rows, cols) = (self.rows(), self.cols());
-        if self.slowness().is_some() || self.present().contains(&false) || rows < 3 || cols < 3 {
+        use Direction::{East, North, NorthEast, NorthWest, South, SouthEast, SouthWest, West};
+        let chart = self.chart();
+        let Chart { rows, cols } = chart;
+        if self.is_weighted() || self.present().contains(&false) || rows < 3 || cols < 3 {
             return None;
         }
-        let position = |row, col| self.position(row, col);
-        position(0, 0)?;
-        let at = |row: usize, col: usize| position(row, col).expect("the surface has no hole");
+        self.position(0, 0)?;
+        let at = |(row, col)| self.position(row, col).expect("the surface has no hole");
         let (mut smallest_eigenvalue, mut largest_hessian) = (f64::INFINITY, 0.0f64);
         let mut largest_coordinate = 0.0f64;
-        for row in 1..rows - 1 {
-            for col in 1..cols - 1 {
-                let x = at(row, col);
-                let along_rows = 0.5 * (at(row + 1, col) - at(row - 1, col));
-                let along_cols = 0.5 * (at(row, col + 1) - at(row, col - 1));
-                let metric = symmetric(
-                    along_rows.length_squared(),
-                    along_rows.dot(along_cols),
-                    along_cols.length_squared(),
-                );
-                let rr = at(row + 1, col) - 2.0 * x + at(row - 1, col);
-                let cc = at(row, col + 1) - 2.0 * x + at(row, col - 1);
-                let rc = 0.25
-                    * (at(row + 1, col + 1) - at(row + 1, col - 1) - at(row - 1, col + 1)
-                        + at(row - 1, col - 1));
-                smallest_eigenvalue = smallest_eigenvalue.min(eigenvalues(metric).0);
-                largest_hessian = largest_hessian.max(hessian_norm(rr, rc, cc));
-                largest_coordinate = largest_coordinate.max(x.abs().max_element());
-            }
+        for (row, col) in chart.interior().places() {
+            let x = at((row, col));
+            let beside = |to| at(chart.neighbour(row, col, to).expect("inner points have all"));
+            let [north, south, west, east] = [North, South, West, East].map(beside);
+            let (along_rows, along_cols) = (0.5 * (south - north), 0.5 * (east - west));
+            let metric = symmetric(
+                along_rows.length_squared(),
+                along_rows.dot(along_cols),
+                along_cols.length_squared(),
+            );
+            let (rr, cc) = (south - 2.0 * x + north, east - 2.0 * x + west);
+            let rc = 0.25
+                * (beside(SouthEast) - beside(SouthWest) - beside(NorthEast) + beside(NorthWest));
+            smallest_eigenvalue = smallest_eigenvalue.min(eigenvalues(metric).0);
+            largest_hessian = largest_hessian.max(hessian_norm(rr, rc, cc));
+            largest_coordinate = largest_coordinate.max(x.abs().max_element());
         }
-        let length = |a: DVec3, b: DVec3| a.distance(b);
-        let row_length = |row| (1..cols).map(|col| length(at(row, col - 1), at(row, col))).sum();
-        let col_length = |col| (1..rows).map(|row| length(at(row - 1, col), at(row, col))).sum();
-        let longest_row = (0..rows).map(row_length).fold(0.0, f64::max);
-        let longest_col = (0..cols).map(col_length).fold(0.0, f64::max);
+        let length = |from, to| {
+            let ends = chart.walk(from, to).zip(chart.walk(from, to).skip(1));
+            ends.map(|(a, b)| at(a).distance(at(b))).sum::<f64>()
+        };
+        let longest_row = (0..rows).map(|row| length((row, 0), East)).fold(0.0, f64::max);
+        let longest_col = (0..cols).map(|col| length((0, col), South)).fold(0.0, f64::max);
         let diameter: f64 = longest_row + longest_col;
         // Second differences of a straight grid are rounding errors, not curvature.
         let rounding = 8.0 * f64::EPSILON * largest_coordinate;

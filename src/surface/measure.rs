@@ -2,13 +2,19 @@
 //!
 //! The loops have no branch, so that the compiler turns points into lanes; see [`Work`].
 
+use super::Surface;
 use super::arc::{arc, bends, end_bend, normal};
-use super::chart::Direction;
-use super::edges::{LONGEST_EDGE, SHORTEST_EDGE, STORED};
-use super::points::{Point, Row};
+use super::chart::{Direction, STORED};
+use super::geometry::{InSpace, Space};
+use super::points::Row;
 use super::real::{Real, max};
-use super::{Geometry, Surface};
 use crate::lanes::{Instructions, Work};
+
+/// Shortest length of an edge between distinct points, in the surface's unit.
+pub const SHORTEST_EDGE: f64 = 1e-12;
+/// Longest length of an edge: squares and sums of such lengths stay within single precision
+/// and below [`super::FAR`].
+pub const LONGEST_EDGE: f64 = crate::constants::LONGEST_EDGE;
 
 /// This row's among the bends of four.
 const HERE: usize = 2;
@@ -46,76 +52,10 @@ impl<R: Real> RowBends<R> {
     }
 }
 
-/// How far neighbouring points are apart.
-trait Space<R: Real>: Copy {
-    /// From a point to its neighbour. A surface known only by its metric has no such vector.
-    fn difference(self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> [R; 3];
-
-    /// Length of the straight step between two neighbouring points without slowness.
-    #[inline(always)]
-    fn separation(self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> R {
-        let d = self.difference(a, b, step);
-        ((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]).sqrt()
-    }
-}
-
-#[derive(Clone, Copy)]
-struct Positions;
-
-#[derive(Clone, Copy)]
-struct Heights<R> {
-    dx: R,
-    dy: R,
-}
-
-#[derive(Clone, Copy)]
-struct Metric;
-
-impl<R: Real> Space<R> for Positions {
-    #[inline(always)]
-    fn difference(self, a: Point<R>, b: Point<R>, _: (isize, isize)) -> [R; 3] {
-        [b[0] - a[0], b[1] - a[1], b[2] - a[2]]
-    }
-}
-
-impl<R: Real> Space<R> for Heights<R> {
-    #[inline(always)]
-    fn difference(self, a: Point<R>, b: Point<R>, (down, right): (isize, isize)) -> [R; 3] {
-        [R::of(right as f64) * self.dx, R::of(down as f64) * self.dy, b[2] - a[2]]
-    }
-}
-
-impl<R: Real> Space<R> for Metric {
-    #[inline(always)]
-    fn difference(self, _: Point<R>, _: Point<R>, _: (isize, isize)) -> [R; 3] {
-        [R::zero(); 3]
-    }
-
-    #[inline(always)]
-    fn separation(self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> R {
-        R::of(0.5) * (metric_length(a, step) + metric_length(b, step))
-    }
-}
-
-#[inline(always)]
-fn metric_length<R: Real>(g: Point<R>, step: (isize, isize)) -> R {
-    let (down, right) = (R::of(step.0 as f64), R::of(step.1 as f64));
-    let mixed = g[1] * (R::of(2.0) * right * down);
-    max((g[0] * (down * down) + mixed) + g[2] * (right * right), R::zero()).sqrt()
-}
-
 impl Surface {
     /// The bends across the points of a row, from the row before, itself and the row after.
     pub(super) fn bend_row<R: Real>(&self, rows: [&Row<R>; 3], bends: &mut RowBends<R>) {
-        let instructions = Instructions::best();
-        match self.geometry() {
-            Geometry::Positions(_) => instructions.run(Bend { space: Positions, rows, bends }),
-            Geometry::Heights { spacing, .. } => {
-                let space = Heights { dx: R::of(spacing.dx), dy: R::of(spacing.dy) };
-                instructions.run(Bend { space, rows, bends });
-            }
-            Geometry::Metric(_) => {}
-        }
+        self.geometry().in_space(BendRow { rows, bends });
     }
 
     /// The lengths of the edges stored at the points of a row, from the row before and itself, and
@@ -127,19 +67,38 @@ impl Surface {
         bends: [&RowBends<R>; 4],
         lengths: &mut [Vec<R>; 4],
     ) -> bool {
-        let instructions = Instructions::best();
-        match self.geometry() {
-            Geometry::Positions(_) => {
-                instructions.run(Measure { space: Positions, rows, bends, lengths })
-            }
-            Geometry::Heights { spacing, .. } => {
-                let space = Heights { dx: R::of(spacing.dx), dy: R::of(spacing.dy) };
-                instructions.run(Measure { space, rows, bends, lengths })
-            }
-            Geometry::Metric(_) => {
-                instructions.run(Measure { space: Metric, rows, bends, lengths })
-            }
-        }
+        self.geometry().in_space(MeasureRow { rows, bends, lengths })
+    }
+}
+
+/// [`Bend`] in any space.
+struct BendRow<'a, R> {
+    rows: [&'a Row<R>; 3],
+    bends: &'a mut RowBends<R>,
+}
+
+impl<R: Real> InSpace<R> for BendRow<'_, R> {
+    type Output = ();
+
+    fn run<S: Space<R>>(self, space: S) {
+        let Self { rows, bends } = self;
+        Instructions::best().run(Bend { space, rows, bends });
+    }
+}
+
+/// [`Measure`] in any space.
+struct MeasureRow<'a, R> {
+    rows: [&'a Row<R>; 2],
+    bends: [&'a RowBends<R>; 4],
+    lengths: &'a mut [Vec<R>; 4],
+}
+
+impl<R: Real> InSpace<R> for MeasureRow<'_, R> {
+    type Output = bool;
+
+    fn run<S: Space<R>>(self, space: S) -> bool {
+        let Self { rows, bends, lengths } = self;
+        Instructions::best().run(Measure { space, rows, bends, lengths })
     }
 }
 
@@ -281,8 +240,7 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
         found: &mut [R; STRETCH],
     ) -> bool {
         let (step, points) = (STORED[LINE].step(), points.min(STRETCH));
-        let (down, right) = step;
-        let diagonal = down != 0 && right != 0;
+        let ((down, right), diagonal) = (step, STORED[LINE].is_diagonal());
         // From a point before the row's first on.
         let (here, there) = (start + 1, (start + 1).wrapping_add_signed(right));
         let [before, own] = self.rows;

@@ -13,6 +13,7 @@ mod edges;
 mod even_grid;
 mod gaussian_curvature;
 mod geometry;
+mod inputs;
 mod iteration_bound;
 mod measure;
 mod points;
@@ -22,23 +23,28 @@ mod sources;
 mod window;
 
 pub use arc::EdgeRule;
+pub(crate) use chart::{
+    Block, Cell, Edge, EdgeSlot, corner_weights, grid_crossings, ring, triangles,
+};
 pub use chart::{Chart, Direction};
 pub use coarsen::Coarsened;
 pub(crate) use corner::{is_corner, is_open};
-pub(crate) use edges::EdgeSlot;
-pub use edges::{EdgeLengths, LONGEST_EDGE, SHORTEST_EDGE};
+pub use edges::EdgeLengths;
 pub(crate) use even_grid::EvenGrid;
 pub(crate) use gaussian_curvature::DIFFRACTS;
 pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing};
+pub use measure::{LONGEST_EDGE, SHORTEST_EDGE};
 pub use real::{FAR, Real};
 pub(crate) use real::{TAG, max, min, relative_change};
+pub(crate) use sources::with_diagonals;
 pub use sources::{Seed, Source, SourceError, Sources};
-pub(crate) use sources::{corner_weights, grid_crossings, with_diagonals};
 
 use std::sync::OnceLock;
 
 use glam::DVec3;
+
+use inputs::Inputs;
 
 /// An M x N grid of points on a surface: positions, heights or a metric, with an optional
 /// slowness and holes.
@@ -57,9 +63,7 @@ use glam::DVec3;
 #[derive(Clone, Debug)]
 pub struct Surface {
     chart: Chart,
-    geometry: Geometry,
-    slowness: Option<Vec<f64>>,
-    present: Vec<bool>,
+    inputs: Inputs,
     edge_rule: EdgeRule,
     /// Of a floor plan, once it has been asked for.
     floor: OnceLock<Option<EvenGrid>>,
@@ -219,33 +223,9 @@ impl Surface {
         let chart = Chart { rows, cols };
         check_shape(geometry.what(), geometry.len(), chart)?;
         let present = geometry.points_present(chart)?;
-        let edge_rule = EdgeRule::default();
-        let floor = OnceLock::new();
-        Self { chart, geometry, slowness: None, present, edge_rule, floor }.non_empty()
-    }
-
-    /// Weights lengths by a slowness (reciprocal speed) at each point, row-major, so that
-    /// distances become travel times. An edge's length is multiplied by the mean of both ends.
-    /// Values at holes are not looked at.
-    pub fn with_slowness(mut self, slowness: Vec<f64>) -> Result<Self, SurfaceError> {
-        check_shape("slowness", slowness.len(), self.chart)?;
-        for (index, &value) in slowness.iter().enumerate() {
-            if self.present[index] && !(value > 0.0 && value.is_finite()) {
-                let (row, col) = self.chart.position(index);
-                return Err(SurfaceError::Slowness { value, row, col });
-            }
-        }
-        self.slowness = Some(slowness);
-        self.floor = OnceLock::new();
-        Ok(self)
-    }
-
-    /// Makes holes where the mask, row-major, is false.
-    pub fn with_mask(mut self, mask: &[bool]) -> Result<Self, SurfaceError> {
-        check_shape("mask", mask.len(), self.chart)?;
-        self.present.iter_mut().zip(mask).for_each(|(present, &keep)| *present &= keep);
-        self.floor = OnceLock::new();
-        self.non_empty()
+        let inputs = Inputs { geometry, slowness: None, present };
+        let (edge_rule, floor) = (EdgeRule::default(), OnceLock::new());
+        Self { chart, inputs, edge_rule, floor }.non_empty()
     }
 
     /// Measures edges by this rule in place of the default one.
@@ -255,7 +235,7 @@ impl Surface {
     }
 
     fn non_empty(self) -> Result<Self, SurfaceError> {
-        if self.present.contains(&true) { Ok(self) } else { Err(SurfaceError::NoPoint) }
+        if self.present().contains(&true) { Ok(self) } else { Err(SurfaceError::NoPoint) }
     }
 
     /// The grid's size.
@@ -275,41 +255,33 @@ impl Surface {
 
     /// Number of points that are not holes.
     pub fn points(&self) -> usize {
-        self.present.iter().filter(|&&present| present).count()
+        self.present().iter().filter(|&&present| present).count()
     }
 
     /// Positions, heights or metric, as given.
     pub fn geometry(&self) -> &Geometry {
-        &self.geometry
-    }
-
-    /// The slowness, if lengths are weighted.
-    pub fn slowness(&self) -> Option<&[f64]> {
-        self.slowness.as_deref()
+        &self.inputs.geometry
     }
 
     /// How edges are measured; a surface known only by its metric has no arcs.
     pub fn edge_rule(&self) -> EdgeRule {
-        match self.geometry {
-            Geometry::Metric(_) => EdgeRule::Chord,
-            _ => self.edge_rule,
-        }
+        if self.geometry().has_positions() { self.edge_rule } else { EdgeRule::Chord }
     }
 
     /// For each point whether the surface is there (true) or has a hole, row-major.
     pub fn present(&self) -> &[bool] {
-        &self.present
+        &self.inputs.present
     }
 
     /// Whether the grid has this point and it is not a hole.
     pub fn has(&self, row: usize, col: usize) -> bool {
-        row < self.rows() && col < self.cols() && self.present[self.chart.index(row, col)]
+        row < self.rows() && col < self.cols() && self.present()[self.chart.index(row, col)]
     }
 
     /// The 3D position of a grid point; `None` for a surface known only by its metric, and at
     /// holes.
     pub fn position(&self, row: usize, col: usize) -> Option<DVec3> {
-        self.has(row, col).then(|| self.geometry.position(self.chart, row, col))?
+        self.has(row, col).then(|| self.geometry().position(self.chart, row, col))?
     }
 
     /// Whether this is a floor plan: flat and evenly spaced, rectangular or sheared up to where a triangle of
@@ -339,9 +311,9 @@ impl Surface {
     /// and a diagonal has a third corner of its cell beside it, since a path would otherwise
     /// slip through between two holes.
     pub fn has_edge(&self, row: usize, col: usize, to: Direction) -> bool {
-        let Some((r, c)) = self.chart.neighbour(row, col, to) else { return false };
-        let beside = r == row || c == col || self.has(row, c) || self.has(r, col);
-        self.has(row, col) && self.has(r, c) && beside
+        let has = |to| self.chart.neighbour(row, col, to).is_some_and(|(r, c)| self.has(r, c));
+        let beside = !to.is_diagonal() || has(to.previous()) || has(to.next());
+        self.has(row, col) && has(to) && beside
     }
 }
 

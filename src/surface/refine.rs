@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::{Chart, Direction, Surface, has_numbers};
+use super::{Direction, Surface, has_numbers};
 
 impl Surface {
     /// A floor plan ([`Self::is_floor_plan`]) with a point between any two neighbours: row r and column c become
@@ -10,15 +10,14 @@ impl Surface {
     /// floor plan.
     pub(crate) fn halved_floor(&self) -> Option<Self> {
         let grid = self.floor()?;
-        let chart = Chart { rows: 2 * self.rows() - 1, cols: 2 * self.cols() - 1 };
+        let chart = self.chart().refined();
         if !has_numbers(chart) {
             return None;
         }
-        let places = || (0..chart.points()).map(|index| chart.position(index));
         let position = |(row, col)| grid.at(0.5 * DVec2::new(row as f64, col as f64));
-        let positions = places().map(position).collect();
+        let positions = chart.places().map(position).collect();
         let there: Vec<_> =
-            places().map(|(row, col)| self.is_between_neighbours(row, col)).collect();
+            chart.places().map(|(row, col)| self.is_between_neighbours(row, col)).collect();
         let plane = Self::from_positions(chart.rows, chart.cols, positions).ok()?;
         plane.with_mask(&there).ok()
     }

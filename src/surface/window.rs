@@ -3,7 +3,8 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use super::{Chart, Geometry, Surface};
+use super::Surface;
+use super::chart::Block;
 
 impl Surface {
     /// The points of some rows and columns, with their slowness. It may have nothing but holes.
@@ -15,44 +16,15 @@ impl Surface {
     /// # Panics
     /// If the grid does not have them, or there are none.
     pub(crate) fn window(&self, rows: Range<usize>, cols: Range<usize>) -> Self {
-        let chart = Chart { rows: rows.len(), cols: cols.len() };
+        let (whole, block) = (self.chart, Block { rows, cols });
+        let chart = block.chart();
         assert!(chart.points() > 0, "no point of a surface");
-        let part = Part { of: self.chart, rows, cols };
-        let geometry = match &self.geometry {
-            Geometry::Positions(positions) => Geometry::Positions(part.cut(positions)),
-            Geometry::Heights { heights, spacing } => {
-                Geometry::Heights { heights: part.cut(heights), spacing: *spacing }
-            }
-            Geometry::Metric(metric) => Geometry::Metric(part.cut(metric)),
-        };
         Self {
             chart,
-            geometry,
-            slowness: self.slowness.as_deref().map(|slowness| part.cut(slowness)),
-            present: part.cut(&self.present),
+            inputs: self.inputs.cut(whole, &block),
             edge_rule: self.edge_rule,
             floor: OnceLock::new(),
         }
-    }
-
-    /// The same surface, on which a length is a length.
-    pub(super) fn without_slowness(self) -> Self {
-        Self { slowness: None, floor: OnceLock::new(), ..self }
-    }
-}
-
-/// Rows and columns of a grid.
-struct Part {
-    of: Chart,
-    rows: Range<usize>,
-    cols: Range<usize>,
-}
-
-impl Part {
-    /// Their values of an array.
-    fn cut<T: Copy>(&self, whole: &[T]) -> Vec<T> {
-        let row = |row| &whole[self.of.index(row, self.cols.start)..][..self.cols.len()];
-        self.rows.clone().flat_map(row).copied().collect()
     }
 }
 
@@ -60,7 +32,7 @@ impl Part {
 mod tests {
     use super::*;
     use crate::surface::builtin::Builtin;
-    use crate::surface::{Direction, EdgeLengths, MetricTensor, Spacing};
+    use crate::surface::{Chart, Direction, EdgeLengths, MetricTensor, Spacing};
 
     /// Far enough for all that a point's update depends on.
     const MARGIN: usize = 5;
@@ -68,9 +40,12 @@ mod tests {
     /// But for rounding, since positions are taken relative to the middle.
     #[test]
     fn inside_a_part_edges_and_curvatures_are_those_of_the_whole() {
-        let (rows, cols) = (20, 24);
-        let wavy = |k: usize| ((k / cols) as f64 * 0.7).sin() + ((k % cols) as f64 * 0.4).cos();
-        let points = rows * cols;
+        let chart = Chart { rows: 20, cols: 24 };
+        let (Chart { rows, cols }, points) = (chart, chart.points());
+        let wavy = |k: usize| {
+            let (row, col) = chart.position(k);
+            (row as f64 * 0.7).sin() + (col as f64 * 0.4).cos()
+        };
         let heights = (0..points).map(wavy).collect();
         let metric = |k| MetricTensor { rr: 2.0 + wavy(k), rc: 0.2, cc: 3.0 - wavy(k) };
         let slow = |surface: Surface| {

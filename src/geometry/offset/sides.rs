@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use crate::geometry::MapError;
 use crate::geometry::order::{bordered, by_arrival, rank};
 use crate::geometry::spokes::Spokes;
-use crate::surface::{Chart, EdgeLengths, Real, Source, Sources, Surface};
+use crate::surface::{EdgeLengths, Real, Source, Sources, Surface, ring};
 
 /// Angles by point.
 pub(super) struct Sides<'a> {
@@ -123,8 +123,8 @@ impl<'a> Sides<'a> {
 
     /// The angle that a ray brings to a point.
     fn along(&self, point: usize, Ray { base, share }: Ray) -> Vec2 {
-        let ends = [usize::from(base), usize::from(base + 1) % 8]
-            .map(|to| self.spokes.neighbour(point, to));
+        let ends =
+            [usize::from(base), ring::next(base.into())].map(|to| self.spokes.neighbour(point, to));
         let [a, b] = ends.map(|end| self.angles[end]);
         let arm = |end: usize| self.since(end) * self.angles[end].as_dvec2();
         match share {
@@ -154,15 +154,9 @@ impl<'a> Sides<'a> {
 /// around its ends, unless something else is nearer.
 fn beside(surface: &Surface, source: &Source) -> Result<BTreeMap<(usize, usize), bool>, MapError> {
     let Source::Curve { vertices, .. } = source else { return Ok(BTreeMap::new()) };
-    let Chart { rows, cols } = surface.chart();
     let mut points = BTreeMap::new();
     for end in [vertices.first(), vertices.last()].into_iter().flatten() {
-        let around = |x: f64, count: usize| {
-            let low = (x.floor().max(0.0) as usize).saturating_sub(AROUND_END);
-            low..(x.ceil().max(0.0) as usize + AROUND_END + 1).min(count)
-        };
-        let all =
-            around(end.x, rows).flat_map(|row| around(end.y, cols).map(move |col| (row, col)));
+        let all = surface.chart().around_place(*end, AROUND_END).places();
         points.extend(all.filter(|&(row, col)| surface.has(row, col)).map(|at| (at, false)));
     }
     let seeds = Sources::from_iter([source.clone()]).seeds(surface)?;
@@ -171,13 +165,13 @@ fn beside(surface: &Surface, source: &Source) -> Result<BTreeMap<(usize, usize),
 }
 
 /// The place of a curve that is nearest to a point.
-struct Nearest {
+struct Foot {
     distance: f64,
     angle: f64,
 }
 
 /// As if the surface were flat around the point.
-fn nearest(vertices: &[DVec2], at: DVec2, metric: DMat2) -> Option<Nearest> {
+fn nearest(vertices: &[DVec2], at: DVec2, metric: DMat2) -> Option<Foot> {
     let dot = |a: DVec2, b: DVec2| a.dot(metric * b);
     let near = |a: &DVec2, b: &DVec2| {
         const REACH: f64 = 2.0 + AROUND_END as f64;
@@ -225,5 +219,5 @@ fn nearest(vertices: &[DVec2], at: DVec2, metric: DMat2) -> Option<Nearest> {
             cosine.clamp(0.0, 1.0).acos().copysign(left(here, away))
         }
     };
-    Some(Nearest { distance, angle })
+    Some(Foot { distance, angle })
 }

@@ -3,9 +3,11 @@
 
 use glam::DVec2;
 
-use super::cell::{self, SIDES, corners};
-use super::profile::{Crossing, Profile};
-use super::trace::{AT_POINT, Field, Place, fits, is_triangle};
+use super::cell::{self, SIDES};
+use super::edge_times::{Crossing, EdgeTimes};
+use super::entry::Entry;
+use super::search::{AT_POINT, fits, is_triangle};
+use super::tracer::Tracer;
 use crate::lanes::{Instructions, Work};
 use crate::surface::Chart;
 
@@ -16,54 +18,6 @@ pub(super) const LANES: usize = 16;
 /// A heading that leaves a cell within less than this part of itself leaves it over the edge that it
 /// came by.
 const LEAVES_AT_ONCE: f64 = 1e-9;
-
-/// Where a path enters a cell.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
-    pub north_west: usize,
-    /// Its row and column.
-    pub corner: DVec2,
-    /// Over which of the cell's [`SIDES`], and at which share of it.
-    pub side: usize,
-    pub share: f64,
-}
-
-// Inlined, all that goes with every line: numbers that are stored one by one and read back as one
-// would wait for one another.
-impl Entry {
-    /// The same place as one that leads out of a cell.
-    #[inline(always)]
-    fn across(chart: Chart, north_west: usize, corner: DVec2, side: usize, share: f64) -> Self {
-        let (north_west, step) = match side {
-            0 => (north_west - chart.stride(), DVec2::new(-1.0, 0.0)),
-            1 => (north_west - 1, DVec2::new(0.0, -1.0)),
-            2 => (north_west + 1, DVec2::new(0.0, 1.0)),
-            _ => (north_west + chart.stride(), DVec2::new(1.0, 0.0)),
-        };
-        Self { north_west, corner: corner + step, side: SIDES.len() - 1 - side, share }
-    }
-
-    /// Row and column in the cell.
-    #[inline(always)]
-    fn inside(&self) -> DVec2 {
-        // Corners count rows by two and columns by one.
-        let [first, last] =
-            SIDES[self.side].map(|corner| DVec2::new((corner / 2) as f64, (corner % 2) as f64));
-        first + self.share * (last - first)
-    }
-
-    /// Row and column.
-    #[inline(always)]
-    pub(super) fn at(&self) -> DVec2 {
-        self.corner + self.inside()
-    }
-
-    #[inline(always)]
-    pub(super) fn place(&self, chart: Chart) -> Place {
-        let [first, last] = SIDES[self.side].map(|end| corners(chart, self.north_west)[end]);
-        Place::Edge { first, step: last - first, share: self.share }
-    }
-}
 
 /// A line across a cell.
 pub(super) struct Crossed {
@@ -107,7 +61,7 @@ impl Ahead {
     }
 
     /// Finds the lines of all.
-    pub(super) fn look(&mut self, field: &Field) {
+    pub(super) fn look(&mut self, tracer: &Tracer) {
         let instructions = Instructions::best();
         instructions.run(&mut self.headings);
         let Headings { side, near, leaves, .. } = &self.headings;
@@ -115,18 +69,18 @@ impl Ahead {
         cells.share_ahead = *near;
         for lane in 0..LANES {
             let Some(Entry { north_west, side: own, .. }) = self.entries[lane] else { continue };
-            if !leaves[lane] || field.goals.touches(north_west) {
+            if !leaves[lane] || tracer.goals.touches(north_west) {
                 self.entries[lane] = None;
                 continue;
             }
             let (own, ahead) = (SIDES[own], SIDES[side[lane] as usize]);
-            let corners = corners(field.chart(), north_west);
+            let corners = tracer.chart().bordered_corners(north_west);
             let ends = ahead.map(|corner| corners[corner]);
-            if !ends.iter().all(|&end| field.is_reached(end)) {
+            if !ends.iter().all(|&end| tracer.is_reached(end)) {
                 self.entries[lane] = None;
                 continue;
             }
-            let length = |ends| cell::length(field.edges, &corners, ends);
+            let length = |ends| cell::length(tracer.edges, &corners, ends);
             cells.own_length[lane] = length(own);
             cells.length[lane] = length(ahead);
             for (all, from) in cells.across.iter_mut().zip(own) {
@@ -134,7 +88,7 @@ impl Ahead {
                     all[lane] = length([from, to]);
                 }
             }
-            let times = field.times_along(ends);
+            let times = tracer.times_along(ends);
             for (all, time) in cells.times.iter_mut().zip(times) {
                 all[lane] = time;
             }
@@ -232,9 +186,9 @@ impl Work for &mut Cells {
                 rest * (a * a) + share * (b * b) - spread
             };
             let ends = [square(0), square(1)];
-            let profile = Profile::new(self.moment[lane], times, length);
+            let edge = EdgeTimes::new(self.moment[lane], times, length);
             let (Crossing { share, time, distance }, is_settled) =
-                profile.crossing_near(self.share_ahead[lane], ends);
+                edge.crossing_near(self.share_ahead[lane], ends);
             self.found[0][lane] = share;
             self.found[1][lane] = time;
             self.found[2][lane] = distance;

@@ -12,12 +12,13 @@ use std::iter::once;
 use glam::DVec2;
 
 use super::corners::Corners;
+use super::course::{Rests, Trace};
 use super::goals::Goals;
-use super::rests::Rests;
-use super::trace::{Field, Place, Trace};
+use super::place::Place;
+use super::tracer::Tracer;
 use crate::Stop;
 use crate::cpu::RotatedScan;
-use crate::surface::{Chart, EdgeLengths, Seed, Sources};
+use crate::surface::{Block, EdgeLengths, Seed, Sources};
 use crate::update::Wavefront;
 
 /// Paths that are longer than the map's value by less than this part of it are left as they are: a
@@ -32,61 +33,13 @@ const BESIDE: [f64; 6] = [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75];
 /// Converged to the rounding of single precision.
 const STOP: Stop = Stop { tolerance: 1e-6, iterations: 100 };
 
-/// A part of the grid around a place.
-struct Window {
-    /// Its first row and column.
-    first: [usize; 2],
-    chart: Chart,
-    /// Whether it ends where the grid does, at its first and last row and column.
-    is_border: [[bool; 2]; 2],
-}
-
-impl Window {
-    fn around(at: DVec2, grid: Chart) -> Self {
-        let along = |at: f64, points: usize| {
-            let (first, last) =
-                ((at.floor() as usize).saturating_sub(REACH), at.ceil() as usize + REACH);
-            let last = last.min(points - 1);
-            (first, last + 1 - first, [first == 0, last == points - 1])
-        };
-        let (row, rows, rows_end) = along(at.x, grid.rows);
-        let (col, cols, cols_end) = along(at.y, grid.cols);
-        let chart = Chart { rows, cols };
-        Self { first: [row, col], chart, is_border: [rows_end, cols_end] }
-    }
-
-    fn origin(&self) -> DVec2 {
-        let [row, col] = self.first;
-        DVec2::new(row as f64, col as f64)
-    }
-
-    fn contains(&self, at: DVec2) -> bool {
-        let inside = at - self.origin();
-        let last = DVec2::new(self.chart.rows as f64 - 1.0, self.chart.cols as f64 - 1.0);
-        inside.cmpge(DVec2::ZERO).all() && inside.cmple(last).all()
-    }
-
-    /// Its outermost points, but for those on the grid's border.
-    fn rim(&self) -> impl Iterator<Item = (usize, usize)> {
-        let Chart { rows, cols } = self.chart;
-        let [[north, south], [west, east]] = self.is_border;
-        let is_rim = move |row: usize, col: usize| {
-            (row == 0 && !north)
-                || (row == rows - 1 && !south)
-                || (col == 0 && !west)
-                || (col == cols - 1 && !east)
-        };
-        let points = (0..rows).flat_map(move |row| (0..cols).map(move |col| (row, col)));
-        points.filter(move |&(row, col)| is_rim(row, col))
-    }
-
-    /// Places on its outermost lines beside a point there.
-    fn beside(&self, at: DVec2) -> impl Iterator<Item = DVec2> {
-        let is_row = at.x == 0.0 || at.x == self.chart.rows as f64 - 1.0;
-        let along = if is_row { DVec2::Y } else { DVec2::X };
-        let places = BESIDE.into_iter().map(move |share| self.origin() + at + share * along);
-        places.filter(|&place| self.contains(place)).map(|place| place - self.origin())
-    }
+/// Places on a block's outermost lines beside a point there, all in the block's rows and columns.
+fn beside(block: &Block, at: DVec2) -> impl Iterator<Item = DVec2> {
+    let chart = block.chart();
+    let is_row = at.x == 0.0 || at.x == chart.last().0 as f64;
+    let along = if is_row { DVec2::Y } else { DVec2::X };
+    let places = BESIDE.into_iter().map(move |share| at + share * along);
+    places.filter(move |&place| chart.holds(place))
 }
 
 /// A way over a place of a window.
@@ -114,7 +67,7 @@ impl Trace {
     }
 }
 
-impl Field<'_> {
+impl Tracer<'_> {
     /// A trace, or a shorter one from the same start where it is longer than the map's value.
     pub(super) fn shortest(&self, trace: Trace) -> Trace {
         if !trace.is_too_long() {
@@ -130,25 +83,25 @@ impl Field<'_> {
     /// far as its source.
     fn around(&self, trace: &Trace) -> Option<Trace> {
         let (&start, &end) = (trace.vertices.first()?, trace.vertices.last()?);
-        let window = Window::around(start, self.chart());
-        if window.contains(end) {
+        let chart = self.chart();
+        let window = chart.around_place(start, REACH);
+        if window.holds(end) {
             return None;
         }
-        let edges = self.edges.window(window.first, window.chart);
+        let edges = self.edges.window(&window);
         let near = self.near(start, &window, &edges)?;
-        let [row, col] = window.first;
-        let time = |(r, c): (usize, usize)| {
-            let rest = self.time(self.chart().bordered(row + r, col + c));
-            near.time(window.chart.bordered(r, c)) + rest
+        let time = |(row, col): (usize, usize)| {
+            let (r, c) = window.local((row, col));
+            near.time(near.chart().bordered(r, c)) + self.time(chart.bordered(row, col))
         };
-        let mut rim: Vec<_> = window.rim().map(|at| (time(at), at)).collect();
+        let mut rim: Vec<_> = window.rim(chart).map(|at| (time(at), window.local(at))).collect();
         rim.retain(|(time, _)| *time < f64::INFINITY);
         rim.sort_by(|(a, _), (b, _)| a.total_cmp(b));
         rim.truncate(TRIED);
         let points: Vec<_> =
             rim.iter().map(|&(_, (r, c))| DVec2::new(r as f64, c as f64)).collect();
         let by_point = self.over(&near, window.origin(), &points)?;
-        let places: Vec<_> = window.beside(by_point.at).collect();
+        let places: Vec<_> = beside(&window, by_point.at).collect();
         let by_place = self.over(&near, window.origin(), &places);
         let Way { at: _, first, rest } = match by_place {
             Some(way) if way.time() < by_point.time() => way,
@@ -165,7 +118,7 @@ impl Field<'_> {
     }
 
     /// The shortest way over one of some places in a window.
-    fn over(&self, near: &Field, origin: DVec2, places: &[DVec2]) -> Option<Way> {
+    fn over(&self, near: &Tracer, origin: DVec2, places: &[DVec2]) -> Option<Way> {
         let rests: Vec<_> = places.iter().map(|&at| at + origin).collect();
         let ways = near.traces(places).into_iter().zip(self.traces(&rests)).zip(places);
         ways.filter_map(|((first, rest), &at)| {
@@ -178,14 +131,11 @@ impl Field<'_> {
     fn near<'a>(
         &self,
         start: DVec2,
-        window: &Window,
+        window: &Block,
         edges: &'a EdgeLengths<f32>,
-    ) -> Option<Field<'a>> {
+    ) -> Option<Tracer<'a>> {
         let at = start - window.origin();
-        let local = |point: usize| {
-            let (row, col) = (point / self.chart().stride() - 1, point % self.chart().stride() - 1);
-            (row - window.first[0], col - window.first[1])
-        };
+        let local = |point| window.local(self.chart().bordered_position(point));
         let seeds: Vec<_> = match self.place(start)? {
             Place::Point(point) => {
                 let (row, col) = local(point);
@@ -202,15 +152,12 @@ impl Field<'_> {
         };
         let mut solver = RotatedScan::new(edges, Wavefront::Curved);
         solver.solve(&seeds, STOP);
-        let chart = window.chart;
-        let mut times = vec![f32::INFINITY; chart.bordered_points()];
-        for (row, distances) in solver.distances().chunks(chart.cols).enumerate() {
-            times[chart.bordered(row, 0)..][..chart.cols].copy_from_slice(distances);
-        }
+        let chart = window.chart();
+        let times = chart.with_border(&solver.distances(), f32::INFINITY);
         let there = |point: usize| times[point] < f32::INFINITY;
         let goals = Goals::new(chart, &Sources::point(at.x, at.y), there);
         let (corners, rests) = (Corners::default(), Rests::default());
-        Some(Field { edges, times, start: 0.0, goals, corners, shortens: false, rests })
+        Some(Tracer { edges, times, start: 0.0, goals, corners, shortens: false, rests })
     }
 }
 
@@ -239,9 +186,9 @@ mod tests {
             source: 0,
             initial: 0.0,
         };
-        let kept = paths.field.shortest(trace((1.0 + 0.9 * TOO_LONG) * exact));
+        let kept = paths.tracer.shortest(trace((1.0 + 0.9 * TOO_LONG) * exact));
         assert_eq!(kept.vertices, [start, source]);
-        let shorter = paths.field.shortest(trace(1.01 * exact));
+        let shorter = paths.tracer.shortest(trace(1.01 * exact));
         let (first, last) = (shorter.vertices[0], shorter.vertices[shorter.vertices.len() - 1]);
         assert_eq!((first, last), (start, source));
         assert!((shorter.length - exact).abs() < 1e-5 * exact, "{} {exact}", shorter.length);

@@ -16,24 +16,18 @@ impl Corners {
     /// By the arrival times in a bordered array.
     pub(super) fn new(chart: Chart, times: &[f32]) -> Self {
         let is_reached = |time: &f32| *time < f32::INFINITY;
-        let row = |row: usize| &times[chart.bordered(row, 0)..][..chart.cols];
-        if (0..chart.rows).all(|at| row(at).iter().all(is_reached)) {
+        if (0..chart.rows).all(|row| chart.row_of(times, row).iter().all(is_reached)) {
             return Self::default();
         }
         let mut corners = vec![false; chart.bordered_points()];
-        let rows = corners.par_chunks_exact_mut(chart.stride()).enumerate();
-        rows.skip(1).take(chart.rows).for_each(|(at, corners)| {
-            let first = at * chart.stride();
-            let above = first - chart.stride();
-            let below = first + chart.stride();
-            for col in 1..=chart.cols {
-                let whole =
-                    |row: usize| times[row + col - 1..=row + col + 1].iter().all(is_reached);
-                let point = first + col;
-                if !(whole(above) && whole(first) && whole(below)) && is_reached(&times[point]) {
-                    let there =
-                        |to| is_reached(&times[point.wrapping_add_signed(chart.offset(to))]);
-                    corners[col] = is_corner(Direction::ALL.map(there));
+        chart.rows_mut(&mut corners).enumerate().for_each(|(row, corners)| {
+            let around = chart.rows_around(times, row);
+            for (col, corner) in corners.iter_mut().enumerate() {
+                let whole = around.iter().all(|row| row[col..col + 3].iter().all(is_reached));
+                let point = chart.bordered(row, col);
+                if !whole && is_reached(&times[point]) {
+                    let there = |to| is_reached(&times[chart.beside(point, to)]);
+                    *corner = is_corner(Direction::ALL.map(there));
                 }
             }
         });
@@ -70,13 +64,12 @@ mod tests {
 
     fn corners_without(holes: &[(usize, usize)]) -> (Corners, Vec<(usize, usize)>) {
         let mut times = vec![f32::INFINITY; CHART.bordered_points()];
-        let points = (0..CHART.points()).map(|index| CHART.position(index));
-        for (row, col) in points.clone().filter(|at| !holes.contains(at)) {
+        for (row, col) in CHART.places().filter(|at| !holes.contains(at)) {
             times[CHART.bordered(row, col)] = 1.0;
         }
         let corners = Corners::new(CHART, &times);
         let is_corner = |&(row, col): &(usize, usize)| corners.is_corner(CHART.bordered(row, col));
-        let found = points.filter(is_corner).collect();
+        let found = CHART.places().filter(is_corner).collect();
         (corners, found)
     }
 

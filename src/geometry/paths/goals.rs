@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec2;
 
-use super::cell::{Cell, Weights};
+use super::cell::{CellLengths, Weights};
 use crate::surface::{Chart, Source, Sources, corner_weights, grid_crossings};
 
 /// The part of a source that lies in one cell: a straight segment, or a point.
@@ -19,7 +19,7 @@ struct Goal {
 
 /// The nearest place of a source in a cell.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Nearest {
+pub(super) struct NearestSource {
     /// Which source.
     pub source: usize,
     /// Row and column.
@@ -80,10 +80,10 @@ impl Goals {
         let middle = 0.5 * (ends[0] + ends[1]);
         for row in before(middle.x) {
             for col in before(middle.y) {
-                let north_west = (row + 1.0) as usize * chart.stride() + (col + 1.0) as usize;
-                let corners = super::cell::corners(chart, north_west);
-                let weights =
-                    ends.map(|end| corner_weights(corners.map(&there), end.x - row, end.y - col));
+                let corner = DVec2::new(row, col);
+                let north_west = chart.bordered_at(corner);
+                let there = chart.bordered_corners(north_west).map(&there);
+                let weights = ends.map(|end| corner_weights(there, end - corner));
                 let [Some(first), Some(last)] = weights else { continue };
                 let goal = Goal { source, initial, ends, weights: [first, last] };
                 self.by_cell.entry(north_west).or_default().push(goal);
@@ -105,9 +105,9 @@ impl Goals {
     pub(super) fn nearest(
         &self,
         north_west: usize,
-        cell: &Cell,
+        cell: &CellLengths,
         place: &Weights,
-    ) -> Option<Nearest> {
+    ) -> Option<NearestSource> {
         if !self.touches(north_west) {
             return None;
         }
@@ -118,13 +118,13 @@ impl Goals {
 }
 
 impl Goal {
-    fn nearest(&self, cell: &Cell, place: &Weights) -> Nearest {
+    fn nearest(&self, cell: &CellLengths, place: &Weights) -> NearestSource {
         let [first, last] = self.weights.map(|end| cell.square(place, &end));
         let along = cell.square(&self.weights[0], &self.weights[1]);
         let foot =
             if along > 0.0 { (0.5 + 0.5 * (first - last) / along).clamp(0.0, 1.0) } else { 0.0 };
         let square = first + foot * (last - first - (1.0 - foot) * along);
-        Nearest {
+        NearestSource {
             source: self.source,
             at: self.ends[0].lerp(self.ends[1], foot),
             time: self.initial,

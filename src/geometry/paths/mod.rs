@@ -18,11 +18,15 @@ mod ahead;
 mod around;
 mod cell;
 mod corners;
+mod course;
+mod edge_times;
+mod entry;
 mod goals;
-mod profile;
+mod place;
 mod rests;
+mod search;
 mod taut;
-mod trace;
+mod tracer;
 mod walk;
 
 use glam::DVec2;
@@ -31,9 +35,10 @@ use rayon::prelude::*;
 use super::Curve;
 use crate::surface::{Chart, EdgeLengths, Source, SourceError, Sources, Surface};
 use corners::Corners;
+use course::{Rests, Trace};
 use goals::Goals;
-use rests::Rests;
-use trace::{Field, Stuck, Trace};
+use place::Stuck;
+use tracer::Tracer;
 
 /// A shortest path from a place to a source.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,7 +152,7 @@ const TOGETHER: usize = 64;
 #[derive(Clone, Debug)]
 pub struct Paths<'a> {
     surface: &'a Surface,
-    field: Field<'a>,
+    tracer: Tracer<'a>,
     /// A place of the first source.
     around: DVec2,
 }
@@ -172,10 +177,7 @@ impl<'a> Paths<'a> {
             }
         }
         sources.seeds(surface)?;
-        let mut times = vec![f32::INFINITY; chart.bordered_points()];
-        for (row, distances) in distances.chunks(cols).enumerate() {
-            times[chart.bordered(row, 0)..][..cols].copy_from_slice(distances);
-        }
+        let times = chart.with_border(distances, f32::INFINITY);
         let goals = Goals::new(chart, sources, |point| times[point] < f32::INFINITY);
         let place = |source: &Source| match source {
             Source::Point { at, .. } => Some(*at),
@@ -184,8 +186,8 @@ impl<'a> Paths<'a> {
         let around = sources.iter().find_map(place).unwrap_or_default();
         let corners = Corners::new(chart, &times);
         let (start, rests) = (sources.start(), Rests::default());
-        let field = Field { edges, times, start, goals, corners, shortens: true, rests };
-        Ok(Self { surface, field, around })
+        let tracer = Tracer { edges, times, start, goals, corners, shortens: true, rests };
+        Ok(Self { surface, tracer, around })
     }
 
     /// Follows the map alone, as the paths on a device do ([`crate::vulkan::embed::Paths`]).
@@ -198,9 +200,9 @@ impl<'a> Paths<'a> {
     /// is drawn taut there.
     #[must_use]
     pub fn along_the_map(mut self) -> Self {
-        self.field.shortens = false;
+        self.tracer.shortens = false;
         // Those kept are taut.
-        self.field.rests = Rests::default();
+        self.tracer.rests = Rests::default();
         self
     }
 
@@ -235,7 +237,7 @@ impl<'a> Paths<'a> {
     fn trace_some(&self, starts: &[[f64; 2]]) -> Vec<Result<Path, PathError>> {
         let places: Vec<_> = starts.iter().map(|&start| self.place(start)).collect();
         let there: Vec<_> = places.iter().flatten().copied().collect();
-        let mut traces = self.field.traces(&there).into_iter();
+        let mut traces = self.tracer.traces(&there).into_iter();
         places
             .into_iter()
             .map(|place| {
@@ -247,7 +249,7 @@ impl<'a> Paths<'a> {
                     lost_row: at.x,
                     lost_col: at.y,
                 })?;
-                let trace = if self.field.shortens { self.field.shortest(trace) } else { trace };
+                let trace = if self.tracer.shortens { self.tracer.shortest(trace) } else { trace };
                 let Trace { vertices, time, length, source, .. } = trace;
                 let vertices = vertices.into_iter().map(|at| at.to_array()).collect();
                 let curve = Curve { vertices, closed: false };
@@ -258,15 +260,13 @@ impl<'a> Paths<'a> {
 
     /// The place that a path starts from, if a front reaches it.
     fn place(&self, [row, col]: [f64; 2]) -> Result<DVec2, PathError> {
-        let (last_row, last_col) = (self.surface.rows() - 1, self.surface.cols() - 1);
-        let inside =
-            (0.0..=last_row as f64).contains(&row) && (0.0..=last_col as f64).contains(&col);
-        let start = DVec2::new(row, col);
-        if !inside {
+        let (chart, start) = (self.surface.chart(), DVec2::new(row, col));
+        if !chart.holds(start) {
+            let (last_row, last_col) = chart.last();
             Err(PathError::Outside { row, col, last_row, last_col })
         } else if !self.surface.contains(start) {
             Err(PathError::Hole { row, col })
-        } else if !self.field.reaches(start) {
+        } else if !self.tracer.reaches(start) {
             Err(PathError::Unreachable { row, col })
         } else {
             Ok(start)

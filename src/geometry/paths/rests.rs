@@ -5,92 +5,25 @@
 //! drawn taut once, from corner to corner down to the source, and kept.
 
 use std::collections::{BTreeSet, HashMap};
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::trace::{Field, Place, Stuck, Trace};
-use super::walk::{Goal, Head};
+use super::course::{Course, Key, Trace};
+use super::place::{Place, Stuck};
+use super::tracer::Tracer;
+use super::walk::{Head, HeadEnd};
 
-/// A path to its source, the last part of which may be that of other paths too.
-#[derive(Clone, Debug)]
-pub(super) struct Course {
-    /// From the start to the source, or to the corner where the rest begins.
-    pub vertices: Vec<DVec2>,
-    /// Arrival time at the start.
-    pub time: f64,
-    /// From the start to the source.
-    pub length: f64,
-    pub source: usize,
-    /// The source's initial value.
-    pub initial: f64,
-    pub rest: Option<Arc<Course>>,
-}
-
-/// Where a rest begins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-struct Key {
-    /// The corner, a point of the bordered array.
-    corner: usize,
-    /// Bits of the moment that squares of times count from.
-    moment: u64,
-}
-
-type Rest = Result<Arc<Course>, Stuck>;
-
-/// The paths from corners of holes that have been traced.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Rests(Arc<RwLock<HashMap<Key, Rest>>>);
-
-impl Rests {
-    fn get(&self, key: Key) -> Option<Rest> {
-        self.0.read().unwrap_or_else(PoisonError::into_inner).get(&key).cloned()
-    }
-
-    fn keep(&self, key: Key, rest: Rest) {
-        self.0.write().unwrap_or_else(PoisonError::into_inner).insert(key, rest);
+/// That of the corner that a path comes to, by squares of times that count from some moment.
+fn corner((head, moment): (&Result<Head, Stuck>, f64)) -> Option<Key> {
+    match head.as_ref().ok()?.end {
+        HeadEnd::Corner(corner) => Some(Key::new(corner, moment)),
+        HeadEnd::Source { .. } => None,
     }
 }
 
-impl Key {
-    fn new(corner: usize, moment: f64) -> Self {
-        Self { corner, moment: moment.to_bits() }
-    }
-
-    /// That of the corner that a path comes to.
-    fn of((head, moment): (&Result<Head, Stuck>, f64)) -> Option<Self> {
-        match head.as_ref().ok()?.goal {
-            Goal::Corner(corner) => Some(Self::new(corner, moment)),
-            Goal::Source { .. } => None,
-        }
-    }
-
-    fn moment(self) -> f64 {
-        f64::from_bits(self.moment)
-    }
-}
-
-impl Course {
-    /// All its vertices, with those of the rest.
-    pub(super) fn trace(self) -> Trace {
-        let Self { mut vertices, time, length, source, initial, rest } = self;
-        let rests = || std::iter::successors(rest.as_deref(), |rest| rest.rest.as_deref());
-        vertices.reserve_exact(rests().map(|rest| rest.vertices.len() - 1).sum());
-        for rest in rests() {
-            vertices.extend_from_slice(&rest.vertices[1..]);
-        }
-        Trace { vertices, time, length, source, initial }
-    }
-}
-
-impl From<Trace> for Course {
-    fn from(Trace { vertices, time, length, source, initial }: Trace) -> Self {
-        Self { vertices, time, length, source, initial, rest: None }
-    }
-}
-
-impl Field<'_> {
-    /// The paths from some places to their sources, drawn taut if the field's are. Each is what it
+impl Tracer<'_> {
+    /// The paths from some places to their sources, drawn taut if the tracer's are. Each is what it
     /// would be alone.
     pub(super) fn traces(&self, starts: &[DVec2]) -> Vec<Result<Trace, Stuck>> {
         let walks: Vec<_> = starts.iter().map(|&start| (start, self.start)).collect();
@@ -115,7 +48,7 @@ impl Field<'_> {
     fn courses(&self, walks: &[(DVec2, f64)]) -> Vec<Result<Course, Stuck>> {
         let heads = self.heads(walks);
         let moments = walks.iter().map(|&(_, moment)| moment);
-        self.trace_rests(heads.iter().zip(moments.clone()).filter_map(Key::of).collect());
+        self.trace_rests(heads.iter().zip(moments.clone()).filter_map(corner).collect());
         heads.into_iter().zip(moments).map(|(head, moment)| self.course(head?, moment)).collect()
     }
 
@@ -127,10 +60,10 @@ impl Field<'_> {
             if keys.is_empty() {
                 break;
             }
-            let walk = |key: &Key| (self.position(Place::Point(key.corner)), key.moment());
+            let walk = |key: &Key| (self.at(Place::Point(key.corner)), key.moment());
             let walks: Vec<_> = keys.iter().map(walk).collect();
             heads.extend(keys.iter().copied().zip(self.heads(&walks)));
-            keys = keys.iter().filter_map(|key| Key::of((&heads[key], key.moment()))).collect();
+            keys = keys.iter().filter_map(|key| corner((&heads[key], key.moment()))).collect();
         }
         let mut heads: Vec<_> = heads.into_iter().collect();
         // The times fall from corner to corner.
@@ -143,13 +76,13 @@ impl Field<'_> {
 
     /// The whole path, if that from the corner where its head ends is kept.
     fn course(&self, head: Head, moment: f64) -> Result<Course, Stuck> {
-        let Head { vertices, time, length, goal } = head;
-        let course = match goal {
-            Goal::Source { source, initial } => {
+        let Head { vertices, time, length, end } = head;
+        let course = match end {
+            HeadEnd::Source { source, initial } => {
                 Course { vertices, time, length, source, initial, rest: None }
             }
-            Goal::Corner(point) => {
-                let stuck = Stuck(self.position(Place::Point(point)));
+            HeadEnd::Corner(point) => {
+                let stuck = Stuck(self.at(Place::Point(point)));
                 let rest = self.rests.get(Key::new(point, moment)).ok_or(stuck)??;
                 let (length, source, initial) = (length + rest.length, rest.source, rest.initial);
                 Course { vertices, time, length, source, initial, rest: Some(rest) }

@@ -15,9 +15,9 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::cell::{Cell, corners};
-use super::rests::Course;
-use super::trace::Field;
+use super::cell::CellLengths;
+use super::course::Course;
+use super::tracer::Tracer;
 use crate::surface::{corner_weights, grid_crossings};
 
 /// Whether a path is to be led over a corner is decided by lines over as many of its vertices.
@@ -29,7 +29,7 @@ const ON_LINE: f64 = 1e-9;
 
 /// A straight line between a corner and a vertex before or after it.
 #[derive(Clone, Copy, Debug)]
-struct Line {
+struct CornerLine {
     /// The vertex.
     end: usize,
     length: f64,
@@ -37,7 +37,7 @@ struct Line {
     way: f64,
 }
 
-impl Line {
+impl CornerLine {
     fn saves(&self) -> f64 {
         self.way - self.length
     }
@@ -60,22 +60,22 @@ struct Shared {
 }
 
 /// A path beside a corner.
-struct Bend<'a> {
-    field: &'a Field<'a>,
+struct BesideCorner<'a> {
+    tracer: &'a Tracer<'a>,
     vertices: &'a [DVec2],
     corner: DVec2,
 }
 
-impl Bend<'_> {
+impl BesideCorner<'_> {
     /// The straight way over the corner, or past it, where that saves anything. The path is beside
     /// the corner from its vertex `first` on; it changes after the vertex `fixed` only.
     fn shortcut(&self, fixed: usize, first: usize) -> Option<Shortcut> {
-        let (field, vertices) = (self.field, self.vertices);
+        let (tracer, vertices) = (self.tracer, self.vertices);
         let end = vertices.len() - 1;
         if self.corner == vertices[end] {
             return None;
         }
-        let is_beside = |&at: &DVec2| field.corners_beside(at).any(|corner| corner == self.corner);
+        let is_beside = |&at: &DVec2| tracer.corners_beside(at).any(|corner| corner == self.corner);
         let beside = vertices[first..].iter().take_while(|at| is_beside(at)).count();
         let own = (first..first + beside).find(|&at| vertices[at] == self.corner);
         let nearest = [first.saturating_sub(1), (first + beside).min(end)];
@@ -96,12 +96,12 @@ impl Bend<'_> {
         }
         let (replaced, over) = (way + before.way + after.way, before.length + after.length);
         // Maps that are late beside a shadow's border lead paths to corners that they need not touch.
-        let past = field.straight(vertices[before.end], vertices[after.end]);
+        let past = tracer.straight(vertices[before.end], vertices[after.end]);
         let past = past.filter(|past| *past < (1.0 - LEAST) * over);
         let length = past.unwrap_or(over);
         // Straight lines from or to the corner stay as they are.
         let kept =
-            |line: Line| own.filter(|&own| past.is_none() && self.is_straight(own, line.end));
+            |line: CornerLine| own.filter(|&own| past.is_none() && self.is_straight(own, line.end));
         let ends = [before, after].map(|line| kept(line).unwrap_or(line.end));
         // Where both lines stay there is nothing to lead another way, whatever rounding saves.
         let changes = ends[0] < ends[1];
@@ -113,16 +113,22 @@ impl Bend<'_> {
     }
 
     /// The line between the corner and a vertex.
-    fn line(&self, end: usize) -> Option<Line> {
+    fn line(&self, end: usize) -> Option<CornerLine> {
         let to = self.vertices[end];
-        let length = if to == self.corner { 0.0 } else { self.field.straight(self.corner, to)? };
-        Some(Line { end, length, way: 0.0 })
+        let length = if to == self.corner { 0.0 } else { self.tracer.straight(self.corner, to)? };
+        Some(CornerLine { end, length, way: 0.0 })
     }
 
     /// A line to some vertex from the one nearest to the corner to the last one on that side: as many
     /// further as `counts` says first, and twice as many, to what it says last, while the line stays
     /// on the surface and saves no less.
-    fn lengthen(&self, mut line: Line, nearest: usize, last: usize, counts: [usize; 2]) -> Line {
+    fn lengthen(
+        &self,
+        mut line: CornerLine,
+        nearest: usize,
+        last: usize,
+        counts: [usize; 2],
+    ) -> CornerLine {
         let [mut count, most] = counts;
         let reach = nearest.abs_diff(last);
         while count <= most {
@@ -133,7 +139,7 @@ impl Bend<'_> {
                 let (Some(longer), Some(way)) = (self.line(end), self.way(line.end, end)) else {
                     break;
                 };
-                let longer = Line { way: line.way + way, ..longer };
+                let longer = CornerLine { way: line.way + way, ..longer };
                 if longer.saves() - line.saves() < -LEAST * longer.length {
                     break;
                 }
@@ -150,7 +156,7 @@ impl Bend<'_> {
     /// Length of the path between two vertices.
     fn way(&self, a: usize, b: usize) -> Option<f64> {
         let vertices = &self.vertices[a.min(b)..=a.max(b)];
-        vertices.windows(2).map(|ends| self.field.across(ends[0], ends[1])).sum()
+        vertices.windows(2).map(|ends| self.tracer.across(ends[0], ends[1])).sum()
     }
 
     /// Whether the line to a vertex and the path from there to another one are one line.
@@ -165,7 +171,7 @@ fn extent(vertices: &[DVec2]) -> f64 {
     vertices.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
 }
 
-impl Field<'_> {
+impl Tracer<'_> {
     /// A path led straight to the corners that it bends at and away.
     pub(super) fn taut(&self, mut course: Course) -> Course {
         if self.corners.is_none() {
@@ -210,9 +216,9 @@ impl Field<'_> {
         let is_new = |corner: &DVec2| {
             at == 0 || self.corners_beside(vertices[at - 1]).all(|before| before != *corner)
         };
-        let bend = |corner| Bend { field: self, vertices, corner };
+        let beside = |corner| BesideCorner { tracer: self, vertices, corner };
         let corners = self.corners_beside(vertices[at]).filter(is_new);
-        corners.map(bend).find_map(|bend| bend.shortcut(fixed, at))
+        corners.map(beside).find_map(|path| path.shortcut(fixed, at))
     }
 
     /// Leads a path another way: the vertices where that bends, if it does, and where it ends.
@@ -273,9 +279,9 @@ impl Field<'_> {
     /// The length of a part of one that lies in one cell.
     fn across(&self, a: DVec2, b: DVec2) -> Option<f64> {
         let corner = (0.5 * (a + b)).floor();
-        let north_west = self.chart().bordered(corner.x as usize, corner.y as usize);
-        let there = corners(self.chart(), north_west).map(|point| self.is_reached(point));
-        let weights = |at: DVec2| corner_weights(there, at.x - corner.x, at.y - corner.y);
-        Some(Cell::new(self.edges, north_west).square(&weights(a)?, &weights(b)?).sqrt())
+        let north_west = self.chart().bordered_at(corner);
+        let there = self.chart().bordered_corners(north_west).map(|point| self.is_reached(point));
+        let weights = |at: DVec2| corner_weights(there, at - corner);
+        Some(CellLengths::new(self.edges, north_west).square(&weights(a)?, &weights(b)?).sqrt())
     }
 }

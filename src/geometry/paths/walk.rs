@@ -2,8 +2,11 @@
 
 use glam::DVec2;
 
-use super::ahead::{Ahead, Crossed, Entry, LANES};
-use super::trace::{End, Field, Place, Stuck};
+use super::ahead::{Ahead, Crossed, LANES};
+use super::entry::Entry;
+use super::place::{Place, Stuck};
+use super::search::End;
+use super::tracer::Tracer;
 
 /// Bands of times from the latest start to the source: of 1200 x 1200 points each is some fifty
 /// cells wide, so that nearby paths read the same few kilobytes. One band would take an eighth more.
@@ -16,12 +19,12 @@ pub(super) struct Head {
     /// Arrival time at its start.
     pub time: f64,
     pub length: f64,
-    pub goal: Goal,
+    pub end: HeadEnd,
 }
 
 /// Where following a path ends.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Goal {
+pub(super) enum HeadEnd {
     Source {
         source: usize,
         /// Its initial value.
@@ -54,10 +57,10 @@ struct Walk {
 }
 
 impl Walk {
-    fn new(field: &Field, start: DVec2, moment: f64) -> Result<Self, Stuck> {
-        let place = field.place(start).ok_or(Stuck(start))?;
+    fn new(tracer: &Tracer, start: DVec2, moment: f64) -> Result<Self, Stuck> {
+        let place = tracer.place(start).ok_or(Stuck(start))?;
         let time = match place {
-            Place::Point(point) => field.time(point),
+            Place::Point(point) => tracer.time(point),
             _ => f64::INFINITY,
         };
         Ok(Self {
@@ -77,35 +80,35 @@ impl Walk {
 
     /// Follows a line across the cell ahead.
     #[inline(always)]
-    fn advance(&mut self, field: &Field, line: &Crossed) -> Result<(), Stuck> {
-        self.count(field)?;
+    fn advance(&mut self, tracer: &Tracer, line: &Crossed) -> Result<(), Stuck> {
+        self.count(tracer)?;
         self.length += line.length;
         let (before, at) = (self.vertices.last(), line.end.at());
         self.entry = before.map(|&before| (line.end, at - before));
         self.vertices.push(at);
         self.lengths.push(self.length);
-        self.place = line.end.place(field.chart());
+        self.place = line.end.place(tracer.chart());
         (self.time, self.from) = (line.time, line.cell);
         Ok(())
     }
 
     /// Every line falls, so that none can be taken twice; a path that takes more lines than there
     /// are edges falls by less and less.
-    fn count(&mut self, field: &Field) -> Result<(), Stuck> {
+    fn count(&mut self, tracer: &Tracer) -> Result<(), Stuck> {
         self.lines += 1;
-        let is_lost = self.lines > 4 * field.chart().points() + 64;
-        if is_lost { Err(Stuck(field.position(self.place))) } else { Ok(()) }
+        let is_lost = self.lines > 4 * tracer.chart().points() + 64;
+        if is_lost { Err(Stuck(tracer.at(self.place))) } else { Ok(()) }
     }
 
     /// Goes one line further, found by a search, and tells where it has ended.
-    fn go_on(&mut self, field: &Field) -> Result<Option<Goal>, Stuck> {
-        self.count(field)?;
+    fn go_on(&mut self, tracer: &Tracer) -> Result<Option<HeadEnd>, Stuck> {
+        self.count(tracer)?;
         if let Place::Point(point) = self.place {
-            self.lowest = self.lowest.min(field.time(point));
+            self.lowest = self.lowest.min(tracer.time(point));
         }
-        let Some(line) = field.line(self.moment, self.place, self.time, self.from) else {
-            self.detour(field)?;
-            self.head(field);
+        let Some(line) = tracer.line(self.moment, self.place, self.time, self.from) else {
+            self.detour(tracer)?;
+            self.head(tracer);
             return Ok(None);
         };
         if self.arrival == f64::INFINITY {
@@ -118,16 +121,16 @@ impl Walk {
                 if self.vertices.last() != Some(&at) {
                     self.vertices.push(at);
                 }
-                Ok(Some(Goal::Source { source, initial: line.time }))
+                Ok(Some(HeadEnd::Source { source, initial: line.time }))
             }
             End::Place(next) => {
-                self.vertices.push(field.position(next));
+                self.vertices.push(tracer.at(next));
                 self.lengths.push(self.length);
                 (self.place, self.time, self.from) = (next, line.time, line.cell);
-                self.head(field);
+                self.head(tracer);
                 match next {
-                    Place::Point(point) if field.corners.is_corner(point) => {
-                        Ok(Some(Goal::Corner(point)))
+                    Place::Point(point) if tracer.corners.is_corner(point) => {
+                        Ok(Some(HeadEnd::Corner(point)))
                     }
                     _ => Ok(None),
                 }
@@ -136,50 +139,51 @@ impl Walk {
     }
 
     /// Where the path now enters a cell.
-    fn head(&mut self, field: &Field) {
+    fn head(&mut self, tracer: &Tracer) {
         self.entry = match self.vertices[..] {
             [.., before, at] => {
-                field.entry(self.place, self.from).map(|entry| (entry, at - before))
+                let entry = Entry::beyond(tracer.chart(), self.place, self.from);
+                entry.map(|entry| (entry, at - before))
             }
             _ => None,
         };
     }
 
     /// Leaves a place from which no line falls.
-    fn detour(&mut self, field: &Field) -> Result<(), Stuck> {
+    fn detour(&mut self, tracer: &Tracer) -> Result<(), Stuck> {
         let (vertices, lengths) = (&mut self.vertices, &mut self.lengths);
-        let stuck = || Stuck(field.position(self.place));
-        let point = field.lower_end(self.place);
-        let detour = field.detour(point, self.lowest).ok_or_else(stuck)?;
-        let at = field.position(Place::Point(point));
+        let stuck = || Stuck(tracer.at(self.place));
+        let point = tracer.lower_end(self.place);
+        let detour = tracer.detour(point, self.lowest).ok_or_else(stuck)?;
+        let at = tracer.at(Place::Point(point));
         // Back at a point that it has passed, a path goes on from there without the loop.
         if let Some(passed) = vertices.iter().position(|vertex| *vertex == at) {
             vertices.truncate(passed + 1);
             lengths.truncate(passed + 1);
             self.length = lengths[passed];
-        } else if let Place::Edge { first, step, share } = self.place {
-            let length = field.length(first, first + step);
+        } else if let Place::Edge { first, along, share } = self.place {
+            let length = tracer.length(first, tracer.chart().beside(first, along));
             self.length += length * if point == first { share } else { 1.0 - share };
             vertices.push(at);
         }
         lengths.resize(vertices.len(), self.length);
         for ends in detour.windows(2) {
-            self.length += field.length(ends[0], ends[1]);
-            vertices.push(field.position(Place::Point(ends[1])));
+            self.length += tracer.length(ends[0], ends[1]);
+            vertices.push(tracer.at(Place::Point(ends[1])));
             lengths.push(self.length);
         }
         let end = detour.last().copied().unwrap_or(point);
-        (self.place, self.time) = (Place::Point(end), field.time(end));
+        (self.place, self.time) = (Place::Point(end), tracer.time(end));
         Ok(())
     }
 
-    fn end(self, goal: Goal) -> Head {
+    fn end(self, end: HeadEnd) -> Head {
         let Self { vertices, arrival: time, length, .. } = self;
-        Head { vertices, time, length, goal }
+        Head { vertices, time, length, end }
     }
 }
 
-impl Field<'_> {
+impl Tracer<'_> {
     /// The paths from some places to the first corner of a hole that they come to, or to their
     /// sources, by squares of times that count from some moments. Each is what it would be alone.
     ///
@@ -233,7 +237,7 @@ impl Field<'_> {
                     if let Some(end) = gone.transpose()
                         && let Some(walk) = walks[path].take()
                     {
-                        heads[path] = end.map(|goal| walk.end(goal));
+                        heads[path] = end.map(|end| walk.end(end));
                     }
                 }
                 if !is_late(&walks[path]) {

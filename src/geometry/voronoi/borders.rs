@@ -5,10 +5,10 @@ use std::collections::HashMap;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::fronts::Fronts;
+use super::source_fronts::SourceFronts;
 use super::{Border, NO_REGION};
 use crate::geometry::chains::{Segment, join};
-use crate::geometry::triangles::{Edge, corners, triangles};
+use crate::surface::{Cell, Edge, triangles};
 
 /// A triangle with several regions, and what part of it each has.
 #[derive(Clone, Debug)]
@@ -32,7 +32,7 @@ struct Junction {
 
 /// A triangle whose corners have several labels.
 struct Mixed<'a, 'b> {
-    fronts: &'a Fronts<'b>,
+    fronts: &'a SourceFronts<'b>,
     points: [usize; 3],
     labels: [u32; 3],
     /// The node of the junction in it, should it have one.
@@ -40,12 +40,12 @@ struct Mixed<'a, 'b> {
 }
 
 /// Borders and split triangles.
-pub(super) fn march(fronts: &Fronts, labels: &[u32]) -> (Vec<Border>, Vec<Split>) {
+pub(super) fn march(fronts: &SourceFronts, labels: &[u32]) -> (Vec<Border>, Vec<Split>) {
     let chart = fronts.chart();
     // Junctions are nodes beyond all edges, two to a cell.
     let junctions = Edge::end(chart);
-    let of_cell = |row: usize, col: usize| {
-        let corners = corners(chart, row, col);
+    let of_cell = |cell: Cell| {
+        let corners = cell.indices(chart);
         let found = corners.map(|index| labels[index]);
         let of_triangle = move |(number, triangle): (usize, &[usize; 3])| Mixed {
             fronts,
@@ -58,28 +58,24 @@ pub(super) fn march(fronts: &Fronts, labels: &[u32]) -> (Vec<Border>, Vec<Split>
     };
     let of_row = |row: usize| {
         let mut mixed = Vec::new();
-        let (above, below) = (&labels[chart.index(row, 0)..], &labels[chart.index(row + 1, 0)..]);
-        for col in 0..chart.cols.saturating_sub(1) {
-            let same = above[col] == above[col + 1] && below[col] == below[col + 1];
-            if !(same && above[col] == below[col]) {
-                mixed.extend(of_cell(row, col).filter(Mixed::is_mixed));
+        for cell in chart.cells_of_row(row) {
+            let found = cell.indices(chart).map(|index| labels[index]);
+            if found != [found[0]; 4] {
+                mixed.extend(of_cell(cell).filter(Mixed::is_mixed));
             }
         }
         mixed
     };
-    let rows = (0..chart.rows.saturating_sub(1)).into_par_iter();
+    let rows = chart.rows_of_cells().into_par_iter();
     let mixed: Vec<Mixed> = rows.flat_map_iter(of_row).collect();
     let segments = mixed.par_iter().flat_map_iter(Mixed::segments).collect();
     // The triangle across an edge of another one.
     let across = |points: [usize; 3], edge: [usize; 2]| {
         let [a, b] = edge.map(|point| chart.position(point));
-        let rows = a.0.max(b.0).saturating_sub(1)..=a.0.min(b.0).min(chart.rows - 2);
-        let cols = a.1.max(b.1).saturating_sub(1)..=a.1.min(b.1).min(chart.cols - 2);
-        let cells = rows.flat_map(|row| cols.clone().map(move |col| (row, col)));
         let is_across = |other: &Mixed| {
             edge.iter().all(|point| other.points.contains(point)) && other.points != points
         };
-        cells.flat_map(|(row, col)| of_cell(row, col)).find(is_across)
+        chart.cells_between(a, b).flat_map(of_cell).find(is_across)
     };
     // The edges between a triangle and the place where its regions meet, if that lies on the way of
     // the border between two of them.
@@ -116,16 +112,13 @@ pub(super) fn march(fronts: &Fronts, labels: &[u32]) -> (Vec<Border>, Vec<Split>
 }
 
 /// Where a border crosses an edge.
-fn edge_place(fronts: &Fronts, labels: &[u32], edge: Edge, regions: [u32; 2]) -> DVec2 {
+fn edge_place(fronts: &SourceFronts, labels: &[u32], edge: Edge, regions: [u32; 2]) -> DVec2 {
     let chart = fronts.chart();
     let ((row, col), to) = edge.ends(chart);
-    let (down, right) = to.step();
-    let (first, from) = (chart.index(row, col), DVec2::new(row as f64, col as f64));
-    let step = DVec2::new(down as f64, right as f64);
-    let last = chart.index(row.wrapping_add_signed(down), col.wrapping_add_signed(right));
+    let points = edge.points(chart);
     let [a, b] = regions;
-    let regions = if labels[first] == a { [a, b] } else { [b, a] };
-    from + fronts.meeting([first, last], regions) * step
+    let regions = if labels[points[0]] == a { [a, b] } else { [b, a] };
+    DVec2::new(row as f64, col as f64) + fronts.meeting(points, regions) * to.vector()
 }
 
 impl Mixed<'_, '_> {

@@ -12,7 +12,7 @@ use super::NO_REGION;
 use crate::geometry::order::rank;
 use crate::geometry::spokes::Spokes;
 use crate::lanes::{Instructions, Work};
-use crate::surface::{Chart, Direction, Real};
+use crate::surface::{Direction, Real};
 
 /// Labels by the earliest neighbours alone.
 pub(super) struct Guess {
@@ -34,9 +34,8 @@ impl Guess {
         let mut labels: Vec<AtomicU32> = times.iter().map(|_| AtomicU32::new(NO_REGION)).collect();
         let rows = || (0..chart.rows).into_par_iter();
         let instructions = Instructions::best();
-        labels.par_chunks_mut(chart.stride()).skip(1).zip(rows()).for_each(|(line, row)| {
-            let line = &mut line[1..=chart.cols];
-            instructions.run(Earliest { chart, times, first: chart.bordered(row, 0), line });
+        chart.rows_mut(&mut labels).enumerate().for_each(|(row, line)| {
+            instructions.run(Earliest { around: chart.rows_around(times, row), line });
         });
         for &(point, label) in seeds {
             *labels[point].get_mut() = label;
@@ -59,7 +58,8 @@ impl Guess {
         let of_row = |differences: &mut Vec<u32>, row: usize| {
             let first = chart.bordered(row, 0);
             differences.resize(chart.cols, 0);
-            instructions.run(Differences { chart, labels: &labels, first, differences });
+            let around = chart.rows_around(&labels, row);
+            instructions.run(Differences { around, differences });
             let found = differences.iter().zip(first..).filter(|&(&difference, _)| difference != 0);
             let found = found.map(|(_, point)| point).filter(is_reached).filter(in_doubt);
             found.map(|point| point as u32).collect::<Vec<u32>>()
@@ -101,9 +101,8 @@ fn resolve(labels: &[AtomicU32], offsets: &[isize; 8], point: usize) {
 
 /// Links each point of a row to the earliest of the neighbours that come before it.
 struct Earliest<'a> {
-    chart: Chart,
-    times: &'a [f32],
-    first: usize,
+    /// Times of the row and of those beside it.
+    around: [&'a [f32]; 3],
     line: &'a mut [AtomicU32],
 }
 
@@ -112,11 +111,8 @@ impl Work for Earliest<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { chart, times, first, line } = self;
-        let (stride, points) = (chart.stride(), line.len());
-        let above = &times[first - stride - 1..][..points + 2];
-        let beside = &times[first - 1..][..points + 2];
-        let below = &times[first + stride - 1..][..points + 2];
+        let Self { around, line } = self;
+        let [above, beside, below] = around.map(|row| &row[..line.len() + 2]);
         for (point, line) in line.iter_mut().enumerate() {
             // In the order of their indices, so that the first of equally early ones is kept.
             let mut earliest = (f32::FAR, NO_REGION);
@@ -144,9 +140,8 @@ fn earlier((earliest, link): (f32, u32), time: f32, to: u32) -> (f32, u32) {
 /// Finds which points of a row have no label, or a neighbour with another one: those get other
 /// numbers than zero.
 struct Differences<'a> {
-    chart: Chart,
-    labels: &'a [u32],
-    first: usize,
+    /// Labels of the row and of those beside it.
+    around: [&'a [u32]; 3],
     differences: &'a mut [u32],
 }
 
@@ -155,11 +150,8 @@ impl Work for Differences<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { chart, labels, first, differences } = self;
-        let (stride, points) = (chart.stride(), differences.len());
-        let above = &labels[first - stride - 1..][..points + 2];
-        let beside = &labels[first - 1..][..points + 2];
-        let below = &labels[first + stride - 1..][..points + 2];
+        let Self { around, differences } = self;
+        let [above, beside, below] = around.map(|row| &row[..differences.len() + 2]);
         for (point, difference) in differences.iter_mut().enumerate() {
             let here = beside[point + 1];
             let above =

@@ -1,19 +1,19 @@
 //! Geodesic Voronoi regions: what is nearest to which source (paper, section 6.3).
 
 mod borders;
-mod fronts;
 mod guess;
+mod source_fronts;
 
 use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
-use super::area::{of_triangles, rows, triangle_area};
+use super::area::{of_triangles, rows};
 use super::{Curve, MapError};
 use crate::Surface;
 use crate::surface::{EdgeLengths, Sources};
 use borders::Split;
-use fronts::Fronts;
+use source_fronts::SourceFronts;
 
 /// The label of points that belong to no region: holes, and what no source reaches.
 pub const NO_REGION: u32 = u32::MAX;
@@ -84,7 +84,7 @@ impl Voronoi {
         distances: &[f32],
     ) -> Result<Self, MapError> {
         assert_eq!(edges.chart(), surface.chart(), "the edges are another surface's");
-        let fronts = Fronts::new(surface, edges, sources, distances)?;
+        let fronts = SourceFronts::new(surface, edges, sources, distances)?;
         let labels = fronts.labels();
         let (borders, splits) = borders::march(&fronts, &labels);
         Ok(Self { labels, borders, splits, regions: sources.iter().count() })
@@ -129,7 +129,7 @@ impl Voronoi {
             areas.iter_mut().zip(row).for_each(|(sum, area)| *sum += area);
         }
         for Split { points, parts } in &self.splits {
-            let area = triangle_area(surface, *points);
+            let area = surface.geometry().triangle_area(surface.chart(), *points);
             for (label, part) in parts {
                 areas[*label as usize] += part * area;
             }

@@ -14,7 +14,7 @@ use glam::DVec3;
 use super::{Georeference, IoError, extension};
 use crate::Surface;
 use crate::geometry::{Curve, CurveError};
-use crate::surface::{Chart, Geometry};
+use crate::surface::Chart;
 
 /// A curve on a surface with what is known of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,10 +90,8 @@ impl Polyline {
     /// # Errors
     /// If a vertex lies off the surface.
     pub fn new(kind: &'static str, curve: Curve, surface: &Surface) -> Result<Self, CurveError> {
-        let positions = match surface.geometry() {
-            Geometry::Metric(_) => Vec::new(),
-            _ => curve.lift(surface)?,
-        };
+        let has_positions = surface.geometry().has_positions();
+        let positions = if has_positions { curve.lift(surface)? } else { Vec::new() };
         Ok(Self { kind, attributes: Vec::new(), curve, positions, color: [0; 3] })
     }
 

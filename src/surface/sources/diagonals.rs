@@ -55,8 +55,7 @@ impl Diagonal {
     /// The points after the first, by row and column, as far as the surface is there.
     fn points(self, surface: &Surface) -> impl Iterator<Item = (usize, usize)> {
         let there = |[row, col]: [isize; 2]| {
-            let (row, col) = (usize::try_from(row).ok()?, usize::try_from(col).ok()?);
-            surface.has(row, col).then_some((row, col))
+            surface.chart().at(row, col).filter(|&(row, col)| surface.has(row, col))
         };
         let Self { first: [mut before, mut last], step } = self;
         let mut starts = there(before).is_some() && there(last).is_some();
@@ -73,12 +72,12 @@ impl Diagonal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::{Sources, Spacing};
+    use crate::surface::{Chart, Sources, Spacing};
 
     fn plan(rows: usize, cols: usize, holes: &[(usize, usize)]) -> Surface {
         let plane = Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0));
-        let floor: Vec<_> =
-            (0..rows * cols).map(|index| !holes.contains(&(index / cols, index % cols))).collect();
+        let chart = Chart { rows, cols };
+        let floor: Vec<_> = chart.places().map(|place| !holes.contains(&place)).collect();
         plane.unwrap().with_mask(&floor).unwrap()
     }
 

@@ -1,6 +1,5 @@
 //! Sources: where the wavefront starts, and the initial values that this gives at grid points.
 
-mod cell;
 mod diagonals;
 mod pieces;
 mod rise;
@@ -10,7 +9,6 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::{FAR, Surface};
-pub(crate) use cell::{corner_weights, grid_crossings};
 pub(crate) use diagonals::with_diagonals;
 use pieces::{Pieces, Vertex, bends};
 

@@ -4,10 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DVec2, DVec3};
 
-use super::cell::{Cell, cells_around, grid_crossings};
 use super::rise::Rise;
 use super::{Seed, SourceError};
-use crate::surface::{Sample, Surface};
+use crate::surface::{Cell, Sample, Surface, corner_weights, grid_crossings};
 
 /// How a curve runs through one of its vertices.
 #[derive(Clone, Copy, Debug)]
@@ -93,12 +92,12 @@ impl Pieces {
             // Both ends of a piece lie on the border of the cell that its middle is in.
             let middle = 0.5 * (a + b);
             let mut found = false;
-            for cell in cells_around(surface, middle) {
-                let ab = cell.sample(surface, a).zip(cell.sample(surface, b));
+            for cell in surface.chart().cells_around(middle) {
+                let ab = surface.sample_in(cell, a).zip(surface.sample_in(cell, b));
                 let Some((a, b)) = ab else { continue };
                 let rise = if from == to { Rise::at(surface, cell, middle) } else { None };
                 let piece = Piece { cell, a, b, middle, cut: (cut[0], cut[1]), ends, rise };
-                self.by_cell.entry((cell.rows.0, cell.cols.0)).or_default().push(piece);
+                self.by_cell.entry(cell.north_west()).or_default().push(piece);
                 found = true;
             }
             if !found {
@@ -122,14 +121,10 @@ impl Pieces {
     /// The initial value at a corner: from the nearest piece of the cells around it, and of those
     /// one further, where no hole can lie between.
     pub(super) fn seed(&self, surface: &Surface, row: usize, col: usize, initial: f64) -> Seed {
-        let rows = row.saturating_sub(2)..=row + 2;
-        let cols = col.saturating_sub(2)..=col + 2;
-        let whole = rows.clone().all(|r| {
-            cols.clone().all(|c| r >= surface.rows() || c >= surface.cols() || surface.has(r, c))
-        });
+        let around = surface.chart().around((row, col), 2);
+        let whole = around.places().all(|(row, col)| surface.has(row, col));
         let reach = if whole { 2 } else { 1 };
-        let cells = (row.saturating_sub(reach)..row + reach)
-            .flat_map(|r| (col.saturating_sub(reach)..col + reach).map(move |c| (r, c)));
+        let cells = surface.chart().cells_near((row, col), reach);
         let pieces = cells.filter_map(|cell| self.by_cell.get(&cell)).flatten();
         let own = |piece: &&Piece| {
             whole && !piece.is_point() || piece.cell.corners().contains(&(row, col))
@@ -143,9 +138,8 @@ impl Pieces {
 }
 
 fn check_inside(surface: &Surface, at: DVec2) -> Result<(), SourceError> {
-    let (last_row, last_col) = (surface.rows() - 1, surface.cols() - 1);
-    let inside = (0.0..=last_row as f64).contains(&at.x) && (0.0..=last_col as f64).contains(&at.y);
-    if inside {
+    let (last_row, last_col) = surface.chart().last();
+    if surface.chart().holds(at) {
         Ok(())
     } else {
         Err(SourceError::Outside { row: at.x, col: at.y, last_row, last_col })
@@ -159,9 +153,7 @@ impl Surface {
         let corner = self.geometry().sample(self.chart(), row, col);
         let foot = corner.foot_on(a, b);
         let nearest = Sample::interpolate(&[(1.0 - foot, a), (foot, b)]);
-        let weight = self.slowness().map_or(1.0, |slowness| {
-            0.5 * (slowness[self.chart().index(row, col)] + self.slowness_near(slowness, middle))
-        });
+        let weight = self.weight_between((row, col), middle);
         let chord = corner.length_to(nearest);
         let distance = weight
             * rise.map_or(chord, |rise| (chord * chord + rise.from((row, col))).max(0.0).sqrt());
@@ -205,25 +197,17 @@ impl Surface {
     /// The geometry between grid points; `None` in a hole.
     pub(crate) fn place(&self, at: DVec2) -> Option<Sample> {
         check_inside(self, at).ok()?;
-        cells_around(self, at).into_iter().find_map(|cell| cell.sample(self, at))
+        self.chart().cells_around(at).into_iter().find_map(|cell| self.sample_in(cell, at))
     }
 
-    /// The slowness between grid points, bilinear over those that are there.
-    fn slowness_near(&self, slowness: &[f64], at: DVec2) -> f64 {
-        let (row, col) = (at.x as usize, at.y as usize);
-        let (v, u) = (at.x.fract(), at.y.fract());
-        let corners = [
-            ((1.0 - v) * (1.0 - u), row, col),
-            ((1.0 - v) * u, row, col + 1),
-            (v * (1.0 - u), row + 1, col),
-            (v * u, row + 1, col + 1),
-        ];
-        let (sum, weights) = corners
-            .into_iter()
-            .filter(|&(weight, row, col)| weight > 0.0 && self.has(row, col))
-            .fold((0.0, 0.0), |(sum, weights), (weight, row, col)| {
-                (sum + weight * slowness[self.chart().index(row, col)], weights + weight)
-            });
-        sum / weights
+    /// The geometry at a place of a cell, interpolated between its corners; `None` in a hole.
+    fn sample_in(&self, cell: Cell, at: DVec2) -> Option<Sample> {
+        let corners = cell.corners();
+        let there = corners.map(|(row, col)| self.has(row, col));
+        let weights = corner_weights(there, cell.inside(at))?;
+        let used = weights.into_iter().zip(corners).filter(|(weight, _)| *weight > 0.0);
+        let sample =
+            |(weight, (row, col))| (weight, self.geometry().sample(self.chart(), row, col));
+        Some(Sample::interpolate(&used.map(sample).collect::<Vec<_>>()))
     }
 }

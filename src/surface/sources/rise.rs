@@ -1,8 +1,10 @@
 //! How much longer ways inside a cell are along the surface than straight through space.
 
-use super::cell::{Cell, corner_weights};
-use crate::surface::{Direction, EdgeLengths, EdgeRule, Real, Surface};
 use glam::DVec2;
+
+use crate::surface::{
+    Block, Cell, Direction, EdgeLengths, EdgeRule, Real, Surface, corner_weights,
+};
 
 /// For a place in a cell, by how much the squares of its distances from the corners grow with those
 /// of the cell's edges, when edges are measured along the surface and no longer along chords.
@@ -21,23 +23,21 @@ pub(super) struct Rise {
 impl Rise {
     /// `None` where there is none: edges are chords, or none of them can be measured.
     pub(super) fn at(surface: &Surface, cell: Cell, place: DVec2) -> Option<Self> {
-        let (Cell { rows, cols }, corners) = (cell, cell.all_corners());
-        if surface.edge_rule() == EdgeRule::Chord || rows.0 == rows.1 && cols.0 == cols.1 {
+        let corners = cell.corners();
+        if surface.edge_rule() == EdgeRule::Chord || corners[0] == corners[3] {
             return None;
         }
         let there = corners.map(|(row, col)| surface.has(row, col));
-        let weights = corner_weights(there, place.x - rows.0 as f64, place.y - cols.0 as f64)?;
+        let weights = corner_weights(there, cell.inside(place))?;
         // As far as the bends at the corners depend on.
-        let span = |(first, last): (usize, usize), points: usize| {
-            first.saturating_sub(2)..points.min(last + 3)
-        };
-        let (rows, cols) = (span(rows, surface.rows()), span(cols, surface.cols()));
-        let around = surface.window(rows.clone(), cols.clone()).without_slowness();
+        let Block { rows, cols } = surface.chart().around_span(cell.rows, cell.cols, 2);
+        let around = surface.window(rows.clone(), cols.clone()).unweighted();
         let lengths = |rule| EdgeLengths::<f64>::new(&around.clone().with_edge_rule(rule)).ok();
         let (arcs, chords) = (lengths(EdgeRule::Arc)?, lengths(EdgeRule::Chord)?);
         let between = |a: (usize, usize), b: (usize, usize)| {
-            let step = (b.0 as isize - a.0 as isize, b.1 as isize - a.1 as isize);
-            let to = Direction::ALL.into_iter().find(|direction| direction.step() == step);
+            let chart = surface.chart();
+            let leads = |to: &Direction| chart.neighbour(a.0, a.1, *to) == Some(b);
+            let to = Direction::ALL.into_iter().find(leads);
             let square = |edges: &EdgeLengths<f64>, to| {
                 edges.length(a.0 - rows.start, a.1 - cols.start, to).powi(2)
             };

@@ -3,7 +3,7 @@
 /// Arrival times between two neighbouring grid points, from the squares of those at four points
 /// in a row: squares, since the square of the distance from a point is smooth even there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Profile {
+pub(super) struct EdgeTimes {
     /// The smallest initial value, which times are taken relative to.
     start: f64,
     /// Square at the first end.
@@ -35,7 +35,7 @@ pub(super) struct Crossing {
     pub distance: f64,
 }
 
-impl Profile {
+impl EdgeTimes {
     /// The second and the third of four points in a row are the edge's ends; `length` is
     /// its own. The times at the outer two are infinite where there is no such point.
     ///
@@ -59,9 +59,9 @@ impl Profile {
         let circle = if is_circle { 2.0 * length_squared } else { 0.0 };
         let one = if small.abs() < f64::INFINITY { small } else { circle };
         let bends = [left, right].map(|bend| if is_smooth { bend } else { one });
-        let profile = Self { start, first, rise, bends, since: [since[1], since[2]], length };
-        let is_distance = profile.is_distance();
-        Self { bends: bends.map(|bend| if is_distance { bend } else { 0.0 }), ..profile }
+        let times = Self { start, first, rise, bends, since: [since[1], since[2]], length };
+        let is_distance = times.is_distance();
+        Self { bends: bends.map(|bend| if is_distance { bend } else { 0.0 }), ..times }
     }
 
     /// Whether the time half-way differs from those at the ends by no more than the way is long.

@@ -3,12 +3,12 @@
 //! A cell whose four corners are there is cut along one of its diagonals, and one with a missing
 //! corner leaves a triangle; so no curve runs where the surface has a hole or no map.
 
-use crate::surface::{Chart, Direction};
+use super::{Chart, Direction};
 
 /// An edge between neighbouring grid points: the index of its first point in row-major order, and
 /// where the other lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) struct Edge(u64);
+pub(crate) struct Edge(u64);
 
 /// Directions from an edge's first point.
 const FORWARD: [Direction; 4] =
@@ -16,7 +16,7 @@ const FORWARD: [Direction; 4] =
 
 impl Edge {
     /// The edge between two neighbours, given in any order.
-    pub(super) fn between(chart: Chart, a: usize, b: usize) -> Self {
+    pub(crate) fn between(chart: Chart, a: usize, b: usize) -> Self {
         let (first, second) = (a.min(b), a.max(b));
         // Rows of two columns make east and south-west the same step but for the row.
         let same_row = first / chart.cols == second / chart.cols;
@@ -25,36 +25,36 @@ impl Edge {
     }
 
     /// Row and column of its first point, and the direction of the other.
-    pub(super) fn ends(self, chart: Chart) -> ((usize, usize), Direction) {
+    pub(crate) fn ends(self, chart: Chart) -> ((usize, usize), Direction) {
         (chart.position((self.0 / 4) as usize), FORWARD[(self.0 % 4) as usize])
     }
 
+    /// The indices of both its points.
+    pub(crate) fn points(self, chart: Chart) -> [usize; 2] {
+        let ((row, col), to) = self.ends(chart);
+        let last = chart.neighbour(row, col, to).expect("the edge of a chart has two ends");
+        [chart.index(row, col), chart.index(last.0, last.1)]
+    }
+
     /// A number for each edge of the grid; larger ones are free.
-    pub(super) fn number(self) -> u64 {
+    pub(crate) fn number(self) -> u64 {
         self.0
     }
 
-    pub(super) fn from_number(number: u64) -> Self {
+    pub(crate) fn from_number(number: u64) -> Self {
         Self(number)
     }
 
     /// Above the numbers of all edges of the grid.
-    pub(super) fn end(chart: Chart) -> u64 {
+    pub(crate) fn end(chart: Chart) -> u64 {
         4 * chart.points() as u64
     }
 }
 
-/// The cell between a row and the next, a column and the next: its corners' indices, north-west,
-/// north-east, south-west and south-east.
-pub(super) fn corners(chart: Chart, row: usize, col: usize) -> [usize; 4] {
-    let first = chart.index(row, col);
-    [first, first + 1, first + chart.cols, first + chart.cols + 1]
-}
-
 /// The triangles of a cell, counter-clockwise as seen in a picture, by the numbers of their
-/// corners as [`corners`] has them; cut from north-west to south-east if `falling`, which matters
-/// only where all corners are there.
-pub(super) fn triangles(there: [bool; 4], falling: bool) -> &'static [[usize; 3]] {
+/// corners as [`Cell::corners`](super::Cell::corners) has them; cut from north-west to south-east
+/// if `falling`, which matters only where all corners are there.
+pub(crate) fn triangles(there: [bool; 4], falling: bool) -> &'static [[usize; 3]] {
     const FALLING: [[usize; 3]; 2] = [[0, 2, 3], [0, 3, 1]];
     const RISING: [[usize; 3]; 2] = [[0, 2, 1], [2, 3, 1]];
     match there {

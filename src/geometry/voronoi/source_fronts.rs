@@ -22,7 +22,7 @@ use crate::cpu::{Visited, stays};
 use crate::geometry::MapError;
 use crate::geometry::order::{bordered, rank};
 use crate::geometry::spokes::Spokes;
-use crate::surface::{Chart, EdgeLengths, Real, Source, Sources, Surface, max, min};
+use crate::surface::{Chart, EdgeLengths, Real, Source, Sources, Surface, max, min, ring};
 use crate::update::{Triangle, Wavefront, planar, point_source};
 
 /// No further front, and the label of a point that has not been visited.
@@ -67,7 +67,7 @@ struct Origin {
 }
 
 /// The fronts at all points of a bordered array.
-pub(super) struct Fronts<'a> {
+pub(super) struct SourceFronts<'a> {
     spokes: Spokes<'a>,
     origins: Vec<Origin>,
     start: f64,
@@ -84,13 +84,13 @@ pub(super) struct Fronts<'a> {
     queue: BinaryHeap<Reverse<u64>>,
     is_queued: Vec<bool>,
     arrivals: Vec<Arrival>,
-    /// Fronts whose arrival at a point its neighbours have yet to hear of.
+    /// SourceFronts whose arrival at a point its neighbours have yet to hear of.
     news: Vec<(u32, u32)>,
     /// Where the candidates of a point are gathered.
     room: Vec<Candidate>,
 }
 
-impl<'a> Fronts<'a> {
+impl<'a> SourceFronts<'a> {
     pub(super) fn new(
         surface: &Surface,
         edges: &'a EdgeLengths<f32>,
@@ -293,8 +293,8 @@ impl<'a> Fronts<'a> {
                 continue;
             }
             // Through the two triangles on either side of the edge between them.
-            let back = (to + 4) % 8;
-            let [right, left] = [(back + 7) % 8, (back + 1) % 8];
+            let back = ring::opposite(to);
+            let [right, left] = [ring::previous(back), ring::next(back)];
             let mut since = [f64::FAR; 8];
             for to in [right, back, left] {
                 let time = self.time(self.spokes.neighbour(neighbour, to), label);
@@ -337,13 +337,13 @@ impl<'a> Fronts<'a> {
             return f64::FAR;
         }
         let through = |to: usize| {
-            let ends = [to, (to + 1) % 8];
+            let ends = [to, ring::next(to)];
             let triangle = self.triangle(point, ends, &front.since, ends.map(|to| lengths[to]));
             self.through(front.label, triangle)
         };
         // Nearly always beside the neighbour over which the way along an edge is shortest, and on
         // the side where the next one is shorter.
-        let [right, left] = [(nearest + 7) % 8, (nearest + 1) % 8];
+        let [right, left] = [ring::previous(nearest), ring::next(nearest)];
         let [to_right, to_left] = [right, left].map(|to| front.since[to] + lengths[to]);
         let beside = if to_right < to_left { [right, nearest] } else { [nearest, right] };
         let found = beside.into_iter().map(through).find(|&time| time < shortest);
@@ -361,7 +361,7 @@ impl<'a> Fronts<'a> {
         [l1, l2]: [f64; 2],
     ) -> Triangle<f64> {
         let [t1, t2] = ends.map(|to| since[to]);
-        let first = if (ends[0] + 1) % 8 == ends[1] { ends[0] } else { ends[1] };
+        let first = if ring::next(ends[0]) == ends[1] { ends[0] } else { ends[1] };
         Triangle { t1, t2, l1, l2, c: self.spokes.base(point, first) }
     }
 
@@ -568,7 +568,7 @@ mod tests {
                 // One close to another, where fronts run side by side.
                 if let Source::Point { at, initial } = sources[0].clone() {
                     let at = [at.x, (at.y - beside).max(0.0)];
-                    if mask[at[0] as usize * cols + at[1] as usize] {
+                    if mask[surface.chart().index(at[0] as usize, at[1] as usize)] {
                         sources.push(Source::Point { at: at.into(), initial: initial + 0.1 });
                     }
                 }
@@ -577,7 +577,8 @@ mod tests {
                 let stop = Stop { tolerance: 0.0, iterations: 1000 };
                 let map = raster_scan(&edges, &seeds, Wavefront::PointSource, stop).distances();
                 let [few, all] = [false, true].map(|everywhere| {
-                    let mut fronts = Fronts::before(&surface, &edges, &sources, &map).unwrap();
+                    let mut fronts =
+                        SourceFronts::before(&surface, &edges, &sources, &map).unwrap();
                     if everywhere {
                         let reached = |&point: &usize| fronts.times[point] < f32::FAR;
                         let all: Vec<usize> = (0..fronts.times.len()).filter(reached).collect();
@@ -586,7 +587,8 @@ mod tests {
                     fronts.follow();
                     fronts
                 });
-                let visits = |fronts: &Fronts| fronts.is_queued.iter().filter(|&&q| q).count();
+                let visits =
+                    |fronts: &SourceFronts| fronts.is_queued.iter().filter(|&&q| q).count();
                 // The closest of pairs are never late enough by far for one of them to be left behind.
                 assert!(visits(&few) < visits(&all) || roughness > 0.0 || beside == 1.0);
                 for point in 0..few.times.len() {

@@ -1,0 +1,88 @@
+//! Paths from their starts to their sources, and the parts of them that many have in common.
+
+use std::collections::HashMap;
+use std::sync::{Arc, PoisonError, RwLock};
+
+use glam::DVec2;
+
+use super::place::Stuck;
+
+/// A path's trace: its vertices from the start to the source.
+pub(super) struct Trace {
+    pub vertices: Vec<DVec2>,
+    /// Arrival time at its start.
+    pub time: f64,
+    pub length: f64,
+    pub source: usize,
+    /// The source's initial value.
+    pub initial: f64,
+}
+
+/// A path to its source, the last part of which may be that of other paths too.
+#[derive(Clone, Debug)]
+pub(super) struct Course {
+    /// From the start to the source, or to the corner where the rest begins.
+    pub vertices: Vec<DVec2>,
+    /// Arrival time at the start.
+    pub time: f64,
+    /// From the start to the source.
+    pub length: f64,
+    pub source: usize,
+    /// The source's initial value.
+    pub initial: f64,
+    pub rest: Option<Arc<Course>>,
+}
+
+/// Where a rest begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) struct Key {
+    /// The corner, a point of the bordered array.
+    pub corner: usize,
+    /// Bits of the moment that squares of times count from.
+    moment: u64,
+}
+
+pub(super) type Rest = Result<Arc<Course>, Stuck>;
+
+/// The paths from corners of holes that have been traced.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rests(Arc<RwLock<HashMap<Key, Rest>>>);
+
+impl Rests {
+    pub(super) fn get(&self, key: Key) -> Option<Rest> {
+        self.0.read().unwrap_or_else(PoisonError::into_inner).get(&key).cloned()
+    }
+
+    pub(super) fn keep(&self, key: Key, rest: Rest) {
+        self.0.write().unwrap_or_else(PoisonError::into_inner).insert(key, rest);
+    }
+}
+
+impl Key {
+    pub(super) fn new(corner: usize, moment: f64) -> Self {
+        Self { corner, moment: moment.to_bits() }
+    }
+
+    pub(super) fn moment(self) -> f64 {
+        f64::from_bits(self.moment)
+    }
+}
+
+impl Course {
+    /// All its vertices, with those of the rest.
+    pub(super) fn trace(self) -> Trace {
+        let Self { mut vertices, time, length, source, initial, rest } = self;
+        let rests = || std::iter::successors(rest.as_deref(), |rest| rest.rest.as_deref());
+        vertices.reserve_exact(rests().map(|rest| rest.vertices.len() - 1).sum());
+        for rest in rests() {
+            vertices.extend_from_slice(&rest.vertices[1..]);
+        }
+        Trace { vertices, time, length, source, initial }
+    }
+}
+
+impl From<Trace> for Course {
+    fn from(Trace { vertices, time, length, source, initial }: Trace) -> Self {
+        Self { vertices, time, length, source, initial, rest: None }
+    }
+}

@@ -1,0 +1,111 @@
+//! What paths are traced through: a map, the lengths of edges, and where paths bend and end.
+
+use glam::DVec2;
+
+use super::cell::{CellLengths, NO_EDGE};
+use super::corners::Corners;
+use super::course::Rests;
+use super::goals::Goals;
+use super::place::Place;
+use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, corner_weights};
+
+/// What a tracer knows.
+#[derive(Clone, Debug)]
+pub(super) struct Tracer<'a> {
+    pub edges: &'a EdgeLengths<f32>,
+    /// Arrival times in a bordered array, infinite where no front arrives.
+    pub times: Vec<f32>,
+    /// The smallest initial value.
+    pub start: f64,
+    pub goals: Goals,
+    pub corners: Corners,
+    /// Whether paths are made shorter than the map alone has them.
+    pub shortens: bool,
+    pub rests: Rests,
+}
+
+impl Tracer<'_> {
+    pub(super) fn chart(&self) -> Chart {
+        self.edges.chart()
+    }
+
+    pub(super) fn time(&self, point: usize) -> f64 {
+        self.times[point].into()
+    }
+
+    pub(super) fn is_reached(&self, point: usize) -> bool {
+        self.times[point] < f32::INFINITY
+    }
+
+    /// Whether the surface is there and a front arrives; rows and columns inside the grid.
+    pub(super) fn reaches(&self, at: DVec2) -> bool {
+        self.place(at).is_some()
+    }
+
+    /// The place at a row and column, if it has been reached.
+    pub(super) fn place(&self, at: DVec2) -> Option<Place> {
+        let (row, col) = (at.x as usize, at.y as usize);
+        let (v, u) = (at.x.fract(), at.y.fract());
+        let north_west = self.chart().bordered(row, col);
+        let reached = |point: usize| self.is_reached(point).then_some(point);
+        let edge = |along, share| {
+            let first = reached(north_west)?;
+            reached(self.chart().beside(first, along))?;
+            Some(Place::Edge { first, along, share })
+        };
+        match (v > 0.0, u > 0.0) {
+            (false, false) => Some(Place::Point(reached(north_west)?)),
+            (false, true) => edge(Direction::East, u),
+            (true, false) => edge(Direction::South, v),
+            (true, true) => {
+                let there = self.chart().bordered_corners(north_west).map(|c| self.is_reached(c));
+                let weights = corner_weights(there, DVec2::new(v, u))?;
+                Some(Place::Inside { north_west, weights })
+            }
+        }
+    }
+
+    /// Row and column of a place.
+    pub(super) fn at(&self, place: Place) -> DVec2 {
+        place.at(self.chart())
+    }
+
+    /// The reached corners of the cells that a place lies in, and how far they are.
+    pub(super) fn corners(&self, place: Place) -> impl Iterator<Item = (usize, f64)> {
+        let (cells, count) = place.cells(self.chart());
+        cells.into_iter().take(count).flat_map(|(north_west, weights)| {
+            let cell = CellLengths::new(self.edges, north_west);
+            let squares = cell.from(&weights);
+            (0..4)
+                .map(move |corner| (cell.corners[corner], squares[corner]))
+                .filter(|&(corner, square)| self.is_reached(corner) && square < NO_EDGE)
+                .map(|(corner, square)| (corner, square.max(0.0).sqrt()))
+        })
+    }
+
+    /// The arrival times at the ends of an edge and at the points next to them in its line.
+    #[inline]
+    pub(super) fn times_along(&self, [first, last]: [usize; 2]) -> [f64; 4] {
+        let step = last - first;
+        [first - step, first, last, last + step].map(|point| self.time(point))
+    }
+
+    pub(super) fn length(&self, a: usize, b: usize) -> f64 {
+        let to = Direction::ALL
+            .into_iter()
+            .find(|&to| self.chart().beside(a, to) == b)
+            .expect("the points are neighbours");
+        self.edges.at(a, EdgeSlot::new(self.chart(), 0, to)).into()
+    }
+
+    /// The earliest of a place's own grid points.
+    pub(super) fn lower_end(&self, place: Place) -> usize {
+        let (cells, _) = place.cells(self.chart());
+        let (north_west, weights) = cells[0];
+        let corners = self.chart().bordered_corners(north_west);
+        let own = corners.into_iter().zip(weights).filter(|(_, weight)| *weight > 0.0);
+        own.map(|(corner, _)| corner)
+            .min_by(|&a, &b| self.times[a].total_cmp(&self.times[b]))
+            .expect("a place has weights")
+    }
+}

@@ -1,0 +1,163 @@
+//! Arrays with a border: a missing point before and after each row and column of the grid, so that
+//! no neighbour needs a test of bounds.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::{Chart, Direction};
+
+impl Chart {
+    /// Distance between rows of a bordered array.
+    pub(crate) const fn stride(self) -> usize {
+        self.cols + 2
+    }
+
+    /// Number of entries of a bordered array.
+    pub(crate) const fn bordered_points(self) -> usize {
+        (self.rows + 2) * self.stride()
+    }
+
+    /// Index of a grid point in a bordered array.
+    pub(crate) const fn bordered(self, row: usize, col: usize) -> usize {
+        (row + 1) * self.stride() + col + 1
+    }
+
+    /// Row and column of a grid point, given its index in a bordered array.
+    pub(crate) const fn bordered_position(self, point: usize) -> (usize, usize) {
+        (point / self.stride() - 1, point % self.stride() - 1)
+    }
+
+    /// Row and column of a point of a bordered array, which may be one of the border.
+    pub(crate) fn bordered_place(self, point: usize) -> DVec2 {
+        let (row, col) = (point / self.stride(), point % self.stride());
+        DVec2::new(row as f64 - 1.0, col as f64 - 1.0)
+    }
+
+    /// Index of the point at a row and column in a bordered array, which may be one of the border.
+    pub(crate) fn bordered_at(self, place: DVec2) -> usize {
+        (place.x + 1.0) as usize * self.stride() + (place.y + 1.0) as usize
+    }
+
+    /// From a point's index to its neighbour's, both in a bordered array.
+    pub(crate) const fn offset(self, to: Direction) -> isize {
+        let (down, right) = to.step();
+        down * self.stride() as isize + right
+    }
+
+    /// The index of a point's neighbour in a bordered array.
+    #[inline(always)]
+    pub(crate) const fn beside(self, point: usize, to: Direction) -> usize {
+        point.wrapping_add_signed(self.offset(to))
+    }
+
+    /// The corners of the cell to the south-east of a point, north-west, north-east, south-west and
+    /// south-east, in a bordered array.
+    #[inline(always)]
+    pub(crate) const fn bordered_corners(self, north_west: usize) -> [usize; 4] {
+        let south_west = self.beside(north_west, Direction::South);
+        [
+            north_west,
+            self.beside(north_west, Direction::East),
+            south_west,
+            self.beside(south_west, Direction::East),
+        ]
+    }
+
+    /// The grid's rows in a bordered array, each with a point of the border at either end.
+    pub(crate) fn bordered_rows_mut<T: Send>(
+        self,
+        array: &mut [T],
+    ) -> impl IndexedParallelIterator<Item = &mut [T]> {
+        array.par_chunks_exact_mut(self.stride()).skip(1).take(self.rows)
+    }
+
+    /// The grid's rows in a bordered array.
+    pub(crate) fn rows_mut<T: Send>(
+        self,
+        array: &mut [T],
+    ) -> impl IndexedParallelIterator<Item = &mut [T]> {
+        self.bordered_rows_mut(array).map(move |row| &mut row[1..=self.cols])
+    }
+
+    /// A row of the grid in a bordered array.
+    pub(crate) fn row_of<T>(self, array: &[T], row: usize) -> &[T] {
+        &array[self.bordered(row, 0)..][..self.cols]
+    }
+
+    /// A row of the grid in a bordered array, with the rows before and after it, each with a point more
+    /// at either end: the neighbours of the row's point c are at c, c + 1 and c + 2.
+    #[inline(always)]
+    pub(crate) fn rows_around<T>(self, array: &[T], row: usize) -> [&[T]; 3] {
+        let first = row * self.stride();
+        [0, 1, 2].map(|line| &array[first + line * self.stride()..][..self.stride()])
+    }
+
+    /// Fills the rows of a bordered array before the grid's first and after its last.
+    pub(crate) fn fill_border_rows<T: Copy>(self, array: &mut [T], value: T) {
+        let last = array.len() - self.stride();
+        array[..self.stride()].fill(value);
+        array[last..].fill(value);
+    }
+
+    /// A row-major array as a bordered one.
+    pub(crate) fn with_border<T: Copy>(self, values: &[T], border: T) -> Vec<T> {
+        let mut bordered = vec![border; self.bordered_points()];
+        for (row, values) in values.chunks_exact(self.cols).enumerate() {
+            bordered[self.bordered(row, 0)..][..self.cols].copy_from_slice(values);
+        }
+        bordered
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CHART: Chart = Chart { rows: 4, cols: 5 };
+
+    #[test]
+    fn offsets_agree_with_bordered_indices() {
+        let here = CHART.bordered(2, 2);
+        for direction in Direction::ALL {
+            let (row, col) = CHART.neighbour(2, 2, direction).unwrap();
+            let there = CHART.bordered(row, col);
+            assert_eq!(there as isize - here as isize, CHART.offset(direction));
+            assert_eq!(CHART.beside(here, direction), there);
+            assert_eq!(CHART.bordered_position(there), (row, col));
+            let place = DVec2::new(2.0, 2.0) + direction.vector();
+            assert_eq!((CHART.bordered_place(there), CHART.bordered_at(place)), (place, there));
+        }
+    }
+
+    #[test]
+    fn rows_know_their_neighbours_and_the_border() {
+        let values: Vec<_> = (0..CHART.points()).collect();
+        let mut array = CHART.with_border(&values, usize::MAX);
+        for (row, col) in CHART.places() {
+            assert_eq!(CHART.row_of(&array, row)[col], CHART.index(row, col));
+            for to in Direction::ALL {
+                let (down, right) = to.step();
+                let line = CHART.rows_around(&array, row)[1usize.wrapping_add_signed(down)];
+                let index = CHART.neighbour(row, col, to).map(|(r, c)| CHART.index(r, c));
+                let found = line[(col + 1).wrapping_add_signed(right)];
+                assert_eq!(found, index.unwrap_or(usize::MAX));
+                assert_eq!(found, array[CHART.beside(CHART.bordered(row, col), to)]);
+            }
+        }
+        CHART.rows_mut(&mut array).for_each(|row| row.fill(7));
+        assert_eq!(array, CHART.with_border(&[7; 20], usize::MAX));
+        CHART.bordered_rows_mut(&mut array).for_each(|row| row.fill(8));
+        CHART.fill_border_rows(&mut array, 8);
+        assert!(array.iter().all(|&value| value == 8));
+    }
+
+    #[test]
+    fn corners_are_those_of_the_cell() {
+        for row in CHART.rows_of_cells() {
+            for cell in CHART.cells_of_row(row) {
+                let corners = cell.corners().map(|(row, col)| CHART.bordered(row, col));
+                assert_eq!(CHART.bordered_corners(corners[0]), corners);
+            }
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! The chart: an M x N grid of points, rows first, and which point lies where.
+//!
+//! North is towards smaller rows and east towards larger columns, as in a picture. Everything that
+//! depends on the grid's shape is in this folder: where a point's neighbours are, and where none is
+//! ([`Chart::at`]), how far a line goes ([`Chart::walk`]), which cells, edges and triangles there are,
+//! and how arrays with a border are laid out. Whoever asks for a neighbour compares with no number of
+//! rows or columns, so that a chart glued along its borders is a change of this folder.
+
+mod block;
+mod bordered;
+mod cells;
+mod direction;
+mod edge_slot;
+mod triangles;
+
+pub(crate) use block::Block;
+pub(crate) use cells::{Cell, bilinear, corner_weights, grid_crossings};
+pub use direction::Direction;
+pub(crate) use direction::ring;
+pub(crate) use edge_slot::{EdgeSlot, STORED};
+pub(crate) use triangles::{Edge, triangles};
+
+use std::ops::Range;
+
+use glam::DVec2;
+
+/// Size of the grid, and the layout of the bordered arrays that the CPU engine works on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Chart {
+    /// Number of rows, M.
+    pub rows: usize,
+    /// Number of columns, N.
+    pub cols: usize,
+}
+
+impl Chart {
+    /// Number of grid points, holes included.
+    pub const fn points(self) -> usize {
+        self.rows * self.cols
+    }
+
+    /// Index of a grid point in a row-major array without border.
+    pub const fn index(self, row: usize, col: usize) -> usize {
+        row * self.cols + col
+    }
+
+    /// Row and column of an index into a row-major array without border.
+    pub const fn position(self, index: usize) -> (usize, usize) {
+        (index / self.cols, index % self.cols)
+    }
+
+    /// The indices of a row.
+    pub(crate) const fn row(self, row: usize) -> Range<usize> {
+        self.index(row, 0)..self.index(row + 1, 0)
+    }
+
+    /// Row and column of all grid points, row by row.
+    pub(crate) fn places(self) -> impl Iterator<Item = (usize, usize)> + Clone {
+        (0..self.rows).flat_map(move |row| (0..self.cols).map(move |col| (row, col)))
+    }
+
+    /// The last row and the last column.
+    pub(crate) const fn last(self) -> (usize, usize) {
+        (self.rows - 1, self.cols - 1)
+    }
+
+    /// Whether a place, as fractional row and column, lies on the chart.
+    pub(crate) fn holds(self, at: DVec2) -> bool {
+        let (last_row, last_col) = self.last();
+        (0.0..=last_row as f64).contains(&at.x) && (0.0..=last_col as f64).contains(&at.y)
+    }
+
+    /// The grid point at a row and a column that are counted on beyond the border; none where the
+    /// chart ends there.
+    #[inline]
+    pub(crate) fn at(self, row: isize, col: isize) -> Option<(usize, usize)> {
+        let (row, col) = (usize::try_from(row).ok()?, usize::try_from(col).ok()?);
+        (row < self.rows && col < self.cols).then_some((row, col))
+    }
+
+    /// The neighbour of a grid point, if the grid has it.
+    pub fn neighbour(self, row: usize, col: usize, to: Direction) -> Option<(usize, usize)> {
+        self.along((row, col), to, 1)
+    }
+
+    /// The grid point so many steps from another one.
+    pub(crate) fn along(
+        self,
+        (row, col): (usize, usize),
+        to: Direction,
+        steps: isize,
+    ) -> Option<(usize, usize)> {
+        let (down, right) = to.step();
+        self.at(row as isize + steps * down, col as isize + steps * right)
+    }
+
+    /// The points of a line from one on.
+    pub(crate) fn walk(
+        self,
+        from: (usize, usize),
+        to: Direction,
+    ) -> impl Iterator<Item = (usize, usize)> {
+        std::iter::successors(Some(from), move |&(row, col)| self.neighbour(row, col, to))
+    }
+
+    /// The chart with a point more between any two neighbours: row r and column c become 2 r and 2 c.
+    pub(crate) const fn refined(self) -> Self {
+        Self { rows: 2 * self.rows - 1, cols: 2 * self.cols - 1 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CHART: Chart = Chart { rows: 2, cols: 3 };
+
+    #[test]
+    fn neighbours_end_at_the_border() {
+        assert_eq!(CHART.neighbour(0, 0, Direction::North), None);
+        assert_eq!(CHART.neighbour(1, 2, Direction::East), None);
+        assert_eq!(CHART.neighbour(1, 2, Direction::NorthWest), Some((0, 1)));
+        assert_eq!(CHART.along((0, 2), Direction::West, 2), Some((0, 0)));
+        assert_eq!(CHART.along((0, 2), Direction::West, -1), None);
+        assert!(CHART.walk((1, 0), Direction::East).eq([(1, 0), (1, 1), (1, 2)]));
+        assert!(CHART.walk((1, 0), Direction::NorthEast).eq([(1, 0), (0, 1)]));
+    }
+
+    #[test]
+    fn places_are_in_the_order_of_their_indices() {
+        let (points, last) = (CHART.points(), CHART.last());
+        assert!(CHART.places().eq((0..points).map(|index| CHART.position(index))));
+        assert!(CHART.places().map(|(row, col)| CHART.index(row, col)).eq(0..points));
+        assert_eq!((CHART.row(1), last), (3..6, (1, 2)));
+        assert!(CHART.holds(DVec2::new(1.0, 2.0)) && CHART.holds(DVec2::ZERO));
+        for outside in [[1.01, 0.0], [0.0, 2.5], [-0.1, 0.0], [f64::NAN, 0.0]] {
+            assert!(!CHART.holds(outside.into()));
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! What is given of a surface at each grid point: positions, heights or a metric tensor.
+//!
+//! Everything that differs from one kind to another is in this folder, so that the rest of the surface
+//! and its files ask [`Geometry`] and not which kind it is: this file says what values are usable, where
+//! points lie in space, and what parts and coarser grids of them are; [`sample`] has lengths between any
+//! two places; [`space`] those between neighbours, in lanes.
+
+mod sample;
+mod space;
+
+pub(crate) use sample::Sample;
+pub(super) use space::{InSpace, Point, Space};
+
+use glam::{DMat2, DVec2, DVec3};
+
+use super::chart::Block;
+use super::{Chart, SurfaceError};
+
+/// Distance between neighbouring points of a height field, in the unit of the heights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spacing {
+    /// Between columns.
+    pub dx: f64,
+    /// Between rows.
+    pub dy: f64,
+}
+
+impl Spacing {
+    /// The same spacing in both directions.
+    pub fn square(spacing: f64) -> Self {
+        Self { dx: spacing, dy: spacing }
+    }
+
+    pub(crate) fn is_usable(self) -> bool {
+        [self.dx, self.dy].iter().all(|d| d.is_finite() && *d > 0.0)
+    }
+}
+
+/// The first fundamental form at a grid point in index coordinates: a small step of `dr` rows
+/// and `dc` columns has squared length `rr dr^2 + 2 rc dr dc + cc dc^2` (paper, eq. 3, with
+/// u^1 the row and u^2 the column).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MetricTensor {
+    /// Entry for rows.
+    pub rr: f64,
+    /// Mixed entry.
+    pub rc: f64,
+    /// Entry for columns.
+    pub cc: f64,
+}
+
+impl MetricTensor {
+    fn is_hole(self) -> bool {
+        self.rr.is_nan() || self.rc.is_nan() || self.cc.is_nan()
+    }
+
+    fn is_positive_definite(self) -> bool {
+        let finite = self.rr.is_finite() && self.rc.is_finite() && self.cc.is_finite();
+        finite && self.rr > 0.0 && self.cc > 0.0 && self.rr * self.cc > self.rc * self.rc
+    }
+
+    fn matrix(self) -> DMat2 {
+        DMat2::from_cols_array(&[self.rr, self.rc, self.rc, self.cc])
+    }
+}
+
+/// What is known at each grid point, row-major.
+#[derive(Clone, Debug)]
+pub enum Geometry {
+    /// 3D points.
+    Positions(Vec<DVec3>),
+    /// Heights over a rectangular grid.
+    Heights {
+        /// One height per point.
+        heights: Vec<f64>,
+        /// Distance between points.
+        spacing: Spacing,
+    },
+    /// The metric alone.
+    Metric(Vec<MetricTensor>),
+}
+
+impl Geometry {
+    pub(crate) fn what(&self) -> &'static str {
+        match self {
+            Self::Positions(_) => "position",
+            Self::Heights { .. } => "height",
+            Self::Metric(_) => "metric",
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Positions(positions) => positions.len(),
+            Self::Heights { heights, .. } => heights.len(),
+            Self::Metric(metric) => metric.len(),
+        }
+    }
+
+    /// Which points are no holes; an error at the first value that is neither usable nor NaN.
+    pub(crate) fn points_present(&self, chart: Chart) -> Result<Vec<bool>, SurfaceError> {
+        (0..self.len())
+            .map(|index| {
+                let (nan, usable) = match self {
+                    Self::Positions(positions) => {
+                        (positions[index].is_nan(), positions[index].is_finite())
+                    }
+                    Self::Heights { heights, .. } => {
+                        (heights[index].is_nan(), heights[index].is_finite())
+                    }
+                    Self::Metric(metric) => {
+                        (metric[index].is_hole(), metric[index].is_positive_definite())
+                    }
+                };
+                if nan || usable {
+                    return Ok(!nan);
+                }
+                let (row, col) = chart.position(index);
+                Err(match self {
+                    Self::Metric(metric) => {
+                        let MetricTensor { rr, rc, cc } = metric[index];
+                        SurfaceError::Metric { row, col, rr, rc, cc }
+                    }
+                    _ => SurfaceError::Infinite { what: self.what(), row, col },
+                })
+            })
+            .collect()
+    }
+
+    pub(crate) fn position(&self, chart: Chart, row: usize, col: usize) -> Option<DVec3> {
+        let index = chart.index(row, col);
+        match self {
+            Self::Positions(positions) => Some(positions[index]),
+            Self::Heights { heights, spacing } => {
+                Some(DVec3::new(col as f64 * spacing.dx, row as f64 * spacing.dy, heights[index]))
+            }
+            Self::Metric(_) => None,
+        }
+    }
+
+    /// Whether points have positions in space, and are not known by their metric alone.
+    pub fn has_positions(&self) -> bool {
+        !matches!(self, Self::Metric(_))
+    }
+
+    /// The three numbers that edges are measured from, on the CPU and in the shaders: a position, a height
+    /// in the third place, both relative to `origin`, or a metric (rr, rc, cc).
+    #[inline(always)]
+    pub(crate) fn numbers(&self, index: usize, origin: DVec3) -> [f64; 3] {
+        match self {
+            Self::Positions(positions) => (positions[index] - origin).to_array(),
+            Self::Heights { heights, .. } => [0.0, 0.0, heights[index] - origin.z],
+            Self::Metric(metric) => {
+                let MetricTensor { rr, rc, cc } = metric[index];
+                [rr, rc, cc]
+            }
+        }
+    }
+
+    /// The least and the largest coordinates of the points of a row that are `present`.
+    pub(crate) fn row_bounds(&self, chart: Chart, row: usize, present: &[bool]) -> (DVec3, DVec3) {
+        let there = |index: &usize| present[*index];
+        match self {
+            // As they lie in memory, since this reads the whole surface once more.
+            Self::Positions(positions) => {
+                let (positions, present) = (&positions[chart.row(row)], &present[chart.row(row)]);
+                let positions = positions.iter().zip(present);
+                bounds(positions.filter_map(|(&at, &is)| is.then_some(at)))
+            }
+            _ => bounds(chart.row(row).filter(there).filter_map(|index| {
+                let (row, col) = chart.position(index);
+                self.position(chart, row, col)
+            })),
+        }
+    }
+
+    /// A coordinate or height of a point that is larger in size than a limit.
+    pub(crate) fn beyond(&self, index: usize, limit: f64) -> Option<f64> {
+        let is_beyond = |value: &f64| value.abs() > limit;
+        match self {
+            Self::Positions(positions) => positions[index].to_array().into_iter().find(is_beyond),
+            Self::Heights { heights, .. } => Some(heights[index]).filter(is_beyond),
+            Self::Metric(_) => None,
+        }
+    }
+
+    /// That of the points of a block.
+    pub(crate) fn cut(&self, chart: Chart, block: &Block) -> Self {
+        match self {
+            Self::Positions(positions) => Self::Positions(block.cut(chart, positions)),
+            Self::Heights { heights, spacing } => {
+                Self::Heights { heights: block.cut(chart, heights), spacing: *spacing }
+            }
+            Self::Metric(metric) => Self::Metric(block.cut(chart, metric)),
+        }
+    }
+
+    /// That of some rows and columns, given by the indices of their points. Only where points have positions
+    /// may the steps between them differ: a metric is per step, here of so many rows and columns.
+    pub(crate) fn coarsened(&self, chart: Chart, kept: &[usize], [dr, dc]: [f64; 2]) -> Self {
+        let position = |&index: &usize| {
+            let (row, col) = chart.position(index);
+            self.position(chart, row, col)
+        };
+        match self {
+            Self::Metric(metric) => {
+                let scaled = |&index: &usize| {
+                    let MetricTensor { rr, rc, cc } = metric[index];
+                    MetricTensor { rr: rr * dr * dr, rc: rc * dr * dc, cc: cc * dc * dc }
+                };
+                Self::Metric(kept.iter().map(scaled).collect())
+            }
+            _ => Self::Positions(kept.iter().filter_map(position).collect()),
+        }
+    }
+
+    /// The area of the triangle between three grid points: flat between positions, and with a metric
+    /// by the mean of the three tensors' unit areas.
+    pub(crate) fn triangle_area(&self, chart: Chart, points: [usize; 3]) -> f64 {
+        let places = points.map(|point| chart.position(point));
+        if let Self::Metric(metric) = self {
+            let unit = |point: usize| {
+                let MetricTensor { rr, rc, cc } = metric[point];
+                (rr * cc - rc * rc).sqrt()
+            };
+            let [a, b, c] = places.map(|(row, col)| DVec2::new(row as f64, col as f64));
+            return points.map(unit).iter().sum::<f64>() / 6.0 * (b - a).perp_dot(c - a).abs();
+        }
+        let [a, b, c] = places.map(|(r, c)| self.position(chart, r, c).unwrap_or_default());
+        0.5 * (b - a).cross(c - a).length()
+    }
+
+    /// The point or metric at a grid point.
+    pub(crate) fn sample(&self, chart: Chart, row: usize, col: usize) -> Sample {
+        match (self, self.position(chart, row, col)) {
+            (_, Some(position)) => Sample::Position(position),
+            (Self::Metric(metric), _) => Sample::Metric {
+                at: DVec2::new(row as f64, col as f64),
+                tensor: metric[chart.index(row, col)].matrix(),
+            },
+            (_, None) => unreachable!("only a metric has no positions"),
+        }
+    }
+}
+
+/// The least and the largest coordinates of some positions.
+pub(super) fn bounds(positions: impl IntoIterator<Item = DVec3>) -> (DVec3, DVec3) {
+    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    positions.into_iter().fold(none, |(low, high), at| (low.min(at), high.max(at)))
+}

@@ -1,0 +1,87 @@
+//! Lengths between neighbouring grid points from the numbers that are known of them, one kind of
+//! geometry a type, so that loops over a row have no branch.
+
+use super::Geometry;
+use crate::surface::real::{Real, max};
+
+/// A grid point in some precision: the three numbers of its geometry ([`Geometry::numbers`]), and its
+/// slowness, 0 in a hole.
+pub(crate) type Point<R> = [R; 4];
+
+/// How far neighbouring points are apart.
+pub(in crate::surface) trait Space<R: Real>: Copy {
+    /// From a point to its neighbour. A surface known only by its metric has no such vector.
+    fn difference(self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> [R; 3];
+
+    /// Length of the straight step between two neighbouring points without slowness.
+    #[inline(always)]
+    fn separation(self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> R {
+        let d = self.difference(a, b, step);
+        ((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]).sqrt()
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Positions;
+
+#[derive(Clone, Copy)]
+struct Heights<R> {
+    dx: R,
+    dy: R,
+}
+
+#[derive(Clone, Copy)]
+struct Metric;
+
+impl<R: Real> Space<R> for Positions {
+    #[inline(always)]
+    fn difference(self, a: Point<R>, b: Point<R>, _: (isize, isize)) -> [R; 3] {
+        [b[0] - a[0], b[1] - a[1], b[2] - a[2]]
+    }
+}
+
+impl<R: Real> Space<R> for Heights<R> {
+    #[inline(always)]
+    fn difference(self, a: Point<R>, b: Point<R>, (down, right): (isize, isize)) -> [R; 3] {
+        [R::of(right as f64) * self.dx, R::of(down as f64) * self.dy, b[2] - a[2]]
+    }
+}
+
+impl<R: Real> Space<R> for Metric {
+    #[inline(always)]
+    fn difference(self, _: Point<R>, _: Point<R>, _: (isize, isize)) -> [R; 3] {
+        [R::zero(); 3]
+    }
+
+    #[inline(always)]
+    fn separation(self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> R {
+        R::of(0.5) * (metric_length(a, step) + metric_length(b, step))
+    }
+}
+
+#[inline(always)]
+fn metric_length<R: Real>(g: Point<R>, step: (isize, isize)) -> R {
+    let (down, right) = (R::of(step.0 as f64), R::of(step.1 as f64));
+    let mixed = g[1] * (R::of(2.0) * right * down);
+    max((g[0] * (down * down) + mixed) + g[2] * (right * right), R::zero()).sqrt()
+}
+
+/// What is done alike in every space.
+pub(in crate::surface) trait InSpace<R: Real> {
+    type Output;
+
+    fn run<S: Space<R>>(self, space: S) -> Self::Output;
+}
+
+impl Geometry {
+    /// Does something in the space that a geometry's points lie in.
+    pub(in crate::surface) fn in_space<R: Real, W: InSpace<R>>(&self, work: W) -> W::Output {
+        match self {
+            Self::Positions(_) => work.run(Positions),
+            Self::Heights { spacing, .. } => {
+                work.run(Heights { dx: R::of(spacing.dx), dy: R::of(spacing.dy) })
+            }
+            Self::Metric(_) => work.run(Metric),
+        }
+    }
+}
