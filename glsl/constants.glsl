@@ -2,16 +2,22 @@
 
 // Stands for "not reached" and "no such edge": large, finite, and its sums stay finite.
 #define FAR 1e30
+// The kinds of front: what the specialization constant WAVEFRONT says, see wavefront.glsl, and the numbers of
+// Rust's Wavefront.
+#define PLANAR 0
+#define CIRCULAR 1
+#define CURVED 2
+#define ANCHORED 3
 // Curvature of a front at a point source, at least: stands for infinity in the same way. A power of
 // two, which a tag of 0 leaves as it is.
 #define SOURCE_CURVATURE 5.764607523034235e17
 // Invocations of a workgroup; 128 is the most that every Vulkan device offers, and a row or
 // column of texels is the whole dispatch, so small groups fill a device sooner.
 #define WORKGROUP 64
-// Layers of the images of fronts, each with 2 x 2 points a texel: arrival times, and curvature of
-// the front.
+// Layers of the images of fronts, each with 2 x 2 points a texel: arrival times, and what else fronts
+// carry, by their kind: a curvature, or the number of an anchor.
 #define TIME 0
-#define CURVATURE 1
+#define CARRIED 1
 #define LAYERS 2
 // Rounding of an angle defect, and the largest one that counts; see gaussian_curvature.rs.
 #define DEFECT_NOISE 4e-7
@@ -23,7 +29,7 @@
 #define CURVATURE_COUNTS 1e-4
 // What another anchor of a front counts.
 #define ANCHOR_COUNTS 1e-5
-// Tag of a front that came from a whole triangle, beside that of its scan.
+// Tag of a front that came from a whole triangle, beside that of its scan; see tag.glsl.
 #define WHOLE 8
 // See curved.rs. GRAZING is no ratio of small whole numbers, or rounding would decide whether rays between
 // grid points, which often turn by such a ratio, turn by more.
@@ -46,6 +52,8 @@
 #define ALIKE 8.0
 // The same for an anchor's time and what follows for it from a point's.
 #define ALIKE_AT_ANCHOR 16.0
+// Numbers of anchors from here on are those of sources inside cells.
+#define FIRST_INSIDE 33554432
 // Sources inside cells that a map with anchors has room for.
 #define SOURCES_INSIDE 4096
 // Texels around the grid's own in every image, so that no neighbour needs a bounds test.

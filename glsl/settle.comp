@@ -6,7 +6,7 @@
 // Twin: Tiles::settle in src/cpu/twins/tile_rounds.rs.
 
 #include "constants.glsl"
-#include "texel.glsl"
+#include "chart.glsl"
 #include "progress.glsl"
 #include "tiles.glsl"
 
@@ -38,17 +38,16 @@ void main() {
     uint number = gl_WorkGroupID.x;
     if (number == 0u && gl_LocalInvocationIndex == 0u && done == 0u) count_rounds();
     if ((tiles[number] & 1u) != 0u) {
-        ivec2 corner = TEXELS * ivec2(int(number) % tile_grid.x, int(number) / tile_grid.x);
+        ivec2 first = first_texel_of(from_row_major(int(number), tile_grid.x));
         if (gl_LocalInvocationIndex == 0u) {
-            ivec2 size = min(ivec2(TEXELS), texels - corner);
+            ivec2 size = min(ivec2(TEXELS), texels - without_border(first));
             atomicAdd(settled, uint(size.x * size.y));
         }
         for (uint i = gl_LocalInvocationIndex; i < TEXELS * TEXELS; i += WORKGROUP) {
-            ivec2 texel = corner + ivec2(int(i) % TEXELS, int(i) / TEXELS);
-            if (any(greaterThanEqual(texel, texels))) continue;
-            ivec2 at = texel + BORDER;
+            ivec2 texel = first + from_row_major(int(i), TEXELS);
+            if (is_beyond(without_border(texel), texels)) continue;
             for (int layer = 0; layer < LAYERS; layer++) {
-                imageStore(fronts_0, ivec3(at, layer), imageLoad(fronts_1, ivec3(at, layer)));
+                imageStore(fronts_0, ivec3(texel, layer), imageLoad(fronts_1, ivec3(texel, layer)));
             }
         }
     }
