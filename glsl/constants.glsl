@@ -29,8 +29,12 @@
 #define CURVATURE_COUNTS 1e-4
 // What another anchor of a front counts.
 #define ANCHOR_COUNTS 1e-5
-// Tag of a front that came from a whole triangle, beside that of its scan; see tag.glsl.
+// The last binary digits of a number, which may hold a tag; see tag.glsl.
+#define TAG 15
+// Tag of a front that came from a whole triangle, beside that of its scan.
 #define WHOLE 8
+// Tag of the surface where waves diffract, at points that lack an edge.
+#define DIFFRACTS 1
 // See curved.rs. GRAZING is no ratio of small whole numbers, or rounding would decide whether rays between
 // grid points, which often turn by such a ratio, turn by more.
 #define GRAZING 0.0973
@@ -100,6 +104,18 @@
 // lead nowhere, of which there are few.
 #define FLOW_JUMPS 7
 #define PARENT_JUMPS 63
+// Second differences of squares of times that differ by more than this factor have a kink between them.
+#define KINK 3.0
+// How much faster times may change than the way is long, in shares of an edge: curved edges, and a metric that
+// changes.
+#define MARGIN 0.05
+// A line of a path that ends nearer than this to a grid point, in shares of the edge, ends there.
+#define AT_POINT 1e-4
+// A straight line to the source in sight is preferred to others by this part of its length; and a line that
+// fits the arrival time as well needs no other to be compared with.
+#define FITS 1e-3
+// A line falls if it does so by this part of its length.
+#define LEAST_FALL 0.5
 // Ways of neighbouring points that lead to places further apart than so many columns or rows are
 // those of fronts that come from different sides.
 #define NEAR_PLACES 2.0

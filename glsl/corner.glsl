@@ -33,15 +33,15 @@ const uint CORNER = 1u << 12;
 // As small as a zero with a tag.
 float with_corner(uint there) {
     uint held = floatBitsToUint(FLAT) & 0x7f800000u;
-    return uintBitsToFloat(held | (is_corner(there) ? CORNER : 0u) | open_eighths(there) << 4 | LACKS_EDGE);
+    return uintBitsToFloat(held | (is_corner(there) ? CORNER : 0u) | open_eighths(there) << 4 | DIFFRACTS);
 }
 
 // At which of four points paths can bend.
 bvec4 are_corners(vec4 surface) {
-    return equal(floatBitsToUint(surface) & (CORNER | TAG), uvec4(CORNER | LACKS_EDGE));
+    return equal(floatBitsToUint(surface) & (CORNER | TAG), uvec4(CORNER | DIFFRACTS));
 }
 
 // The eighths around a point that lead into a hole.
 uint blocked_eighths(float surface) {
-    return tag_of(surface) == LACKS_EDGE ? ~(floatBitsToUint(surface) >> 4) & 255u : 0u;
+    return tag_of(surface) == DIFFRACTS ? ~(floatBitsToUint(surface) >> 4) & 255u : 0u;
 }

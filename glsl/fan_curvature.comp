@@ -50,7 +50,7 @@ bool fan_curvature(ivec2 point, out float curvature) {
 // The curvature, or zero and a tag if a triangle is missing.
 float tagged_curvature(ivec2 point) {
     float curvature;
-    return fan_curvature(point, curvature) ? with_tag(curvature, 0u) : with_tag(0.0, LACKS_EDGE);
+    return fan_curvature(point, curvature) ? with_tag(curvature, 0u) : with_tag(0.0, DIFFRACTS);
 }
 
 void main() {

@@ -26,7 +26,7 @@ float fan_curvature(ivec2 point) {
 }
 
 bool is_whole(float curvature) {
-    return tag_of(curvature) != LACKS_EDGE;
+    return tag_of(curvature) != DIFFRACTS;
 }
 
 uint neighbours_of(ivec2 point) {
@@ -44,10 +44,10 @@ float settled(ivec2 point) {
     for (int i = 0; i < 8; i++) {
         bool exists = edge_length(point, NEIGHBOURS[i]) < FAR;
         // The border of the image is not written, and no edge leads there.
-        curvatures[i] = exists ? fan_curvature(point + NEIGHBOURS[i]) : with_tag(0.0, LACKS_EDGE);
+        curvatures[i] = exists ? fan_curvature(point + NEIGHBOURS[i]) : with_tag(0.0, DIFFRACTS);
         if (is_whole(curvatures[i])) largest = max(largest, abs(curvatures[i]));
     }
-    if (largest <= 0.0) return with_tag(0.0, LACKS_EDGE);
+    if (largest <= 0.0) return with_tag(0.0, DIFFRACTS);
     float sum = 0.0;
     float squares = 0.0;
     float count = 0.0;
@@ -63,7 +63,7 @@ float settled(ivec2 point) {
     float mean_square = squares / count;
     float agreement = max(2.0 * (mean * mean) - mean_square, 0.0) / mean_square;
     return is_whole(own) ? with_tag(own * agreement, 0u)
-                         : with_tag(largest * mean * agreement, LACKS_EDGE);
+                         : with_tag(largest * mean * agreement, DIFFRACTS);
 }
 
 void main() {

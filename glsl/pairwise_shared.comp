@@ -11,6 +11,7 @@
 #include "pairwise_progress.glsl"
 #include "pairwise_fans.glsl"
 #include "count.glsl"
+#include "distance.glsl"
 
 layout(local_size_x_id = 3) in;
 
@@ -26,7 +27,7 @@ layout(set = 0, binding = 7) readonly restrict buffer Fans {
     float fans[];
 };
 layout(set = 0, binding = 8) writeonly restrict buffer Distances {
-    uint distances[]; // bits of floats, a row for each map: GLSL does not promise infinities
+    uint distances[]; // as in distance.glsl, a row for each map
 };
 layout(set = 0, binding = 9) restrict buffer Kept {
     float kept[]; // the fronts of maps that are not done
@@ -35,7 +36,6 @@ layout(set = 0, binding = 9) restrict buffer Kept {
 const int INVOCATIONS = int(gl_WorkGroupSize.x);
 const int AREA = ROWS * PITCH;
 const int FRONTS = CARRIES ? 2 * AREA : AREA;
-const uint INFINITY = 0x7f800000u;
 
 // Arrival times, then what is carried beside.
 shared float fronts[FRONTS];
@@ -162,7 +162,7 @@ void main() {
     if (is_done) {
         for (int i = lane; i < ROWS * COLS; i += INVOCATIONS) {
             float time = fronts[row_major(from_row_major(i, COLS), PITCH)];
-            distances[int(map) * ROWS * COLS + i] = time < FAR ? floatBitsToUint(time) : INFINITY;
+            distances[int(map) * ROWS * COLS + i] = distance_bits(time);
         }
     } else {
         for (int i = lane; i < FRONTS; i += INVOCATIONS) kept[int(map) * FRONTS + i] = fronts[i];

@@ -3,9 +3,6 @@
 // precision holds where the source is far.
 // Twin: src/geometry/paths/profile.rs, where the choices are explained.
 
-const float KINK = 3.0;
-const float MARGIN = 0.05;
-
 struct Profile {
     float first; // since the start, at the first end
     float last;  // at the other end

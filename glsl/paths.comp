@@ -18,11 +18,8 @@ layout(local_size_x = WORKGROUP) in;
 
 #include "path_state.glsl"
 
-// See trace.rs.
-const float AT_POINT = 1e-4;
-const float FITS = 1e-3;
+// Twice the distance from 1 to the next number.
 const float ROUNDING = 2.4e-7;
-const float LEAST_FALL = 0.5;
 // Triangles with a smaller squared sine, at the side's nearer end, are not held by single precision.
 const float FLAT_TRIANGLE = 3e-7;
 // Points that are nearer to one another, in lengths of their longest edges, coincide.

@@ -245,7 +245,7 @@ void scan_block() {
             change = max(change, change_of(old, new, old_carried, new_carried));
             if (differ(old, new) || differ(old_carried, new_carried)) {
                 moved |= 1u << k;
-                if (any(equal(tags_of(own_surface), uvec4(LACKS_EDGE)))) beside_holes |= 1u << k;
+                if (any(equal(tags_of(own_surface), uvec4(DIFFRACTS)))) beside_holes |= 1u << k;
             }
         }
     }

@@ -14,7 +14,7 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray fronts;
+layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray fronts_behind;
 layout(set = 0, binding = 4, rgba32f) uniform writeonly image2DArray seeded_fronts;
 layout(set = 0, binding = 7) readonly restrict buffer Seeds {
     SeedTexel seeds[];
@@ -34,8 +34,8 @@ void main() {
     if (index >= count) return;
     ivec2 texel = seeds[index].texel;
     if (texel.x < 0) return;
-    vec4 time = imageLoad(fronts, ivec3(texel, TIME));
-    vec4 carried = imageLoad(fronts, ivec3(texel, CARRIED));
+    vec4 time = imageLoad(fronts_behind, ivec3(texel, TIME));
+    vec4 carried = imageLoad(fronts_behind, ivec3(texel, CARRIED));
     bvec4 first = lessThan(seeds[index].times, time);
     imageStore(seeded_fronts, ivec3(texel, TIME), mix(time, seeds[index].times, first));
     imageStore(seeded_fronts, ivec3(texel, CARRIED), mix(carried, seeds[index].curvatures, first));

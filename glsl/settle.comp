@@ -13,7 +13,7 @@
 layout(local_size_x = WORKGROUP) in;
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts_1;
-layout(set = 0, binding = 4, rgba32f) uniform writeonly restrict image2DArray fronts_0;
+layout(set = 0, binding = 4, rgba32f) uniform writeonly restrict image2DArray new_fronts_0;
 
 layout(push_constant) uniform Recording {
     ivec2 texels; // columns and rows of texels, without the border
@@ -47,7 +47,7 @@ void main() {
             ivec2 texel = first + from_row_major(int(i), TEXELS);
             if (is_beyond(without_border(texel), texels)) continue;
             for (int layer = 0; layer < LAYERS; layer++) {
-                imageStore(fronts_0, ivec3(texel, layer), imageLoad(fronts_1, ivec3(texel, layer)));
+                imageStore(new_fronts_0, ivec3(texel, layer), imageLoad(fronts_1, ivec3(texel, layer)));
             }
         }
     }

@@ -1,11 +1,9 @@
 // Tags: the last binary digits of what a front carries and of what the surface brings.
 //
 // The tag of a front is the scan that has brought it, from 1 to 4, or 0 for a source, plus WHOLE if it came
-// through a whole triangle. The surface's is LACKS_EDGE at points that lack an edge, where waves diffract.
+// through a whole triangle. The surface's is DIFFRACTS at points that lack an edge.
 
-const uint TAG = 15u;
-const uint SCAN_OF_TAG = 7u;
-const uint LACKS_EDGE = 1u;
+const uint SCAN_OF_TAG = TAG & ~WHOLE;
 
 // A number with a tag; zero becomes tiny.
 float with_tag(float value, uint tag) {

@@ -6,12 +6,13 @@
 
 #include "constants.glsl"
 #include "chart.glsl"
+#include "distance.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts; // times first
 layout(set = 0, binding = 8) writeonly restrict buffer Distances {
-    uint distances[]; // bits of floats, row-major: GLSL does not promise infinities
+    uint distances[]; // as in distance.glsl, row-major
 };
 
 layout(push_constant) uniform Band {
@@ -19,8 +20,6 @@ layout(push_constant) uniform Band {
     int first_row;  // the band's first row, even
     int band_rows;
 };
-
-const uint INFINITY = 0x7f800000u;
 
 void main() {
     ivec2 inner = ivec2(gl_GlobalInvocationID.xy) + texel_of(ivec2(0, first_row));
@@ -32,6 +31,6 @@ void main() {
         ivec2 at = at_point(first_point(texel) + to_corner(i));
         if (is_beyond(at, end)) continue;
         int row = int(gl_WorkGroupID.z) * band_rows + at.y - first_row;
-        distances[row_major(ivec2(at.x, row), grid.x)] = times[i] < FAR ? floatBitsToUint(times[i]) : INFINITY;
+        distances[row_major(ivec2(at.x, row), grid.x)] = distance_bits(times[i]);
     }
 }

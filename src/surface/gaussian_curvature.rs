@@ -11,7 +11,7 @@ use crate::constants::{DEFECT_NOISE, LARGEST_DEFECT};
 use crate::lanes::{Instructions, Work};
 
 /// Tag ([`Real::with_tag`]) of the Gaussian curvature at points where waves diffract.
-pub(crate) const DIFFRACTS: u8 = 1;
+pub(crate) const DIFFRACTS: u8 = crate::constants::DIFFRACTS as u8;
 
 /// Gaussian curvature at each point of the bordered array: the angle defect of the fan of eight
 /// triangles around the point, over its share of the fan's area ([`EdgeRule::share_of_fan`]),
