@@ -52,9 +52,9 @@ vec2 front_at(ivec2 point) {
 #include "anchored_ways.glsl"
 
 void main() {
-    ivec2 place = ivec2(gl_GlobalInvocationID.xy);
-    if (is_beyond(place, texels)) return;
-    ivec2 texel = with_border(place);
+    ivec2 inner = ivec2(gl_GlobalInvocationID.xy);
+    if (is_beyond(inner, texels)) return;
+    ivec2 texel = with_border(inner);
     bool may_renew = renews != 0u;
 
     vec4 nine[9];

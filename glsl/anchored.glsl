@@ -1,7 +1,7 @@
 // Fronts that carry the number of their anchor, tagged; the surface brings its corners and holes. How they are
 // updated is in anchored_ways.glsl.
 // Anchors are numbered: first the points of the grid, row by row, then sources inside cells.
-// Twins: src/update/anchored.rs and src/vulkan/anchors.rs.
+// Twins: the anchored front in src/update, and src/vulkan/anchors.rs.
 
 uint number_of(float held) {
     uint bits = floatBitsToUint(held);

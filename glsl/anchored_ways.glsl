@@ -1,7 +1,7 @@
 // The update of fronts with anchors: exact over floor plans. Four points at once where all that each sees behind
 // it has one anchor, which is nearly everywhere; elsewhere one after another.
 // Include after wavefront.glsl, edge_image.glsl and surface_image.glsl.
-// Twin: src/update/anchored.rs, where it is explained.
+// Twin: the anchored front in src/update, where it is explained.
 //
 // The including shader defines
 //     vec2 front_at(ivec2 point)          arrival time and what is carried at any point of the grid

@@ -94,6 +94,7 @@ bool stored_here(ivec2 step) {
 
 // Points and texels of the images.
 
+// A grid point's point in the images, and back.
 ivec2 point_at(ivec2 at) {
     return at + 2 * BORDER;
 }
@@ -102,6 +103,7 @@ ivec2 at_point(ivec2 point) {
     return point - 2 * BORDER;
 }
 
+// The same for texels.
 ivec2 with_border(ivec2 inner) {
     return inner + BORDER;
 }

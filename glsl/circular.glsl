@@ -1,7 +1,7 @@
 // Fronts around a virtual point source as far away as their time says, which carry nothing else.
-// Twin: src/update/point_source.rs, where the formulas are explained.
+// Twin: the point-source front in src/update, where the formulas are explained.
 
-// The curvature that fronts have at the later end of a base, given the time there.
+// The curvature over a base, in units of the base, given the time at its later end.
 float circular_curvature(float time, float base) {
     return base / max(time, 0.25 * base);
 }

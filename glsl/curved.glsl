@@ -1,5 +1,5 @@
 // Fronts that carry their curvature, tagged; the surface brings its own, tagged too. See tag.glsl.
-// Twin: src/update/curved.rs, where the formulas are explained.
+// Twin: the curved front in src/update, where the formulas are explained.
 
 // Curvature at the end of a ray, from what it would be on a developable surface.
 vec4 bent(vec4 curvature, vec4 gaussian, vec4 ray) {
@@ -68,8 +68,8 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     return Fronts(mix(mix(by_near, by_far, from_far), t + c * rise, inside), curvature, shape.whole);
 }
 
-// The curvature at the later end of a base, in units of the base, from those of both ends, times as far apart
-// as `d`.
+// The curvature over a base, in units of the base: from that at its later end and at the nearer one, whose time
+// exceeds the other by `d`.
 float base_curvature(float k, float near_k, float d, float base) {
     bool beside = near_k >= SOURCE_CURVATURE && abs(k * base) < ABOUT_STRAIGHT && d > -FROM_SOURCE;
     float near_kappa = (beside ? k : near_k) * base;

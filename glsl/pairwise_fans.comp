@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Puts the fans of a surface into the order in which one of the scans passes them. One invocation
 // is one pair of points of a line.
-// Twin: FanSlots in src/cpu/pairwise/kernel.rs.
+// Twin: FanSlots in src/cpu/pairwise.
 
 #include "constants.glsl"
 #include "chart.glsl"

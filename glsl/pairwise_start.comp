@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // The maps of a batch before the first iteration: no point reached but their sources. One
 // invocation is one texel, the border's too, of one map.
-// Twin: Fronts::start in src/cpu/state.rs.
+// Twin: the start of a map in src/cpu.
 
 #include "constants.glsl"
 #include "chart.glsl"

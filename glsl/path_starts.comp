@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Puts paths at their starts, unless no path can start there. One invocation is one path.
-// Twin: Paths::trace in src/geometry/paths/mod.rs.
+// Twin: Paths::trace in src/geometry/paths.
 
 #include "constants.glsl"
 #include "chart.glsl"

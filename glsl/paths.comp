@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Takes paths some steps further back to the source, from cell to cell along the straight line on
 // which the front arrives first. One invocation is one path.
-// Twin: src/geometry/paths/trace.rs, in double precision. Out of pits of the map it looks further
+// Twin: src/geometry/paths, in double precision. Out of pits of the map it looks further
 // than two grid points.
 
 #include "constants.glsl"

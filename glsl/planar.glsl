@@ -1,5 +1,5 @@
 // Straight fronts, which carry nothing but their arrival time (paper, section 3).
-// Twin: src/update/planar.rs.
+// Twin: the planar front in src/update.
 
 vec4 planar(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
     vec4 along_edge = edge_step(t1, t2, l1, l2);

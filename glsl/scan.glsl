@@ -111,6 +111,8 @@ vec2 front_at(ivec2 point) {
 
 #include "anchored_ways.glsl"
 
+// Updates both lines of a texel by ways to anchors, given what its first line sees, and the edges from its
+// second line to the first.
 void follow_ways(ivec2 point, Sight behind, vec4 l1, vec4 l2, bool may_renew, inout Lines own) {
     // A loop, since drivers are slow to compile the same code twice over.
     for (int half_of = 0; half_of < 2; half_of++) {
@@ -139,6 +141,7 @@ void follow_ways(ivec2 point, Sight behind, vec4 l1, vec4 l2, bool may_renew, in
 }
 #endif
 
+// The same through triangles, given the bases of those of the first line too.
 void pass_triangles(ivec2 point, Sight behind, vec4 base_left, vec4 base_right, vec4 l1, vec4 l2,
                     vec2 surface, bool may_renew, inout Lines own) {
     if (passes(point, ahead)) {

@@ -3,7 +3,7 @@
 // Initial values of the sources, where they are earlier than what is there. One invocation is one
 // texel with sources in it, or nothing if its column is negative. If tiles follow, those around the
 // texel are put on the first list; if scans follow, the blocks with the texel are due in all of them.
-// Twin: Fronts::start in src/cpu/state.rs.
+// Twin: the start of a map in src/cpu.
 
 #include "constants.glsl"
 #include "chart.glsl"

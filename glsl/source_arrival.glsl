@@ -5,7 +5,7 @@
 // with the place p = sum of w_i p_i over the corners, and the corner at the origin,
 // |p|^2 = sum of w_i w_j <p_i, p_j>, and 2 <p_i, p_j> = |p_i|^2 + |p_j|^2 - |p_i - p_j|^2.
 // Nothing needs to be known of positions, and slowness is in the lengths.
-// Twin: Sources::seeds in src/surface/sources.rs, in terms of positions.
+// Twin: Sources::seeds in src/surface/sources, in terms of positions.
 
 // The lengths of the edges between the corners of a cell.
 struct Cell {

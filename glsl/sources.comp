@@ -3,7 +3,7 @@
 // Initial values around sources that lie anywhere on the grid, as seed.comp reads them. A source
 // reaches no further than 2 x 2 texels: one invocation is one source and one of these texels, and
 // the first source of a texel writes what all bring to it.
-// Twin: Sources::seeds in src/surface/sources.rs.
+// Twin: Sources::seeds in src/surface/sources.
 
 #include "constants.glsl"
 #include "chart.glsl"

@@ -1,6 +1,6 @@
 // The triangle x0 x1 x2 of an update, for four of them at once: the fronts at x1 and x2, and those that
 // arrive at x0.
-// Twin: src/update/mod.rs.
+// Twin: src/update.
 
 // Distance from 1 to the next number.
 const float PRECISION = 1.1920929e-7;
@@ -26,8 +26,8 @@ struct Sight {
     vec4 edges[3]; // to them
 };
 
-// A pair of points in the same way, from the fronts at the four points behind it and the lengths of the edges to
-// the first of each triangle's ends and to the second: left triangles in xy, right ones in zw.
+// What a pair of points of a line sees, each twice: from the fronts at the four points behind, and the edges to
+// the first and to the second end of each triangle, left ones in xy and right ones in zw.
 Sight sight_of_pair(Ends behind, vec4 l1, vec4 l2) {
     Sight sight;
     sight.ends[0] = Ends(behind.time.xyxy, behind.carried.xyxy, behind.surface.xyxy);

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Unpacks arrival times into rows of distances. One invocation is one texel of a band of rows; the
 // third dimension of the dispatch is the map.
-// Twin: Solution::distances in src/cpu/state.rs.
+// Twin: the distances of a solution in src/cpu.
 
 #include "constants.glsl"
 #include "chart.glsl"

@@ -1,8 +1,9 @@
-// The kinds of front, and the one place that asks which it is. A kind is a file, which says what its fronts
-// carry beside their arrival time and how they are updated, compared, accepted, and their changes measured; and
-// a line in each of the functions below for which it has a way of its own.
-// Twins: Wavefront in src/update, and its kinds there and in src/cpu.
+// The kinds of front, and the one place that asks which it is. A kind is a file: what its fronts carry beside
+// their arrival time, and how they are updated, compared, accepted, and their changes measured. It is a line here
+// in each function for which it has a way of its own.
+// Include after constants.glsl. Twins: Wavefront in src/update, and its kinds there and in src/cpu.
 
+// One of PLANAR, CIRCULAR, CURVED and ANCHORED.
 layout(constant_id = 2) const int WAVEFRONT = PLANAR;
 
 #include "tag.glsl"
@@ -16,7 +17,7 @@ const bool HAS_CURVATURE = WAVEFRONT == CURVED;
 // Whether updates follow ways back to their anchors, beyond the neighbours of a point (anchored_ways.glsl).
 const bool HAS_ANCHORS = WAVEFRONT == ANCHORED;
 // Whether fronts carry anything beside their arrival time, which then has the layer CARRIED, and ask what the
-// surface brings. Functions leave `carried` as it is if not.
+// surface brings.
 const bool CARRIES = HAS_CURVATURE || HAS_ANCHORS;
 
 // The fronts at x0, given what the surface brings there: at FAR or later if neither x1 nor x2 is reached.
@@ -28,8 +29,8 @@ Fronts update(Ends end1, Ends end2, vec4 surface, vec4 l1, vec4 l2, vec4 c, bvec
     return Fronts(time, vec4(0.0), bvec4(false));
 }
 
-// How far a front bends over the base of a triangle, in units of the base: given the earlier time, what is
-// carried there and at the other end, and how much later that is, in units of the base too.
+// The curvature of a front over the base of a triangle, in units of the base. Given are the time at the later end,
+// what is carried there and at the other end, and how far the other end's time exceeds this one, in the same unit.
 float curvature_over_base(float time, vec2 carried, float d, float base) {
     if (HAS_CURVATURE) return base_curvature(carried.x, carried.y, d, base);
     return WAVEFRONT == PLANAR ? 0.0 : circular_curvature(time, base);
@@ -78,8 +79,8 @@ bool is_first(float time, float carried, float other, float other_carried) {
     return first;
 }
 
-// Whether of two fronts that arrive together the earlier time is kept with either. It is not where a time
-// follows from what is carried.
+// Whether the earlier of two times is kept, whichever of the two fronts is: not where a time belongs to what is
+// carried.
 const bool KEEPS_EARLIER_TIME = !HAS_ANCHORS;
 
 // How much fronts have changed: the largest difference of arrival times in units of the last
