@@ -4,16 +4,14 @@
 // Twin: src/cpu/twins/all_points.rs.
 
 #include "constants.glsl"
-#include "texel.glsl"
-#include "update.glsl"
-#include "front.glsl"
+#include "chart.glsl"
+#include "wavefront.glsl"
+#include "edge_image.glsl"
+#include "surface_image.glsl"
 #include "progress.glsl"
-#include "anchors.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 0, binding = 0, rgba32f) uniform readonly restrict image2D edges;
-layout(set = 0, binding = 1, rgba32f) uniform readonly restrict image2D gaussians;
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray old_fronts;
 layout(set = 0, binding = 4, rgba32f) uniform writeonly restrict image2DArray new_fronts;
 
@@ -30,101 +28,89 @@ float[16] around(vec4 texels[9]) {
 }
 
 vec4 at_step(float values[16], ivec2 step) {
-    int first = 5 + 4 * step.y + step.x;
+    int first = 5 + row_major(step, 4);
     return vec4(values[first], values[first + 1], values[first + 4], values[first + 5]);
 }
 
 // The lengths of the edges that lead from the four points, shifted by `from`, along `step`.
 vec4 edge_lengths(vec4 lengths[16], ivec2 from, ivec2 step) {
-    ivec2 at = from + (stored_here(step) ? ivec2(0) : step);
-    ivec2 way = stored_here(step) ? step : -step;
-    int first = 5 + 4 * at.y + at.x;
+    bool here = stored_here(step);
+    ivec2 at = from + (here ? ivec2(0) : step);
+    ivec2 way = here ? step : -step;
+    int first = 5 + row_major(at, 4);
     return vec4(stored_length(lengths[first], way), stored_length(lengths[first + 1], way),
                 stored_length(lengths[first + 4], way), stored_length(lengths[first + 5], way));
 }
 
 vec2 front_at(ivec2 point) {
-    vec4 times = imageLoad(old_fronts, ivec3(point / 2, TIME));
-    vec4 held = imageLoad(old_fronts, ivec3(point / 2, CURVATURE));
-    int i = 2 * (point.y & 1) + (point.x & 1);
-    return vec2(times[i], held[i]);
+    ivec2 texel = texel_of(point);
+    vec4 times = imageLoad(old_fronts, ivec3(texel, TIME));
+    vec4 carried = imageLoad(old_fronts, ivec3(texel, CARRIED));
+    return vec2(times[component_of(point)], carried[component_of(point)]);
 }
 
-float gaussian_at(ivec2 point) {
-    return imageLoad(gaussians, point / 2)[2 * (point.y & 1) + (point.x & 1)];
-}
-
-int points_in_row() {
-    return imageSize(edges).x;
-}
-
-#include "anchored.glsl"
+#include "anchored_ways.glsl"
 
 void main() {
-    ivec2 place = ivec2(gl_GlobalInvocationID.xy);
-    if (place.x >= texels.x) return;
-    ivec2 texel = place + BORDER;
+    ivec2 inner = ivec2(gl_GlobalInvocationID.xy);
+    if (is_beyond(inner, texels)) return;
+    ivec2 texel = with_border(inner);
     bool may_renew = renews != 0u;
 
     vec4 nine[9];
     for (int i = 0; i < 9; i++) {
-        nine[i] = imageLoad(old_fronts, ivec3(texel + ivec2(i % 3, i / 3) - 1, TIME));
+        nine[i] = imageLoad(old_fronts, ivec3(texel + around_texel(i), TIME));
     }
     vec4 old = nine[4];
     float times[16] = around(nine);
-    float curvatures[16];
-    float bends[16];
-    vec4 old_curvature = vec4(0.0);
-    if (HAS_TWO_LAYERS) {
+    float carried_around[16];
+    float surface_around[16];
+    vec4 old_carried = vec4(0.0);
+    if (CARRIES) {
         for (int i = 0; i < 9; i++) {
-            nine[i] = imageLoad(old_fronts, ivec3(texel + ivec2(i % 3, i / 3) - 1, CURVATURE));
+            nine[i] = imageLoad(old_fronts, ivec3(texel + around_texel(i), CARRIED));
         }
-        old_curvature = nine[4];
-        curvatures = around(nine);
+        old_carried = nine[4];
+        carried_around = around(nine);
         for (int i = 0; i < 9; i++) {
-            nine[i] = imageLoad(gaussians, texel + ivec2(i % 3, i / 3) - 1);
+            nine[i] = surface_of(texel + around_texel(i));
         }
-        bends = around(nine);
+        surface_around = around(nine);
     }
     vec4 lengths[16];
     for (int i = 0; i < 16; i++) {
-        lengths[i] = imageLoad(edges, 2 * texel - 1 + ivec2(i % 4, i / 4));
+        lengths[i] = imageLoad(edges, first_point(texel) - 1 + from_row_major(i, 4));
     }
 
     vec4 time = old;
-    vec4 curvature = old_curvature;
+    vec4 carried = old_carried;
     for (int scan = 0; scan < 4; scan++) {
-        int way = 1 - 2 * (scan & 1);
-        ivec2 ahead = scan < 2 ? ivec2(0, way) : ivec2(way, 0);
-        ivec2 along = scan < 2 ? ivec2(1, 0) : ivec2(0, 1);
-        Ends ends[3];
-        vec4 to[3];
+        ivec2 ahead = ahead_of(scan);
+        ivec2 along = along_of(scan);
+        Sight sight;
         for (int i = 0; i < 3; i++) {
             ivec2 step = -ahead + (i - 1) * along;
-            ends[i] = Ends(at_step(times, step), vec4(0.0), vec4(0.0));
-            if (HAS_TWO_LAYERS) {
-                ends[i].curvature = at_step(curvatures, step);
-                ends[i].gaussian = at_step(bends, step);
+            sight.ends[i] = Ends(at_step(times, step), vec4(0.0), vec4(0.0));
+            if (CARRIES) {
+                sight.ends[i].carried = at_step(carried_around, step);
+                sight.ends[i].surface = at_step(surface_around, step);
             }
-            to[i] = edge_lengths(lengths, ivec2(0), step);
+            sight.edges[i] = edge_lengths(lengths, ivec2(0), step);
         }
         Fronts fronts;
         if (HAS_ANCHORS) {
-            Sight sight = Sight(ends, to);
-            Places four = Places(2 * texel, ivec2(1, 0), ivec2(0, 1), ahead, along);
-            fronts = ways_to(sight, four, 15u, uint(scan) + 1u, may_renew, time, curvature);
+            Places four = Places(first_point(texel), ivec2(1, 0), ivec2(0, 1), ahead, along);
+            fronts = ways_to(sight, four, 15u, uint(scan) + 1u, may_renew, time, carried);
         } else {
             vec4 base_left = edge_lengths(lengths, -ahead - along, along);
             vec4 base_right = edge_lengths(lengths, -ahead, along);
-            vec4 own = HAS_TWO_LAYERS ? at_step(bends, ivec2(0)) : vec4(0.0);
-            bvec4 alone = are_alone(to[1]);
-            fronts = earlier(update(ends[0], ends[1], own, to[0], to[1], base_left, alone),
-                             update(ends[1], ends[2], own, to[1], to[2], base_right, alone));
+            vec4 own = CARRIES ? at_step(surface_around, ivec2(0)) : vec4(0.0);
+            fronts = update_four(sight, own, base_left, base_right);
         }
-        accept(fronts, uint(scan) + 1u, may_renew, time, curvature);
+        accept(fronts, uint(scan) + 1u, may_renew, time, carried);
     }
     imageStore(new_fronts, ivec3(texel, TIME), time);
-    if (HAS_TWO_LAYERS) imageStore(new_fronts, ivec3(texel, CURVATURE), curvature);
-    uint change = change_of(old, time, old_curvature, curvature);
+    if (CARRIES) imageStore(new_fronts, ivec3(texel, CARRIED), carried);
+    uint change = change_of(old, time, old_carried, carried);
     if (change > 0u) atomicMax(residual, change);
 }

@@ -12,5 +12,5 @@ layout(push_constant) uniform Band {
 };
 
 int buffer_index(ivec2 at) {
-    return (at.y - buffer_row) * grid.x + at.x;
+    return row_major(at - ivec2(0, buffer_row), grid.x);
 }

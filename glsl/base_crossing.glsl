@@ -1,24 +1,15 @@
 // Where the straight line on which a front arrives at x0 crosses the base of its triangle, from 0 at
 // x1 to 1 at x2: at one of these if it runs along an edge, or if one of them is not reached.
-// Include after update.glsl. Twin: src/update/crossing.rs.
-float base_crossing(vec2 times, vec2 curvatures, vec2 sides, float base) {
+// Include after wavefront.glsl. Twin: base_crossing in src/update.
+float base_crossing(vec2 times, vec2 carried, vec2 sides, float base) {
     bool swap = times.x < times.y;
     float t = swap ? times.y : times.x;
     float near_t = swap ? times.x : times.y;
-    float k = swap ? curvatures.y : curvatures.x;
-    float near_k = swap ? curvatures.x : curvatures.y;
     float l = swap ? sides.y : sides.x;
     float near_l = swap ? sides.x : sides.y;
     Shape shape = shape_of(vec4(l), vec4(near_l), vec4(base));
     float d = (near_t - t) * shape.per_base.x;
-    float kappa = 0.0;
-    if (WAVEFRONT == 1 || WAVEFRONT == 3) kappa = base / max(t, 0.25 * base);
-    if (WAVEFRONT == 2) {
-        bool beside = near_k >= SOURCE_CURVATURE && abs(k * base) < ABOUT_STRAIGHT && d > -FROM_SOURCE;
-        float near_kappa = (beside ? k : near_k) * base;
-        float passed = near_kappa / max(1.0 - near_kappa * d, FOCUS);
-        kappa = 0.5 * (passed + (k < SOURCE_CURVATURE ? k * base : passed));
-    }
+    float kappa = curvature_over_base(t, swap ? carried.yx : carried, d, base);
     float h = sqrt(max(shape.height_squared.x, 0.0));
     float cos_a = 0.5 * kappa * ((1.0 - d) * (1.0 + d)) - d;
     float sin_a = sqrt(max((1.0 - cos_a) * (1.0 + cos_a), 0.0));

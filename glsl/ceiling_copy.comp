@@ -4,6 +4,7 @@
 // One invocation is one texel.
 
 #include "constants.glsl"
+#include "chart.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
@@ -15,10 +16,10 @@ layout(push_constant) uniform Size {
 };
 
 void main() {
-    ivec2 place = ivec2(gl_GlobalInvocationID.xy);
-    if (place.x >= texels.x) return;
+    ivec2 inner = ivec2(gl_GlobalInvocationID.xy);
+    if (is_beyond(inner, texels)) return;
     for (int layer = 0; layer < LAYERS; layer++) {
-        ivec3 at = ivec3(place + BORDER, layer);
+        ivec3 at = ivec3(with_border(inner), layer);
         imageStore(new_fronts, at, imageLoad(old_fronts, at));
     }
 }

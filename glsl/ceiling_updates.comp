@@ -4,7 +4,8 @@
 // computes. One invocation is one texel, which is written at the end, or nothing happens at all.
 
 #include "constants.glsl"
-#include "update.glsl"
+#include "chart.glsl"
+#include "wavefront.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
@@ -16,17 +17,17 @@ layout(push_constant) uniform Work {
 };
 
 void main() {
-    ivec2 place = ivec2(gl_GlobalInvocationID.xy);
-    if (place.x >= texels.x) return;
-    vec4 gaussian = vec4(0.01);
-    Ends front = Ends(1.0 + vec4(0.0, 0.3, 0.6, 0.9) + 1e-4 * place.x, vec4(0.5), gaussian);
+    ivec2 inner = ivec2(gl_GlobalInvocationID.xy);
+    if (is_beyond(inner, texels)) return;
+    vec4 surface = vec4(0.01);
+    Ends front = Ends(1.0 + vec4(0.0, 0.3, 0.6, 0.9) + 1e-4 * inner.x, vec4(0.5), surface);
     vec4 lengths = vec4(1.0, 1.1, 1.2, 1.3);
     for (uint i = 0u; i < repeats; i++) {
-        Ends beside = Ends(front.time.yzwx, front.curvature.yzwx, gaussian);
-        Fronts found = update(front, beside, gaussian, lengths, lengths.yzwx, lengths.zwxy, bvec4(false));
-        front = Ends(found.time, found.curvature, gaussian);
+        Ends beside = Ends(front.time.yzwx, front.carried.yzwx, surface);
+        Fronts found = update(front, beside, surface, lengths, lengths.yzwx, lengths.zwxy, bvec4(false));
+        front = Ends(found.time, found.carried, surface);
         // So that no triangle's shape is known before the loop.
         lengths += 1e-9 * found.time;
     }
-    imageStore(new_fronts, ivec3(place + BORDER, TIME), front.time + front.curvature);
+    imageStore(new_fronts, ivec3(with_border(inner), TIME), front.time + front.carried);
 }

@@ -1,9 +1,15 @@
+// Weights of a cell's corners at a place so many columns and rows from the first, bilinear.
+vec4 bilinear(vec2 uv) {
+    vec2 not_uv = 1.0 - uv;
+    return vec4(not_uv.x * not_uv.y, uv.x * not_uv.y, not_uv.x * uv.y, uv.x * uv.y);
+}
+
 // Weights of a cell's corners, north-west, north-east, south-west and south-east, some of which
 // may be missing, at a place so many columns and rows from the first; false in a hole.
-// Twin: corner_weights() in src/surface/sources.rs, where they are explained.
+// Twin: corner_weights() in src/surface/sources, where they are explained.
 bool corner_weights(bvec4 there, vec2 uv, out vec4 weights) {
     vec2 not_uv = 1.0 - uv;
-    weights = vec4(not_uv.x * not_uv.y, uv.x * not_uv.y, not_uv.x * uv.y, uv.x * uv.y);
+    weights = bilinear(uv);
     int missing = 0;
     int hole = 0;
     for (int i = 0; i < 4; i++) {
@@ -26,12 +32,4 @@ bool corner_weights(bvec4 there, vec2 uv, out vec4 weights) {
         usable = usable && (weights[i] == 0.0 || (weights[i] > 0.0 && there[i]));
     }
     return usable;
-}
-
-// Not infinite nor NaN, and on the grid.
-bool is_on_grid(vec2 place, ivec2 grid) {
-    bool finite = (floatBitsToUint(place.x) & 0x7f800000u) != 0x7f800000u
-        && (floatBitsToUint(place.y) & 0x7f800000u) != 0x7f800000u;
-    return finite && place.x >= 0.0 && place.y >= 0.0
-        && place.x <= float(grid.x - 1) && place.y <= float(grid.y - 1);
 }

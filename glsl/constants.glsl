@@ -2,16 +2,22 @@
 
 // Stands for "not reached" and "no such edge": large, finite, and its sums stay finite.
 #define FAR 1e30
+// The kinds of front: what the specialization constant WAVEFRONT says, see wavefront.glsl, and the numbers of
+// Rust's Wavefront.
+#define PLANAR 0
+#define CIRCULAR 1
+#define CURVED 2
+#define ANCHORED 3
 // Curvature of a front at a point source, at least: stands for infinity in the same way. A power of
 // two, which a tag of 0 leaves as it is.
 #define SOURCE_CURVATURE 5.764607523034235e17
 // Invocations of a workgroup; 128 is the most that every Vulkan device offers, and a row or
 // column of texels is the whole dispatch, so small groups fill a device sooner.
 #define WORKGROUP 64
-// Layers of the images of fronts, each with 2 x 2 points a texel: arrival times, and curvature of
-// the front.
+// Layers of the images of fronts, each with 2 x 2 points a texel: arrival times, and what else fronts
+// carry, by their kind: a curvature, or the number of an anchor.
 #define TIME 0
-#define CURVATURE 1
+#define CARRIED 1
 #define LAYERS 2
 // Rounding of an angle defect, and the largest one that counts; see gaussian_curvature.rs.
 #define DEFECT_NOISE 4e-7
@@ -23,8 +29,12 @@
 #define CURVATURE_COUNTS 1e-4
 // What another anchor of a front counts.
 #define ANCHOR_COUNTS 1e-5
+// The last binary digits of a number, which may hold a tag; see tag.glsl.
+#define TAG 15
 // Tag of a front that came from a whole triangle, beside that of its scan.
 #define WHOLE 8
+// Tag of the surface where waves diffract, at points that lack an edge.
+#define DIFFRACTS 1
 // See curved.rs. GRAZING is no ratio of small whole numbers, or rounding would decide whether rays between
 // grid points, which often turn by such a ratio, turn by more.
 #define GRAZING 0.0973
@@ -46,6 +56,8 @@
 #define ALIKE 8.0
 // The same for an anchor's time and what follows for it from a point's.
 #define ALIKE_AT_ANCHOR 16.0
+// Numbers of anchors from here on are those of sources inside cells.
+#define FIRST_INSIDE 33554432
 // Sources inside cells that a map with anchors has room for.
 #define SOURCES_INSIDE 4096
 // Texels around the grid's own in every image, so that no neighbour needs a bounds test.
@@ -92,6 +104,18 @@
 // lead nowhere, of which there are few.
 #define FLOW_JUMPS 7
 #define PARENT_JUMPS 63
+// Second differences of squares of times that differ by more than this factor have a kink between them.
+#define KINK 3.0
+// How much faster times may change than the way is long, in shares of an edge: curved edges, and a metric that
+// changes.
+#define MARGIN 0.05
+// A line of a path that ends nearer than this to a grid point, in shares of the edge, ends there.
+#define AT_POINT 1e-4
+// A straight line to the source in sight is preferred to others by this part of its length; and a line that
+// fits the arrival time as well needs no other to be compared with.
+#define FITS 1e-3
+// A line falls if it does so by this part of its length.
+#define LEAST_FALL 0.5
 // Ways of neighbouring points that lead to places further apart than so many columns or rows are
 // those of fronts that come from different sides.
 #define NEAR_PLACES 2.0

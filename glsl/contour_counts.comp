@@ -3,6 +3,7 @@
 // Counts the segments of contours in each row of cells, and in the strips of the row before each.
 
 #include "constants.glsl"
+#include "chart.glsl"
 #include "times.glsl"
 #include "contours.glsl"
 

@@ -4,6 +4,7 @@
 // of them all reads. One workgroup is all.
 
 #include "constants.glsl"
+#include "chart.glsl"
 #include "times.glsl"
 #include "contours.glsl"
 #include "curve.glsl"
@@ -13,7 +14,7 @@ layout(local_size_x = WORKGROUP) in;
 #include "prefix.glsl"
 
 void main() {
-    int rows = grid.y - 1;
+    int rows = cells_of(grid).y;
     int some = (rows + WORKGROUP - 1) / WORKGROUP;
     int first = int(gl_LocalInvocationID.x) * some;
     int last = min(first + some, rows);

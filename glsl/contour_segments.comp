@@ -4,6 +4,7 @@
 // picture. What does not fit is left out from the south.
 
 #include "constants.glsl"
+#include "chart.glsl"
 #include "times.glsl"
 #include "contours.glsl"
 #include "curve.glsl"
@@ -11,13 +12,11 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-const ivec2 CORNERS[4] = ivec2[](ivec2(0, 0), ivec2(1, 0), ivec2(0, 1), ivec2(1, 1));
-
 // Where a level crosses the edge between two corners, from the one that is first in the grid, so
 // that triangles agree on it.
 vec2 place_between(ivec2 cell, int a, int b, float time) {
-    ivec2 from = cell + CORNERS[min(a, b)];
-    ivec2 step = CORNERS[max(a, b)] - CORNERS[min(a, b)];
+    ivec2 from = cell + to_corner(min(a, b));
+    ivec2 step = to_corner(max(a, b)) - to_corner(min(a, b));
     return vec2(from) + crossing(from, step, time, start) * vec2(step);
 }
 

@@ -34,9 +34,10 @@ uint strip_index(int row, uint strip) {
 
 // The columns of cells of an invocation's strip, from the first to before the last.
 ivec2 strip_columns() {
-    int width = (grid.x - 1 + WORKGROUP - 1) / WORKGROUP;
+    int cells = cells_of(grid).x;
+    int width = (cells + WORKGROUP - 1) / WORKGROUP;
     int first = int(gl_LocalInvocationID.x) * width;
-    return min(ivec2(first, first + width), grid.x - 1);
+    return min(ivec2(first, first + width), cells);
 }
 
 const uint MISSING = 0xffffffffu;
@@ -71,10 +72,10 @@ Corners corners_at(ivec2 cell, bool west, Corners before) {
         here.passed.xz = before.passed.yw;
         here.times.xz = before.times.yw;
     } else {
-        here.times.xz = vec2(time_at(cell), time_at(cell + ivec2(0, 1)));
+        here.times.xz = vec2(time_at(cell), time_at(cell + to_corner(2)));
         here.passed.xz = uvec2(passed(here.times.x), passed(here.times.z));
     }
-    here.times.yw = vec2(time_at(cell + ivec2(1, 0)), time_at(cell + ivec2(1, 1)));
+    here.times.yw = vec2(time_at(cell + to_corner(1)), time_at(cell + to_corner(3)));
     here.passed.yw = uvec2(passed(here.times.y), passed(here.times.w));
     return here;
 }

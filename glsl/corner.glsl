@@ -1,5 +1,5 @@
-// Corners of holes, at which shortest paths bend. On floor plans the image of Gaussian curvatures, which has
-// nothing else to tell there, carries them beside the tag of a point that lacks an edge.
+// Corners of holes, at which shortest paths bend: what the surface brings on floor plans, beside the tag of a
+// point that lacks an edge. Include after tag.glsl.
 // Twin: src/surface/corner.rs. Neighbours are a bit for each of the eight directions, counter-clockwise from
 // east.
 
@@ -33,16 +33,15 @@ const uint CORNER = 1u << 12;
 // As small as a zero with a tag.
 float with_corner(uint there) {
     uint held = floatBitsToUint(FLAT) & 0x7f800000u;
-    return uintBitsToFloat(held | (is_corner(there) ? CORNER : 0u) | open_eighths(there) << 4 | 1u);
+    return uintBitsToFloat(held | (is_corner(there) ? CORNER : 0u) | open_eighths(there) << 4 | DIFFRACTS);
 }
 
 // At which of four points paths can bend.
-bvec4 are_corners(vec4 held) {
-    return equal(floatBitsToUint(held) & (CORNER | 15u), uvec4(CORNER | 1u));
+bvec4 are_corners(vec4 surface) {
+    return equal(floatBitsToUint(surface) & (CORNER | TAG), uvec4(CORNER | DIFFRACTS));
 }
 
 // The eighths around a point that lead into a hole.
-uint blocked_eighths(float held) {
-    uint bits = floatBitsToUint(held);
-    return (bits & 15u) == 1u ? ~(bits >> 4) & 255u : 0u;
+uint blocked_eighths(float surface) {
+    return tag_of(surface) == DIFFRACTS ? ~(floatBitsToUint(surface) >> 4) & 255u : 0u;
 }

@@ -12,14 +12,8 @@ float separation(ivec2 at, ivec2 step);
 
 layout(set = 0, binding = 0, rgba32f) uniform writeonly restrict image2D edges;
 
-const ivec2 STEPS[4] = ivec2[](ivec2(1, 0), ivec2(0, -1), ivec2(1, -1), ivec2(-1, -1));
-
-bool in_grid(ivec2 at) {
-    return at.x >= 0 && at.y >= 0 && at.x < grid.x && at.y < grid.y;
-}
-
 bool is_present(ivec2 at) {
-    return in_grid(at) && load(at).slowness > 0.0;
+    return in_grid(at, grid) && load(at).slowness > 0.0;
 }
 
 float edge_length(ivec2 at, ivec2 step) {
@@ -32,13 +26,13 @@ float edge_length(ivec2 at, ivec2 step) {
 
 void main() {
     ivec2 at = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, first_row);
-    if (at.x >= grid.x || at.y >= first_row + band_rows) return;
+    if (is_beyond(at, ivec2(grid.x, first_row + band_rows))) return;
     vec4 lengths = vec4(FAR);
     if (is_present(at)) {
         // A loop, since drivers are slow to compile the same code four times over.
         for (int i = 0; i < 4; i++) {
-            lengths[i] = edge_length(at, STEPS[i]);
+            lengths[i] = edge_length(at, STORED[i]);
         }
     }
-    imageStore(edges, at + 2 * BORDER, lengths);
+    imageStore(edges, point_at(at), lengths);
 }

@@ -3,6 +3,7 @@
 // Edge lengths of a height field. One invocation is one grid point.
 
 #include "constants.glsl"
+#include "chart.glsl"
 #include "band.glsl"
 
 layout(local_size_x = WORKGROUP) in;

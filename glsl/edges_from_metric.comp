@@ -4,6 +4,7 @@
 // invocation is one grid point.
 
 #include "constants.glsl"
+#include "chart.glsl"
 #include "band.glsl"
 
 layout(local_size_x = WORKGROUP) in;

@@ -3,6 +3,7 @@
 // Edge lengths of a surface given by 3D points. One invocation is one grid point.
 
 #include "constants.glsl"
+#include "chart.glsl"
 #include "band.glsl"
 
 layout(local_size_x = WORKGROUP) in;

@@ -1,12 +1,14 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Gaussian curvature of each point's fan of triangles from its edge lengths, into the layer of
-// front curvatures of the second image, which is free until a map starts. One invocation is one
+// what fronts carry of the second image, which is free until a map starts. One invocation is one
 // texel.
 // Twin: src/surface/gaussian_curvature.rs, where the formulas are explained.
 
 #include "constants.glsl"
-#include "texel.glsl"
+#include "chart.glsl"
+#include "tag.glsl"
+#include "edge_image.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
@@ -17,19 +19,17 @@ layout(push_constant) uniform Size {
     float share_of_fan; // of a fan's area, to which its angle defect belongs
 };
 
-#include "fan.glsl"
-
 // False if a triangle of the fan is missing.
 bool fan_curvature(ivec2 point, out float curvature) {
     curvature = 0.0;
     vec2 turn = vec2(1.0, 0.0);
     float area = 0.0;
-    float a = edge_length(point, FAN[0]);
+    float a = edge_length(point, NEIGHBOURS[0]);
     for (int i = 0; i < 8; i++) {
-        ivec2 to = FAN[(i + 1) % 8];
+        ivec2 to = NEIGHBOURS[(i + 1) % 8];
         float b = edge_length(point, to);
         if (a >= FAR || b >= FAR) return false;
-        float c = edge_length(point + FAN[i], to - FAN[i]);
+        float c = edge_length(point + NEIGHBOURS[i], to - NEIGHBOURS[i]);
         float longest = max(max(a, b), c);
         if (longest >= FAR || longest + longest >= a + b + c) return false;
         float x = 0.5 * ((a * a + b * b) - c * c) / (a * b);
@@ -50,16 +50,16 @@ bool fan_curvature(ivec2 point, out float curvature) {
 // The curvature, or zero and a tag if a triangle is missing.
 float tagged_curvature(ivec2 point) {
     float curvature;
-    return fan_curvature(point, curvature) ? with_tag(curvature, 0u) : with_tag(0.0, 1u);
+    return fan_curvature(point, curvature) ? with_tag(curvature, 0u) : with_tag(0.0, DIFFRACTS);
 }
 
 void main() {
-    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-    if (at.x >= texels.x) return;
-    ivec2 texel = at + BORDER;
+    ivec2 inner = ivec2(gl_GlobalInvocationID.xy);
+    if (is_beyond(inner, texels)) return;
+    ivec2 texel = with_border(inner);
     vec4 curvature;
     for (int i = 0; i < 4; i++) {
-        curvature[i] = tagged_curvature(2 * texel + ivec2(i & 1, i >> 1));
+        curvature[i] = tagged_curvature(first_point(texel) + to_corner(i));
     }
-    imageStore(fronts_1, ivec3(texel, CURVATURE), curvature);
+    imageStore(fronts_1, ivec3(texel, CARRIED), curvature);
 }

@@ -1,11 +1,13 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Gaussian curvature of the surface, from that of its fans as far as neighbours agree; on floor plans corners,
-// see corner.glsl. One invocation is one texel.
+// What the surface brings to fronts: its Gaussian curvature, from that of its fans as far as neighbours agree; on
+// floor plans corners, see corner.glsl. One invocation is one texel.
 // Twin: settled() in src/surface/gaussian_curvature.rs, where the formula is explained.
 
 #include "constants.glsl"
-#include "texel.glsl"
+#include "chart.glsl"
+#include "tag.glsl"
+#include "edge_image.glsl"
 #include "corner.glsl"
 
 layout(local_size_x = WORKGROUP) in;
@@ -19,19 +21,17 @@ layout(push_constant) uniform Size {
     uint is_floor;      // whether the surface is a floor plan
 };
 
-#include "fan.glsl"
-
 float fan_curvature(ivec2 point) {
-    return imageLoad(fronts_1, ivec3(point / 2, CURVATURE))[(point.x & 1) + 2 * (point.y & 1)];
+    return imageLoad(fronts_1, ivec3(texel_of(point), CARRIED))[component_of(point)];
 }
 
 bool is_whole(float curvature) {
-    return (floatBitsToUint(curvature) & 15u) != 1u;
+    return tag_of(curvature) != DIFFRACTS;
 }
 
 uint neighbours_of(ivec2 point) {
     uint there = 0u;
-    for (int i = 0; i < 8; i++) there |= edge_length(point, FAN[i]) < FAR ? 1u << i : 0u;
+    for (int i = 0; i < 8; i++) there |= edge_length(point, NEIGHBOURS[i]) < FAR ? 1u << i : 0u;
     return there;
 }
 
@@ -42,12 +42,12 @@ float settled(ivec2 point) {
     curvatures[8] = own;
     float largest = is_whole(own) ? abs(own) : 0.0;
     for (int i = 0; i < 8; i++) {
-        bool exists = edge_length(point, FAN[i]) < FAR;
+        bool exists = edge_length(point, NEIGHBOURS[i]) < FAR;
         // The border of the image is not written, and no edge leads there.
-        curvatures[i] = exists ? fan_curvature(point + FAN[i]) : with_tag(0.0, 1u);
+        curvatures[i] = exists ? fan_curvature(point + NEIGHBOURS[i]) : with_tag(0.0, DIFFRACTS);
         if (is_whole(curvatures[i])) largest = max(largest, abs(curvatures[i]));
     }
-    if (largest <= 0.0) return with_tag(0.0, 1u);
+    if (largest <= 0.0) return with_tag(0.0, DIFFRACTS);
     float sum = 0.0;
     float squares = 0.0;
     float count = 0.0;
@@ -63,16 +63,16 @@ float settled(ivec2 point) {
     float mean_square = squares / count;
     float agreement = max(2.0 * (mean * mean) - mean_square, 0.0) / mean_square;
     return is_whole(own) ? with_tag(own * agreement, 0u)
-                         : with_tag(largest * mean * agreement, 1u);
+                         : with_tag(largest * mean * agreement, DIFFRACTS);
 }
 
 void main() {
-    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-    if (at.x >= texels.x) return;
-    ivec2 texel = at + BORDER;
+    ivec2 inner = ivec2(gl_GlobalInvocationID.xy);
+    if (is_beyond(inner, texels)) return;
+    ivec2 texel = with_border(inner);
     vec4 curvature;
     for (int i = 0; i < 4; i++) {
-        curvature[i] = settled(2 * texel + ivec2(i & 1, i >> 1));
+        curvature[i] = settled(first_point(texel) + to_corner(i));
     }
     imageStore(gaussians, texel, curvature);
 }

@@ -31,7 +31,7 @@ vec3 lifted(vec2 place) {
     vec3 corners[4];
     bvec4 there;
     for (int i = 0; i < 4; i++) {
-        corners[i] = position_at(min(first + ivec2(i & 1, i >> 1), grid - 1));
+        corners[i] = position_at(up_to_last(first + to_corner(i), grid));
         there[i] = is_present(corners[i]);
     }
     vec4 weights;

@@ -3,6 +3,7 @@
 // Lifts the vertices of curves to points in a buffer of the host's.
 
 #include "constants.glsl"
+#include "chart.glsl"
 #include "cell.glsl"
 #include "usable.glsl"
 #include "curve.glsl"
@@ -16,5 +17,5 @@ layout(set = 1, binding = 0) readonly restrict buffer Input {
 #include "lift.glsl"
 
 float component(ivec2 at, int index) {
-    return words[first_word + (at.y * grid.x + at.x) * stride + index];
+    return words[first_word + row_major(at, grid.x) * stride + index];
 }

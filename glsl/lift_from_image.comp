@@ -4,6 +4,7 @@
 // Lifts the vertices of curves to points in an image of the host's, one texel a point.
 
 #include "constants.glsl"
+#include "chart.glsl"
 #include "cell.glsl"
 #include "usable.glsl"
 #include "curve.glsl"

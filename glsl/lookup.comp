@@ -3,6 +3,7 @@
 // Distances at some places, bilinear between grid points. One invocation is one place.
 
 #include "constants.glsl"
+#include "chart.glsl"
 #include "cell.glsl"
 #include "times.glsl"
 
@@ -30,8 +31,7 @@ void main() {
     float found = unreached;
     if (is_on_grid(place, grid)) {
         ivec2 first = ivec2(place);
-        vec4 times = vec4(time_at(first), time_at(first + ivec2(1, 0)), time_at(first + ivec2(0, 1)),
-                          time_at(first + ivec2(1, 1)));
+        vec4 times = times_at_corners(first);
         vec4 weights;
         if (corner_weights(lessThan(times, vec4(FAR)), place - vec2(first), weights)) {
             found = 0.0;

@@ -1,4 +1,5 @@
-// The layers of a batch in the images of fronts: arrival times of all maps, then curvatures of all.
+// The layers of a batch in the images of fronts: arrival times of all maps, then what the
+// fronts of all carry beside.
 
 // Maps of a batch, at most.
 layout(constant_id = 6) const int MAPS = 1;

@@ -5,9 +5,8 @@
 // source. Twin: scan_outward in src/cpu/twins/scan_in_turn.rs.
 
 #include "constants.glsl"
-#include "texel.glsl"
-#include "update.glsl"
-#include "front.glsl"
+#include "chart.glsl"
+#include "wavefront.glsl"
 #include "pairwise_progress.glsl"
 #include "pairwise_layers.glsl"
 
@@ -33,9 +32,8 @@ void note_moved(uint moved, uint beside_holes, ivec2 texel) {}
 
 bool passes(ivec2 point, ivec2 ahead) {
     if (maps[gl_WorkGroupID.z].iterations > 0u) return true;
-    int source = int(maps[gl_WorkGroupID.z].source);
-    ivec2 way = (point - ivec2(source % COLS, source / COLS) - 2 * BORDER) * ahead;
-    return way.x + way.y > 0;
+    ivec2 source = from_row_major(int(maps[gl_WorkGroupID.z].source), COLS);
+    return lines_ahead(point - point_at(source), ahead) > 0;
 }
 
 #include "scan.glsl"

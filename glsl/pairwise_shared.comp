@@ -6,12 +6,12 @@
 // Twin: scan_outward in src/cpu/twins/scan_in_turn.rs.
 
 #include "constants.glsl"
-#include "texel.glsl"
-#include "update.glsl"
-#include "front.glsl"
+#include "chart.glsl"
+#include "wavefront.glsl"
 #include "pairwise_progress.glsl"
 #include "pairwise_fans.glsl"
 #include "count.glsl"
+#include "distance.glsl"
 
 layout(local_size_x_id = 3) in;
 
@@ -27,7 +27,7 @@ layout(set = 0, binding = 7) readonly restrict buffer Fans {
     float fans[];
 };
 layout(set = 0, binding = 8) writeonly restrict buffer Distances {
-    uint distances[]; // bits of floats, a row for each map: GLSL does not promise infinities
+    uint distances[]; // as in distance.glsl, a row for each map
 };
 layout(set = 0, binding = 9) restrict buffer Kept {
     float kept[]; // the fronts of maps that are not done
@@ -35,10 +35,9 @@ layout(set = 0, binding = 9) restrict buffer Kept {
 
 const int INVOCATIONS = int(gl_WorkGroupSize.x);
 const int AREA = ROWS * PITCH;
-const int FRONTS = HAS_TWO_LAYERS ? 2 * AREA : AREA;
-const uint INFINITY = 0x7f800000u;
+const int FRONTS = CARRIES ? 2 * AREA : AREA;
 
-// Arrival times, then curvatures.
+// Arrival times, then what is carried beside.
 shared float fronts[FRONTS];
 
 vec4 at_four(int places[4], int layer) {
@@ -50,54 +49,49 @@ vec4 at_four(int places[4], int layer) {
 #define NUMBER(k) fans[first + (k) * pairs]
 
 // Updates a pair of points from the line behind; returns how much they have changed.
-uint update_pair(int scan, int line, int behind, int pair, int points, bool may_renew) {
-    int pairs = (points + 1) / 2;
-    int across = scan < 2 ? PITCH : 1;
-    int step = scan < 2 ? 1 : PITCH;
+uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_renew) {
+    int pairs = pairs_of(points);
+    int across = stride_ahead(scan, PITCH);
+    int step = stride_along(scan, PITCH);
     int first = fan_place(ivec2(COLS, ROWS), scan, line, pair, pairs);
     // No edge leads beyond the ends of a line, where its last point stands in.
     int places[4];
     for (int i = 0; i < 4; i++) {
-        places[i] = behind * across + clamp(2 * pair + i - 1, 0, points - 1) * step;
+        places[i] = behind * across + point_in_line(2 * pair + i - 1, points) * step;
     }
     int a = line * across + 2 * pair * step;
     bool has_b = 2 * pair + 1 < points;
     int b = has_b ? a + step : a;
 
-    vec4 time_behind = at_four(places, 0);
-    vec4 curvature_behind = vec4(0.0);
-    vec4 bend_behind = vec4(0.0);
-    vec4 old_curvature = vec4(0.0);
-    vec4 bend = vec4(0.0);
-    if (HAS_TWO_LAYERS) {
-        curvature_behind = at_four(places, AREA);
-        bend_behind = vec4(NUMBER(9), NUMBER(10), NUMBER(11), NUMBER(12));
-        bend = vec2(NUMBER(13), NUMBER(14)).xyxy;
-        old_curvature = vec2(fronts[AREA + a], fronts[AREA + b]).xyxy;
+    Ends ends = Ends(at_four(places, 0), vec4(0.0), vec4(0.0));
+    vec4 old_carried = vec4(0.0);
+    vec2 surface = vec2(0.0);
+    if (CARRIES) {
+        ends.carried = at_four(places, AREA);
+        ends.surface = vec4(NUMBER(9), NUMBER(10), NUMBER(11), NUMBER(12));
+        surface = vec2(NUMBER(13), NUMBER(14));
+        old_carried = vec2(fronts[AREA + a], fronts[AREA + b]).xyxy;
     }
     vec4 old_time = vec2(fronts[a], fronts[b]).xyxy;
 
     // Left triangles in xy, right triangles in zw.
     vec4 l1 = vec4(NUMBER(0), NUMBER(3), NUMBER(1), NUMBER(4));
     vec4 l2 = vec4(l1.zw, NUMBER(2), NUMBER(5));
-    Ends near = Ends(time_behind.xyyz, curvature_behind.xyyz, bend_behind.xyyz);
-    Ends far = Ends(time_behind.yzzw, curvature_behind.yzzw, bend_behind.yzzw);
     vec4 base = vec4(NUMBER(6), NUMBER(7), NUMBER(7), NUMBER(8));
-    Fronts found = of_sides(update(near, far, bend, l1, l2, base, are_alone(l1.zwzw)));
     vec4 time = old_time;
-    vec4 curvature = old_curvature;
-    accept(found, uint(scan) + 1u, may_renew, time, curvature);
+    vec4 carried = old_carried;
+    accept(update_pair(ends, surface, l1, l2, base), uint(scan) + 1u, may_renew, time, carried);
     if (!has_b) {
         time.yw = old_time.yw;
-        curvature.yw = old_curvature.yw;
+        carried.yw = old_carried.yw;
     }
     fronts[a] = time.x;
     if (has_b) fronts[b] = time.y;
-    if (HAS_TWO_LAYERS) {
-        fronts[AREA + a] = curvature.x;
-        if (has_b) fronts[AREA + b] = curvature.y;
+    if (CARRIES) {
+        fronts[AREA + a] = carried.x;
+        if (has_b) fronts[AREA + b] = carried.y;
     }
-    return change_of(old_time.xyxy, time.xyxy, old_curvature.xyxy, curvature.xyxy);
+    return change_of(old_time.xyxy, time.xyxy, old_carried.xyxy, carried.xyxy);
 }
 
 void start(int source) {
@@ -106,9 +100,9 @@ void start(int source) {
     }
     barrier();
     if (gl_LocalInvocationIndex == 0u) {
-        int place = source / COLS * PITCH + source % COLS;
+        int place = row_major(from_row_major(source, COLS), PITCH);
         fronts[place] = 0.0;
-        if (HAS_TWO_LAYERS) fronts[AREA + place] = with_tag(SOURCE_CURVATURE, 0u);
+        if (CARRIES) fronts[AREA + place] = with_tag(SOURCE_CURVATURE, 0u);
     }
 }
 
@@ -132,10 +126,10 @@ void main() {
     for (int n = 0; n < ITERATIONS; n++) {
         uint change = 0u;
         for (int scan = 0; scan < 4; scan++) {
-            int lines = scan < 2 ? ROWS : COLS;
-            int points = scan < 2 ? COLS : ROWS;
+            int lines = lines_of(ivec2(COLS, ROWS), scan);
+            int points = points_of_line(ivec2(COLS, ROWS), scan);
             bool forward = (scan & 1) == 0;
-            int source_line = scan < 2 ? source / COLS : source % COLS;
+            int source_line = line_of(from_row_major(source, COLS), scan);
             // Behind the first line there is none; the first iteration leads away from the source.
             int start = iterations > 0u ? 1 : forward ? source_line + 1 : lines - source_line;
             for (int passed = start; passed < lines; passed++) {
@@ -143,7 +137,7 @@ void main() {
                 int behind = forward ? line - 1 : line + 1;
                 for (int pair = lane; 2 * pair < points; pair += INVOCATIONS) {
                     change = max(change,
-                                 update_pair(scan, line, behind, pair, points, renews != 0u));
+                                 pass_pair(scan, line, behind, pair, points, renews != 0u));
                 }
                 barrier();
             }
@@ -167,8 +161,8 @@ void main() {
 
     if (is_done) {
         for (int i = lane; i < ROWS * COLS; i += INVOCATIONS) {
-            float time = fronts[i / COLS * PITCH + i % COLS];
-            distances[int(map) * ROWS * COLS + i] = time < FAR ? floatBitsToUint(time) : INFINITY;
+            float time = fronts[row_major(from_row_major(i, COLS), PITCH)];
+            distances[int(map) * ROWS * COLS + i] = distance_bits(time);
         }
     } else {
         for (int i = lane; i < FRONTS; i += INVOCATIONS) kept[int(map) * FRONTS + i] = fronts[i];

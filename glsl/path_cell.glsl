@@ -2,8 +2,6 @@
 // units of the cell's longest edge, so that products of squares stay within single precision.
 // Twin: src/geometry/paths/cell.rs, where the arithmetic is explained.
 
-// North-west, north-east, south-west and south-east.
-const ivec2 CORNERS[4] = ivec2[](ivec2(0, 0), ivec2(1, 0), ivec2(0, 1), ivec2(1, 1));
 // The corners at both ends of a cell's sides: north, west, east and south.
 const ivec2 SIDES[4] = ivec2[](ivec2(0, 1), ivec2(0, 2), ivec2(1, 3), ivec2(2, 3));
 // Stands for the square of the length of an edge that does not exist.
@@ -22,19 +20,14 @@ float square_of(float size, float unit) {
 }
 
 Cell cell_at(ivec2 first) {
-    ivec2 at = first + 2 * BORDER;
-    vec4 from_north_west = imageLoad(edges, at);
-    vec4 from_south_west = imageLoad(edges, at + CORNERS[2]);
-    vec4 from_south_east = imageLoad(edges, at + CORNERS[3]);
-    float sizes[6] = float[](from_north_west.x, from_south_west.y, from_south_east.w,
-                             from_south_west.z, from_south_east.y, from_south_west.x);
+    float sizes[6] = edges_of_cell(point_at(first));
     Cell cell;
     cell.first = first;
     cell.unit = 0.0;
     for (int i = 0; i < 6; i++) {
         if (sizes[i] < FAR) cell.unit = max(cell.unit, sizes[i]);
     }
-    for (int i = 0; i < 4; i++) cell.times[i] = time_at(first + CORNERS[i]);
+    cell.times = times_at_corners(first);
     if (cell.unit == 0.0) return cell;
     float squares[6];
     for (int i = 0; i < 6; i++) squares[i] = square_of(sizes[i], cell.unit);

@@ -1,10 +1,7 @@
 // Arrival times along an edge, and where a straight line to it arrives first. Times are in units
 // of the cell's longest edge, and relative to that at the edge's first end, so that single
 // precision holds where the source is far.
-// Twin: src/geometry/paths/profile.rs, where the choices are explained.
-
-const float KINK = 3.0;
-const float MARGIN = 0.05;
+// Twin: src/geometry/paths, where the choices are explained.
 
 struct Profile {
     float first; // since the start, at the first end

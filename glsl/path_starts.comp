@@ -1,9 +1,10 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Puts paths at their starts, unless no path can start there. One invocation is one path.
-// Twin: Paths::trace in src/geometry/paths/mod.rs.
+// Twin: Paths::trace in src/geometry/paths.
 
 #include "constants.glsl"
+#include "chart.glsl"
 #include "cell.glsl"
 #include "times.glsl"
 #include "curve.glsl"
@@ -16,9 +17,7 @@ layout(local_size_x = WORKGROUP) in;
 bool is_reached_at(vec2 at) {
     ivec2 first = ivec2(at);
     vec2 share = at - vec2(first);
-    vec4 times = vec4(time_at(first), time_at(first + ivec2(1, 0)), time_at(first + ivec2(0, 1)),
-                      time_at(first + ivec2(1, 1)));
-    bvec4 there = lessThan(times, vec4(FAR));
+    bvec4 there = lessThan(times_at_corners(first), vec4(FAR));
     vec4 weights;
     bool inside = corner_weights(there, share, weights);
     bool on_line = there.x && (share.x == 0.0 || there.y) && (share.y == 0.0 || there.z);

@@ -78,7 +78,7 @@ void begin(int number, inout Path path, float start) {
     // Between grid points some corner's time will do.
     path.moment = time_at(path.place.first);
     for (int i = 0; i < 4 && !is_known; i++) {
-        path.moment = min(path.moment, time_at(path.place.first + ivec2(i & 1, i >> 1)));
+        path.moment = min(path.moment, time_at(path.place.first + to_corner(i)));
     }
     path.below = is_known ? 0.0 : UNKNOWN;
     path.time = is_known ? path.moment : UNKNOWN;

@@ -2,12 +2,12 @@
 #extension GL_GOOGLE_include_directive : require
 // Takes paths some steps further back to the source, from cell to cell along the straight line on
 // which the front arrives first. One invocation is one path.
-// Twin: src/geometry/paths/trace.rs, in double precision. Out of pits of the map it looks further
+// Twin: src/geometry/paths, in double precision. Out of pits of the map it looks further
 // than two grid points.
 
 #include "constants.glsl"
-#include "texel.glsl"
-#include "fan.glsl"
+#include "chart.glsl"
+#include "edge_image.glsl"
 #include "cell.glsl"
 #include "times.glsl"
 #include "curve.glsl"
@@ -18,11 +18,8 @@ layout(local_size_x = WORKGROUP) in;
 
 #include "path_state.glsl"
 
-// See trace.rs.
-const float AT_POINT = 1e-4;
-const float FITS = 1e-3;
+// Twice the distance from 1 to the next number.
 const float ROUNDING = 2.4e-7;
-const float LEAST_FALL = 0.5;
 // Triangles with a smaller squared sine, at the side's nearer end, are not held by single precision.
 const float FLAT_TRIANGLE = 3e-7;
 // Points that are nearer to one another, in lengths of their longest edges, coincide.
@@ -45,20 +42,18 @@ vec2 position(Place place) {
 }
 
 // How many cells a place lies in.
-int cells_of(Place place) {
+int cells_around(Place place) {
     return (place.share.x == 0.0 ? 2 : 1) * (place.share.y == 0.0 ? 2 : 1);
 }
 
 // From the cell to the south-east to another of a place's cells.
 ivec2 offset_of(Place place, int index) {
     if (place.share.x > 0.0) return ivec2(0, index);
-    return ivec2(index & 1, index >> 1);
+    return to_corner(index);
 }
 
 vec4 weights_in(Place place, ivec2 cell) {
-    vec2 uv = place.share + vec2(place.first - cell);
-    vec2 not_uv = 1.0 - uv;
-    return vec4(not_uv.x * not_uv.y, uv.x * not_uv.y, not_uv.x * uv.y, uv.x * uv.y);
+    return bilinear(place.share + vec2(place.first - cell));
 }
 
 // Not for places on grid lines: there two of the corners are enough.
@@ -92,8 +87,8 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
         // The place's own edge, or an edge that ends there.
         float own = weights[a] + weights[b];
         if (support == 1 ? own > 0.0 : support == 2 && own > 0.9999999) continue;
-        ivec2 point = cell.first + CORNERS[a];
-        ivec2 step = CORNERS[b] - CORNERS[a];
+        ivec2 point = cell.first + to_corner(a);
+        ivec2 step = to_corner(b) - to_corner(a);
         vec2 ends = vec2(squares[a], squares[b]);
         float base = cell.squares[a][b];
         float nearer = min(ends.x, ends.y);
@@ -114,7 +109,7 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
             float away = found.share > 0.5 ? 1.0 - found.share : found.share;
             // A line past a point later than its own start does not end there.
             if (away == 0.0 || (away < AT_POINT && cell.times[end] - moment < path.below)) {
-                Place there = Place(cell.first + CORNERS[end], vec2(0.0));
+                Place there = Place(cell.first + to_corner(end), vec2(0.0));
                 float size = cell.unit * sqrt(max(squares[end], 0.0));
                 offer(there, cell.times[end] - moment, size, path, cell.first);
             } else {
@@ -129,7 +124,7 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
             int end = SIDES[side][k];
             bool along = support == 1 || weights[end] > 0.0 || support > 2;
             if (reached[end] && along && squares[end] < 0.5 * NO_EDGE) {
-                Place there = Place(cell.first + CORNERS[end], vec2(0.0));
+                Place there = Place(cell.first + to_corner(end), vec2(0.0));
                 float size = cell.unit * sqrt(max(squares[end], 0.0));
                 offer(there, cell.times[end] - moment, size, path, cell.first);
             }
@@ -160,7 +155,7 @@ void find_source(Cell cell, vec4 weights, float moment, inout Line nearest) {
 // first; the cell beside the one that the path comes from is tried first.
 Line line_from(Path path) {
     Place place = path.place;
-    int cells = cells_of(place);
+    int cells = cells_around(place);
     int first = place.first - offset_of(place, 0) == path.from ? 1 : 0;
     best.exists = false;
     Line nearest;
@@ -191,19 +186,19 @@ ivec2 lower_end(Place place) {
     ivec2 lowest = place.first;
     float time = FAR;
     for (int i = 0; i < 4; i++) {
-        bool own = (CORNERS[i].x == 0 || place.share.x > 0.0)
-            && (CORNERS[i].y == 0 || place.share.y > 0.0);
-        float other = time_at(place.first + CORNERS[i]);
+        bool own = (to_corner(i).x == 0 || place.share.x > 0.0)
+            && (to_corner(i).y == 0 || place.share.y > 0.0);
+        float other = time_at(place.first + to_corner(i));
         if (own && other < time) {
             time = other;
-            lowest = place.first + CORNERS[i];
+            lowest = place.first + to_corner(i);
         }
     }
     return lowest;
 }
 
 bool step_to(int number, inout Path path, inout ivec2 point, ivec2 step) {
-    path.size += edge_length(point + 2 * BORDER, step);
+    path.size += edge_length(point_at(point), step);
     point += step;
     return add(number, path, vec2(point), time_at(point));
 }
@@ -213,7 +208,7 @@ bool step_to(int number, inout Path path, inout ivec2 point, ivec2 step) {
 ivec2 step_across(inout ivec2 point, float below) {
     float longest = 0.0;
     for (int i = 0; i < 8; i++) {
-        float size = edge_length(point + 2 * BORDER, FAN[i]);
+        float size = edge_length(point_at(point), NEIGHBOURS[i]);
         if (size < FAR) longest = max(longest, size);
     }
     ivec2 from = point;
@@ -221,13 +216,13 @@ ivec2 step_across(inout ivec2 point, float below) {
     float earliest = below;
     for (int i = 0; i < 8; i += 2) {
         ivec2 at = from;
-        while (edge_length(at + 2 * BORDER, FAN[i]) <= SAME_POINT * longest) {
-            at += FAN[i];
+        while (edge_length(point_at(at), NEIGHBOURS[i]) <= SAME_POINT * longest) {
+            at += NEIGHBOURS[i];
             for (int j = 0; j < 8; j++) {
-                float time = time_at(at + FAN[j]);
-                if (time < earliest && edge_length(at + 2 * BORDER, FAN[j]) < FAR) {
+                float time = time_at(at + NEIGHBOURS[j]);
+                if (time < earliest && edge_length(point_at(at), NEIGHBOURS[j]) < FAR) {
                     earliest = time;
-                    first = FAN[j];
+                    first = NEIGHBOURS[j];
                     point = at;
                 }
             }
@@ -245,23 +240,23 @@ bool detour(int number, inout Path path, inout ivec2 point) {
     ivec2 second = ivec2(0);
     float earliest = below;
     for (int i = 0; i < 8; i++) {
-        if (edge_length(point + 2 * BORDER, FAN[i]) >= FAR) continue;
-        float time = time_at(point + FAN[i]);
+        if (edge_length(point_at(point), NEIGHBOURS[i]) >= FAR) continue;
+        float time = time_at(point + NEIGHBOURS[i]);
         if (time < earliest) {
             earliest = time;
-            first = FAN[i];
+            first = NEIGHBOURS[i];
         }
     }
     for (int i = 0; i < 8 && earliest == below; i++) {
-        if (edge_length(point + 2 * BORDER, FAN[i]) >= FAR) continue;
-        ivec2 between = point + FAN[i];
+        if (edge_length(point_at(point), NEIGHBOURS[i]) >= FAR) continue;
+        ivec2 between = point + NEIGHBOURS[i];
         for (int j = 0; j < 8; j++) {
-            if (edge_length(between + 2 * BORDER, FAN[j]) >= FAR) continue;
-            float time = time_at(between + FAN[j]);
+            if (edge_length(point_at(between), NEIGHBOURS[j]) >= FAR) continue;
+            float time = time_at(between + NEIGHBOURS[j]);
             if (time < earliest) {
                 earliest = time;
-                first = FAN[i];
-                second = FAN[j];
+                first = NEIGHBOURS[i];
+                second = NEIGHBOURS[j];
             }
         }
     }
@@ -285,7 +280,7 @@ void escape(int number, inout Path path) {
         ivec2 along = ivec2(greaterThan(place.share, vec2(0.0)));
         float share = max(place.share.x, place.share.y);
         path.size += (point == place.first ? share : 1.0 - share)
-            * edge_length(place.first + 2 * BORDER, along);
+            * edge_length(point_at(place.first), along);
         if (!add(number, path, vec2(point), time_at(point))) return;
     }
     if (!detour(number, path, point)) return;

@@ -24,10 +24,10 @@ layout(push_constant) uniform Band {
 
 void main() {
     ivec2 place = ivec2(gl_GlobalInvocationID.xy);
-    if (place.x >= grid.x || place.y >= band_rows) return;
+    if (is_beyond(place, ivec2(grid.x, band_rows))) return;
     ivec2 at = place + ivec2(0, first_row);
     int size = heights != 0 ? 1 : 3;
-    int to = (place.y * grid.x + place.x) * (size + 1);
+    int to = row_major(place, grid.x) * (size + 1);
     float weight = slowness < 0 ? 1.0 : component(at, slowness);
     bool present = is_usable(weight) && weight > 0.0;
     for (int i = 0; i < size; i++) {

@@ -4,6 +4,7 @@
 // is one grid point.
 
 #include "constants.glsl"
+#include "chart.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
@@ -14,5 +15,5 @@ layout(set = 1, binding = 0) readonly restrict buffer Input {
 #include "points.glsl"
 
 float component(ivec2 at, int index) {
-    return words[first_word + (at.y * grid.x + at.x) * stride + index];
+    return words[first_word + row_major(at, grid.x) * stride + index];
 }

@@ -5,6 +5,7 @@
 // grid point.
 
 #include "constants.glsl"
+#include "chart.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 

@@ -4,6 +4,8 @@
 // over the label of the nearest point there once it is known. One invocation is one point.
 
 #include "constants.glsl"
+#include "chart.glsl"
+#include "cell.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
@@ -13,11 +15,8 @@ layout(local_size_x = WORKGROUP) in;
 // where there is none.
 bool step_on(inout uint link, inout vec2 place) {
     vec2 first = floor(place);
-    vec2 uv = place - first;
-    vec2 not_uv = 1.0 - uv;
-    vec4 weights = vec4(not_uv.x * not_uv.y, uv.x * not_uv.y, not_uv.x * uv.y, uv.x * uv.y);
-    int corner = index_of(ivec2(first));
-    ivec4 corners = corner + ivec4(0, 1, grid.x, grid.x + 1);
+    vec4 weights = bilinear(place - first);
+    ivec4 corners = corners_row_major(ivec2(first), grid.x);
     uvec4 links = uvec4(NO_REGION);
     float heaviest = 0.0;
     int nearest = 0;
@@ -45,15 +44,14 @@ bool step_on(inout uint link, inout vec2 place) {
         sum += weights[i];
         off += weights[i] * apart;
     }
-    // Rounding must not lead off the grid.
-    place = clamp(on + off / sum, vec2(0.0), vec2(grid - 1));
+    place = back_on_grid(on + off / sum, grid);
     return true;
 }
 
 void main() {
-    ivec2 point = ivec2(gl_GlobalInvocationID.xy);
-    if (point.x >= grid.x) return;
-    int index = index_of(point);
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    if (is_beyond(at, grid)) return;
+    int index = index_of(at);
     uint link = regions[link_word(from, index)];
     if (!is_known(link)) {
         vec2 place = place_at(from, index);

@@ -5,15 +5,16 @@
 // one point.
 
 #include "constants.glsl"
+#include "chart.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
 #include "regions.glsl"
 
 void main() {
-    ivec2 point = ivec2(gl_GlobalInvocationID.xy);
-    if (point.x >= grid.x) return;
-    int index = index_of(point);
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    if (is_beyond(at, grid)) return;
+    int index = index_of(at);
     uint link = regions[link_word(from, index)];
     for (int i = 0; i < PARENT_JUMPS && !is_known(link); i++) {
         link = regions[link_word(from, int(link))];

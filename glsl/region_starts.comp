@@ -5,8 +5,8 @@
 // so that zero is none, and found by atomics whose order does not matter.
 
 #include "constants.glsl"
-#include "texel.glsl"
-#include "fan.glsl"
+#include "chart.glsl"
+#include "edge_image.glsl"
 #include "cell.glsl"
 
 layout(local_size_x = WORKGROUP) in;
@@ -23,11 +23,11 @@ void main() {
     if (!counts(own)) return;
     ivec2 first = ivec2(ceil(place_of(own))) - 1;
     for (int i = 0; i < 9; i++) {
-        ivec2 point = first + ivec2(i % 3, i / 3);
-        if (any(lessThan(point, ivec2(0))) || any(greaterThanEqual(point, grid))) continue;
-        float time = arrival(own, point).x;
+        ivec2 at = first + from_row_major(i, 3);
+        if (!in_grid(at, grid)) continue;
+        float time = arrival(own, at).x;
         if (time >= FAR) continue;
-        int index = index_of(point);
+        int index = index_of(at);
         uint start = ~rank_of(time);
         if (is_last == 0u) {
             atomicMax(regions[link_word(1, index)], start);

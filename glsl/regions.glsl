@@ -29,16 +29,16 @@ bool is_known(uint link) {
     return (link & KNOWN) != 0u;
 }
 
-int index_of(ivec2 point) {
-    return point.y * grid.x + point.x;
+int index_of(ivec2 at) {
+    return row_major(at, grid.x);
 }
 
 int link_word(int which, int index) {
-    return which * grid.x * grid.y + index;
+    return which * points_of(grid) + index;
 }
 
 int place_word(int which, int index) {
-    return 2 * ((1 + which) * grid.x * grid.y + index);
+    return 2 * ((1 + which) * points_of(grid) + index);
 }
 
 vec2 place_at(int which, int index) {

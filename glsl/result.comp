@@ -4,6 +4,7 @@
 // fronts.
 
 #include "constants.glsl"
+#include "chart.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
@@ -16,12 +17,13 @@ layout(push_constant) uniform Size {
 };
 
 void main() {
-    ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
-    if (2 * texel.x >= grid.x || 2 * texel.y >= grid.y) return;
-    vec4 times = imageLoad(fronts, ivec3(texel + BORDER, TIME));
+    ivec2 inner = ivec2(gl_GlobalInvocationID.xy);
+    if (is_beyond(inner, texels_of(grid))) return;
+    ivec2 texel = with_border(inner);
+    vec4 times = imageLoad(fronts, ivec3(texel, TIME));
     for (int i = 0; i < 4; i++) {
-        ivec2 point = 2 * texel + ivec2(i & 1, i >> 1);
-        if (point.x >= grid.x || point.y >= grid.y) continue;
-        imageStore(distances, point, vec4(times[i] < FAR ? times[i] : unreached));
+        ivec2 at = at_point(first_point(texel) + to_corner(i));
+        if (is_beyond(at, grid)) continue;
+        imageStore(distances, at, vec4(times[i] < FAR ? times[i] : unreached));
     }
 }

@@ -3,12 +3,10 @@
 // A block of lines of a scan of one map; see scan.glsl.
 
 #include "constants.glsl"
-#include "texel.glsl"
-#include "update.glsl"
-#include "front.glsl"
+#include "chart.glsl"
+#include "wavefront.glsl"
 #include "progress.glsl"
 #include "blocks.glsl"
-#include "anchors.glsl"
 
 layout(local_size_x_id = 3) in;
 
@@ -37,7 +35,8 @@ void note_moved(uint moved, uint beside_holes, ivec2 texel) {
     bool by_rows = AHEAD_Y != 0;
     int forth = by_rows ? DOWN : RIGHT;
     int way = AHEAD_X + AHEAD_Y;
-    int first_line = (by_rows ? texel.y : texel.x) - BORDER;
+    ivec2 inner = without_border(texel);
+    int first_line = by_rows ? inner.y : inner.x;
     int block = first_line / LINES;
     int in_block = first_line - block * LINES;
     make_due(way > 0 ? forth + 1 : forth, block, pitch);
@@ -49,14 +48,14 @@ void note_moved(uint moved, uint beside_holes, ivec2 texel) {
     if (HAS_ANCHORS && beside_holes != 0u) {
         atomicOr(blocks[due_at(int(SCAN) - 1, block, pitch)], due_again(iterations));
     }
-    make_both_due(by_rows ? RIGHT : DOWN, (by_rows ? texel.x : texel.y) - BORDER, pitch);
+    make_both_due(by_rows ? RIGHT : DOWN, by_rows ? inner.x : inner.y, pitch);
 }
 
 void main() {
     if (gl_WorkGroupID.y > 0u) return;
     // What the dispatch was made by has been read.
     if (gl_GlobalInvocationID.x == 0u) {
-        int at = due_at(int(SCAN) - 1, (line - BORDER) / LINES, pitch);
+        int at = due_at(int(SCAN) - 1, without_border(line) / LINES, pitch);
         if (HAS_ANCHORS) {
             atomicAnd(blocks[at], due_again(iterations));
         } else {

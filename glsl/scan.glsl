@@ -5,7 +5,7 @@
 // computed here again. Between lines of a block, neighbours pass their results on in shared
 // memory. At both ends of a workgroup the results go wrong by one texel a line, for want of a
 // neighbour; these texels are computed by the workgroup beside it too, which writes them.
-// Include after update.glsl and front.glsl. Twin: src/cpu/twins/scan_in_turn.rs.
+// Include after wavefront.glsl. Twin: src/cpu/twins/scan_in_turn.rs.
 //
 // The including shader defines
 //     ivec3 place_of(ivec2 texel, int layer)            in the images of fronts
@@ -17,16 +17,17 @@
 //                                                       texel on, a front has changed at all, and in
 //                                                       which of them at a point that lacks an edge
 //     int LINES                                         most lines of texels in a block
-// and, for fronts with anchors, WITH_ANCHORS and what anchored.glsl asks for of metric and sources.
+// and WITH_ANCHORS if there may be fronts with anchors.
 
 // The scan's direction: one of the four unit steps.
 layout(constant_id = 0) const int AHEAD_X = 0;
 layout(constant_id = 1) const int AHEAD_Y = 1;
 
+#include "edge_image.glsl"
+#include "surface_image.glsl"
+
 // The image that the scan writes is bound twice, so that reads of the line behind and writes of
 // this line can be told apart.
-layout(set = 0, binding = 0, rgba32f) uniform readonly restrict image2D edges;
-layout(set = 0, binding = 1, rgba32f) uniform readonly restrict image2D gaussians;
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray old_fronts;
 layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray fronts_behind;
 layout(set = 0, binding = 4, rgba32f) uniform writeonly image2DArray new_fronts;
@@ -47,7 +48,7 @@ const ivec2 along = ivec2(AHEAD_Y * AHEAD_Y, AHEAD_X * AHEAD_X);
 const uint SCAN = AHEAD_Y != 0 ? (AHEAD_Y > 0 ? 1u : 2u) : (AHEAD_X > 0 ? 3u : 4u);
 // Texels at each end of a workgroup that another one writes.
 const int HALO = LINES - 1;
-// Arrival times and curvatures of the line of points just updated, in turns, for the neighbours.
+// Fronts of the line of points just updated, in turns, for the neighbours.
 shared vec4 passed[2][gl_WorkGroupSize.x];
 
 bool differ(vec4 a, vec4 b) {
@@ -58,11 +59,6 @@ bool differ(vec4 a, vec4 b) {
 struct Behind {
     vec2 left, middle, right;
 };
-
-float edge_length(ivec2 point, ivec2 step) {
-    bool here = stored_here(step);
-    return stored_length(imageLoad(edges, here ? point : point + step), here ? step : -step);
-}
 
 // Edge lengths from four points in a row, the second being this one.
 vec4 edge_lengths(ivec2 point, ivec2 step) {
@@ -87,53 +83,92 @@ Behind layer_behind(ivec2 texel, int layer) {
                   second_line(imageLoad(fronts_behind, at + side), ahead));
 }
 
-Behind gaussians_behind(ivec2 texel) {
+Behind surface_behind(ivec2 texel) {
     ivec2 at = texel - ahead;
-    return Behind(second_line(imageLoad(gaussians, at - along), ahead),
-                  second_line(imageLoad(gaussians, at), ahead),
-                  second_line(imageLoad(gaussians, at + along), ahead));
+    return Behind(second_line(surface_of(at - along), ahead), second_line(surface_of(at), ahead),
+                  second_line(surface_of(at + along), ahead));
 }
+
+// The two lines of points that a scan updates in a texel.
+struct Lines {
+    Ends first; // points -1 to 2
+    vec4 second; // points 0 and 1, twice
+    vec4 second_carried;
+};
 
 #ifdef WITH_ANCHORS
 // Behind the block lines are as this scan has left them, in it and ahead as they were before.
 vec2 front_at(ivec2 point) {
-    ivec2 texel = point / 2;
-    ivec2 way = texel * ahead;
-    bool is_behind = way.x + way.y < line * (AHEAD_X + AHEAD_Y);
+    ivec2 texel = texel_of(point);
+    bool is_behind = lines_ahead(texel, ahead) < line * (AHEAD_X + AHEAD_Y);
     ivec3 time_at = place_of(texel, TIME);
-    ivec3 held_at = place_of(texel, CURVATURE);
+    ivec3 carried_at = place_of(texel, CARRIED);
     vec4 times = is_behind ? imageLoad(fronts_behind, time_at) : imageLoad(old_fronts, time_at);
-    vec4 held = is_behind ? imageLoad(fronts_behind, held_at) : imageLoad(old_fronts, held_at);
-    int i = 2 * (point.y & 1) + (point.x & 1);
-    return vec2(times[i], held[i]);
+    vec4 carried = is_behind ? imageLoad(fronts_behind, carried_at) : imageLoad(old_fronts, carried_at);
+    int i = component_of(point);
+    return vec2(times[i], carried[i]);
 }
 
-float gaussian_at(ivec2 point) {
-    return imageLoad(gaussians, point / 2)[2 * (point.y & 1) + (point.x & 1)];
-}
+#include "anchored_ways.glsl"
 
-int points_in_row() {
-    return imageSize(edges).x;
+// Updates both lines of a texel by ways to anchors, given what its first line sees, and the edges from its
+// second line to the first.
+void follow_ways(ivec2 point, Sight behind, vec4 l1, vec4 l2, bool may_renew, inout Lines own) {
+    // A loop, since drivers are slow to compile the same code twice over.
+    for (int half_of = 0; half_of < 2; half_of++) {
+        ivec2 at = half_of == 0 ? point : point + ahead;
+        if (!passes(at, ahead)) continue;
+        Sight sight = behind;
+        Places places = Places(point - along, along, 2 * along, ahead, along);
+        vec4 time = own.first.time;
+        vec4 carried = own.first.carried;
+        if (half_of == 1) {
+            sight = sight_of_pair(own.first, l1, l2);
+            places = Places(at, along, ivec2(0), ahead, along);
+            time = own.second;
+            carried = own.second_carried;
+        }
+        accept(ways_to(sight, places, half_of == 0 ? 15u : 3u, SCAN, may_renew, time, carried),
+               SCAN, may_renew, time, carried);
+        if (half_of == 0) {
+            own.first.time = time;
+            own.first.carried = carried;
+        } else {
+            own.second = time;
+            own.second_carried = carried;
+        }
+    }
 }
-
-#include "anchored.glsl"
 #endif
+
+// The same through triangles, given the bases of those of the first line too.
+void pass_triangles(ivec2 point, Sight behind, vec4 base_left, vec4 base_right, vec4 l1, vec4 l2,
+                    vec2 surface, bool may_renew, inout Lines own) {
+    if (passes(point, ahead)) {
+        accept(update_four(behind, own.first.surface, base_left, base_right), SCAN, may_renew, own.first.time,
+               own.first.carried);
+    }
+    if (passes(point + ahead, ahead)) {
+        vec4 base = vec4(edge_length(point - along, along), edge_length(point, along),
+                         edge_length(point, along), edge_length(point + along, along));
+        accept(update_pair(own.first, surface, l1, l2, base), SCAN, may_renew, own.second, own.second_carried);
+    }
+}
 
 void scan_block() {
     int lane = int(gl_LocalInvocationID.x);
     int place = int(gl_WorkGroupID.x) * (int(gl_WorkGroupSize.x) - 2 * HALO) + lane - HALO;
     bool writes = lane >= HALO && lane < int(gl_WorkGroupSize.x) - HALO && place < count;
     // Beyond the grid a texel is computed again: no edge leads there.
-    place = min(first + place, last);
-    place = max(place, BORDER);
+    place = texel_in_line(first + place, last);
     // Neighbours' lanes; the outermost have none, and what they compute is not written.
     int before = max(lane - 1, 0);
     int beyond = min(lane + 1, int(gl_WorkGroupSize.x) - 1);
     bool may_renew = renews_fronts();
     Behind zero = Behind(vec2(0.0), vec2(0.0), vec2(0.0));
     Behind times = zero;
-    Behind curvatures = zero;
-    Behind bends = zero;
+    Behind carried = zero;
+    Behind surface = zero;
     uint change = 0u;
     uint moved = 0u;
     uint beside_holes = 0u;
@@ -141,46 +176,45 @@ void scan_block() {
     for (int k = 0; k < LINES; k++) {
         if (k >= lines) break;
         int number = line + k * (AHEAD_X + AHEAD_Y);
-        ivec2 texel = number * abs(ahead) + place * along;
+        ivec2 texel = in_line(number, place, ahead, along);
         if (k == 0) {
             times = layer_behind(texel, TIME);
-            if (HAS_TWO_LAYERS) curvatures = layer_behind(texel, CURVATURE);
+            if (CARRIES) carried = layer_behind(texel, CARRIED);
         } else {
             barrier();
             vec4 left = passed[(k - 1) & 1][before];
             vec4 right = passed[(k - 1) & 1][beyond];
             times.left = left.xy;
             times.right = right.xy;
-            curvatures.left = left.zw;
-            curvatures.right = right.zw;
+            carried.left = left.zw;
+            carried.right = right.zw;
         }
-        if (HAS_TWO_LAYERS) bends = gaussians_behind(texel);
-        Ends left = Ends(vec4(times.left, times.middle), vec4(curvatures.left, curvatures.middle),
-                         vec4(bends.left, bends.middle));
-        Ends middle = Ends(vec4(times.left.y, times.middle, times.right.x),
-                           vec4(curvatures.left.y, curvatures.middle, curvatures.right.x),
-                           vec4(bends.left.y, bends.middle, bends.right.x));
-        Ends right = Ends(vec4(times.middle, times.right), vec4(curvatures.middle, curvatures.right),
-                          vec4(bends.middle, bends.right));
-
-        // First line, points -1 to 2.
-        ivec2 point = 2 * texel + max(-ahead, 0);
-        vec4 to_left = edge_lengths(point, -ahead - along);
-        vec4 to_middle = edge_lengths(point, -ahead);
-        vec4 to_right = edge_lengths(point, -ahead + along);
+        if (CARRIES) surface = surface_behind(texel);
+        ivec2 point = first_point_of_line(texel, ahead);
+        Sight behind;
+        behind.ends[0] = Ends(vec4(times.left, times.middle), vec4(carried.left, carried.middle),
+                              vec4(surface.left, surface.middle));
+        behind.ends[1] = Ends(vec4(times.left.y, times.middle, times.right.x),
+                              vec4(carried.left.y, carried.middle, carried.right.x),
+                              vec4(surface.left.y, surface.middle, surface.right.x));
+        behind.ends[2] = Ends(vec4(times.middle, times.right), vec4(carried.middle, carried.right),
+                              vec4(surface.middle, surface.right));
+        behind.edges[0] = edge_lengths(point, -ahead - along);
+        behind.edges[1] = edge_lengths(point, -ahead);
+        behind.edges[2] = edge_lengths(point, -ahead + along);
         vec4 base_left = edge_lengths(point - ahead - along, along);
         vec4 base_right = edge_lengths(point - ahead, along);
-        Ends line1 = Ends(first_line_old(texel, TIME), vec4(0.0), vec4(0.0));
-        vec4 own_gaussian = vec4(0.0);
-        if (HAS_TWO_LAYERS) {
-            line1.curvature = first_line_old(texel, CURVATURE);
-            own_gaussian = imageLoad(gaussians, texel);
-            line1.gaussian = vec4(first_line(imageLoad(gaussians, texel - along), ahead).y,
-                                  first_line(own_gaussian, ahead),
-                                  first_line(imageLoad(gaussians, texel + along), ahead).x);
+
+        Lines own = Lines(Ends(first_line_old(texel, TIME), vec4(0.0), vec4(0.0)), vec4(0.0), vec4(0.0));
+        vec4 own_surface = vec4(0.0);
+        if (CARRIES) {
+            own.first.carried = first_line_old(texel, CARRIED);
+            own_surface = surface_of(texel);
+            own.first.surface = vec4(first_line(surface_of(texel - along), ahead).y,
+                                     first_line(own_surface, ahead),
+                                     first_line(surface_of(texel + along), ahead).x);
         }
-        vec4 g1 = line1.gaussian;
-        // Second line, points 0 and 1: left triangles in xy, right triangles in zw.
+        // From points 0 and 1 of the second line: left triangles in xy, right triangles in zw.
         ivec2 next = point + ahead;
         vec2 sides = vec2(edge_length(next, -ahead), edge_length(next + along, -ahead));
         vec4 l1 = vec4(edge_length(next, -ahead - along), edge_length(next + along, -ahead - along),
@@ -188,75 +222,36 @@ void scan_block() {
         vec4 l2 = vec4(sides, edge_length(next, -ahead + along),
                        edge_length(next + along, -ahead + along));
         vec4 old = imageLoad(old_fronts, place_of(texel, TIME));
-        vec4 old_curvature = vec4(0.0);
-        if (HAS_TWO_LAYERS) old_curvature = imageLoad(old_fronts, place_of(texel, CURVATURE));
-        vec4 line2 = second_line(old, ahead).xyxy;
-        vec4 line2_curvature = second_line(old_curvature, ahead).xyxy;
+        vec4 old_carried = vec4(0.0);
+        if (CARRIES) old_carried = imageLoad(old_fronts, place_of(texel, CARRIED));
+        own.second = second_line(old, ahead).xyxy;
+        own.second_carried = second_line(old_carried, ahead).xyxy;
 
 #ifdef WITH_ANCHORS
         if (HAS_ANCHORS) {
-            // A loop, since drivers are slow to compile the same code twice over.
-            for (int half_of = 0; half_of < 2; half_of++) {
-                ivec2 at = half_of == 0 ? point : next;
-                if (!passes(at, ahead)) continue;
-                Sight sight = Sight(Ends[](left, middle, right), vec4[](to_left, to_middle, to_right));
-                Places places = Places(point - along, along, 2 * along, ahead, along);
-                vec4 time = line1.time;
-                vec4 held = line1.curvature;
-                if (half_of == 1) {
-                    sight = sight_of_two(line1, l1, l2);
-                    places = Places(next, along, ivec2(0), ahead, along);
-                    time = line2;
-                    held = line2_curvature;
-                }
-                accept(ways_to(sight, places, half_of == 0 ? 15u : 3u, SCAN, may_renew, time, held),
-                       SCAN, may_renew, time, held);
-                if (half_of == 0) {
-                    line1.time = time;
-                    line1.curvature = held;
-                } else {
-                    line2 = time;
-                    line2_curvature = held;
-                }
-            }
+            follow_ways(point, behind, l1, l2, may_renew, own);
         } else
 #endif
         {
-            if (passes(point, ahead)) {
-                bvec4 alone = are_alone(to_middle);
-                Fronts fronts =
-                    earlier(update(left, middle, g1, to_left, to_middle, base_left, alone),
-                            update(middle, right, g1, to_middle, to_right, base_right, alone));
-                accept(fronts, SCAN, may_renew, line1.time, line1.curvature);
-            }
-            if (passes(next, ahead)) {
-                vec2 g2 = second_line(own_gaussian, ahead);
-                vec4 base = vec4(edge_length(point - along, along), edge_length(point, along),
-                                 edge_length(point, along), edge_length(point + along, along));
-                Ends near = Ends(line1.time.xyyz, line1.curvature.xyyz, line1.gaussian.xyyz);
-                Ends far = Ends(line1.time.yzzw, line1.curvature.yzzw, line1.gaussian.yzzw);
-                bvec4 alone = are_alone(sides.xyxy);
-                accept(of_sides(update(near, far, g2.xyxy, l1, l2, base, alone)), SCAN, may_renew,
-                       line2, line2_curvature);
-            }
+            pass_triangles(point, behind, base_left, base_right, l1, l2, second_line(own_surface, ahead),
+                           may_renew, own);
         }
 
-        times.middle = line2.xy;
-        curvatures.middle = line2_curvature.xy;
-        passed[k & 1][lane] = vec4(line2.xy, line2_curvature.xy);
+        times.middle = own.second.xy;
+        carried.middle = own.second_carried.xy;
+        passed[k & 1][lane] = vec4(own.second.xy, own.second_carried.xy);
         if (writes) {
-            vec4 new = texel_of(line1.time.yz, line2.xy, ahead);
-            vec4 new_curvature = texel_of(line1.curvature.yz, line2_curvature.xy, ahead);
+            vec4 new = texel_of_lines(own.first.time.yz, own.second.xy, ahead);
+            vec4 new_carried = texel_of_lines(own.first.carried.yz, own.second_carried.xy, ahead);
             imageStore(new_fronts, place_of(texel, TIME), new);
-            if (HAS_TWO_LAYERS) imageStore(new_fronts, place_of(texel, CURVATURE), new_curvature);
-            change = max(change, change_of(old, new, old_curvature, new_curvature));
-            if (differ(old, new) || differ(old_curvature, new_curvature)) {
+            if (CARRIES) imageStore(new_fronts, place_of(texel, CARRIED), new_carried);
+            change = max(change, change_of(old, new, old_carried, new_carried));
+            if (differ(old, new) || differ(old_carried, new_carried)) {
                 moved |= 1u << k;
-                uvec4 tags = floatBitsToUint(own_gaussian) & 15u;
-                if (any(equal(tags, uvec4(1u)))) beside_holes |= 1u << k;
+                if (any(equal(tags_of(own_surface), uvec4(DIFFRACTS)))) beside_holes |= 1u << k;
             }
         }
     }
     if (change > 0u) note_change(change);
-    if (moved != 0u) note_moved(moved, beside_holes, line * abs(ahead) + place * along);
+    if (moved != 0u) note_moved(moved, beside_holes, in_line(line, place, ahead, along));
 }

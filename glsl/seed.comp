@@ -3,9 +3,10 @@
 // Initial values of the sources, where they are earlier than what is there. One invocation is one
 // texel with sources in it, or nothing if its column is negative. If tiles follow, those around the
 // texel are put on the first list; if scans follow, the blocks with the texel are due in all of them.
-// Twin: Fronts::start in src/cpu/state.rs.
+// Twin: the start of a map in src/cpu.
 
 #include "constants.glsl"
+#include "chart.glsl"
 #include "progress.glsl"
 #include "tiles.glsl"
 #include "blocks.glsl"
@@ -13,7 +14,7 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray fronts;
+layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray fronts_behind;
 layout(set = 0, binding = 4, rgba32f) uniform writeonly image2DArray seeded_fronts;
 layout(set = 0, binding = 7) readonly restrict buffer Seeds {
     SeedTexel seeds[];
@@ -33,23 +34,24 @@ void main() {
     if (index >= count) return;
     ivec2 texel = seeds[index].texel;
     if (texel.x < 0) return;
-    vec4 time = imageLoad(fronts, ivec3(texel, TIME));
-    vec4 curvature = imageLoad(fronts, ivec3(texel, CURVATURE));
+    vec4 time = imageLoad(fronts_behind, ivec3(texel, TIME));
+    vec4 carried = imageLoad(fronts_behind, ivec3(texel, CARRIED));
     bvec4 first = lessThan(seeds[index].times, time);
     imageStore(seeded_fronts, ivec3(texel, TIME), mix(time, seeds[index].times, first));
-    imageStore(seeded_fronts, ivec3(texel, CURVATURE), mix(curvature, seeds[index].curvatures, first));
+    imageStore(seeded_fronts, ivec3(texel, CARRIED), mix(carried, seeds[index].curvatures, first));
+    ivec2 inner = without_border(texel);
     if (follows == SCANS_FOLLOW) {
         int pitch = pitch_of(texels);
-        make_both_due(DOWN, texel.y - BORDER, pitch);
-        make_both_due(RIGHT, texel.x - BORDER, pitch);
+        make_both_due(DOWN, inner.y, pitch);
+        make_both_due(RIGHT, inner.x, pitch);
     }
     if (follows != TILES_FOLLOW) return;
     ivec2 tile_grid = tiles_of(texels);
-    ivec2 low = max((texel - BORDER - 1), ivec2(0)) / TEXELS;
-    ivec2 high = min((texel - BORDER + 1) / TEXELS, tile_grid - 1);
+    ivec2 low = tile_with(texel - 1, tile_grid);
+    ivec2 high = tile_with(texel + 1, tile_grid);
     for (int row = low.y; row <= high.y; row++) {
         for (int col = low.x; col <= high.x; col++) {
-            uint tile = uint(row * tile_grid.x + col);
+            uint tile = uint(row_major(ivec2(col, row), tile_grid.x));
             ENLIST(tile, 0u, uint(tile_grid.x * tile_grid.y));
         }
     }

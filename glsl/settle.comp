@@ -6,14 +6,14 @@
 // Twin: Tiles::settle in src/cpu/twins/tile_rounds.rs.
 
 #include "constants.glsl"
-#include "texel.glsl"
+#include "chart.glsl"
 #include "progress.glsl"
 #include "tiles.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts_1;
-layout(set = 0, binding = 4, rgba32f) uniform writeonly restrict image2DArray fronts_0;
+layout(set = 0, binding = 4, rgba32f) uniform writeonly restrict image2DArray new_fronts_0;
 
 layout(push_constant) uniform Recording {
     ivec2 texels; // columns and rows of texels, without the border
@@ -38,17 +38,16 @@ void main() {
     uint number = gl_WorkGroupID.x;
     if (number == 0u && gl_LocalInvocationIndex == 0u && done == 0u) count_rounds();
     if ((tiles[number] & 1u) != 0u) {
-        ivec2 corner = TEXELS * ivec2(int(number) % tile_grid.x, int(number) / tile_grid.x);
+        ivec2 first = first_texel_of(from_row_major(int(number), tile_grid.x));
         if (gl_LocalInvocationIndex == 0u) {
-            ivec2 size = min(ivec2(TEXELS), texels - corner);
+            ivec2 size = min(ivec2(TEXELS), texels - without_border(first));
             atomicAdd(settled, uint(size.x * size.y));
         }
         for (uint i = gl_LocalInvocationIndex; i < TEXELS * TEXELS; i += WORKGROUP) {
-            ivec2 texel = corner + ivec2(int(i) % TEXELS, int(i) / TEXELS);
-            if (any(greaterThanEqual(texel, texels))) continue;
-            ivec2 at = texel + BORDER;
+            ivec2 texel = first + from_row_major(int(i), TEXELS);
+            if (is_beyond(without_border(texel), texels)) continue;
             for (int layer = 0; layer < LAYERS; layer++) {
-                imageStore(fronts_0, ivec3(at, layer), imageLoad(fronts_1, ivec3(at, layer)));
+                imageStore(new_fronts_0, ivec3(texel, layer), imageLoad(fronts_1, ivec3(texel, layer)));
             }
         }
     }

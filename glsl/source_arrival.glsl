@@ -1,13 +1,11 @@
-// When a source's front reaches the points around it. Include after fan.glsl, cell.glsl and
-// source.glsl.
+// When a source's front reaches the points around it. Include after edge_image.glsl, cell.glsl
+// and source.glsl.
 //
 // The distance from a place in a cell to a corner follows from the lengths of the cell's edges:
 // with the place p = sum of w_i p_i over the corners, and the corner at the origin,
 // |p|^2 = sum of w_i w_j <p_i, p_j>, and 2 <p_i, p_j> = |p_i|^2 + |p_j|^2 - |p_i - p_j|^2.
 // Nothing needs to be known of positions, and slowness is in the lengths.
-// Twin: Sources::seeds in src/surface/sources.rs, in terms of positions.
-
-const ivec2 CORNERS[4] = ivec2[](ivec2(0, 0), ivec2(1, 0), ivec2(0, 1), ivec2(1, 1));
+// Twin: Sources::seeds in src/surface/sources, in terms of positions.
 
 // The lengths of the edges between the corners of a cell.
 struct Cell {
@@ -19,7 +17,7 @@ Cell cell_at(ivec2 first) {
     for (int a = 0; a < 4; a++) {
         cell.lengths[5 * a] = 0.0;
         for (int b = a + 1; b < 4; b++) {
-            float size = edge_length(first + CORNERS[a], CORNERS[b] - CORNERS[a]);
+            float size = edge_length(first + to_corner(a), to_corner(b) - to_corner(a));
             cell.lengths[4 * a + b] = size;
             cell.lengths[4 * b + a] = size;
         }
@@ -53,28 +51,21 @@ float distance_in(Cell cell, int corner, vec2 uv) {
     return sqrt(max(square, 0.0));
 }
 
-bool has_edge(ivec2 point) {
-    for (int i = 0; i < 8; i++) {
-        if (edge_length(point, FAN[i]) < FAR) return true;
-    }
-    return false;
-}
-
 // When a source's front reaches a point of the cells around it, and its curvature there.
-vec2 arrival(Source s, ivec2 point) {
+vec2 arrival(Source s, ivec2 at) {
     vec2 place = place_of(s);
     vec2 whole = floor(place);
     if (place == whole) {
-        bool is_here = point == ivec2(whole) && has_edge(point + 2 * BORDER);
+        bool is_here = at == ivec2(whole) && has_edge(point_at(at));
         return is_here ? vec2(s.time, s.curvature) : vec2(FAR, 0.0);
     }
     float nearest = FAR;
     for (int i = 0; i < 4; i++) {
         // The cell of which the point is this corner.
-        ivec2 first = point - CORNERS[i];
+        ivec2 first = at - to_corner(i);
         vec2 uv = place - vec2(first);
         bool inside = all(greaterThanEqual(uv, vec2(0.0))) && all(lessThanEqual(uv, vec2(1.0)));
-        if (inside) nearest = min(nearest, distance_in(cell_at(first + 2 * BORDER), i, uv));
+        if (inside) nearest = min(nearest, distance_in(cell_at(point_at(first)), i, uv));
     }
     if (nearest >= FAR) return vec2(FAR, 0.0);
     return vec2(s.time + nearest, nearest > 0.0 ? 1.0 / nearest : SOURCE_CURVATURE);

@@ -3,11 +3,12 @@
 // Initial values around sources that lie anywhere on the grid, as seed.comp reads them. A source
 // reaches no further than 2 x 2 texels: one invocation is one source and one of these texels, and
 // the first source of a texel writes what all bring to it.
-// Twin: Sources::seeds in src/surface/sources.rs.
+// Twin: Sources::seeds in src/surface/sources.
 
 #include "constants.glsl"
-#include "texel.glsl"
-#include "fan.glsl"
+#include "chart.glsl"
+#include "tag.glsl"
+#include "edge_image.glsl"
 #include "cell.glsl"
 #include "seed_texel.glsl"
 
@@ -28,12 +29,11 @@ layout(push_constant) uniform Portion {
 
 // The first of the texels with points of cells around a source.
 ivec2 first_texel(Source s) {
-    return max(ivec2(ceil(place_of(s))) - 1, ivec2(0)) / 2 + BORDER;
+    return texel_of(point_at(max(ivec2(ceil(place_of(s))) - 1, ivec2(0))));
 }
 
 bool reaches(Source s, ivec2 texel) {
-    ivec2 from_first = texel - first_texel(s);
-    return all(greaterThanEqual(from_first, ivec2(0))) && all(lessThanEqual(from_first, ivec2(1)));
+    return in_grid(texel - first_texel(s), ivec2(2));
 }
 
 void main() {
@@ -43,9 +43,9 @@ void main() {
     Source own = source(number);
     seeds[index].texel = ivec2(-1);
     if (!counts(own)) return;
-    ivec2 texel = first_texel(own) + CORNERS[index & 3];
+    ivec2 texel = first_texel(own) + to_corner(index & 3);
     // The image's border ends where the grid's last texel has a neighbour.
-    if (any(greaterThan(2 * (texel - BORDER), grid - 1))) return;
+    if (is_beyond(without_border(texel), texels_of(grid))) return;
     for (int i = 0; i < number; i++) {
         Source other = source(i);
         if (counts(other) && reaches(other, texel)) return;
@@ -56,7 +56,7 @@ void main() {
         Source other = source(i);
         if (!counts(other) || !reaches(other, texel)) continue;
         for (int j = 0; j < 4; j++) {
-            vec2 front = arrival(other, 2 * (texel - BORDER) + CORNERS[j]);
+            vec2 front = arrival(other, at_point(first_point(texel) + to_corner(j)));
             if (front.x < times[j]) {
                 times[j] = front.x;
                 curvatures[j] = with_tag(front.y, 0u);

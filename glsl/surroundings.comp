@@ -9,16 +9,15 @@
 // Twin: src/cpu/twins/surroundings.rs.
 
 #include "constants.glsl"
-#include "texel.glsl"
-#include "update.glsl"
-#include "front.glsl"
+#include "chart.glsl"
+#include "wavefront.glsl"
+#include "edge_image.glsl"
+#include "surface_image.glsl"
 #include "cell.glsl"
 #include "seed_texel.glsl"
 
 layout(local_size_x = SURROUNDINGS_WORKGROUP) in;
 
-layout(set = 0, binding = 0, rgba32f) uniform readonly restrict image2D edges;
-layout(set = 0, binding = 1, rgba32f) uniform readonly restrict image2D gaussians;
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts;
 layout(set = 0, binding = 7) writeonly restrict buffer Seeds {
     SeedTexel seeds[];
@@ -35,30 +34,26 @@ layout(push_constant) uniform Portion {
 // the scans to find. What a map that sources are added to has from there is taken back here, and stays in
 // the images, since nothing is written but what comes earlier.
 const int TEXELS = SURROUNDINGS_TEXELS;
-const int SIDE = 2 * TEXELS + 2;
-const int AREA = SIDE * SIDE;
+#include "window.glsl"
+
 shared vec4 lengths[AREA];
-shared float bends[HAS_TWO_LAYERS ? AREA : 1];
+shared float surface[CARRIES ? AREA : 1];
 shared float times[AREA];
-shared float curvatures[HAS_TWO_LAYERS ? AREA : 1];
+shared float carried[CARRIES ? AREA : 1];
 // Whether a front has changed in an even step, and in an odd one.
 shared uint moved[2];
 
-int spot(ivec2 at) {
-    return at.y * SIDE + at.x;
-}
-
 // The four points of a texel whose first is here.
 ivec4 spots(ivec2 at) {
-    return spot(at) + ivec4(0, 1, SIDE, SIDE + 1);
+    return corners_row_major(at, SIDE);
 }
 
 Ends ends_at(ivec2 at) {
     ivec4 s = spots(at);
     Ends ends = Ends(vec4(times[s.x], times[s.y], times[s.z], times[s.w]), vec4(0.0), vec4(0.0));
-    if (HAS_TWO_LAYERS) {
-        ends.curvature = vec4(curvatures[s.x], curvatures[s.y], curvatures[s.z], curvatures[s.w]);
-        ends.gaussian = vec4(bends[s.x], bends[s.y], bends[s.z], bends[s.w]);
+    if (CARRIES) {
+        ends.carried = vec4(carried[s.x], carried[s.y], carried[s.z], carried[s.w]);
+        ends.surface = vec4(surface[s.x], surface[s.y], surface[s.z], surface[s.w]);
     }
     return ends;
 }
@@ -72,15 +67,14 @@ vec4 edge_lengths(ivec2 at, ivec2 step) {
 }
 
 // Has a texel whose first point is here accept what comes through the two triangles of each scan.
-void update_texel(ivec2 at, inout vec4 time, inout vec4 curvature) {
-    vec4 own = ends_at(at).gaussian;
+void update_texel(ivec2 at, inout vec4 time, inout vec4 held) {
+    vec4 own = ends_at(at).surface;
     Fronts fronts;
     // A loop, since drivers are slow to compile the same code twice over.
     for (int triangle = 0; triangle < 8; triangle++) {
         int scan = triangle / 2;
-        int way = 1 - 2 * (scan & 1);
-        ivec2 ahead = scan < 2 ? ivec2(0, way) : ivec2(way, 0);
-        ivec2 along = scan < 2 ? ivec2(1, 0) : ivec2(0, 1);
+        ivec2 ahead = ahead_of(scan);
+        ivec2 along = along_of(scan);
         ivec2 first = -ahead + ((triangle & 1) - 1) * along;
         ivec2 second = first + along;
         bvec4 alone = are_alone(edge_lengths(at, -ahead));
@@ -90,7 +84,7 @@ void update_texel(ivec2 at, inout vec4 time, inout vec4 curvature) {
         if ((triangle & 1) == 0) {
             fronts = through;
         } else {
-            accept(earlier(fronts, through), uint(scan) + 1u, true, time, curvature);
+            accept(earlier(fronts, through), uint(scan) + 1u, true, time, held);
         }
     }
 }
@@ -101,7 +95,7 @@ bool has_surroundings(Source s) {
 
 // The first of a source's texels.
 ivec2 first_texel(Source s) {
-    return ivec2(place_of(s)) / 2 - (TEXELS / 2 - 1) + BORDER;
+    return texel_of(point_at(ivec2(place_of(s)))) - (TEXELS / 2 - 1);
 }
 
 bool is_first_of(int number, ivec2 texel) {
@@ -109,8 +103,7 @@ bool is_first_of(int number, ivec2 texel) {
         Source other = source(i);
         if (!has_surroundings(other)) continue;
         ivec2 from_first = texel - first_texel(other);
-        bool has_it = all(greaterThanEqual(from_first, ivec2(0))) && all(lessThan(from_first, ivec2(TEXELS)));
-        if (has_it) return false;
+        if (in_grid(from_first, ivec2(TEXELS))) return false;
     }
     return true;
 }
@@ -118,43 +111,43 @@ bool is_first_of(int number, ivec2 texel) {
 void main() {
     int number = int(gl_WorkGroupID.x);
     int index = int(gl_LocalInvocationIndex);
-    bool is_there = index < TEXELS * TEXELS;
-    int seed = number * TEXELS * TEXELS + index;
+    bool is_there = index < OWN_TEXELS;
+    int seed = number * OWN_TEXELS + index;
     if (is_there) seeds[seed].texel = ivec2(-1);
     Source own = source(number);
     if (!has_surroundings(own)) return;
 
-    ivec2 in_window = ivec2(index % TEXELS, index / TEXELS);
+    ivec2 in_window = from_row_major(index, TEXELS);
     ivec2 first = first_texel(own);
     ivec2 texel = first + in_window;
-    ivec2 last = (grid - 1) / 2 + BORDER;
-    is_there = is_there && all(greaterThanEqual(texel, ivec2(BORDER))) && all(lessThanEqual(texel, last));
+    ivec2 texels = texels_of(grid);
+    is_there = is_there && in_grid(without_border(texel), texels);
     for (int i = index; i < AREA; i += SURROUNDINGS_WORKGROUP) {
-        ivec2 point = clamp(2 * first - 1 + ivec2(i % SIDE, i / SIDE), ivec2(0), 2 * (last + BORDER) + 1);
+        ivec2 point = clamp(window_at(first) + from_row_major(i, SIDE), ivec2(0), last_point(texels));
         lengths[i] = imageLoad(edges, point);
         times[i] = FAR;
-        if (HAS_TWO_LAYERS) {
-            bends[i] = imageLoad(gaussians, point / 2)[2 * (point.y & 1) + (point.x & 1)];
-            curvatures[i] = 0.0;
+        if (CARRIES) {
+            surface[i] = surface_at(point);
+            carried[i] = 0.0;
         }
     }
     barrier();
-    ivec2 at = 2 * in_window + 1;
+    ivec2 at = first_in_window(in_window);
     ivec4 s = spots(at);
     vec4 time_before = vec4(FAR);
-    vec4 curvature_before = vec4(0.0);
+    vec4 held_before = vec4(0.0);
     if (is_there) {
         time_before = imageLoad(fronts, ivec3(texel, TIME));
-        if (HAS_TWO_LAYERS) curvature_before = imageLoad(fronts, ivec3(texel, CURVATURE));
+        if (CARRIES) held_before = imageLoad(fronts, ivec3(texel, CARRIED));
     }
     vec4 time = time_before;
-    vec4 curvature = curvature_before;
+    vec4 held = held_before;
     uint change = is_there ? 1u : 0u;
     for (int step = 0; step < SURROUNDINGS_STEPS; step++) {
         if (is_there) {
             for (int j = 0; j < 4; j++) {
                 times[s[j]] = time[j];
-                if (HAS_TWO_LAYERS) curvatures[s[j]] = curvature[j];
+                if (CARRIES) carried[s[j]] = held[j];
             }
         }
         if (change > 0u) atomicOr(moved[step & 1], 1u);
@@ -163,9 +156,9 @@ void main() {
         change = 0u;
         if (is_there) {
             vec4 old = time;
-            vec4 old_curvature = curvature;
-            update_texel(at, time, curvature);
-            change = change_of(old, time, old_curvature, curvature);
+            vec4 old_held = held;
+            update_texel(at, time, held);
+            change = change_of(old, time, old_held, held);
         }
         if (index == 0) moved[(step + 1) & 1] = 0u;
         barrier();
@@ -173,5 +166,5 @@ void main() {
     if (!is_there || !any(lessThan(time, time_before)) || !is_first_of(number, texel)) return;
     seeds[seed].texel = texel;
     seeds[seed].times = time;
-    seeds[seed].curvatures = curvature;
+    seeds[seed].curvatures = held;
 }

@@ -15,6 +15,16 @@ ivec2 tiles_of(ivec2 texels) {
     return (texels + TEXELS - 1) / TEXELS;
 }
 
+// A tile's first texel.
+ivec2 first_texel_of(ivec2 tile) {
+    return with_border(TEXELS * tile);
+}
+
+// The tile that a texel belongs to; of the border's, the tile beside it.
+ivec2 tile_with(ivec2 texel, ivec2 tile_grid) {
+    return clamp(without_border(texel) / TEXELS, ivec2(0), tile_grid - 1);
+}
+
 // The state of a tile is twice the last round that visited it, counted from 1, plus one if its
 // fronts are in image 1 after it. During a round both states of a tile that is visited tell a
 // neighbour the same: where its fronts were before.

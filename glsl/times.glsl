@@ -1,11 +1,17 @@
 // Arrival times of single grid points, out of the fronts. Two points beside the grid may be asked
-// for, which are never reached.
+// for, which are never reached. Include after chart.glsl.
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts;
 
-float time_at(ivec2 point) {
-    ivec2 at = point + 2 * BORDER;
-    return imageLoad(fronts, ivec3(at / 2, TIME))[(at.x & 1) + 2 * (at.y & 1)];
+float time_at(ivec2 at) {
+    ivec2 point = point_at(at);
+    return imageLoad(fronts, ivec3(texel_of(point), TIME))[component_of(point)];
+}
+
+// At the corners of a cell.
+vec4 times_at_corners(ivec2 first) {
+    return vec4(time_at(first), time_at(first + to_corner(1)), time_at(first + to_corner(2)),
+                time_at(first + to_corner(3)));
 }
 
 bool is_reached(float time) {

@@ -2,15 +2,17 @@
 #extension GL_GOOGLE_include_directive : require
 // Unpacks arrival times into rows of distances. One invocation is one texel of a band of rows; the
 // third dimension of the dispatch is the map.
-// Twin: Solution::distances in src/cpu/state.rs.
+// Twin: the distances of a solution in src/cpu.
 
 #include "constants.glsl"
+#include "chart.glsl"
+#include "distance.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts; // times first
 layout(set = 0, binding = 8) writeonly restrict buffer Distances {
-    uint distances[]; // bits of floats, row-major: GLSL does not promise infinities
+    uint distances[]; // as in distance.glsl, row-major
 };
 
 layout(push_constant) uniform Band {
@@ -19,22 +21,16 @@ layout(push_constant) uniform Band {
     int band_rows;
 };
 
-const uint INFINITY = 0x7f800000u;
-
-void write(ivec2 point, float time) {
-    if (point.x >= grid.x || point.y >= first_row + band_rows) return;
-    int row = int(gl_WorkGroupID.z) * band_rows + point.y - first_row;
-    distances[row * grid.x + point.x] =
-        time < FAR ? floatBitsToUint(time) : INFINITY;
-}
-
 void main() {
-    ivec2 texel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, first_row / 2);
-    ivec2 point = 2 * texel;
-    if (point.x >= grid.x || point.y >= first_row + band_rows) return;
-    vec4 packed = imageLoad(fronts, ivec3(texel + BORDER, gl_WorkGroupID.z));
-    write(point, packed.x);
-    write(point + ivec2(1, 0), packed.y);
-    write(point + ivec2(0, 1), packed.z);
-    write(point + ivec2(1, 1), packed.w);
+    ivec2 inner = ivec2(gl_GlobalInvocationID.xy) + texel_of(ivec2(0, first_row));
+    ivec2 texel = with_border(inner);
+    ivec2 end = ivec2(grid.x, first_row + band_rows);
+    if (is_beyond(at_point(first_point(texel)), end)) return;
+    vec4 times = imageLoad(fronts, ivec3(texel, gl_WorkGroupID.z));
+    for (int i = 0; i < 4; i++) {
+        ivec2 at = at_point(first_point(texel) + to_corner(i));
+        if (is_beyond(at, end)) continue;
+        int row = int(gl_WorkGroupID.z) * band_rows + at.y - first_row;
+        distances[row_major(ivec2(at.x, row), grid.x)] = distance_bits(times[i]);
+    }
 }

@@ -11,7 +11,7 @@ use crate::constants::{DEFECT_NOISE, LARGEST_DEFECT};
 use crate::lanes::{Instructions, Work};
 
 /// Tag ([`Real::with_tag`]) of the Gaussian curvature at points where waves diffract.
-pub(crate) const DIFFRACTS: u8 = 1;
+pub(crate) const DIFFRACTS: u8 = crate::constants::DIFFRACTS as u8;
 
 impl<R: Real> EdgeLengths<R> {
     /// Gaussian curvature at each point of the bordered array, from the lengths alone. Computed when it is

@@ -9,7 +9,7 @@ pub const FAR: f64 = crate::constants::FAR;
 use crate::constants::{FLAT, SOURCE_CURVATURE};
 
 /// The last binary digits of a number, which may hold a tag.
-pub(crate) const TAG: u8 = 15;
+pub(crate) const TAG: u8 = crate::constants::TAG as u8;
 
 /// f32 for use, f64 for reference.
 pub trait Real:

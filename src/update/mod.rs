@@ -1,7 +1,7 @@
 //! The update: the arrival time at a point from the arrival times at two neighbours.
 //!
 //! Everything is expressed in the lengths of the triangle's edges. The functions here are the
-//! twins of `glsl/update.glsl` and follow the same order of operations. Both compute every case
+//! twins of the kinds in `glsl/wavefront.glsl` and follow the same order of operations. Both compute every case
 //! and choose between the results, without a branch, so that compilers turn rows of points into
 //! lanes.
 
@@ -19,27 +19,28 @@ pub(crate) use inside::InsideSources;
 pub use planar::planar;
 pub use point_source::point_source;
 
+use crate::constants;
 use crate::name::{UnknownName, by_name};
 use crate::surface::{EdgeLengths, Real, min};
 
 /// The shape of the front that an update assumes inside a triangle. The numbers are those of
-/// `WAVEFRONT` in `glsl/update.glsl`.
+/// `WAVEFRONT` in `glsl/wavefront.glsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(i32)]
 pub enum Wavefront {
     /// A straight front (paper, section 3): first-order accurate, for extended sources too.
-    Planar = 0,
+    Planar = constants::PLANAR as i32,
     /// A circular front around a virtual point source: exact on developable surfaces but for
     /// the sampling, second-order elsewhere, for point sources.
-    PointSource = 1,
+    PointSource = constants::CIRCULAR as i32,
     /// A front that carries its curvature beside the arrival time: second-order on curved
     /// surfaces, around holes and for extended sources too.
-    Curved = 2,
+    Curved = constants::CURVED as i32,
     /// A front that knows its anchor, the corner or source that it comes from on a straight line, in place
     /// of its curvature: exact over floor plans ([`crate::Surface::is_floor_plan`]), from points. Elsewhere
     /// and from curves it is refused; given the edges of another surface, engines solve as
     /// [`Self::Curved`].
-    Anchored = 3,
+    Anchored = constants::ANCHORED as i32,
 }
 
 impl Wavefront {

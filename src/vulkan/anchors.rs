@@ -1,13 +1,10 @@
 //! The anchors of fronts over a floor plan, as shaders have them. The twin of `glsl/anchors.glsl` and
-//! `glsl/anchor_number.glsl`.
+//! of the numbers in `glsl/anchored.glsl`.
 
 use super::TexelChart;
-use crate::constants::{BORDER, SOURCES_INSIDE};
+use crate::constants::{BORDER, FIRST_INSIDE, SOURCES_INSIDE};
 use crate::surface::{Real, Seed, Surface};
 use crate::update::InsideSources;
-
-/// From here on numbers are those of sources inside cells.
-const FIRST_INSIDE: usize = f32::NUMBERS / 2;
 
 /// Bytes of the sources inside cells and of the metric where shaders find them.
 pub(crate) const ANCHOR_BYTES: usize = (SOURCES_INSIDE as usize + 1) * size_of::<[f32; 4]>();
@@ -52,7 +49,7 @@ impl Anchors {
     fn number(&mut self, seed: &Seed) -> f32 {
         let border = 2 * BORDER as usize;
         f32::of_number(match self.inside.number(seed) {
-            Some(source) => FIRST_INSIDE + source,
+            Some(source) => FIRST_INSIDE as usize + source,
             None => (seed.row + border) * self.points_in_row + seed.col + border,
         })
     }

@@ -1,5 +1,5 @@
 //! The chart in texels: which texel of the images holds which grid points. The twin of
-//! `glsl/texel.glsl`.
+//! `glsl/chart.glsl`.
 
 use std::ops::Range;
 

@@ -18,11 +18,11 @@ pub(super) struct EdgeTimes {
 }
 
 /// Second differences that differ by more than this factor have a kink between them.
-const KINK: f64 = 3.0;
+const KINK: f64 = crate::constants::KINK;
 
 /// How much faster times may change than the way is long, in shares of an edge: curved edges, and
 /// a metric that changes.
-const MARGIN: f64 = 0.05;
+const MARGIN: f64 = crate::constants::MARGIN;
 
 /// Where a straight line crosses an edge.
 #[derive(Clone, Copy, Debug)]

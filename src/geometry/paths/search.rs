@@ -59,15 +59,15 @@ pub(super) fn fits(end: f64, length: f64, time: f64) -> bool {
 }
 
 /// A line that ends nearer than this to a grid point, in shares of the edge, ends there.
-pub(super) const AT_POINT: f64 = 1e-4;
+pub(super) const AT_POINT: f64 = crate::constants::AT_POINT;
 /// A straight line to the source in sight is preferred to others by this part of its length; and a
 /// line that fits the arrival time as well needs no other to be compared with.
-const FITS: f64 = 1e-3;
+const FITS: f64 = crate::constants::FITS;
 /// Maps are rounded to single precision, which over short lines is more than that part of them:
 /// such a part of the arrival time.
 const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
 /// A line falls if it does so by this part of its length.
-const LEAST_FALL: f64 = 0.5;
+const LEAST_FALL: f64 = crate::constants::LEAST_FALL;
 /// Areas whose square is a smaller part of the fourth power of a side are no triangles.
 const FLAT: f64 = 1e-14;
 

@@ -7,7 +7,7 @@ use bytemuck::{NoUninit, bytes_of};
 
 use super::{Recorder, dispatched};
 use crate::Stop;
-use crate::constants::{CURVATURE, FAR, LAYERS, TIME, WORKGROUP};
+use crate::constants::{CARRIED, FAR, LAYERS, TIME, WORKGROUP};
 use crate::vulkan::Schedule;
 use crate::vulkan::barrier::{CLEAR, COPY, HOST_READ, PASS, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::pipelines::{Pipelines, SchedulePipelines};
@@ -47,7 +47,7 @@ impl Recorder<'_> {
     pub(super) fn clear_fronts(&self) {
         for image in &self.grid.fronts {
             self.clear(image.image, TIME, FAR);
-            self.clear(image.image, CURVATURE, 0.0);
+            self.clear(image.image, CARRIED, 0.0);
         }
     }
 

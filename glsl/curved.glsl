@@ -1,0 +1,136 @@
+// Fronts that carry their curvature, tagged; the surface brings its own, tagged too. See tag.glsl.
+// Twin: the curved front in src/update, where the formulas are explained.
+
+// Curvature at the end of a ray, from what it would be on a developable surface.
+vec4 bent(vec4 curvature, vec4 gaussian, vec4 ray) {
+    vec4 x = curvature * ray;
+    return curvature - gaussian * ray * (1.0 - x + x * x * (1.0 / 3.0));
+}
+
+Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
+    bvec4 swap = lessThan(end1.time, end2.time);
+    vec4 t = mix(end1.time, end2.time, swap);
+    vec4 near_t = mix(end2.time, end1.time, swap);
+    vec4 k = mix(end1.carried, end2.carried, swap);
+    vec4 near_k = mix(end2.carried, end1.carried, swap);
+    vec4 g = mix(end1.surface, end2.surface, swap);
+    vec4 near_g = mix(end2.surface, end1.surface, swap);
+    vec4 l = mix(l1, l2, swap);
+    vec4 near_l = mix(l2, l1, swap);
+    Shape shape = shape_of(l, near_l, c);
+    vec4 p = shape.foot;
+    vec4 h = sqrt(max(shape.height_squared, 0.0));
+    vec4 d = (near_t - t) * shape.per_base;
+    bvec4 from_beside = both(lessThan(abs(k * c), vec4(ABOUT_STRAIGHT)), greaterThan(d, vec4(-FROM_SOURCE)));
+    bvec4 beside = both(greaterThanEqual(near_k, vec4(SOURCE_CURVATURE)), from_beside);
+    vec4 near_kappa = mix(near_k, k, beside) * c;
+    vec4 passed = near_kappa / max(1.0 - near_kappa * d, FOCUS);
+    vec4 far_kappa = mix(passed, k * c, lessThan(k, vec4(SOURCE_CURVATURE)));
+    vec4 kappa = 0.5 * (passed + far_kappa);
+    vec4 cos_a = 0.5 * kappa * ((1.0 - d) * (1.0 + d)) - d;
+    vec4 sin_a = sqrt(max((1.0 - cos_a) * (1.0 + cos_a), 0.0));
+    vec4 crossing = cos_a * h + sin_a * p;
+    vec4 width = sin_a + kappa * h;
+    bvec4 in_front = both(greaterThan(d, vec4(-1.0)), lessThanEqual(cos_a, vec4(1.0)));
+    bvec4 is_front = both(both(shape.whole, in_front), greaterThan(width, vec4(0.0)));
+    bvec4 after_x1 = greaterThanEqual(crossing, vec4(0.0));
+    vec4 n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * 2.0;
+    vec4 root = sqrt(max(1.0 + kappa * n, 0.0));
+    vec4 rise = n / (1.0 + root);
+    bvec4 crosses = both(both(is_front, after_x1), lessThanEqual(crossing, width));
+    bvec4 inside = both(crosses, either(not(beside), greaterThanEqual(rise, d)));
+    vec4 far_spread = max(1.0 + far_kappa * rise, FOCUS);
+    vec4 near_spread = max(1.0 + near_kappa * (rise - d), FOCUS);
+    vec4 spread = far_spread * near_spread;
+
+    // Along the edge of the end from which it arrives first.
+    vec4 grazing = GRAZING * width;
+    vec4 by_far = t + l;
+    vec4 by_near = near_t + near_l;
+    bvec4 from_far = lessThanEqual(by_far, by_near);
+    vec4 edge = mix(near_l, l, from_far);
+    vec4 edge_g = mix(near_g, g, from_far);
+    bvec4 reaches_far = both(from_far, greaterThanEqual(crossing, -grazing));
+    bvec4 reaches_near = both(not(from_far), lessThanEqual(crossing, width + grazing));
+    bvec4 ahead = both(is_front, either(reaches_far, reaches_near));
+    bvec4 turns = both(either(shape.whole, alone), not(ahead));
+    bvec4 corner = equal(tags_of(edge_g), uvec4(DIFFRACTS));
+    vec4 edge_k = mix(mix(near_k, k, from_far), vec4(SOURCE_CURVATURE), both(turns, corner));
+
+    // One division serves the ray's place, its length and the curvature, whichever way it runs.
+    vec4 weighted = (width - crossing) * far_kappa * near_spread + crossing * near_kappa * far_spread;
+    vec4 dividend = mix(edge_k, weighted * shape.per_base, inside);
+    vec4 per = 1.0 / mix(max(1.0 + edge_k * edge, FOCUS), width * spread, inside);
+    vec4 share = crossing * spread * per;
+    vec4 ray = mix(edge, c * (root * h * spread * per), inside);
+    vec4 gaussian = mix(edge_g, g + share * (near_g - g), inside);
+    vec4 curvature = bent(dividend * per, 0.5 * (g0 + gaussian), ray);
+    return Fronts(mix(mix(by_near, by_far, from_far), t + c * rise, inside), curvature, shape.whole);
+}
+
+// The curvature over a base, in units of the base: from that at its later end and at the nearer one, whose time
+// exceeds the other by `d`.
+float base_curvature(float k, float near_k, float d, float base) {
+    bool beside = near_k >= SOURCE_CURVATURE && abs(k * base) < ABOUT_STRAIGHT && d > -FROM_SOURCE;
+    float near_kappa = (beside ? k : near_k) * base;
+    float passed = near_kappa / max(1.0 - near_kappa * d, FOCUS);
+    return 0.5 * (passed + (k < SOURCE_CURVATURE ? k * base : passed));
+}
+
+// Whether fronts arrive at the same time as others, but for rounding.
+bvec4 together(vec4 time, vec4 other) {
+    return lessThanEqual(abs(time - other), TOGETHER * PRECISION * time);
+}
+
+// The earlier of two fronts at each point. Of those that arrive together a whole triangle knows
+// better, then the one that sees the ray run straight on, whose front is the flatter.
+Fronts earlier_curved(Fronts a, Fronts b) {
+    bvec4 alike = equal(uvec4(a.whole), uvec4(b.whole));
+    bvec4 flatter = both(alike, lessThan(b.carried, a.carried));
+    bvec4 knows = either(both(b.whole, not(a.whole)), flatter);
+    bvec4 ties = together(a.time, b.time);
+    bvec4 second = either(both(not(ties), lessThan(b.time, a.time)), both(ties, knows));
+    return Fronts(min(a.time, b.time), mix(a.carried, b.carried, second),
+                  either(both(not(second), a.whole), both(second, b.whole)));
+}
+
+// Accepts fronts, brought by a scan numbered from 1, that are the first to arrive. Of those that arrive
+// together whole triangles know better, then the front that is flatter by more than rounding; and
+// those that this scan has brought before may be renewed, earlier or later, but for what rounding
+// alone has changed. Else the one that is there stays.
+void accept_curved(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 curvature) {
+    vec4 tagged = with_tags(fronts.carried, mix(uvec4(scan), uvec4(scan | WHOLE), fronts.whole));
+    uvec4 tag_before = tags_of(curvature);
+    bvec4 whole_before = greaterThanEqual(tag_before, uvec4(WHOLE));
+    bvec4 alike = equal(uvec4(fronts.whole), uvec4(whole_before));
+    bvec4 apart = greaterThan(curvature - tagged, abs(tagged) * BENT_APART);
+    bvec4 flatter = both(alike, apart);
+    bvec4 knows = either(both(fronts.whole, not(whole_before)), flatter);
+    bvec4 reached = lessThan(time, vec4(FAR));
+    bvec4 ties = both(reached, together(fronts.time, time));
+    vec4 rounding = abs(tagged) * (BENT_AGAIN * PRECISION);
+    bvec4 bends_alike = both(alike, lessThanEqual(abs(curvature - tagged), rounding));
+    bvec4 is_new = not(both(ties, bends_alike));
+    bvec4 comes_again = both(both(bvec4(renews), reached), equal(tag_before & SCAN_OF_TAG, uvec4(scan)));
+    bvec4 first = either(both(not(ties), lessThan(fronts.time, time)), both(ties, knows));
+    bvec4 accepted = either(first, both(comes_again, is_new));
+    curvature = mix(curvature, tagged, accepted);
+    vec4 arrival = mix(fronts.time, min(time, fronts.time), ties);
+    time = mix(time, arrival, accepted);
+}
+
+// Whether of two fronts at one point the first is kept.
+bool is_first_curved(float time, float curvature, float other, float other_curvature) {
+    bool whole = tag_of(curvature) >= WHOLE;
+    bool other_whole = tag_of(other_curvature) >= WHOLE;
+    bool knows = whole != other_whole ? whole : curvature < other_curvature;
+    return together(vec4(other), vec4(time)).x ? knows : time < other;
+}
+
+// What changes of curvature count beside changes of times, in units of their last place.
+uint change_of_curvature(vec4 before, vec4 curvature, vec4 time) {
+    vec4 bends = abs(curvature - before) * time;
+    float bend = max(max(bends.x, bends.y), max(bends.z, bends.w)) * (CURVATURE_COUNTS / PRECISION);
+    // However large, it is not taken for a point's first front.
+    return uint(min(bend, 1.0 / PRECISION));
+}

@@ -1,0 +1,26 @@
+// The lengths of edges as the image holds them. Include after chart.glsl.
+
+layout(set = 0, binding = 0, rgba32f) uniform readonly restrict image2D edges;
+
+// Of an edge between neighbours.
+float edge_length(ivec2 point, ivec2 step) {
+    bool here = stored_here(step);
+    return stored_length(imageLoad(edges, here ? point : point + step), here ? step : -step);
+}
+
+bool has_edge(ivec2 point) {
+    for (int i = 0; i < 8; i++) {
+        if (edge_length(point, NEIGHBOURS[i]) < FAR) return true;
+    }
+    return false;
+}
+
+// Of the six edges of a cell: to the north, west, from north-west to south-east, from south-west to
+// north-east, to the east and south.
+float[6] edges_of_cell(ivec2 first) {
+    vec4 from_north_west = imageLoad(edges, first);
+    vec4 from_south_west = imageLoad(edges, first + to_corner(2));
+    vec4 from_south_east = imageLoad(edges, first + to_corner(3));
+    return float[](from_north_west.x, from_south_west.y, from_south_east.w,
+                   from_south_west.z, from_south_east.y, from_south_west.x);
+}

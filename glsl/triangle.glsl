@@ -1,0 +1,85 @@
+// The triangle x0 x1 x2 of an update, for four of them at once: the fronts at x1 and x2, and those that
+// arrive at x0.
+// Twin: src/update.
+
+// Distance from 1 to the next number.
+const float PRECISION = 1.1920929e-7;
+
+// Fronts at x1 or x2 of four triangles.
+struct Ends {
+    vec4 time;
+    vec4 carried; // beside the time, by the kind of front
+    vec4 surface; // what the surface brings there, by the kind of front
+};
+
+// Fronts that arrive at x0 of four triangles.
+struct Fronts {
+    vec4 time;
+    vec4 carried;
+    bvec4 whole; // come from whole triangles, and decide between equal times
+};
+
+// What four points see of the three neighbours each that a scan has just passed: before it, beside it
+// and after it.
+struct Sight {
+    Ends ends[3];
+    vec4 edges[3]; // to them
+};
+
+// What a pair of points of a line sees, each twice: from the fronts at the four points behind, and the edges to
+// the first and to the second end of each triangle, left ones in xy and right ones in zw.
+Sight sight_of_pair(Ends behind, vec4 l1, vec4 l2) {
+    Sight sight;
+    sight.ends[0] = Ends(behind.time.xyxy, behind.carried.xyxy, behind.surface.xyxy);
+    sight.ends[1] = Ends(behind.time.yzyz, behind.carried.yzyz, behind.surface.yzyz);
+    sight.ends[2] = Ends(behind.time.zwzw, behind.carried.zwzw, behind.surface.zwzw);
+    sight.edges[0] = l1.xyxy;
+    sight.edges[1] = l1.zwzw;
+    sight.edges[2] = l2.zwzw;
+    return sight;
+}
+
+bvec4 both(bvec4 a, bvec4 b) {
+    return bvec4(uvec4(a) & uvec4(b));
+}
+
+bvec4 either(bvec4 a, bvec4 b) {
+    return bvec4(uvec4(a) | uvec4(b));
+}
+
+uint largest(uvec4 values) {
+    return max(max(values.x, values.y), max(values.z, values.w));
+}
+
+// The Dijkstra step along an edge (paper, eq. 16).
+vec4 edge_step(vec4 t1, vec4 t2, vec4 l1, vec4 l2) {
+    return min(t1 + l1, t2 + l2);
+}
+
+// A triangle in units of its base, seen from one end of it.
+struct Shape {
+    vec4 per_base;       // 1 over the length of the base
+    vec4 side;           // from this end of the base to x0
+    vec4 other;          // from the other end to x0
+    vec4 foot;           // from this end to the foot of x0 on the base
+    vec4 height_squared; // of x0 over the base
+    bvec4 whole;         // all three edges exist and enclose an area
+};
+
+Shape shape_of(vec4 side, vec4 other, vec4 base) {
+    Shape shape;
+    shape.per_base = 1.0 / base;
+    shape.side = side * shape.per_base;
+    shape.other = other * shape.per_base;
+    shape.foot = 0.5 * ((shape.side * shape.side - shape.other * shape.other) + 1.0);
+    shape.height_squared = (shape.side - shape.foot) * (shape.side + shape.foot);
+    bvec4 exists = both(lessThan(shape.height_squared, vec4(FAR)), lessThan(base, vec4(FAR)));
+    shape.whole = both(greaterThan(shape.height_squared, vec4(0.0)), exists);
+    return shape;
+}
+
+// Whether of x1 and x2 only the one across the diagonal is there, given the edges to the other, along
+// an axis of the grid: fronts are then taken to have come around a hole's corner.
+bvec4 are_alone(vec4 beside) {
+    return greaterThanEqual(beside, vec4(FAR));
+}
