@@ -1,10 +1,11 @@
 //! Accuracy against exact distances, for every engine.
 
-use crate::common::{CONVERGED, at, directed, off_centre, on_vulkan, rotated, vulkan_solver};
 use geosweep::Stop;
 use geosweep::accuracy::{Errors, exact_disc};
 use geosweep::surface::builtin::Builtin;
 use geosweep::{EdgeRule, Sources, Surface, Wavefront};
+
+use crate::common::{CONVERGED, at, directed, off_centre, on_vulkan, rotated, vulkan_solver};
 
 /// A way to compute a map; the tests run over all of [`ENGINES`].
 struct Engine {

@@ -1,8 +1,5 @@
 //! The CPU solvers against one another: the converged map does not depend on the order of updates.
 
-use crate::common::{
-    CONVERGED, CONVERGED_F64, Random, at, difference, directed, marched, off_centre, rotated,
-};
 use geosweep::Stop;
 use geosweep::accuracy::Errors;
 use geosweep::cpu::{self, Connections};
@@ -10,6 +7,10 @@ use geosweep::glam::DVec3;
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{Direction, EdgeLengths, Real};
 use geosweep::{Sources, Spacing, Surface, Wavefront};
+
+use crate::common::{
+    CONVERGED, CONVERGED_F64, Random, at, difference, directed, marched, off_centre, rotated,
+};
 
 const WAVEFRONTS: [Wavefront; 2] = [Wavefront::Planar, Wavefront::PointSource];
 const POINTS: usize = 97;

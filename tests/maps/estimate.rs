@@ -1,12 +1,13 @@
 //! Estimated errors against true ones, and what extrapolation leaves of them.
 
-use crate::common::{at, device_choice, off_centre};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{SourceError, SurfaceError};
 use geosweep::{
     EdgeRule, Engine, Error, ErrorEstimate, MetricTensor, Options, Sources, Spacing, Surface,
     Wavefront, estimate_error,
 };
+
+use crate::common::{at, device_choice, off_centre};
 
 const WAVEFRONTS: [Wavefront; 3] = [Wavefront::Planar, Wavefront::PointSource, Wavefront::Curved];
 const SMOOTH: [Builtin; 3] = [Builtin::Sphere, Builtin::Cylinder, Builtin::Cone];

@@ -1,6 +1,5 @@
 //! The pairwise engine against the engine for single maps, and against truth.
 
-use crate::common::{CONVERGED, difference};
 use geosweep::Stop;
 use geosweep::accuracy::Errors;
 use geosweep::cpu::{Instructions, PairwiseScan, scan_outward};
@@ -8,6 +7,8 @@ use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::{MetricTensor, Spacing, Surface, Wavefront};
 use rayon::prelude::*;
+
+use crate::common::{CONVERGED, difference};
 
 const STRAIGHT: [Wavefront; 2] = [Wavefront::Planar, Wavefront::PointSource];
 

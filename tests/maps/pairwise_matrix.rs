@@ -1,11 +1,12 @@
 //! The matrix of all distances: the same from every engine, in whole or in part.
 
-use crate::common::{CONVERGED, device_choice, difference, on_cpu};
 use geosweep::accuracy::Errors;
 use geosweep::pairwise::Pairwise;
 use geosweep::surface::Seed;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{Engine, Error, Options, Spacing, Surface, Wavefront};
+
+use crate::common::{CONVERGED, device_choice, difference, on_cpu};
 
 const STRAIGHT: [Wavefront; 2] = [Wavefront::Planar, Wavefront::PointSource];
 

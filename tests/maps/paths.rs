@@ -1,12 +1,13 @@
 //! Geodesic paths against truth, at degenerate places, and on random surfaces.
 
-use crate::common::{CONVERGED, Random, at, off_centre, rotated};
 use geosweep::geometry::{Path, PathError, Paths};
 use geosweep::glam::DVec2;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{Sources, Spacing, Surface, Wavefront};
 use proptest::prelude::*;
+
+use crate::common::{CONVERGED, Random, at, off_centre, rotated};
 
 /// Converged single-precision maps, and lengths in single precision.
 const ROUNDING: f64 = 1e-5;

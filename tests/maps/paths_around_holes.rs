@@ -1,11 +1,12 @@
 //! Geodesic paths around holes, against exact polygons.
 
-use crate::common::{CONVERGED, Random, at, off_centre, rotated};
 use geosweep::geometry::{Curve, Path, Paths};
 use geosweep::glam::DVec2;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{Sources, Spacing, Surface, Wavefront};
+
+use crate::common::{CONVERGED, Random, at, off_centre, rotated};
 
 /// Paths led around corners, and those along the map alone.
 fn both(surface: &Surface, sources: &Sources, map: &[f32], starts: &[[f64; 2]]) -> [Vec<Path>; 2] {

@@ -3,7 +3,6 @@
 //! Tolerances of 1e-12 (double precision) are rounding: what they guard holds exactly. The others
 //! are discretisation errors of grids of at most 16 x 16 points, and say what was measured.
 
-use crate::common::{CONVERGED, CONVERGED_F64, difference, marched, rotated};
 use geosweep::Stop;
 use geosweep::glam::DVec3;
 use geosweep::surface::{Direction, Geometry};
@@ -11,6 +10,8 @@ use geosweep::{
     EdgeRule, Engine, MetricTensor, Options, Sources, Spacing, Surface, Wavefront, distance_map,
 };
 use proptest::prelude::*;
+
+use crate::common::{CONVERGED, CONVERGED_F64, difference, marched, rotated};
 
 const ROUNDING: f64 = 1e-12;
 

@@ -1,11 +1,12 @@
 //! The lanes, threads and memory of the CPU engine.
 
-use crate::common::{CONVERGED, at, difference, directed, off_centre, rotated};
 use geosweep::cpu::{Instructions, RotatedScan};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{Convergence, Stop};
 use geosweep::{Sources, Spacing, Surface, Wavefront};
+
+use crate::common::{CONVERGED, at, difference, directed, off_centre, rotated};
 
 /// Sizes around the width of a tile and of lanes, and lines of points.
 const SIZES: [[usize; 2]; 8] =

@@ -1,12 +1,13 @@
 //! Sources added to a map, the farthest point, and farthest-point sampling.
 
-use crate::common::{CONVERGED, CONVERGED_F64, Random, difference};
 use geosweep::Stop;
 use geosweep::cpu::RotatedScan;
 use geosweep::geometry::{Farthest, FarthestPoints, farthest};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{Chart, EdgeLengths, Real};
 use geosweep::{Sources, Spacing, Surface, Wavefront};
+
+use crate::common::{CONVERGED, CONVERGED_F64, Random, difference};
 
 fn flat(rows: usize, cols: usize) -> Surface {
     Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()

@@ -1,12 +1,13 @@
 //! Voronoi regions against exact bisectors and areas.
 
-use crate::common::Random;
 use geosweep::geometry::{NO_REGION, Voronoi, area};
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{
     DeviceChoice, DistanceMap, Engine, Options, Sources, Spacing, Surface, Wavefront, distance_map,
 };
+
+use crate::common::Random;
 
 fn solve(surface: &Surface, sources: &Sources) -> DistanceMap {
     let options = Options { engine: Engine::Cpu, ..Options::default() };

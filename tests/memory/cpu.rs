@@ -1,13 +1,16 @@
 //! What further maps of a kept solver take from the heap: nothing.
 
-use crate::heap::allocations;
 use geosweep::Stop;
 use geosweep::cpu::RotatedScan;
 use geosweep::surface::{EdgeLengths, builtin::Builtin};
 use geosweep::{Sources, Wavefront};
 
+use crate::ALONE;
+use crate::heap::allocations;
+
 #[test]
 fn further_maps_allocate_nothing() {
+    let _alone = ALONE.lock();
     // A thread that counts has to do all the work.
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     one.install(|| {

@@ -14,6 +14,7 @@ use geosweep::vulkan::embed::{
 use geosweep::vulkan::profile::{Grain, Profile, Slots};
 use geosweep::vulkan::{Method, Schedule};
 
+use crate::ALONE;
 use crate::heap::allocations;
 use crate::host::Host;
 
@@ -27,6 +28,7 @@ extern "system" fn counted() -> vk::Result {
 
 #[test]
 fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
+    let _alone = ALONE.lock();
     let mut host = Host::without_validation();
     let device = host.device.clone();
     let chart = Chart { rows: 40, cols: 48 };

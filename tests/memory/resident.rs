@@ -1,7 +1,5 @@
 //! What maps take of the machine's memory at most, by the operating system's own account.
 
-use std::sync::Mutex;
-
 use geosweep::Stop;
 use geosweep::cpu::RotatedScan;
 use geosweep::surface::EdgeLengths;
@@ -9,10 +7,9 @@ use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::{Method, Solver};
 use geosweep::{DeviceChoice, Sources, Surface, Wavefront};
 
-const STOP: Stop = Stop { tolerance: 1e-6, iterations: 100 };
+use crate::ALONE;
 
-/// Nothing else may take memory meanwhile.
-static ALONE: Mutex<()> = Mutex::new(());
+const STOP: Stop = Stop { tolerance: 1e-6, iterations: 100 };
 
 /// Bytes in memory, now (`VmRSS`) or at most (`VmHWM`).
 fn resident(field: &str) -> f64 {

@@ -1,13 +1,14 @@
 //! Anchors on a Vulkan device against the CPU engine and exact distances, under the validation layers.
 
-use crate::common::Random;
-use crate::common::*;
 use geosweep::accuracy::Errors;
 use geosweep::pairwise::Pairwise;
 use geosweep::surface::Seed;
 use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::{Method, Schedule, VulkanError};
 use geosweep::{DeviceChoice, Engine, Options, Sources, Spacing, Surface, Wavefront};
+
+use crate::common::Random;
+use crate::common::*;
 
 /// Of the largest distance: what rounding leaves on the way from corner to corner.
 const AGREEMENT: f64 = 2e-6;

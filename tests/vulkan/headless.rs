@@ -1,6 +1,5 @@
 //! The Vulkan engine against the CPU engine, under the validation layers.
 
-use crate::common::*;
 use geosweep::Stop;
 use geosweep::cpu::{self, Rounds, Solution};
 use geosweep::surface::builtin::Builtin;
@@ -10,6 +9,8 @@ use geosweep::vulkan::{Method, Schedule, Solver, TexelChart, Tuning, VulkanError
 use geosweep::{
     DeviceChoice, Engine, MetricTensor, Options, Sources, Surface, Wavefront, distance_map,
 };
+
+use crate::common::*;
 
 /// Both engines stop where nothing falls by more than 1e-6 in an iteration, and measure edges
 /// in different precision; the bar is ten times that.

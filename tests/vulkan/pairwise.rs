@@ -1,13 +1,14 @@
 //! Many maps at once on a Vulkan device against the CPU engine and against the shaders' twin, under
 //! the validation layers.
 
-use crate::common::*;
 use geosweep::Stop;
 use geosweep::cpu::{self, PairwiseScan};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::{PairwiseOnDevice, PairwiseSchedule, Solver, SurfaceOnDevice, VulkanError};
 use geosweep::{MetricTensor, Surface, Wavefront};
+
+use crate::common::*;
 
 /// Both engines stop where nothing falls by more than 1e-6 in an iteration, and measure edges in
 /// different precision; the bar is ten times that.
