@@ -3,7 +3,7 @@
 //!
 //! `cargo bench --bench recording`
 
-#[path = "../tests/embed/host/mod.rs"]
+#[path = "../tests/common/host/mod.rs"]
 mod host;
 
 use std::time::{Duration, Instant};

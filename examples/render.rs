@@ -4,7 +4,7 @@
 //!
 //! `cargo run --release --features formats --example render -- picture.png`
 
-#[path = "../tests/embed/host/mod.rs"]
+#[path = "../tests/common/host/mod.rs"]
 mod host;
 
 use std::error::Error;

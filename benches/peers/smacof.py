@@ -1,4 +1,4 @@
-"""The stress that scikit-learn's SMACOF reaches, for tests/canonical.rs to be held against.
+"""The stress that scikit-learn's SMACOF reaches, for tests/maps/canonical.rs to be held against.
 
     pip install scikit-learn==1.9.1
     python smacof.py

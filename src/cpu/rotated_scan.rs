@@ -145,7 +145,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
     /// If the last map has converged, so has this one, of all sources. With the planar wavefront it
     /// is the one that [`Self::solve`] finds from all of them, within the tolerance, whose updates
     /// have a single fixed point. The others' have not in theory; on smooth and on rough surfaces
-    /// with holes both ways agree to rounding all the same (`tests/sampling.rs`), but where curved
+    /// with holes both ways agree to rounding all the same (`tests/maps/sampling.rs`), but where curved
     /// fronts do not settle. Times fall, but a curved front that is renewed may come later by its
     /// error. Seeds that lie behind the map change nothing. On a new solver this is `solve`.
     ///

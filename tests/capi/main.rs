@@ -5,7 +5,7 @@
 mod common;
 #[path = "../common/heap.rs"]
 mod heap;
-#[path = "../embed/host/mod.rs"]
+#[path = "../common/host/mod.rs"]
 mod host;
 
 mod allocations;

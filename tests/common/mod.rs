@@ -1,22 +1,50 @@
-//! What the integration tests share.
+//! What the integration tests share: maps by either engine, surfaces, and how far maps differ.
 
-#![allow(dead_code)] // each test file uses its part
+#![allow(dead_code, reason = "each binary uses its part")]
+
+mod devices;
 
 use geosweep::Stop;
-use geosweep::cpu;
-use geosweep::surface::{EdgeLengths, Seed};
+use geosweep::accuracy::Errors;
+use geosweep::cpu::{self, Solution};
+use geosweep::surface::{EdgeLengths, Real, Seed};
 use geosweep::vulkan::{Method, Solver};
-use geosweep::{DeviceChoice, Sources, Spacing, Surface, Wavefront};
+use geosweep::{Sources, Spacing, Surface, Wavefront};
 
-/// Until f32 converges.
-pub const CONVERGED: Stop = Stop { tolerance: 1e-6, iterations: 1000 };
+#[allow(unused_imports, reason = "each binary uses its part")]
+pub use devices::{Lent, Pool, device_choice, vulkan_solver};
 
-/// The device that `GEOSWEEP_TEST_DEVICE` names, under the validation layers: a call that leaves
-/// a validation message fails. No device is a failure too, not a reason to skip.
-pub fn vulkan_solver() -> Solver {
-    let device = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default();
-    Solver::with_validation(&DeviceChoice::Name(device))
-        .expect("the tests need a Vulkan device and the validation layers; ci/setup installs them")
+/// Stops when nothing changes beyond rounding, and never before.
+pub const CONVERGED: Stop = Stop { tolerance: 1e-6, iterations: 10_000 };
+/// The same for double precision.
+pub const CONVERGED_F64: Stop = Stop { tolerance: 1e-13, iterations: 10_000 };
+
+/// By the CPU engine.
+pub fn rotated<R: Real>(
+    surface: &Surface,
+    sources: &Sources,
+    wavefront: Wavefront,
+    stop: Stop,
+) -> Solution<R> {
+    let edges = EdgeLengths::new(surface).unwrap();
+    cpu::rotated_scan(&edges, &sources.seeds(surface).unwrap(), wavefront, stop)
+}
+
+/// By scans of the grid as it lies.
+pub fn directed<R: Real>(
+    surface: &Surface,
+    sources: &Sources,
+    wavefront: Wavefront,
+    stop: Stop,
+) -> Solution<R> {
+    let edges = EdgeLengths::new(surface).unwrap();
+    cpu::raster_scan(&edges, &sources.seeds(surface).unwrap(), wavefront, stop)
+}
+
+/// By fast marching.
+pub fn marched<R: Real>(surface: &Surface, sources: &Sources, wavefront: Wavefront) -> Solution<R> {
+    let edges = EdgeLengths::new(surface).unwrap();
+    cpu::fast_marching(&edges, &sources.seeds(surface).unwrap(), wavefront)
 }
 
 /// The CPU engine's map.
@@ -38,20 +66,14 @@ pub fn on_vulkan(
     solver.solve(&mut on_device, seeds, method).unwrap().distances
 }
 
-/// Largest difference of two maps over the largest distance; the maps must reach the same points.
-pub fn relative_difference(a: &[f32], b: &[f32]) -> f32 {
-    assert_eq!(a.len(), b.len());
-    let mut difference = 0.0f32;
-    let mut largest = 0.0f32;
-    for (index, (&a, &b)) in a.iter().zip(b).enumerate() {
-        assert!(!a.is_nan() && !b.is_nan(), "NaN at {index}");
-        assert_eq!(a.is_finite(), b.is_finite(), "one map reaches {index}: {a} {b}");
-        if a.is_finite() {
-            difference = difference.max((a - b).abs());
-            largest = largest.max(a.abs());
-        }
-    }
-    if largest > 0.0 { difference / largest } else { difference }
+/// Largest difference of two maps over the largest distance; both are free of NaN and reach the same
+/// points.
+pub fn difference<R: Real, S: Real>(a: &[R], b: &[S]) -> f64 {
+    let b: Vec<f64> = b.iter().map(|x| x.wide()).collect();
+    assert!(!b.iter().any(|x| x.is_nan()), "a distance is NaN");
+    let errors = Errors::of(a, &b);
+    assert_eq!(errors.reached_by_one, 0, "one map reaches points that the other does not");
+    errors.max_of_largest
 }
 
 /// A height field without symmetry, with holes where a cheap hash says so: about one point in
@@ -81,5 +103,31 @@ pub fn some_point(surface: &Surface) -> (usize, usize) {
 
 /// Seeds of a source at a grid point.
 pub fn seeds_at(surface: &Surface, (row, col): (usize, usize)) -> Vec<Seed> {
-    Sources::point(row as f64, col as f64).seeds(surface).unwrap()
+    at([row as f64, col as f64]).seeds(surface).unwrap()
+}
+
+/// A source off the middle and off every line of symmetry, at a grid point.
+pub fn off_centre(rows: usize, cols: usize) -> [f64; 2] {
+    [(0.3 * (rows - 1) as f64).round(), (0.4 * (cols - 1) as f64).round()]
+}
+
+pub fn at([row, col]: [f64; 2]) -> Sources {
+    Sources::point(row, col)
+}
+
+/// Pseudo-random numbers (xorshift), the same on every machine.
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self((seed + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15))
+    }
+
+    /// Uniform from 0 to 1.
+    pub fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
 }

@@ -2,6 +2,7 @@
 //! layers, whose messages fail its exit status.
 #![cfg(all(feature = "formats", target_os = "linux"))]
 
+mod rest;
 mod screen;
 
 use std::path::PathBuf;
@@ -43,6 +44,11 @@ impl Viewer {
         Self { process, window }
     }
 
+    /// What it shows when it is done.
+    fn still(&self, screen: &Screen) -> Grab {
+        screen.still(self.window, self.process.as_ref().expect("it runs").id())
+    }
+
     /// Waits for its end, which something else has brought about.
     fn end(mut self, screen: &Screen) {
         let mut process = self.process.take().unwrap();
@@ -77,7 +83,7 @@ fn is_at(grab: &Grab, place: [i16; 2]) -> bool {
 fn the_source_follows_the_pointer() {
     let screen = Screen::new();
     let viewer = Viewer::start(&screen, "--size 480x300");
-    let before = screen.still(viewer.window);
+    let before = viewer.still(&screen);
     // The surface in its colors amid a background, with dark lines.
     let colored = before.part(is_colored);
     assert!((0.2..0.8).contains(&colored), "{colored}");
@@ -89,7 +95,7 @@ fn the_source_follows_the_pointer() {
     screen.point(place);
     screen.click(LEFT);
     screen.wait("the source has moved", || is_at(&screen.grab(viewer.window), place).then_some(()));
-    let clicked = screen.still(viewer.window);
+    let clicked = viewer.still(&screen);
     assert!(clicked.changed(&before) > 0.2, "colors and lines move with the source");
 
     // A drag takes it along.
@@ -101,12 +107,12 @@ fn the_source_follows_the_pointer() {
     screen.release(LEFT);
     screen
         .wait("the source was dragged", || is_at(&screen.grab(viewer.window), place).then_some(()));
-    let dragged = screen.still(viewer.window);
+    let dragged = viewer.still(&screen);
 
     // Beside the surface there is nothing to click on.
     screen.point([5, 5]);
     screen.click(LEFT);
-    assert!(screen.still(viewer.window) == dragged);
+    assert!(viewer.still(&screen) == dragged);
     // And the same place gives the same picture.
     screen.point([300, 190]);
     screen.click(LEFT);
@@ -127,11 +133,11 @@ fn keys_switch_surface_schedule_and_wavefront() {
     };
     titled("terrain, 344 x 403 points, raster, curved fronts");
     titled(" ms on ");
-    let raster = screen.still(viewer.window);
+    let raster = viewer.still(&screen);
     screen.key(u32::from(b'w'));
     titled("planar fronts");
     // First-order fronts lie elsewhere, but not far.
-    let planar = screen.still(viewer.window);
+    let planar = viewer.still(&screen);
     assert!((0.001..0.9).contains(&planar.changed(&raster)), "{}", planar.changed(&raster));
     screen.key(u32::from(b'w'));
     titled("point fronts");
@@ -149,7 +155,7 @@ fn keys_switch_surface_schedule_and_wavefront() {
     screen.wait("the same map", || same(&screen.grab(viewer.window)).then_some(()));
     screen.key(u32::from(b'c'));
     titled("tiles");
-    assert!(same(&screen.still(viewer.window)));
+    assert!(same(&viewer.still(&screen)));
     screen.key(u32::from(b'c'));
     titled("raster");
 
@@ -203,7 +209,7 @@ fn leads(grab: &Grab, before: &Grab, from: [i16; 2], to: [i16; 2]) -> bool {
 fn keys_draw_contours_and_a_path_as_lines() {
     let screen = Screen::new();
     let viewer = Viewer::start(&screen, "--size 480x300");
-    let shaded = screen.still(viewer.window);
+    let shaded = viewer.still(&screen);
     let titled = |part: &str, wanted: bool| {
         let found = || (screen.title(viewer.window).contains(part) == wanted).then_some(());
         screen.wait(part, found);
@@ -211,7 +217,7 @@ fn keys_draw_contours_and_a_path_as_lines() {
     // The same lines, drawn in another way.
     screen.key(u32::from(b'l'));
     titled("contours as lines", true);
-    let drawn = screen.still(viewer.window);
+    let drawn = viewer.still(&screen);
     let changed = drawn.changed(&shaded);
     let is_ink = |[r, g, b]: [u8; 3]| r.max(g).max(b) < 70;
     let beside = [part_beside(&drawn, &shaded, is_ink), part_beside(&shaded, &drawn, is_ink)];
@@ -230,12 +236,12 @@ fn keys_draw_contours_and_a_path_as_lines() {
     let leads_to =
         |place: [i16; 2]| leads(&screen.grab(viewer.window), &shaded, start, place).then_some(());
     screen.wait("the path leads to the source", || leads_to(source));
-    let traced = screen.still(viewer.window);
+    let traced = viewer.still(&screen);
     assert!(traced.changed(&shaded) < 0.05, "{}", traced.changed(&shaded));
     // Beside the surface none starts, and the last one stays.
     screen.point([5, 5]);
     screen.key(u32::from(b'p'));
-    assert!(screen.still(viewer.window) == traced);
+    assert!(viewer.still(&screen) == traced);
     // It ends where the source goes.
     let place = [300, 190];
     screen.point(place);
@@ -244,7 +250,7 @@ fn keys_draw_contours_and_a_path_as_lines() {
 
     screen.key(u32::from(b'l'));
     titled("contours as lines", true);
-    let elsewhere = screen.still(viewer.window);
+    let elsewhere = viewer.still(&screen);
     let beside = part_beside(&shaded, &elsewhere, is_ink);
     println!("from another source: {beside:.3}");
     assert!(beside < 0.65, "{beside}");
@@ -266,19 +272,19 @@ fn keys_draw_contours_and_a_path_as_lines() {
 fn the_picture_follows_the_camera_and_the_window() {
     let screen = Screen::new();
     let viewer = Viewer::start(&screen, "--size 320x200 --source 100,100");
-    let before = screen.still(viewer.window);
+    let before = viewer.still(&screen);
     screen.point([160, 100]);
     screen.press(RIGHT);
     screen.point([220, 110]);
     screen.release(RIGHT);
     screen.wait("it turns", || (screen.grab(viewer.window).changed(&before) > 0.2).then_some(()));
-    let turned = screen.still(viewer.window);
+    let turned = viewer.still(&screen);
     assert!(!is_at(&turned, [220, 110]), "only the left button moves the source");
     screen.click(WHEEL_UP);
     screen.click(WHEEL_UP);
     let larger = |grab: &Grab| grab.part(is_colored) > 1.2 * turned.part(is_colored);
     screen.wait("it comes closer", || larger(&screen.grab(viewer.window)).then_some(()));
-    let near = screen.still(viewer.window);
+    let near = viewer.still(&screen);
 
     // Larger, wider, and back: the same as before.
     for size in [[640, 480], [500, 120], [97, 61], [320, 200]] {

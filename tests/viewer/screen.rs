@@ -12,6 +12,8 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
+use crate::rest;
+
 /// Nothing here takes a tenth of it, unless it never comes.
 pub const LIMIT: Duration = Duration::from_secs(300);
 
@@ -107,17 +109,12 @@ impl Screen {
         Grab { width: width.into(), height: height.into(), pixels }
     }
 
-    /// What the window shows once it shows the same several times in turn.
-    pub fn still(&self, window: Window) -> Grab {
-        let mut last = self.grab(window);
-        let mut same = 0;
-        self.wait("the picture stands still", || {
-            std::thread::sleep(Duration::from_millis(150));
-            let next = self.grab(window);
-            same = if next == last { same + 1 } else { 0 };
-            last = next;
-            (same == 8).then(|| last.clone())
-        })
+    /// What the window of a program shows once all that was asked of it is done: what it has been told
+    /// has arrived, no frame is on its way, and the server has drawn them all.
+    pub fn still(&self, window: Window, program: u32) -> Grab {
+        let at_work = [program, self.server.id()];
+        self.wait("the picture stands still", || rest::are_done(&at_work).then_some(()));
+        self.grab(window)
     }
 
     fn input(&self, kind: u8, detail: u8, at: [i16; 2]) {

@@ -1,0 +1,279 @@
+//! File formats: what is written is read, and nothing in a file makes the library panic.
+
+use std::fs;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+use geosweep::Spacing;
+use geosweep::io::{
+    Grid, IoError, MapFormat, SurfaceFile, read_curves, read_map, read_mask, read_metric,
+    read_slowness, write_npy,
+};
+use geosweep::surface::Geometry;
+use proptest::prelude::*;
+use tempfile::TempDir;
+
+const ROWS: usize = 5;
+const COLS: usize = 7;
+
+/// Values that show a swapped axis, and an infinity.
+fn distances() -> Vec<f32> {
+    let mut distances: Vec<f32> = (0..ROWS * COLS).map(|i| i as f32 * 0.1).collect();
+    distances[11] = f32::INFINITY;
+    distances
+}
+
+fn encoded(format: MapFormat) -> Vec<u8> {
+    let mut file = Cursor::new(Vec::new());
+    format.write(&mut file, ROWS, COLS, &distances()).unwrap();
+    file.into_inner()
+}
+
+fn npy(shape: &[usize], values: &[f64]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    write_npy(&mut bytes, shape, values).unwrap();
+    bytes
+}
+
+fn grey_png(depth: png::BitDepth, data: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, COLS as u32, ROWS as u32);
+    encoder.set_depth(depth);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.write_header().unwrap().write_image_data(data).unwrap();
+    bytes
+}
+
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn file(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        let path = self.0.path().join(name);
+        fs::write(&path, bytes).unwrap();
+        path
+    }
+}
+
+fn heights(path: &Path) -> Vec<f64> {
+    let surface = SurfaceFile::read(path).unwrap().into_surface(None).unwrap();
+    assert_eq!((surface.rows(), surface.cols()), (ROWS, COLS));
+    match surface.geometry() {
+        Geometry::Heights { heights, .. } => heights.clone(),
+        _ => panic!("{} holds heights", path.display()),
+    }
+}
+
+#[test]
+fn maps_survive_every_format() {
+    let folder = Folder::new();
+    for (format, name) in
+        [(MapFormat::Npy, "m.npy"), (MapFormat::Tiff, "m.TIF"), (MapFormat::Exr, "m.exr")]
+    {
+        let path = folder.file(name, &encoded(format));
+        let Grid { rows, cols, values } = read_map(&path).unwrap();
+        assert_eq!((rows, cols), (ROWS, COLS), "{name}");
+        assert!(values.iter().zip(distances()).all(|(a, b)| *a == f64::from(b)), "{name}");
+    }
+}
+
+#[test]
+fn heights_come_from_grey_pictures_unscaled() {
+    let folder = Folder::new();
+    let expected: Vec<f64> = (0..ROWS * COLS).map(|i| (i * 7) as f64).collect();
+    let eight: Vec<u8> = expected.iter().map(|h| *h as u8).collect();
+    let sixteen: Vec<u8> = expected.iter().flat_map(|h| (*h as u16 * 256).to_be_bytes()).collect();
+    let path = folder.file("8.png", &grey_png(png::BitDepth::Eight, &eight));
+    assert_eq!(heights(&path), expected);
+    let path = folder.file("16.png", &grey_png(png::BitDepth::Sixteen, &sixteen));
+    assert_eq!(heights(&path), expected.iter().map(|h| h * 256.0).collect::<Vec<_>>());
+}
+
+/// A TIFF of 16-bit heights with GDAL's and GeoTIFF's tags.
+fn geotiff(model_type: Option<u16>, units: u16) -> Vec<u8> {
+    use tiff::encoder::{TiffEncoder, colortype::GrayI16};
+    use tiff::tags::Tag;
+    let mut file = Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut file).unwrap();
+    let mut image = encoder.new_image::<GrayI16>(COLS as u32, ROWS as u32).unwrap();
+    let tags = image.encoder();
+    tags.write_tag(Tag::GdalNodata, "-9999").unwrap();
+    tags.write_tag(Tag::ModelPixelScaleTag, &[30.0, 20.0, 0.0][..]).unwrap();
+    if let Some(model_type) = model_type {
+        let keys = [1, 1, 0, 2, 1024, 0, 1, model_type, 3076, 0, 1, units];
+        tags.write_tag(Tag::GeoKeyDirectoryTag, &keys[..]).unwrap();
+    }
+    let mut heights: Vec<i16> = (0..(ROWS * COLS) as i16).collect();
+    heights[3] = -9999;
+    image.write_data(&heights).unwrap();
+    file.into_inner()
+}
+
+#[test]
+fn geotiff_says_spacing_and_holes() {
+    let folder = Folder::new();
+    let path = folder.file("projected.tif", &geotiff(Some(1), 9001));
+    let surface = SurfaceFile::read(&path).unwrap().into_surface(None).unwrap();
+    assert_eq!(surface.position(1, 2).unwrap().to_array(), [60.0, 20.0, 9.0]);
+    assert!(!surface.has(0, 3) && surface.points() == ROWS * COLS - 1);
+}
+
+#[test]
+fn a_no_data_value_that_the_type_lacks_makes_no_hole() {
+    use tiff::encoder::{TiffEncoder, colortype::Gray8};
+    let mut file = Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut file).unwrap();
+    let mut image = encoder.new_image::<Gray8>(COLS as u32, ROWS as u32).unwrap();
+    image.encoder().write_tag(tiff::tags::Tag::GdalNodata, "-9999").unwrap();
+    image.write_data(&[0; ROWS * COLS]).unwrap();
+    let folder = Folder::new();
+    let path = folder.file("flat.tif", &file.into_inner());
+    assert_eq!(heights(&path), [0.0; ROWS * COLS]);
+}
+
+#[test]
+fn geotiff_in_degrees_asks_for_the_spacing() {
+    let folder = Folder::new();
+    let files = [
+        ("degrees.tif", geotiff(Some(2), 9001), "degrees"),
+        ("unsaid.tif", geotiff(None, 9001), "degrees"),
+        ("feet.tif", geotiff(Some(1), 9002), "unit other than metres"),
+    ];
+    for (name, bytes, reason) in files {
+        let path = folder.file(name, &bytes);
+        let error = SurfaceFile::read(&path).unwrap().into_surface(None).unwrap_err().to_string();
+        assert!(error.contains(reason) && error.contains("--spacing"), "{error}");
+        let given = Some(Spacing { dx: 74.0, dy: 92.0 });
+        let surface = SurfaceFile::read(&path).unwrap().into_surface(given).unwrap();
+        assert_eq!(surface.position(1, 1).unwrap().to_array(), [74.0, 92.0, 8.0], "{name}");
+    }
+}
+
+#[test]
+fn every_array_finds_its_meaning() {
+    let folder = Folder::new();
+    let read = |path: &Path| SurfaceFile::read(path).unwrap().into_surface(None).unwrap();
+
+    let positions: Vec<f64> = (0..ROWS * COLS * 3).map(|i| i as f64).collect();
+    let surface = read(&folder.file("p.npy", &npy(&[ROWS, COLS, 3], &positions)));
+    assert_eq!(surface.position(1, 2).unwrap().to_array(), [27.0, 28.0, 29.0]);
+
+    let tensors = [4.0, 0.5, 0.5, 1.0].repeat(ROWS * COLS);
+    let path = folder.file("g.npy", &npy(&[ROWS, COLS, 2, 2], &tensors));
+    let tensor = read_metric(&path).unwrap().values[3];
+    assert_eq!((tensor.rr, tensor.rc, tensor.cc), (4.0, 0.5, 1.0));
+    assert!(matches!(read(&path).geometry(), Geometry::Metric(_)));
+
+    let path = folder.file("s.npy", &npy(&[ROWS, COLS], &[2.0; ROWS * COLS]));
+    assert_eq!(read_slowness(&path).unwrap().values, [2.0; ROWS * COLS]);
+
+    let path = folder.file("c.npy", &npy(&[2, 2], &[1.0, 2.0, 3.0, 4.5]));
+    assert_eq!(read_curves(&path).unwrap(), [[[1.0, 2.0], [3.0, 4.5]]]);
+    let mut table = [7.0; 15];
+    (table[0], table[1], table[10], table[11]) = (1.0, 2.0, 3.0, 4.5);
+    table[5..10].fill(f64::NAN);
+    let path = folder.file("t.npy", &npy(&[3, 5], &table));
+    assert_eq!(read_curves(&path).unwrap(), [[[1.0, 2.0]], [[3.0, 4.5]]]);
+    let path = folder.file("w.npy", &npy(&[5, 3], &table));
+    assert!(read_curves(&path).unwrap_err().to_string().contains("(K, 2)"));
+
+    let mut pixels = [255; ROWS * COLS];
+    pixels[4] = 0;
+    let path = folder.file("m.png", &grey_png(png::BitDepth::Eight, &pixels));
+    let mask = read_mask(&path).unwrap().values;
+    assert_eq!(mask.iter().position(|present| !present), Some(4));
+}
+
+#[test]
+fn geometry_images_give_positions() {
+    use exr::prelude::*;
+    let folder = Folder::new();
+    for (name, channels) in [("xyz.exr", ["X", "Y", "Z"]), ("rgb.exr", ["R", "G", "B"])] {
+        let channel = |axis: usize| {
+            let values = (0..ROWS * COLS).map(|i| (10 * i + axis) as f32).collect();
+            AnyChannel::new(channels[axis], FlatSamples::F32(values))
+        };
+        let list = AnyChannels::sort((0..3).map(channel).collect());
+        let layer = Layer::new((COLS, ROWS), LayerAttributes::default(), Encoding::default(), list);
+        let mut file = Cursor::new(Vec::new());
+        Image::from_layer(layer).write().to_buffered(&mut file).unwrap();
+        let path = folder.file(name, &file.into_inner());
+        let surface = SurfaceFile::read(&path).unwrap().into_surface(None).unwrap();
+        assert_eq!(surface.position(1, 2).unwrap().to_array(), [90.0, 91.0, 92.0], "{name}");
+    }
+}
+
+/// A valid file of each format that a surface comes from.
+fn samples() -> Vec<(&'static str, Vec<u8>)> {
+    let pixels: Vec<u8> = (0..2 * ROWS * COLS).map(|i| i as u8).collect();
+    vec![
+        ("sample.npy", npy(&[ROWS, COLS], &[1.5; ROWS * COLS])),
+        ("sample.png", grey_png(png::BitDepth::Sixteen, &pixels)),
+        ("sample.tif", geotiff(Some(1), 9001)),
+        ("sample.exr", encoded(MapFormat::Exr)),
+    ]
+}
+
+#[test]
+fn a_file_cut_anywhere_is_an_error() {
+    let folder = Folder::new();
+    for (name, bytes) in samples() {
+        assert!(SurfaceFile::read(&folder.file(name, &bytes)).is_ok(), "{name}");
+        // PNG's last 12 bytes are an end mark without content, of which nothing is missed.
+        let needed = if name.ends_with("png") { bytes.len() - 12 } else { bytes.len() };
+        for length in 0..needed {
+            let path = folder.file(name, &bytes[..length]);
+            let error = SurfaceFile::read(&path).map(drop).unwrap_err();
+            assert!(matches!(error, IoError::Content { .. }), "{name} cut to {length}: {error}");
+            assert!(error.to_string().starts_with(&path.display().to_string()), "{error}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(2000) })]
+
+    /// Whatever the bytes, reading ends with a surface or an error.
+    #[test]
+    fn damaged_files_do_not_panic(
+        which in 0usize..4,
+        damage in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+    ) {
+        let (name, mut bytes) = samples().swap_remove(which);
+        for (place, byte) in damage {
+            let place = place.index(bytes.len());
+            bytes[place] = byte;
+        }
+        let folder = Folder::new();
+        let path = folder.file(name, &bytes);
+        if let Ok(surface) = SurfaceFile::read(&path).and_then(|file| file.into_surface(None)) {
+            prop_assert!(surface.points() >= 1);
+        }
+    }
+}
+
+#[test]
+fn shapes_that_mean_nothing_are_refused_with_the_ones_that_do() {
+    let folder = Folder::new();
+    for shape in [&[35][..], &[5, 7, 1], &[7, 5, 1, 1], &[]] {
+        let values = vec![0.0; shape.iter().product()];
+        let path = folder.file("odd.npy", &npy(shape, &values));
+        let error = SurfaceFile::read(&path).map(drop).unwrap_err().to_string();
+        assert!(error.contains("(M, N, 3)"), "{shape:?}: {error}");
+    }
+    let path = folder.file("empty.npy", &npy(&[0, 7], &[]));
+    assert!(SurfaceFile::read(&path).unwrap_err().to_string().contains("empty"));
+}
+
+#[test]
+fn asymmetric_metrics_are_refused_where_they_are() {
+    let folder = Folder::new();
+    let mut tensors = [1.0, 0.0, 0.0, 1.0].repeat(ROWS * COLS);
+    tensors[4 * (2 * COLS + 3) + 1] = 0.5;
+    let path = folder.file("g.npy", &npy(&[ROWS, COLS, 2, 2], &tensors));
+    let error = read_metric(&path).unwrap_err().to_string();
+    assert!(error.contains("row 2, column 3"), "{error}");
+}

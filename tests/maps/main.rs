@@ -1,0 +1,24 @@
+//! What the library computes, against truth and by one engine against the other: maps, matrices, what is
+//! found on maps, and files.
+
+mod accuracy;
+#[cfg(feature = "canonical")]
+mod canonical;
+#[path = "../common/mod.rs"]
+mod common;
+mod contours;
+mod double_precision;
+mod engines;
+mod estimate;
+#[cfg(feature = "formats")]
+mod formats;
+mod offset;
+mod pairwise;
+mod pairwise_matrix;
+mod paths;
+mod paths_around_holes;
+mod properties;
+mod ridges;
+mod rotated_scan;
+mod sampling;
+mod voronoi;

@@ -1,0 +1,260 @@
+//! Anchors on a Vulkan device against the CPU engine and exact distances, under the validation layers.
+
+use geosweep::accuracy::Errors;
+use geosweep::pairwise::Pairwise;
+use geosweep::surface::Seed;
+use geosweep::surface::builtin::Builtin;
+use geosweep::vulkan::{Method, Schedule, VulkanError};
+use geosweep::{DeviceChoice, Engine, Options, Sources, Spacing, Surface, Wavefront};
+
+use crate::common::Random;
+use crate::common::*;
+
+/// Of the largest distance: what rounding leaves on the way from corner to corner.
+const AGREEMENT: f64 = 2e-6;
+
+fn anchored(schedule: Schedule) -> Method {
+    Method { wavefront: Wavefront::Anchored, schedule: Some(schedule), stop: CONVERGED }
+}
+
+/// A plane without some boxes and walls, and some of its points.
+fn floor_plan(number: u64, rows: usize, cols: usize) -> (Surface, Vec<[usize; 2]>) {
+    let mut random = Random::new(number);
+    let mut below = |most: usize| (random.next() * most as f64) as usize;
+    let mut floor = vec![true; rows * cols];
+    let mut clear = |row: usize, col: usize, down: usize, right: usize| {
+        for row in row..(row + down).min(rows) {
+            floor[row * cols + col..row * cols + (col + right).min(cols)].fill(false);
+        }
+    };
+    for _ in 0..1 + number % 7 {
+        let (row, col) = (below(rows), below(cols));
+        clear(row, col, 2 + below(rows / 4), 2 + below(cols / 4));
+    }
+    for _ in 0..number % 5 {
+        let (row, col) = (below(rows), below(cols));
+        if below(2) == 0 {
+            clear(row, col, 1, 2 + below(cols / 2));
+        } else {
+            clear(row, col, 2 + below(rows / 2), 1);
+        }
+    }
+    let free: Vec<_> = (0..rows * cols).filter(|&point| floor[point]).collect();
+    let some = (0..8).map(|_| free[below(free.len())]).map(|point| [point / cols, point % cols]);
+    let some = some.collect();
+    let spacing = if number % 4 == 1 { Spacing { dx: 1.0, dy: 1.3 } } else { Spacing::square(0.7) };
+    let plane = Surface::from_heights(rows, cols, vec![0.0; rows * cols], spacing).unwrap();
+    (plane.with_mask(&floor).unwrap(), some)
+}
+
+/// Seeds of sources, some inside cells, as far as they lie on the plan, and with times of their own.
+fn some_seeds(surface: &Surface, places: &[[usize; 2]], number: u64) -> Vec<Seed> {
+    let mut random = Random::new(number + 1000);
+    let mut all = Vec::new();
+    for (k, &[row, col]) in places.iter().enumerate() {
+        let (row, col) = (row as f64, col as f64);
+        let time = if k == 0 { 0.0 } else { 3.0 * random.next() };
+        let (down, right) = (0.9 * random.next(), 0.9 * random.next());
+        let inside = Sources::default().and_point(row + down, col + right, time);
+        let on_point = Sources::default().and_point(row, col, time);
+        let wanted =
+            if (number as usize + k).is_multiple_of(2) { inside } else { on_point.clone() };
+        all.extend(wanted.seeds(surface).or_else(|_| on_point.seeds(surface)).unwrap());
+    }
+    all
+}
+
+/// The plan with a number, and seeds on it.
+fn seeded_plan(number: u64) -> (Surface, Vec<Seed>) {
+    let (rows, cols) = (30 + number as usize % 40, 34 + 3 * (number as usize % 17));
+    let (surface, places) = floor_plan(number, rows, cols);
+    assert!(surface.is_floor_plan());
+    let count = [1, 1, 3, 6][number as usize % 4];
+    let seeds = some_seeds(&surface, &places[..count], number);
+    (surface, seeds)
+}
+
+#[test]
+fn every_schedule_leads_to_the_map_of_the_cpu() {
+    let mut solver = vulkan_solver();
+    let mut worst = 0.0f64;
+    for number in 0..10 {
+        let (surface, seeds) = seeded_plan(number);
+        let cpu = on_cpu(&surface, &seeds, Wavefront::Anchored, CONVERGED);
+        let mut on_device = solver.upload(&surface).unwrap();
+        for schedule in Schedule::ALL {
+            let solution = solver.solve(&mut on_device, &seeds, anchored(schedule)).unwrap();
+            let difference = difference(&cpu, &solution.distances);
+            let what = format!("plan {number}, {schedule}");
+            assert!(difference < AGREEMENT, "{what}: {difference:e}");
+            assert!(solution.residual <= CONVERGED.tolerance, "{what}");
+            let again = solver.solve(&mut on_device, &seeds, anchored(schedule)).unwrap();
+            assert!(again.distances == solution.distances, "{what}");
+            worst = worst.max(difference);
+        }
+    }
+    println!("{worst:.1e}");
+}
+
+/// Among them sources inside cells, whose numbers go on from those of the map.
+#[test]
+fn sources_can_be_added() {
+    let mut solver = vulkan_solver();
+    for number in [3, 7, 10, 14] {
+        let (surface, seeds) = seeded_plan(number);
+        let mut on_device = solver.upload(&surface).unwrap();
+        let cpu = on_cpu(&surface, &seeds, Wavefront::Anchored, CONVERGED);
+        let of_first = |seed: &&Seed| seed.from == seeds[0].from;
+        let first = seeds.iter().take_while(of_first).count();
+        let (first, rest) = seeds.split_at(first);
+        assert!(!rest.is_empty());
+        for schedule in Schedule::ALL {
+            let one = solver.solve(&mut on_device, first, anchored(schedule)).unwrap();
+            let all = solver.add(&mut on_device, rest, anchored(schedule)).unwrap();
+            assert_ne!(one.distances, all.distances);
+            let difference = difference(&cpu, &all.distances);
+            assert!(difference < AGREEMENT, "plan {number}, {schedule}: {difference:e}");
+        }
+    }
+}
+
+#[test]
+fn the_maze_is_exact() {
+    let mut solver = vulkan_solver();
+    let (rows, cols) = (129, 161);
+    let surface = Builtin::Maze.surface(rows, cols).unwrap();
+    let mut on_device = solver.upload(&surface).unwrap();
+    let exact = Builtin::Maze.exact_distances(rows, cols, [2.0, 3.0]).unwrap();
+    for schedule in Schedule::ALL {
+        let method = anchored(schedule);
+        let map = solver.solve(&mut on_device, &seeds_at(&surface, (2, 3)), method).unwrap();
+        let errors = Errors::of(&map.distances, &exact);
+        println!("{schedule}: {errors:?}, {} iterations", map.iterations);
+        assert!(
+            errors.mean_relative < 1e-6 && errors.max_relative < 5e-6,
+            "{schedule}: {errors:?}"
+        );
+    }
+}
+
+/// Where anchors do not hold fronts are curved.
+#[test]
+fn other_surfaces_have_curved_fronts() {
+    let mut solver = vulkan_solver();
+    let slowness = (0..30 * 40).map(|i| 1.0 + f64::from(i % 3)).collect();
+    let (plan, _) = floor_plan(5, 30, 40);
+    for surface in [rough(30, 40, 0), plan.with_slowness(slowness).unwrap()] {
+        let seeds = seeds_at(&surface, some_point(&surface));
+        let maps = [Wavefront::Anchored, Wavefront::Curved]
+            .map(|wavefront| on_vulkan(&mut solver, &surface, &seeds, wavefront, CONVERGED));
+        assert_eq!(maps[0], maps[1]);
+        let on_device = solver.upload(&surface).unwrap();
+        let sources = [surface.present().iter().position(|&present| present)];
+        let rows = [Wavefront::Anchored, Wavefront::Curved].map(|wavefront| {
+            let mut pairwise = solver.pairwise(&on_device, wavefront, None).unwrap();
+            let mut row = vec![0.0; surface.chart().points()];
+            pairwise.solve(&solver, &on_device, &sources, CONVERGED, &mut row).unwrap();
+            row
+        });
+        assert_eq!(rows[0], rows[1]);
+    }
+}
+
+/// Sources inside cells are kept in a table. More of them are no anchors in a map of their own, and cannot be
+/// added to one.
+#[test]
+fn sources_inside_cells_are_as_many_as_there_is_room_for() {
+    let mut solver = vulkan_solver();
+    let surface = Surface::from_heights(70, 66, vec![0.0; 70 * 66], Spacing::square(1.0)).unwrap();
+    let sources = |count: usize| {
+        let place = |i: usize| ((i / 64) as f64 + 0.5, (i % 64) as f64 + 0.25);
+        let places = (0..count).map(place);
+        let all = Sources::default();
+        places.fold(all, |all, (row, col)| all.and_point(row, col, 0.01 * row)).seeds(&surface)
+    };
+    let (most, more) = (sources(4096).unwrap(), sources(4097).unwrap());
+    let mut on_device = solver.upload(&surface).unwrap();
+    let method = anchored(Schedule::Raster);
+    let map = solver.solve(&mut on_device, &most, method).unwrap();
+    let cpu = on_cpu(&surface, &most, Wavefront::Anchored, CONVERGED);
+    assert!(difference(&cpu, &map.distances) < AGREEMENT);
+    let error = solver.add(&mut on_device, &more[more.len() - 4..], method);
+    assert!(matches!(error, Err(VulkanError::TooManyAnchors { most: 4096 })), "{error:?}");
+    let map = solver.solve(&mut on_device, &more, method).unwrap();
+    let curved = Method { wavefront: Wavefront::Curved, ..method };
+    assert_eq!(map.distances, solver.solve(&mut on_device, &more, curved).unwrap().distances);
+    // A map goes on as it has begun.
+    let alone = Sources::point(68.5, 3.25).seeds(&surface).unwrap();
+    solver.solve(&mut on_device, &more, method).unwrap();
+    solver.add(&mut on_device, &alone, method).unwrap();
+    let fresh = solver.solve(&mut on_device, &alone, method).unwrap();
+    let cpu = on_cpu(&surface, &alone, Wavefront::Anchored, CONVERGED);
+    assert!(difference(&cpu, &fresh.distances) < AGREEMENT);
+}
+
+/// Many maps at once have curved fronts in place of anchored ones.
+#[test]
+fn many_maps_at_once_have_curved_fronts() {
+    let solver = vulkan_solver();
+    let (surface, places) = floor_plan(3, 31, 36);
+    let (points, chart) = (surface.chart().points(), surface.chart());
+    let sources: Vec<_> = places.iter().map(|&[r, c]| Some(chart.index(r, c))).collect();
+    let on_device = solver.upload(&surface).unwrap();
+    let [anchored, curved] = [Wavefront::Anchored, Wavefront::Curved].map(|wavefront| {
+        let mut pairwise = solver.pairwise(&on_device, wavefront, None).unwrap();
+        let mut rows = vec![0.0; sources.len() * points];
+        pairwise.solve(&solver, &on_device, &sources, CONVERGED, &mut rows).unwrap();
+        rows
+    });
+    assert!(anchored == curved && anchored.iter().any(|d| *d > 0.0));
+    let options = Options {
+        engine: Engine::Vulkan(DeviceChoice::Any),
+        wavefront: Some(Wavefront::Anchored),
+        ..Options::default()
+    };
+    let refused = Pairwise::new(&surface, &options).err().unwrap().to_string();
+    assert!(refused.contains("on the CPU"), "{refused}");
+}
+
+/// Rooms of 23 x 23 points, some doors between them, and a place inside a cell of one.
+fn rooms(number: u64, rows: usize, cols: usize) -> (Surface, Sources) {
+    let mut random = Random::new(number);
+    let mut from = |low: f64, high: f64| low + (high - low) * random.next();
+    let mut floor: Vec<_> = (0..rows * cols)
+        .map(|point| ![point / cols, point % cols].iter().any(|line| line.is_multiple_of(24)))
+        .collect();
+    for (row, col) in
+        (0..rows).step_by(24).flat_map(|row| (0..cols).step_by(24).map(move |col| (row, col)))
+    {
+        let (door, width) = (from(2.0, 16.0) as usize, from(3.0, 7.0) as usize);
+        (row + door..(row + door + width).min(rows)).for_each(|row| floor[row * cols + col] = true);
+        let (door, width) = (from(2.0, 16.0) as usize, from(3.0, 7.0) as usize);
+        (col + door..(col + door + width).min(cols)).for_each(|col| floor[row * cols + col] = true);
+    }
+    let plane = Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0));
+    let source = Sources::point(24.0 + from(2.0, 21.0), 24.0 + from(2.0, 21.0));
+    (plane.unwrap().with_mask(&floor).unwrap(), source)
+}
+
+/// By default, and wherever the source lies.
+#[test]
+fn rooms_are_the_same_in_every_schedule() {
+    let mut worst = 0.0f64;
+    for number in 0..10 {
+        let (surface, source) = rooms(number, 97, 73);
+        let map = |engine, schedule| {
+            let options = Options { engine, schedule, ..Options::default() };
+            let map = geosweep::distance_map(&surface, &source, &options).unwrap();
+            assert_eq!(map.report.wavefront, Wavefront::Anchored);
+            map.distances
+        };
+        let cpu = map(Engine::Cpu, None);
+        for schedule in Schedule::ALL {
+            let found = map(Engine::Vulkan(DeviceChoice::Any), Some(schedule));
+            let difference = difference(&cpu, &found);
+            assert!(difference < AGREEMENT, "plan {number}, {schedule}: {difference:e}");
+            worst = worst.max(difference);
+        }
+    }
+    println!("{worst:.1e}");
+}

@@ -1,0 +1,146 @@
+//! Contours, paths and regions in the host's buffers, against the CPU's on the same map.
+
+pub mod contours;
+mod draw;
+mod paths;
+mod regions;
+
+use geosweep::ash::vk;
+use geosweep::surface::Chart;
+use geosweep::vulkan::Schedule;
+use geosweep::vulkan::embed::{
+    Access, CurveBuffer, CurveRecord, CurveVertex, PointSource, Points, Recording, SourceInput,
+    SurfaceInfo,
+};
+use geosweep::{DistanceMap, Report, Surface, Wavefront};
+
+use crate::common::Lent;
+use crate::embed::stage::{Kept, RASTER, Stage};
+use crate::host::HostBuffer;
+
+/// A surface on the device, its points in a buffer, and a map on it.
+struct Scene {
+    stage: Stage,
+    points: HostBuffer,
+    map: DistanceMap,
+}
+
+impl Scene {
+    fn new(host: impl Into<Lent<Kept>>, surface: &Surface, sources: &[PointSource]) -> Self {
+        let chart = surface.chart();
+        let mut host = host.into();
+        let points = host.buffer_of(&positions(surface));
+        let inputs = [Points::positions(points.handle, 12)];
+        let edge_rule = surface.edge_rule();
+        let info = SurfaceInfo { points: &inputs, edge_rule, ..SurfaceInfo::new(chart) };
+        let stage = Stage::new(host, &RASTER, &info);
+        let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 6);
+        let map = map_of(chart, stage.map(0, SourceInput::Inline(sources), &plan));
+        Self { stage, points, map }
+    }
+
+    /// Records curves, and reads them.
+    fn read(
+        &mut self,
+        curves: CurveBuffer,
+        record: impl FnOnce(Recording),
+    ) -> (Vec<CurveRecord>, Vec<CurveVertex>) {
+        let Stage { host, solver, surface, .. } = &mut self.stage;
+        let device = host.device.clone();
+        let vertices = (curves.curves * curves.capacity) as usize;
+        let bytes = curves.vertices_offset + (vertices * size_of::<CurveVertex>()) as u64;
+        let copy = host.buffer(bytes, true);
+        host.run(|commands| {
+            let recording = solver.record(&device, commands, surface);
+            recording.begin(Access::NONE);
+            record(recording);
+            let all = [vk::BufferCopy::default().size(bytes)];
+            unsafe { device.cmd_copy_buffer(commands, curves.buffer, copy.handle, &all) };
+            host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
+        });
+        let (records, rest) = copy.bytes().split_at(curves.vertices_offset as usize);
+        let record = |number| {
+            let first = number * CurveRecord::BYTES as usize;
+            bytemuck::pod_read_unaligned(&records[first..][..CurveRecord::BYTES as usize])
+        };
+        let records = (0..curves.curves as usize).map(record).collect();
+        let vertices = rest.chunks_exact(size_of::<CurveVertex>()).take(vertices);
+        let vertices = vertices.map(bytemuck::pod_read_unaligned).collect();
+        host.free(copy);
+        (records, vertices)
+    }
+
+    /// Nothing is left in the allocator, and the validation layers have said nothing.
+    fn end(self) {
+        self.stage.end([self.points]);
+    }
+}
+
+/// x, y and z of each point, NaN in holes.
+pub fn positions(surface: &Surface) -> Vec<f32> {
+    let chart = surface.chart();
+    let position = |index| {
+        let (row, col) = chart.position(index);
+        let place = surface.position(row, col).filter(|_| surface.has(row, col));
+        place.map_or([f32::NAN; 3], |position| position.as_vec3().to_array())
+    };
+    (0..chart.points()).flat_map(position).collect()
+}
+
+/// A map as if the engine had returned it.
+pub fn map_of(chart: Chart, distances: Vec<f32>) -> DistanceMap {
+    let reached = || distances.iter().copied().filter(|distance| distance.is_finite());
+    let report = Report {
+        engine: "vulkan",
+        device: None,
+        fallback: None,
+        schedule: "raster",
+        wavefront: Wavefront::Curved,
+        iterations: 0,
+        residual: 0.0,
+        tolerance: 0.0,
+        converged: true,
+        solve_time: Default::default(),
+        points: chart.points(),
+        reached: reached().count(),
+        max_distance: reached().fold(0.0, f32::max).into(),
+    };
+    DistanceMap { chart, distances, report }
+}
+
+/// The vertices of a curve.
+fn vertices<'a>(
+    record: &CurveRecord,
+    number: usize,
+    curves: CurveBuffer,
+    all: &'a [CurveVertex],
+) -> &'a [CurveVertex] {
+    assert_eq!((record.instance_count, record.first_instance), (1, 0));
+    assert_eq!(record.first_vertex, number as u32 * curves.capacity);
+    &all[record.first_vertex as usize..][..record.vertices.min(curves.capacity) as usize]
+}
+
+/// How far the vertices lie off where the surface is, relative to its extent.
+fn lifted_off(surface: &Surface, vertices: &[CurveVertex]) -> f64 {
+    let extent = positions(surface)
+        .into_iter()
+        .filter(|x| x.is_finite())
+        .fold(0.0, |a: f32, x| a.max(x.abs()));
+    let off = |vertex: &CurveVertex| {
+        let exact = lifted(surface, [vertex.row.into(), vertex.col.into()]);
+        exact.distance(geosweep::glam::Vec3::from(vertex.position).as_dvec3())
+    };
+    vertices.iter().map(off).fold(0.0, f64::max) / f64::from(extent)
+}
+
+/// A place that rounding has brought next to the surface may lie in a hole.
+fn lifted(surface: &Surface, [row, col]: [f64; 2]) -> geosweep::glam::DVec3 {
+    let nudges = [0.0, 1e-5, -1e-5];
+    let places = nudges.iter().flat_map(|r| nudges.map(|c| [row + r, col + c]));
+    let lift = |place| {
+        let curve = geosweep::geometry::Curve { vertices: vec![place], closed: false };
+        curve.lift(surface).ok()
+    };
+    let mut found = places.filter_map(lift).flatten();
+    found.next().unwrap_or_else(|| panic!("{row},{col} is off the surface"))
+}

@@ -1,0 +1,522 @@
+//! What a host can give, in every form, against the headless solver on the same surface.
+
+use geosweep::Stop;
+use geosweep::ash::vk;
+use geosweep::glam::DVec3;
+use geosweep::surface::{Chart, EdgeRule};
+use geosweep::vulkan::embed::{
+    Access, Frame, Lookup, Outcome, PackedTimes, PointKind, PointMemory, PointSource, Points,
+    Reader, SourceBuffer, SourceInput, SurfaceInfo,
+};
+use geosweep::vulkan::{Method, Schedule, Solver};
+use geosweep::{MetricTensor, Sources, Spacing, Surface, Wavefront};
+
+use crate::common::{difference, vulkan_solver};
+use crate::embed::stage::{Kept, RASTER, STOP, Stage, source, vertices};
+use crate::host::Host;
+
+const CHART: Chart = Chart { rows: 31, cols: 45 };
+/// Between the maps from the same points: rounding, since shaders measure the same edges as their twin.
+const SAME: f64 = 1e-5;
+
+fn positions(vertices: &[f32]) -> Surface {
+    let position = |v: &[f32]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
+    let positions = vertices.chunks(8).map(position).collect();
+    Surface::from_positions(CHART.rows, CHART.cols, positions).unwrap()
+}
+
+fn headless(
+    solver: &mut Solver,
+    surface: &Surface,
+    sources: &Sources,
+    wavefront: Wavefront,
+) -> Vec<f32> {
+    let mut on_device = solver.upload(surface).unwrap();
+    let seeds = sources.seeds(surface).unwrap();
+    let method = Method { wavefront, schedule: None, stop: STOP };
+    solver.solve(&mut on_device, &seeds, method).unwrap().distances
+}
+
+/// Some of the vertices become holes, of each kind that the host may write.
+fn with_holes(mut vertices: Vec<f32>) -> Vec<f32> {
+    for (index, hole) in [(400, f32::NAN), (401, f32::INFINITY), (402, 1e13), (700, f32::NAN)] {
+        vertices[8 * index + index % 3] = hole;
+    }
+    vertices
+}
+
+#[test]
+fn positions_in_a_buffer_or_an_image_give_the_headless_map() {
+    let mut solver = vulkan_solver();
+    let vertices = with_holes(vertices(CHART, 0.4));
+    let surface = {
+        let mut holes = vertices.clone();
+        holes.iter_mut().filter(|v| v.abs() > 1e12).for_each(|v| *v = f32::NAN);
+        positions(&holes)
+    };
+    let texels: Vec<f32> = vertices.chunks(8).flat_map(|v| [v[0], v[1], v[2], f32::NAN]).collect();
+    for edge_rule in [EdgeRule::Arc, EdgeRule::Chord] {
+        let mut host = Kept::watched();
+        // After other data, at an offset that is a multiple of 4 alone.
+        let buffer = host.buffer_of(&[vec![7.0; 67], vertices.clone()].concat());
+        let image = host.image_of(CHART.cols as u32, CHART.rows as u32, 4, &texels);
+        let (kind, slowness) = (PointKind::Positions, None);
+        let memory = PointMemory::Buffer { buffer: buffer.handle, offset: 268, stride: 32 };
+        let texture = PointMemory::Image { view: image.view, layout: vk::ImageLayout::GENERAL };
+        let points =
+            [Points { memory, kind, slowness }, Points { memory: texture, kind, slowness }];
+        let info = SurfaceInfo { points: &points, edge_rule, ..SurfaceInfo::new(CHART) };
+        let mut stage = Stage::new(host, &RASTER, &info);
+        let surface = surface.clone().with_edge_rule(edge_rule);
+        for wavefront in Wavefront::ALL {
+            let plan = stage.plan(Schedule::Raster, wavefront, 6);
+            let map = headless(&mut solver, &surface, &Sources::point(12.0, 30.0), wavefront);
+            for points in 0..2 {
+                let own = stage.map(points, SourceInput::Inline(&source(12.0, 30.0)), &plan);
+                let difference = difference(&map, &own);
+                assert!(difference < SAME, "{edge_rule:?}, {wavefront}, {points}: {difference}");
+            }
+        }
+        stage.host.free_image(image);
+        stage.end([buffer]);
+    }
+}
+
+#[test]
+fn heights_with_slowness_give_the_headless_map() {
+    let mut solver = vulkan_solver();
+    let height = |index: usize| {
+        let (row, col) = CHART.position(index);
+        3.0 * (0.2 * row as f32).sin() * (0.3 * col as f32).cos()
+    };
+    let slowness = |index: usize| if index == 600 { 0.0 } else { 1.0 + 0.02 * (index % 45) as f32 };
+    let spacing = Spacing { dx: 0.7, dy: 1.1 };
+    let points = 0..CHART.points();
+    let weights: Vec<_> = points.clone().map(slowness).collect();
+    let heights = points.clone().map(|i| f64::from(height(i))).collect();
+    let mask: Vec<_> = weights.iter().map(|&weight| weight > 0.0).collect();
+    let surface = Surface::from_heights(CHART.rows, CHART.cols, heights, spacing).unwrap();
+    let surface = surface.with_mask(&mask).unwrap();
+    let surface = surface.with_slowness(weights.iter().map(|&w| f64::from(w)).collect()).unwrap();
+
+    let mut host = Kept::watched();
+    let pairs: Vec<_> = points.clone().flat_map(|i| [height(i), slowness(i)]).collect();
+    let texels: Vec<_> = points.clone().flat_map(|i| [height(i), 0.0, slowness(i), 0.0]).collect();
+    let buffer = host.buffer_of(&pairs);
+    let image = host.image_of(CHART.cols as u32, CHART.rows as u32, 4, &texels);
+    let kind = PointKind::Heights(spacing);
+    let memory = PointMemory::Buffer { buffer: buffer.handle, offset: 0, stride: 8 };
+    let texture = PointMemory::Image { view: image.view, layout: vk::ImageLayout::GENERAL };
+    let points = [
+        Points { memory, kind, slowness: Some(1) },
+        Points { memory: texture, kind, slowness: Some(2) },
+    ];
+    let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(CHART) };
+    let mut stage = Stage::new(host, &RASTER, &info);
+    for wavefront in Wavefront::ALL {
+        let plan = stage.plan(Schedule::Raster, wavefront, 6);
+        let map = headless(&mut solver, &surface, &Sources::point(3.0, 40.0), wavefront);
+        for points in 0..2 {
+            let own = stage.map(points, SourceInput::Inline(&source(3.0, 40.0)), &plan);
+            let difference = difference(&map, &own);
+            assert!(difference < SAME, "{wavefront}, {points}: {difference}");
+        }
+    }
+    stage.host.free_image(image);
+    stage.end([buffer]);
+}
+
+/// From a metric that shears and stretches, with a hole. The rule for edges, which a metric has not,
+/// makes no difference.
+#[test]
+fn a_metric_gives_the_headless_map() {
+    let mut solver = vulkan_solver();
+    let tensor = |index: usize| {
+        let (row, col) = CHART.position(index);
+        let rr = if index == 700 { f32::NAN } else { 1.0 + 0.02 * row as f32 };
+        [rr, 0.3 * (0.1 * col as f32).sin(), 2.0 - 0.03 * col as f32]
+    };
+    let tensors: Vec<_> = (0..CHART.points()).map(tensor).collect();
+    let metric =
+        |[rr, rc, cc]: [f32; 3]| MetricTensor { rr: rr.into(), rc: rc.into(), cc: cc.into() };
+    let metric = tensors.iter().copied().map(metric).collect();
+    let surface = Surface::from_metric(CHART.rows, CHART.cols, metric).unwrap();
+
+    let mut host = Kept::watched();
+    let buffer = host.buffer_of(tensors.as_flattened());
+    let memory = PointMemory::Buffer { buffer: buffer.handle, offset: 0, stride: 12 };
+    let points = [Points { memory, kind: PointKind::Metric, slowness: None }];
+    let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(CHART) };
+    let stage = Stage::new(host, &RASTER, &info);
+    for wavefront in Wavefront::ALL {
+        let plan = stage.plan(Schedule::Raster, wavefront, 6);
+        let map = headless(&mut solver, &surface, &Sources::point(12.0, 30.0), wavefront);
+        let own = stage.map(0, SourceInput::Inline(&source(12.0, 30.0)), &plan);
+        let difference = difference(&map, &own);
+        assert!(difference < SAME, "{wavefront}: {difference}");
+    }
+    stage.end([buffer]);
+}
+
+/// Sources anywhere: on grid points, on edges, in cells, in cells with a missing corner, many in one
+/// texel, more than one dispatch looks at. Chords, for which the headless sources are measured too.
+#[test]
+fn sources_from_the_program_or_a_buffer_give_the_headless_map() {
+    let mut solver = vulkan_solver();
+    let vertices = with_holes(vertices(CHART, 0.4));
+    let surface = {
+        let mut holes = vertices.clone();
+        holes.iter_mut().filter(|v| v.abs() > 1e12).for_each(|v| *v = f32::NAN);
+        positions(&holes).with_edge_rule(EdgeRule::Chord)
+    };
+    // Point 700 is row 15, column 25.
+    let few = [[4.0, 5.0], [4.5, 5.0], [4.25, 5.75], [20.0, 11.125], [0.0, 44.0], [30.0, 43.5]];
+    let beside_a_hole = [[14.25, 24.5], [15.875, 25.75]];
+    let scattered = (0..600).map(|i| [(i * 37 % 60) as f32 / 2.0, (i * 53 % 176) as f32 / 4.0]);
+    let scattered: Vec<_> = scattered
+        .filter(|&[row, col]| Sources::point(row.into(), col.into()).seeds(&surface).is_ok())
+        .collect();
+    assert!(scattered.len() > 512);
+    let timed = |places: &[[f32; 2]]| -> Vec<PointSource> {
+        let timed = |(i, &[row, col]): (usize, &[f32; 2])| PointSource {
+            time: (i % 7) as f32 * 0.1,
+            ..PointSource::at(row, col)
+        };
+        places.iter().enumerate().map(timed).collect()
+    };
+    let sets = [timed(&few), timed(&beside_a_hole), timed(&scattered)];
+
+    let mut host = Kept::watched();
+    let points = host.buffer_of(&vertices);
+    // Entries to be passed over come first and last.
+    let nowhere = PointSource::at(f32::NAN, 3.0);
+    let off = [PointSource::at(-0.5, 3.0), PointSource::at(3.0, 44.5), nowhere];
+    let late = PointSource { time: 1e30, ..PointSource::at(9.0, 9.0) };
+    let buffers: Vec<_> = sets
+        .iter()
+        .map(|set| {
+            let all = [&off[..], set, &[late, nowhere]].concat();
+            (host.buffer_of(bytemuck::cast_slice(&all)), all.len() as u32)
+        })
+        .collect();
+    let sources: Vec<_> = buffers
+        .iter()
+        .map(|(buffer, count)| SourceBuffer { buffer: buffer.handle, offset: 0, count: *count })
+        .collect();
+    let info = SurfaceInfo {
+        edge_rule: EdgeRule::Chord,
+        points: &[Points::positions(points.handle, 32)],
+        sources: &sources,
+        ..SurfaceInfo::new(CHART)
+    };
+    let passes = [(Schedule::Raster, Wavefront::Curved), (Schedule::Tiles, Wavefront::PointSource)];
+    let stage = Stage::new(host, &passes, &info);
+    for (schedule, wavefront) in passes {
+        let plan = stage.plan(schedule, wavefront, 12);
+        for (number, set) in sets.iter().enumerate() {
+            let sources: Sources = set
+                .iter()
+                .map(|s| geosweep::Source::Point {
+                    at: [f64::from(s.row), f64::from(s.col)].into(),
+                    initial: s.time.into(),
+                })
+                .collect();
+            let map = headless(&mut solver, &surface, &sources, wavefront);
+            for input in [SourceInput::Inline(set), SourceInput::Buffer(number)] {
+                let own = stage.map(0, input, &plan);
+                let difference = difference(&map, &own);
+                assert!(difference < SAME, "{schedule}, {wavefront}, {number}: {difference}");
+            }
+        }
+    }
+    stage.end(buffers.into_iter().map(|(buffer, _)| buffer).chain([points]));
+}
+
+/// A plan of one iteration or a few rounds, resumed in command buffer after command buffer, and in
+/// one; and sources added to the map.
+#[test]
+fn every_schedule_can_be_split_and_added_to() {
+    let mut solver = vulkan_solver();
+    let vertices = vertices(CHART, 1.4);
+    let surface = positions(&vertices);
+    let mut host = Kept::watched();
+    let points = host.buffer_of(&vertices);
+    let info =
+        SurfaceInfo { points: &[Points::positions(points.handle, 32)], ..SurfaceInfo::new(CHART) };
+    let passes = Schedule::ALL.map(|schedule| (schedule, Wavefront::Curved));
+    let stage = Stage::new(host, &passes, &info);
+    let both = Sources::point(5.0, 7.0).and_point(28.0, 40.0, 0.0);
+    let [one, both] = [Sources::point(5.0, 7.0), both]
+        .map(|sources| headless(&mut solver, &surface, &sources, Wavefront::Curved));
+    for (schedule, wavefront) in passes {
+        let portion = if schedule == Schedule::Tiles { 3 } else { 1 };
+        let plan = stage.plan(schedule, wavefront, portion);
+        assert_eq!(plan.iterations(), portion);
+        let own = stage.map(0, SourceInput::Inline(&source(5.0, 7.0)), &plan);
+        let apart = difference(&one, &own);
+        assert!(apart < SAME, "{schedule}: {apart}");
+        let done = stage.surface.outcome(0).unwrap();
+        assert!(done.iterations > portion && done.residual <= STOP.tolerance, "{done:?}");
+
+        // Nothing happens beyond convergence.
+        let resume = |recording: geosweep::vulkan::embed::Recording| {
+            recording.begin(Access::NONE);
+            recording.resume(&plan).unwrap();
+            recording.resume(&plan).unwrap();
+            recording.outcome(0).unwrap();
+            recording.result(0, Reader::COPY, f32::INFINITY)
+        };
+        stage.run(resume);
+        assert_eq!((stage.read(), stage.surface.outcome(0).unwrap()), (own, done), "{schedule}");
+
+        stage.run(|recording| {
+            recording.begin(Access::NONE);
+            recording.add(SourceInput::Inline(&source(28.0, 40.0)), &plan).unwrap();
+            recording.outcome(0).unwrap();
+            recording.result(0, Reader::COPY, f32::INFINITY)
+        });
+        stage.finish(&plan);
+        let apart = difference(&both, &stage.read());
+        assert!(apart < SAME, "{schedule}, added: {apart}");
+
+        // In one command buffer: the same map to the bit.
+        stage.run(|recording| {
+            recording.begin(Access::NONE);
+            recording.solve(SourceInput::Inline(&source(5.0, 7.0)), &plan).unwrap();
+            for _ in 0..done.iterations.div_ceil(portion) {
+                recording.resume(&plan).unwrap();
+            }
+            recording.outcome(0).unwrap();
+            recording.result(0, Reader::COPY, f32::INFINITY)
+        });
+        assert!(stage.surface.outcome(0).unwrap().converged);
+        let difference = difference(&one, &stage.read());
+        assert!(difference < SAME, "{schedule}, in one: {difference}");
+    }
+    stage.end([points]);
+}
+
+/// A command buffer that is recorded once is submitted for other points and sources, which it finds
+/// in buffers.
+#[test]
+fn a_recording_can_be_submitted_again() {
+    let mut solver = vulkan_solver();
+    let mut host = Kept::watched();
+    let mut points = host.buffer_of(&vertices(CHART, 0.0));
+    let mut sources = host.buffer_of(&[0.0; 4]);
+    let info = SurfaceInfo {
+        points: &[Points::positions(points.handle, 32)],
+        sources: &[SourceBuffer { buffer: sources.handle, offset: 0, count: 1 }],
+        ..SurfaceInfo::new(CHART)
+    };
+    let stage = Stage::new(host, &RASTER, &info);
+    let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 10);
+    let commands = stage.host.commands();
+    stage.host.begin(commands);
+    let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);
+    let frame = Frame {
+        before: Access::NONE,
+        points: Some(0),
+        sources: SourceInput::Buffer(0),
+        plan: &plan,
+        slot: 0,
+        reader: Reader::COPY,
+        unreached: f32::INFINITY,
+    };
+    recording.frame(&frame).unwrap();
+    stage.host.end(commands);
+    for (phase, row, col) in [(0.5, 3.0, 40.0), (2.5, 20.0, 8.0)] {
+        let vertices = vertices(CHART, phase);
+        points.floats_mut()[..vertices.len()].copy_from_slice(&vertices);
+        sources.floats_mut()[..4].copy_from_slice(bytemuck::cast_slice(&source(row, col)));
+        stage.host.submit(commands, vk::Fence::null());
+        unsafe { stage.host.device.queue_wait_idle(stage.host.queue) }.unwrap();
+        assert!(stage.surface.outcome(0).unwrap().converged);
+        stage.run(|_| stage.surface.result(0, Reader::COPY.layout));
+        let place = Sources::point(row.into(), col.into());
+        let map = headless(&mut solver, &positions(&vertices), &place, Wavefront::Curved);
+        let difference = difference(&map, &stage.read());
+        assert!(difference < SAME, "{phase}: {difference}");
+    }
+    stage.end([points, sources]);
+}
+
+/// Iterations end where the method says, and that is not convergence.
+#[test]
+fn iterations_run_out_without_convergence() {
+    let mut host = Kept::watched();
+    let points = host.buffer_of(&vertices(CHART, 0.0));
+    let info =
+        SurfaceInfo { points: &[Points::positions(points.handle, 32)], ..SurfaceInfo::new(CHART) };
+    let passes = Schedule::ALL.map(|schedule| (schedule, Wavefront::Planar));
+    let stage = Stage::new(host, &passes, &info);
+    for (schedule, wavefront) in passes {
+        let stop = Stop { tolerance: 1e-6, iterations: 3 };
+        let method = Method { wavefront, schedule: Some(schedule), stop };
+        let plan = stage.solver.plan(CHART, method, 2).unwrap();
+        stage.run(|recording| {
+            recording.begin(Access::NONE);
+            recording.measure(0).unwrap();
+            recording.solve(SourceInput::Inline(&source(0.0, 0.0)), &plan).unwrap();
+            for _ in 0..4 {
+                recording.resume(&plan).unwrap();
+            }
+            recording.outcome(0).unwrap();
+            recording.result(0, Reader::COPY, -1.0)
+        });
+        let outcome = stage.surface.outcome(0).unwrap();
+        match schedule {
+            // Two scans there and back are enough here.
+            Schedule::Raster => assert!(outcome.iterations <= 3, "{outcome:?}"),
+            _ => {
+                // A round visits only tiles, of which there are six here.
+                let unreached = stage.read().contains(&-1.0);
+                assert_eq!(unreached, schedule == Schedule::AllPoints);
+                assert!(!outcome.converged && (3..=4).contains(&outcome.iterations), "{outcome:?}");
+            }
+        }
+    }
+    stage.end([points]);
+}
+
+/// Distances at some places, the packed times, the record in a buffer of the host's, and what
+/// stands for points that are not reached, against the image.
+#[test]
+fn the_map_can_be_read_in_other_ways() {
+    let mut vertices = vertices(CHART, 0.9);
+    // A wall of holes: what is beyond column 30 is not reached.
+    for row in 0..CHART.rows {
+        vertices[8 * CHART.index(row, 30)] = f32::NAN;
+    }
+    let mut host = Kept::watched();
+    let points = host.buffer_of(&vertices);
+    let asked = [
+        [3.0, 4.0],   // at a grid point
+        [3.5, 4.0],   // on an edge
+        [7.25, 20.5], // in a cell
+        [12.0, 40.0], // not reached
+        [12.0, 29.5], // beside the wall
+        [-1.0, 4.0],  // off the grid
+        [f32::NAN, 4.0],
+        [30.0, 0.0], // a corner
+    ];
+    let places = host.buffer_of(&[&[0.0; 3], asked.as_flattened()].concat());
+    let looked_up = host.buffer(4 * 16, true);
+    let texels = host.buffer(16 * 64 * 64, true);
+    let record = host.buffer(64, true);
+    let lookup = Lookup {
+        places: places.handle,
+        places_offset: 12,
+        distances: looked_up.handle,
+        distances_offset: 8,
+        count: asked.len() as u32,
+    };
+    let info = SurfaceInfo {
+        points: &[Points::positions(points.handle, 32)],
+        lookups: &[lookup],
+        ..SurfaceInfo::new(CHART)
+    };
+    let stage = Stage::new(host, &RASTER, &info);
+    let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 20);
+    stage.run(|recording| {
+        let result = recording.frame(&Frame {
+            before: Access::NONE,
+            points: Some(0),
+            sources: SourceInput::Inline(&source(16.0, 11.0)),
+            plan: &plan,
+            slot: 0,
+            reader: Reader::COPY,
+            unreached: -5.0,
+        });
+        recording.lookup(0, -7.0, Access::NONE, Access::HOST_READ).unwrap();
+        recording.outcome_to(record.handle, 16, Access::HOST_READ);
+        result
+    });
+    let map = stage.read();
+    let at = |row: usize, col: usize| map[CHART.index(row, col)];
+    assert_eq!((at(16, 11), at(12, 40), at(12, 30)), (0.0, -5.0, -5.0));
+    assert!(map.iter().all(|&d| d >= 0.0 || d == -5.0));
+
+    let found = &looked_up.floats()[2..][..asked.len()];
+    let cell = 0.125 * (3.0 * at(7, 20) + 3.0 * at(7, 21) + at(8, 20) + at(8, 21));
+    let corner = at(30, 0);
+    let expected = [at(3, 4), 0.5 * (at(3, 4) + at(4, 4)), cell, -7.0, -7.0, -7.0, -7.0, corner];
+    for (found, expected) in found.iter().zip(expected) {
+        approx::assert_relative_eq!(*found, expected, max_relative = 1e-6);
+    }
+
+    let bytes = record.bytes()[16..][..Outcome::BYTES].try_into().unwrap();
+    let outcome = Outcome::from_bytes(bytes);
+    assert!(outcome.converged && outcome.iterations > 1, "{outcome:?}");
+    assert_eq!(outcome, stage.surface.outcome(0).unwrap());
+
+    let PackedTimes { image, layer, border } = stage.surface.packed();
+    let device = &stage.host.device;
+    stage.host.run(|commands| {
+        stage.solver.record(device, commands, &stage.surface).end(Access::TRANSFER_READ);
+        let layers = vk::ImageSubresourceLayers::default()
+            .aspect_mask(vk::ImageAspectFlags::COLOR)
+            .base_array_layer(layer)
+            .layer_count(1);
+        let copy = vk::BufferImageCopy::default()
+            .image_subresource(layers)
+            .image_extent(image.extent.into());
+        unsafe {
+            let to = texels.handle;
+            device.cmd_copy_image_to_buffer(commands, image.image, image.layout, to, &[copy]);
+        }
+        stage.host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
+    });
+    for (index, &distance) in map.iter().enumerate() {
+        let (row, col) = CHART.position(index);
+        let texel =
+            (row / 2 + border as usize) * image.extent.width as usize + (col / 2 + border as usize);
+        let time = texels.floats()[4 * texel + 2 * (row % 2) + col % 2];
+        assert_eq!(if time < 1e30 { time } else { -5.0 }, distance, "{row},{col}");
+    }
+    stage.end([points, places, looked_up, record, texels]);
+}
+
+/// A height field that the host renders into is read before the render pass has ended, unless the
+/// recording is told of it.
+#[test]
+fn a_writer_that_is_not_named_is_reported() {
+    let after_rendering = |before| {
+        let mut host = Host::new();
+        let image = host.image_of(8, 8, 1, &[0.0; 64]);
+        let target = host.target(&image, 8, 8);
+        let points = [Points {
+            memory: PointMemory::Image { view: image.view, layout: vk::ImageLayout::GENERAL },
+            kind: PointKind::Heights(Spacing::square(1.0)),
+            slowness: None,
+        }];
+        let info = SurfaceInfo { points: &points, ..SurfaceInfo::new(Chart { rows: 8, cols: 8 }) };
+        let mut stage = Stage::new(host, &RASTER, &info);
+        let plan = stage.plan(Schedule::Raster, Wavefront::PointSource, 4);
+        stage.host.run(|commands| {
+            stage.host.clear(commands, &target, 3.0);
+            let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);
+            recording
+                .frame(&Frame {
+                    before,
+                    points: Some(0),
+                    sources: SourceInput::Inline(&source(0.0, 0.0)),
+                    plan: &plan,
+                    slot: 0,
+                    reader: Reader::COPY,
+                    unreached: f32::INFINITY,
+                })
+                .unwrap();
+        });
+        let messages = stage.host.messages();
+        stage.host.free_target(target);
+        stage.host.free_image(image);
+        stage.take_down([]);
+        messages
+    };
+    let stages = vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT;
+    let rendering = Access::new(stages, vk::AccessFlags::COLOR_ATTACHMENT_WRITE);
+    assert_eq!(after_rendering(rendering), Vec::<String>::new());
+    let messages = after_rendering(Access::NONE);
+    assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-READ-AFTER-WRITE")), "{messages:?}");
+}

@@ -1,0 +1,49 @@
+//! The embedding interface, used by a renderer of the tests' own.
+
+mod curves;
+mod edges;
+#[path = "../../../examples/embed.rs"]
+mod example;
+mod families;
+mod faults;
+mod frames;
+mod inputs;
+mod queues;
+mod readme;
+#[cfg(feature = "formats")]
+#[allow(dead_code, clippy::duplicate_mod)] // its main is not called here, and its host is ours
+#[path = "../../../examples/render.rs"]
+mod render;
+mod stage;
+mod surroundings;
+
+/// It checks that every frame has converged.
+#[test]
+fn the_example_runs() {
+    example::main().unwrap();
+}
+
+/// Something is drawn, the lines move with the source and with the surface, and the validation layers
+/// have nothing to say about the passes that draw and ours between them.
+#[test]
+#[cfg(feature = "formats")]
+fn the_renderer_draws_what_it_is_told() {
+    use render::PointSource;
+    let mut host = render::Host::with_synchronization_validation();
+    let mut draw = |phase, row, col| render::render(&mut host, 1, phase, PointSource::at(row, col));
+    let background = [237, 235, 230];
+    let first = draw(1.1, 150.0, 210.0);
+    let pixels = || first.iter().flatten();
+    let drawn = pixels().filter(|&&pixel| pixel != background).count();
+    assert!((0.4..0.9).contains(&(drawn as f64 / pixels().count() as f64)), "{drawn}");
+    let red = |&&[r, g, b]: &&[u8; 3]| r > 190 && g < 60 && b < 70;
+    assert!((20..2000).contains(&pixels().filter(red).count()), "the source is marked");
+    let changed = |other: &[_]| {
+        let others = other.iter().flatten();
+        pixels().zip(others).filter(|(a, b)| a != b).count() as f64 / drawn as f64
+    };
+    assert_eq!(changed(&draw(1.1, 150.0, 210.0)), 0.0);
+    assert!(changed(&draw(1.1, 60.0, 100.0)) > 0.5);
+    assert!(changed(&draw(1.6, 150.0, 210.0)) > 0.5);
+    assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
+}

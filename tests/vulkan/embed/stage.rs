@@ -1,0 +1,224 @@
+//! A host with a solver and a surface of ours, and what tests do with them. Hosts and solvers are lent,
+//! since their pipelines take longer to compile than most tests take.
+
+use std::ops::{Deref, DerefMut};
+
+use geosweep::Stop;
+use geosweep::Wavefront;
+use geosweep::ash::vk;
+use geosweep::surface::Chart;
+use geosweep::vulkan::embed::{
+    self, Access, Frame, PointSource, Reader, ResultImage, SourceInput, SurfaceInfo,
+};
+use geosweep::vulkan::{Method, Schedule};
+
+use crate::common::{Lent, Pool};
+use crate::host::{Host, HostBuffer};
+
+/// A host and, while no stage has it, a solver with the passes that were used so far.
+pub struct Kept {
+    host: Host,
+    solver: Option<embed::Solver>,
+}
+
+static WATCHED: Pool<Kept> = Pool::new();
+static WATCHED_BUT_FOR_SHADERS: Pool<Kept> = Pool::new();
+static UNWATCHED: Pool<Kept> = Pool::new();
+
+impl Kept {
+    /// Lends [`Host::new`].
+    pub fn watched() -> Lent<Self> {
+        WATCHED.lend(|| Host::new().into(), Self::check)
+    }
+
+    /// Lends [`Host::with_synchronization_validation`].
+    pub fn watched_but_for_shaders() -> Lent<Self> {
+        let open = || Host::with_synchronization_validation().into();
+        WATCHED_BUT_FOR_SHADERS.lend(open, Self::check)
+    }
+
+    /// Lends [`Host::without_validation`].
+    pub fn unwatched() -> Lent<Self> {
+        UNWATCHED.lend(|| Host::without_validation().into(), Self::check)
+    }
+
+    fn check(&self) {
+        assert_eq!((self.host.messages(), self.host.allocations()), (Vec::new(), 0));
+    }
+}
+
+impl From<Host> for Kept {
+    fn from(host: Host) -> Self {
+        Self { host, solver: None }
+    }
+}
+
+impl From<Host> for Lent<Kept> {
+    fn from(host: Host) -> Self {
+        Kept::from(host).into()
+    }
+}
+
+impl Deref for Kept {
+    type Target = Host;
+
+    fn deref(&self) -> &Host {
+        &self.host
+    }
+}
+
+impl DerefMut for Kept {
+    fn deref_mut(&mut self) -> &mut Host {
+        &mut self.host
+    }
+}
+
+impl Drop for Kept {
+    fn drop(&mut self) {
+        let Some(mut solver) = self.solver.take() else { return };
+        let said = self.host.messages();
+        solver.destroy(&self.host.device);
+        if !std::thread::panicking() {
+            assert_eq!(self.host.messages(), said);
+        }
+    }
+}
+
+pub const STOP: Stop = Stop { tolerance: 1e-6, iterations: 400 };
+
+/// All wavefronts by raster scans.
+pub const RASTER: [(Schedule, Wavefront); 3] = [
+    (Schedule::Raster, Wavefront::Planar),
+    (Schedule::Raster, Wavefront::PointSource),
+    (Schedule::Raster, Wavefront::Curved),
+];
+
+/// A prepared surface. [`Stage::end`] takes it down.
+pub struct Stage {
+    pub host: Lent<Kept>,
+    pub solver: embed::Solver,
+    pub surface: embed::Surface,
+    download: HostBuffer,
+}
+
+impl Stage {
+    pub fn new(
+        host: impl Into<Lent<Kept>>,
+        passes: &[(Schedule, Wavefront)],
+        info: &SurfaceInfo,
+    ) -> Self {
+        let mut host = host.into();
+        let device = host.device.clone();
+        let mut solver = host.solver.take().unwrap_or_else(|| {
+            embed::Solver::new(&host.instance, host.physical_device, &device, &[]).unwrap()
+        });
+        for &(schedule, wavefront) in passes {
+            solver.add_passes(&device, schedule, wavefront).unwrap();
+        }
+        let surface = solver.surface(&device, host.allocator(), info).unwrap();
+        let download = host.buffer(4 * info.chart.points() as u64, true);
+        host.run(|commands| solver.record(&device, commands, &surface).prepare());
+        Self { host, solver, surface, download }
+    }
+
+    pub fn plan(&self, schedule: Schedule, wavefront: Wavefront, iterations: u32) -> embed::Plan {
+        let method = Method { wavefront, schedule: Some(schedule), stop: STOP };
+        self.solver.plan(self.surface.chart(), method, iterations).unwrap()
+    }
+
+    /// Runs a frame, then as many recordings more as it takes to converge.
+    pub fn map(&self, points: usize, sources: SourceInput, plan: &embed::Plan) -> Vec<f32> {
+        self.run(|recording| {
+            recording.frame(&Frame {
+                before: Access::NONE,
+                points: Some(points),
+                sources,
+                plan,
+                slot: 0,
+                reader: Reader::COPY,
+                unreached: f32::INFINITY,
+            })
+        });
+        self.finish(plan);
+        self.read()
+    }
+
+    /// Resumes the plan until it has converged.
+    pub fn finish(&self, plan: &embed::Plan) {
+        while !self.surface.outcome(0).unwrap().converged {
+            let before = self.surface.outcome(0).unwrap();
+            self.run(|recording| {
+                recording.begin(Access::NONE);
+                recording.resume(plan).unwrap();
+                recording.outcome(0).unwrap();
+                recording.result(0, Reader::COPY, f32::INFINITY)
+            });
+            let after = self.surface.outcome(0).unwrap();
+            assert!(after.iterations > before.iterations, "{before:?} {after:?}");
+        }
+    }
+
+    /// Records, submits, waits, and copies the image of distances.
+    pub fn run(
+        &self,
+        record: impl FnOnce(embed::Recording) -> Result<ResultImage, geosweep::vulkan::VulkanError>,
+    ) {
+        let device = &self.host.device;
+        self.host.run(|commands| {
+            let image = record(self.solver.record(device, commands, &self.surface)).unwrap();
+            let layers = vk::ImageSubresourceLayers::default()
+                .aspect_mask(vk::ImageAspectFlags::COLOR)
+                .layer_count(1);
+            let copy = vk::BufferImageCopy::default()
+                .image_subresource(layers)
+                .image_extent(image.extent.into());
+            unsafe {
+                let to = self.download.handle;
+                device.cmd_copy_image_to_buffer(commands, image.image, image.layout, to, &[copy]);
+            }
+            self.host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
+        });
+    }
+
+    /// The distances that [`Stage::run`] has copied.
+    pub fn read(&self) -> Vec<f32> {
+        self.download.floats()[..self.surface.chart().points()].to_vec()
+    }
+
+    /// Destroys everything but what was lent; nothing is left in the allocator, and the validation layers
+    /// have said nothing.
+    pub fn end(self, buffers: impl IntoIterator<Item = HostBuffer>) {
+        assert_eq!(self.host.messages(), Vec::<String>::new());
+        assert_eq!(self.take_down(buffers), Vec::<String>::new());
+    }
+
+    /// Destroys everything but what was lent; nothing is left in the allocator. What the validation layers
+    /// have said.
+    pub fn take_down(self, buffers: impl IntoIterator<Item = HostBuffer>) -> Vec<String> {
+        let Self { mut host, solver, mut surface, download } = self;
+        let device = host.device.clone();
+        surface.destroy(&device, host.allocator());
+        host.solver = Some(solver);
+        host.free(download);
+        buffers.into_iter().for_each(|buffer| host.free(buffer));
+        assert_eq!(host.allocations(), 0);
+        host.messages()
+    }
+}
+
+/// A point source.
+pub fn source(row: f32, col: f32) -> [PointSource; 1] {
+    [PointSource::at(row, col)]
+}
+
+/// Positions of a wavy surface, eight floats a point like vertices that hold more than a position.
+pub fn vertices(chart: Chart, phase: f32) -> Vec<f32> {
+    (0..chart.points())
+        .flat_map(|index| {
+            let (row, col) = chart.position(index);
+            let (x, y) = (col as f32, 1.2 * row as f32);
+            let z = 2.0 * (0.3 * x + phase).sin() * (0.2 * y).cos();
+            [x, y, z, 0.5, 0.5, 0.0, 0.0, 1.0]
+        })
+        .collect()
+}

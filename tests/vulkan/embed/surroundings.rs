@@ -1,0 +1,170 @@
+//! Sources between grid points, whose surroundings are solved before the whole grid is.
+
+use geosweep::Stop;
+use geosweep::cpu;
+use geosweep::glam::DVec2;
+use geosweep::surface::{Chart, EdgeLengths};
+use geosweep::vulkan::embed::{
+    Access, Outcome, PointSource, Points, Reader, SourceInput, SurfaceInfo,
+};
+use geosweep::vulkan::{Method, Schedule};
+use geosweep::{Sources, Spacing, Surface, Wavefront};
+
+use crate::common::{Lent, difference, vulkan_solver};
+use crate::embed::stage::{Kept, RASTER, STOP, Stage};
+use crate::host::HostBuffer;
+
+/// Wavefronts that have surroundings.
+const ROUND: [Wavefront; 2] = [Wavefront::PointSource, Wavefront::Curved];
+
+/// Of a plan: as many as all maps here take, or more.
+const ITERATIONS: u32 = 12;
+
+/// Bumps, with holes where the mask says so.
+fn bumps(chart: Chart, is_hole: impl Fn(usize, usize) -> bool) -> Surface {
+    let (mut heights, mut mask) = (Vec::new(), Vec::new());
+    for (row, col) in (0..chart.points()).map(|index| chart.position(index)) {
+        heights.push(f64::from((3.0 * (0.05 * col as f32).sin()) * (0.04 * row as f32).cos()));
+        mask.push(!is_hole(row, col));
+    }
+    let spacing = Spacing { dx: 1.0, dy: 1.2 };
+    let surface = Surface::from_heights(chart.rows, chart.cols, heights, spacing).unwrap();
+    surface.with_mask(&mask).unwrap()
+}
+
+/// A stage with the surface, measured.
+fn stage_of(mut host: Lent<Kept>, surface: &Surface) -> (Stage, HostBuffer) {
+    let chart = surface.chart();
+    let point = |index: usize| {
+        let (row, col) = chart.position(index);
+        surface.position(row, col).map_or([f32::NAN; 3], |at| at.as_vec3().to_array())
+    };
+    let numbers: Vec<_> = (0..chart.points()).flat_map(point).collect();
+    let buffer = host.buffer_of(&numbers);
+    let points = [Points::positions(buffer.handle, 12)];
+    let edge_rule = surface.edge_rule();
+    let info = SurfaceInfo { points: &points, edge_rule, ..SurfaceInfo::new(chart) };
+    (Stage::new(host, &RASTER, &info), buffer)
+}
+
+/// The map of some sources and how it has gone.
+fn map(stage: &Stage, sources: &[PointSource], method: Method) -> (Vec<f32>, Outcome) {
+    let plan = stage.solver.plan(stage.surface.chart(), method, ITERATIONS).unwrap();
+    stage.run(|recording| {
+        recording.begin(Access::NONE);
+        recording.measure(0).unwrap();
+        recording.solve(SourceInput::Inline(sources), &plan).unwrap();
+        recording.outcome(0).unwrap();
+        recording.result(0, Reader::COPY, f32::INFINITY)
+    });
+    (stage.read(), stage.surface.outcome(0).unwrap())
+}
+
+fn raster(wavefront: Wavefront, stop: Stop) -> Method {
+    Method { wavefront, schedule: Some(Schedule::Raster), stop }
+}
+
+/// Of points that are no more than surroundings: the one iteration that follows changes nothing.
+#[test]
+fn surroundings_are_those_of_the_twin() {
+    // With a wall that fronts come around on both sides, on fewer points than there is room for, and of two
+    // sources on an island in a grid that is large enough for two.
+    let wall = |row: usize, col: usize| row == 12 && (5..14).contains(&col);
+    let sea = |row: usize, col: usize| !((30..50).contains(&row) && (40..60).contains(&col));
+    let square = |points| Chart { rows: points, cols: points };
+    let cases: [(Surface, &[[f64; 2]]); 4] = [
+        (bumps(square(20), wall), &[[9.3, 8.75]]),
+        (bumps(Chart { rows: 19, cols: 20 }, wall), &[[9.5, 9.0]]),
+        (bumps(Chart { rows: 11, cols: 7 }, wall), &[[3.75, 0.25]]),
+        (bumps(square(90), sea), &[[38.3, 48.75], [39.5, 49.25]]),
+    ];
+    for (surface, places) in cases {
+        let (stage, buffer) = stage_of(Kept::watched(), &surface);
+        for wavefront in ROUND {
+            let source = |&[row, col]: &[f64; 2]| PointSource::at(row as f32, col as f32);
+            let sources: Vec<_> = places.iter().map(source).collect();
+            let (found, outcome) = map(&stage, &sources, raster(wavefront, Stop::after(1)));
+            assert_eq!((outcome.iterations, outcome.residual), (1, 0.0), "{places:?} {wavefront}");
+            let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+            let add = |all: Sources, &[row, col]: &[f64; 2]| all.and_point(row, col, 0.0);
+            let seeds = places.iter().fold(Sources::default(), add).seeds(&surface).unwrap();
+            let places: Vec<_> = places.iter().map(|&place| DVec2::from(place)).collect();
+            let twin = cpu::surroundings(&edges, &seeds, &places, wavefront);
+            let difference = difference(&twin.distances(), &found);
+            assert!(difference < 1e-5, "{places:?} {wavefront}: {difference}");
+        }
+        stage.end([buffer]);
+    }
+}
+
+#[test]
+fn frames_from_inside_cells_take_about_as_many_iterations_as_from_grid_points() {
+    let surface = bumps(Chart { rows: 140, cols: 150 }, |_, _| false);
+    let (stage, buffer) = stage_of(Kept::watched(), &surface);
+    for wavefront in ROUND {
+        let iterations = |row, col, times| {
+            let sources = vec![PointSource::at(row, col); times];
+            let (_, outcome) = map(&stage, &sources, raster(wavefront, STOP));
+            assert!(outcome.converged);
+            outcome.iterations
+        };
+        let at_point = iterations(50.0, 60.0, 1);
+        let mut saved = 0;
+        for (row, col) in [(50.0, 60.25), (50.3, 60.9), (51.75, 60.625)] {
+            let with = iterations(row, col, 1);
+            // Two, where from a grid point one is enough and one more tells so.
+            assert!(with <= at_point.max(3) + 1, "{wavefront} {row} {col}: {with}, {at_point}");
+            // A crowd has none, though all its sources are at one place: here from six on.
+            saved += iterations(row, col, 9) - with;
+        }
+        assert!(saved >= 3, "{wavefront}: {saved} of three maps");
+    }
+    stage.end([buffer]);
+}
+
+/// Sources whose surroundings meet, beside the grid's corner and behind a wall, and others that come
+/// later: the maps are the headless solver's, whose surroundings are its own.
+#[test]
+fn maps_with_surroundings_are_the_headless_solvers() {
+    let surface = bumps(Chart { rows: 120, cols: 140 }, |row, col| row == 45 && col > 20);
+    let (stage, buffer) = stage_of(Kept::watched(), &surface);
+    let mut solver = vulkan_solver();
+    let mut on_device = solver.upload(&surface).unwrap();
+    let cases: [&[[f64; 3]]; 4] = [
+        &[[40.3, 50.75, 0.0]],
+        &[[0.25, 138.5, 0.0], [42.5, 21.75, 3.0]],
+        &[[30.3, 50.75, 0.0], [34.5, 53.5, 1.0], [34.0, 47.0, 2.0]],
+        &[[118.5, 0.5, 0.0], [118.75, 138.75, 10.0], [46.5, 60.25, 5.0], [50.0, 60.0, 6.0]],
+    ];
+    for wavefront in ROUND {
+        let method = raster(wavefront, STOP);
+        for case in cases {
+            let add = |all: Sources, &[row, col, time]: &[f64; 3]| all.and_point(row, col, time);
+            let sources = case.iter().fold(Sources::default(), add);
+            let seeds = wavefront.seeds(&surface, sources.seeds(&surface).unwrap());
+            let expected = solver.solve(&mut on_device, &seeds, method).unwrap().distances;
+            let source = |&[row, col, time]: &[f64; 3]| PointSource {
+                time: time as f32,
+                ..PointSource::at(row as f32, col as f32)
+            };
+            let sources: Vec<_> = case.iter().map(source).collect();
+            let (all, outcome) = map(&stage, &sources, method);
+            assert!(outcome.converged, "{wavefront} {case:?}");
+            let apart = difference(&expected, &all);
+            assert!(apart < 1e-5, "{wavefront} {case:?}: {apart}");
+            // The last one later than the others.
+            let (last, first) = sources.split_last().unwrap();
+            map(&stage, first, method);
+            let plan = stage.plan(Schedule::Raster, wavefront, ITERATIONS);
+            stage.run(|recording| {
+                recording.begin(Access::NONE);
+                recording.add(SourceInput::Inline(&[*last]), &plan).unwrap();
+                recording.outcome(0).unwrap();
+                recording.result(0, Reader::COPY, f32::INFINITY)
+            });
+            let apart = difference(&expected, &stage.read());
+            assert!(apart < 1e-5, "added, {wavefront} {case:?}: {apart}");
+        }
+    }
+    stage.end([buffer]);
+}

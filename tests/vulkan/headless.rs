@@ -1,0 +1,364 @@
+//! The Vulkan engine against the CPU engine, under the validation layers.
+
+use geosweep::Stop;
+use geosweep::cpu::{self, Rounds, Solution};
+use geosweep::surface::builtin::Builtin;
+use geosweep::surface::{EdgeLengths, Seed};
+use geosweep::vulkan::plan::{self, Step};
+use geosweep::vulkan::{Method, Schedule, Solver, TexelChart, Tuning, VulkanError};
+use geosweep::{
+    DeviceChoice, Engine, MetricTensor, Options, Sources, Surface, Wavefront, distance_map,
+};
+
+use crate::common::*;
+
+/// Both engines stop where nothing falls by more than 1e-6 in an iteration, and measure edges
+/// in different precision; the bar is ten times that.
+const AGREEMENT: f64 = 1e-5;
+/// After the same number of iterations only rounding is left: a few units of the last digit for
+/// each of the points a front passes, with both signs.
+const TWINS: f64 = 2e-6;
+const WAVEFRONTS: [Wavefront; 3] = Wavefront::ALL;
+
+fn assert_engines_agree(solver: &mut Solver, surface: &Surface, sources: &Sources, what: &str) {
+    let seeds = sources.seeds(surface).unwrap();
+    for wavefront in WAVEFRONTS {
+        let cpu = on_cpu(surface, &seeds, wavefront, CONVERGED);
+        let vulkan = on_vulkan(solver, surface, &seeds, wavefront, CONVERGED);
+        let difference = difference(&cpu, &vulkan);
+        assert!(difference < AGREEMENT, "{what}, {wavefront}: {difference}");
+    }
+}
+
+fn middle(surface: &Surface) -> Sources {
+    let (row, col) = some_point(surface);
+    Sources::point(row as f64, col as f64)
+}
+
+#[test]
+fn engines_agree_on_every_built_in_surface() {
+    let mut solver = vulkan_solver();
+    for builtin in Builtin::ALL {
+        let surface = builtin.surface(129, 117).unwrap();
+        assert_engines_agree(&mut solver, &surface, &middle(&surface), builtin.name());
+    }
+}
+
+#[test]
+fn engines_agree_on_odd_and_tiny_sizes() {
+    let mut solver = vulkan_solver();
+    for (rows, cols) in
+        [(1, 1), (1, 2), (1, 17), (23, 1), (2, 2), (2, 3), (3, 5), (4, 4), (17, 1000), (1000, 17)]
+    {
+        let surface = rough(rows, cols, 0);
+        let corners = [(0, 0), (rows - 1, cols - 1), (0, cols - 1), (rows / 2, cols / 2)];
+        for (row, col) in corners {
+            let sources = Sources::point(row as f64, col as f64);
+            let what = format!("{rows}x{cols} from {row},{col}");
+            assert_engines_agree(&mut solver, &surface, &sources, &what);
+        }
+    }
+}
+
+#[test]
+fn engines_agree_around_holes() {
+    let mut solver = vulkan_solver();
+    for one_hole_in in [2, 3, 5, 20] {
+        let surface = rough(61, 84, one_hole_in);
+        let what = format!("one hole in {one_hole_in}");
+        assert_engines_agree(&mut solver, &surface, &middle(&surface), &what);
+    }
+}
+
+#[test]
+fn engines_agree_with_slowness_and_on_a_metric() {
+    let mut solver = vulkan_solver();
+    let slowness = (0..60 * 70).map(|i| if i % 70 < 30 { 1.0 } else { 2.5 }).collect();
+    let weighted = rough(60, 70, 9).with_slowness(slowness).unwrap();
+    assert_engines_agree(&mut solver, &weighted, &middle(&weighted), "slowness");
+
+    let metric = |index: usize| {
+        let (row, col) = ((index / 70) as f64 / 60.0, (index % 70) as f64 / 70.0);
+        MetricTensor { rr: 1.0 + row, rc: 0.4 * (3.0 * col).sin(), cc: 2.0 - col }
+    };
+    let metric = Surface::from_metric(60, 70, (0..60 * 70).map(metric).collect()).unwrap();
+    assert_engines_agree(&mut solver, &metric, &middle(&metric), "metric");
+}
+
+#[test]
+fn engines_agree_with_many_sources_and_curves() {
+    let mut solver = vulkan_solver();
+    let surface = rough(90, 75, 0);
+    let several = Sources::point(10.25, 20.5).and_point(80.0, 3.0, 4.5).and_point(10.5, 20.0, 1.0);
+    assert_engines_agree(&mut solver, &surface, &several, "several sources");
+    let every_point = (0..90).flat_map(|row| (0..75).map(move |col| (row, col)));
+    let every_point = every_point.fold(Sources::default(), |sources, (row, col)| {
+        sources.and_point(row as f64, col as f64, 0.0)
+    });
+    assert_engines_agree(&mut solver, &surface, &every_point, "every point");
+    let curve = Sources::curve([[5.0, 5.0], [70.5, 30.25], [40.0, 70.0]]);
+    let seeds = curve.seeds(&surface).unwrap();
+    let cpu = on_cpu(&surface, &seeds, Wavefront::Planar, CONVERGED);
+    let vulkan = on_vulkan(&mut solver, &surface, &seeds, Wavefront::Planar, CONVERGED);
+    assert!(difference(&cpu, &vulkan) < AGREEMENT);
+}
+
+/// Positions far from the origin keep their digits.
+#[test]
+fn engines_agree_far_from_the_origin() {
+    let mut solver = vulkan_solver();
+    let near = Builtin::Peaks.surface(80, 80).unwrap();
+    let far = (0..80 * 80)
+        .map(|i| near.position(i / 80, i % 80).unwrap() + geosweep::glam::DVec3::splat(4e6))
+        .collect();
+    let far = Surface::from_positions(80, 80, far).unwrap();
+    assert_engines_agree(&mut solver, &far, &middle(&far), "far from the origin");
+}
+
+/// Every schedule leads to the same map, with the same points reached.
+#[test]
+fn schedules_agree() {
+    let mut solver = vulkan_solver();
+    let slowness = (0..60 * 70).map(|i| if i % 70 < 30 { 1.0 } else { 2.5 }).collect();
+    for (surface, what) in [
+        (Builtin::Sphere.surface(65, 80).unwrap(), "sphere"),
+        (Builtin::Maze.surface(61, 67).unwrap(), "maze"),
+        (rough(50, 37, 5), "holes"),
+        (rough(60, 70, 9).with_slowness(slowness).unwrap(), "slowness"),
+        (rough(3, 41, 0), "a strip"),
+        (rough(1, 1, 0), "a point"),
+    ] {
+        let seeds = middle(&surface).seeds(&surface).unwrap();
+        let mut on_device = solver.upload(&surface).unwrap();
+        for wavefront in WAVEFRONTS {
+            let cpu = on_cpu(&surface, &seeds, wavefront, CONVERGED);
+            for schedule in Schedule::ALL {
+                let method = Method { wavefront, schedule: Some(schedule), stop: CONVERGED };
+                let solution = solver.solve(&mut on_device, &seeds, method).unwrap();
+                let difference = difference(&cpu, &solution.distances);
+                let what = format!("{what}, {wavefront}, {schedule}");
+                assert!(difference < AGREEMENT, "{what}: {difference}");
+                assert!(solution.residual <= CONVERGED.tolerance, "{what}");
+                let again = solver.solve(&mut on_device, &seeds, method).unwrap();
+                assert_eq!(again.distances, solution.distances, "{what}");
+            }
+        }
+    }
+}
+
+/// Sources added to a map lead to the map of all of them.
+#[test]
+fn sources_can_be_added_to_a_map() {
+    let mut solver = vulkan_solver();
+    let surface = rough(61, 84, 6);
+    let [first, second] = [seeds_at(&surface, some_point(&surface)), {
+        let index = surface.present().iter().position(|&present| present).unwrap();
+        seeds_at(&surface, surface.chart().position(index))
+    }];
+    let all = [first.clone(), second.clone()].concat();
+    let mut on_device = solver.upload(&surface).unwrap();
+    for wavefront in WAVEFRONTS {
+        let cpu = on_cpu(&surface, &all, wavefront, CONVERGED);
+        for schedule in Schedule::ALL {
+            let method = Method { wavefront, schedule: Some(schedule), stop: CONVERGED };
+            let one = solver.solve(&mut on_device, &first, method).unwrap();
+            let both = solver.add(&mut on_device, &second, method).unwrap();
+            assert_ne!(one.distances, both.distances);
+            let difference = difference(&cpu, &both.distances);
+            assert!(difference < AGREEMENT, "{wavefront}, {schedule}: {difference}");
+        }
+    }
+}
+
+/// At most 48 bytes a point, the buffers for transfer included.
+#[test]
+fn a_surface_takes_little_memory() {
+    let solver = vulkan_solver();
+    for (rows, cols) in [(300, 300), (257, 1000), (1000, 1000), (900, 2000)] {
+        let bytes = solver.upload(&rough(rows, cols, 0)).unwrap().bytes();
+        let points = (rows * cols) as u64;
+        assert!(bytes < 48 * points, "{rows} x {cols}: {bytes}, {} a point", bytes / points);
+    }
+}
+
+/// Iteration by iteration, not only in the limit: the scans are those of the twin.
+fn assert_twins(solver: &mut Solver, surface: &Surface, source: (usize, usize), iterations: u32) {
+    assert_schedule_twins(solver, surface, source, Schedule::Raster, 1..=iterations);
+}
+
+/// The map of a schedule's twin, point by point.
+fn twin(
+    edges: &EdgeLengths<f32>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    schedule: Schedule,
+    tuning: Tuning,
+    stop: Stop,
+) -> Solution<f32> {
+    match schedule {
+        Schedule::Raster => cpu::scan_in_turn(edges, seeds, wavefront, stop),
+        Schedule::AllPoints => cpu::all_points(edges, seeds, wavefront, stop),
+        Schedule::Tiles => {
+            let texels = TexelChart::new(edges.chart()).unwrap();
+            let portions = tuning.portions(wavefront, texels);
+            let recording = plan::recording(schedule, texels, portions, None, u32::MAX);
+            let recorded = recording.iter().filter(|step| matches!(step, Step::Tiles { .. }));
+            let rounds = Rounds {
+                tile: tuning.tile as usize,
+                inner: tuning.inner,
+                recorded: recorded.count() as u32,
+            };
+            cpu::tile_rounds(edges, seeds, wavefront, stop, rounds)
+        }
+    }
+}
+
+fn assert_schedule_twins(
+    solver: &mut Solver,
+    surface: &Surface,
+    source: (usize, usize),
+    schedule: Schedule,
+    iterations: impl IntoIterator<Item = u32>,
+) {
+    let seeds = seeds_at(surface, source);
+    let edges = EdgeLengths::<f32>::new(surface).unwrap();
+    let mut on_device = solver.upload(surface).unwrap();
+    for iterations in iterations {
+        let stop = Stop::after(iterations);
+        for wavefront in WAVEFRONTS {
+            let twin = twin(&edges, &seeds, wavefront, schedule, solver.tuning(), stop);
+            let method = Method { wavefront, schedule: Some(schedule), stop };
+            let vulkan = solver.solve(&mut on_device, &seeds, method).unwrap();
+            let difference = difference(&twin.distances(), &vulkan.distances);
+            let what = format!("{iterations} iterations, {schedule}, {wavefront}");
+            assert!(difference < TWINS, "{what}: {difference}");
+            assert_eq!(twin.iterations, vulkan.iterations, "{what}");
+        }
+    }
+}
+
+#[test]
+fn every_iteration_of_the_shader_is_one_of_its_twin() {
+    let mut solver = vulkan_solver();
+    assert_twins(&mut solver, &Builtin::Maze.surface(101, 120).unwrap(), (0, 0), 4);
+    assert_twins(&mut solver, &rough(75, 62, 0), (50, 13), 3);
+    let holes = rough(64, 81, 4);
+    assert_twins(&mut solver, &holes, some_point(&holes), 3);
+}
+
+/// Among them rounds in a second recording, and more than the map takes.
+#[test]
+fn every_update_and_every_round_is_one_of_its_twin() {
+    let mut solver = vulkan_solver();
+    let slowness = (0..40 * 53).map(|i| if i % 53 < 30 { 1.0 } else { 2.5 }).collect();
+    for (surface, source) in [
+        (Builtin::Maze.surface(67, 60).unwrap(), (0, 0)),
+        (rough(40, 53, 9).with_slowness(slowness).unwrap(), (20, 27)),
+        (rough(49, 38, 0), (31, 13)),
+        (rough(1, 40, 0), (0, 39)),
+    ] {
+        let solver = &mut solver;
+        let source = if surface.has(source.0, source.1) { source } else { some_point(&surface) };
+        assert_schedule_twins(solver, &surface, source, Schedule::AllPoints, [1, 2, 7, 34]);
+        assert_schedule_twins(solver, &surface, source, Schedule::Tiles, [1, 2, 3, 9, 200]);
+    }
+}
+
+/// More rows than one band of the upload holds, and bends across their border.
+#[test]
+fn every_band_of_the_upload_arrives() {
+    let mut solver = vulkan_solver();
+    assert_twins(&mut solver, &Builtin::Sphere.surface(1100, 1000).unwrap(), (300, 700), 1);
+}
+
+#[test]
+fn a_surface_on_the_device_serves_many_maps_and_repeats_them_to_the_bit() {
+    let mut solver = vulkan_solver();
+    let surface = rough(70, 50, 6);
+    let mut on_device = solver.upload(&surface).unwrap();
+    let seeds = seeds_at(&surface, some_point(&surface));
+    let mut solve = |seeds: &[_], wavefront| {
+        let method = Method { wavefront, schedule: None, stop: CONVERGED };
+        solver.solve(&mut on_device, seeds, method).unwrap()
+    };
+    let first = solve(&seeds, Wavefront::PointSource);
+    let other =
+        solve(&Sources::point(0.5, 0.5).seeds(&rough(70, 50, 0)).unwrap(), Wavefront::Planar);
+    assert_ne!(first.distances, other.distances);
+    let again = solve(&seeds, Wavefront::PointSource);
+    assert_eq!(first.distances, again.distances);
+    assert_eq!((first.iterations, first.residual), (again.iterations, again.residual));
+}
+
+#[test]
+fn iterations_stop_at_the_given_count() {
+    let mut solver = vulkan_solver();
+    let surface = Builtin::Maze.surface(101, 101).unwrap();
+    let seeds = seeds_at(&surface, (0, 0));
+    let mut on_device = solver.upload(&surface).unwrap();
+    let mut solve = |stop| {
+        let method = Method { wavefront: Wavefront::Planar, schedule: None, stop };
+        solver.solve(&mut on_device, &seeds, method).unwrap()
+    };
+    let one = solve(Stop::after(1));
+    assert_eq!((one.iterations, one.residual), (1, 1.0));
+    let converged = solve(CONVERGED);
+    assert!(converged.iterations > 1 && converged.residual <= CONVERGED.tolerance);
+    let reached = |distances: &[f32]| distances.iter().filter(|d| d.is_finite()).count();
+    assert!(reached(&one.distances) < reached(&converged.distances));
+}
+
+#[test]
+fn the_one_call_says_what_it_used() {
+    let surface = rough(20, 30, 0);
+    let sources = Sources::point(3.0, 4.0).and_point(15.0, 20.0, -2.0);
+    let auto = distance_map(&surface, &sources, &Options::default()).unwrap();
+    assert_eq!((auto.report.engine, &auto.report.fallback), ("vulkan", &None));
+    assert!(auto.report.device.is_some() && auto.report.converged);
+    assert_eq!((auto.report.points, auto.report.reached), (600, 600));
+    let cpu = Options { engine: Engine::Cpu, ..Options::default() };
+    let cpu = distance_map(&surface, &sources, &cpu).unwrap();
+    assert_eq!((cpu.report.engine, cpu.report.device), ("cpu", None));
+    assert!(difference(&auto.distances, &cpu.distances) < AGREEMENT);
+    assert_eq!(auto.distance(15, 20), -2.0);
+}
+
+#[test]
+fn a_choice_that_cannot_be_met_is_an_error() {
+    let surface = rough(5, 5, 0);
+    for choice in [DeviceChoice::Name("no such device".into()), DeviceChoice::Index(99)] {
+        let options = Options { engine: Engine::Vulkan(choice), ..Options::default() };
+        let error = distance_map(&surface, &Sources::point(1.0, 1.0), &options).unwrap_err();
+        assert!(error.to_string().contains("available: 0: \""), "{error}");
+    }
+}
+
+#[test]
+fn a_grid_larger_than_the_device_is_an_error() {
+    let solver = vulkan_solver();
+    let surface = rough(1, 200_000, 0);
+    let Err(error) = solver.upload(&surface) else { panic!("no device has such images") };
+    assert!(matches!(error, VulkanError::TooLarge { .. }), "{error}");
+}
+
+/// The real terrain that the repository ships.
+#[test]
+#[cfg(feature = "formats")]
+fn engines_agree_on_real_terrain() {
+    let path = std::path::Path::new("examples/data/jacksboro.png");
+    let spacing = geosweep::Spacing { dx: 74.573, dy: 92.475 };
+    let surface =
+        geosweep::io::SurfaceFile::read(path).unwrap().into_surface(Some(spacing)).unwrap();
+    let mut solver = vulkan_solver();
+    assert_engines_agree(&mut solver, &surface, &Sources::point(297.0, 219.0), "terrain");
+}
+
+/// Slowness as rough as noise, which leaves lengths that are no triangles.
+#[test]
+fn engines_agree_with_rough_slowness() {
+    let mut solver = vulkan_solver();
+    let noise = |i: u64| (i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f64 / (1u64 << 24) as f64;
+    let slowness = (1..=50 * 40).map(|i| 0.5 + 1.5 * noise(i)).collect();
+    let surface = rough(50, 40, 0).with_slowness(slowness).unwrap();
+    assert_engines_agree(&mut solver, &surface, &middle(&surface), "rough slowness");
+}

@@ -1,0 +1,13 @@
+//! The Vulkan engine under the validation layers: without a renderer, embedded in one, profiled.
+
+mod anchored;
+#[path = "../common/mod.rs"]
+mod common;
+mod embed;
+mod headless;
+#[path = "../common/host/mod.rs"]
+mod host;
+mod pairwise;
+mod profile;
+#[cfg(feature = "shaderc")]
+mod spirv;

@@ -1,0 +1,286 @@
+//! Many maps at once on a Vulkan device against the CPU engine and against the shaders' twin, under
+//! the validation layers.
+
+use geosweep::Stop;
+use geosweep::cpu;
+use geosweep::pairwise::Pairwise;
+use geosweep::surface::builtin::Builtin;
+use geosweep::surface::{EdgeLengths, Seed};
+use geosweep::vulkan::{PairwiseOnDevice, PairwiseSchedule, Solver, SurfaceOnDevice, VulkanError};
+use geosweep::{Engine, Error, MetricTensor, Options, Surface, Wavefront};
+
+use crate::common::*;
+
+/// Both engines stop where nothing falls by more than 1e-6 in an iteration, and measure edges in
+/// different precision; the bar is ten times that.
+const AGREEMENT: f64 = 1e-5;
+/// After the same number of iterations only rounding is left; see headless.rs.
+const TWINS: f64 = 2e-6;
+
+/// About so many sources, all over the grid, in the order of the points; `None` for holes.
+fn sources(surface: &Surface, count: usize) -> Vec<Option<usize>> {
+    let points = surface.chart().points();
+    let source = |point: usize| surface.present()[point].then_some(point);
+    (0..points).step_by(points.div_ceil(count)).map(source).collect()
+}
+
+/// The rows of some sources, and that they have converged or taken all iterations.
+fn solve(
+    pairwise: &mut PairwiseOnDevice,
+    (solver, uploaded, points): (&Solver, &SurfaceOnDevice, usize),
+    sources: &[Option<usize>],
+    stop: Stop,
+) -> Vec<f32> {
+    let mut rows = vec![f32::NAN; sources.len() * points];
+    let convergence = pairwise.solve(solver, uploaded, sources, stop, &mut rows).unwrap();
+    assert!(convergence.iterations <= stop.iterations);
+    let converged = convergence.residual <= stop.tolerance;
+    assert!(converged || convergence.iterations == stop.iterations, "{convergence:?}");
+    rows
+}
+
+/// The rows of the sources there are, one after another, as the CPU computes them.
+fn rows_on_cpu(surface: &Surface, wavefront: Wavefront, sources: &[Option<usize>]) -> Vec<f32> {
+    let options = Options {
+        engine: Engine::Cpu,
+        wavefront: Some(wavefront),
+        tolerance: Some(CONVERGED.tolerance),
+        iterations: Some(CONVERGED.iterations),
+        ..Options::default()
+    };
+    let sources: Vec<_> = sources.iter().flatten().copied().collect();
+    let (mut pairwise, mut all) = (Pairwise::new(surface, &options).unwrap(), Vec::new());
+    let report = pairwise.rows(&sources, |rows| {
+        all.extend_from_slice(rows.distances);
+        Ok::<_, Error>(())
+    });
+    report.unwrap();
+    all
+}
+
+/// Holds the rows of a device against those of the CPU, map by map; no source has no distances.
+fn assert_rows_agree(
+    surface: &Surface,
+    wavefront: Wavefront,
+    sources: &[Option<usize>],
+    rows: &[f32],
+    what: &str,
+) {
+    let points = surface.chart().points();
+    let on_cpu = rows_on_cpu(surface, wavefront, sources);
+    let mut on_cpu = on_cpu.chunks_exact(points);
+    assert_eq!(rows.len(), sources.len() * points);
+    for (map, (source, row)) in sources.iter().zip(rows.chunks_exact(points)).enumerate() {
+        if source.is_none() {
+            assert!(row.iter().all(|distance| *distance == f32::INFINITY), "{what}, map {map}");
+            continue;
+        }
+        let difference = difference(on_cpu.next().unwrap(), row);
+        assert!(difference < AGREEMENT, "{what}, map {map}: {difference}");
+    }
+}
+
+/// Every wavefront, and both schedules in turns, which the twins hold against one another.
+fn assert_engines_agree(solver: &Solver, surface: &Surface, number: usize, what: &str) {
+    let points = surface.chart().points();
+    let sources = sources(surface, 5);
+    let uploaded = solver.upload(surface).unwrap();
+    for wavefront in Wavefront::ALL {
+        let schedule = PairwiseSchedule::ALL[(number + wavefront as usize) % 2];
+        let mut pairwise = solver.pairwise(&uploaded, wavefront, Some(schedule)).unwrap();
+        let rows = solve(&mut pairwise, (solver, &uploaded, points), &sources, CONVERGED);
+        let what = format!("{what}, {wavefront}, {schedule}");
+        assert_rows_agree(surface, wavefront, &sources, &rows, &what);
+    }
+}
+
+#[test]
+fn engines_agree_on_every_built_in_surface() {
+    let solver = vulkan_solver();
+    for (number, builtin) in Builtin::ALL.into_iter().enumerate() {
+        assert_engines_agree(&solver, &builtin.surface(23, 20).unwrap(), number, builtin.name());
+    }
+}
+
+#[test]
+fn engines_agree_on_odd_and_tiny_sizes() {
+    let solver = vulkan_solver();
+    let sizes = [(1, 1), (1, 2), (2, 1), (2, 2), (3, 5), (2, 37), (41, 2), (65, 47), (1, 300)];
+    for (number, (rows, cols)) in sizes.into_iter().enumerate() {
+        let what = format!("{rows}x{cols}");
+        assert_engines_agree(&solver, &rough(rows, cols, 0), number, &what);
+    }
+}
+
+#[test]
+fn engines_agree_around_holes() {
+    let solver = vulkan_solver();
+    for one_hole_in in [2, 3, 5, 20] {
+        let surface = rough(21, 34, one_hole_in);
+        let what = format!("one hole in {one_hole_in}");
+        assert_engines_agree(&solver, &surface, one_hole_in as usize, &what);
+    }
+}
+
+#[test]
+fn engines_agree_with_slowness_and_on_a_metric() {
+    let solver = vulkan_solver();
+    let slowness = (0..20 * 25).map(|i| if i % 25 < 10 { 1.0 } else { 2.5 }).collect();
+    let weighted = rough(20, 25, 9).with_slowness(slowness).unwrap();
+    assert_engines_agree(&solver, &weighted, 0, "slowness");
+    let metric = |index: usize| {
+        let (row, col) = ((index / 25) as f64 / 20.0, (index % 25) as f64 / 25.0);
+        MetricTensor { rr: 1.0 + row, rc: 0.4 * (3.0 * col).sin(), cc: 2.0 - col }
+    };
+    let metric = Surface::from_metric(20, 25, (0..20 * 25).map(metric).collect()).unwrap();
+    assert_engines_agree(&solver, &metric, 1, "metric");
+}
+
+/// Iteration by iteration, each map by itself: the scans and the counting are the twin's.
+#[test]
+fn every_iteration_of_the_shaders_is_one_of_their_twin() {
+    let solver = vulkan_solver();
+    for (surface, what) in
+        [(Builtin::Maze.surface(21, 30).unwrap(), "maze"), (rough(34, 23, 4), "holes")]
+    {
+        let (chart, edges) = (surface.chart(), EdgeLengths::<f32>::new(&surface).unwrap());
+        let points = chart.points();
+        let sources: Vec<_> = sources(&surface, 7).into_iter().filter(Option::is_some).collect();
+        let uploaded = solver.upload(&surface).unwrap();
+        for wavefront in Wavefront::ALL {
+            for schedule in PairwiseSchedule::ALL {
+                let mut pairwise = solver.pairwise(&uploaded, wavefront, Some(schedule)).unwrap();
+                for stop in [Stop::after(1), Stop::after(2), Stop::after(5), CONVERGED] {
+                    let rows = solve(&mut pairwise, (&solver, &uploaded, points), &sources, stop);
+                    for (source, row) in sources.iter().flatten().zip(rows.chunks_exact(points)) {
+                        let (r, c) = chart.position(*source);
+                        let seeds = [Seed::at_source(r, c, 0.0)];
+                        let twin = cpu::scan_outward(&edges, &seeds, wavefront, stop).distances();
+                        let difference = difference(&twin, row);
+                        let what = format!("{what}, {wavefront}, {schedule}, {source}, {stop:?}");
+                        assert!(difference < TWINS, "{what}: {difference}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Rows do not depend on the sources beside them, nor on the batch they were computed in, and come
+/// out the same again; holes and what is no source give rows of infinity.
+#[test]
+fn rows_do_not_depend_on_their_batch() {
+    let solver = vulkan_solver();
+    let surface = rough(15, 13, 7);
+    let points = surface.chart().points();
+    let uploaded = solver.upload(&surface).unwrap();
+    for wavefront in Wavefront::ALL {
+        for schedule in PairwiseSchedule::ALL {
+            let mut pairwise = solver.pairwise(&uploaded, wavefront, Some(schedule)).unwrap();
+            let mut solve = |sources: &[Option<usize>]| {
+                solve(&mut pairwise, (&solver, &uploaded, points), sources, CONVERGED)
+            };
+            let all: Vec<_> =
+                (0..points).map(|point| surface.present()[point].then_some(point)).collect();
+            let matrix = solve(&all);
+            assert!(solve(&all) == matrix, "{wavefront}, {schedule}");
+            let some = [Some(100), None, Some(3), all[52], Some(3), Some(194)];
+            for (source, row) in some.into_iter().zip(solve(&some).chunks_exact(points)) {
+                match source {
+                    Some(source) => {
+                        assert!(row == &matrix[source * points..][..points], "{source}");
+                        assert_eq!(row[source], 0.0);
+                    }
+                    None => assert!(row.iter().all(|&distance| distance == f32::INFINITY)),
+                }
+            }
+            assert!(solve(&[None; 3]).iter().all(|&distance| distance == f32::INFINITY));
+            assert!(solve(&[]).is_empty());
+        }
+    }
+}
+
+/// More sources than a batch takes, and batches as large as the device's kind of memory allows.
+#[test]
+fn sources_beyond_a_batch_are_computed_in_the_next() {
+    let solver = vulkan_solver();
+    let surface = rough(52, 60, 0);
+    let points = surface.chart().points();
+    let uploaded = solver.upload(&surface).unwrap();
+    for schedule in PairwiseSchedule::ALL {
+        let mut pairwise = solver.pairwise(&uploaded, Wavefront::Planar, Some(schedule)).unwrap();
+        let count = pairwise.batch() + 5;
+        assert!(count < points, "the grid is chosen so that there are so many sources");
+        let sources: Vec<_> = (0..count).map(Some).collect();
+        let mut rows = vec![f32::NAN; count * points];
+        pairwise.solve(&solver, &uploaded, &sources, Stop::after(2), &mut rows).unwrap();
+        let mut last = vec![f32::NAN; 7 * points];
+        pairwise
+            .solve(&solver, &uploaded, &sources[count - 7..], Stop::after(2), &mut last)
+            .unwrap();
+        assert!(rows[(count - 7) * points..] == last);
+        assert!(pairwise.bytes() < 64 << 20, "{}", pairwise.bytes());
+    }
+}
+
+/// Corridors to and fro, one above the other: each takes an iteration or so.
+fn corridors(rows: usize, cols: usize) -> Surface {
+    let is_open = |index: usize| {
+        let (row, col) = (index / cols, index % cols);
+        row % 2 == 0 || col == if row % 4 == 1 { cols - 1 } else { 0 }
+    };
+    let mask: Vec<_> = (0..rows * cols).map(is_open).collect();
+    rough(rows, cols, 0).with_mask(&mask).unwrap()
+}
+
+/// A map that takes more iterations than a dispatch has goes on in the next.
+#[test]
+fn mazes_take_as_many_dispatches_as_they_need() {
+    let solver = vulkan_solver();
+    let surface = corridors(141, 12);
+    let (points, edges) = (surface.chart().points(), EdgeLengths::<f32>::new(&surface).unwrap());
+    let uploaded = solver.upload(&surface).unwrap();
+    // From the first point far, from one in the middle half as far.
+    let sources = [Some(0), Some(70 * 12)];
+    for wavefront in [Wavefront::Planar, Wavefront::Curved] {
+        let twins = sources.iter().flatten().map(|&source| {
+            let (row, col) = surface.chart().position(source);
+            cpu::scan_outward(&edges, &[Seed::at_source(row, col, 0.0)], wavefront, CONVERGED)
+        });
+        let twins: Vec<_> = twins.collect();
+        assert!(twins[0].iterations > 32, "{}: a dispatch has as many", twins[0].iterations);
+        for schedule in PairwiseSchedule::ALL {
+            let mut pairwise = solver.pairwise(&uploaded, wavefront, Some(schedule)).unwrap();
+            let mut rows = vec![f32::NAN; 2 * points];
+            let convergence =
+                pairwise.solve(&solver, &uploaded, &sources, CONVERGED, &mut rows).unwrap();
+            let most = twins.iter().map(|twin| twin.iterations).max().unwrap();
+            assert_eq!(convergence.iterations, most, "{wavefront}, {schedule}");
+            for (twin, row) in twins.iter().zip(rows.chunks_exact(points)) {
+                let difference = difference(&twin.distances(), row);
+                assert!(difference < TWINS, "{wavefront}, {schedule}: {difference}");
+            }
+        }
+    }
+}
+
+#[test]
+fn grids_too_large_for_shared_memory_go_into_images() {
+    let solver = vulkan_solver();
+    let small = solver.upload(&rough(64, 64, 0)).unwrap();
+    for wavefront in [Wavefront::Planar, Wavefront::PointSource] {
+        let pairwise = solver.pairwise(&small, wavefront, None).unwrap();
+        assert_eq!(pairwise.schedule(), PairwiseSchedule::SharedMemory);
+    }
+    let surface = rough(270, 260, 0);
+    let large = solver.upload(&surface).unwrap();
+    let wanted = Some(PairwiseSchedule::SharedMemory);
+    let error = solver.pairwise(&large, Wavefront::Planar, wanted).err().unwrap();
+    assert!(matches!(error, VulkanError::NotInSharedMemory { .. }), "{error}");
+    let mut pairwise = solver.pairwise(&large, Wavefront::PointSource, None).unwrap();
+    assert_eq!(pairwise.schedule(), PairwiseSchedule::Images);
+    let sources = [Some(0), Some(35_000), None, Some(70_199)];
+    let mut rows = vec![f32::NAN; 4 * 270 * 260];
+    pairwise.solve(&solver, &large, &sources, CONVERGED, &mut rows).unwrap();
+    assert_rows_agree(&surface, Wavefront::PointSource, &sources, &rows, "270x260");
+}

@@ -1,0 +1,63 @@
+//! A headless solver that is profiled.
+
+use geosweep::surface::Seed;
+use geosweep::vulkan::plan;
+use geosweep::vulkan::plan::{Reached, Step};
+use geosweep::vulkan::profile::{Capability, Detail, PassKind, PassRecord, SolveProfile};
+use geosweep::vulkan::{Method, Schedule, Solver, SurfaceOnDevice, TexelChart};
+use geosweep::{Surface, Wavefront};
+
+use crate::common::{CONVERGED, device_choice, rough, seeds_at, some_point};
+
+pub fn method(wavefront: Wavefront, schedule: Schedule) -> Method {
+    Method { wavefront, schedule: Some(schedule), stop: CONVERGED }
+}
+
+/// A surface on a device that is profiled.
+pub struct Bench {
+    pub surface: Surface,
+    pub seeds: Vec<Seed>,
+    pub solver: Solver,
+    pub on_device: SurfaceOnDevice,
+}
+
+impl Bench {
+    pub fn new(rows: usize, cols: usize, left_out: &[Capability]) -> Self {
+        let surface = rough(rows, cols, 0);
+        let seeds = seeds_at(&surface, some_point(&surface));
+        let solver = Solver::for_profiling(&device_choice(), left_out).unwrap();
+        let on_device = solver.upload(&surface).unwrap();
+        Self { surface, seeds, solver, on_device }
+    }
+
+    pub fn profile(&mut self, method: Method, detail: Detail) -> SolveProfile {
+        let Self { seeds, solver, on_device, .. } = self;
+        solver.profile(on_device, seeds, method, detail).unwrap().1
+    }
+
+    /// Iterations of the map without a profile.
+    pub fn iterations(&mut self, method: Method) -> u32 {
+        self.solver.solve(&mut self.on_device, &self.seeds, method).unwrap().iterations
+    }
+
+    /// The steps as they are recorded, portion by portion, and the texels.
+    pub fn steps(&self, method: Method, portions: usize) -> (TexelChart, Vec<Vec<Step>>) {
+        let texels = TexelChart::new(self.surface.chart()).unwrap();
+        let sizes = self.solver.tuning().portions(method.wavefront, texels);
+        let schedule = method.schedule.unwrap();
+        let places = self.seeds.iter().map(|seed| TexelChart::texel_of(seed.row, seed.col));
+        let mut reached = Reached::around(places.map(|(row, col, _)| (row, col)));
+        let steps = (0..portions)
+            .map(|_| plan::recording(schedule, texels, sizes, reached.take(), u32::MAX))
+            .collect();
+        (texels, steps)
+    }
+}
+
+pub fn of_kind(profile: &SolveProfile, kind: PassKind) -> impl Iterator<Item = &PassRecord> {
+    profile.passes().filter(move |pass| pass.kind == kind)
+}
+
+pub fn sum(passes: &[&PassRecord], of: impl Fn(&PassRecord) -> Option<u64>) -> u64 {
+    passes.iter().map(|pass| of(pass).unwrap_or_else(|| panic!("{pass:?}"))).sum()
+}
