@@ -1,0 +1,46 @@
+//! Whether processes have come to rest, by the kernel's account of their threads.
+//!
+//! A picture that has not changed for a while says little: on a loaded machine the next frame is still
+//! to come. But when all threads of the viewer and of the X server sleep, and none has run since the
+//! look before, nobody is left who could wake another.
+
+use std::fs;
+use std::thread::sleep;
+use std::time::Duration;
+
+/// Looks in turn that must agree.
+const LOOKS: usize = 6;
+/// From look to look. All of them take longer than the timers at work here: what the viewer waits for
+/// an image of the window at most, and the beat of a server without a screen.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// Whether nothing more is to come from processes that wait for one another and for us only.
+pub fn are_done(processes: &[u32]) -> bool {
+    let look = || processes.iter().map(|&process| asleep(process)).collect::<Option<Vec<_>>>();
+    let first = look();
+    first.is_some()
+        && (1..LOOKS).all(|_| {
+            sleep(PAUSE);
+            look() == first
+        })
+}
+
+/// How often each thread of a process has given way, if all of them sleep.
+fn asleep(process: u32) -> Option<Vec<(String, u64)>> {
+    let threads = fs::read_dir(format!("/proc/{process}/task")).ok()?;
+    threads
+        .map(|thread| {
+            let status = fs::read_to_string(thread.ok()?.path().join("status")).ok()?;
+            let field = |name: &str| {
+                let line = status.lines().find_map(|line| line.strip_prefix(name))?;
+                line.strip_prefix(':')?.split_whitespace().next()
+            };
+            if field("State")? != "S" {
+                return None;
+            }
+            let switches = ["voluntary_ctxt_switches", "nonvoluntary_ctxt_switches"];
+            let [willing, other] = switches.map(|name| field(name)?.parse::<u64>().ok());
+            Some((field("Pid")?.to_owned(), willing? + other?))
+        })
+        .collect()
+}
