@@ -40,15 +40,21 @@ impl<T> Pool<T> {
     /// not come back, so that the next begins with nothing of it.
     pub fn lend(&'static self, open: impl FnOnce() -> T, check: fn(&T)) -> Lent<T> {
         let idle = self.0.lock().unwrap().pop();
-        Lent { item: Some(idle.unwrap_or_else(open)), pool: self, check }
+        Lent { item: Some(idle.unwrap_or_else(open)), back: Some((self, check)) }
     }
 }
 
-/// One of a [`Pool`], for one test.
+/// One of a [`Pool`], for one test; or one of the test's own.
 pub struct Lent<T: 'static> {
     item: Option<T>,
-    pool: &'static Pool<T>,
-    check: fn(&T),
+    /// Where it goes when the test has done with it, and what is to hold of it then.
+    back: Option<(&'static Pool<T>, fn(&T))>,
+}
+
+impl<T> From<T> for Lent<T> {
+    fn from(own: T) -> Self {
+        Self { item: Some(own), back: None }
+    }
 }
 
 impl<T> Deref for Lent<T> {
@@ -68,10 +74,10 @@ impl<T> DerefMut for Lent<T> {
 impl<T> Drop for Lent<T> {
     fn drop(&mut self) {
         if !std::thread::panicking()
-            && let Some(item) = self.item.take()
+            && let (Some((pool, check)), Some(item)) = (self.back, self.item.take())
         {
-            (self.check)(&item);
-            self.pool.0.lock().unwrap().push(item);
+            check(&item);
+            pool.0.lock().unwrap().push(item);
         }
     }
 }

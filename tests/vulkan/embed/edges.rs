@@ -11,8 +11,7 @@ use geosweep::vulkan::{Method, Schedule};
 use geosweep::{Sources, Spacing, Surface, Wavefront};
 
 use crate::common::{difference, rough, some_point, vulkan_solver};
-use crate::embed::stage::{RASTER, Stage, source};
-use crate::host::Host;
+use crate::embed::stage::{Kept, RASTER, Stage, source};
 
 /// Between the maps from the same points: rounding.
 const SAME: f64 = 1e-5;
@@ -39,7 +38,7 @@ fn both_rules_for_edges_are_those_of_the_twin() {
             Geometry::Metric(_) => unreachable!("no surface here has one"),
         };
         for edge_rule in [EdgeRule::Chord, EdgeRule::Arc] {
-            let mut host = Host::new();
+            let mut host = Kept::watched();
             let buffer = host.buffer_of(&numbers);
             let stride = 4 * (numbers.len() / chart.points()) as u64;
             let memory = PointMemory::Buffer { buffer: buffer.handle, offset: 0, stride };
@@ -83,7 +82,7 @@ fn all_rows_of_a_large_surface_are_measured() {
         let heights = heights.iter().map(|&height| height.into()).collect();
         Surface::from_heights(chart.rows, chart.cols, heights, spacing).unwrap()
     };
-    let mut host = Host::new();
+    let mut host = Kept::watched();
     let points = host.buffer_of(&heights);
     let memory = PointMemory::Buffer { buffer: points.handle, offset: 0, stride: 4 };
     let kind = PointKind::Heights(spacing);

@@ -12,7 +12,7 @@ use geosweep::vulkan::{Method, Schedule, Solver};
 use geosweep::{MetricTensor, Sources, Spacing, Surface, Wavefront};
 
 use crate::common::{difference, vulkan_solver};
-use crate::embed::stage::{RASTER, STOP, Stage, source, vertices};
+use crate::embed::stage::{Kept, RASTER, STOP, Stage, source, vertices};
 use crate::host::Host;
 
 const CHART: Chart = Chart { rows: 31, cols: 45 };
@@ -56,7 +56,7 @@ fn positions_in_a_buffer_or_an_image_give_the_headless_map() {
     };
     let texels: Vec<f32> = vertices.chunks(8).flat_map(|v| [v[0], v[1], v[2], f32::NAN]).collect();
     for edge_rule in [EdgeRule::Arc, EdgeRule::Chord] {
-        let mut host = Host::new();
+        let mut host = Kept::watched();
         // After other data, at an offset that is a multiple of 4 alone.
         let buffer = host.buffer_of(&[vec![7.0; 67], vertices.clone()].concat());
         let image = host.image_of(CHART.cols as u32, CHART.rows as u32, 4, &texels);
@@ -99,7 +99,7 @@ fn heights_with_slowness_give_the_headless_map() {
     let surface = surface.with_mask(&mask).unwrap();
     let surface = surface.with_slowness(weights.iter().map(|&w| f64::from(w)).collect()).unwrap();
 
-    let mut host = Host::new();
+    let mut host = Kept::watched();
     let pairs: Vec<_> = points.clone().flat_map(|i| [height(i), slowness(i)]).collect();
     let texels: Vec<_> = points.clone().flat_map(|i| [height(i), 0.0, slowness(i), 0.0]).collect();
     let buffer = host.buffer_of(&pairs);
@@ -142,7 +142,7 @@ fn a_metric_gives_the_headless_map() {
     let metric = tensors.iter().copied().map(metric).collect();
     let surface = Surface::from_metric(CHART.rows, CHART.cols, metric).unwrap();
 
-    let mut host = Host::new();
+    let mut host = Kept::watched();
     let buffer = host.buffer_of(tensors.as_flattened());
     let memory = PointMemory::Buffer { buffer: buffer.handle, offset: 0, stride: 12 };
     let points = [Points { memory, kind: PointKind::Metric, slowness: None }];
@@ -186,7 +186,7 @@ fn sources_from_the_program_or_a_buffer_give_the_headless_map() {
     };
     let sets = [timed(&few), timed(&beside_a_hole), timed(&scattered)];
 
-    let mut host = Host::new();
+    let mut host = Kept::watched();
     let points = host.buffer_of(&vertices);
     // Entries to be passed over come first and last.
     let nowhere = PointSource::at(f32::NAN, 3.0);
@@ -239,7 +239,7 @@ fn every_schedule_can_be_split_and_added_to() {
     let mut solver = vulkan_solver();
     let vertices = vertices(CHART, 1.4);
     let surface = positions(&vertices);
-    let mut host = Host::new();
+    let mut host = Kept::watched();
     let points = host.buffer_of(&vertices);
     let info =
         SurfaceInfo { points: &[Points::positions(points.handle, 32)], ..SurfaceInfo::new(CHART) };
@@ -301,7 +301,7 @@ fn every_schedule_can_be_split_and_added_to() {
 #[test]
 fn a_recording_can_be_submitted_again() {
     let mut solver = vulkan_solver();
-    let mut host = Host::new();
+    let mut host = Kept::watched();
     let mut points = host.buffer_of(&vertices(CHART, 0.0));
     let mut sources = host.buffer_of(&[0.0; 4]);
     let info = SurfaceInfo {
@@ -344,7 +344,7 @@ fn a_recording_can_be_submitted_again() {
 /// Iterations end where the method says, and that is not convergence.
 #[test]
 fn iterations_run_out_without_convergence() {
-    let mut host = Host::new();
+    let mut host = Kept::watched();
     let points = host.buffer_of(&vertices(CHART, 0.0));
     let info =
         SurfaceInfo { points: &[Points::positions(points.handle, 32)], ..SurfaceInfo::new(CHART) };
@@ -388,7 +388,7 @@ fn the_map_can_be_read_in_other_ways() {
     for row in 0..CHART.rows {
         vertices[8 * CHART.index(row, 30)] = f32::NAN;
     }
-    let mut host = Host::new();
+    let mut host = Kept::watched();
     let points = host.buffer_of(&vertices);
     let asked = [
         [3.0, 4.0],   // at a grid point

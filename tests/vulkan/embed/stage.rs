@@ -1,4 +1,7 @@
-//! A host with a solver and a surface of ours, and what tests do with them.
+//! A host with a solver and a surface of ours, and what tests do with them. Hosts and solvers are lent,
+//! since their pipelines take longer to compile than most tests take.
+
+use std::ops::{Deref, DerefMut};
 
 use geosweep::Stop;
 use geosweep::Wavefront;
@@ -9,7 +12,77 @@ use geosweep::vulkan::embed::{
 };
 use geosweep::vulkan::{Method, Schedule};
 
+use crate::common::{Lent, Pool};
 use crate::host::{Host, HostBuffer};
+
+/// A host and, while no stage has it, a solver with the passes that were used so far.
+pub struct Kept {
+    host: Host,
+    solver: Option<embed::Solver>,
+}
+
+static WATCHED: Pool<Kept> = Pool::new();
+static WATCHED_BUT_FOR_SHADERS: Pool<Kept> = Pool::new();
+static UNWATCHED: Pool<Kept> = Pool::new();
+
+impl Kept {
+    /// Lends [`Host::new`].
+    pub fn watched() -> Lent<Self> {
+        WATCHED.lend(|| Host::new().into(), Self::check)
+    }
+
+    /// Lends [`Host::with_synchronization_validation`].
+    pub fn watched_but_for_shaders() -> Lent<Self> {
+        let open = || Host::with_synchronization_validation().into();
+        WATCHED_BUT_FOR_SHADERS.lend(open, Self::check)
+    }
+
+    /// Lends [`Host::without_validation`].
+    pub fn unwatched() -> Lent<Self> {
+        UNWATCHED.lend(|| Host::without_validation().into(), Self::check)
+    }
+
+    fn check(&self) {
+        assert_eq!((self.host.messages(), self.host.allocations()), (Vec::new(), 0));
+    }
+}
+
+impl From<Host> for Kept {
+    fn from(host: Host) -> Self {
+        Self { host, solver: None }
+    }
+}
+
+impl From<Host> for Lent<Kept> {
+    fn from(host: Host) -> Self {
+        Kept::from(host).into()
+    }
+}
+
+impl Deref for Kept {
+    type Target = Host;
+
+    fn deref(&self) -> &Host {
+        &self.host
+    }
+}
+
+impl DerefMut for Kept {
+    fn deref_mut(&mut self) -> &mut Host {
+        &mut self.host
+    }
+}
+
+impl Drop for Kept {
+    fn drop(&mut self) {
+        let Some(mut solver) = self.solver.take() else { return };
+        let said = self.host.messages();
+        solver.destroy(&self.host.device);
+        if !std::thread::panicking() {
+            assert_eq!(self.host.messages(), said);
+        }
+    }
+}
 
 pub const STOP: Stop = Stop { tolerance: 1e-6, iterations: 400 };
 
@@ -22,17 +95,26 @@ pub const RASTER: [(Schedule, Wavefront); 3] = [
 
 /// A prepared surface. [`Stage::end`] takes it down.
 pub struct Stage {
-    pub host: Host,
+    pub host: Lent<Kept>,
     pub solver: embed::Solver,
     pub surface: embed::Surface,
     download: HostBuffer,
 }
 
 impl Stage {
-    pub fn new(mut host: Host, passes: &[(Schedule, Wavefront)], info: &SurfaceInfo) -> Self {
-        let solver =
-            embed::Solver::new(&host.instance, host.physical_device, &host.device, passes).unwrap();
+    pub fn new(
+        host: impl Into<Lent<Kept>>,
+        passes: &[(Schedule, Wavefront)],
+        info: &SurfaceInfo,
+    ) -> Self {
+        let mut host = host.into();
         let device = host.device.clone();
+        let mut solver = host.solver.take().unwrap_or_else(|| {
+            embed::Solver::new(&host.instance, host.physical_device, &device, &[]).unwrap()
+        });
+        for &(schedule, wavefront) in passes {
+            solver.add_passes(&device, schedule, wavefront).unwrap();
+        }
         let surface = solver.surface(&device, host.allocator(), info).unwrap();
         let download = host.buffer(4 * info.chart.points() as u64, true);
         host.run(|commands| solver.record(&device, commands, &surface).prepare());
@@ -103,19 +185,20 @@ impl Stage {
         self.download.floats()[..self.surface.chart().points()].to_vec()
     }
 
-    /// Destroys everything; nothing is left in the allocator, and the validation layers have said
-    /// nothing.
+    /// Destroys everything but what was lent; nothing is left in the allocator, and the validation layers
+    /// have said nothing.
     pub fn end(self, buffers: impl IntoIterator<Item = HostBuffer>) {
         assert_eq!(self.host.messages(), Vec::<String>::new());
         assert_eq!(self.take_down(buffers), Vec::<String>::new());
     }
 
-    /// Destroys everything; nothing is left in the allocator. What the validation layers have said.
+    /// Destroys everything but what was lent; nothing is left in the allocator. What the validation layers
+    /// have said.
     pub fn take_down(self, buffers: impl IntoIterator<Item = HostBuffer>) -> Vec<String> {
-        let Self { mut host, mut solver, mut surface, download } = self;
+        let Self { mut host, solver, mut surface, download } = self;
         let device = host.device.clone();
         surface.destroy(&device, host.allocator());
-        solver.destroy(&device);
+        host.solver = Some(solver);
         host.free(download);
         buffers.into_iter().for_each(|buffer| host.free(buffer));
         assert_eq!(host.allocations(), 0);

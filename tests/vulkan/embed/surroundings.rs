@@ -10,9 +10,9 @@ use geosweep::vulkan::embed::{
 use geosweep::vulkan::{Method, Schedule};
 use geosweep::{Sources, Spacing, Surface, Wavefront};
 
-use crate::common::{difference, vulkan_solver};
-use crate::embed::stage::{RASTER, STOP, Stage};
-use crate::host::{Host, HostBuffer};
+use crate::common::{Lent, difference, vulkan_solver};
+use crate::embed::stage::{Kept, RASTER, STOP, Stage};
+use crate::host::HostBuffer;
 
 /// Wavefronts that have surroundings.
 const ROUND: [Wavefront; 2] = [Wavefront::PointSource, Wavefront::Curved];
@@ -33,7 +33,7 @@ fn bumps(chart: Chart, is_hole: impl Fn(usize, usize) -> bool) -> Surface {
 }
 
 /// A stage with the surface, measured.
-fn stage_of(mut host: Host, surface: &Surface) -> (Stage, HostBuffer) {
+fn stage_of(mut host: Lent<Kept>, surface: &Surface) -> (Stage, HostBuffer) {
     let chart = surface.chart();
     let point = |index: usize| {
         let (row, col) = chart.position(index);
@@ -79,7 +79,7 @@ fn surroundings_are_those_of_the_twin() {
         (bumps(square(90), sea), &[[38.3, 48.75], [39.5, 49.25]]),
     ];
     for (surface, places) in cases {
-        let (stage, buffer) = stage_of(Host::new(), &surface);
+        let (stage, buffer) = stage_of(Kept::watched(), &surface);
         for wavefront in ROUND {
             let source = |&[row, col]: &[f64; 2]| PointSource::at(row as f32, col as f32);
             let sources: Vec<_> = places.iter().map(source).collect();
@@ -100,7 +100,7 @@ fn surroundings_are_those_of_the_twin() {
 #[test]
 fn frames_from_inside_cells_take_about_as_many_iterations_as_from_grid_points() {
     let surface = bumps(Chart { rows: 140, cols: 150 }, |_, _| false);
-    let (stage, buffer) = stage_of(Host::new(), &surface);
+    let (stage, buffer) = stage_of(Kept::watched(), &surface);
     for wavefront in ROUND {
         let iterations = |row, col, times| {
             let sources = vec![PointSource::at(row, col); times];
@@ -127,7 +127,7 @@ fn frames_from_inside_cells_take_about_as_many_iterations_as_from_grid_points() 
 #[test]
 fn maps_with_surroundings_are_the_headless_solvers() {
     let surface = bumps(Chart { rows: 120, cols: 140 }, |row, col| row == 45 && col > 20);
-    let (stage, buffer) = stage_of(Host::new(), &surface);
+    let (stage, buffer) = stage_of(Kept::watched(), &surface);
     let mut solver = vulkan_solver();
     let mut on_device = solver.upload(&surface).unwrap();
     let cases: [&[[f64; 3]]; 4] = [

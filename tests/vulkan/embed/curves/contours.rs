@@ -12,6 +12,7 @@ use geosweep::{DistanceMap, Sources, Spacing, Surface};
 
 use super::{Scene, lifted_off, vertices};
 use crate::common::rough;
+use crate::embed::stage::Kept;
 use crate::host::Host;
 
 /// Shorter pieces are not compared: the CPU leaves out what has no length.
@@ -102,7 +103,7 @@ fn new_contours(scene: &mut Scene, room: u32) -> Contours {
 fn compare(name: &str, surface: &Surface, source: [f32; 3], levels: &[f32], tolerance: f64) {
     let [row, col, time] = source;
     let sources = [PointSource { time, ..PointSource::at(row, col) }];
-    let mut scene = Scene::new(Host::with_synchronization_validation(), surface, &sources);
+    let mut scene = Scene::new(Kept::watched_but_for_shaders(), surface, &sources);
     let mut contours = new_contours(&mut scene, 1 << 16);
     let (record, all) = record(&mut scene, &contours, LevelInput::List(levels), time);
     assert_eq!(record.status(), CurveStatus::Complete, "{name}: {record:?}");
@@ -153,7 +154,7 @@ fn contours_are_those_of_the_cpu() {
 #[test]
 fn contours_that_do_not_fit_are_counted_and_the_first_are_kept() {
     let surface = rough(23, 21, 13);
-    let mut scene = Scene::new(Host::new(), &surface, &[PointSource::at(11.0, 10.0)]);
+    let mut scene = Scene::new(Kept::watched(), &surface, &[PointSource::at(11.0, 10.0)]);
     let levels = LevelInput::Spacing { step: 0.5, count: 200 };
     let mut roomy = new_contours(&mut scene, 40_000);
     let (all, vertices) = record(&mut scene, &roomy, levels, 0.0);
@@ -193,7 +194,7 @@ fn contours_that_do_not_fit_are_counted_and_the_first_are_kept() {
 fn grids_without_cells_have_no_contours() {
     for (rows, cols) in [(1, 9), (9, 1), (1, 1)] {
         let surface = flat(rows, cols);
-        let mut scene = Scene::new(Host::new(), &surface, &[PointSource::at(0.0, 0.0)]);
+        let mut scene = Scene::new(Kept::watched(), &surface, &[PointSource::at(0.0, 0.0)]);
         let mut contours = new_contours(&mut scene, 100);
         let (record, _) = record(&mut scene, &contours, LevelInput::List(&[0.5, 1.5]), 0.0);
         assert_eq!((record.vertices, record.status()), (0, CurveStatus::Complete));
@@ -206,8 +207,9 @@ fn grids_without_cells_have_no_contours() {
 #[test]
 fn contours_that_make_no_sense_are_errors_before_anything_is_recorded() {
     let surface = flat(9, 13);
+    // Its end tells what was left behind.
     let mut scene = Scene::new(Host::new(), &surface, &[PointSource::at(1.0, 2.0)]);
-    let other = Scene::new(Host::new(), &surface, &[PointSource::at(1.0, 2.0)]);
+    let other = Scene::new(Kept::watched(), &surface, &[PointSource::at(1.0, 2.0)]);
     let mut contours = new_contours(&mut scene, 100);
     let frame = ContourFrame {
         levels: LevelInput::List(&[1.0]),

@@ -14,8 +14,9 @@ use geosweep::vulkan::embed::{
 };
 use geosweep::{DistanceMap, Report, Surface, Wavefront};
 
-use crate::embed::stage::{RASTER, Stage};
-use crate::host::{Host, HostBuffer};
+use crate::common::Lent;
+use crate::embed::stage::{Kept, RASTER, Stage};
+use crate::host::HostBuffer;
 
 /// A surface on the device, its points in a buffer, and a map on it.
 struct Scene {
@@ -25,9 +26,9 @@ struct Scene {
 }
 
 impl Scene {
-    fn new(host: Host, surface: &Surface, sources: &[PointSource]) -> Self {
+    fn new(host: impl Into<Lent<Kept>>, surface: &Surface, sources: &[PointSource]) -> Self {
         let chart = surface.chart();
-        let mut host = host;
+        let mut host = host.into();
         let points = host.buffer_of(&positions(surface));
         let inputs = [Points::positions(points.handle, 12)];
         let edge_rule = surface.edge_rule();

@@ -13,8 +13,8 @@ use geosweep::vulkan::embed::{
 use geosweep::{Sources, Spacing, Surface};
 
 use super::{Scene, lifted_off, vertices};
-use crate::common::Random;
-use crate::common::rough;
+use crate::common::{Random, rough};
+use crate::embed::stage::Kept;
 use crate::host::Host;
 
 fn new_paths(scene: &mut Scene, info: PathsInfo) -> embed::Paths {
@@ -67,7 +67,7 @@ fn compare(
 ) -> [f64; 3] {
     const PATHS: usize = 300;
     let chart = surface.chart();
-    let mut scene = Scene::new(Host::with_synchronization_validation(), surface, sources);
+    let mut scene = Scene::new(Kept::watched_but_for_shaders(), surface, sources);
     let room = 8 * (chart.rows + chart.cols) as u32;
     let paths = new_paths(&mut scene, PathsInfo { paths: PATHS as u32, vertices: room });
     let starts = starts(chart.rows, chart.cols, PATHS);
@@ -166,7 +166,7 @@ fn paths_on_rough_surfaces_are_those_of_the_cpu() {
 fn paths_on_the_sphere_are_great_circles() {
     let surface = Builtin::Sphere.surface(129, 129).unwrap();
     let source = PointSource::at(38.0, 51.0);
-    let mut scene = Scene::new(Host::with_synchronization_validation(), &surface, &[source]);
+    let mut scene = Scene::new(Kept::watched_but_for_shaders(), &surface, &[source]);
     let paths = new_paths(&mut scene, PathsInfo { paths: 200, vertices: 300 });
     let starts = starts(129, 129, 200);
     let sources = SourceInput::Inline(&[source]);
@@ -193,7 +193,7 @@ fn paths_that_cannot_be_say_why() {
     let surface = Surface::from_heights(9, 11, heights, Spacing::square(1.0)).unwrap();
     let surface = surface.with_mask(&mask).unwrap();
     let source = PointSource::at(2.0, 1.5);
-    let mut scene = Scene::new(Host::new(), &surface, &[source]);
+    let mut scene = Scene::new(Kept::watched(), &surface, &[source]);
     let paths = new_paths(&mut scene, PathsInfo { paths: 12, vertices: 9 });
     let stated = scene
         .stage
@@ -248,8 +248,9 @@ fn paths_that_make_no_sense_are_errors_before_anything_is_recorded() {
     let heights = vec![0.0; 9 * 11];
     let surface = Surface::from_heights(9, 11, heights, Spacing::square(1.0)).unwrap();
     let source = PointSource::at(2.0, 1.5);
+    // Its end tells what was left behind.
     let mut scene = Scene::new(Host::new(), &surface, &[source]);
-    let other = Scene::new(Host::new(), &surface, &[source]);
+    let other = Scene::new(Kept::watched(), &surface, &[source]);
     let paths = new_paths(&mut scene, PathsInfo { paths: 2, vertices: 30 });
     let attempt = |scene: &Scene, frame: &PathFrame| {
         let stage = &scene.stage;
@@ -310,7 +311,7 @@ fn every_path_falls_to_a_source() {
         let surface = Surface::from_heights(rows, cols, heights, Spacing { dx, dy }).unwrap();
         let surface = surface.with_mask(&mask).unwrap();
         let sources = [PointSource::at(0.0, 0.0)];
-        let mut scene = Scene::new(Host::without_validation(), &surface, &sources);
+        let mut scene = Scene::new(Kept::unwatched(), &surface, &sources);
         let chart = surface.chart();
         let starts: Vec<_> = (0..chart.points())
             .map(|index| chart.position(index))
@@ -346,7 +347,7 @@ fn paths_cross_a_pole() {
     });
     let surface = Surface::from_positions(rows, cols, points.collect()).unwrap();
     let sources = [PointSource::at(6.0, 0.0)];
-    let mut scene = Scene::new(Host::new(), &surface, &sources);
+    let mut scene = Scene::new(Kept::watched(), &surface, &sources);
     let paths = new_paths(&mut scene, PathsInfo { paths: 2, vertices: 60 });
     let starts = StartInput::Inline(&[[7.0, 13.0], [7.5, 10.25]]);
     let (records, _) = read(&mut scene, &paths, starts, SourceInput::Inline(&sources));

@@ -14,9 +14,8 @@ use geosweep::vulkan::{Schedule, VulkanError};
 use geosweep::{Sources, Spacing, Surface, Wavefront};
 
 use super::positions;
-use crate::common::Random;
-use crate::common::rough;
-use crate::embed::stage::{RASTER, STOP, Stage};
+use crate::common::{Lent, Random, rough};
+use crate::embed::stage::{Kept, RASTER, STOP, Stage};
 use crate::host::{Host, HostBuffer};
 
 /// A surface on the device, with maps of one wavefront.
@@ -34,18 +33,19 @@ struct Found {
 }
 
 impl Atlas {
-    fn new(host: Host, surface: &Surface, wavefront: Wavefront) -> Self {
+    fn new(host: impl Into<Lent<Kept>>, surface: &Surface, wavefront: Wavefront) -> Self {
         Self::with(host, surface, wavefront, None, 0)
     }
 
     /// With the metric alone, if there is one, and room for so many sources in a buffer.
     fn with(
-        mut host: Host,
+        host: impl Into<Lent<Kept>>,
         surface: &Surface,
         wavefront: Wavefront,
         metric: Option<&[f32]>,
         sources: u32,
     ) -> Self {
+        let mut host = host.into();
         let points = host.buffer_of(&metric.map_or_else(|| positions(surface), <[f32]>::to_vec));
         let listed = host.buffer(16 * u64::from(sources.max(1)), true);
         let kind = if metric.is_some() { PointKind::Metric } else { PointKind::Positions };
@@ -198,7 +198,7 @@ fn labels_are_those_of_the_cpu_but_beside_borders() {
     ];
     for (name, surface) in &surfaces {
         for wavefront in Wavefront::ALL {
-            let host = Host::with_synchronization_validation();
+            let host = Kept::watched_but_for_shaders();
             let mut atlas = Atlas::new(host, surface, wavefront);
             // Straight fronts from points bend their ways near the sources.
             let within = if wavefront == Wavefront::Planar { 4 } else { 2 };
@@ -233,7 +233,7 @@ fn walls_holes_and_narrow_grids_have_regions() {
         ("cut in two", cut, at(&[[10.0, 12.0], [20.0, 20.0]])),
     ];
     for (name, surface, sources) in cases {
-        let mut atlas = Atlas::new(Host::new(), &surface, Wavefront::Curved);
+        let mut atlas = Atlas::new(Kept::watched(), &surface, Wavefront::Curved);
         let found = compare(name, &mut atlas, &surface, &sources, 2);
         for label in (0..sources.len() as u32).chain([NO_REGION]) {
             assert!(found.labels.contains(&label), "{name}");
@@ -243,7 +243,7 @@ fn walls_holes_and_narrow_grids_have_regions() {
     for (rows, cols) in [(1, 9), (9, 1), (2, 2), (2, 19), (19, 2), (3, 130), (35, 66)] {
         let surface = flat(rows, cols);
         let last = [rows - 1, cols - 1].map(|last| last as f32);
-        let mut atlas = Atlas::new(Host::new(), &surface, Wavefront::Curved);
+        let mut atlas = Atlas::new(Kept::watched(), &surface, Wavefront::Curved);
         let sources = at(&[[0.0, 0.0], last]);
         compare(&format!("{rows} x {cols}"), &mut atlas, &surface, &sources, 1);
         atlas.end();
@@ -264,7 +264,7 @@ fn a_metric_has_regions() {
         |[rr, rc, cc]: [f32; 3]| MetricTensor { rr: rr.into(), rc: rc.into(), cc: cc.into() };
     let metric = tensors.iter().copied().map(metric).collect();
     let surface = Surface::from_metric(chart.rows, chart.cols, metric).unwrap();
-    let (host, given) = (Host::new(), Some(tensors.as_flattened()));
+    let (host, given) = (Kept::watched(), Some(tensors.as_flattened()));
     let mut atlas = Atlas::with(host, &surface, Wavefront::Curved, given, 0);
     let sources = at(&[[10.0, 12.0], [33.25, 40.5], [5.0, 45.0]]);
     compare("metric", &mut atlas, &surface, &sources, 2);
@@ -281,7 +281,8 @@ fn labels_are_places_in_the_list() {
     let nowhere = PointSource { row: f32::NAN, ..first };
     // In the hole, nowhere, too late for anything, and twice the same.
     let list = [PointSource::at(5.0, 7.0), second, nowhere, first, late, second, first];
-    let mut atlas = Atlas::with(Host::new(), &surface, Wavefront::Curved, None, list.len() as u32);
+    let mut atlas =
+        Atlas::with(Kept::watched(), &surface, Wavefront::Curved, None, list.len() as u32);
     let numbers: Vec<f32> = bytemuck::cast_slice(&list).to_vec();
     atlas.buffers[1].floats_mut()[..numbers.len()].copy_from_slice(&numbers);
     let found = atlas.find(SourceInput::Buffer(0));
@@ -337,7 +338,7 @@ fn curves_of_many_sources_have_the_regions_of_curves() {
     });
     let edges = EdgeLengths::new(&surface).unwrap();
     for wavefront in [Wavefront::Planar, Wavefront::Curved] {
-        let host = Host::with_synchronization_validation();
+        let host = Kept::watched_but_for_shaders();
         let mut atlas = Atlas::new(host, &surface, wavefront);
         let found = atlas.find(SourceInput::Inline(&sources));
         let labels: Vec<u32> = found.labels.iter().map(|&label| whose[label as usize]).collect();
@@ -357,7 +358,7 @@ fn borders_behind_close_pairs_turn_by_a_bounded_angle() {
     let chart = Chart { rows: 97, cols: 97 };
     let surface = flat(chart.rows, chart.cols);
     let edges = EdgeLengths::new(&surface).unwrap();
-    let host = Host::with_synchronization_validation();
+    let host = Kept::watched_but_for_shaders();
     let mut atlas = Atlas::new(host, &surface, Wavefront::Curved);
     // A pair, and the largest angle in degrees.
     for ([a, b], most) in [
@@ -392,8 +393,9 @@ fn borders_behind_close_pairs_turn_by_a_bounded_angle() {
 #[test]
 fn regions_that_make_no_sense_are_errors_before_anything_is_recorded() {
     let surface = flat(9, 13);
+    // Its end tells what was left behind.
     let mut atlas = Atlas::new(Host::new(), &surface, Wavefront::Planar);
-    let other = Atlas::new(Host::new(), &surface, Wavefront::Planar);
+    let other = Atlas::new(Kept::watched(), &surface, Wavefront::Planar);
     let sources = at(&[[1.0, 2.0]]);
     atlas.find(SourceInput::Inline(&sources));
     let attempt = |atlas: &Atlas, regions: &Regions, sources: SourceInput| {
