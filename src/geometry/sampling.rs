@@ -40,7 +40,7 @@ pub struct Farthest<R = f32> {
 /// ```
 pub fn farthest<R: Real>(chart: Chart, distances: &[R]) -> Option<Farthest<R>> {
     assert_eq!(distances.len(), chart.points(), "a distance for each grid point");
-    let row = |row: usize| &distances[chart.index(row, 0)..][..chart.cols];
+    let row = |row: usize| &distances[chart.row(row)];
     farthest_where(chart, row, |_, distance| distance.is_finite())
 }
 
@@ -124,7 +124,7 @@ impl<'a> FarthestPoints<'a> {
         let (chart, present) = (self.surface.chart(), self.surface.present());
         let times = |row: usize| self.solver.row(row);
         let unreached = |row: usize| {
-            let mut points = times(row).iter().zip(&present[chart.index(row, 0)..]);
+            let mut points = times(row).iter().zip(&present[chart.row(row)]);
             let col = points.position(|(time, present)| *present && *time >= f32::FAR)?;
             Some(Farthest { row, col, distance: f32::INFINITY })
         };

@@ -289,7 +289,7 @@ pub(super) fn metric(array: NpyArray) -> Result<Grid<MetricTensor>, String> {
     let tensor = |(index, &[rr, rc, cr, cc]): (usize, &[f64; 4])| {
         // Rounding in single precision may leave a little asymmetry.
         if (rc - cr).abs() > 1e-5 * (rr.abs() + cc.abs()) {
-            let (row, col) = (index / cols, index % cols);
+            let (row, col) = Chart { rows, cols }.position(index);
             return Err(format!(
                 "the metric at row {row}, column {col} is not symmetric: its mixed entries are {rc} and {cr}"
             ));

@@ -162,7 +162,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::surface::{EdgeLengths, MetricTensor, Spacing, Surface, builtin::Builtin};
+    use crate::surface::{Chart, EdgeLengths, MetricTensor, Spacing, Surface, builtin::Builtin};
 
     fn edges(surface: &Surface, rule: EdgeRule) -> EdgeLengths<f64> {
         EdgeLengths::new(&surface.clone().with_edge_rule(rule)).unwrap()
@@ -171,7 +171,8 @@ mod tests {
     /// A cylinder of radius 1 with grid lines along and across it, at 0.1 radian and 0.1.
     fn cylinder(rows: usize, cols: usize) -> Surface {
         let point = |index: usize| {
-            let (angle, along) = (0.1 * (index % cols) as f64, 0.1 * (index / cols) as f64);
+            let (row, col) = Chart { rows, cols }.position(index);
+            let (angle, along) = (0.1 * col as f64, 0.1 * row as f64);
             DVec3::new(angle.cos(), angle.sin(), along)
         };
         Surface::from_positions(rows, cols, (0..rows * cols).map(point).collect()).unwrap()
@@ -180,9 +181,8 @@ mod tests {
     /// How many points of a surface a grid line has through both ends of an edge.
     fn points_on_line(surface: &Surface, row: usize, col: usize, to: Direction) -> usize {
         let on = |to: Direction| {
-            let next = |at: &(usize, usize)| surface.chart().neighbour(at.0, at.1, to);
-            let there = |at: &(usize, usize)| surface.has(at.0, at.1);
-            std::iter::successors(Some((row, col)), next).take_while(there).count()
+            let line = surface.chart().walk((row, col), to);
+            line.take_while(|&(row, col)| surface.has(row, col)).count()
         };
         on(to) + on(to.opposite()) - 1
     }
@@ -194,11 +194,10 @@ mod tests {
         for mask in [[true; 9 * 11], mask] {
             let surface = cylinder(9, 11).with_mask(&mask).unwrap();
             let edges = edges(&surface, EdgeRule::Arc);
-            for (row, col) in (0..9).flat_map(|row| (0..11).map(move |col| (row, col))) {
+            for (row, col) in surface.chart().places() {
                 for to in STORED {
                     let length = edges.length(row, col, to);
-                    let (down, right) = to.step();
-                    let exact = 0.1 * ((down * down + right * right) as f64).sqrt();
+                    let exact = 0.1 * to.vector().length();
                     if length >= f64::FAR {
                         continue;
                     }
@@ -212,7 +211,7 @@ mod tests {
                         false => 5e-4,
                     };
                     assert_relative_eq!(length, exact, max_relative = tolerance);
-                    assert!(is_arc || right == 0 || length < exact * (1.0 - 1e-5));
+                    assert!(is_arc || to.vector().y == 0.0 || length < exact * (1.0 - 1e-5));
                 }
             }
         }

@@ -61,14 +61,11 @@ impl Surface {
         let mut present: Vec<bool> = kept.iter().map(|&index| self.present()[index]).collect();
         keep_walls(self, &rows, &cols, through, &mut present);
         let surface = surface.and_then(|surface| surface.with_mask(&present));
-        let surface = match (surface, self.slowness()) {
-            (Ok(surface), Some(slowness)) => {
-                surface.with_slowness(kept.iter().map(|&index| slowness[index]).collect())
-            }
-            (Err(SurfaceError::NoPoint), _) => Err(too_small()),
-            (surface, _) => surface,
+        let surface = match surface {
+            Err(SurfaceError::NoPoint) => Err(too_small()),
+            surface => surface,
         }?;
-        let surface = surface.with_edge_rule(self.edge_rule());
+        let surface = surface.weighted_like(self, &kept).with_edge_rule(self.edge_rule());
         Ok(Coarsened { surface, fine, rows, cols })
     }
 }

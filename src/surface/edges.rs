@@ -215,8 +215,7 @@ impl Surface {
     pub(crate) fn length_between(&self, from: (usize, usize), to: (usize, usize)) -> f64 {
         let chart = self.chart();
         let sample = |(row, col)| self.geometry().sample(chart, row, col);
-        let slowness = |(row, col)| self.slowness_at(row, col);
-        0.5 * (slowness(from) + slowness(to)) * sample(from).length_to(sample(to))
+        self.weight(from, to) * sample(from).length_to(sample(to))
     }
 }
 

@@ -23,7 +23,7 @@ impl EvenGrid {
     /// The grid of a surface that is one, by least squares; none if it has a slowness, or no positions, or
     /// if its points lie on a line.
     pub(crate) fn of(surface: &Surface) -> Option<Self> {
-        if surface.slowness().is_some() {
+        if surface.is_weighted() {
             return None;
         }
         // Of most surfaces that are none, some points tell already, seen from one of them.

@@ -22,7 +22,7 @@ impl Surface {
         use Direction::{East, North, NorthEast, NorthWest, South, SouthEast, SouthWest, West};
         let chart = self.chart();
         let Chart { rows, cols } = chart;
-        if self.slowness().is_some() || self.present().contains(&false) || rows < 3 || cols < 3 {
+        if self.is_weighted() || self.present().contains(&false) || rows < 3 || cols < 3 {
             return None;
         }
         self.position(0, 0)?;

@@ -13,6 +13,7 @@ mod edges;
 mod even_grid;
 mod gaussian_curvature;
 mod geometry;
+mod inputs;
 mod iteration_bound;
 mod measure;
 mod points;
@@ -43,6 +44,8 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 
+use inputs::Inputs;
+
 /// An M x N grid of points on a surface: positions, heights or a metric, with an optional
 /// slowness and holes.
 ///
@@ -60,9 +63,7 @@ use glam::DVec3;
 #[derive(Clone, Debug)]
 pub struct Surface {
     chart: Chart,
-    geometry: Geometry,
-    slowness: Option<Vec<f64>>,
-    present: Vec<bool>,
+    inputs: Inputs,
     edge_rule: EdgeRule,
     /// Of a floor plan, once it has been asked for.
     floor: OnceLock<Option<EvenGrid>>,
@@ -222,33 +223,9 @@ impl Surface {
         let chart = Chart { rows, cols };
         check_shape(geometry.what(), geometry.len(), chart)?;
         let present = geometry.points_present(chart)?;
-        let edge_rule = EdgeRule::default();
-        let floor = OnceLock::new();
-        Self { chart, geometry, slowness: None, present, edge_rule, floor }.non_empty()
-    }
-
-    /// Weights lengths by a slowness (reciprocal speed) at each point, row-major, so that
-    /// distances become travel times. An edge's length is multiplied by the mean of both ends.
-    /// Values at holes are not looked at.
-    pub fn with_slowness(mut self, slowness: Vec<f64>) -> Result<Self, SurfaceError> {
-        check_shape("slowness", slowness.len(), self.chart)?;
-        for (index, &value) in slowness.iter().enumerate() {
-            if self.present[index] && !(value > 0.0 && value.is_finite()) {
-                let (row, col) = self.chart.position(index);
-                return Err(SurfaceError::Slowness { value, row, col });
-            }
-        }
-        self.slowness = Some(slowness);
-        self.floor = OnceLock::new();
-        Ok(self)
-    }
-
-    /// Makes holes where the mask, row-major, is false.
-    pub fn with_mask(mut self, mask: &[bool]) -> Result<Self, SurfaceError> {
-        check_shape("mask", mask.len(), self.chart)?;
-        self.present.iter_mut().zip(mask).for_each(|(present, &keep)| *present &= keep);
-        self.floor = OnceLock::new();
-        self.non_empty()
+        let inputs = Inputs { geometry, slowness: None, present };
+        let (edge_rule, floor) = (EdgeRule::default(), OnceLock::new());
+        Self { chart, inputs, edge_rule, floor }.non_empty()
     }
 
     /// Measures edges by this rule in place of the default one.
@@ -258,7 +235,7 @@ impl Surface {
     }
 
     fn non_empty(self) -> Result<Self, SurfaceError> {
-        if self.present.contains(&true) { Ok(self) } else { Err(SurfaceError::NoPoint) }
+        if self.present().contains(&true) { Ok(self) } else { Err(SurfaceError::NoPoint) }
     }
 
     /// The grid's size.
@@ -278,43 +255,33 @@ impl Surface {
 
     /// Number of points that are not holes.
     pub fn points(&self) -> usize {
-        self.present.iter().filter(|&&present| present).count()
+        self.present().iter().filter(|&&present| present).count()
     }
 
     /// Positions, heights or metric, as given.
     pub fn geometry(&self) -> &Geometry {
-        &self.geometry
-    }
-
-    /// The slowness, if lengths are weighted.
-    pub fn slowness(&self) -> Option<&[f64]> {
-        self.slowness.as_deref()
-    }
-
-    /// The slowness of a point, one where lengths are not weighted.
-    pub(crate) fn slowness_at(&self, row: usize, col: usize) -> f64 {
-        self.slowness.as_ref().map_or(1.0, |slowness| slowness[self.chart.index(row, col)])
+        &self.inputs.geometry
     }
 
     /// How edges are measured; a surface known only by its metric has no arcs.
     pub fn edge_rule(&self) -> EdgeRule {
-        if self.geometry.has_positions() { self.edge_rule } else { EdgeRule::Chord }
+        if self.geometry().has_positions() { self.edge_rule } else { EdgeRule::Chord }
     }
 
     /// For each point whether the surface is there (true) or has a hole, row-major.
     pub fn present(&self) -> &[bool] {
-        &self.present
+        &self.inputs.present
     }
 
     /// Whether the grid has this point and it is not a hole.
     pub fn has(&self, row: usize, col: usize) -> bool {
-        row < self.rows() && col < self.cols() && self.present[self.chart.index(row, col)]
+        row < self.rows() && col < self.cols() && self.present()[self.chart.index(row, col)]
     }
 
     /// The 3D position of a grid point; `None` for a surface known only by its metric, and at
     /// holes.
     pub fn position(&self, row: usize, col: usize) -> Option<DVec3> {
-        self.has(row, col).then(|| self.geometry.position(self.chart, row, col))?
+        self.has(row, col).then(|| self.geometry().position(self.chart, row, col))?
     }
 
     /// Whether this is a floor plan: flat and evenly spaced, rectangular or sheared up to where a triangle of

@@ -1,4 +1,4 @@
-//! Grid points in the form in which edges are measured, on the CPU and in the shaders.
+//! Rows of grid points in the form in which edges are measured.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -8,20 +8,6 @@ use super::geometry::{Point, bounds};
 use super::real::Real;
 
 impl Surface {
-    /// A grid point in some precision. Positions and heights are taken relative to `origin`.
-    pub(crate) fn point<R: Real>(&self, index: usize, origin: DVec3) -> Point<R> {
-        let slowness = match (self.present()[index], self.slowness()) {
-            (false, _) => 0.0,
-            (true, None) => 1.0,
-            (true, Some(slowness)) => slowness[index],
-        };
-        let [x, y, z] = self.geometry().numbers(index, origin);
-        // A slowness too small for this precision is small, but no hole.
-        let held =
-            if slowness > 0.0 { R::of(slowness).max(R::min_positive_value()) } else { R::zero() };
-        [R::of(x), R::of(y), R::of(z), held]
-    }
-
     /// The middle of the surface: single precision keeps more digits of positions relative to it.
     pub(crate) fn origin(&self) -> DVec3 {
         let chart = self.chart();

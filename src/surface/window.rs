@@ -21,17 +21,10 @@ impl Surface {
         assert!(chart.points() > 0, "no point of a surface");
         Self {
             chart,
-            geometry: self.geometry.cut(whole, &block),
-            slowness: self.slowness.as_deref().map(|slowness| block.cut(whole, slowness)),
-            present: block.cut(whole, &self.present),
+            inputs: self.inputs.cut(whole, &block),
             edge_rule: self.edge_rule,
             floor: OnceLock::new(),
         }
-    }
-
-    /// The same surface, on which a length is a length.
-    pub(super) fn without_slowness(self) -> Self {
-        Self { slowness: None, floor: OnceLock::new(), ..self }
     }
 }
 
@@ -39,7 +32,7 @@ impl Surface {
 mod tests {
     use super::*;
     use crate::surface::builtin::Builtin;
-    use crate::surface::{Direction, EdgeLengths, MetricTensor, Spacing};
+    use crate::surface::{Chart, Direction, EdgeLengths, MetricTensor, Spacing};
 
     /// Far enough for all that a point's update depends on.
     const MARGIN: usize = 5;
@@ -47,9 +40,12 @@ mod tests {
     /// But for rounding, since positions are taken relative to the middle.
     #[test]
     fn inside_a_part_edges_and_curvatures_are_those_of_the_whole() {
-        let (rows, cols) = (20, 24);
-        let wavy = |k: usize| ((k / cols) as f64 * 0.7).sin() + ((k % cols) as f64 * 0.4).cos();
-        let points = rows * cols;
+        let chart = Chart { rows: 20, cols: 24 };
+        let (Chart { rows, cols }, points) = (chart, chart.points());
+        let wavy = |k: usize| {
+            let (row, col) = chart.position(k);
+            (row as f64 * 0.7).sin() + (col as f64 * 0.4).cos()
+        };
         let heights = (0..points).map(wavy).collect();
         let metric = |k| MetricTensor { rr: 2.0 + wavy(k), rc: 0.2, cc: 3.0 - wavy(k) };
         let slow = |surface: Surface| {

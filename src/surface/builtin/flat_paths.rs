@@ -172,11 +172,12 @@ impl FlatPaths {
 
     /// Distances to all grid points, row-major.
     pub(crate) fn distances(&self) -> Vec<f64> {
-        let Chart { rows, cols } = self.plan.chart;
-        (0..rows * cols)
-            .into_par_iter()
-            .map(|index| self.distance_to([(index / cols) as f64, (index % cols) as f64]))
-            .collect()
+        let chart = self.plan.chart;
+        let distance = |index| {
+            let (row, col) = chart.position(index);
+            self.distance_to([row as f64, col as f64])
+        };
+        (0..chart.points()).into_par_iter().map(distance).collect()
     }
 }
 

@@ -41,6 +41,18 @@ impl Chart {
         })
     }
 
+    /// The first corners of the cells that lie no more than so many rows and columns around a point, and of
+    /// the edges and points that such cells end in.
+    pub(crate) fn cells_near(
+        self,
+        (row, col): (usize, usize),
+        reach: usize,
+    ) -> impl Iterator<Item = (usize, usize)> {
+        let firsts = |at: usize, points: usize| at.saturating_sub(reach)..points.min(at + reach);
+        let cols = firsts(col, self.cols);
+        firsts(row, self.rows).flat_map(move |row| cols.clone().map(move |col| (row, col)))
+    }
+
     /// The cells that contain a place of the chart: one inside a cell, two on an edge. A place at a grid
     /// point is a cell of its own, since its neighbours' first update is exact already.
     pub(crate) fn cells_around(self, at: DVec2) -> Vec<Cell> {

@@ -52,8 +52,8 @@ impl Edge {
 }
 
 /// The triangles of a cell, counter-clockwise as seen in a picture, by the numbers of their
-/// corners as [`Cell::corners`](super::Cell::corners) has them; cut from north-west to south-east if `falling`, which matters
-/// only where all corners are there.
+/// corners as [`Cell::corners`](super::Cell::corners) has them; cut from north-west to south-east
+/// if `falling`, which matters only where all corners are there.
 pub(crate) fn triangles(there: [bool; 4], falling: bool) -> &'static [[usize; 3]] {
     const FALLING: [[usize; 3]; 2] = [[0, 2, 3], [0, 3, 1]];
     const RISING: [[usize; 3]; 2] = [[0, 2, 1], [2, 3, 1]];

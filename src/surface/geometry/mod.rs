@@ -99,10 +99,6 @@ impl Geometry {
 
     /// Which points are no holes; an error at the first value that is neither usable nor NaN.
     pub(crate) fn points_present(&self, chart: Chart) -> Result<Vec<bool>, SurfaceError> {
-        let place = |index| {
-            let (row, col) = chart.position(index);
-            (row, col, self.what())
-        };
         (0..self.len())
             .map(|index| {
                 let (nan, usable) = match self {
@@ -119,13 +115,13 @@ impl Geometry {
                 if nan || usable {
                     return Ok(!nan);
                 }
-                let (row, col, what) = place(index);
+                let (row, col) = chart.position(index);
                 Err(match self {
                     Self::Metric(metric) => {
                         let MetricTensor { rr, rc, cc } = metric[index];
                         SurfaceError::Metric { row, col, rr, rc, cc }
                     }
-                    _ => SurfaceError::Infinite { what, row, col },
+                    _ => SurfaceError::Infinite { what: self.what(), row, col },
                 })
             })
             .collect()

@@ -72,12 +72,12 @@ impl Diagonal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::{Sources, Spacing};
+    use crate::surface::{Chart, Sources, Spacing};
 
     fn plan(rows: usize, cols: usize, holes: &[(usize, usize)]) -> Surface {
         let plane = Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0));
-        let floor: Vec<_> =
-            (0..rows * cols).map(|index| !holes.contains(&(index / cols, index % cols))).collect();
+        let chart = Chart { rows, cols };
+        let floor: Vec<_> = chart.places().map(|place| !holes.contains(&place)).collect();
         plane.unwrap().with_mask(&floor).unwrap()
     }
 

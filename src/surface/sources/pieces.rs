@@ -6,7 +6,6 @@ use glam::{DVec2, DVec3};
 
 use super::rise::Rise;
 use super::{Seed, SourceError};
-use crate::surface::chart::bilinear;
 use crate::surface::{Cell, Sample, Surface, corner_weights, grid_crossings};
 
 /// How a curve runs through one of its vertices.
@@ -125,8 +124,7 @@ impl Pieces {
         let around = surface.chart().around((row, col), 2);
         let whole = around.places().all(|(row, col)| surface.has(row, col));
         let reach = if whole { 2 } else { 1 };
-        let cells = (row.saturating_sub(reach)..row + reach)
-            .flat_map(|r| (col.saturating_sub(reach)..col + reach).map(move |c| (r, c)));
+        let cells = surface.chart().cells_near((row, col), reach);
         let pieces = cells.filter_map(|cell| self.by_cell.get(&cell)).flatten();
         let own = |piece: &&Piece| {
             whole && !piece.is_point() || piece.cell.corners().contains(&(row, col))
@@ -155,9 +153,7 @@ impl Surface {
         let corner = self.geometry().sample(self.chart(), row, col);
         let foot = corner.foot_on(a, b);
         let nearest = Sample::interpolate(&[(1.0 - foot, a), (foot, b)]);
-        let weight = self
-            .slowness()
-            .map_or(1.0, |_| 0.5 * (self.slowness_at(row, col) + self.slowness_near(middle)));
+        let weight = self.weight_between((row, col), middle);
         let chord = corner.length_to(nearest);
         let distance = weight
             * rise.map_or(chord, |rise| (chord * chord + rise.from((row, col))).max(0.0).sqrt());
@@ -213,19 +209,5 @@ impl Surface {
         let sample =
             |(weight, (row, col))| (weight, self.geometry().sample(self.chart(), row, col));
         Some(Sample::interpolate(&used.map(sample).collect::<Vec<_>>()))
-    }
-
-    /// The slowness between grid points, bilinear over those that are there.
-    fn slowness_near(&self, at: DVec2) -> f64 {
-        let (row, col) = (at.x as usize, at.y as usize);
-        let cell = Cell { rows: [row, row + 1], cols: [col, col + 1] };
-        let (sum, weights) = bilinear(at.x.fract(), at.y.fract())
-            .into_iter()
-            .zip(cell.corners())
-            .filter(|&(weight, (row, col))| weight > 0.0 && self.has(row, col))
-            .fold((0.0, 0.0), |(sum, weights), (weight, (row, col))| {
-                (sum + weight * self.slowness_at(row, col), weights + weight)
-            });
-        sum / weights
     }
 }

@@ -31,7 +31,7 @@ impl Rise {
         let weights = corner_weights(there, cell.inside(place))?;
         // As far as the bends at the corners depend on.
         let Block { rows, cols } = surface.chart().around_span(cell.rows, cell.cols, 2);
-        let around = surface.window(rows.clone(), cols.clone()).without_slowness();
+        let around = surface.window(rows.clone(), cols.clone()).unweighted();
         let lengths = |rule| EdgeLengths::<f64>::new(&around.clone().with_edge_rule(rule)).ok();
         let (arcs, chords) = (lengths(EdgeRule::Arc)?, lengths(EdgeRule::Chord)?);
         let between = |a: (usize, usize), b: (usize, usize)| {
