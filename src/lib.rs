@@ -36,6 +36,7 @@ pub mod io;
 mod lanes;
 mod map;
 mod method;
+mod name;
 pub mod pairwise;
 mod solve;
 mod stop;
@@ -49,6 +50,7 @@ pub use estimate::{ErrorEstimate, estimate_error, estimate_error_f64};
 pub use glam;
 pub use gpu_allocator;
 pub use map::{DistanceMap, Report};
+pub use name::UnknownName;
 pub use solve::{
     DEFAULT_TOLERANCE, DEFAULT_TOLERANCE_F64, Engine, Options, distance_map, distance_map_f64,
 };

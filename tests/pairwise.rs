@@ -4,7 +4,8 @@ mod measure;
 
 use geosweep::Stop;
 use geosweep::accuracy::Errors;
-use geosweep::cpu::{Instructions, PairwiseScan, scan_outward};
+use geosweep::cpu::twins::scan_outward;
+use geosweep::cpu::{Instructions, PairwiseScan};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::{MetricTensor, Spacing, Surface, Wavefront};

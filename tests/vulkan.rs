@@ -4,7 +4,8 @@ mod common;
 
 use common::*;
 use geosweep::Stop;
-use geosweep::cpu::{self, Rounds, Solution};
+use geosweep::cpu::twins::{self, Rounds};
+use geosweep::cpu::Solution;
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::plan::{self, Step};
@@ -197,8 +198,8 @@ fn twin(
     stop: Stop,
 ) -> Solution<f32> {
     match schedule {
-        Schedule::Raster => cpu::scan_in_turn(edges, seeds, wavefront, stop),
-        Schedule::AllPoints => cpu::all_points(edges, seeds, wavefront, stop),
+        Schedule::Raster => twins::scan_in_turn(edges, seeds, wavefront, stop),
+        Schedule::AllPoints => twins::all_points(edges, seeds, wavefront, stop),
         Schedule::Tiles => {
             let texels = TexelChart::new(edges.chart()).unwrap();
             let portions = tuning.portions(wavefront, texels);
@@ -209,7 +210,7 @@ fn twin(
                 inner: tuning.inner,
                 recorded: recorded.count() as u32,
             };
-            cpu::tile_rounds(edges, seeds, wavefront, stop, rounds)
+            twins::tile_rounds(edges, seeds, wavefront, stop, rounds)
         }
     }
 }

@@ -5,7 +5,7 @@ mod common;
 
 use common::*;
 use geosweep::Stop;
-use geosweep::cpu::{self, PairwiseScan};
+use geosweep::cpu::{PairwiseScan, twins};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::{PairwiseOnDevice, PairwiseSchedule, Solver, SurfaceOnDevice, VulkanError};
@@ -133,7 +133,7 @@ fn every_iteration_of_the_shaders_is_one_of_their_twin() {
                     for (source, row) in sources.iter().flatten().zip(rows.chunks_exact(points)) {
                         let (r, c) = chart.position(*source);
                         let seeds = [Seed::at_source(r, c, 0.0)];
-                        let twin = cpu::scan_outward(&edges, &seeds, wavefront, stop).distances();
+                        let twin = twins::scan_outward(&edges, &seeds, wavefront, stop).distances();
                         let difference = relative_difference(&twin, row);
                         let what = format!("{what}, {wavefront}, {schedule}, {source}, {stop:?}");
                         assert!(difference < TWINS, "{what}: {difference}");
@@ -223,7 +223,7 @@ fn mazes_take_as_many_dispatches_as_they_need() {
     for wavefront in [Wavefront::Planar, Wavefront::Curved] {
         let twins = sources.iter().flatten().map(|&source| {
             let (row, col) = surface.chart().position(source);
-            cpu::scan_outward(&edges, &[Seed::at_source(row, col, 0.0)], wavefront, CONVERGED)
+            twins::scan_outward(&edges, &[Seed::at_source(row, col, 0.0)], wavefront, CONVERGED)
         });
         let twins: Vec<_> = twins.collect();
         assert!(twins[0].iterations > 32, "{}: a dispatch has as many", twins[0].iterations);

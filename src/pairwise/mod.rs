@@ -32,9 +32,8 @@ mod rows;
 use std::time::{Duration, Instant};
 
 use crate::Stop;
-use crate::solve::check_floor_plan;
 use crate::surface::Surface;
-use crate::{Engine, Error, Options, Wavefront};
+use crate::{Error, Options, Wavefront};
 use engine::RowEngine;
 pub use report::PairwiseReport;
 use report::Tally;
@@ -55,7 +54,7 @@ pub struct Pairwise<'a> {
 impl<'a> Pairwise<'a> {
     /// Prepares a surface. Options mean what they mean for a single map, but for
     /// [`Options::schedule`], which rows do not have, and
-    /// [`Engine::Auto`], which is the CPU here. That computes sixteen maps at
+    /// [`Engine::Auto`](crate::Engine::Auto), which is the CPU here. That computes sixteen maps at
     /// once in the lanes of one instruction stream ([`PairwiseScan`](crate::cpu::PairwiseScan)),
     /// curved wavefronts map by map ([`RotatedScan`](crate::cpu::RotatedScan)), on all of rayon's
     /// threads.
@@ -73,17 +72,7 @@ impl<'a> Pairwise<'a> {
                     .into(),
             ));
         }
-        let wavefront = options.wavefront_from_a_point(surface);
-        if wavefront == Wavefront::Anchored {
-            check_floor_plan(surface)?;
-            if matches!(options.engine, Engine::Vulkan(_)) {
-                return Err(Error::Options(
-                    "the rows of a matrix have no anchored fronts on a Vulkan device; compute them on \
-                     the CPU, or with curved ones"
-                        .into(),
-                ));
-            }
-        }
+        let wavefront = options.wavefront_of_rows(surface)?;
         let engine = RowEngine::new(surface, wavefront, &options.engine)?;
         Ok(Self { surface, engine, wavefront, stop })
     }

@@ -7,6 +7,7 @@ use ash::vk;
 use super::TexelChart;
 use super::plan::Portions;
 use crate::Wavefront;
+use crate::name::{UnknownName, by_name};
 use crate::surface::Chart;
 
 /// The order of updates on the device. All lead to the same map.
@@ -42,6 +43,15 @@ impl Schedule {
         let on_cpu = kind == vk::PhysicalDeviceType::CPU;
         let choice = CHOICES.iter().find(|choice| choice.on_cpu == on_cpu && side <= choice.side);
         choice.map_or(Self::Raster, |choice| choice.schedule)
+    }
+}
+
+/// By its [`name`](Schedule::name).
+impl std::str::FromStr for Schedule {
+    type Err = UnknownName;
+
+    fn from_str(text: &str) -> Result<Self, UnknownName> {
+        by_name("schedule", text, &Self::ALL, |schedule| schedule.name())
     }
 }
 

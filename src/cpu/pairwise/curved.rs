@@ -4,9 +4,9 @@ use bytemuck::{Pod, Zeroable};
 
 use super::kernel::{Fan, How, Kernel, LANES, Lanes};
 use crate::cpu::bend_units;
-use crate::cpu::state::{SEED, accept, is_from};
+use crate::cpu::fronts::{self, FrontKind};
 use crate::surface::{Real, Seed};
-use crate::update::{Bends, Front, Triangle, curved};
+use crate::update::{Bends, Carried, Curvature, Front, Kept, SEED, Triangle, curved};
 
 pub(super) struct Curved;
 
@@ -39,7 +39,7 @@ impl Kernel for Curved {
     fn may_change(here: &Fronts, behind: [&Fronts; 3], _: &Fan, how: How) -> bool {
         let mut renewed = false;
         for lane in 0..LANES {
-            renewed |= how.renews & is_from(here.curvatures.0[lane], how.scan.0);
+            renewed |= how.renews & tagged(here.curvatures.0[lane]).is_from(how.scan.0);
         }
         renewed | here.times.some_after(behind.map(|fronts| &fronts.times))
     }
@@ -83,4 +83,16 @@ impl Fan {
         let alone = self.edges[1] >= f32::FAR;
         (Triangle { t1, t2, l1, l2, c: self.bases[base] }, Bends { fronts, surface, alone })
     }
+}
+
+#[inline(always)]
+fn tagged(curvature: f32) -> Curvature<f32> {
+    bytemuck::cast(curvature)
+}
+
+#[inline(always)]
+fn accept(time: f32, curvature: f32, front: Front<f32>, scan: u8, renews: bool) -> (f32, f32) {
+    let kept = Kept { time, carried: tagged(curvature) };
+    let kept = fronts::Curved::accept(kept, front, scan, renews);
+    (kept.time, kept.carried.value())
 }

@@ -2,9 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::cpu::state::TriangleSlots;
+use crate::cpu::behind::Behind;
 use crate::cpu::tiles::Scan;
-use crate::surface::{Chart, Direction, EdgeLengths, Seed, min};
+use crate::surface::{Chart, EdgeLengths, Seed, min};
 
 /// Maps that are computed side by side: as many as AVX-512 has lanes of single precision. With
 /// narrower instructions a few vectors stand for them, which hides the latency of square roots.
@@ -118,42 +118,22 @@ pub(super) trait Kernel: Sized + 'static {
 
 /// Where the two triangles of a scan lie, seen from their point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FanSlots {
-    triangles: [TriangleSlots; 2],
-    neighbours: [isize; 3],
-}
+pub(super) struct FanSlots(Behind);
 
 impl FanSlots {
-    /// The neighbours that a scan has just passed, in the order of the points on its lines.
     pub(super) fn new(chart: Chart, scan: Scan) -> Self {
-        use Direction::*;
-        let neighbours = match scan {
-            Scan::DOWN => [NorthWest, North, NorthEast],
-            Scan::UP => [SouthWest, South, SouthEast],
-            Scan::RIGHT => [NorthWest, West, SouthWest],
-            _ => [NorthEast, East, SouthEast],
-        };
-        let [before, beside, after] = neighbours;
-        Self {
-            triangles: [
-                TriangleSlots::new(chart, before, beside),
-                TriangleSlots::new(chart, beside, after),
-            ],
-            neighbours: neighbours.map(|neighbour| chart.offset(neighbour)),
-        }
+        Self(Behind::of(chart, scan))
     }
 
     /// The fan of a point of a bordered array.
     pub(super) fn fan(&self, edges: &EdgeLengths<f32>, gaussian: &[f32], point: usize) -> Fan {
-        let [[before, beside, first], [_, after, second]] =
-            self.triangles.each_ref().map(|slots| slots.lengths(edges, point));
-        let [a, b, c] = self.neighbours;
+        let [a, b, c] = self.0.points();
         let at = |offset: isize| {
             gaussian.get(point.wrapping_add_signed(offset)).copied().unwrap_or_default()
         };
         Fan {
-            edges: [before, beside, after],
-            bases: [first, second],
+            edges: self.0.edges().map(|slot| edges.at(point, slot)),
+            bases: self.0.bases().map(|slot| edges.at(point, slot)),
             gaussian: [at(0), at(a), at(b), at(c)],
         }
     }

@@ -14,7 +14,7 @@ mod stage;
 
 use super::{Instructions, RotatedScan};
 use crate::surface::{Chart, EdgeLengths, Seed};
-use crate::update::Wavefront;
+use crate::update::{Setting, Wavefront};
 use crate::{Convergence, Stop};
 use curved::Curved;
 use kernel::LANES;
@@ -48,7 +48,7 @@ impl PairwiseScan {
 
     /// Computes the coefficients of a surface, on the best instructions there are.
     pub fn new(edges: &EdgeLengths<f32>, wavefront: Wavefront) -> Self {
-        let fronts = match wavefront.over(edges) {
+        let fronts = match wavefront.or_curved(Setting::of_engine(edges.floor().is_some())) {
             Wavefront::Planar => Fronts::Planar(Scans::new(edges)),
             Wavefront::PointSource => Fronts::PointSource(Scans::new(edges)),
             Wavefront::Curved => Fronts::Curved(Scans::new(edges)),

@@ -1,0 +1,25 @@
+//! Names of choices, as the tool and reports have them.
+
+/// A text that names none of the choices there are.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no {what} is called `{text}`; there are {}", names.join(", "))]
+pub struct UnknownName {
+    what: &'static str,
+    text: String,
+    names: Vec<&'static str>,
+}
+
+/// The choice that a text names, whatever white space is around it.
+pub(crate) fn by_name<T: Copy>(
+    what: &'static str,
+    text: &str,
+    choices: &[T],
+    name: impl Fn(T) -> &'static str,
+) -> Result<T, UnknownName> {
+    let text = text.trim();
+    let found = choices.iter().find(|&&choice| name(choice) == text).copied();
+    found.ok_or_else(|| {
+        let names = choices.iter().map(|&choice| name(choice)).collect();
+        UnknownName { what, text: text.to_owned(), names }
+    })
+}
