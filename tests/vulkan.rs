@@ -4,8 +4,8 @@ mod common;
 
 use common::*;
 use geosweep::Stop;
-use geosweep::cpu::twins::{self, Rounds};
 use geosweep::cpu::Solution;
+use geosweep::cpu::twins::{self, Rounds};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::plan::{self, Step};

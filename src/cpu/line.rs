@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::behind::Behind;
-use super::stretch::Stretch;
+use super::stretch::{Stretch, part};
 use super::tiles::Scan;
 use crate::lanes::prefetch;
 use crate::surface::{Chart, Real};
@@ -131,19 +131,24 @@ impl<R: Real, C: Carried, G> ScanLine<'_, R, C, G> {
     pub(super) fn stretch(&self, start: usize, points: usize) -> Stretch<'_, R, C, G> {
         let bases = &self.bases[start..][..points + 1];
         Stretch {
-            times: &self.times[start..][..points],
-            carried: &self.carried[start..][..points],
-            ground: &self.ground[start..][..points],
+            times: part(self.times, start, points),
+            carried: part(self.carried, start, points),
+            ground: part(self.ground, start, points),
             times_behind: threefold(self.times_behind, start, points),
             carried_behind: threefold(self.carried_behind, start, points),
-            ground_behind: threefold(self.ground_behind, start, points),
             edges: [
-                &self.edges[0][start..][..points],
-                &self.edges[1][start..][..points],
-                &self.edges[2][start..][..points],
+                part(self.edges[0], start, points),
+                part(self.edges[1], start, points),
+                part(self.edges[2], start, points),
             ],
             bases: [&bases[..points], &bases[1..][..points]],
         }
+    }
+
+    /// What is known of the surface behind some points: before, beside and after them.
+    #[inline(always)]
+    pub(super) fn ground_behind(&self, start: usize, points: usize) -> [&[G]; 3] {
+        threefold(self.ground_behind, start, points)
     }
 
     /// Asks for what the next line's update needs from some point on. The machine foresees only what
@@ -162,6 +167,9 @@ impl<R: Real, C: Carried, G> ScanLine<'_, R, C, G> {
 /// What lies behind points before, beside and after them.
 #[inline(always)]
 fn threefold<T>(behind: &[T], start: usize, points: usize) -> [&[T]; 3] {
+    if size_of::<T>() == 0 {
+        return [behind; 3];
+    }
     let behind = &behind[start..][..points + 2];
     [&behind[..points], &behind[1..][..points], &behind[2..][..points]]
 }

@@ -8,7 +8,7 @@ use crate::update::{Carried, Triangle};
 
 /// A stretch of points in a row or column, what lies behind each of them and the triangles between.
 ///
-/// All slices have as many entries as there are points, so that the compiler sees that indices are within
+/// All slices have as many entries as there are points, or nothing in them, so that the compiler sees that indices are within
 /// bounds. `C` is what fronts carry beside their arrival times, `G` what is known of the surface.
 #[derive(Clone, Copy)]
 pub(super) struct Stretch<'a, R, C, G> {
@@ -18,7 +18,6 @@ pub(super) struct Stretch<'a, R, C, G> {
     /// At the neighbours behind: the one before, the one beside, the one after.
     pub times_behind: [&'a [R]; 3],
     pub carried_behind: [&'a [C]; 3],
-    pub ground_behind: [&'a [G]; 3],
     /// Lengths of the edges to them, and of those between them.
     pub edges: [&'a [R]; 3],
     pub bases: [&'a [R]; 2],
@@ -34,7 +33,6 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
             ground: part(self.ground, start, points),
             times_behind: parts(self.times_behind, start, points),
             carried_behind: parts(self.carried_behind, start, points),
-            ground_behind: parts(self.ground_behind, start, points),
             edges: parts(self.edges, start, points),
             bases: [part(self.bases[0], start, points), part(self.bases[1], start, points)],
         }
@@ -112,9 +110,10 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
     }
 }
 
+/// Part of an array, or all of it where there is nothing in it to read, which saves the checks.
 #[inline(always)]
-fn part<T>(array: &[T], start: usize, points: usize) -> &[T] {
-    &array[start..][..points]
+pub(super) fn part<T>(array: &[T], start: usize, points: usize) -> &[T] {
+    if size_of::<T>() == 0 { array } else { &array[start..][..points] }
 }
 
 #[inline(always)]
@@ -146,7 +145,6 @@ impl<'a, R: Real, C: Carried, G> Before<'a, R, C, G> {
             ground: part(self.ground, first, points),
             times_behind: at.map(|at| part(self.times, at, points)),
             carried_behind: at.map(|at| part(self.carried, at, points)),
-            ground_behind: at.map(|at| part(self.ground, at, points)),
             edges: behind.edges().map(|slot| self.edges.row(first, slot, points)),
             bases: behind.bases().map(|slot| self.edges.row(first, slot, points)),
         }

@@ -14,14 +14,16 @@ pub(crate) trait Tagged: Real {
     fn with_tag(self, tag: u8) -> Self {
         let flat = Self::of(FLAT);
         let held = if self.abs() < flat { flat } else { self };
-        let [digits, tag]: [Self::Bits; 2] = [TAG, tag].map(|tag| u32::from(tag).into());
+        let (digits, tag): (Self::Bits, Self::Bits) =
+            (u32::from(TAG).into(), u32::from(tag).into());
         Self::from_bits(held.to_bits() & !digits | tag)
     }
 
     /// Whether those of the tag's digits that a mask selects are these. In lanes as wide as the number.
     #[inline(always)]
     fn tag_has(self, mask: u8, digits: u8) -> bool {
-        let [mask, digits]: [Self::Bits; 2] = [mask, digits].map(|tag| u32::from(tag).into());
+        let (mask, digits): (Self::Bits, Self::Bits) =
+            (u32::from(mask).into(), u32::from(digits).into());
         self.to_bits() & mask == digits
     }
 }

@@ -25,8 +25,8 @@ impl<R: Real> Anchor<R> {
     /// By its number, without a tag.
     #[inline(always)]
     pub(crate) fn new(number: usize) -> Self {
-        let [high, low] = [number >> LOW, number & ((1 << LOW) - 1)];
-        let [high, low]: [R::Bits; 2] = [high, low].map(|digits| (digits as u32).into());
+        let (high, low) = ((number >> LOW) as u32, (number & ((1 << LOW) - 1)) as u32);
+        let (high, low): (R::Bits, R::Bits) = (high.into(), low.into());
         Self(R::from_bits(high << Self::sign() | R::of(BASE).to_bits() | low << TAG_DIGITS))
     }
 

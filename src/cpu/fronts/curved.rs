@@ -60,8 +60,8 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
     /// Of those that arrive together as [`Front::first`].
     #[inline(always)]
     fn first(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R> {
-        let ([of_a, of_b], time) =
-            ([a, b].map(|kept| kept.carried.front(kept.time)), min(a.time, b.time));
+        let (of_a, of_b) = (a.carried.front(a.time), b.carried.front(b.time));
+        let time = min(a.time, b.time);
         let second =
             if of_a.arrives_with(of_b) { of_b.knows_better(of_a) } else { of_b.time < of_a.time };
         Kept { time, carried: if second { b.carried } else { a.carried } }
@@ -228,10 +228,11 @@ impl<R: Real> Stretches for CurvedLine<'_, R> {
         if leaves(&stretch, points, how) {
             return None;
         }
+        let bent = Bent { stretch, gaussian_behind: self.0.ground_behind(start, points) };
         let first = if stretch.comes_from_left(points) {
-            first_fronts::<R, true, false>(&stretch, points, how)
+            first_fronts::<R, true, false>(&bent, points, how)
         } else {
-            first_fronts::<R, false, true>(&stretch, points, how)
+            first_fronts::<R, false, true>(&bent, points, how)
         };
         let (mut times, mut curvatures) = ([R::zero(); TILE], [Curvature::default(); TILE]);
         let mut any = false;
@@ -259,42 +260,56 @@ impl<R: Real> Stretches for CurvedLine<'_, R> {
     }
 }
 
-/// What is known at the corners of one of the two triangles of point i.
-#[inline(always)]
-fn bends<R: Real, const LEFT: bool>(stretch: &Stretch<R, Curvature<R>, R>, i: usize) -> Bends<R> {
-    let x1 = if LEFT { 0 } else { 1 };
-    let [k, g] = [0, 1].map(|end| {
-        (stretch.carried_behind[x1 + end][i].value(), stretch.ground_behind[x1 + end][i])
-    });
-    Bends { fronts: [k.0, g.0], surface: [stretch.ground[i], k.1, g.1], alone: stretch.is_alone(i) }
+/// A stretch of points, and the Gaussian curvature behind them.
+struct Bent<'a, R> {
+    stretch: Stretch<'a, R, Curvature<R>, R>,
+    gaussian_behind: [&'a [R]; 3],
+}
+
+impl<R: Real> Bent<'_, R> {
+    /// The curvatures of the fronts at x1 and x2 of one of the two triangles of point i.
+    #[inline(always)]
+    fn fronts<const LEFT: bool>(&self, i: usize) -> [R; 2] {
+        let behind = &self.stretch.carried_behind;
+        let x1 = if LEFT { 0 } else { 1 };
+        [behind[x1][i].value(), behind[x1 + 1][i].value()]
+    }
+
+    /// The front through it.
+    #[inline(always)]
+    fn front<const LEFT: bool>(&self, i: usize) -> Front<R> {
+        let (stretch, x1) = (&self.stretch, if LEFT { 0 } else { 1 });
+        let gaussian = &self.gaussian_behind;
+        let surface = [stretch.ground[i], gaussian[x1][i], gaussian[x1 + 1][i]];
+        let (fronts, alone) = (self.fronts::<LEFT>(i), stretch.is_alone(i));
+        curved(stretch.triangle::<LEFT>(i), Bends { fronts, surface, alone })
+    }
 }
 
 /// The first fronts through the triangle that most points should be reached through, and through the
 /// other unless nothing comes first through it.
 #[inline(always)]
 fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
-    stretch: &Stretch<R, Curvature<R>, R>,
+    bent: &Bent<R>,
     points: usize,
     how: How,
 ) -> FirstFronts<R> {
+    let stretch = &bent.stretch;
     let mut first = FirstFronts::default();
     for i in 0..points {
-        let front = curved(stretch.triangle::<FIRST_LEFT>(i), bends::<R, FIRST_LEFT>(stretch, i));
-        first.set(i, front);
+        first.set(i, bent.front::<FIRST_LEFT>(i));
     }
     let mut settled = true;
     for i in 0..points {
         // A front that is renewed may come later than it did.
         let renewed = how.renews & stretch.carried[i].is_from(how.scan.0);
         let now = if renewed { first.times[i] } else { min(stretch.times[i], first.times[i]) };
-        let fronts = bends::<R, SECOND_LEFT>(stretch, i).fronts;
-        settled &= from_curved(stretch.from_beside::<SECOND_LEFT>(i), fronts, now);
+        let other = stretch.from_beside::<SECOND_LEFT>(i);
+        settled &= from_curved(other, bent.fronts::<SECOND_LEFT>(i), now);
     }
     if !settled {
         for i in 0..points {
-            let other =
-                curved(stretch.triangle::<SECOND_LEFT>(i), bends::<R, SECOND_LEFT>(stretch, i));
-            first.set(i, Front::first(first.get(i), other));
+            first.set(i, Front::first(first.get(i), bent.front::<SECOND_LEFT>(i)));
         }
     }
     first
