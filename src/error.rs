@@ -1,6 +1,7 @@
 //! What can go wrong, said so that the message tells what to do.
 
 use crate::surface::{SourceError, SurfaceError};
+use crate::update::Unsuited;
 use crate::vulkan::VulkanError;
 
 /// Any failure of the crate's one-call interface, [`crate::distance_map`].
@@ -31,4 +32,10 @@ pub enum Error {
     /// An option is out of its range.
     #[error("{0}")]
     Options(String),
+}
+
+impl From<Unsuited> for Error {
+    fn from(unsuited: Unsuited) -> Self {
+        Self::Options(unsuited.to_string())
+    }
 }

@@ -52,6 +52,9 @@ pub(crate) trait Work {
 /// so that it is in the caches when it is needed. A hint: where there is no memory nothing happens.
 #[inline(always)]
 pub(crate) fn prefetch<T>(array: &[T], place: isize) {
+    if size_of::<T>() == 0 {
+        return;
+    }
     let at = array.as_ptr().wrapping_offset(place);
     #[cfg(target_arch = "x86_64")]
     {

@@ -5,11 +5,10 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use crate::Stop;
-use crate::constants::SOURCES_INSIDE;
 use crate::cpu::{self, Connections};
 use crate::name::{UnknownName, by_name};
 use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface};
-use crate::update::Wavefront;
+use crate::update::{EngineKind, Setting, SourceKind, Wavefront};
 use crate::vulkan::{self, DeviceChoice, Schedule, VulkanError};
 use crate::{DistanceMap, Error, Report};
 
@@ -113,69 +112,30 @@ impl Options {
         Ok(Stop { tolerance, iterations })
     }
 
-    /// The wavefront from a single point.
-    pub(crate) fn wavefront_from_a_point(&self, surface: &Surface) -> Wavefront {
-        let or_else = || match surface.slowness() {
-            _ if self.engine == Engine::FastMarching => Wavefront::Planar,
-            Some(_) => Wavefront::PointSource,
-            None => Wavefront::Curved,
-        };
-        self.wavefront.unwrap_or_else(or_else)
-    }
-
+    /// The wavefront of a map.
     pub(crate) fn wavefront(
         &self,
         surface: &Surface,
         sources: &Sources,
     ) -> Result<Wavefront, Error> {
-        let circular = sources.are_points() && sources.start_together();
-        let marches = self.engine == Engine::FastMarching;
-        match self.wavefront {
-            None if !marches && check_anchored(surface, sources).is_ok() => Ok(Wavefront::Anchored),
-            None if circular || marches => Ok(self.wavefront_from_a_point(surface)),
-            None => Ok(Wavefront::Curved),
-            Some(Wavefront::Anchored) => {
-                check_anchored(surface, sources)?;
-                Ok(Wavefront::Anchored)
-            }
-            Some(Wavefront::PointSource) if !sources.are_points() => Err(Error::Options(
-                "the point-source wavefront needs point sources; use the curved or the planar one \
-                 for curves"
-                    .into(),
-            )),
-            Some(wavefront) => Ok(wavefront),
-        }
+        let engine = match self.engine {
+            Engine::FastMarching => EngineKind::FastMarching,
+            Engine::Auto | Engine::Vulkan(_) | Engine::Cpu => EngineKind::Map,
+        };
+        let setting = Setting::new(surface, SourceKind::of(sources), engine);
+        Ok(Wavefront::resolve(self.wavefront, setting)?)
     }
-}
 
-/// Refuses surfaces and sources for which fronts have no anchors.
-fn check_anchored(surface: &Surface, sources: &Sources) -> Result<(), Error> {
-    check_floor_plan(surface)?;
-    if !sources.are_points() {
-        return Err(Error::Options(
-            "the anchored wavefront needs point sources; use the curved or the planar one for curves"
-                .into(),
-        ));
+    /// The wavefront of the rows of a distance matrix.
+    pub(crate) fn wavefront_of_rows(&self, surface: &Surface) -> Result<Wavefront, Error> {
+        let engine = match self.engine {
+            Engine::FastMarching => EngineKind::FastMarching,
+            Engine::Auto | Engine::Cpu => EngineKind::Matrix,
+            Engine::Vulkan(_) => EngineKind::MatrixOnDevice,
+        };
+        let setting = Setting::new(surface, SourceKind::POINT, engine);
+        Ok(Wavefront::resolve(self.wavefront, setting)?)
     }
-    if sources.inside_cells() > SOURCES_INSIDE as usize {
-        return Err(Error::Options(format!(
-            "the anchored wavefront is for up to {SOURCES_INSIDE} sources that are not at grid points; \
-             round them to grid points, or use the curved one"
-        )));
-    }
-    Ok(())
-}
-
-/// Refuses surfaces over which fronts have no anchors.
-pub(crate) fn check_floor_plan(surface: &Surface) -> Result<(), Error> {
-    if surface.is_floor_plan() {
-        return Ok(());
-    }
-    Err(Error::Options(
-        "the anchored wavefront is for floor plans: flat surfaces whose points are evenly spaced, \
-         without obtuse triangles and without a slowness; use the curved one for others"
-            .into(),
-    ))
 }
 
 /// Computes the geodesic distance from the sources to every point of a surface.

@@ -5,10 +5,12 @@ use std::sync::Barrier;
 use std::time::{Duration, Instant};
 
 use super::Instructions;
-use super::line::{Line, Times};
-use super::line_update::{How, Update};
+use super::behind::Behind;
+use super::fronts::{FrontKind, TriangleKind, for_triangle_kind};
+use super::line::{GridLines, LinesInGrid};
+use super::line_update::How;
 use super::tiles::{Scan, TILE};
-use crate::surface::Real;
+use crate::surface::{EdgeLengths, Real, Spacing, Surface};
 use crate::update::Wavefront;
 
 /// What some threads can do at best in single precision.
@@ -38,6 +40,7 @@ impl Ceilings {
     /// Measures so many threads, in about half a second.
     pub fn measure(threads: usize) -> Self {
         let copied = (2 * COPIED * size_of::<f32>()) as f64;
+        let edges = two_rows();
         Self {
             threads,
             copy: copied
@@ -49,13 +52,13 @@ impl Ceilings {
                     }
                 }),
             triangles: Wavefront::ALL.map(|wavefront| {
-                2.0 * POINTS as f64
-                    * rate(threads, || {
-                        let mut line = WarmLine::new(wavefront);
-                        move || {
-                            line.update();
-                        }
-                    })
+                let lines = for_triangle_kind!(&edges, wavefront, kind => rate(threads, || {
+                    let mut line = WarmLine::new(&edges, kind);
+                    move || {
+                        line.update();
+                    }
+                }));
+                2.0 * POINTS as f64 * lines
             }),
         }
     }
@@ -85,57 +88,52 @@ fn rate<W: FnMut()>(threads: usize, work: impl Fn() -> W + Sync) -> f64 {
     })
 }
 
-/// A line of points and the line behind it, with squares between them.
-struct WarmLine {
-    how: How,
+/// Two rows of a plane, of which the second is updated from the first again and again.
+struct WarmLine<'a, K: FrontKind<'a, f32>> {
+    edges: &'a EdgeLengths<f32>,
+    kind: K,
+    ground: Vec<K::Ground>,
     times: Vec<f32>,
-    curvatures: Vec<f32>,
-    behind: Vec<f32>,
-    curvatures_behind: Vec<f32>,
-    gaussian: Vec<f32>,
-    sides: Vec<f32>,
-    diagonals: Vec<f32>,
+    carried: Vec<K::Carried>,
     changed: [bool; POINTS / TILE],
 }
 
-impl WarmLine {
-    fn new(wavefront: Wavefront) -> Self {
-        let instructions = Instructions::best();
-        Self {
-            how: How { wavefront, scan: Scan::DOWN, renews: true, instructions },
-            times: vec![f32::FAR; POINTS],
-            curvatures: vec![0.0; POINTS],
-            behind: (0..POINTS + 2).map(|i| (1.0 + i as f32).hypot(300.0)).collect(),
-            curvatures_behind: (0..POINTS + 2)
-                .map(|i| 1.0 / (1.0 + i as f32).hypot(300.0))
-                .collect(),
-            gaussian: vec![0.0; POINTS + 2],
-            sides: vec![1.0; POINTS + 1],
-            diagonals: vec![std::f32::consts::SQRT_2; POINTS],
-            changed: [false; POINTS / TILE],
+fn two_rows() -> EdgeLengths<f32> {
+    let plane = Surface::from_heights(2, POINTS, vec![0.0; 2 * POINTS], Spacing::square(1.0));
+    let edges = plane.and_then(|plane| EdgeLengths::new(&plane));
+    edges.expect("a plane is a surface with edges")
+}
+
+impl<'a, K: TriangleKind<'a, f32>> WarmLine<'a, K> {
+    /// In the first row there is the front of a point 300 rows before it, at its first column.
+    fn new(edges: &'a EdgeLengths<f32>, kind: K) -> Self {
+        let chart = edges.chart();
+        let mut times = vec![f32::FAR; chart.bordered_points()];
+        let mut carried = vec![K::Carried::default(); times.len()];
+        for col in 0..POINTS {
+            let (point, radius) = (chart.bordered(0, col), (col as f32).hypot(300.0));
+            (times[point], carried[point]) = (radius, K::circle(radius));
         }
+        let ground = kind.ground(chart).into_owned();
+        Self { edges, kind, ground, times, carried, changed: [false; POINTS / TILE] }
     }
 
     /// Updates all points, none of which has been reached: those would be settled. Returns how many.
     fn update(&mut self) -> u64 {
-        self.times.fill(f32::FAR);
-        let (sides, diagonals) = (self.sides.as_slice(), self.diagonals.as_slice());
-        let times = Times {
-            here: &mut self.times,
-            behind: &self.behind,
-            edges: [diagonals, &sides[..POINTS], diagonals],
-            bases: sides,
+        let (chart, scan) = (self.edges.chart(), Scan::DOWN);
+        self.times[chart.bordered(1, 0)..][..POINTS].fill(f32::FAR);
+        let mut lines = GridLines {
+            stride: chart.stride(),
+            behind: Behind::of(chart, scan),
+            times: &mut self.times,
+            carried: &mut self.carried,
+            ground: &self.ground,
+            edges: self.edges.planes(),
+            place: LinesInGrid { chart, first: 0, beyond: None },
         };
-        let line = Line {
-            times,
-            curvatures: &mut self.curvatures,
-            gaussian: &self.gaussian[..POINTS],
-            curvatures_behind: &self.curvatures_behind,
-            gaussian_behind: &self.gaussian,
-            next: 0,
-        };
-        let update = Update { line, how: self.how, changed: &mut self.changed };
-        std::hint::black_box(self.how.instructions.run(update)).points
+        let how = How { scan, renews: true, instructions: Instructions::best() };
+        let updated = self.kind.update(&mut lines, 2, &(0..POINTS), how, &mut self.changed);
+        std::hint::black_box(updated).points
     }
 }
 
@@ -155,15 +153,18 @@ mod tests {
 
     #[test]
     fn the_line_that_is_timed_is_one_that_a_front_reaches() {
+        let edges = two_rows();
         for wavefront in Wavefront::ALL {
-            let mut line = WarmLine::new(wavefront);
-            for _ in 0..2 {
-                assert_eq!(line.update(), POINTS as u64, "none is settled");
-            }
-            // The front of a point 301 lines behind, so that it comes through the line behind
-            // everywhere. Planar fronts are off by a tenth of a cell.
-            for (i, time) in line.times.iter().enumerate() {
-                let exact = (2.0 + i as f32).hypot(301.0);
+            let times = for_triangle_kind!(&edges, wavefront, kind => {
+                let mut line = WarmLine::new(&edges, kind);
+                for _ in 0..2 {
+                    assert_eq!(line.update(), POINTS as u64, "none is settled");
+                }
+                line.times
+            });
+            // Through the first row everywhere. Planar fronts are off by a tenth of a cell.
+            for (i, time) in times[edges.chart().bordered(1, 0)..][..POINTS].iter().enumerate() {
+                let exact = (i as f32).hypot(301.0);
                 assert!((time - exact).abs() < 0.1, "{wavefront} {i}: {time} {exact}");
             }
         }

@@ -4,10 +4,12 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
 use super::Connections;
-use super::anchored::march_by_anchors;
-use super::state::{Fronts, Solution, TriangleSlots};
-use crate::surface::{Direction, EdgeLengths, EdgeSlot, Real, Seed};
-use crate::update::{Triangle, Wavefront};
+use super::behind::Behind;
+use super::fronts::{Anchored, FrontKind, FrontOver, KeptBy, TriangleKind};
+use super::point_fronts::PointFronts;
+use super::solution::Solution;
+use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, Seed};
+use crate::update::{Kept, Triangle, Wavefront};
 
 /// Solves by fast marching (Algorithm 1): points are fixed in the order in which the front
 /// reaches them, and a point is updated from fixed points only.
@@ -31,67 +33,133 @@ pub fn fast_marching_with<R: Real>(
     seeds: &[Seed],
     wavefront: Wavefront,
 ) -> Solution<R> {
-    if wavefront.over(edges) == Wavefront::Anchored {
-        return march_by_anchors(edges, seeds);
+    match FrontOver::new(edges, wavefront) {
+        FrontOver::Planar(kind) => by_triangles(edges, connections, seeds, kind),
+        FrontOver::Circular(kind) => by_triangles(edges, connections, seeds, kind),
+        FrontOver::Curved(kind) => by_triangles(edges, connections, seeds, kind),
+        FrontOver::Anchored(kind) => by_anchors(edges, seeds, kind),
     }
-    let chart = edges.chart();
-    // For each direction from a fixed point to a neighbour: the edge, and the two triangles of
-    // the neighbour that contain the fixed point.
-    let spokes = Direction::ALL.map(|to| {
-        let back = to.opposite();
-        (
-            chart.offset(to),
-            EdgeSlot::new(chart, 0, to),
-            [(back, back.next()), (back.previous(), back)]
-                .map(|(first, second)| TriangleSlots::new(chart, first, second)),
-        )
-    });
+}
 
-    let mut fronts = Fronts::start(edges, seeds, wavefront);
-    let mut fixed = vec![false; chart.bordered_points()];
-    let mut heap: BinaryHeap<_> = seeds
-        .iter()
-        .map(|seed| chart.bordered(seed.row, seed.col))
-        .map(|point| Reverse(Arrival { time: fronts.time(point), point }))
-        .collect();
-    while let Some(Reverse(Arrival { point, .. })) = heap.pop() {
-        // A point stays in the heap under its earlier, larger times too.
-        if std::mem::replace(&mut fixed[point], true) {
-            continue;
-        }
-        for (offset, edge, triangles) in &spokes {
-            let neighbour = point.wrapping_add_signed(*offset);
-            if fixed[neighbour] || edges.at(point, *edge) >= R::FAR {
+/// The edges from a fixed point to its neighbours, and what lies around the fixed point as each neighbour
+/// sees it.
+fn spokes(chart: Chart) -> [(isize, EdgeSlot, Behind); 8] {
+    Direction::ALL.map(|to| {
+        let back = to.opposite();
+        let behind = Behind::new(chart, [back.previous(), back, back.next()]);
+        (chart.offset(to), EdgeSlot::new(chart, 0, to), behind)
+    })
+}
+
+fn by_triangles<'a, R: Real, K: TriangleKind<'a, R>>(
+    edges: &'a EdgeLengths<R>,
+    connections: &Connections<R>,
+    seeds: &[Seed],
+    kind: K,
+) -> Solution<R> {
+    let spokes = spokes(edges.chart());
+    let mut march = March::start(PointFronts::start(edges, kind, seeds), seeds);
+    while let Some(point) = march.next() {
+        for (offset, edge, behind) in &spokes {
+            let x0 = point.wrapping_add_signed(*offset);
+            if march.is_fixed(x0) || edges.at(point, *edge) >= R::FAR {
                 continue;
             }
-            for slots in triangles {
-                let known = |point: usize| if fixed[point] { fronts.time(point) } else { R::FAR };
-                let front = fronts.through_known(neighbour, slots, known);
-                if fronts.lower(neighbour, front) > R::Bits::default() {
-                    heap.push(Reverse(Arrival { time: front.time, point: neighbour }));
-                }
+            let [before, after] = behind.triangles();
+            for slots in [after, before] {
+                let fronts = &march.fronts;
+                let arrival = fronts.kind.through(edges, x0, slots, |x| march.known(x));
+                march.lower(x0, arrival, K::time(arrival));
             }
         }
         for (x0, [x1, x2], lengths) in connections.around(point) {
-            if fixed[x0] {
+            if march.is_fixed(x0) {
                 continue;
             }
-            let known = |point: usize| if fixed[point] { fronts.time(point) } else { R::FAR };
-            let triangle = Triangle { t1: known(x1), t2: known(x2), ..lengths };
-            let front = fronts.arrival(x0, [x1, x2], triangle, false);
-            if fronts.lower(x0, front) > R::Bits::default() {
-                heap.push(Reverse(Arrival { time: front.time, point: x0 }));
+            let [a, b] = [x1, x2].map(|x| march.known(x));
+            let triangle = Triangle { t1: a.time, t2: b.time, ..lengths };
+            let carried = [a.carried, b.carried];
+            let arrival = march.fronts.kind.arrival([x0, x1, x2], triangle, carried, false);
+            march.lower(x0, arrival, K::time(arrival));
+        }
+    }
+    march.fronts.finish(1, 0.0)
+}
+
+/// Over a floor plan this is exact: what is fixed has been reached on its shortest way, and has told its
+/// neighbours of its anchor. See `update/anchored.rs`.
+fn by_anchors<'a, R: Real>(
+    edges: &'a EdgeLengths<R>,
+    seeds: &[Seed],
+    kind: Anchored<R>,
+) -> Solution<R> {
+    let spokes = spokes(edges.chart());
+    let mut march = March::start(PointFronts::start(edges, kind, seeds), seeds);
+    while let Some(point) = march.next() {
+        for (offset, edge, behind) in &spokes {
+            let x0 = point.wrapping_add_signed(*offset);
+            if march.is_fixed(x0) || edges.at(point, *edge) >= R::FAR {
+                continue;
+            }
+            let arrival = march.fronts.reach_seen(x0, behind, |x| march.known(x));
+            march.lower(x0, arrival, arrival.time);
+        }
+    }
+    march.fronts.finish(1, 0.0)
+}
+
+/// The fronts, which of them are fixed, and the heap of those that may be next.
+struct March<'a, R: Real, K: FrontKind<'a, R>> {
+    fronts: PointFronts<'a, R, K>,
+    fixed: Vec<bool>,
+    heap: BinaryHeap<Reverse<Arrival<R>>>,
+}
+
+impl<'a, R: Real, K: FrontKind<'a, R>> March<'a, R, K> {
+    fn start(fronts: PointFronts<'a, R, K>, seeds: &[Seed]) -> Self {
+        let chart = fronts.edges.chart();
+        let heap = seeds
+            .iter()
+            .map(|seed| chart.bordered(seed.row, seed.col))
+            .map(|point| Reverse(Arrival { time: fronts.time(point), point }))
+            .collect();
+        Self { fronts, fixed: vec![false; chart.bordered_points()], heap }
+    }
+
+    /// Fixes the first point that is not.
+    fn next(&mut self) -> Option<usize> {
+        loop {
+            let Reverse(Arrival { point, .. }) = self.heap.pop()?;
+            // A point stays in the heap under its earlier, larger times too.
+            if !std::mem::replace(&mut self.fixed[point], true) {
+                return Some(point);
             }
         }
     }
-    fronts.finish(1, 0.0)
+
+    fn is_fixed(&self, point: usize) -> bool {
+        self.fixed[point]
+    }
+
+    /// The front at a point, not reached unless it is fixed.
+    fn known(&self, point: usize) -> KeptBy<'a, R, K> {
+        let front = self.fronts.at(point);
+        Kept { time: if self.fixed[point] { front.time } else { R::FAR }, ..front }
+    }
+
+    /// Brings what arrives at some time to a point.
+    fn lower(&mut self, point: usize, arrival: K::Arrival, time: R) {
+        if self.fronts.lower(point, arrival) > R::Bits::default() {
+            self.heap.push(Reverse(Arrival { time, point }));
+        }
+    }
 }
 
 /// A point of the front, ordered by arrival time; the index makes the order total.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) struct Arrival<R> {
-    pub time: R,
-    pub point: usize,
+struct Arrival<R> {
+    time: R,
+    point: usize,
 }
 
 impl<R: Real> Eq for Arrival<R> {}

@@ -2,9 +2,8 @@
 
 use glam::DVec2;
 
-use super::{
-    RotatedScan, Rounds, Solution, all_points, raster_scan, rotated_scan, scan_in_turn, tile_rounds,
-};
+use super::twins::{Rounds, all_points, scan_in_turn, tile_rounds};
+use super::{RotatedScan, Solution, raster_scan, rotated_scan};
 use crate::Stop;
 use crate::accuracy::Errors;
 use crate::pairwise::Pairwise;

@@ -1,180 +1,175 @@
-//! A line of points and what its update needs of it and of the lines behind: of all its points, and
-//! of stretches of them.
+//! Lines of points side by side, and the lengths between them: rows of the grid, or columns of it that a
+//! [`super::panel::Panel`] has transposed into rows.
 
-use super::settled::Visited;
+use std::ops::Range;
+
+use super::behind::Behind;
+use super::stretch::{Stretch, part};
+use super::tiles::Scan;
 use crate::lanes::prefetch;
-use crate::surface::{Real, min};
-use crate::update::{Bends, Triangle};
+use crate::surface::{Chart, Real};
+use crate::update::{Carried, Kept};
 
-/// A stretch of n points of a row or column and what their update needs. Curvatures are empty
-/// unless the wavefront is curved.
-pub(super) struct Line<'a, R> {
-    pub times: Times<'a, R>,
-    /// Curvature of the fronts, n of them.
-    pub curvatures: &'a mut [R],
-    /// Gaussian curvature of the surface.
-    pub gaussian: &'a [R],
-    /// Both at the points behind, n + 2 of them, as in [`Times`].
-    pub curvatures_behind: &'a [R],
-    pub gaussian_behind: &'a [R],
-    /// From here to the line that is updated next.
-    pub next: isize,
+/// Bordered arrays of lines, while a scan updates them: point p of line l has index l * `stride` + p + 1, with
+/// lines counted from the first and points from the first inside the border.
+pub(super) struct GridLines<'a, R, C, G> {
+    pub stride: usize,
+    /// What lies behind a point, lines being rows.
+    pub behind: Behind,
+    pub times: &'a mut [R],
+    /// What fronts carry, and what is known of the surface.
+    pub carried: &'a mut [C],
+    pub ground: &'a [G],
+    /// Lengths of the edges to the next point, to the line before, and there to the next and to
+    /// the previous point; empty where they are of no account.
+    pub edges: [&'a [R]; 4],
+    pub place: LinesInGrid<'a, R, C>,
 }
 
-/// Arrival times along a line and behind it, and the triangles between them.
-pub(super) struct Times<'a, R> {
-    /// Arrival times, n of them.
-    pub here: &'a mut [R],
+/// Where lines lie in the grid.
+pub(super) struct LinesInGrid<'a, R, C> {
+    pub chart: Chart,
+    /// Which row or column, counted from the border, is the first of these lines.
+    pub first: usize,
+    /// Of lines that are columns: which rows of them are here, and the whole grid, where fronts are found
+    /// that are not.
+    pub beyond: Option<(Range<usize>, &'a [R], &'a [C])>,
+}
+
+impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
+    /// Points of a line and the line behind it.
+    pub(super) fn line(
+        &mut self,
+        line: usize,
+        points: &Range<usize>,
+        scan: Scan,
+    ) -> ScanLine<'_, R, C, G> {
+        let count = points.len();
+        let first = line * self.stride + points.start + 1;
+        let here = first..first + count;
+        // From the point before the first to the one after the last.
+        let around = self.line_behind(line, scan) * self.stride + points.start;
+        let there = around..around + count + 2;
+        let (times, times_behind) = here_and_there(self.times, here.clone(), there.clone());
+        let (carried, carried_behind) = here_and_there(self.carried, here.clone(), there.clone());
+        let forward = scan.is_forward();
+        ScanLine {
+            times,
+            carried,
+            ground: &self.ground[here],
+            times_behind,
+            carried_behind,
+            ground_behind: &self.ground[there],
+            edges: self.behind.edges().map(|slot| slot.row(self.edges, first, count)),
+            bases: self.behind.bases()[0].row(self.edges, first, count + 1),
+            next: if forward { self.stride as isize } else { -(self.stride as isize) },
+        }
+    }
+
+    pub(super) fn line_behind(&self, line: usize, scan: Scan) -> usize {
+        if scan.is_forward() { line - 1 } else { line + 1 }
+    }
+
+    /// The front at a point of the grid.
+    pub(super) fn front(&self, point: usize) -> Kept<R, C> {
+        let LinesInGrid { chart, first, beyond } = &self.place;
+        let Some((rows, times, carried)) = beyond else {
+            return Kept { time: self.times[point], carried: self.carried[point] };
+        };
+        let (row, col) = (point / chart.stride(), point % chart.stride());
+        let lines = self.times.len() / self.stride;
+        match col.checked_sub(*first) {
+            Some(line) if line < lines && rows.contains(&row) => {
+                let place = line * self.stride + row;
+                Kept { time: self.times[place], carried: self.carried[place] }
+            }
+            _ => Kept { time: times[point], carried: carried[point] },
+        }
+    }
+
+    /// Row and column, from the border, of point p of a line.
+    #[inline(always)]
+    pub(super) fn position(&self, line: usize, point: usize, scan: Scan) -> [usize; 2] {
+        let (line, along) = (self.place.first + line, point + 1);
+        if scan.by_rows() { [line, along] } else { [along, line] }
+    }
+}
+
+/// Two ranges of an array that do not overlap, the first for writing.
+fn here_and_there<T>(array: &mut [T], here: Range<usize>, there: Range<usize>) -> (&mut [T], &[T]) {
+    if there.start >= here.end {
+        let (low, high) = array.split_at_mut(there.start);
+        (&mut low[here], &high[..there.len()])
+    } else {
+        let (low, high) = array.split_at_mut(there.end);
+        (&mut high[here.start - there.end..here.end - there.end], &low[there])
+    }
+}
+
+/// A line of n points and what their update needs.
+pub(super) struct ScanLine<'a, R, C, G> {
+    /// Arrival times, what fronts carry, and what is known of the surface, n of each.
+    pub times: &'a mut [R],
+    pub carried: &'a mut [C],
+    pub ground: &'a [G],
     /// Those of the line that the scan has just passed, from the point before the first to the one
-    /// after the last: n + 2 of them.
-    pub behind: &'a [R],
+    /// after the last: n + 2 of each.
+    pub times_behind: &'a [R],
+    pub carried_behind: &'a [C],
+    pub ground_behind: &'a [G],
     /// Lengths of the edges to the neighbours behind: the one before, this one, the one after.
     pub edges: [&'a [R]; 3],
     /// Lengths of the edges between the points behind, n + 1 of them.
     pub bases: &'a [R],
+    /// From here to the line that is updated next.
+    pub next: isize,
 }
 
-/// Curvatures around part of a line: of the surface, and of fronts and surface behind, as in [`Line`].
-pub(super) struct Bent<'a, R> {
-    pub gaussian: &'a [R],
-    pub fronts_behind: &'a [R],
-    pub gaussian_behind: &'a [R],
-}
-
-impl<R: Real> Bent<'_, R> {
-    /// Those of one of the two triangles of point i.
+impl<R: Real, C: Carried, G> ScanLine<'_, R, C, G> {
+    /// Some of its points.
     #[inline(always)]
-    pub(super) fn around<const LEFT: bool>(&self, i: usize, alone: bool) -> Bends<R> {
-        let (k, g) = (self.fronts_behind, self.gaussian_behind);
-        let x1 = if LEFT { i } else { i + 1 };
-        let surface = [self.gaussian[i], g[x1], g[x1 + 1]];
-        Bends { fronts: [k[x1], k[x1 + 1]], surface, alone }
+    pub(super) fn stretch(&self, start: usize, points: usize) -> Stretch<'_, R, C, G> {
+        let bases = &self.bases[start..][..points + 1];
+        Stretch {
+            times: part(self.times, start, points),
+            carried: part(self.carried, start, points),
+            ground: part(self.ground, start, points),
+            times_behind: threefold(self.times_behind, start, points),
+            carried_behind: threefold(self.carried_behind, start, points),
+            edges: [
+                part(self.edges[0], start, points),
+                part(self.edges[1], start, points),
+                part(self.edges[2], start, points),
+            ],
+            bases: [&bases[..points], &bases[1..][..points]],
+        }
     }
-}
 
-impl<R: Real> Line<'_, R> {
+    /// What is known of the surface behind some points: before, beside and after them.
+    #[inline(always)]
+    pub(super) fn ground_behind(&self, start: usize, points: usize) -> [&[G]; 3] {
+        threefold(self.ground_behind, start, points)
+    }
+
     /// Asks for what the next line's update needs from some point on. The machine foresees only what
     /// follows within a page, and a line is about as long as that.
     #[inline(always)]
     pub(super) fn prefetch_next(&self, start: usize) {
         let place = self.next + start as isize;
-        let Times { here, edges, bases, .. } = &self.times;
-        prefetch(here, place);
-        edges.iter().for_each(|edges| prefetch(edges, place));
-        prefetch(bases, place);
-        if !self.curvatures.is_empty() {
-            prefetch(self.curvatures, place);
-            prefetch(self.gaussian, place);
-        }
+        prefetch(self.times, place);
+        self.edges.iter().for_each(|edges| prefetch(edges, place));
+        prefetch(self.bases, place);
+        prefetch(self.carried, place);
+        prefetch(self.ground, place);
     }
 }
 
-/// Part of a line, cut so that the compiler sees that all indices are within bounds.
-pub(super) struct Stretch<'a, R> {
-    pub times: &'a mut [R],
-    pub behind: &'a [R],
-    pub before: &'a [R],
-    pub middle: &'a [R],
-    pub after: &'a [R],
-    pub bases: &'a [R],
-}
-
-impl<R: Real> Times<'_, R> {
-    #[inline(always)]
-    pub(super) fn stretch(&mut self, start: usize, points: usize) -> Stretch<'_, R> {
-        Stretch {
-            times: &mut self.here[start..][..points],
-            behind: &self.behind[start..][..points + 2],
-            before: &self.edges[0][start..][..points],
-            middle: &self.edges[1][start..][..points],
-            after: &self.edges[2][start..][..points],
-            bases: &self.bases[start..][..points + 1],
-        }
+/// What lies behind points before, beside and after them.
+#[inline(always)]
+fn threefold<T>(behind: &[T], start: usize, points: usize) -> [&[T]; 3] {
+    if size_of::<T>() == 0 {
+        return [behind; 3];
     }
-}
-
-impl<R: Real> Stretch<'_, R> {
-    /// Whether there is no point beside point i behind; see [`Bends`].
-    #[inline(always)]
-    pub(super) fn is_alone(&self, i: usize) -> bool {
-        self.middle[i] >= R::FAR
-    }
-
-    /// The triangle with the points behind before and beside point i.
-    #[inline(always)]
-    pub(super) fn left(&self, i: usize) -> Triangle<R> {
-        Triangle {
-            t1: self.behind[i],
-            t2: self.behind[i + 1],
-            l1: self.before[i],
-            l2: self.middle[i],
-            c: self.bases[i],
-        }
-    }
-
-    /// The triangle with the points behind beside and after point i.
-    #[inline(always)]
-    pub(super) fn right(&self, i: usize) -> Triangle<R> {
-        Triangle {
-            t1: self.behind[i + 1],
-            t2: self.behind[i + 2],
-            l1: self.middle[i],
-            l2: self.after[i],
-            c: self.bases[i + 1],
-        }
-    }
-
-    /// One of both.
-    #[inline(always)]
-    pub(super) fn triangle<const LEFT: bool>(&self, i: usize) -> Triangle<R> {
-        if LEFT { self.left(i) } else { self.right(i) }
-    }
-
-    /// The same, x1 being the point behind beside point i.
-    #[inline(always)]
-    pub(super) fn turned<const LEFT: bool>(&self, i: usize) -> Triangle<R> {
-        if !LEFT {
-            return self.right(i);
-        }
-        let Triangle { t1, t2, l1, l2, c } = self.left(i);
-        Triangle { t1: t2, t2: t1, l1: l2, l2: l1, c }
-    }
-
-    /// Whether nothing behind is earlier than any point.
-    #[inline(always)]
-    pub(super) fn leads(&self, points: usize) -> bool {
-        let mut leads = true;
-        for i in 0..points {
-            let behind = min(self.behind[i], min(self.behind[i + 1], self.behind[i + 2]));
-            leads &= behind >= self.times[i];
-        }
-        leads
-    }
-
-    /// Whether none of the points has been reached.
-    #[inline(always)]
-    pub(super) fn is_unreached(&self, points: usize) -> bool {
-        let mut unreached = true;
-        for i in 0..points {
-            unreached &= self.times[i] >= R::FAR;
-        }
-        unreached
-    }
-
-    /// Whether fronts arrive behind first before the first of some points, not after the last.
-    #[inline(always)]
-    pub(super) fn comes_from_left(&self, points: usize) -> bool {
-        self.behind[0] <= self.behind[points + 1]
-    }
-
-    /// Point i before its update, with the curvatures of the fronts behind it.
-    #[inline(always)]
-    pub(super) fn visited(&self, i: usize, [before, beside, after]: [R; 3]) -> Visited<R> {
-        let Triangle { t1, t2, l1, l2, c } = self.right(i);
-        Visited {
-            now: self.times[i],
-            triangles: [self.left(i), Triangle { t1: t2, t2: t1, l1: l2, l2: l1, c }],
-            curvatures: [[before, beside], [after, beside]],
-        }
-    }
+    let behind = &behind[start..][..points + 2];
+    [&behind[..points], &behind[1..][..points], &behind[2..][..points]]
 }

@@ -4,56 +4,54 @@
 use std::ops::Range;
 
 use super::Instructions;
-use super::anchored_scan::{self, Plan};
-use super::field::Field;
+use super::behind::Behind;
+use super::line::{GridLines, LinesInGrid};
 use super::tiles::{Scan, TILE};
 use super::transpose::{Block, transpose};
-use super::turned::{Lines, Turned};
+use super::transposed::{ColumnsToLines, TransposedEdges};
 use crate::surface::{Chart, EdgeLengths, Real};
-use crate::update::Wavefront;
+use crate::update::Carried;
 
-/// Up to [`TILE`] columns of bordered arrays and the one behind them, turned by a transposition into lines.
+/// Up to [`TILE`] columns of bordered arrays and the one behind them, transposed into lines.
 #[derive(Clone, Debug)]
-pub(super) struct Panel<R> {
+pub(super) struct Panel<R, C, G> {
     stride: usize,
     times: Vec<R>,
-    curvatures: Vec<R>,
-    gaussian: Vec<R>,
+    carried: Vec<C>,
+    ground: Vec<G>,
+    /// Empty where edges are of no account.
     edges: [Vec<R>; 4],
     /// The first column, counted from the border, and the number of lines.
     first: usize,
     lines: usize,
 }
 
-/// The arrays of the grid that a panel is loaded from.
+/// What is known of the grid's surface.
 #[derive(Clone, Copy)]
-pub(super) struct Grid<'a, R> {
+pub(super) struct Grid<'a, R, G> {
     pub edges: &'a EdgeLengths<R>,
     /// The edges back of its columns, if they are kept.
-    pub turned: Option<&'a Turned<R>>,
-    pub gaussian: &'a [R],
+    pub transposed: Option<&'a TransposedEdges<R>>,
+    pub ground: &'a [G],
 }
 
-impl<R: Real> Panel<R> {
-    pub(super) fn new(chart: Chart, wavefront: Wavefront) -> Self {
+impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
+    pub(super) fn new(chart: Chart, needs_edges: bool) -> Self {
         let stride = chart.rows + 2;
         // One more, to which edges of the last point reach.
-        let array = || vec![R::FAR; (TILE + 1) * stride + 1];
-        let anchored = wavefront == Wavefront::Anchored;
-        let if_curved = || if wavefront.has_two_layers() { array() } else { Vec::new() };
+        let points = (TILE + 1) * stride + 1;
         Self {
             stride,
-            times: array(),
-            curvatures: if_curved(),
-            gaussian: if_curved(),
-            // Anchors need none.
-            edges: [(); 4].map(|_| if anchored { Vec::new() } else { array() }),
+            times: vec![R::FAR; points],
+            carried: vec![C::default(); points],
+            ground: vec![G::zeroed(); points],
+            edges: [(); 4].map(|_| vec![R::FAR; if needs_edges { points } else { 0 }]),
             first: 0,
             lines: 0,
         }
     }
 
-    /// Frees the room for edges that are kept in [`Turned`].
+    /// Frees the room for edges that are kept in [`TransposedEdges`].
     pub(super) fn free_edges_back(&mut self) {
         let [_, back @ ..] = &mut self.edges;
         *back = [(); 3].map(|_| Vec::new());
@@ -61,25 +59,28 @@ impl<R: Real> Panel<R> {
 
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        let arrays = [&self.times, &self.curvatures, &self.gaussian].into_iter().chain(&self.edges);
-        arrays.map(|array| std::mem::size_of_val(array.as_slice())).sum()
+        let edges = self.edges.iter().map(|array| std::mem::size_of_val(array.as_slice()));
+        std::mem::size_of_val(self.times.as_slice())
+            + std::mem::size_of_val(self.carried.as_slice())
+            + std::mem::size_of_val(self.ground.as_slice())
+            + edges.sum::<usize>()
     }
 
     /// Copies rows of the columns of a band, and what their update needs around them.
     pub(super) fn load(
         &mut self,
-        grid: Grid<R>,
-        [times, curvatures]: [&[R]; 2],
+        grid: Grid<R, G>,
+        (times, carried): (&[R], &[C]),
         cols: &Range<usize>,
         rows: Range<usize>,
         scan: Scan,
         instructions: Instructions,
     ) {
-        let (chart, curved) = (grid.edges.chart(), !curvatures.is_empty());
+        let chart = grid.edges.chart();
         // Counted from the border, column c is 1 + c, and the one behind lies before or after.
         self.first = if scan.is_forward() { cols.start } else { cols.start + 1 };
         self.lines = cols.len() + 1;
-        let lines = Lines {
+        let lines = ColumnsToLines {
             from_stride: chart.stride(),
             to_stride: self.stride,
             first: self.first,
@@ -87,57 +88,49 @@ impl<R: Real> Panel<R> {
             instructions,
         };
         let around = rows.start..rows.end + 2;
-        lines.turn(times, &mut self.times, 0, around.clone(), [0, 0]);
-        if curved {
-            lines.turn(curvatures, &mut self.curvatures, 0, around.clone(), [0, 0]);
-            lines.turn(grid.gaussian, &mut self.gaussian, 0, around, [0, 0]);
-        }
+        lines.transpose(times, &mut self.times, 0, around.clone(), [0, 0]);
+        lines.transpose(carried, &mut self.carried, 0, around.clone(), [0, 0]);
+        lines.transpose(grid.ground, &mut self.ground, 0, around, [0, 0]);
         if self.edges[0].is_empty() {
             return;
         }
         let [next, back @ ..] = &mut self.edges;
         let [_, north, ..] = grid.edges.planes();
-        lines.turn(north, next, 0, rows.start..rows.end + 1, [1, 0]);
-        if grid.turned.is_none() {
+        lines.transpose(north, next, 0, rows.start..rows.end + 1, [1, 0]);
+        if grid.transposed.is_none() {
             let back = back.each_mut().map(Vec::as_mut_slice);
-            lines.turn_edges_back(grid.edges, back, 1, rows);
+            lines.transpose_edges_back(grid.edges, back, 1, rows);
         }
     }
 
-    /// The columns as lines.
-    pub(super) fn field<'a>(&'a mut self, grid: Grid<'a, R>) -> Field<'a, R> {
-        let [next, back @ ..] = &self.edges;
-        let [up, up_next, up_previous] = match grid.turned {
-            Some(turned) => turned.lines(self.first),
-            None => back.each_ref().map(Vec::as_slice),
-        };
-        Field {
-            stride: self.stride,
-            times: &mut self.times,
-            curvatures: &mut self.curvatures,
-            gaussian: &self.gaussian,
-            edges: [next, up, up_next, up_previous],
-        }
-    }
-
-    /// The columns as lines of a floor plan, with some of their rows.
+    /// The columns as lines, of which some rows are here.
     pub(super) fn lines<'a>(
         &'a mut self,
-        plan: &'a Plan<R>,
-        chart: Chart,
-        rows: Range<usize>,
-        beyond: [&'a [R]; 2],
-    ) -> anchored_scan::Lines<'a, R> {
+        grid: Grid<'a, R, G>,
+        (times, carried): (&'a [R], &'a [C]),
+        rows: &Range<usize>,
+        scan: Scan,
+    ) -> GridLines<'a, R, C, G> {
+        let chart = grid.edges.chart();
+        let transposed = Chart { rows: chart.cols, cols: chart.rows };
+        let [next, back @ ..] = &self.edges;
+        let [up, up_next, up_previous] = match grid.transposed {
+            Some(transposed) => transposed.lines(self.first),
+            None => back.each_ref().map(Vec::as_slice),
+        };
         let held = ..self.lines * self.stride;
-        anchored_scan::Lines {
-            plan,
-            chart,
-            times: &mut self.times[held],
-            anchors: &mut self.curvatures[held],
-            holes: &self.gaussian[held],
+        GridLines {
             stride: self.stride,
-            first: self.first,
-            beyond: Some((rows.start + 1..rows.end + 1, beyond)),
+            behind: Behind::of(transposed, scan.over_lines()),
+            times: &mut self.times[held],
+            carried: &mut self.carried[held],
+            ground: &self.ground[held],
+            edges: [next, up, up_next, up_previous],
+            place: LinesInGrid {
+                chart,
+                first: self.first,
+                beyond: Some((rows.start + 1..rows.end + 1, times, carried)),
+            },
         }
     }
 
@@ -149,7 +142,7 @@ impl<R: Real> Panel<R> {
     /// Copies rows of the columns of a band back.
     pub(super) fn store(
         &self,
-        [times, curvatures]: [&mut [R]; 2],
+        (times, carried): (&mut [R], &mut [C]),
         to_stride: usize,
         cols: &Range<usize>,
         rows: Range<usize>,
@@ -164,8 +157,6 @@ impl<R: Real> Panel<R> {
             cols: rows.len(),
         };
         transpose(&self.times, times, block, instructions);
-        if !curvatures.is_empty() {
-            transpose(&self.curvatures, curvatures, block, instructions);
-        }
+        transpose(&self.carried, carried, block, instructions);
     }
 }

@@ -1,7 +1,10 @@
 //! Algorithm 3: four directed raster scans, row by row.
 
 use super::Progress;
-use super::state::{Behind, Fronts, Solution};
+use super::behind::Behind;
+use super::fronts::{FrontKind, for_kind};
+use super::point_fronts::PointFronts;
+use super::solution::Solution;
 use crate::Stop;
 use crate::surface::{Direction, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
@@ -14,9 +17,16 @@ pub fn raster_scan<R: Real>(
     wavefront: Wavefront,
     stop: Stop,
 ) -> Solution<R> {
+    for_kind!(edges, wavefront, kind => solve(PointFronts::start(edges, kind, seeds), stop))
+}
+
+fn solve<'a, R: Real, K: FrontKind<'a, R>>(
+    mut fronts: PointFronts<'a, R, K>,
+    stop: Stop,
+) -> Solution<R> {
     use Direction::*;
-    let chart = edges.chart();
-    let triangles = [
+    let chart = fronts.edges.chart();
+    let behind = [
         [North, NorthWest, West],
         [East, NorthEast, North],
         [West, SouthWest, South],
@@ -25,13 +35,12 @@ pub fn raster_scan<R: Real>(
     .map(|behind| Behind::new(chart, behind));
     let [right_down, left_down, right_up, left_up] = [1, 2, 3, 4];
 
-    let mut fronts = Fronts::start(edges, seeds, wavefront);
     let mut progress = Progress::new(stop);
     loop {
         let (mut change, renews) = (R::Bits::default(), progress.renews());
         let mut update = |row: usize, col: usize, scan: u8| {
             let point = chart.bordered(row, col);
-            let front = fronts.through(point, &triangles[usize::from(scan) - 1]);
+            let front = fronts.reach(point, &behind[usize::from(scan) - 1]);
             change = change.max(fronts.accept(point, front, scan, renews));
         };
         for row in 0..chart.rows {

@@ -12,7 +12,7 @@
 //! [`super::pairwise`] has the same test with coefficients computed once for many maps.
 
 use crate::surface::{Real, max, min};
-use crate::update::{Triangle, Wavefront};
+use crate::update::Triangle;
 
 /// A point that a scan visits, before any update.
 pub(crate) struct Visited<R> {
@@ -20,36 +20,16 @@ pub(crate) struct Visited<R> {
     pub now: R,
     /// The two triangles of the scan, x1 being the neighbour across the diagonal in both.
     pub triangles: [Triangle<R>; 2],
-    /// Of the fronts at x1 and x2 of each; of no account unless the wavefront is curved.
-    pub curvatures: [[R; 2]; 2],
 }
 
-/// Whether no front comes to a point earlier than it has: none is behind it, or neither triangle
-/// brings one.
-#[inline(always)]
-pub(crate) fn stays<R: Real>(wavefront: Wavefront, visited: Visited<R>) -> bool {
-    let Visited { now, triangles: [left, right], curvatures: [k_left, k_right] } = visited;
-    let behind = min(left.t1, min(left.t2, right.t1));
-    let settled =
-        is_settled(wavefront, left, k_left, now) & is_settled(wavefront, right, k_right, now);
-    (behind >= now) | settled
-}
-
-/// Whether no front comes through a triangle earlier than `now`; of curved fronts, none at the same
-/// time either. Either end of the base may be x1, for one of two tests that find different triangles.
-#[inline(always)]
-pub(crate) fn is_settled<R: Real>(
-    wavefront: Wavefront,
-    triangle: Triangle<R>,
-    curvatures: [R; 2],
-    now: R,
-) -> bool {
-    match wavefront {
-        Wavefront::Planar => from_planar(triangle, now),
-        Wavefront::PointSource => from_point_source(triangle, now),
-        Wavefront::Curved => from_curved(triangle, curvatures, now),
-        // See due.rs.
-        Wavefront::Anchored => false,
+impl<R: Real> Visited<R> {
+    /// Whether no front comes to the point earlier than it has: none is behind it, or neither triangle
+    /// brings one. The latter is told of both triangles.
+    #[inline(always)]
+    pub(crate) fn stays(&self, settled: [bool; 2]) -> bool {
+        let [left, right] = &self.triangles;
+        let behind = min(left.t1, min(left.t2, right.t1));
+        (behind >= self.now) | (settled[0] & settled[1])
     }
 }
 
@@ -78,28 +58,29 @@ impl<R: Real> Lead<R> {
     }
 }
 
-/// Of planar fronts.
+/// Whether no planar front comes through a triangle earlier than `now`. Either end of the base may be x1,
+/// here and below, for one of two tests that find different triangles.
 #[inline(always)]
-fn from_planar<R: Real>(triangle: Triangle<R>, now: R) -> bool {
+pub(crate) fn from_planar<R: Real>(triangle: Triangle<R>, now: R) -> bool {
     let Lead { across, beside, .. } = Lead::new(triangle, now);
     (across >= R::zero()) & (beside >= R::zero())
 }
 
-/// Of circular fronts. With its source at a distance of r from the base's nearest point,
+/// Whether no circular front does. With its source at a distance of r from the base's nearest point,
 /// the distance from it to the points of the base lies below the chord by c^2 / 8r at most, and r
 /// is not less than t - c / 2 for the earlier end.
 #[inline(always)]
-fn from_point_source<R: Real>(triangle: Triangle<R>, now: R) -> bool {
+pub(crate) fn from_point_source<R: Real>(triangle: Triangle<R>, now: R) -> bool {
     let Triangle { t1, t2, c, .. } = triangle;
     let distance = max(min(t1, t2) - R::of(0.5) * c, R::zero());
     Lead::new(triangle, now).exceeds(R::of(0.125) * c * c, distance)
 }
 
-/// Of curved fronts with some curvature at x1 and x2, with nothing that comes at the same
-/// time either. The front's centre is 1 / kappa from the farther end of the base if kappa is the
+/// Whether no curved front does that has some curvature at x1 and x2, nor comes at the same
+/// time. The front's centre is 1 / kappa from the farther end of the base if kappa is the
 /// larger curvature, so at least 1 / kappa - c from all its points.
 #[inline(always)]
-fn from_curved<R: Real>(triangle: Triangle<R>, curvatures: [R; 2], now: R) -> bool {
+pub(super) fn from_curved<R: Real>(triangle: Triangle<R>, curvatures: [R; 2], now: R) -> bool {
     let [k1, k2] = curvatures;
     let kappa = max(max(k1, k2), R::zero()) * triangle.c;
     let divisor = R::of(8.0) * max(R::one() - kappa, R::zero());

@@ -13,10 +13,11 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use super::RotatedScan;
+use super::fronts::{TriangleKind, for_triangle_kind};
+use super::scanner::Scanner;
 use crate::Stop;
 use crate::surface::{EdgeLengths, Real, Seed, Surface, with_diagonals};
-use crate::update::Wavefront;
+use crate::update::{Setting, Wavefront};
 
 /// How many rows and columns around a source's cell are its surroundings, at most: with 8 maps from inside
 /// cells take as many iterations as from grid points or one more, with 4 one or two more.
@@ -46,11 +47,12 @@ impl Wavefront {
     /// # Ok::<(), geosweep::Error>(())
     /// ```
     pub fn seeds(self, surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
-        match self {
+        match self.or_curved(Setting::of_engine(surface.is_floor_plan())) {
             Self::Planar => seeds,
-            Self::Anchored if surface.is_floor_plan() => with_diagonals(surface, seeds),
-            Self::PointSource => with_surroundings(self, surface, seeds),
-            Self::Curved | Self::Anchored => with_surroundings(Self::Curved, surface, seeds),
+            Self::Anchored => with_diagonals(surface, seeds),
+            wavefront @ (Self::PointSource | Self::Curved) => {
+                with_surroundings(wavefront, surface, seeds)
+            }
         }
     }
 }
@@ -122,12 +124,25 @@ impl Surroundings {
             let (row, col) = (seed.row - rows.start, seed.col - cols.start);
             Seed { row, col, ..*seed }
         };
-        let mut solver = RotatedScan::new(&edges, wavefront);
-        solver.solve(&own.iter().map(inside).collect::<Vec<_>>(), STOP);
+        let own: Vec<_> = own.iter().map(inside).collect();
+        for_triangle_kind!(&edges, wavefront, kind => self.arrived(&edges, kind, &own))
+    }
+
+    /// The same, with the edges of the window and seeds in it.
+    fn arrived<'a, K: TriangleKind<'a, f64>>(
+        &self,
+        edges: &'a EdgeLengths<f64>,
+        kind: K,
+        own: &[Seed],
+    ) -> Vec<Seed> {
+        let mut scanner = Scanner::new(edges, kind);
+        scanner.solve(own, STOP);
         let from = own.first().and_then(|seed| seed.from);
+        let [first_row, first_col] = self.window.each_ref().map(|lines| lines.start);
         let points = self.rows.clone().flat_map(|row| self.cols.clone().map(move |col| (row, col)));
         let arrived = points.filter_map(|(row, col)| {
-            let [time, curvature] = solver.front(row - rows.start, col - cols.start);
+            let front = scanner.front(row - first_row, col - first_col);
+            let (time, curvature) = (front.time, K::curvature(front));
             (time < f64::FAR).then_some(Seed { row, col, time, curvature, from })
         });
         arrived.collect()

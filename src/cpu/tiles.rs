@@ -48,6 +48,21 @@ impl Scan {
         }
     }
 
+    /// From a point to the three neighbours that the scan has just passed, in the order in which these lie
+    /// on their line.
+    pub(super) fn behind(self) -> [Direction; 3] {
+        let back = self.back();
+        match self {
+            Self::DOWN | Self::LEFT => [back.next(), back, back.previous()],
+            _ => [back.previous(), back, back.next()],
+        }
+    }
+
+    /// The scan by rows that passes lines in the same order: this one, if columns are turned into rows.
+    pub(super) fn over_lines(self) -> Self {
+        if self.is_forward() { Self::DOWN } else { Self::UP }
+    }
+
     /// Its flag.
     pub(super) fn bit(self) -> u8 {
         1 << self.0

@@ -1,7 +1,8 @@
 //! Transposition of a block of an array into another.
 
+use bytemuck::Pod;
+
 use super::Instructions;
-use crate::surface::Real;
 
 /// Where a block lies in both arrays: entry (r, c) goes from `from + r * from_stride + c` to
 /// `to + c * to_stride + r`.
@@ -16,14 +17,17 @@ pub(super) struct Block {
 }
 
 /// Copies a block, transposed.
-pub(super) fn transpose<R: Real>(
-    from: &[R],
-    to: &mut [R],
+pub(super) fn transpose<T: Pod>(
+    from: &[T],
+    to: &mut [T],
     block: Block,
     instructions: Instructions,
 ) {
+    if size_of::<T>() == 0 {
+        return;
+    }
     #[cfg(target_arch = "x86_64")]
-    if instructions != Instructions::Baseline && size_of::<R>() == size_of::<f32>() {
+    if instructions != Instructions::Baseline && size_of::<T>() == size_of::<f32>() {
         use bytemuck::{try_cast_slice, try_cast_slice_mut};
         if let (Ok(from), Ok(to)) = (try_cast_slice(from), try_cast_slice_mut(to)) {
             // SAFETY: both sets have AVX2, and `Instructions::available` lists only sets that

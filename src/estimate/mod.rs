@@ -20,7 +20,7 @@ use std::time::Duration;
 
 use crate::solve::{Options, Precision, Problem, in_precision};
 use crate::surface::{Coarsened, Real, Seed, Source, SourceError, Sources, Surface, SurfaceError};
-use crate::update::Wavefront;
+use crate::update::{Setting, Wavefront};
 use crate::{DistanceMap, Error};
 
 /// A map with an estimate of its error at each point.
@@ -245,10 +245,9 @@ impl<R: Precision> Level<R> {
     ) -> Result<Self, Error> {
         let seeds = coarse_seeds(surface, &coarse, sources, fine)?;
         let coarse_sources = coarse.sources(sources);
-        // What is left of an even grid may be uneven.
-        let lost =
-            options.wavefront == Some(Wavefront::Anchored) && !coarse.surface().is_floor_plan();
-        let wavefront = if lost { Some(Wavefront::Curved) } else { options.wavefront };
+        // What is left of an even grid may be uneven, and its fronts then have no anchors.
+        let over = Setting::of_engine(coarse.surface().is_floor_plan());
+        let wavefront = options.wavefront.map(|wavefront| wavefront.or_curved(over));
         let options = &Options { wavefront, ..options.clone() };
         let problem = Problem::from_seeds::<R>(coarse.surface(), seeds, &coarse_sources, options)?;
         let map = R::solve(&problem, &options.engine)?;

@@ -31,9 +31,8 @@ mod rows;
 
 use std::time::{Duration, Instant};
 
-use crate::solve::check_floor_plan;
 use crate::surface::Surface;
-use crate::{Convergence, Engine, Error, Options, Stop, Wavefront};
+use crate::{Convergence, Error, Options, Stop};
 use engine::RowEngine;
 pub use report::PairwiseReport;
 pub use rows::Rows;
@@ -52,7 +51,7 @@ pub struct Pairwise<'a> {
 impl<'a> Pairwise<'a> {
     /// Prepares a surface. Options mean what they mean for a single map, but for
     /// [`Options::schedule`], which rows do not have, and
-    /// [`Engine::Auto`], which is the CPU here. That computes sixteen maps at
+    /// [`Engine::Auto`](crate::Engine::Auto), which is the CPU here. That computes sixteen maps at
     /// once in the lanes of one instruction stream ([`PairwiseScan`](crate::cpu::PairwiseScan)),
     /// curved wavefronts map by map ([`RotatedScan`](crate::cpu::RotatedScan)), on all of rayon's
     /// threads.
@@ -70,7 +69,7 @@ impl<'a> Pairwise<'a> {
                     .into(),
             ));
         }
-        let wavefront = wavefront_of_rows(surface, options)?;
+        let wavefront = options.wavefront_of_rows(surface)?;
         let engine = RowEngine::new(surface, wavefront, &options.engine)?;
         Ok(Self { surface, engine, stop })
     }
@@ -209,21 +208,4 @@ impl<'a> Pairwise<'a> {
             solve_time,
         }
     }
-}
-
-/// The wavefront of a matrix, whose sources are single points of the grid. Unlike that of a map it
-/// is the curved one over floor plans too, unless another is asked for.
-fn wavefront_of_rows(surface: &Surface, options: &Options) -> Result<Wavefront, Error> {
-    let wavefront = options.wavefront_from_a_point(surface);
-    if wavefront == Wavefront::Anchored {
-        check_floor_plan(surface)?;
-        if matches!(options.engine, Engine::Vulkan(_)) {
-            return Err(Error::Options(
-                "the rows of a matrix have no anchored fronts on a Vulkan device; compute them on \
-                 the CPU, or with curved ones"
-                    .into(),
-            ));
-        }
-    }
-    Ok(wavefront)
 }

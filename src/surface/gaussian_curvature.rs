@@ -7,10 +7,11 @@ use super::arc::EdgeRule;
 use super::chart::{Direction, EdgeSlot, ring};
 use super::edges::EdgeLengths;
 use super::real::{Real, max, min};
+use super::tag::Tagged;
 use crate::constants::{DEFECT_NOISE, LARGEST_DEFECT};
 use crate::lanes::{Instructions, Work};
 
-/// Tag ([`Real::with_tag`]) of the Gaussian curvature at points where waves diffract.
+/// Tag ([`Tagged::with_tag`]) of the Gaussian curvature at points where waves diffract.
 pub(crate) const DIFFRACTS: u8 = crate::constants::DIFFRACTS as u8;
 
 impl<R: Real> EdgeLengths<R> {
@@ -174,7 +175,7 @@ fn defect_density<R: Real>(edges: [R; 8], bases: [R; 8], share_of_fan: R) -> R {
 
 #[cfg(test)]
 mod tests {
-    use super::super::real::TAG;
+    use super::super::tag::TAG;
     use super::*;
     use crate::surface::builtin::Builtin;
 

@@ -20,6 +20,7 @@ mod points;
 mod real;
 mod refine;
 mod sources;
+mod tag;
 mod window;
 
 pub use arc::EdgeRule;
@@ -36,9 +37,10 @@ pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing};
 pub use measure::{LONGEST_EDGE, SHORTEST_EDGE};
 pub use real::{FAR, Real};
-pub(crate) use real::{TAG, max, min, relative_change};
+pub(crate) use real::{max, min, relative_change};
 pub(crate) use sources::with_diagonals;
 pub use sources::{Seed, Source, SourceError, Sources};
+pub(crate) use tag::{TAG, Tagged};
 
 use std::sync::OnceLock;
 
@@ -317,12 +319,16 @@ impl Surface {
     }
 }
 
+/// How many anchors a front can name: half of the numbers are of points, half of sources inside cells. See
+/// `update/anchor.rs`.
+pub(crate) const ANCHORS: usize = 1 << 26;
+
 /// Rows and columns that engines keep around a grid, and more.
 const AROUND: usize = 16;
 
 /// Whether fronts can carry the numbers of a grid's points.
 fn has_numbers(chart: Chart) -> bool {
-    (chart.rows + AROUND) * (chart.cols + AROUND) <= f32::NUMBERS / 2
+    (chart.rows + AROUND) * (chart.cols + AROUND) <= ANCHORS / 2
 }
 
 fn check_shape(what: &'static str, found: usize, chart: Chart) -> Result<(), SurfaceError> {

@@ -17,10 +17,12 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::anchor::Anchor;
+use super::carried::Kept;
 use super::inside::InsideSources;
 use crate::constants::{ALIKE, ALIKE_AT_ANCHOR, BENDS_BACK, LINES_BACK};
 use crate::surface::{
-    Chart, Direction, EdgeLengths, EdgeSlot, Real, Seed, is_corner, is_open, min,
+    Chart, Direction, EdgeLengths, EdgeSlot, EvenGrid, Real, Seed, is_corner, is_open, min,
 };
 
 /// A floor plan as the update sees it: a flat, evenly spaced grid with holes.
@@ -153,9 +155,9 @@ struct Detour {
 }
 
 impl<R: Real> Floor<R> {
-    /// If the edges are those of one.
-    pub(crate) fn of(lengths: &EdgeLengths<R>) -> Option<Self> {
-        let (chart, grid) = (lengths.chart(), lengths.floor()?);
+    /// With these edges, on a grid that is that of a floor plan ([`EdgeLengths::floor`]).
+    pub(crate) fn new(lengths: &EdgeLengths<R>, grid: EvenGrid) -> Self {
+        let chart = lengths.chart();
         let slots = Direction::ALL.map(|to| EdgeSlot::new(chart, 0, to));
         let mut edges = vec![0; chart.bordered_points()];
         let rows = chart.stride()..edges.len() - chart.stride();
@@ -168,7 +170,7 @@ impl<R: Real> Floor<R> {
                 }
             }
         });
-        Some(Self {
+        Self {
             chart,
             edges,
             around: Direction::ALL.map(|to| chart.offset(to)),
@@ -179,7 +181,7 @@ impl<R: Real> Floor<R> {
             }),
             metric: grid.metric().map(R::of),
             inside: InsideSources::new(grid),
-        })
+        }
     }
 
     /// Bytes held.
@@ -188,9 +190,9 @@ impl<R: Real> Floor<R> {
     }
 
     /// The number of the anchor of a seed.
-    pub(crate) fn anchor_of(&mut self, seed: &Seed) -> R {
+    pub(crate) fn anchor_of(&mut self, seed: &Seed) -> Anchor<R> {
         let own = self.chart.bordered(seed.row, seed.col);
-        R::of_number(self.inside.number(seed).map_or(own, |source| self.first_inside() + source))
+        Anchor::new(self.inside.number(seed).map_or(own, |source| self.first_inside() + source))
     }
 
     /// From here on numbers are those of sources inside cells.
@@ -270,13 +272,13 @@ impl<R: Real> Floor<R> {
         first: [usize; 2],
         ahead: [isize; 2],
         along: [isize; 2],
-        front: impl Fn(usize) -> [R; 2],
+        front: impl Fn(usize) -> Kept<R, Anchor<R>>,
     ) -> Rays<R> {
         let offset = ahead[0] * self.chart.stride() as isize + ahead[1];
         let number = (first[0] * self.chart.stride() + first[1]).wrapping_add_signed(-offset);
         let [ahead, along] = [ahead, along].map(|steps| steps.map(|steps| R::of(steps as f64)));
         let point = first.map(|line| R::of(line as f64));
-        let anchor = front(number)[1].number();
+        let anchor = front(number).carried.number();
         let place = self.place(anchor);
         let step = [place[0] - point[0], place[1] - point[1]];
         let per_point = along.map(|steps| -steps);
@@ -295,23 +297,31 @@ impl<R: Real> Floor<R> {
 
     /// When an anchor was reached.
     #[inline(always)]
-    fn known(&self, anchor: usize, front: &impl Fn(usize) -> [R; 2]) -> R {
+    fn known(&self, anchor: usize, front: &impl Fn(usize) -> Kept<R, Anchor<R>>) -> R {
         self.of_anchor(anchor, front).map_or(R::FAR, |(time, _)| time)
     }
 
     /// When an anchor was reached, and from which; nothing if it has not been.
     #[inline(always)]
-    fn of_anchor(&self, anchor: usize, front: &impl Fn(usize) -> [R; 2]) -> Option<(R, usize)> {
+    fn of_anchor(
+        &self,
+        anchor: usize,
+        front: &impl Fn(usize) -> Kept<R, Anchor<R>>,
+    ) -> Option<(R, usize)> {
         if let Some(source) = anchor.checked_sub(self.first_inside()) {
             return Some((R::of(self.inside.all()[source].time), anchor));
         }
-        let [time, code] = front(anchor);
-        (time < R::FAR).then(|| (time, code.number()))
+        let Kept { time, carried } = front(anchor);
+        (time < R::FAR).then(|| (time, carried.number()))
     }
 
     /// The anchor of an anchor, and when it was reached; a source has none.
     #[inline(always)]
-    fn before(&self, anchor: usize, front: &impl Fn(usize) -> [R; 2]) -> Option<(R, usize)> {
+    fn before(
+        &self,
+        anchor: usize,
+        front: &impl Fn(usize) -> Kept<R, Anchor<R>>,
+    ) -> Option<(R, usize)> {
         let (_, before) = self.of_anchor(anchor, front).filter(|&(_, before)| before != anchor)?;
         Some((self.of_anchor(before, front)?.0, before))
     }
@@ -323,26 +333,30 @@ impl<R: Real> Floor<R> {
 
     /// The neighbour of a point in some direction, if it has been reached.
     #[inline(always)]
-    fn end(&self, x0: usize, to: usize, front: &impl Fn(usize) -> [R; 2]) -> Option<End<R>> {
+    fn end(
+        &self,
+        x0: usize,
+        to: usize,
+        front: &impl Fn(usize) -> Kept<R, Anchor<R>>,
+    ) -> Option<End<R>> {
         let point = self.neighbour(x0, to)?;
-        let [time, code] = front(point);
+        let Kept { time, carried } = front(point);
         if time >= R::FAR {
             return None;
         }
-        let anchor = code.number();
+        let anchor = carried.number();
         let straight = self.length(self.step(point, anchor));
         let start = start(self.known(anchor, front), time, straight);
         Some(End { point, time, anchor, start })
     }
 
     /// The shortest way to a point past three neighbours that follow one another, in directions
-    /// `middle - 1` to `middle + 1`, with the fronts at points of the grid (time and
-    /// [number](Real::number) of the anchor) seen through `front`.
+    /// `middle - 1` to `middle + 1`, with the fronts at points of the grid seen through `front`.
     pub(crate) fn reach(
         &self,
         x0: usize,
         middle: usize,
-        front: impl Fn(usize) -> [R; 2],
+        front: impl Fn(usize) -> Kept<R, Anchor<R>>,
     ) -> Way<R> {
         let end = |turn| self.end(x0, (middle + turn) % 8, &front);
         let ends = [end(7), end(0), end(1)];
@@ -370,7 +384,12 @@ impl<R: Real> Floor<R> {
     }
 
     /// The shortest straight way through a triangle, from an anchor of its ends or from these' own.
-    fn through(&self, x0: usize, ends: [End<R>; 2], front: &impl Fn(usize) -> [R; 2]) -> Way<R> {
+    fn through(
+        &self,
+        x0: usize,
+        ends: [End<R>; 2],
+        front: &impl Fn(usize) -> Kept<R, Anchor<R>>,
+    ) -> Way<R> {
         let [e1, e2] = ends.map(|end| self.step(x0, end.point));
         let turn = cross(e1, e2);
         let mut best = Way::NONE;
@@ -428,7 +447,7 @@ impl<R: Real> Floor<R> {
         anchor: usize,
         start: R,
         end: &End<R>,
-        front: &impl Fn(usize) -> [R; 2],
+        front: &impl Fn(usize) -> Kept<R, Anchor<R>>,
     ) -> Option<Detour> {
         let (mut at, mut next, mut first_bend) = (end.anchor, end.point, end.anchor);
         let (mut left, mut right) = (false, false);
@@ -455,7 +474,13 @@ impl<R: Real> Floor<R> {
     /// first corner on the way from that anchor to the end, on the side of its hole. Where the end is not there,
     /// or that way winds between holes, it lies in the shadow of another if the straight line would have been
     /// shorter; only there is x0's own line followed.
-    fn sees(&self, x0: usize, way: Way<R>, end: &End<R>, front: &impl Fn(usize) -> [R; 2]) -> bool {
+    fn sees(
+        &self,
+        x0: usize,
+        way: Way<R>,
+        end: &End<R>,
+        front: &impl Fn(usize) -> Kept<R, Anchor<R>>,
+    ) -> bool {
         let Way { anchor, start, .. } = way;
         if end.anchor == anchor {
             return true;

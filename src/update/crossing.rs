@@ -2,7 +2,7 @@
 
 use super::{Shape, Triangle, Wavefront};
 use crate::constants::{ABOUT_STRAIGHT, FOCUS, FROM_SOURCE};
-use crate::surface::{Real, max, min};
+use crate::surface::{Real, Seed, max, min};
 
 /// Where the straight line on which the front arrives at x0 crosses the base, from 0 at x1 to 1 at
 /// x2: at one of these if the front runs along an edge, or if one of them is not reached. The fronts'
@@ -16,6 +16,7 @@ pub(crate) fn base_crossing<R: Real>(
 ) -> R {
     let Triangle { t1, t2, l1, l2, c } = triangle;
     let (zero, one, half) = (R::zero(), R::one(), R::of(0.5));
+    let at_source = R::of(Seed::AT_SOURCE);
     let swap = t1 < t2;
     let (t, near_t) = if swap { (t2, t1) } else { (t1, t2) };
     let (k, near_k) = if swap { (k2, k1) } else { (k1, k2) };
@@ -26,12 +27,12 @@ pub(crate) fn base_crossing<R: Real>(
         Wavefront::Planar => zero,
         Wavefront::PointSource | Wavefront::Anchored => c / max(t, R::of(0.25) * c),
         Wavefront::Curved => {
-            let beside = (near_k >= R::SOURCE)
+            let beside = (near_k >= at_source)
                 & ((k * c).abs() < R::of(ABOUT_STRAIGHT))
                 & (d > R::of(-FROM_SOURCE));
             let near_kappa = if beside { k * c } else { near_k * c };
             let passed = near_kappa / max(one - near_kappa * d, R::of(FOCUS));
-            half * (passed + if k < R::SOURCE { k * c } else { passed })
+            half * (passed + if k < at_source { k * c } else { passed })
         }
     };
     let h = max(shape.height_squared, zero).sqrt();

@@ -4,7 +4,7 @@ use super::{Shape, Triangle};
 use crate::constants::{
     ABOUT_STRAIGHT, BENT_AGAIN, BENT_APART, FOCUS, FROM_SOURCE, GRAZING, TOGETHER,
 };
-use crate::surface::{DIFFRACTS, Real, TAG, max, min};
+use crate::surface::{DIFFRACTS, Real, Seed, TAG, Tagged, max, min};
 
 /// An arriving front: when, and how curved it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,7 +12,7 @@ pub struct Front<R> {
     /// Arrival time; [`Real::FAR`] or later if no front arrives.
     pub time: R,
     /// Geodesic curvature of the front, positive where it spreads: 1 / t around a point source
-    /// in the plane, [`Real::SOURCE`] at the source itself.
+    /// in the plane, [`Seed::AT_SOURCE`] at the source itself.
     pub curvature: R,
     /// Whether this comes from a whole triangle, which knows where the ray runs; it then takes
     /// precedence over an equally early front that ran along the same edge.
@@ -73,8 +73,8 @@ impl<R: Real> Front<R> {
 pub struct Bends<R> {
     /// Curvature of the front at x1 and x2.
     pub fronts: [R; 2],
-    /// Gaussian curvature of the surface at x0, x1 and x2; the tag 1
-    /// ([`Real::with_tag`]) marks points beside a hole or the border, where waves diffract.
+    /// Gaussian curvature of the surface at x0, x1 and x2; the last of its four lowest binary digits
+    /// marks points beside a hole or the border, where waves diffract.
     pub surface: [R; 3],
     /// Whether of x1 and x2 only the neighbour across the grid's diagonal is there, beside a hole. What
     /// comes along that edge alone is taken to have come around the hole's corner, as most fronts there
@@ -94,6 +94,7 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let Triangle { t1, t2, l1, l2, c } = triangle;
     let Bends { fronts: [k1, k2], surface: [g0, g1, g2], alone } = bends;
     let (zero, one, half, focus) = (R::zero(), R::one(), R::of(0.5), R::of(FOCUS));
+    let at_source = R::of(Seed::AT_SOURCE);
 
     let swap = t1 < t2;
     let (t, near_t) = if swap { (t2, t1) } else { (t1, t2) };
@@ -110,10 +111,10 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     // base; else, if it is about straight, it comes from beside the source, the end of a curve, and is
     // the one that arrives.
     let beside =
-        (near_k >= R::SOURCE) & ((k * c).abs() < R::of(ABOUT_STRAIGHT)) & (d > R::of(-FROM_SOURCE));
+        (near_k >= at_source) & ((k * c).abs() < R::of(ABOUT_STRAIGHT)) & (d > R::of(-FROM_SOURCE));
     let near_kappa = if beside { k * c } else { near_k * c };
     let passed = near_kappa / max(one - near_kappa * d, focus);
-    let far_kappa = if k < R::SOURCE { k * c } else { passed };
+    let far_kappa = if k < at_source { k * c } else { passed };
     let kappa = half * (passed + far_kappa);
     let cos_a = half * kappa * ((one - d) * (one + d)) - d;
     let sin_a = max((one - cos_a) * (one + cos_a), zero).sqrt();
@@ -139,7 +140,7 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let ahead = if from_far { crossing >= -grazing } else { crossing <= width + grazing };
     let turns = (whole | alone) & !(is_front & ahead);
     let diffracted = turns & edge_g.tag_has(TAG, DIFFRACTS);
-    let edge_k = if diffracted { R::SOURCE } else { edge_k };
+    let edge_k = if diffracted { at_source } else { edge_k };
 
     // One division serves the ray's place, its length and the curvature, whichever way it runs.
     let weighted =
@@ -197,7 +198,7 @@ mod tests {
         let after =
             |k| curved(edge, Bends { fronts: [k, 0.0], surface: [1.0; 3], alone: false }).curvature;
         approx::assert_abs_diff_eq!(after(1.0 / r.tan()), 1.0 / (r + s).tan(), epsilon = 1e-6);
-        approx::assert_abs_diff_eq!(after(f64::SOURCE), 1.0 / s.tan(), epsilon = 1e-5);
+        approx::assert_abs_diff_eq!(after(Seed::AT_SOURCE), 1.0 / s.tan(), epsilon = 1e-5);
     }
 
     #[test]
@@ -234,7 +235,7 @@ mod tests {
         let distance = |place: DVec2| along.perp_dot(place - x2).abs();
         let (t1, l1, l2) = (distance(x1), x0.distance(x1), x0.distance(x2));
         let triangle = Triangle { t1, t2: 0.0, l1, l2, c: 1.0 };
-        for source in [f64::SOURCE, f64::SOURCE.with_tag(0)] {
+        for source in [Seed::AT_SOURCE, Seed::AT_SOURCE.with_tag(0)] {
             let front = curved(triangle, flat(0.0, source));
             approx::assert_abs_diff_eq!(front.time, distance(x0), epsilon = 1e-12);
             approx::assert_abs_diff_eq!(front.curvature, 0.0, epsilon = 1e-12);
@@ -242,7 +243,7 @@ mod tests {
         // Not so if the front at x1 is the source's.
         let triangle = Triangle { t1: 1.0, ..triangle };
         approx::assert_abs_diff_eq!(
-            curved(triangle, flat(1.0, f64::SOURCE)).time,
+            curved(triangle, flat(1.0, Seed::AT_SOURCE)).time,
             l2,
             epsilon = 1e-12
         );
@@ -250,8 +251,9 @@ mod tests {
 
     #[test]
     fn a_source_without_a_tag_is_one_with_it() {
-        assert_eq!(f32::SOURCE.with_tag(0), f32::SOURCE);
-        assert_eq!(f64::SOURCE.with_tag(0), f64::SOURCE);
+        let single = Seed::AT_SOURCE as f32;
+        assert_eq!(single.with_tag(0), single);
+        assert_eq!(Seed::AT_SOURCE.with_tag(0), Seed::AT_SOURCE);
     }
 
     #[test]

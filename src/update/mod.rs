@@ -5,91 +5,30 @@
 //! and choose between the results, without a branch, so that compilers turn rows of points into
 //! lanes.
 
+mod anchor;
 mod anchored;
+mod carried;
 mod crossing;
+mod curvature;
 mod curved;
 mod inside;
 mod planar;
 mod point_source;
+mod wavefront;
 
+pub(crate) use anchor::Anchor;
 pub(crate) use anchored::{Floor, is_shorter};
+pub(crate) use carried::{Carried, Kept, SEED};
 pub(crate) use crossing::base_crossing;
+pub(crate) use curvature::Curvature;
 pub use curved::{Bends, Front, curved};
 pub(crate) use inside::InsideSources;
 pub use planar::planar;
 pub use point_source::point_source;
+pub use wavefront::Wavefront;
+pub(crate) use wavefront::{EngineKind, Setting, SourceKind, Unsuited};
 
-use crate::constants;
-use crate::name::{UnknownName, by_name};
-use crate::surface::{EdgeLengths, Real, min};
-
-/// The shape of the front that an update assumes inside a triangle. The numbers are those of
-/// `WAVEFRONT` in `glsl/wavefront.glsl`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[repr(i32)]
-pub enum Wavefront {
-    /// A straight front (paper, section 3): first-order accurate, for extended sources too.
-    Planar = constants::PLANAR as i32,
-    /// A circular front around a virtual point source: exact on developable surfaces but for
-    /// the sampling, second-order elsewhere, for point sources.
-    PointSource = constants::CIRCULAR as i32,
-    /// A front that carries its curvature beside the arrival time: second-order on curved
-    /// surfaces, around holes and for extended sources too.
-    Curved = constants::CURVED as i32,
-    /// A front that knows its anchor, the corner or source that it comes from on a straight line, in place
-    /// of its curvature: exact over floor plans ([`crate::Surface::is_floor_plan`]), from points. Elsewhere
-    /// and from curves it is refused; given the edges of another surface, engines solve as
-    /// [`Self::Curved`].
-    Anchored = constants::ANCHORED as i32,
-}
-
-impl Wavefront {
-    /// Those for any surface: all but [`Self::Anchored`].
-    pub const ALL: [Self; 3] = [Self::Planar, Self::PointSource, Self::Curved];
-    /// With [`Self::Anchored`].
-    pub const EVERY: [Self; 4] = [Self::Planar, Self::PointSource, Self::Curved, Self::Anchored];
-
-    /// Whether fronts carry their curvature.
-    pub fn is_curved(self) -> bool {
-        self == Self::Curved
-    }
-
-    /// Whether fronts carry anything beside their arrival time.
-    pub(crate) fn has_two_layers(self) -> bool {
-        matches!(self, Self::Curved | Self::Anchored)
-    }
-
-    /// This one, or the curved one where there are no anchors: but over floor plans.
-    pub(crate) fn over<R: Real>(self, edges: &EdgeLengths<R>) -> Self {
-        let is_lost = self == Self::Anchored && edges.floor().is_none();
-        if is_lost { Self::Curved } else { self }
-    }
-
-    /// The name used by the tool and in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Planar => "planar",
-            Self::PointSource => "point",
-            Self::Curved => "curved",
-            Self::Anchored => "anchored",
-        }
-    }
-}
-
-impl std::fmt::Display for Wavefront {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-/// By its [`name`](Wavefront::name).
-impl std::str::FromStr for Wavefront {
-    type Err = UnknownName;
-
-    fn from_str(text: &str) -> Result<Self, UnknownName> {
-        by_name("wavefront", text, &Self::EVERY, |wavefront| wavefront.name())
-    }
-}
+use crate::surface::{Real, min};
 
 /// A triangle x0 x1 x2 with arrival times at x1 and x2; the update is for x0.
 #[derive(Clone, Copy, Debug)]
@@ -111,6 +50,13 @@ impl<R: Real> Triangle<R> {
     #[inline(always)]
     fn edge_step(self) -> R {
         min(self.t1 + self.l1, self.t2 + self.l2)
+    }
+
+    /// The same triangle with x1 and x2 exchanged.
+    #[inline(always)]
+    pub(crate) fn mirrored(self) -> Self {
+        let Self { t1, t2, l1, l2, c } = self;
+        Self { t1: t2, t2: t1, l1: l2, l2: l1, c }
     }
 }
 

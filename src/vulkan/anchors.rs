@@ -3,8 +3,8 @@
 
 use super::TexelChart;
 use crate::constants::{BORDER, FIRST_INSIDE, SOURCES_INSIDE};
-use crate::surface::{Real, Seed, Surface};
-use crate::update::InsideSources;
+use crate::surface::{Seed, Surface};
+use crate::update::{Anchor, InsideSources};
 
 /// Bytes of the sources inside cells and of the metric where shaders find them.
 pub(crate) const ANCHOR_BYTES: usize = (SOURCES_INSIDE as usize + 1) * size_of::<[f32; 4]>();
@@ -48,10 +48,11 @@ impl Anchors {
 
     fn number(&mut self, seed: &Seed) -> f32 {
         let border = 2 * BORDER as usize;
-        f32::of_number(match self.inside.number(seed) {
+        let number = match self.inside.number(seed) {
             Some(source) => FIRST_INSIDE as usize + source,
             None => (seed.row + border) * self.points_in_row + seed.col + border,
-        })
+        };
+        Anchor::new(number).value()
     }
 
     /// Writes sources, by column, row and time, and the metric where shaders find them.
@@ -98,7 +99,7 @@ mod tests {
         assert_eq!(written[SOURCES_INSIDE as usize][..3], anchors.metric());
         for (seed, number) in seeds.iter().zip(numbers) {
             let own = (seed.row + 2) * 12 + seed.col + 2;
-            let number = number.number();
+            let number = bytemuck::cast::<f32, Anchor<f32>>(number).number();
             assert!(if seed.from.is_some() { number >> 25 == 1 } else { number == own });
         }
     }

@@ -11,7 +11,7 @@ use super::upload::curvatures;
 use super::{TexelChart, VulkanError};
 use crate::constants::SOURCES_INSIDE;
 use crate::surface::{Seed, Surface};
-use crate::update::Wavefront;
+use crate::update::{Setting, Wavefront};
 
 /// A surface's edge lengths on a device, ready for any number of maps.
 ///
@@ -73,11 +73,12 @@ impl SurfaceOnDevice {
         seeds: &[Seed],
         start: Start,
     ) -> Result<(Wavefront, Vec<f32>), VulkanError> {
-        let wanted = wavefront == Wavefront::Anchored;
         let goes_on = start == Start::FromLast;
         // A map goes on as it has begun.
-        let may_be = wanted && (!goes_on || self.is_anchored);
-        if let Some(anchors) = self.anchors.as_mut().filter(|_| may_be) {
+        let has_anchors = self.anchors.is_some() && (!goes_on || self.is_anchored);
+        let wavefront = wavefront.or_curved(Setting::of_engine(has_anchors));
+        let is_anchored = wavefront == Wavefront::Anchored;
+        if let Some(anchors) = self.anchors.as_mut().filter(|_| is_anchored) {
             if !goes_on {
                 anchors.forget();
             }
@@ -91,7 +92,8 @@ impl SurfaceOnDevice {
             }
         }
         self.is_anchored = false;
-        Ok((if wanted { Wavefront::Curved } else { wavefront }, curvatures(seeds)))
+        // Without room for the sources' numbers.
+        Ok((wavefront.or_curved(Setting::of_engine(false)), curvatures(seeds)))
     }
 
     /// Bytes of device and staging memory held.

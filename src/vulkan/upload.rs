@@ -3,7 +3,8 @@
 use bytemuck::NoUninit;
 
 use super::TexelChart;
-use crate::surface::{FAR, Real, Seed};
+use crate::surface::{FAR, Seed, Tagged};
+use crate::update::SEED;
 
 /// Bytes of a source as `glsl/sources.comp` reads it.
 pub(crate) const SOURCE_BYTES: usize = 16;
@@ -28,7 +29,7 @@ impl SeedTexel {
 
 /// The curvatures of the fronts at seeds, as fronts carry them.
 pub(crate) fn curvatures(seeds: &[Seed]) -> Vec<f32> {
-    seeds.iter().map(|seed| (seed.curvature as f32).with_tag(0)).collect()
+    seeds.iter().map(|seed| (seed.curvature as f32).with_tag(SEED)).collect()
 }
 
 /// Groups seeds by texel, since each texel is written by one invocation; with each of them what its front

@@ -2,7 +2,7 @@
 
 use geosweep::Stop;
 use geosweep::accuracy::Errors;
-use geosweep::cpu::{self, Connections};
+use geosweep::cpu::{self, Connections, twins};
 use geosweep::glam::DVec3;
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{Direction, EdgeLengths, Real};
@@ -370,8 +370,8 @@ fn scans_of_blocks_that_are_due_are_whole_scans() {
         for wavefront in Wavefront::ALL {
             for lines in [1, 4, 7, 100] {
                 let stop = Stop { tolerance: 1e-6, iterations: 60 };
-                let whole = cpu::scan_in_turn(&edges, &seeds, wavefront, stop);
-                let (due, visits) = cpu::scan_due(&edges, &seeds, wavefront, stop, lines);
+                let whole = twins::scan_in_turn(&edges, &seeds, wavefront, stop);
+                let (due, visits) = twins::scan_due(&edges, &seeds, wavefront, stop, lines);
                 let what = format!("{name}, {wavefront}, {lines} lines");
                 assert_eq!(whole.distances(), due.distances(), "{what}");
                 assert_eq!(whole.iterations, due.iterations, "{what}");

@@ -2,7 +2,8 @@
 
 use geosweep::Stop;
 use geosweep::accuracy::Errors;
-use geosweep::cpu::{Instructions, PairwiseScan, scan_outward};
+use geosweep::cpu::twins::scan_outward;
+use geosweep::cpu::{Instructions, PairwiseScan};
 use geosweep::pairwise::Pairwise;
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};

@@ -1,7 +1,8 @@
 //! The Vulkan engine against the CPU engine, under the validation layers.
 
 use geosweep::Stop;
-use geosweep::cpu::{self, Rounds, Solution};
+use geosweep::cpu::Solution;
+use geosweep::cpu::twins::{self, Rounds};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::plan::{self, Step};
@@ -196,8 +197,8 @@ fn twin(
     stop: Stop,
 ) -> Solution<f32> {
     match schedule {
-        Schedule::Raster => cpu::scan_in_turn(edges, seeds, wavefront, stop),
-        Schedule::AllPoints => cpu::all_points(edges, seeds, wavefront, stop),
+        Schedule::Raster => twins::scan_in_turn(edges, seeds, wavefront, stop),
+        Schedule::AllPoints => twins::all_points(edges, seeds, wavefront, stop),
         Schedule::Tiles => {
             let texels = TexelChart::new(edges.chart()).unwrap();
             let portions = tuning.portions(wavefront, texels);
@@ -208,7 +209,7 @@ fn twin(
                 inner: tuning.inner,
                 recorded: recorded.count() as u32,
             };
-            cpu::tile_rounds(edges, seeds, wavefront, stop, rounds)
+            twins::tile_rounds(edges, seeds, wavefront, stop, rounds)
         }
     }
 }

@@ -2,7 +2,7 @@
 //! the validation layers.
 
 use geosweep::Stop;
-use geosweep::cpu;
+use geosweep::cpu::twins;
 use geosweep::pairwise::Pairwise;
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
@@ -155,7 +155,7 @@ fn every_iteration_of_the_shaders_is_one_of_their_twin() {
                     for (source, row) in sources.iter().flatten().zip(rows.chunks_exact(points)) {
                         let (r, c) = chart.position(*source);
                         let seeds = [Seed::at_source(r, c, 0.0)];
-                        let twin = cpu::scan_outward(&edges, &seeds, wavefront, stop).distances();
+                        let twin = twins::scan_outward(&edges, &seeds, wavefront, stop).distances();
                         let difference = difference(&twin, row);
                         let what = format!("{what}, {wavefront}, {schedule}, {source}, {stop:?}");
                         assert!(difference < TWINS, "{what}: {difference}");
@@ -245,7 +245,7 @@ fn mazes_take_as_many_dispatches_as_they_need() {
     for wavefront in [Wavefront::Planar, Wavefront::Curved] {
         let twins = sources.iter().flatten().map(|&source| {
             let (row, col) = surface.chart().position(source);
-            cpu::scan_outward(&edges, &[Seed::at_source(row, col, 0.0)], wavefront, CONVERGED)
+            twins::scan_outward(&edges, &[Seed::at_source(row, col, 0.0)], wavefront, CONVERGED)
         });
         let twins: Vec<_> = twins.collect();
         assert!(twins[0].iterations > 32, "{}: a dispatch has as many", twins[0].iterations);

@@ -2,9 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::cpu::state::TriangleSlots;
+use crate::cpu::behind::Behind;
 use crate::cpu::tiles::Scan;
-use crate::surface::{Chart, Direction, EdgeLengths, Real, min};
+use crate::surface::{Chart, EdgeLengths, Real, min};
 
 /// Maps that are computed side by side: as many as AVX-512 has lanes of single precision. With
 /// narrower instructions a few vectors stand for them, which hides the latency of square roots.
@@ -85,25 +85,18 @@ pub(super) trait Kernel: 'static {
 
 /// Where the two triangles of a scan lie, seen from their point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FanSlots([TriangleSlots; 2]);
+pub(super) struct FanSlots(Behind);
 
 impl FanSlots {
-    /// The neighbours that a scan has just passed, in the order of the points on its lines.
     pub(super) fn new(chart: Chart, scan: Scan) -> Self {
-        use Direction::*;
-        let [before, beside, after] = match scan {
-            Scan::DOWN => [NorthWest, North, NorthEast],
-            Scan::UP => [SouthWest, South, SouthEast],
-            Scan::RIGHT => [NorthWest, West, SouthWest],
-            _ => [NorthEast, East, SouthEast],
-        };
-        Self([(before, beside), (beside, after)].map(|(a, b)| TriangleSlots::new(chart, a, b)))
+        Self(Behind::of(chart, scan))
     }
 
     /// The fan of a point of a bordered array.
     pub(super) fn fan(&self, edges: &EdgeLengths<f32>, point: usize) -> Fan {
-        let [[before, beside, first], [_, after, second]] =
-            self.0.each_ref().map(|slots| slots.lengths(edges, point));
-        Fan { edges: [before, beside, after], bases: [first, second] }
+        Fan {
+            edges: self.0.edges().map(|slot| edges.at(point, slot)),
+            bases: self.0.bases().map(|slot| edges.at(point, slot)),
+        }
     }
 }

@@ -1,10 +1,11 @@
 //! All points at once from their eight triangles, again and again. The twin of
 //! `glsl/all_points.comp`.
 
-use super::super::Progress;
-use super::super::state::{Fronts, Solution};
-use super::scan_triangles;
+use super::behind;
 use crate::Stop;
+use crate::cpu::fronts::{FrontKind, for_kind};
+use crate::cpu::point_fronts::PointFronts;
+use crate::cpu::{Progress, Solution};
 use crate::surface::{EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
@@ -16,9 +17,15 @@ pub fn all_points<R: Real>(
     wavefront: Wavefront,
     stop: Stop,
 ) -> Solution<R> {
-    let chart = edges.chart();
-    let triangles = scan_triangles(chart);
-    let mut old = Fronts::start(edges, seeds, wavefront);
+    for_kind!(edges, wavefront, kind => solve(PointFronts::start(edges, kind, seeds), stop))
+}
+
+fn solve<'a, R: Real, K: FrontKind<'a, R>>(
+    mut old: PointFronts<'a, R, K>,
+    stop: Stop,
+) -> Solution<R> {
+    let chart = old.edges.chart();
+    let scans = behind(chart);
     let mut new = old.clone();
     let mut progress = Progress::new(stop);
     loop {
@@ -26,8 +33,8 @@ pub fn all_points<R: Real>(
         for _ in 0..2 {
             for (row, col) in (0..chart.points()).map(|index| chart.position(index)) {
                 let point = chart.bordered(row, col);
-                for (triangles, scan) in triangles.iter().zip(1..) {
-                    new.accept(point, old.through(point, triangles), scan, renews);
+                for (behind, scan) in scans.iter().zip(1..) {
+                    new.accept(point, old.reach(point, behind), scan, renews);
                 }
                 change = change.max(new.change_from(&old, point));
             }

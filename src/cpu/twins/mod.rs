@@ -1,5 +1,6 @@
-//! The shaders' schedules point by point, each in the order of its shader: for tests to hold one
-//! against the other, after any number of iterations. They are slow.
+//! The shaders' schedules point by point, each in the order of its shader: for tests and studies to hold one
+//! against the other, after any number of iterations. They are slow, and no part of what the crate promises to
+//! keep; with the feature `twins`.
 
 mod all_points;
 mod regions;
@@ -15,19 +16,11 @@ pub use scan_in_turn::{scan_in_turn, scan_outward};
 pub use surroundings::surroundings;
 pub use tile_rounds::{Rounds, tile_rounds};
 
-use super::state::Behind;
-use crate::surface::{Chart, Direction};
+use super::behind::Behind;
+use super::tiles::Scan;
+use crate::surface::Chart;
 
-/// The four scans of an iteration, numbered from 1: the three neighbours a scan has just passed,
-/// across the scan from west to east or from north to south.
-const SCANS: [[Direction; 3]; 4] = [
-    [Direction::NorthWest, Direction::North, Direction::NorthEast],
-    [Direction::SouthWest, Direction::South, Direction::SouthEast],
-    [Direction::NorthWest, Direction::West, Direction::SouthWest],
-    [Direction::NorthEast, Direction::East, Direction::SouthEast],
-];
-
-/// The two triangles of each scan.
-fn scan_triangles(chart: Chart) -> [Behind; 4] {
-    SCANS.map(|behind| Behind::new(chart, behind))
+/// What lies behind a point in each of the four scans of an iteration.
+fn behind(chart: Chart) -> [Behind; 4] {
+    Scan::ALL.map(|scan| Behind::of(chart, scan))
 }

@@ -1,11 +1,13 @@
 //! Labels by the nearest source. The twin of `glsl/region_*.comp`.
 
-use super::super::state::{Fronts, TriangleSlots};
 use super::scan_in_turn::scan;
 use crate::Stop;
 use crate::constants::{FLOW_JUMPS, NEAR_PLACES, PARENT_JUMPS};
+use crate::cpu::behind::TriangleSlots;
+use crate::cpu::fronts::{TriangleKind, for_triangle_kind};
+use crate::cpu::point_fronts::PointFronts;
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
-use crate::update::{Wavefront, base_crossing};
+use crate::update::{Kept, Setting, Wavefront, base_crossing};
 
 /// Column and row.
 type Place = [f32; 2];
@@ -28,9 +30,21 @@ pub fn regions(
     wavefront: Wavefront,
     stop: Stop,
 ) -> Vec<u32> {
+    let wavefront = wavefront.or_curved(Setting::of_engine(false));
+    for_triangle_kind!(edges, wavefront, kind => solve(edges, kind, seeds, wavefront, stop))
+}
+
+fn solve<'a, K: TriangleKind<'a, f32>>(
+    edges: &'a EdgeLengths<f32>,
+    kind: K,
+    seeds: &[(Seed, u32)],
+    wavefront: Wavefront,
+    stop: Stop,
+) -> Vec<u32> {
     let chart = edges.chart();
     let all: Vec<Seed> = seeds.iter().map(|(seed, _)| *seed).collect();
-    let (fronts, _) = scan(edges, &all, wavefront, stop, false);
+    let mut fronts = PointFronts::start(edges, kind, &all);
+    scan(&mut fronts, &all, stop, false);
     let starts = starts(chart, seeds);
     let triangles = Direction::ALL.map(|to| TriangleSlots::new(chart, to, to.next()));
     let begin = |index| begin(chart, &fronts, &triangles, wavefront, starts[index], index);
@@ -70,9 +84,9 @@ fn starts(chart: Chart, seeds: &[(Seed, u32)]) -> Vec<Option<(f32, u32)>> {
 }
 
 /// Where the way to a point crosses the base of its triangle.
-fn begin(
+fn begin<'a, K: TriangleKind<'a, f32>>(
     chart: Chart,
-    fronts: &Fronts<f32>,
+    fronts: &PointFronts<'a, f32, K>,
     triangles: &[TriangleSlots; 8],
     wavefront: Wavefront,
     start: Option<(f32, u32)>,
@@ -89,11 +103,11 @@ fn begin(
     let earlier = |other: usize| {
         let time = fronts.time(other);
         let is_before = time < here || (time == here && other < point);
-        if is_before { time } else { f32::FAR }
+        Kept { time: if is_before { time } else { f32::FAR }, ..fronts.at(other) }
     };
     let mut first = (f32::FAR, 0);
     for (number, triangle) in triangles.iter().enumerate() {
-        let time = fronts.through_known(point, triangle, earlier).time;
+        let time = K::time(fronts.kind.through(fronts.edges, point, triangle, earlier));
         if time < first.0 {
             first = (time, number);
         }
@@ -107,8 +121,10 @@ fn begin(
         return (Link::Nothing, own);
     }
     let to = Direction::ALL[first.1];
-    let (triangle, curvatures) = fronts.seen_through(point, &triangles[first.1], earlier);
-    let share = base_crossing(wavefront, triangle, curvatures);
+    let ends = triangles[first.1].corners(point).map(earlier);
+    let times = ends.map(|front| front.time);
+    let triangle = triangles[first.1].triangle(fronts.edges, point, times);
+    let share = base_crossing(wavefront, triangle, ends.map(K::curvature));
     let step = |to: Direction| [to.step().1 as f32, to.step().0 as f32];
     let (a, b) = (step(to), step(to.next()));
     let place = [0, 1].map(|k| own[k] + (a[k] + share * (b[k] - a[k])));

@@ -1,10 +1,11 @@
 //! Rotated raster scans that pass over the blocks of lines in which nothing can change. The twin of
 //! `glsl/blocks.glsl`.
 
-use super::super::Progress;
-use super::super::state::{Fronts, Solution};
-use super::scan_triangles;
+use super::behind;
 use crate::Stop;
+use crate::cpu::fronts::{FrontKind, for_kind};
+use crate::cpu::point_fronts::PointFronts;
+use crate::cpu::{Progress, Solution};
 use crate::surface::{Chart, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
@@ -22,9 +23,19 @@ pub fn scan_due<R: Real>(
     stop: Stop,
     lines: usize,
 ) -> (Solution<R>, Vec<Visits>) {
-    let chart = edges.chart();
-    let triangles = scan_triangles(chart);
-    let mut fronts = Fronts::start(edges, seeds, wavefront);
+    for_kind!(edges, wavefront, kind => {
+        solve(PointFronts::start(edges, kind, seeds), seeds, stop, lines)
+    })
+}
+
+fn solve<'a, R: Real, K: FrontKind<'a, R>>(
+    mut fronts: PointFronts<'a, R, K>,
+    seeds: &[Seed],
+    stop: Stop,
+    lines: usize,
+) -> (Solution<R>, Vec<Visits>) {
+    let chart = fronts.edges.chart();
+    let behind = behind(chart);
     let mut progress = Progress::new(stop);
     let mut due = Due::new(chart, lines);
     for seed in seeds {
@@ -52,7 +63,7 @@ pub fn scan_due<R: Real>(
                         let [row, col] = if scan < 2 { [line, along] } else { [along, line] };
                         let point = chart.bordered(row, col);
                         let before = fronts.at(point);
-                        let front = fronts.through(point, &triangles[scan]);
+                        let front = fronts.reach(point, &behind[scan]);
                         change = change.max(fronts.accept(point, front, scan as u8 + 1, renews));
                         if fronts.at(point) != before {
                             due.changed([row, col], Some(scan));

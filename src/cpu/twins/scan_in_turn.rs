@@ -1,9 +1,10 @@
 //! Rotated raster scans one after another, point by point. The twin of `glsl/scan.comp`.
 
-use super::super::Progress;
-use super::super::state::{Fronts, Solution};
-use super::scan_triangles;
+use super::behind;
 use crate::Stop;
+use crate::cpu::fronts::{FrontKind, for_kind};
+use crate::cpu::point_fronts::PointFronts;
+use crate::cpu::{Progress, Solution};
 use crate::surface::{EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
@@ -16,8 +17,7 @@ pub fn scan_in_turn<R: Real>(
     wavefront: Wavefront,
     stop: Stop,
 ) -> Solution<R> {
-    let (fronts, progress) = scan(edges, seeds, wavefront, stop, false);
-    fronts.finish(progress.iterations, progress.residual)
+    solve(edges, seeds, wavefront, stop, false)
 }
 
 /// The same, but that each scan of the first iteration passes only the lines ahead of the source,
@@ -29,22 +29,33 @@ pub fn scan_outward<R: Real>(
     wavefront: Wavefront,
     stop: Stop,
 ) -> Solution<R> {
-    let (fronts, progress) = scan(edges, seeds, wavefront, stop, true);
-    fronts.finish(progress.iterations, progress.residual)
+    solve(edges, seeds, wavefront, stop, true)
 }
 
-/// The fronts after so many scans, and how they went.
-pub(super) fn scan<'a, R: Real>(
-    edges: &'a EdgeLengths<R>,
+fn solve<R: Real>(
+    edges: &EdgeLengths<R>,
     seeds: &[Seed],
     wavefront: Wavefront,
     stop: Stop,
     outward: bool,
-) -> (Fronts<'a, R>, Progress) {
-    let chart = edges.chart();
+) -> Solution<R> {
+    for_kind!(edges, wavefront, kind => {
+        let mut fronts = PointFronts::start(edges, kind, seeds);
+        let progress = scan(&mut fronts, seeds, stop, outward);
+        fronts.finish(progress.iterations, progress.residual)
+    })
+}
+
+/// Scans from the fronts at seeds; returns how that went.
+pub(super) fn scan<'a, R: Real, K: FrontKind<'a, R>>(
+    fronts: &mut PointFronts<'a, R, K>,
+    seeds: &[Seed],
+    stop: Stop,
+    outward: bool,
+) -> Progress {
+    let chart = fronts.edges.chart();
     let (rows, cols) = (chart.rows, chart.cols);
-    let triangles = scan_triangles(chart);
-    let mut fronts = Fronts::start(edges, seeds, wavefront);
+    let behind = behind(chart);
     let mut progress = Progress::new(stop);
     let ranges = |of: fn(&Seed) -> usize, lines: usize| {
         let places = || seeds.iter().map(of);
@@ -57,7 +68,7 @@ pub(super) fn scan<'a, R: Real>(
         let (mut change, renews) = (R::Bits::default(), progress.renews());
         let mut update = |row: usize, col: usize, scan: u8| {
             let point = chart.bordered(row, col);
-            let front = fronts.through(point, &triangles[usize::from(scan) - 1]);
+            let front = fronts.reach(point, &behind[usize::from(scan) - 1]);
             change = change.max(fronts.accept(point, front, scan, renews));
         };
         let is_first = progress.iterations == 0;
@@ -67,7 +78,7 @@ pub(super) fn scan<'a, R: Real>(
         right.for_each(|col| (0..rows).for_each(|row| update(row, col, 3)));
         left.rev().for_each(|col| (0..rows).for_each(|row| update(row, col, 4)));
         if progress.is_done::<R>(change) {
-            return (fronts, progress);
+            return progress;
         }
     }
 }

@@ -3,9 +3,11 @@
 
 use glam::DVec2;
 
-use super::super::state::{Fronts, Solution};
-use super::scan_triangles;
+use super::behind;
 use crate::constants::{SURROUNDINGS_STEPS, SURROUNDINGS_TEXELS};
+use crate::cpu::Solution;
+use crate::cpu::fronts::{FrontKind, for_kind};
+use crate::cpu::point_fronts::PointFronts;
 use crate::surface::{EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
@@ -18,10 +20,19 @@ pub fn surroundings<R: Real>(
     sources: &[DVec2],
     wavefront: Wavefront,
 ) -> Solution<R> {
-    let chart = edges.chart();
-    let triangles = scan_triangles(chart);
-    let unreached = Fronts::start(edges, &[], wavefront);
-    let start = Fronts::start(edges, seeds, wavefront);
+    for_kind!(edges, wavefront, kind => {
+        let unreached = PointFronts::start(edges, kind.clone(), &[]);
+        solve(unreached, PointFronts::start(edges, kind, seeds), sources)
+    })
+}
+
+fn solve<'a, R: Real, K: FrontKind<'a, R>>(
+    unreached: PointFronts<'a, R, K>,
+    start: PointFronts<'a, R, K>,
+    sources: &[DVec2],
+) -> Solution<R> {
+    let chart = start.edges.chart();
+    let scans = behind(chart);
     let mut fronts = start.clone();
     let mut taken = vec![false; chart.bordered_points()];
     for source in sources.iter().filter(|source| source.fract() != DVec2::ZERO) {
@@ -41,8 +52,8 @@ pub fn surroundings<R: Real>(
             let mut new = old.clone();
             let mut change = R::Bits::default();
             for point in points() {
-                for (triangles, scan) in triangles.iter().zip(1..) {
-                    new.accept(point, old.through(point, triangles), scan, true);
+                for (behind, scan) in scans.iter().zip(1..) {
+                    new.accept(point, old.reach(point, behind), scan, true);
                 }
                 change = change.max(new.change_from(&old, point));
             }

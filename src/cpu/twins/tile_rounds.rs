@@ -1,9 +1,12 @@
 //! Rounds of scans inside tiles. The twin of `glsl/tiles.comp` and `glsl/settle.comp`.
 
-use super::super::state::{Behind, Fronts, Solution};
-use super::scan_triangles;
+use super::behind;
 use crate::Stop;
 use crate::constants::PATIENCE;
+use crate::cpu::Solution;
+use crate::cpu::behind::Behind;
+use crate::cpu::fronts::{FrontKind, for_kind};
+use crate::cpu::point_fronts::PointFronts;
 use crate::surface::{Chart, EdgeLengths, Real, Seed, relative_change};
 use crate::update::Wavefront;
 
@@ -28,7 +31,18 @@ pub fn tile_rounds<R: Real>(
     stop: Stop,
     rounds: Rounds,
 ) -> Solution<R> {
-    let mut tiles = Tiles::new(edges, seeds, wavefront, stop, rounds);
+    for_kind!(edges, wavefront, kind => {
+        solve(PointFronts::start(edges, kind, seeds), seeds, stop, rounds)
+    })
+}
+
+fn solve<'a, R: Real, K: FrontKind<'a, R>>(
+    fronts: PointFronts<'a, R, K>,
+    seeds: &[Seed],
+    stop: Stop,
+    rounds: Rounds,
+) -> Solution<R> {
+    let mut tiles = Tiles::new(fronts, seeds, stop, rounds);
     loop {
         let count = rounds.recorded.min(stop.iterations - tiles.iterations);
         let mut unsettled = Vec::new();
@@ -49,14 +63,14 @@ pub fn tile_rounds<R: Real>(
 }
 
 /// The tiles of a grid and the fronts in them.
-struct Tiles<'a, R: Real> {
+struct Tiles<'a, R: Real, K: FrontKind<'a, R>> {
     chart: Chart,
     rounds: Rounds,
-    triangles: [Behind; 4],
+    behind: [Behind; 4],
     /// Before the round.
-    fronts: Fronts<'a, R>,
+    fronts: PointFronts<'a, R, K>,
     /// Four copies of the fronts, of which those of one tile and around it are in use.
-    copies: [Fronts<'a, R>; 4],
+    copies: [PointFronts<'a, R, K>; 4],
     /// The tiles to visit in the next round.
     list: Vec<(usize, usize)>,
     tolerance: R::Bits,
@@ -76,19 +90,13 @@ struct Visit<B> {
     reached: bool,
 }
 
-impl<'a, R: Real> Tiles<'a, R> {
-    fn new(
-        edges: &'a EdgeLengths<R>,
-        seeds: &[Seed],
-        wavefront: Wavefront,
-        stop: Stop,
-        rounds: Rounds,
-    ) -> Self {
-        let (chart, fronts) = (edges.chart(), Fronts::start(edges, seeds, wavefront));
+impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
+    fn new(fronts: PointFronts<'a, R, K>, seeds: &[Seed], stop: Stop, rounds: Rounds) -> Self {
+        let chart = fronts.edges.chart();
         let mut tiles = Self {
             chart,
             rounds,
-            triangles: scan_triangles(chart),
+            behind: behind(chart),
             copies: std::array::from_fn(|_| fronts.clone()),
             fronts,
             list: Vec::new(),
@@ -129,7 +137,7 @@ impl<'a, R: Real> Tiles<'a, R> {
         round
     }
 
-    fn visit(&mut self, tile: (usize, usize), after: &mut Fronts<'a, R>) -> Visit<R::Bits> {
+    fn visit(&mut self, tile: (usize, usize), after: &mut PointFronts<'a, R, K>) -> Visit<R::Bits> {
         let (chart, side) = (self.chart, self.rounds.tile);
         let first = (tile.0 * side, tile.1 * side);
         let rows = first.0..(first.0 + side).min(chart.rows);
@@ -155,11 +163,11 @@ impl<'a, R: Real> Tiles<'a, R> {
         for _ in 0..self.rounds.inner {
             let fronts = &self.fronts;
             for (index, copy) in self.copies.iter_mut().enumerate() {
-                let (triangles, scan) = (&self.triangles[index], index as u8 + 1);
+                let (behind, scan) = (&self.behind[index], index as u8 + 1);
                 let mut update = |row, col| {
                     let point = chart.bordered(row, col);
                     let seen = |x| if is_near(x) { copy.at(x) } else { fronts.at(x) };
-                    let front = copy.through_seen(point, triangles, seen);
+                    let front = copy.reach_seen(point, behind, seen);
                     copy.accept(point, front, scan, self.renews);
                 };
                 // The points of a line do not depend on one another.
@@ -209,7 +217,7 @@ impl<'a, R: Real> Tiles<'a, R> {
     /// Makes the four copies of the fronts at a point the same again, with the first to arrive, and
     /// returns the change. A front that the copy's own scan has not brought stands for nothing but
     /// the old one.
-    fn merge(&mut self, after: &mut Fronts<'a, R>, point: usize) -> R::Bits {
+    fn merge(&mut self, after: &mut PointFronts<'a, R, K>, point: usize) -> R::Bits {
         let change = after.take_first(&self.copies, point);
         self.copies.iter_mut().for_each(|copy| copy.copy_point(after, point));
         change

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use super::NO_REGION;
 use super::guess::Guess;
-use crate::cpu::{Visited, stays};
+use crate::cpu::{Visited, settled};
 use crate::geometry::MapError;
 use crate::geometry::order::{bordered, rank};
 use crate::geometry::spokes::Spokes;
@@ -307,7 +307,12 @@ impl<'a> SourceFronts<'a> {
             });
             let Origin { wavefront, initial } = self.origins[label as usize];
             let now = min(latest, before) - initial;
-            if stays(wavefront, Visited { now, triangles, curvatures: [[0.0; 2]; 2] }) {
+            let settles = match wavefront {
+                Wavefront::PointSource => settled::from_point_source,
+                _ => settled::from_planar,
+            };
+            let visited = Visited { now, triangles };
+            if visited.stays(triangles.map(|triangle| settles(triangle, now))) {
                 continue;
             }
             let [left, right] = triangles.map(|triangle| self.through(label, triangle));

@@ -14,6 +14,11 @@ pub(crate) struct EdgeSlot {
 }
 
 impl EdgeSlot {
+    /// Its length at as many points in a row of bordered arrays, one for each of [`STORED`].
+    pub(crate) fn row<'a, R>(self, planes: [&'a [R]; 4], first: usize, points: usize) -> &'a [R] {
+        &planes[self.stored][first.wrapping_add_signed(self.offset)..][..points]
+    }
+
     /// The edge from the point `at` (an offset from the point that the slot is used for).
     pub(crate) fn new(chart: Chart, at: isize, to: Direction) -> Self {
         match STORED.iter().position(|&direction| direction == to) {

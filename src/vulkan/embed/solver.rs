@@ -10,7 +10,7 @@ use super::recording::Recording;
 use super::regions::Regions;
 use super::surface::{Surface, SurfaceInfo};
 use crate::surface::Chart;
-use crate::update::Wavefront;
+use crate::update::{Setting, Wavefront};
 use crate::vulkan::limits::Limits;
 use crate::vulkan::pipelines::{Pipelines, SchedulePipelines};
 use crate::vulkan::profile::{self, Labels};
@@ -363,5 +363,5 @@ fn surroundings_name(wavefront: Wavefront) -> String {
 
 /// The wavefront over a surface of which it is not known whether it is a floor plan.
 fn over_any(wavefront: Wavefront) -> Wavefront {
-    if wavefront == Wavefront::Anchored { Wavefront::Curved } else { wavefront }
+    wavefront.or_curved(Setting::of_engine(false))
 }

@@ -25,7 +25,7 @@ use super::headless::{Commands, Context};
 use super::plan::{self, Reached};
 use super::profile::{self, Detail, Grain, Session, SolveProfile};
 use super::{Schedule, Solver, SurfaceOnDevice, TexelChart, Tuning, VulkanError};
-use crate::update::Wavefront;
+use crate::update::{Setting, Wavefront};
 use crate::{Convergence, Stop};
 use layout::{BatchLayout, BatchLimits};
 use pipelines::Passes;
@@ -83,8 +83,7 @@ impl Solver {
         let (context, grid) = (&self.context, &surface.images);
         assert!(Arc::ptr_eq(context, &surface.context), "a surface of another solver");
         let (chart, texels) = (grid.chart, grid.texels);
-        let is_anchored = wavefront == Wavefront::Anchored;
-        let wavefront = if is_anchored { Wavefront::Curved } else { wavefront };
+        let wavefront = wavefront.or_curved(Setting::of_engine(false));
         let (rows, cols, device) = (chart.rows, chart.cols, context.info.name.clone());
         // SAFETY: the physical device is from this instance.
         let properties = unsafe {

@@ -1,7 +1,7 @@
 //! Sources between grid points, whose surroundings are solved before the whole grid is.
 
 use geosweep::Stop;
-use geosweep::cpu;
+use geosweep::cpu::twins;
 use geosweep::glam::DVec2;
 use geosweep::surface::{Chart, EdgeLengths};
 use geosweep::vulkan::embed::{
@@ -89,7 +89,7 @@ fn surroundings_are_those_of_the_twin() {
             let add = |all: Sources, &[row, col]: &[f64; 2]| all.and_point(row, col, 0.0);
             let seeds = places.iter().fold(Sources::default(), add).seeds(&surface).unwrap();
             let places: Vec<_> = places.iter().map(|&place| DVec2::from(place)).collect();
-            let twin = cpu::surroundings(&edges, &seeds, &places, wavefront);
+            let twin = twins::surroundings(&edges, &seeds, &places, wavefront);
             let difference = difference(&twin.distances(), &found);
             assert!(difference < 1e-5, "{places:?} {wavefront}: {difference}");
         }

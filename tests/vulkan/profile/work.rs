@@ -1,7 +1,7 @@
 //! What passes had to do, against counts of the tests' own.
 
 use geosweep::Wavefront;
-use geosweep::cpu::scan_due;
+use geosweep::cpu::twins::scan_due;
 use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::vulkan::Schedule;

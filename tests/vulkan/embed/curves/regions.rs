@@ -2,7 +2,7 @@
 
 use geosweep::MetricTensor;
 use geosweep::ash::vk;
-use geosweep::cpu;
+use geosweep::cpu::twins;
 use geosweep::geometry::{NO_REGION, Voronoi};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{Chart, EdgeLengths, Seed};
@@ -151,7 +151,7 @@ fn of_twin(surface: &Surface, sources: &[PointSource], wavefront: Wavefront) -> 
             .collect::<Vec<_>>()
     };
     let seeds: Vec<_> = sources.iter().zip(0..).flat_map(seeds).collect();
-    cpu::regions(&EdgeLengths::new(surface).unwrap(), &seeds, wavefront, STOP)
+    twins::regions(&EdgeLengths::new(surface).unwrap(), &seeds, wavefront, STOP)
 }
 
 /// Labels against those of the twin and of [`Voronoi`], by the same map.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use geosweep::Stop;
-use geosweep::cpu::scan_in_turn;
+use geosweep::cpu::twins::scan_in_turn;
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::{DEFAULT_TOLERANCE, Sources, Surface, Wavefront};

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use bytemuck::Pod;
 use rayon::prelude::*;
 
 use super::Instructions;
@@ -13,13 +14,13 @@ use crate::surface::{Chart, EdgeLengths, Real};
 /// the previous one. For whoever scans many times, since a third of the time of a scan to the right or
 /// left goes into transposing them.
 #[derive(Clone, Debug)]
-pub(super) struct Turned<R> {
+pub(super) struct TransposedEdges<R> {
     stride: usize,
     edges: [Vec<R>; 3],
     is_filled: bool,
 }
 
-impl<R: Real> Turned<R> {
+impl<R: Real> TransposedEdges<R> {
     /// Makes room for the edges of a surface. Zeros come without work, and as memory only once they are
     /// written.
     pub(super) fn new(chart: Chart) -> Self {
@@ -28,7 +29,7 @@ impl<R: Real> Turned<R> {
         Self { stride, edges, is_filled: false }
     }
 
-    /// Turns all edges, in parallel over columns, unless that has been done.
+    /// Transposes all edges, in parallel over columns, unless that has been done.
     pub(super) fn fill(&mut self, edges: &EdgeLengths<R>, instructions: Instructions) {
         if std::mem::replace(&mut self.is_filled, true) {
             return;
@@ -38,7 +39,7 @@ impl<R: Real> Turned<R> {
             self.edges.each_mut().map(|array| array.par_chunks_mut(TILE * stride));
         (up, up_next, up_previous).into_par_iter().enumerate().for_each(
             |(band, (up, up_next, up_previous))| {
-                let lines = Lines {
+                let lines = ColumnsToLines {
                     from_stride: chart.stride(),
                     to_stride: stride,
                     first: band * TILE,
@@ -48,12 +49,12 @@ impl<R: Real> Turned<R> {
                 // Nothing lies before the border.
                 let skip = if band == 0 { 1 } else { 0 };
                 let to = [up, up_next, up_previous];
-                lines.turn_edges_back(edges, to, skip, 0..chart.rows);
+                lines.transpose_edges_back(edges, to, skip, 0..chart.rows);
             },
         );
     }
 
-    /// These, once they have been turned.
+    /// These, once they have been transposed.
     pub(super) fn filled(&self) -> Option<&Self> {
         self.is_filled.then_some(self)
     }
@@ -71,7 +72,7 @@ impl<R: Real> Turned<R> {
 
 /// Columns of bordered arrays from one on, which become the lines of others.
 #[derive(Clone, Copy)]
-pub(super) struct Lines {
+pub(super) struct ColumnsToLines {
     pub from_stride: usize,
     pub to_stride: usize,
     /// The column of the first line, counted from the border, and the number of lines.
@@ -80,13 +81,13 @@ pub(super) struct Lines {
     pub instructions: Instructions,
 }
 
-impl Lines {
-    /// Turns rows of an array, counted from the border, but for the first lines; each entry lies so far
+impl ColumnsToLines {
+    /// Transposes rows of an array, counted from the border, but for the first lines; each entry lies so far
     /// down and left of where it belongs.
-    pub(super) fn turn<R: Real>(
+    pub(super) fn transpose<T: Pod>(
         self,
-        from: &[R],
-        to: &mut [R],
+        from: &[T],
+        to: &mut [T],
         skip: usize,
         rows: Range<usize>,
         [down, left]: [usize; 2],
@@ -102,8 +103,8 @@ impl Lines {
         transpose(from, to, block, self.instructions);
     }
 
-    /// Turns the edges back of some rows.
-    pub(super) fn turn_edges_back<R: Real>(
+    /// Transposes the edges back of some rows.
+    pub(super) fn transpose_edges_back<R: Real>(
         self,
         edges: &EdgeLengths<R>,
         [up, up_next, up_previous]: [&mut [R]; 3],
@@ -114,8 +115,8 @@ impl Lines {
         // south-west, which is stored as the north-east of another point; north-west stays.
         let [east, _, north_east, north_west] = edges.planes();
         let Range { start, end } = rows;
-        self.turn(east, up, skip, start + 1..end + 1, [0, 1]);
-        self.turn(north_east, up_next, skip, start..end + 1, [1, 1]);
-        self.turn(north_west, up_previous, skip, start + 1..end + 2, [0, 0]);
+        self.transpose(east, up, skip, start + 1..end + 1, [0, 1]);
+        self.transpose(north_east, up_next, skip, start..end + 1, [1, 1]);
+        self.transpose(north_west, up_previous, skip, start + 1..end + 2, [0, 0]);
     }
 }

@@ -1,0 +1,142 @@
+//! What lies behind a point as a scan passes it: three neighbours and the triangles between them.
+
+use super::tiles::Scan;
+use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real};
+use crate::update::Triangle;
+
+/// Three neighbours that follow one another, and the two triangles that they span with their point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Behind {
+    triangles: [TriangleSlots; 2],
+    middle: Direction,
+}
+
+impl Behind {
+    pub(super) fn new(chart: Chart, [a, b, c]: [Direction; 3]) -> Self {
+        let triangles = [TriangleSlots::new(chart, a, b), TriangleSlots::new(chart, b, c)];
+        Self { triangles, middle: b }
+    }
+
+    /// Those that a scan has just passed.
+    pub(super) fn of(chart: Chart, scan: Scan) -> Self {
+        Self::new(chart, scan.behind())
+    }
+
+    pub(super) fn triangles(&self) -> &[TriangleSlots; 2] {
+        &self.triangles
+    }
+
+    /// The second of the neighbours.
+    pub(super) fn middle(&self) -> Direction {
+        self.middle
+    }
+
+    /// From the point to the neighbours.
+    pub(super) fn points(&self) -> [isize; 3] {
+        let [a, b] = &self.triangles;
+        [a.x1, a.x2, b.x2]
+    }
+
+    /// The edges to them.
+    pub(super) fn edges(&self) -> [EdgeSlot; 3] {
+        let [a, b] = &self.triangles;
+        [a.l1, a.l2, b.l2]
+    }
+
+    /// The edges between them.
+    pub(super) fn bases(&self) -> [EdgeSlot; 2] {
+        self.triangles.each_ref().map(|triangle| triangle.c)
+    }
+}
+
+/// Where a triangle's two other corners and its edges lie, seen from its point x0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TriangleSlots {
+    /// Which of x1 and x2 is the neighbour along an axis of the grid; the other is one across a diagonal.
+    axis: usize,
+    x1: isize,
+    x2: isize,
+    l1: EdgeSlot,
+    l2: EdgeSlot,
+    c: EdgeSlot,
+}
+
+impl TriangleSlots {
+    /// The triangle between two directions that follow one another.
+    pub(super) fn new(chart: Chart, first: Direction, second: Direction) -> Self {
+        let is_counter_clockwise = first.next() == second;
+        let base = if is_counter_clockwise { first.base() } else { second.base().opposite() };
+        let (down, right) = first.step();
+        Self {
+            axis: usize::from(down * right != 0),
+            x1: chart.offset(first),
+            x2: chart.offset(second),
+            l1: EdgeSlot::new(chart, 0, first),
+            l2: EdgeSlot::new(chart, 0, second),
+            c: EdgeSlot::new(chart, chart.offset(first), base),
+        }
+    }
+
+    /// The two other corners of a point's triangle.
+    #[inline]
+    pub(super) fn corners(&self, point: usize) -> [usize; 2] {
+        [self.x1, self.x2].map(|offset| point.wrapping_add_signed(offset))
+    }
+
+    /// Lengths of x0 x1, x0 x2 and x1 x2.
+    #[inline]
+    pub(super) fn lengths<R: Real>(&self, edges: &EdgeLengths<R>, point: usize) -> [R; 3] {
+        [self.l1, self.l2, self.c].map(|slot| edges.at(point, slot))
+    }
+
+    /// The triangle with arrival times at its two other corners.
+    #[inline]
+    pub(super) fn triangle<R: Real>(
+        &self,
+        edges: &EdgeLengths<R>,
+        point: usize,
+        [t1, t2]: [R; 2],
+    ) -> Triangle<R> {
+        let [l1, l2, c] = self.lengths(edges, point);
+        Triangle { t1, t2, l1, l2, c }
+    }
+
+    /// Whether of x1 and x2 only the one across a diagonal is there.
+    #[inline]
+    pub(super) fn is_alone<R: Real>(&self, triangle: Triangle<R>) -> bool {
+        [triangle.l1, triangle.l2][self.axis] >= R::FAR
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Direction::*;
+
+    #[test]
+    fn scans_have_passed_what_lies_behind_in_the_order_of_their_lines() {
+        let behind = Scan::ALL.map(Scan::behind);
+        assert_eq!(behind[0], [NorthWest, North, NorthEast]);
+        assert_eq!(behind[1], [SouthWest, South, SouthEast]);
+        assert_eq!(behind[2], [NorthWest, West, SouthWest]);
+        assert_eq!(behind[3], [NorthEast, East, SouthEast]);
+    }
+
+    #[test]
+    fn bases_join_the_neighbours() {
+        let surface = crate::surface::builtin::Builtin::Peaks.surface(5, 6).unwrap();
+        let edges = EdgeLengths::<f64>::new(&surface).unwrap();
+        let chart = edges.chart();
+        let (row, col) = (2, 3);
+        for scan in Scan::ALL {
+            let behind = scan.behind();
+            let slots = Behind::of(chart, scan);
+            for (ends, base) in behind.windows(2).zip(slots.bases()) {
+                let [a, b] = [0, 1].map(|k| chart.neighbour(row, col, ends[k]).unwrap());
+                let expected = surface.length_between(a, b);
+                let found = edges.at(chart.bordered(row, col), base);
+                approx::assert_relative_eq!(found, expected, max_relative = 0.1);
+            }
+        }
+    }
+}

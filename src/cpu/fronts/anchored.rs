@@ -1,0 +1,411 @@
+//! Fronts over a floor plan that carry the number of their anchor.
+//!
+//! Nearly everywhere all points behind a stretch have one anchor, and no hole is beside them: then a point
+//! is reached from it if the straight line runs between its neighbours behind, which is one square root for
+//! each, in lanes. Elsewhere points are updated one after another, as `update/anchored.rs` has it.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use bytemuck::{Pod, Zeroable};
+use rayon::prelude::*;
+
+use super::kind::{BeforeOf, FrontKind, LinesOf, StretchOf};
+use crate::constants::ANCHOR_COUNTS;
+use crate::cpu::behind::Behind;
+use crate::cpu::line::GridLines;
+use crate::cpu::line_update::{How, LineUpdate, Stretches, Updated};
+use crate::cpu::tiles::{Scan, TILE};
+use crate::lanes::prefetch;
+use crate::surface::{Chart, EdgeLengths, EvenGrid, Real, Seed, TAG, Tagged, min};
+use crate::update::{Anchor, Carried, Floor, Kept, is_shorter};
+
+/// [`crate::Wavefront::Anchored`].
+#[derive(Clone, Debug)]
+pub(in crate::cpu) struct Anchored<R> {
+    floor: Floor<R>,
+}
+
+/// The front that a point keeps, or that comes to it: when, and from which anchor.
+type KeptAnchored<R> = Kept<R, Anchor<R>>;
+
+/// Which of the four scans have a hole behind a point: where one of the three neighbours is missing, or a corner.
+/// Elsewhere one anchor behind it is all that they have to look at.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(transparent)]
+pub(in crate::cpu) struct HolesBehind<R>(R);
+
+impl<R: Real> HolesBehind<R> {
+    fn new(scans: impl Iterator<Item = Scan>) -> Self {
+        Self(R::one().with_tag(scans.fold(0, |tag, scan| tag | Self::digit(scan))))
+    }
+
+    #[inline(always)]
+    fn digit(scan: Scan) -> u8 {
+        scan.bit() >> 1
+    }
+
+    #[inline(always)]
+    fn is_none_for(self, scan: Scan) -> bool {
+        self.0.tag_has(Self::digit(scan), 0)
+    }
+}
+
+impl<R: Real> Anchored<R> {
+    /// With the edges of a floor plan on this grid.
+    pub(in crate::cpu) fn new(edges: &EdgeLengths<R>, grid: EvenGrid) -> Self {
+        Self { floor: Floor::new(edges, grid) }
+    }
+}
+
+impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
+    type Carried = Anchor<R>;
+    type Arrival = KeptAnchored<R>;
+    type Ground = HolesBehind<R>;
+
+    const NEEDS_EDGES: bool = false;
+
+    fn from_seed(&mut self, seed: &Seed) -> KeptAnchored<R> {
+        Kept { time: R::of(seed.time), carried: self.floor.anchor_of(seed) }
+    }
+
+    fn forget(&mut self) {
+        self.floor.forget();
+    }
+
+    #[inline]
+    fn reach(
+        &self,
+        _: &EdgeLengths<R>,
+        point: usize,
+        behind: &Behind,
+        seen: impl Fn(usize) -> KeptAnchored<R>,
+    ) -> KeptAnchored<R> {
+        let way = self.floor.reach(point, behind.middle() as usize, seen);
+        Kept { time: way.time, carried: Anchor::new(way.anchor) }
+    }
+
+    /// What comes shorter than what is here, by more than rounding; and if the scan `renews`, what it brings
+    /// in place of what it has brought before.
+    #[inline(always)]
+    fn accept(
+        kept: KeptAnchored<R>,
+        arrival: KeptAnchored<R>,
+        scan: u8,
+        renews: bool,
+    ) -> KeptAnchored<R> {
+        let is_same = !is_shorter(arrival.time, kept.time)
+            & !is_shorter(kept.time, arrival.time)
+            & kept.carried.is(arrival.carried);
+        let again = (kept.time < R::FAR) & renews & kept.carried.is_from(scan) & !is_same;
+        let accepted = is_shorter(arrival.time, kept.time) | again;
+        let brought = arrival.carried.brought_by(scan);
+        let brought = if arrival.time < R::FAR { brought } else { Anchor::default() };
+        Kept {
+            time: if accepted { arrival.time } else { kept.time },
+            carried: if accepted { brought } else { kept.carried },
+        }
+    }
+
+    /// The second if it is shorter by more than rounding.
+    #[inline(always)]
+    fn first(a: KeptAnchored<R>, b: KeptAnchored<R>) -> KeptAnchored<R> {
+        let second = is_shorter(b.time, a.time);
+        Kept {
+            time: if second { b.time } else { a.time },
+            carried: if second { b.carried } else { a.carried },
+        }
+    }
+
+    /// Another anchor is news for the points beside it, if none for the map.
+    #[inline(always)]
+    fn change(before: KeptAnchored<R>, after: KeptAnchored<R>) -> R::Bits {
+        let turns = !before.carried.is(after.carried);
+        let turn = if turns { R::of(ANCHOR_COUNTS).in_units() } else { R::Bits::default() };
+        before.time.units_between(after.time).max(turn)
+    }
+
+    fn ground(&self, chart: Chart) -> Cow<'a, [HolesBehind<R>]> {
+        let stride = chart.stride();
+        let mut holes = vec![HolesBehind(R::one().with_tag(TAG)); chart.bordered_points()];
+        let inner = stride..holes.len() - stride;
+        holes[inner].par_chunks_mut(stride).enumerate().for_each(|(row, holes)| {
+            for (col, hole) in holes.iter_mut().enumerate().skip(1).take(chart.cols) {
+                let point = (row + 1) * stride + col;
+                let blocks = |scan: &Scan| !self.floor.is_open(point, scan.back() as usize);
+                *hole = HolesBehind::new(Scan::ALL.into_iter().filter(blocks));
+            }
+        });
+        holes.into()
+    }
+
+    fn bytes(&self) -> usize {
+        self.floor.bytes()
+    }
+
+    fn update(
+        &self,
+        lines: &mut LinesOf<'_, 'a, R, Self>,
+        line: usize,
+        points: &Range<usize>,
+        how: How,
+        changed: &mut [bool],
+    ) -> Updated<R::Bits> {
+        let line = AnchoredLine { floor: &self.floor, lines, line, points, scan: how.scan };
+        how.instructions.run(LineUpdate { line, how, changed })
+    }
+
+    /// As far as one anchor serves all that lies behind; where several do, there is something to do.
+    #[inline(always)]
+    fn leaves(
+        &self,
+        before: &BeforeOf<'_, 'a, R, Self>,
+        first: usize,
+        stretch: StretchOf<'_, 'a, R, Self>,
+        points: usize,
+        how: How,
+    ) -> bool {
+        if stretch.is_renewed(points, how.scan.0, how.renews) {
+            return false;
+        }
+        if stretch.leads(points) {
+            return true;
+        }
+        let [behind, beside, after] = stretch.carried_behind;
+        let anchor = beside[0];
+        let mut is_one = stretch.times_behind[1][0] < R::FAR;
+        for i in 0..points {
+            let anchors = [behind[i], beside[i], after[i]];
+            is_one &= is_of_one(anchor, anchors, stretch.ground[i], how.scan);
+        }
+        if !is_one {
+            return false;
+        }
+        let stride = before.edges.chart().stride();
+        let at = [first / stride, first % stride];
+        let known = |x: usize| Kept { time: before.times[x], carried: before.carried[x] };
+        let rays = self.floor.rays(at, how.scan.ahead(), [0, 1], known);
+        let mut settled = true;
+        for (i, &time) in stretch.times[..points].iter().enumerate() {
+            settled &= !is_shorter(rays.time(i, stretch.times_behind[1][i]), time);
+        }
+        settled
+    }
+}
+
+/// Whether three neighbours behind a point have this anchor, and no hole is near.
+#[inline(always)]
+fn is_of_one<R: Real>(
+    anchor: Anchor<R>,
+    [a, b, c]: [Anchor<R>; 3],
+    holes: HolesBehind<R>,
+    scan: Scan,
+) -> bool {
+    a.is(anchor) & b.is(anchor) & c.is(anchor) & holes.is_none_for(scan)
+}
+
+/// A line while a scan updates it.
+struct AnchoredLine<'l, 'g, R> {
+    floor: &'l Floor<R>,
+    lines: &'l mut GridLines<'g, R, Anchor<R>, HolesBehind<R>>,
+    line: usize,
+    points: &'l Range<usize>,
+    scan: Scan,
+}
+
+impl<R: Real> Stretches for AnchoredLine<'_, '_, R> {
+    type Changes = R::Bits;
+    type Bits = R::Bits;
+
+    #[inline(always)]
+    fn points(&self) -> usize {
+        self.points.len()
+    }
+
+    #[inline(always)]
+    fn prefetch_next(&self, start: usize) {
+        let next = if self.scan.is_forward() { self.line + 1 } else { self.line - 1 };
+        let place = (next * self.lines.stride + self.points.start + start + 1) as isize;
+        prefetch(self.lines.times, place);
+        prefetch(self.lines.carried, place);
+        prefetch(self.lines.ground, place);
+    }
+
+    #[inline(always)]
+    fn update(
+        &mut self,
+        start: usize,
+        points: usize,
+        how: How,
+        largest: &mut R::Bits,
+    ) -> Option<bool> {
+        let (lines, start) = (&*self.lines, self.points.start + start);
+        let line_behind = lines.line_behind(self.line, how.scan);
+        let (here, there) =
+            (self.line * lines.stride + start + 1, line_behind * lines.stride + start);
+        let (times, anchors) = (&lines.times[here..][..points], &lines.carried[here..][..points]);
+        let behind = LineBehind {
+            times: &lines.times[there..][..points + 2],
+            anchors: &lines.carried[there..][..points + 2],
+            holes: &lines.ground[here..][..points],
+        };
+        let (mut renewed, mut leads) = (false, true);
+        for i in 0..points {
+            renewed |= how.renews & anchors[i].is_from(how.scan.0);
+            leads &= behind.first(i) >= times[i];
+        }
+        if leads & !renewed {
+            return None;
+        }
+        let mut is_one = behind.times[0] < R::FAR;
+        for i in 0..points {
+            is_one &= behind.has(i, behind.anchors[0], how.scan);
+        }
+        let first = lines.position(self.line, start, how.scan);
+        let mut brought = Brought { times: [R::FAR; TILE], anchors: [Anchor::default(); TILE] };
+        if is_one {
+            brought.bring_from_one(self.floor, lines, &behind, first, 0..points, how.scan);
+        } else {
+            let may_come = |i: usize| {
+                behind.first(i) < times[i] || how.renews && anchors[i].is_from(how.scan.0)
+            };
+            brought
+                .bring_from_several(self.floor, lines, &behind, first, points, how.scan, may_come);
+        }
+        let (mut new_times, mut new_anchors) = ([R::zero(); TILE], [Anchor::default(); TILE]);
+        let mut changes = [R::Bits::default(); TILE];
+        let mut any = false;
+        for i in 0..points {
+            let before = Kept { time: times[i], carried: anchors[i] };
+            let arrival = Kept { time: brought.times[i], carried: brought.anchors[i] };
+            let after = Anchored::accept(before, arrival, how.scan.0, how.renews);
+            changes[i] = Anchored::change(before, after);
+            any |= (before.time.units_between(after.time) > R::Bits::default())
+                | before.carried.differs(after.carried);
+            (new_times[i], new_anchors[i]) = (after.time, after.carried);
+        }
+        if any {
+            self.lines.times[here..][..points].copy_from_slice(&new_times[..points]);
+            self.lines.carried[here..][..points].copy_from_slice(&new_anchors[..points]);
+        }
+        *largest = (*largest).max(changes.into_iter().max().unwrap_or_default());
+        Some(any)
+    }
+
+    #[inline(always)]
+    fn largest(changes: R::Bits) -> R::Bits {
+        changes
+    }
+}
+
+/// The points behind a stretch, from the one before its first to the one after its last.
+struct LineBehind<'a, R> {
+    times: &'a [R],
+    anchors: &'a [Anchor<R>],
+    /// At the points of the stretch.
+    holes: &'a [HolesBehind<R>],
+}
+
+impl<R: Real> LineBehind<'_, R> {
+    /// The earliest of the three behind a point.
+    #[inline(always)]
+    fn first(&self, i: usize) -> R {
+        min(self.times[i], min(self.times[i + 1], self.times[i + 2]))
+    }
+
+    /// Whether all three have an anchor, and no hole is near.
+    #[inline(always)]
+    fn has(&self, i: usize, anchor: Anchor<R>, scan: Scan) -> bool {
+        let behind = [self.anchors[i], self.anchors[i + 1], self.anchors[i + 2]];
+        is_of_one(anchor, behind, self.holes[i], scan)
+    }
+}
+
+/// What a scan brings to the points of a stretch.
+struct Brought<R> {
+    times: [R; TILE],
+    anchors: [Anchor<R>; TILE],
+}
+
+impl<R: Real> Brought<R> {
+    /// To points behind which all have one anchor, and no hole is near.
+    #[inline(always)]
+    fn bring_from_one(
+        &mut self,
+        floor: &Floor<R>,
+        lines: &GridLines<R, Anchor<R>, HolesBehind<R>>,
+        behind: &LineBehind<R>,
+        first: [usize; 2],
+        points: Range<usize>,
+        scan: Scan,
+    ) {
+        let i = points.start;
+        let (ahead, along) = (scan.ahead(), if scan.by_rows() { [0, 1] } else { [1, 0] });
+        let rays = floor.rays(further(first, i, scan), ahead, along, |x| lines.front(x));
+        self.anchors[points.clone()].fill(behind.anchors[i]);
+        let beside = &behind.times[points.start + 1..points.end + 1];
+        for (i, (time, &behind)) in self.times[points].iter_mut().zip(beside).enumerate() {
+            *time = rays.time(i, behind);
+        }
+    }
+
+    /// To others: as many as possible at once, and the rest one after another.
+    #[allow(clippy::too_many_arguments)]
+    #[inline(always)]
+    fn bring_from_several(
+        &mut self,
+        floor: &Floor<R>,
+        lines: &GridLines<R, Anchor<R>, HolesBehind<R>>,
+        behind: &LineBehind<R>,
+        first: [usize; 2],
+        points: usize,
+        scan: Scan,
+        may_come: impl Fn(usize) -> bool,
+    ) {
+        let (mut wanted, mut of_one) = ([false; TILE], [false; TILE]);
+        for i in 0..points {
+            wanted[i] = may_come(i);
+            of_one[i] = behind.has(i, behind.anchors[i], scan);
+        }
+        let mut i = 0;
+        while i < points {
+            if !wanted[i] {
+                i += 1;
+                continue;
+            }
+            if of_one[i] && behind.times[i] < R::FAR {
+                let anchor = behind.anchors[i];
+                let goes_on = |&other: &usize| of_one[other] && behind.anchors[other].is(anchor);
+                let run = (i..points).take_while(goes_on).count();
+                self.bring_from_one(floor, lines, behind, first, i..i + run, scan);
+                i += run;
+                continue;
+            }
+            let [row, col] = further(first, i, scan);
+            let point = row * lines.place.chart.stride() + col;
+            if floor.has(point) {
+                let arrival = reach(floor, lines, point, scan);
+                (self.times[i], self.anchors[i]) = (arrival.time, arrival.carried);
+            }
+            i += 1;
+        }
+    }
+}
+
+/// The position of a point further on along a line.
+#[inline(always)]
+fn further([row, col]: [usize; 2], by: usize, scan: Scan) -> [usize; 2] {
+    if scan.by_rows() { [row, col + by] } else { [row + by, col] }
+}
+
+/// The way to a point from the line behind, one point at a time.
+#[inline(never)]
+fn reach<R: Real>(
+    floor: &Floor<R>,
+    lines: &GridLines<R, Anchor<R>, HolesBehind<R>>,
+    point: usize,
+    scan: Scan,
+) -> KeptAnchored<R> {
+    let way = floor.reach(point, scan.back() as usize, |x| lines.front(x));
+    Kept { time: way.time, carried: Anchor::new(way.anchor) }
+}

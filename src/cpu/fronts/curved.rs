@@ -1,0 +1,385 @@
+//! Fronts that carry their curvature.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, StretchOf, TriangleKind};
+use crate::cpu::behind::Behind;
+use crate::cpu::bend_units;
+use crate::cpu::line::ScanLine;
+use crate::cpu::line_update::{How, LineUpdate, Stretches, Updated};
+use crate::cpu::settled::{Visited, from_curved};
+use crate::cpu::stretch::Stretch;
+use crate::cpu::tiles::TILE;
+use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
+use crate::update::{Bends, Carried, Curvature, Front, Kept, Triangle, curved};
+
+/// [`crate::Wavefront::Curved`].
+#[derive(Clone, Copy, Debug)]
+pub(in crate::cpu) struct Curved<'a, R> {
+    /// The surface's Gaussian curvature, tagged where waves diffract.
+    gaussian: &'a [R],
+}
+
+/// The front that a point keeps.
+type KeptCurved<R> = Kept<R, Curvature<R>>;
+
+impl<'a, R: Real> Curved<'a, R> {
+    pub(in crate::cpu) fn new(edges: &'a EdgeLengths<R>) -> Self {
+        Self { gaussian: edges.gaussian_curvature() }
+    }
+}
+
+impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
+    type Carried = Curvature<R>;
+    type Arrival = Front<R>;
+    type Ground = R;
+
+    fn from_seed(&mut self, seed: &Seed) -> Front<R> {
+        Front { time: R::of(seed.time), curvature: R::of(seed.curvature), whole: true }
+    }
+
+    #[inline]
+    fn reach(
+        &self,
+        edges: &EdgeLengths<R>,
+        point: usize,
+        behind: &Behind,
+        seen: impl Fn(usize) -> KeptCurved<R>,
+    ) -> Front<R> {
+        let [a, b] =
+            behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));
+        Front::first(a, b)
+    }
+
+    #[inline(always)]
+    fn accept(kept: KeptCurved<R>, arrival: Front<R>, scan: u8, renews: bool) -> KeptCurved<R> {
+        accept(kept, arrival, scan, renews)
+    }
+
+    /// Of those that arrive together as [`Front::first`].
+    #[inline(always)]
+    fn first(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R> {
+        let (of_a, of_b) = (a.carried.front(a.time), b.carried.front(b.time));
+        let time = min(a.time, b.time);
+        let second =
+            if of_a.arrives_with(of_b) { of_b.knows_better(of_a) } else { of_b.time < of_a.time };
+        Kept { time, carried: if second { b.carried } else { a.carried } }
+    }
+
+    /// The larger of the changes of arrival time and curvature.
+    #[inline(always)]
+    fn change(before: KeptCurved<R>, after: KeptCurved<R>) -> R::Bits {
+        let bend = (after.carried.value() - before.carried.value()).abs() * after.time;
+        before.time.units_between(after.time).max(bend_units(bend))
+    }
+
+    fn ground(&self, _: Chart) -> Cow<'a, [R]> {
+        self.gaussian.into()
+    }
+
+    fn update(
+        &self,
+        lines: &mut LinesOf<'_, 'a, R, Self>,
+        line: usize,
+        points: &Range<usize>,
+        how: How,
+        changed: &mut [bool],
+    ) -> Updated<R::Bits> {
+        let line = CurvedLine(lines.line(line, points, how.scan));
+        how.instructions.run(LineUpdate { line, how, changed })
+    }
+
+    #[inline(always)]
+    fn leaves(
+        &self,
+        _: &BeforeOf<'_, 'a, R, Self>,
+        _: usize,
+        stretch: StretchOf<'_, 'a, R, Self>,
+        points: usize,
+        how: How,
+    ) -> bool {
+        leaves(&stretch, points, how)
+    }
+}
+
+impl<'a, R: Real> TriangleKind<'a, R> for Curved<'a, R> {
+    #[inline]
+    fn arrival(
+        &self,
+        corners: [usize; 3],
+        triangle: Triangle<R>,
+        carried: [Curvature<R>; 2],
+        alone: bool,
+    ) -> Front<R> {
+        let fronts = carried.map(Curvature::value);
+        let surface = corners.map(|corner| self.gaussian[corner]);
+        curved(triangle, Bends { fronts, surface, alone })
+    }
+
+    fn time(arrival: Front<R>) -> R {
+        arrival.time
+    }
+
+    fn curvature(kept: KeptBy<'a, R, Self>) -> R {
+        kept.carried.value()
+    }
+
+    fn circle(radius: R) -> Curvature<R> {
+        let front = Front { time: radius, curvature: radius.recip(), whole: false };
+        Curvature::of(front, crate::update::SEED)
+    }
+}
+
+/// The front at a point after a scan has brought one to it.
+///
+/// It is accepted if it is the first, or arrives with that and is preferred
+/// ([`Front::replaces`]). If the scan `renews`, it is accepted as well, earlier or later, if it has
+/// brought the one before: that came from the same triangles, whose fronts have changed since. So
+/// nothing that was computed from a preliminary curvature stays. What differs by rounding alone is no
+/// change ([`Front::is_same_as`]): the last digits of a front far away would else be passed on from
+/// point to point and visited anew. Else the one that is here stays, so that scans that arrive together
+/// do not take turns.
+#[inline(always)]
+fn accept<R: Real>(kept: KeptCurved<R>, front: Front<R>, scan: u8, renews: bool) -> KeptCurved<R> {
+    let Kept { time, carried: curvature } = kept;
+    let before = curvature.front(time);
+    let brought = Curvature::of(front, scan);
+    let front = Front { curvature: brought.value(), ..front };
+    let was_reached = time < R::FAR;
+    let together = was_reached & front.arrives_with(before);
+    let first = if together { front.replaces(before) } else { front.time < time };
+    let is_new = !(together & front.is_same_as(before));
+    let accepted = first | (was_reached & renews & curvature.is_from(scan) & is_new);
+    let arrival = if together { min(time, front.time) } else { front.time };
+    Kept {
+        time: if accepted { arrival } else { time },
+        carried: if accepted { brought } else { curvature },
+    }
+}
+
+/// Whether a scan leaves a stretch of points as they are.
+#[inline(always)]
+fn leaves<R: Real>(stretch: &Stretch<R, Curvature<R>, R>, points: usize, how: How) -> bool {
+    if stretch.is_renewed(points, how.scan.0, how.renews) {
+        return false;
+    }
+    if stretch.leads(points) {
+        return true;
+    }
+    let [before, beside, after] = stretch.carried_behind;
+    let mut settled = true;
+    for i in 0..points {
+        let visited: Visited<R> = stretch.visited(i);
+        let [left, right] = visited.triangles;
+        let [k_before, k_beside, k_after] =
+            [before[i].value(), beside[i].value(), after[i].value()];
+        let of = [
+            from_curved(left, [k_before, k_beside], visited.now),
+            from_curved(right, [k_after, k_beside], visited.now),
+        ];
+        settled &= visited.stays(of);
+    }
+    settled
+}
+
+/// A line while a scan updates it.
+struct CurvedLine<'a, R>(ScanLine<'a, R, Curvature<R>, R>);
+
+/// The largest changes by their place in the stretch.
+struct BentChanges<R: Real> {
+    /// Of arrival times ([`Real::units_between`]).
+    times: [R::Bits; TILE],
+    /// Of curvatures, times the arrival time, as numbers above zero.
+    bends: [R::Bits; TILE],
+}
+
+impl<R: Real> Default for BentChanges<R> {
+    #[inline(always)]
+    fn default() -> Self {
+        let none = [R::Bits::default(); TILE];
+        Self { times: none, bends: none }
+    }
+}
+
+impl<R: Real> Stretches for CurvedLine<'_, R> {
+    type Changes = BentChanges<R>;
+    type Bits = R::Bits;
+
+    #[inline(always)]
+    fn points(&self) -> usize {
+        self.0.times.len()
+    }
+
+    #[inline(always)]
+    fn prefetch_next(&self, start: usize) {
+        self.0.prefetch_next(start);
+    }
+
+    #[inline(always)]
+    fn update(
+        &mut self,
+        start: usize,
+        points: usize,
+        how: How,
+        changes: &mut BentChanges<R>,
+    ) -> Option<bool> {
+        let stretch = self.0.stretch(start, points);
+        if leaves(&stretch, points, how) {
+            return None;
+        }
+        let bent = Bent { stretch, gaussian_behind: self.0.ground_behind(start, points) };
+        let first = if stretch.comes_from_left(points) {
+            first_fronts::<R, true, false>(&bent, points, how)
+        } else {
+            first_fronts::<R, false, true>(&bent, points, how)
+        };
+        let (mut times, mut curvatures) = ([R::zero(); TILE], [Curvature::default(); TILE]);
+        let mut any = false;
+        for i in 0..points {
+            let before = Kept { time: stretch.times[i], carried: stretch.carried[i] };
+            let after = accept(before, first.get(i), how.scan.0, how.renews);
+            (times[i], curvatures[i]) = (after.time, after.carried);
+            let [bent_before, bent] = [before.carried.value(), after.carried.value()];
+            let change = before.time.units_between(after.time);
+            any |= change.max(bent_before.units_between(bent)) > R::Bits::default();
+            changes.times[i] = change.max(changes.times[i]);
+            // As whole numbers, whose maximum compilers find in lanes.
+            let bend = (bent - bent_before).abs() * after.time;
+            changes.bends[i] = R::zero().units_between(bend).max(changes.bends[i]);
+        }
+        self.0.times[start..][..points].copy_from_slice(&times[..points]);
+        self.0.carried[start..][..points].copy_from_slice(&curvatures[..points]);
+        Some(any)
+    }
+
+    #[inline(always)]
+    fn largest(changes: BentChanges<R>) -> R::Bits {
+        let largest = |of: [R::Bits; TILE]| of.into_iter().max().unwrap_or_default();
+        largest(changes.times).max(bend_units(R::from_bits(largest(changes.bends))))
+    }
+}
+
+/// A stretch of points, and the Gaussian curvature behind them.
+struct Bent<'a, R> {
+    stretch: Stretch<'a, R, Curvature<R>, R>,
+    gaussian_behind: [&'a [R]; 3],
+}
+
+impl<R: Real> Bent<'_, R> {
+    /// The curvatures of the fronts at x1 and x2 of one of the two triangles of point i.
+    #[inline(always)]
+    fn fronts<const LEFT: bool>(&self, i: usize) -> [R; 2] {
+        let behind = &self.stretch.carried_behind;
+        let x1 = if LEFT { 0 } else { 1 };
+        [behind[x1][i].value(), behind[x1 + 1][i].value()]
+    }
+
+    /// The front through it.
+    #[inline(always)]
+    fn front<const LEFT: bool>(&self, i: usize) -> Front<R> {
+        let (stretch, x1) = (&self.stretch, if LEFT { 0 } else { 1 });
+        let gaussian = &self.gaussian_behind;
+        let surface = [stretch.ground[i], gaussian[x1][i], gaussian[x1 + 1][i]];
+        let (fronts, alone) = (self.fronts::<LEFT>(i), stretch.is_alone(i));
+        curved(stretch.triangle::<LEFT>(i), Bends { fronts, surface, alone })
+    }
+}
+
+/// The first fronts through the triangle that most points should be reached through, and through the
+/// other unless nothing comes first through it.
+#[inline(always)]
+fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
+    bent: &Bent<R>,
+    points: usize,
+    how: How,
+) -> FirstFronts<R> {
+    let stretch = &bent.stretch;
+    let mut first = FirstFronts::default();
+    for i in 0..points {
+        first.set(i, bent.front::<FIRST_LEFT>(i));
+    }
+    let mut settled = true;
+    for i in 0..points {
+        // A front that is renewed may come later than it did.
+        let renewed = how.renews & stretch.carried[i].is_from(how.scan.0);
+        let now = if renewed { first.times[i] } else { min(stretch.times[i], first.times[i]) };
+        let other = stretch.from_beside::<SECOND_LEFT>(i);
+        settled &= from_curved(other, bent.fronts::<SECOND_LEFT>(i), now);
+    }
+    if !settled {
+        for i in 0..points {
+            first.set(i, Front::first(first.get(i), bent.front::<SECOND_LEFT>(i)));
+        }
+    }
+    first
+}
+
+/// The front that comes first to each point of a stretch.
+struct FirstFronts<R> {
+    times: [R; TILE],
+    curvatures: [R; TILE],
+    /// One where it is whole, as wide as the others for the sake of lanes.
+    whole: [R; TILE],
+}
+
+impl<R: Real> Default for FirstFronts<R> {
+    #[inline(always)]
+    fn default() -> Self {
+        let none = [R::zero(); TILE];
+        Self { times: none, curvatures: none, whole: none }
+    }
+}
+
+impl<R: Real> FirstFronts<R> {
+    #[inline(always)]
+    fn get(&self, i: usize) -> Front<R> {
+        let whole = self.whole[i] > R::zero();
+        Front { time: self.times[i], curvature: self.curvatures[i], whole }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, i: usize, front: Front<R>) {
+        (self.times[i], self.curvatures[i]) = (front.time, front.curvature);
+        self.whole[i] = if front.whole { R::one() } else { R::zero() };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What becomes of a front of time 1.5 and curvature 0.3 that scan 2 has brought from a whole triangle
+    /// when this comes.
+    fn after<R: Real>([time, curvature]: [f64; 2], scan: u8, renews: bool) -> KeptCurved<R> {
+        let whole = true;
+        let old = Curvature::of(Front { time: R::of(1.5), curvature: R::of(0.3), whole }, 2);
+        let front = Front { time: R::of(time), curvature: R::of(curvature), whole };
+        accept(Kept { time: R::of(1.5), carried: old }, front, scan, renews)
+    }
+
+    fn assert_renews_but_for_rounding<R: Real>() {
+        let kept = after::<R>([2.0, 0.3], 1, true);
+        assert_eq!(kept.time, R::of(1.5));
+        let digit = R::epsilon().wide();
+        let is_kept = |front, scan, renews| after::<R>(front, scan, renews) == kept;
+        // Its own scan brings it again.
+        assert!(is_kept([1.5 + digit, 0.3], 2, true));
+        assert!(is_kept([1.5 - digit, 0.3 * (1.0 + 64.0 * digit)], 2, true));
+        for changed in [[1.5 + 4.0 * digit, 0.3], [1.5, 0.3 * (1.0 + 4096.0 * digit)]] {
+            assert_eq!(after::<R>(changed, 2, true).time, R::of(changed[0]));
+            assert!(!is_kept(changed, 2, true) && is_kept(changed, 2, false));
+            assert!(is_kept(changed, 1, true));
+        }
+        // Another brings one that arrives together with it, earlier by a digit, or earlier by more.
+        assert!(is_kept([1.5 - digit, 0.299], 1, true));
+        assert!(!is_kept([1.5 - digit, 0.29], 1, true));
+        assert!(!is_kept([1.5 - 4.0 * digit, 0.299], 1, true));
+    }
+
+    #[test]
+    fn fronts_that_come_again_are_renewed_but_for_rounding() {
+        assert_renews_but_for_rounding::<f32>();
+        assert_renews_but_for_rounding::<f64>();
+    }
+}

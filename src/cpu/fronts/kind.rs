@@ -1,0 +1,143 @@
+//! What a solver asks of a kind of front.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use bytemuck::Pod;
+
+use crate::cpu::behind::{Behind, TriangleSlots};
+use crate::cpu::line::GridLines;
+use crate::cpu::line_update::{How, Updated};
+use crate::cpu::stretch::{Before, Stretch};
+use crate::surface::{Chart, EdgeLengths, Real, Seed};
+use crate::update::{Carried, Kept, Triangle};
+
+/// The front that a point keeps, by the kind of front.
+pub(in crate::cpu) type KeptBy<'a, R, K> = Kept<R, <K as FrontKind<'a, R>>::Carried>;
+/// [`GridLines`], likewise.
+pub(in crate::cpu) type LinesOf<'l, 'a, R, K> =
+    GridLines<'l, R, <K as FrontKind<'a, R>>::Carried, <K as FrontKind<'a, R>>::Ground>;
+/// [`Stretch`], likewise.
+pub(in crate::cpu) type StretchOf<'l, 'a, R, K> =
+    Stretch<'l, R, <K as FrontKind<'a, R>>::Carried, <K as FrontKind<'a, R>>::Ground>;
+/// [`Before`], likewise.
+pub(in crate::cpu) type BeforeOf<'l, 'a, R, K> =
+    Before<'l, R, <K as FrontKind<'a, R>>::Carried, <K as FrontKind<'a, R>>::Ground>;
+
+/// A kind of front over the surface whose edges live for `'a`: what its points carry, what it needs of the
+/// surface, and how it starts, goes on, and is compared. The first half is for solvers that update points one
+/// by one, the second for those that update lines in lanes.
+pub(in crate::cpu) trait FrontKind<'a, R: Real>:
+    Clone + std::fmt::Debug + Send + Sync
+{
+    /// What the front at a point carries beside its arrival time.
+    type Carried: Carried;
+
+    /// What comes to a point.
+    type Arrival: Copy;
+
+    /// What comes from a seed.
+    fn from_seed(&mut self, seed: &Seed) -> Self::Arrival;
+
+    /// Forgets the seeds of the last map.
+    fn forget(&mut self) {}
+
+    /// The first that comes to a point through the triangles behind it, with the fronts at other points
+    /// seen through `seen`.
+    fn reach(
+        &self,
+        edges: &EdgeLengths<R>,
+        point: usize,
+        behind: &Behind,
+        seen: impl Fn(usize) -> KeptBy<'a, R, Self>,
+    ) -> Self::Arrival;
+
+    /// The front at a point after one of the scans, numbered from 1, has brought something to it: that, if it
+    /// is the first, or if the scan `renews` what it has brought before.
+    fn accept(
+        kept: KeptBy<'a, R, Self>,
+        arrival: Self::Arrival,
+        scan: u8,
+        renews: bool,
+    ) -> KeptBy<'a, R, Self>;
+
+    /// The first of two fronts at a point.
+    fn first(a: KeptBy<'a, R, Self>, b: KeptBy<'a, R, Self>) -> KeptBy<'a, R, Self>;
+
+    /// How much a front has changed, in units of its arrival time ([`Real::units_between`]).
+    fn change(before: KeptBy<'a, R, Self>, after: KeptBy<'a, R, Self>) -> R::Bits;
+
+    /// What is needed of each point of the surface.
+    type Ground: Pod + Send + Sync + std::fmt::Debug;
+
+    /// Whether edges are needed in lanes.
+    const NEEDS_EDGES: bool = true;
+
+    /// What is needed of the surface, as a bordered array.
+    fn ground(&self, chart: Chart) -> Cow<'a, [Self::Ground]>;
+
+    /// Bytes held, beside that.
+    fn bytes(&self) -> usize {
+        0
+    }
+
+    /// Updates points of a line from the line behind, and marks which stretches of
+    /// [`TILE`](crate::cpu::tiles::TILE) points have changed.
+    fn update(
+        &self,
+        lines: &mut LinesOf<'_, 'a, R, Self>,
+        line: usize,
+        points: &Range<usize>,
+        how: How,
+        changed: &mut [bool],
+    ) -> Updated<R::Bits>;
+
+    /// Whether a scan leaves so many points in a row, of which this is the first, as they are. To be
+    /// inlined into lanes.
+    fn leaves(
+        &self,
+        before: &BeforeOf<'_, 'a, R, Self>,
+        first: usize,
+        stretch: StretchOf<'_, 'a, R, Self>,
+        points: usize,
+        how: How,
+    ) -> bool;
+}
+
+/// A kind of front of which the update of a single triangle is known.
+pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
+    /// What comes to a point x0 through the triangle with x1 and x2, whose fronts carry this; see
+    /// [`crate::update::Bends`] for `alone`.
+    fn arrival(
+        &self,
+        corners: [usize; 3],
+        triangle: Triangle<R>,
+        carried: [Self::Carried; 2],
+        alone: bool,
+    ) -> Self::Arrival;
+
+    /// When it comes.
+    fn time(arrival: Self::Arrival) -> R;
+
+    /// The same through one of a point's triangles.
+    #[inline]
+    fn through(
+        &self,
+        edges: &EdgeLengths<R>,
+        point: usize,
+        slots: &TriangleSlots,
+        seen: impl Fn(usize) -> KeptBy<'a, R, Self>,
+    ) -> Self::Arrival {
+        let [x1, x2] = slots.corners(point);
+        let kept = [x1, x2].map(seen);
+        let triangle = slots.triangle(edges, point, kept.map(|front| front.time));
+        let carried = kept.map(|front| front.carried);
+        self.arrival([point, x1, x2], triangle, carried, slots.is_alone(triangle))
+    }
+
+    /// The curvature of a front; of one that carries none, that of a circle around its source.
+    fn curvature(kept: KeptBy<'a, R, Self>) -> R;
+
+    /// What a circle of some radius carries over a plane.
+    fn circle(radius: R) -> Self::Carried;
+}

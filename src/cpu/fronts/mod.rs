@@ -1,0 +1,75 @@
+//! The kinds of fronts, a file each, and the place where one of them is taken.
+//!
+//! Solvers are written once, for any [`FrontKind`]. What takes a [`Wavefront`] goes through [`for_kind`], which
+//! compiles a solver for each.
+
+mod anchored;
+mod circular;
+mod curved;
+mod kind;
+mod planar;
+mod straight;
+
+pub(super) use anchored::Anchored;
+pub(super) use circular::Circular;
+pub(super) use curved::Curved;
+pub(super) use kind::{FrontKind, KeptBy, TriangleKind};
+pub(super) use planar::Planar;
+
+use crate::surface::{EdgeLengths, Real};
+use crate::update::{Setting, Wavefront};
+
+/// A kind of front over a surface.
+pub(super) enum FrontOver<'a, R> {
+    Planar(Planar),
+    Circular(Circular),
+    Curved(Curved<'a, R>),
+    Anchored(Anchored<R>),
+}
+
+impl<'a, R: Real> FrontOver<'a, R> {
+    /// The kind that a wavefront is over the surface with these edges.
+    pub(super) fn new(edges: &'a EdgeLengths<R>, wavefront: Wavefront) -> Self {
+        let floor = edges.floor();
+        match (wavefront.or_curved(Setting::of_engine(floor.is_some())), floor) {
+            (Wavefront::Planar, _) => Self::Planar(Planar),
+            (Wavefront::PointSource, _) => Self::Circular(Circular),
+            (Wavefront::Anchored, Some(grid)) => Self::Anchored(Anchored::new(edges, grid)),
+            (Wavefront::Anchored | Wavefront::Curved, _) => Self::Curved(Curved::new(edges)),
+        }
+    }
+}
+
+/// Solves with the kind of front that a wavefront is over a surface: `for_kind!(edges, wavefront, kind => ..)`.
+macro_rules! for_kind {
+    ($edges:expr, $wavefront:expr, $kind:ident => $solve:expr) => {
+        match $crate::cpu::fronts::FrontOver::new($edges, $wavefront) {
+            $crate::cpu::fronts::FrontOver::Planar($kind) => $solve,
+            $crate::cpu::fronts::FrontOver::Circular($kind) => $solve,
+            $crate::cpu::fronts::FrontOver::Curved($kind) => $solve,
+            $crate::cpu::fronts::FrontOver::Anchored($kind) => $solve,
+        }
+    };
+}
+pub(super) use for_kind;
+
+/// The same for solvers of [`TriangleKind`]s alone, for which anchored fronts are curved ones.
+macro_rules! for_triangle_kind {
+    ($edges:expr, $wavefront:expr, $kind:ident => $solve:expr) => {
+        match $wavefront {
+            $crate::update::Wavefront::Planar => {
+                let $kind = $crate::cpu::fronts::Planar;
+                $solve
+            }
+            $crate::update::Wavefront::PointSource => {
+                let $kind = $crate::cpu::fronts::Circular;
+                $solve
+            }
+            $crate::update::Wavefront::Curved | $crate::update::Wavefront::Anchored => {
+                let $kind = $crate::cpu::fronts::Curved::new($edges);
+                $solve
+            }
+        }
+    };
+}
+pub(super) use for_triangle_kind;

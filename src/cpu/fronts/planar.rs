@@ -1,0 +1,27 @@
+//! Planar fronts.
+
+use super::straight::Straight;
+use crate::cpu::settled::from_planar;
+use crate::surface::{Real, min};
+use crate::update::{Triangle, planar};
+
+/// [`crate::Wavefront::Planar`].
+#[derive(Clone, Copy, Debug)]
+pub(in crate::cpu) struct Planar;
+
+impl Straight for Planar {
+    #[inline(always)]
+    fn time<R: Real>(triangle: Triangle<R>) -> R {
+        planar(triangle)
+    }
+
+    #[inline(always)]
+    fn earlier<R: Real>(now: R, triangle: Triangle<R>) -> R {
+        min(now, planar(triangle))
+    }
+
+    #[inline(always)]
+    fn is_settled<R: Real>(triangle: Triangle<R>, now: R) -> bool {
+        from_planar(triangle, now)
+    }
+}

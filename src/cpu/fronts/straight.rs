@@ -1,0 +1,226 @@
+//! Fronts that carry nothing beside their arrival time.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, StretchOf, TriangleKind};
+use crate::cpu::behind::Behind;
+use crate::cpu::line::ScanLine;
+use crate::cpu::line_update::{How, LineUpdate, Stretches, Updated};
+use crate::cpu::settled::Visited;
+use crate::cpu::stretch::Stretch;
+use crate::cpu::tiles::TILE;
+use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
+use crate::update::{Kept, Triangle};
+
+/// What such fronts differ in.
+pub(in crate::cpu) trait Straight:
+    Copy + std::fmt::Debug + Send + Sync + 'static
+{
+    /// The arrival time through a triangle.
+    fn time<R: Real>(triangle: Triangle<R>) -> R;
+
+    /// The earlier of the arrival time at a point and that through a triangle, as scans in lanes take it.
+    fn earlier<R: Real>(now: R, triangle: Triangle<R>) -> R;
+
+    /// Whether nothing comes through a triangle earlier than `now`.
+    fn is_settled<R: Real>(triangle: Triangle<R>, now: R) -> bool;
+}
+
+#[inline(always)]
+fn at<R>(time: R) -> Kept<R, ()> {
+    Kept { time, carried: () }
+}
+
+impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
+    type Carried = ();
+    type Arrival = R;
+    type Ground = ();
+
+    fn from_seed(&mut self, seed: &Seed) -> R {
+        R::of(seed.time)
+    }
+
+    #[inline]
+    fn reach(
+        &self,
+        edges: &EdgeLengths<R>,
+        point: usize,
+        behind: &Behind,
+        seen: impl Fn(usize) -> Kept<R, ()>,
+    ) -> R {
+        let [a, b] =
+            behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));
+        min(a, b)
+    }
+
+    #[inline(always)]
+    fn accept(kept: Kept<R, ()>, time: R, _: u8, _: bool) -> Kept<R, ()> {
+        at(min(kept.time, time))
+    }
+
+    #[inline(always)]
+    fn first(a: Kept<R, ()>, b: Kept<R, ()>) -> Kept<R, ()> {
+        at(min(a.time, b.time))
+    }
+
+    #[inline(always)]
+    fn change(before: Kept<R, ()>, after: Kept<R, ()>) -> R::Bits {
+        before.time.units_between(after.time)
+    }
+
+    fn ground(&self, chart: Chart) -> Cow<'a, [()]> {
+        vec![(); chart.bordered_points()].into()
+    }
+
+    fn update(
+        &self,
+        lines: &mut LinesOf<'_, 'a, R, Self>,
+        line: usize,
+        points: &Range<usize>,
+        how: How,
+        changed: &mut [bool],
+    ) -> Updated<R::Bits> {
+        let line = StraightLine::<R, S>(lines.line(line, points, how.scan), *self);
+        how.instructions.run(LineUpdate { line, how, changed })
+    }
+
+    #[inline(always)]
+    fn leaves(
+        &self,
+        _: &BeforeOf<'_, 'a, R, Self>,
+        _: usize,
+        stretch: StretchOf<'_, 'a, R, Self>,
+        points: usize,
+        _: How,
+    ) -> bool {
+        stretch.leads(points) || stays::<R, S>(&stretch, points)
+    }
+}
+
+impl<'a, R: Real, S: Straight> TriangleKind<'a, R> for S {
+    #[inline]
+    fn arrival(&self, _: [usize; 3], triangle: Triangle<R>, _: [(); 2], _: bool) -> R {
+        <S as Straight>::time(triangle)
+    }
+
+    fn time(arrival: R) -> R {
+        arrival
+    }
+
+    fn curvature(kept: KeptBy<'a, R, Self>) -> R {
+        kept.time.recip()
+    }
+
+    fn circle(_: R) {}
+}
+
+/// Whether nothing comes earlier to any point.
+#[inline(always)]
+fn stays<R: Real, S: Straight>(stretch: &Stretch<R, (), ()>, points: usize) -> bool {
+    let mut settled = true;
+    for i in 0..points {
+        let visited: Visited<R> = stretch.visited(i);
+        let [left, right] = visited.triangles;
+        let of = [S::is_settled(left, visited.now), S::is_settled(right, visited.now)];
+        settled &= visited.stays(of);
+    }
+    settled
+}
+
+/// A line while a scan updates it.
+struct StraightLine<'a, R, S>(ScanLine<'a, R, (), ()>, S);
+
+/// The largest changes of arrival times, by their place in the stretch.
+struct TimeChanges<R: Real>([R::Bits; TILE]);
+
+impl<R: Real> Default for TimeChanges<R> {
+    #[inline(always)]
+    fn default() -> Self {
+        Self([R::Bits::default(); TILE])
+    }
+}
+
+impl<R: Real, S: Straight> Stretches for StraightLine<'_, R, S> {
+    type Changes = TimeChanges<R>;
+    type Bits = R::Bits;
+
+    #[inline(always)]
+    fn points(&self) -> usize {
+        self.0.times.len()
+    }
+
+    #[inline(always)]
+    fn prefetch_next(&self, start: usize) {
+        self.0.prefetch_next(start);
+    }
+
+    #[inline(always)]
+    fn update(
+        &mut self,
+        start: usize,
+        points: usize,
+        _: How,
+        changes: &mut TimeChanges<R>,
+    ) -> Option<bool> {
+        let stretch = self.0.stretch(start, points);
+        if stretch.leads(points) {
+            return None;
+        }
+        // Where none has been reached, something comes, and the test would be in vain.
+        if !stretch.is_unreached(points) && stays::<R, S>(&stretch, points) {
+            return None;
+        }
+        let mut now = [R::zero(); TILE];
+        now[..points].copy_from_slice(stretch.times);
+        let after = if stretch.comes_from_left(points) {
+            updated::<R, S, true, false>(&stretch, &now, points)
+        } else {
+            updated::<R, S, false, true>(&stretch, &now, points)
+        };
+        let mut any = false;
+        for (i, largest) in changes.0[..points].iter_mut().enumerate() {
+            let change = now[i].units_between(after[i]);
+            any |= change > R::Bits::default();
+            *largest = change.max(*largest);
+        }
+        self.0.times[start..][..points].copy_from_slice(&after[..points]);
+        Some(any)
+    }
+
+    #[inline(always)]
+    fn largest(changes: TimeChanges<R>) -> R::Bits {
+        changes.0.into_iter().max().unwrap_or_default()
+    }
+}
+
+/// The arrival times at points, or those through one of their two triangles where these are
+/// earlier. In an array of its own: compilers do not keep in registers what they write to a line.
+#[inline(always)]
+fn earlier<R: Real, S: Straight, const LEFT: bool>(
+    stretch: &Stretch<R, (), ()>,
+    now: &[R; TILE],
+    points: usize,
+) -> [R; TILE] {
+    let mut times = [R::zero(); TILE];
+    for i in 0..points {
+        times[i] = S::earlier(now[i], stretch.triangle::<LEFT>(i));
+    }
+    times
+}
+
+/// Updates points from the triangle that most of them should be reached through, and from the
+/// other unless nothing comes earlier through it.
+#[inline(always)]
+fn updated<R: Real, S: Straight, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
+    stretch: &Stretch<R, (), ()>,
+    now: &[R; TILE],
+    points: usize,
+) -> [R; TILE] {
+    let first = earlier::<R, S, FIRST_LEFT>(stretch, now, points);
+    let mut settled = true;
+    for (i, &time) in first[..points].iter().enumerate() {
+        settled &= S::is_settled(stretch.from_beside::<SECOND_LEFT>(i), time);
+    }
+    if settled { first } else { earlier::<R, S, SECOND_LEFT>(stretch, &first, points) }
+}

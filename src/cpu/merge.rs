@@ -1,0 +1,113 @@
+//! Makes the copies that two opposite scans have worked on the same again.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::Instructions;
+use super::fronts::FrontKind;
+use super::scan_copy::ScanCopy;
+use super::tiles::{Scan, TILE, Tiles, points};
+use crate::lanes::Work;
+use crate::surface::{Chart, Real};
+use crate::update::{Carried, Kept};
+
+/// Leaves both copies with the first front to arrive at each point.
+pub(super) fn merge<'a, R: Real, K: FrontKind<'a, R>>(
+    chart: Chart,
+    tiles: &Tiles,
+    copies: [&mut ScanCopy<R, K::Carried, K::Ground>; 2],
+    scans: [Scan; 2],
+    instructions: Instructions,
+) {
+    let [a, b] = copies;
+    let changed = [a.changed.as_slice(), b.changed.as_slice()];
+    let of_a = bands(chart, &mut a.times).zip(bands(chart, &mut a.carried));
+    let of_b = bands(chart, &mut b.times).zip(bands(chart, &mut b.carried));
+    of_a.zip(of_b).enumerate().for_each(|(band, ((a, a_carried), (b, b_carried)))| {
+        merge_band(chart, tiles, band, changed, |points, changed| {
+            let a = (&mut a[points.clone()], &mut a_carried[points.clone()]);
+            let b = (&mut b[points.clone()], &mut b_carried[points]);
+            // What one scan has left alone is as it was before, and the other's is what has come.
+            match changed {
+                [true, true] => instructions.run(Merge::<R, K> { a, b, scans }),
+                [true, false] => copy(a, b),
+                _ => copy(b, a),
+            }
+        });
+    });
+}
+
+fn copy<R: Copy, C: Copy>(from: (&mut [R], &mut [C]), to: (&mut [R], &mut [C])) {
+    to.0.copy_from_slice(from.0);
+    to.1.copy_from_slice(from.1);
+}
+
+/// The rows of a bordered array, as many at a time as a tile has.
+fn bands<T: Send>(chart: Chart, array: &mut [T]) -> impl IndexedParallelIterator<Item = &mut [T]> {
+    let rows = chart.rows * chart.stride();
+    array[chart.stride()..][..rows].par_chunks_mut(TILE * chart.stride())
+}
+
+/// Calls `merge` with the points of each line of a band's tiles that one of two scans has changed,
+/// and says which.
+fn merge_band(
+    chart: Chart,
+    tiles: &Tiles,
+    band: usize,
+    changed: [&[bool]; 2],
+    mut merge: impl FnMut(Range<usize>, [bool; 2]),
+) {
+    let places = tiles.in_band(Scan::DOWN);
+    let changed = |place| changed.map(|changed| changed[tiles.index(Scan::DOWN, band, place)]);
+    let mut place = 0;
+    while place < places {
+        let (start, of_run) = (place, changed(place));
+        while place < places && changed(place) == of_run {
+            place += 1;
+        }
+        if of_run == [false; 2] {
+            continue;
+        }
+        let cols = points(start..place, chart.cols);
+        for row in 0..points(band..band + 1, chart.rows).len() {
+            let start = row * chart.stride() + 1;
+            merge(start + cols.start..start + cols.end, of_run);
+        }
+    }
+}
+
+/// Takes the first of two fronts. A copy whose front the other scan had brought before has not changed at
+/// this point.
+struct Merge<'l, 'a, R: Real, K: FrontKind<'a, R>> {
+    a: (&'l mut [R], &'l mut [K::Carried]),
+    b: (&'l mut [R], &'l mut [K::Carried]),
+    scans: [Scan; 2],
+}
+
+impl<'a, R: Real, K: FrontKind<'a, R>> Work for Merge<'_, 'a, R, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { a, b, scans } = self;
+        let (of_a, of_b) = (a.0.iter_mut().zip(a.1), b.0.iter_mut().zip(b.1));
+        for ((a, a_carried), (b, b_carried)) in of_a.zip(of_b) {
+            let of_a = Kept { time: *a, carried: *a_carried };
+            let of_b = Kept { time: *b, carried: *b_carried };
+            let a_is_old = of_a.carried.is_from(scans[1].0);
+            let b_is_old = of_b.carried.is_from(scans[0].0);
+            let Kept { time, carried } = K::first(of_a, of_b);
+            let (time, carried) = (
+                if b_is_old { of_a.time } else { time },
+                if b_is_old { of_a.carried } else { carried },
+            );
+            let (time, carried) = (
+                if a_is_old { of_b.time } else { time },
+                if a_is_old { of_b.carried } else { carried },
+            );
+            (*a, *a_carried) = (time, carried);
+            (*b, *b_carried) = (time, carried);
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! Rotated scans of one kind of front, converging to one map after another.
+
+use std::borrow::Cow;
+
+use rayon::prelude::*;
+
+use super::due::find_due;
+use super::fronts::{FrontKind, KeptBy};
+use super::line_update::How;
+use super::merge::merge;
+use super::panel::Grid;
+use super::scan_copy::ScanCopy;
+use super::stretch::Before;
+use super::tiles::{Scan, Tiles};
+use super::transposed::TransposedEdges;
+use super::{Instructions, Progress};
+use crate::surface::{EdgeLengths, Real, Seed};
+use crate::update::{Kept, SEED};
+use crate::{Convergence, Stop};
+
+/// Solves for one kind of front; see [`super::RotatedScan`].
+#[derive(Clone, Debug)]
+pub(super) struct Scanner<'a, R: Real, K: FrontKind<'a, R>> {
+    edges: &'a EdgeLengths<R>,
+    kind: K,
+    /// What the front needs of each point of the surface.
+    ground: Cow<'a, [K::Ground]>,
+    pub(super) instructions: Instructions,
+    tiles: Tiles,
+    /// As two opposite scans see them; the same between pairs of scans.
+    copies: [ScanCopy<R, K::Carried, K::Ground>; 2],
+    /// For straight fronts on large grids, filled by the second map; with others there is more to
+    /// keep beside.
+    transposed: Option<TransposedEdges<R>>,
+    /// Whether there has been a map.
+    solved: bool,
+    /// How many points scans have looked at before they started.
+    looked: u64,
+}
+
+/// Points from which on edges are transposed for good. On smaller grids these and the panels would be more
+/// than 40 bytes a point, and what is transposed lies in near caches.
+const TRANSPOSED_FROM: usize = 256 * 256;
+
+impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
+    pub(super) fn new(edges: &'a EdgeLengths<R>, kind: K) -> Self {
+        let (chart, tiles) = (edges.chart(), Tiles::new(edges.chart()));
+        let copy = || ScanCopy::new(chart, &tiles, K::NEEDS_EDGES);
+        // Each by the thread that will use it.
+        let copies = rayon::join(copy, copy).into();
+        let carries_nothing = size_of::<K::Carried>() == 0;
+        let keeps_edges = carries_nothing && chart.points() >= TRANSPOSED_FROM;
+        Self {
+            edges,
+            ground: kind.ground(chart),
+            kind,
+            instructions: Instructions::best(),
+            copies,
+            tiles,
+            transposed: keeps_edges.then(|| TransposedEdges::new(chart)),
+            solved: false,
+            looked: 0,
+        }
+    }
+
+    /// Computes the map of some sources.
+    pub(super) fn solve(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        // Into the pool of threads once, and not for each pair of scans.
+        rayon::scope(|_| {
+            if std::mem::replace(&mut self.solved, true) {
+                self.transpose_edges();
+            }
+            self.forget();
+            self.add(seeds, stop)
+        })
+    }
+
+    /// Adds sources to the last map, which is a warm start: only tiles that their fronts reach first are
+    /// visited.
+    pub(super) fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        self.seed(seeds);
+        // Into the pool of threads once, and not for each pair of scans.
+        rayon::scope(|_| self.converge(stop))
+    }
+
+    fn converge(&mut self, stop: Stop) -> Convergence {
+        let mut progress = Progress::new(stop);
+        loop {
+            let vertical = self.scan([Scan::DOWN, Scan::UP], progress.renews());
+            let horizontal = self.scan([Scan::RIGHT, Scan::LEFT], progress.renews());
+            if progress.is_done::<R>(vertical.max(horizontal)) {
+                let Progress { iterations, residual, .. } = progress;
+                return Convergence { iterations, residual };
+            }
+        }
+    }
+
+    /// The arrival times of the last map, as a bordered array.
+    pub(super) fn times(&self) -> &[R] {
+        &self.copies[0].times
+    }
+
+    pub(super) fn into_times(self) -> Vec<R> {
+        let [copy, _] = self.copies;
+        copy.times
+    }
+
+    /// The front at a point of the last map.
+    pub(super) fn front(&self, row: usize, col: usize) -> KeptBy<'a, R, K> {
+        let point = self.edges.chart().bordered(row, col);
+        let ScanCopy { times, carried, .. } = &self.copies[0];
+        Kept { time: times[point], carried: carried[point] }
+    }
+
+    pub(super) fn visits(&self) -> u64 {
+        self.looked + self.copies.iter().map(|copy| copy.visits).sum::<u64>()
+    }
+
+    pub(super) fn updates(&self) -> u64 {
+        self.copies.iter().map(|copy| copy.updates).sum()
+    }
+
+    /// Bytes held, beside the edge lengths and what is kept with them.
+    pub(super) fn bytes(&self) -> usize {
+        let ground = match &self.ground {
+            Cow::Borrowed(_) => 0,
+            Cow::Owned(ground) => std::mem::size_of_val(ground.as_slice()),
+        };
+        let copies = self.copies.iter().map(ScanCopy::bytes).sum::<usize>();
+        let transposed = self.transposed.as_ref().map_or(0, TransposedEdges::bytes);
+        copies + self.tiles.bytes() + transposed + ground + self.kind.bytes()
+    }
+
+    /// Keeps the edges between columns as scans to the right and left need them.
+    fn transpose_edges(&mut self) {
+        if let Some(transposed) = &mut self.transposed {
+            transposed.fill(self.edges, self.instructions);
+            self.copies.iter_mut().for_each(|copy| copy.panel.free_edges_back());
+        }
+    }
+
+    /// No point reached.
+    fn forget(&mut self) {
+        self.looked = 0;
+        self.kind.forget();
+        self.copies.par_iter_mut().for_each(ScanCopy::forget);
+        self.tiles.reset();
+    }
+
+    /// Starts from seeds that arrive before the map.
+    fn seed(&mut self, seeds: &[Seed]) {
+        let chart = self.edges.chart();
+        for seed in seeds {
+            let point = chart.bordered(seed.row, seed.col);
+            let arrival = self.kind.from_seed(seed);
+            let mut changed = false;
+            for ScanCopy { times, carried, .. } in &mut self.copies {
+                let kept = Kept { time: times[point], carried: carried[point] };
+                changed |= R::of(seed.time) < kept.time;
+                let front = K::accept(kept, arrival, SEED, false);
+                (times[point], carried[point]) = (front.time, front.carried);
+            }
+            if changed {
+                self.tiles.touch(seed.row, seed.col);
+            }
+        }
+    }
+
+    /// Runs two opposite scans; returns the largest change.
+    fn scan(&mut self, scans: [Scan; 2], renews: bool) -> R::Bits {
+        let (edges, ground) = (self.edges, &*self.ground);
+        let transposed = self.transposed.as_ref().and_then(TransposedEdges::filled);
+        let grid = Grid { edges, transposed, ground };
+        let instructions = self.instructions;
+        let how = scans.map(|scan| How { scan, renews, instructions });
+        let ScanCopy { times, carried, .. } = &self.copies[0];
+        let before = Before { edges, times, carried, ground };
+        self.looked += find_due(&self.kind, before, &mut self.tiles, how);
+        let (kind, tiles, [first, second]) = (&self.kind, &self.tiles, &mut self.copies);
+        let (a, b) = rayon::join(
+            || first.scan(kind, grid, tiles, how[0]),
+            || second.scan(kind, grid, tiles, how[1]),
+        );
+        merge::<R, K>(edges.chart(), tiles, [first, second], scans, instructions);
+        self.tiles.passed(scans, [&self.copies[0].changed, &self.copies[1].changed]);
+        self.copies.iter_mut().for_each(|copy| copy.changed.fill(false));
+        a.max(b)
+    }
+}

@@ -1,0 +1,103 @@
+//! The numbers of anchors that fronts over a floor plan carry.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::carried::Carried;
+use crate::surface::{Real, TAG, Tagged};
+
+/// The number of an anchor (a pseudo-source), below [`ANCHORS`](crate::surface::ANCHORS). Its tag says which
+/// scan has brought the front.
+///
+/// Kept as a floating-point number between the smallest and the largest, which devices leave as it is: of the
+/// number's digits the highest is the sign, the others stand above the tag.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub(crate) struct Anchor<R>(R);
+
+/// Digits of the number but for the sign.
+const LOW: usize = 25;
+/// Digits of the tag.
+const TAG_DIGITS: usize = TAG.count_ones() as usize;
+/// 2^-63, whose digits below the exponent's first ones are free.
+const BASE: f64 = 1.0 / (1u64 << 63) as f64;
+
+impl<R: Real> Anchor<R> {
+    /// By its number, without a tag.
+    #[inline(always)]
+    pub(crate) fn new(number: usize) -> Self {
+        let (high, low) = ((number >> LOW) as u32, (number & ((1 << LOW) - 1)) as u32);
+        let (high, low): (R::Bits, R::Bits) = (high.into(), low.into());
+        Self(R::from_bits(high << Self::sign() | R::of(BASE).to_bits() | low << TAG_DIGITS))
+    }
+
+    /// Where the sign's digit is.
+    #[inline(always)]
+    fn sign() -> usize {
+        8 * size_of::<R>() - 1
+    }
+
+    /// Its number.
+    #[inline(always)]
+    pub(crate) fn number(self) -> usize {
+        let bits = self.0.to_bits();
+        let low: R::Bits = ((1 << LOW) - 1).into();
+        let number: u64 = (bits >> Self::sign() << LOW | bits >> TAG_DIGITS & low).into();
+        number as usize
+    }
+
+    /// The same, brought by a scan.
+    #[inline(always)]
+    pub(crate) fn brought_by(self, scan: u8) -> Self {
+        Self(self.0.with_tag(scan))
+    }
+
+    /// Whether both are one anchor, whichever scans have brought them.
+    #[inline(always)]
+    pub(crate) fn is(self, other: Self) -> bool {
+        let tag: R::Bits = u32::from(TAG).into();
+        (self.0.to_bits() ^ other.0.to_bits()) & !tag == R::Bits::default()
+    }
+
+    /// Whether tags or numbers differ.
+    #[inline(always)]
+    pub(crate) fn differs(self, other: Self) -> bool {
+        self.0.to_bits() != other.0.to_bits()
+    }
+
+    /// As shaders have it.
+    pub(crate) fn value(self) -> R {
+        self.0
+    }
+}
+
+impl<R: Real> Carried for Anchor<R> {
+    const TELLS_SCANS: bool = true;
+
+    #[inline(always)]
+    fn is_from(self, scan: u8) -> bool {
+        self.0.tag_has(TAG, scan)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::ANCHORS;
+
+    fn assert_keeps_numbers<R: Real>() {
+        for number in [0, 1, 77, ANCHORS / 2 - 1, ANCHORS / 2, ANCHORS - 1] {
+            for scan in 0..5 {
+                let anchor = Anchor::<R>::new(number).brought_by(scan);
+                assert!(anchor.number() == number && anchor.value().is_normal());
+                assert!((0..8).all(|other| anchor.is_from(other) == (other == scan)));
+                assert!(anchor.is(Anchor::new(number)) && !anchor.is(Anchor::new(number ^ 1)));
+            }
+        }
+    }
+
+    #[test]
+    fn anchors_keep_their_numbers_and_scans() {
+        assert_keeps_numbers::<f32>();
+        assert_keeps_numbers::<f64>();
+    }
+}

@@ -1,0 +1,273 @@
+//! The kinds of fronts, and the one place where it is decided which of them solves a map.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::constants::{self, SOURCES_INSIDE};
+use crate::name::{UnknownName, by_name};
+use crate::surface::{Sources, Surface};
+
+/// The shape of the front that an update assumes inside a triangle. The numbers are those of
+/// `WAVEFRONT` in `glsl/wavefront.glsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(i32)]
+pub enum Wavefront {
+    /// A straight front (paper, section 3): first-order accurate, for extended sources too.
+    Planar = constants::PLANAR as i32,
+    /// A circular front around a virtual point source: exact on developable surfaces but for
+    /// the sampling, second-order elsewhere, for point sources.
+    PointSource = constants::CIRCULAR as i32,
+    /// A front that carries its curvature beside the arrival time: second-order on curved
+    /// surfaces, around holes and for extended sources too.
+    Curved = constants::CURVED as i32,
+    /// A front that knows its anchor, the corner or source that it comes from on a straight line, in place
+    /// of its curvature: exact over floor plans ([`crate::Surface::is_floor_plan`]), from points. Elsewhere
+    /// and from curves it is refused; given the edges of another surface, engines solve as
+    /// [`Self::Curved`].
+    Anchored = constants::ANCHORED as i32,
+}
+
+impl Wavefront {
+    /// Those for any surface: all but [`Self::Anchored`].
+    pub const ALL: [Self; 3] = [Self::Planar, Self::PointSource, Self::Curved];
+    /// With [`Self::Anchored`].
+    pub const EVERY: [Self; 4] = [Self::Planar, Self::PointSource, Self::Curved, Self::Anchored];
+
+    /// Whether fronts carry their curvature.
+    pub fn is_curved(self) -> bool {
+        self == Self::Curved
+    }
+
+    /// Whether fronts carry anything beside their arrival time.
+    pub(crate) fn has_two_layers(self) -> bool {
+        matches!(self, Self::Curved | Self::Anchored)
+    }
+
+    /// The name used by the tool and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Planar => "planar",
+            Self::PointSource => "point",
+            Self::Curved => "curved",
+            Self::Anchored => "anchored",
+        }
+    }
+
+    /// The wavefront of a map: that which is asked for, or by default the best in this setting.
+    ///
+    /// # Errors
+    /// If the one that is asked for does not suit the setting.
+    pub(crate) fn resolve(asked: Option<Self>, setting: Setting) -> Result<Self, Unsuited> {
+        let Setting { has_slowness, sources, engine, .. } = setting;
+        let from_curves = sources == SourceKind::Curves;
+        match asked {
+            Some(Self::Anchored) => setting.has_anchors().map(|()| Self::Anchored),
+            Some(Self::PointSource) if from_curves => Err(Unsuited::PointSourceFromCurves),
+            Some(wavefront) => Ok(wavefront),
+            None if engine == EngineKind::FastMarching => Ok(Self::Planar),
+            None if engine == EngineKind::Map && setting.has_anchors().is_ok() => {
+                Ok(Self::Anchored)
+            }
+            None if has_slowness && sources.start_together() => Ok(Self::PointSource),
+            None => Ok(Self::Curved),
+        }
+    }
+
+    /// The wavefront with which an engine solves that is asked for this one and refuses none: curved in place
+    /// of one that does not suit the setting.
+    pub(crate) fn or_curved(self, setting: Setting) -> Self {
+        Self::resolve(Some(self), setting).unwrap_or(Self::Curved)
+    }
+}
+
+impl fmt::Display for Wavefront {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// By its [`name`](Wavefront::name).
+///
+/// ```
+/// use geosweep::Wavefront;
+/// assert_eq!("point".parse(), Ok(Wavefront::PointSource));
+/// let error = "round".parse::<Wavefront>().unwrap_err();
+/// let expected = "no wavefront is called `round`; there are planar, point, curved, anchored";
+/// assert_eq!(error.to_string(), expected);
+/// ```
+impl FromStr for Wavefront {
+    type Err = UnknownName;
+
+    fn from_str(text: &str) -> Result<Self, UnknownName> {
+        by_name("wavefront", text, &Self::EVERY, |wavefront| wavefront.name())
+    }
+}
+
+/// What the choice of a wavefront depends on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Setting {
+    /// Whether the surface is known to be a floor plan ([`Surface::is_floor_plan`]).
+    pub is_floor_plan: bool,
+    pub has_slowness: bool,
+    pub sources: SourceKind,
+    pub engine: EngineKind,
+}
+
+/// What a map starts from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SourceKind {
+    /// Points, some of them maybe inside cells.
+    Points { start_together: bool, inside_cells: usize },
+    /// Curves, and maybe points.
+    Curves,
+}
+
+impl SourceKind {
+    /// A single grid point.
+    pub(crate) const POINT: Self = Self::Points { start_together: true, inside_cells: 0 };
+
+    pub(crate) fn of(sources: &Sources) -> Self {
+        if !sources.are_points() {
+            return Self::Curves;
+        }
+        let (start_together, inside_cells) = (sources.start_together(), sources.inside_cells());
+        Self::Points { start_together, inside_cells }
+    }
+
+    fn start_together(self) -> bool {
+        matches!(self, Self::Points { start_together: true, .. })
+    }
+}
+
+/// What solves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum EngineKind {
+    /// Single maps, on the CPU or on a device.
+    Map,
+    /// Fast marching.
+    FastMarching,
+    /// The rows of a distance matrix on the CPU: map by map where fronts carry something.
+    Matrix,
+    /// The same on a device, where they have no anchors.
+    MatrixOnDevice,
+}
+
+impl Setting {
+    /// A map of a surface.
+    pub(crate) fn new(surface: &Surface, sources: SourceKind, engine: EngineKind) -> Self {
+        let is_floor_plan = surface.is_floor_plan();
+        Self { is_floor_plan, has_slowness: surface.slowness().is_some(), sources, engine }
+    }
+
+    /// An engine that is given edges and seeds, and knows of the surface at most that it is a floor plan.
+    pub(crate) fn of_engine(is_floor_plan: bool) -> Self {
+        let (sources, engine) = (SourceKind::POINT, EngineKind::Map);
+        Self { is_floor_plan, has_slowness: false, sources, engine }
+    }
+
+    /// Refuses surfaces, sources and engines for which fronts have no anchors.
+    fn has_anchors(self) -> Result<(), Unsuited> {
+        match self.sources {
+            _ if !self.is_floor_plan => Err(Unsuited::NoFloorPlan),
+            _ if self.engine == EngineKind::MatrixOnDevice => Err(Unsuited::AnchoredMatrixOnDevice),
+            SourceKind::Curves => Err(Unsuited::AnchoredFromCurves),
+            SourceKind::Points { inside_cells, .. } if inside_cells > SOURCES_INSIDE as usize => {
+                Err(Unsuited::TooManyInside)
+            }
+            SourceKind::Points { .. } => Ok(()),
+        }
+    }
+}
+
+/// Why a wavefront does not suit, and what to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub(crate) enum Unsuited {
+    #[error(
+        "the point-source wavefront needs point sources; use the curved or the planar one for curves"
+    )]
+    PointSourceFromCurves,
+    #[error(
+        "the anchored wavefront is for floor plans: flat surfaces whose points are evenly spaced, without \
+         obtuse triangles and without a slowness; use the curved one for others"
+    )]
+    NoFloorPlan,
+    #[error(
+        "the anchored wavefront needs point sources; use the curved or the planar one for curves"
+    )]
+    AnchoredFromCurves,
+    #[error(
+        "the anchored wavefront is for up to {} sources that are not at grid points; round them to grid \
+         points, or use the curved one",
+        SOURCES_INSIDE
+    )]
+    TooManyInside,
+    #[error(
+        "the rows of a matrix have no anchored fronts on a Vulkan device; compute them on the CPU, or with \
+         curved ones"
+    )]
+    AnchoredMatrixOnDevice,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Wavefront::*;
+
+    const CURVES: SourceKind = SourceKind::Curves;
+
+    fn resolved(
+        asked: impl Into<Option<Wavefront>>,
+        setting: Setting,
+    ) -> Result<Wavefront, Unsuited> {
+        Wavefront::resolve(asked.into(), setting)
+    }
+
+    #[test]
+    fn the_best_wavefront_is_chosen_where_none_is_asked_for() {
+        let any = Setting::of_engine(false);
+        let apart = SourceKind::Points { start_together: false, inside_cells: 0 };
+        let slow = Setting { has_slowness: true, ..any };
+        assert_eq!(resolved(None, any), Ok(Curved));
+        assert_eq!(resolved(None, slow), Ok(PointSource));
+        assert_eq!(resolved(None, Setting { sources: apart, ..slow }), Ok(Curved));
+        assert_eq!(resolved(None, Setting { sources: CURVES, ..slow }), Ok(Curved));
+        let floor = Setting::of_engine(true);
+        assert_eq!(resolved(None, floor), Ok(Anchored));
+        assert_eq!(resolved(None, Setting { sources: CURVES, ..floor }), Ok(Curved));
+        for (engine, expected) in [
+            (EngineKind::FastMarching, Planar),
+            (EngineKind::Matrix, Curved),
+            (EngineKind::MatrixOnDevice, Curved),
+        ] {
+            assert_eq!(resolved(None, Setting { engine, ..floor }), Ok(expected));
+        }
+    }
+
+    #[test]
+    fn what_is_asked_for_is_kept_or_refused() {
+        let floor = Setting::of_engine(true);
+        for wavefront in Wavefront::EVERY {
+            for engine in [EngineKind::Map, EngineKind::FastMarching, EngineKind::Matrix] {
+                assert_eq!(resolved(wavefront, Setting { engine, ..floor }), Ok(wavefront));
+            }
+        }
+        let inside = |inside_cells| SourceKind::Points { start_together: true, inside_cells };
+        let most = SOURCES_INSIDE as usize;
+        assert_eq!(resolved(Anchored, Setting { sources: inside(most), ..floor }), Ok(Anchored));
+        for (refused, setting) in [
+            (Unsuited::NoFloorPlan, Setting::of_engine(false)),
+            (Unsuited::AnchoredFromCurves, Setting { sources: CURVES, ..floor }),
+            (Unsuited::TooManyInside, Setting { sources: inside(most + 1), ..floor }),
+            (
+                Unsuited::AnchoredMatrixOnDevice,
+                Setting { engine: EngineKind::MatrixOnDevice, ..floor },
+            ),
+        ] {
+            assert_eq!(resolved(Anchored, setting), Err(refused));
+            assert_eq!(Anchored.or_curved(setting), Curved);
+        }
+        let curves = Setting { sources: CURVES, ..floor };
+        assert_eq!(resolved(PointSource, curves), Err(Unsuited::PointSourceFromCurves));
+        assert_eq!(resolved(Planar, curves), Ok(Planar));
+    }
+}
