@@ -12,8 +12,8 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 0, binding = 4, rgba32f) uniform writeonly restrict image2DArray fronts_0;
-layout(set = 0, binding = 5, rgba32f) uniform writeonly restrict image2DArray fronts_1;
+layout(set = 0, binding = 4, rgba32f) uniform writeonly restrict image2DArray new_fronts_0;
+layout(set = 0, binding = 5, rgba32f) uniform writeonly restrict image2DArray new_fronts_1;
 
 layout(push_constant) uniform Size {
     ivec2 grid; // columns and rows of points
@@ -28,11 +28,11 @@ void main() {
     bvec4 here = equal(ivec4(0, 1, 2, 3), ivec4(2 * (point.y & 1) + (point.x & 1)));
     here = bvec4(uvec4(here) & uvec4(texel == point / 2));
     vec4 time = mix(vec4(FAR), vec4(0.0), here);
-    imageStore(fronts_0, ivec3(texel, layer_of(map, TIME)), time);
-    imageStore(fronts_1, ivec3(texel, layer_of(map, TIME)), time);
+    imageStore(new_fronts_0, ivec3(texel, layer_of(map, TIME)), time);
+    imageStore(new_fronts_1, ivec3(texel, layer_of(map, TIME)), time);
     if (HAS_TWO_LAYERS) {
         vec4 curvature = mix(vec4(0.0), vec4(with_tag(SOURCE_CURVATURE, 0u)), here);
-        imageStore(fronts_0, ivec3(texel, layer_of(map, CURVATURE)), curvature);
-        imageStore(fronts_1, ivec3(texel, layer_of(map, CURVATURE)), curvature);
+        imageStore(new_fronts_0, ivec3(texel, layer_of(map, CURVATURE)), curvature);
+        imageStore(new_fronts_1, ivec3(texel, layer_of(map, CURVATURE)), curvature);
     }
 }

@@ -13,7 +13,7 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray fronts;
+layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray fronts_behind;
 layout(set = 0, binding = 4, rgba32f) uniform writeonly image2DArray seeded_fronts;
 layout(set = 0, binding = 7) readonly restrict buffer Seeds {
     SeedTexel seeds[];
@@ -22,28 +22,25 @@ layout(set = 0, binding = 7) readonly restrict buffer Seeds {
 layout(push_constant) uniform Count {
     ivec2 texels; // columns and rows of texels, without the border
     int count;
-    uint follows; // what does: see SCANS_FOLLOW and TILES_FOLLOW
+    uint follows; // what does: SCANS_FOLLOW, TILES_FOLLOW or another
 };
-
-const uint SCANS_FOLLOW = 0u;
-const uint TILES_FOLLOW = 2u;
 
 void main() {
     int index = int(gl_GlobalInvocationID.x);
     if (index >= count) return;
     ivec2 texel = seeds[index].texel;
     if (texel.x < 0) return;
-    vec4 time = imageLoad(fronts, ivec3(texel, TIME));
-    vec4 curvature = imageLoad(fronts, ivec3(texel, CURVATURE));
+    vec4 time = imageLoad(fronts_behind, ivec3(texel, TIME));
+    vec4 curvature = imageLoad(fronts_behind, ivec3(texel, CURVATURE));
     bvec4 first = lessThan(seeds[index].times, time);
     imageStore(seeded_fronts, ivec3(texel, TIME), mix(time, seeds[index].times, first));
     imageStore(seeded_fronts, ivec3(texel, CURVATURE), mix(curvature, seeds[index].curvatures, first));
-    if (follows == SCANS_FOLLOW) {
+    if (follows == uint(SCANS_FOLLOW)) {
         int pitch = pitch_of(texels);
         make_both_due(DOWN, texel.y - BORDER, pitch);
         make_both_due(RIGHT, texel.x - BORDER, pitch);
     }
-    if (follows != TILES_FOLLOW) return;
+    if (follows != uint(TILES_FOLLOW)) return;
     ivec2 tile_grid = tiles_of(texels);
     ivec2 low = max((texel - BORDER - 1), ivec2(0)) / TEXELS;
     ivec2 high = min((texel - BORDER + 1) / TEXELS, tile_grid - 1);

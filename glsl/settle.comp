@@ -13,7 +13,7 @@
 layout(local_size_x = WORKGROUP) in;
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts_1;
-layout(set = 0, binding = 4, rgba32f) uniform writeonly restrict image2DArray fronts_0;
+layout(set = 0, binding = 4, rgba32f) uniform writeonly restrict image2DArray new_fronts_0;
 
 layout(push_constant) uniform Recording {
     ivec2 texels; // columns and rows of texels, without the border
@@ -48,7 +48,7 @@ void main() {
             if (any(greaterThanEqual(texel, texels))) continue;
             ivec2 at = texel + BORDER;
             for (int layer = 0; layer < LAYERS; layer++) {
-                imageStore(fronts_0, ivec3(at, layer), imageLoad(fronts_1, ivec3(at, layer)));
+                imageStore(new_fronts_0, ivec3(at, layer), imageLoad(fronts_1, ivec3(at, layer)));
             }
         }
     }

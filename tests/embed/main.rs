@@ -13,6 +13,7 @@ mod host;
 mod inputs;
 #[path = "../measure/mod.rs"]
 mod measure;
+mod pipelines;
 mod queues;
 mod readme;
 #[cfg(feature = "formats")]

@@ -3,7 +3,8 @@
 
 use ash::vk;
 
-use super::{PairwiseSchedule, progress};
+use super::progress;
+use super::schedule::PairwiseSchedule;
 use crate::constants::LAYERS;
 use crate::surface::Chart;
 use crate::update::Wavefront;
@@ -11,7 +12,7 @@ use crate::vulkan::TexelChart;
 
 /// What a device offers for batches.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
+pub(super) struct BatchLimits {
     pub(super) on_cpu: bool,
     /// Bytes of shared memory of a workgroup.
     pub(super) shared_memory: u32,
@@ -23,7 +24,7 @@ pub(super) struct Limits {
     pub(super) buffer: u64,
 }
 
-impl Limits {
+impl BatchLimits {
     pub(super) fn of(properties: &vk::PhysicalDeviceProperties) -> Self {
         let limits = &properties.limits;
         Self {
@@ -59,7 +60,11 @@ const MOST_INVOCATIONS: u32 = 128;
 
 impl Workgroup {
     /// `None` if a map does not fit.
-    pub(super) fn fitting(chart: Chart, wavefront: Wavefront, limits: &Limits) -> Option<Self> {
+    pub(super) fn fitting(
+        chart: Chart,
+        wavefront: Wavefront,
+        limits: &BatchLimits,
+    ) -> Option<Self> {
         let [rows, cols] = [chart.rows, chart.cols].map(|points| u32::try_from(points).ok());
         let (rows, cols) = (rows?, cols?);
         let numbers = |pitch: u32| rows.checked_mul(pitch)?.checked_mul(numbers(wavefront));
@@ -94,7 +99,7 @@ pub(super) fn fan_numbers(wavefront: Wavefront) -> u64 {
 
 /// How the maps of a surface are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Layout {
+pub(super) struct BatchLayout {
     pub(super) chart: Chart,
     pub(super) wavefront: Wavefront,
     /// For maps in shared memory.
@@ -116,7 +121,7 @@ const ON_CPU: [u64; 2] = [4 << 20, 4 << 20];
 /// Maps in a batch, at most, however small they are.
 const MOST_MAPS: u64 = 4096;
 
-impl Layout {
+impl BatchLayout {
     /// The layout that is wanted, or the best; `None` if maps do not fit shared memory where that
     /// is wanted.
     pub(super) fn new(
@@ -124,7 +129,7 @@ impl Layout {
         texels: TexelChart,
         wavefront: Wavefront,
         wanted: Option<PairwiseSchedule>,
-        limits: &Limits,
+        limits: &BatchLimits,
     ) -> Option<Self> {
         let workgroup = match wanted {
             Some(PairwiseSchedule::SharedMemory) => {
@@ -195,7 +200,7 @@ impl Layout {
 mod tests {
     use super::*;
 
-    const SMALLEST: Limits = Limits {
+    const SMALLEST: BatchLimits = BatchLimits {
         on_cpu: false,
         shared_memory: 16 << 10,
         invocations: 128,
@@ -207,8 +212,8 @@ mod tests {
         Chart { rows: side, cols: side }
     }
 
-    fn layout(chart: Chart, wavefront: Wavefront, limits: &Limits) -> Layout {
-        Layout::new(chart, TexelChart::new(chart).unwrap(), wavefront, None, limits).unwrap()
+    fn layout(chart: Chart, wavefront: Wavefront, limits: &BatchLimits) -> BatchLayout {
+        BatchLayout::new(chart, TexelChart::new(chart).unwrap(), wavefront, None, limits).unwrap()
     }
 
     #[test]
@@ -220,14 +225,14 @@ mod tests {
         assert_eq!(fits(64, Wavefront::Curved), None);
         assert_eq!(fits(45, Wavefront::Curved).unwrap().pitch, 45);
         // With room for it, columns do not share a bank.
-        let more = Limits { shared_memory: 48 << 10, ..SMALLEST };
+        let more = BatchLimits { shared_memory: 48 << 10, ..SMALLEST };
         let workgroup = Workgroup::fitting(square(64), Wavefront::Curved, &more).unwrap();
         assert_eq!(workgroup.pitch, 65);
     }
 
     #[test]
     fn long_lines_do_not_exhaust_the_loops_of_a_dispatch() {
-        let plenty = Limits { shared_memory: 1 << 20, ..SMALLEST };
+        let plenty = BatchLimits { shared_memory: 1 << 20, ..SMALLEST };
         let long = |cols| Workgroup::fitting(Chart { rows: 1, cols }, Wavefront::Planar, &plenty);
         assert!(long(10_000).is_some_and(|workgroup| workgroup.iterations == 1));
         assert_eq!(long(100_000), None);
@@ -237,7 +242,7 @@ mod tests {
     fn batches_keep_to_the_limits() {
         for wavefront in Wavefront::ALL {
             for side in [1, 2, 33, 64, 100, 257, 1500, 4000] {
-                for limits in [SMALLEST, Limits { on_cpu: true, ..SMALLEST }] {
+                for limits in [SMALLEST, BatchLimits { on_cpu: true, ..SMALLEST }] {
                     let layout = layout(square(side), wavefront, &limits);
                     let bounded = ON_GPU.iter().sum::<u64>() + (64 << 20);
                     assert!(layout.maps == 1 || layout.bytes() < bounded, "{layout:?}");

@@ -1,6 +1,6 @@
 //! The list of passes over a batch, as plain values that need no device.
 
-use super::PairwiseSchedule;
+use super::schedule::PairwiseSchedule;
 use crate::vulkan::barrier::{Access, CLEAR, COPY, HOST_READ, PASS, SHADER_WRITE};
 use crate::vulkan::plan;
 
@@ -13,13 +13,14 @@ pub(super) enum Step {
     Start,
     /// Iterations of all maps in shared memory.
     Workgroups,
-    /// A step of the raster schedule over all maps.
+    /// A step of the raster schedule over all maps, and the barrier after it.
     Raster(plan::Step),
     /// Unpacks the distances from the images.
     Unpack,
     /// Copies how the maps have gone to where the host reads it.
     Report,
-    /// What was accessed before is complete and visible to what follows.
+    /// What was accessed before is complete and visible to what follows. After all steps but those of
+    /// the schedule it depends on what comes next.
     Barrier(Access, Access),
 }
 

@@ -1,6 +1,6 @@
 //! What the passes over a batch had to do, once it is known how its maps have gone.
 
-use super::layout::{self, Layout};
+use super::layout::{self, BatchLayout};
 use super::progress::MapProgress;
 use crate::surface::Chart;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
@@ -11,7 +11,7 @@ const TRIANGLES: u64 = 2;
 /// A batch.
 #[derive(Clone, Copy)]
 pub(super) struct Tally<'a> {
-    pub(super) layout: &'a Layout,
+    pub(super) layout: &'a BatchLayout,
     pub(super) sources: &'a [Option<usize>],
 }
 
@@ -54,7 +54,7 @@ impl Tally<'_> {
     /// Iterations in shared memory go through lines of points, pair by pair, and read of each pair
     /// its fan.
     fn in_shared_memory(self, before: &[MapProgress], after: &[MapProgress]) -> Work {
-        let Layout { chart, wavefront, .. } = *self.layout;
+        let BatchLayout { chart, wavefront, .. } = *self.layout;
         let Chart { rows, cols } = chart;
         // Behind the first line there is none. Two scans go over rows, two over columns.
         let [of_rows, of_cols] = [(rows, cols), (cols, rows)].map(|(lines, points)| {
