@@ -30,10 +30,11 @@ use crate::update::Wavefront;
 use crate::{Convergence, Stop};
 use layout::{BatchLayout, BatchLimits};
 use pipelines::BatchPipelines;
-use progress::{MapProgress, Outcome};
+use progress::{BatchOutcome, MapProgress};
 use record::BatchRecorder;
 use resources::Resources;
 pub use schedule::PairwiseSchedule;
+use steps::Step;
 use tally::Tally;
 
 /// Room on a device for the maps of a batch of sources of one surface.
@@ -272,7 +273,7 @@ impl PairwiseOnDevice {
                 let tally = Tally { layout: &self.layout, sources };
                 tally.settle(passes, &before, &gone);
             }
-            let outcome = Outcome::read(sources.len(), self.resources.read_outcome());
+            let outcome = BatchOutcome::read(sources.len(), self.resources.read_outcome());
             if outcome.is_done {
                 break outcome;
             }
@@ -281,7 +282,7 @@ impl PairwiseOnDevice {
         };
         if schedule == PairwiseSchedule::Images {
             self.submit(solver, sources.len(), submitter, |recorder| {
-                recorder.steps(&steps::read());
+                recorder.steps(&[Step::Unpack]);
             })?;
         }
         let points = chart.points();

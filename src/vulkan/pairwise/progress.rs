@@ -44,14 +44,14 @@ pub(super) fn start(sources: &[Option<usize>], stop: Stop, [row, col]: [u32; 2],
 }
 
 /// What the host reads of a batch.
-pub(super) struct Outcome {
+pub(super) struct BatchOutcome {
     /// Whether all maps are.
     pub(super) is_done: bool,
     /// Most iterations and largest change.
     pub(super) convergence: Convergence,
 }
 
-impl Outcome {
+impl BatchOutcome {
     pub(super) fn read(count: usize, from: &[u8]) -> Self {
         let batch: Progress = bytemuck::pod_read_unaligned(&from[..size_of::<Progress>()]);
         let mut outcome = Self { is_done: batch.pending == 0, convergence: NOTHING };

@@ -78,10 +78,13 @@ impl BatchRecorder<'_> {
         let mut open = None;
         let has_two_layers = self.layout.wavefront.has_two_layers();
         let mut counter = StepCounter::new(self.texels, self.pipelines.tuning, has_two_layers);
+        // What does not begin a batch goes on with one.
+        if steps.first() != Some(&Step::Begin) {
+            self.barrier(PASS, PASS);
+        }
         for step in steps {
-            if let Step::Barrier(before, after) = step {
-                self.barrier(*before, *after);
-                continue;
+            for &(before, after) in step.waits() {
+                self.barrier(before, after);
             }
             Scope::go_on(&mut open, self.watch(), || {
                 (self.record_of(step, &mut counter), Presence::Always)
@@ -108,11 +111,9 @@ impl BatchRecorder<'_> {
                 Step::Report => {
                     self.copy_progress(self.resources.progress(), self.resources.outcome())
                 }
-                Step::Barrier(..) => {}
             }
-            if let Step::Raster(_) = step {
-                self.barrier(PASS, PASS);
-            }
+            let (before, after) = step.ends();
+            self.barrier(before, after);
         }
     }
 
@@ -152,7 +153,6 @@ impl BatchRecorder<'_> {
                 let groups = Some(self.unpack_groups());
                 PassRecord { groups, ..copied(PassKind::Unpack, bytes) }
             }
-            Step::Barrier(..) => unreachable!("barriers are no passes"),
         }
     }
 
