@@ -1,11 +1,21 @@
-//! Turns glsl/ into what the crate embeds: SPIR-V for each .comp, and constants.glsl as Rust.
+//! Turns glsl/ into what the crate embeds: SPIR-V for each .comp, constants.glsl as Rust, and as
+//! Rust what the SPIR-V says of each shader's bindings, constants and blocks.
 //!
 //! With the feature `shaderc` the shaders are compiled here; without it the SPIR-V committed in
 //! glsl/spirv serves, as long as it was compiled from the same sources. To renew it after a
 //! change of a shader: `GEOSWEEP_UPDATE_SPIRV=1 cargo build --features shaderc`.
 
+#[path = "build/interface.rs"]
+mod interface;
+#[path = "build/names.rs"]
+mod names;
+#[path = "build/rust.rs"]
+mod rust;
+
 use std::path::{Path, PathBuf};
 use std::{env, fs};
+
+use interface::Interface;
 
 const GLSL: &str = "glsl";
 const COMMITTED: &str = "glsl/spirv";
@@ -14,16 +24,24 @@ const FINGERPRINT: &str = "glsl/spirv/sources.fnv";
 
 fn main() {
     println!("cargo:rerun-if-changed={GLSL}");
+    println!("cargo:rerun-if-changed=build");
     println!("cargo:rerun-if-env-changed=GEOSWEEP_UPDATE_SPIRV");
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     let sources = sources();
     write(&out.join("constants.rs"), constants(&read(Path::new("glsl/constants.glsl"))).as_bytes());
 
     let fingerprint = fingerprint(&sources);
+    let mut shaders = Vec::new();
     for source in sources.iter().filter(|path| path.extension().is_some_and(|e| e == "comp")) {
-        let name = Path::new(source.file_name().expect("a source is a file")).with_extension("spv");
-        write(&out.join(&name), &spirv(source, &Path::new(COMMITTED).join(&name), &fingerprint));
+        let stem = source.file_stem().expect("a source is a file").to_string_lossy().into_owned();
+        let name = format!("{stem}.spv");
+        let spirv = spirv(source, &Path::new(COMMITTED).join(&name), &fingerprint);
+        let interface =
+            Interface::of(&spirv).unwrap_or_else(|reason| panic!("{}: {reason}", source.display()));
+        write(&out.join(&name), &spirv);
+        shaders.push((stem, interface));
     }
+    write(&out.join("shaders.rs"), rust::shaders(&shaders).as_bytes());
     if env::var_os("GEOSWEEP_UPDATE_SPIRV").is_some() {
         write(Path::new(FINGERPRINT), fingerprint.as_bytes());
     }
@@ -84,6 +102,8 @@ fn spirv(source: &Path, committed: &Path, _fingerprint: &str) -> Vec<u8> {
     options.set_target_env(TargetEnv::Vulkan, EnvVersion::Vulkan1_1 as u32);
     options.set_optimization_level(OptimizationLevel::Performance);
     options.set_warnings_as_errors();
+    // Without it the optimizer takes all names out.
+    options.set_generate_debug_info();
     options.set_include_callback(|name, _, _, _| {
         let resolved_name = format!("{GLSL}/{name}");
         let content = fs::read_to_string(&resolved_name)
@@ -94,11 +114,12 @@ fn spirv(source: &Path, committed: &Path, _fingerprint: &str) -> Vec<u8> {
     let artifact = compiler
         .compile_into_spirv(&read(source), ShaderKind::Compute, &name, "main", Some(&options))
         .unwrap_or_else(|error| panic!("{error}"));
+    let spirv = names::keep_those_of_interfaces(artifact.as_binary());
     if env::var_os("GEOSWEEP_UPDATE_SPIRV").is_some() {
         fs::create_dir_all(COMMITTED).expect("the source folder can be written");
-        write(committed, artifact.as_binary_u8());
+        write(committed, &spirv);
     }
-    artifact.as_binary_u8().to_vec()
+    spirv
 }
 
 #[cfg(not(feature = "shaderc"))]

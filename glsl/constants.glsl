@@ -1,4 +1,4 @@
-// Constants shared with Rust: build.rs turns each #define below into a Rust constant.
+// Constants shared with Rust: build/main.rs turns each #define below into a Rust constant.
 
 // Stands for "not reached" and "no such edge": large, finite, and its sums stay finite.
 #define FAR 1e30
@@ -67,6 +67,11 @@
 #define PATIENCE 50
 // No change of a front but that from FAR is of so many units of the last place.
 #define FIRST_REACHED 167772160
+// What follows the seeds of a map, which they are to prepare for: scans, updates of all points, or rounds
+// of tiles.
+#define SCANS_FOLLOW 0
+#define NOTHING_FOLLOWS 1
+#define TILES_FOLLOW 2
 // Rounds of tiles in a recording, at most, and an even number of them.
 #define ROUNDS 128
 // Words of 32 dispatches of scans of a recording, for profiles: whether they have visited their block.

@@ -23,11 +23,8 @@ layout(set = 0, binding = 7) readonly restrict buffer Seeds {
 layout(push_constant) uniform Count {
     ivec2 texels; // columns and rows of texels, without the border
     int count;
-    uint follows; // what does: see SCANS_FOLLOW and TILES_FOLLOW
+    uint follows; // what does: SCANS_FOLLOW, TILES_FOLLOW or another
 };
-
-const uint SCANS_FOLLOW = 0u;
-const uint TILES_FOLLOW = 2u;
 
 void main() {
     int index = int(gl_GlobalInvocationID.x);
@@ -40,12 +37,12 @@ void main() {
     imageStore(seeded_fronts, ivec3(texel, TIME), mix(time, seeds[index].times, first));
     imageStore(seeded_fronts, ivec3(texel, CARRIED), mix(carried, seeds[index].curvatures, first));
     ivec2 inner = without_border(texel);
-    if (follows == SCANS_FOLLOW) {
+    if (follows == uint(SCANS_FOLLOW)) {
         int pitch = pitch_of(texels);
         make_both_due(DOWN, inner.y, pitch);
         make_both_due(RIGHT, inner.x, pitch);
     }
-    if (follows != TILES_FOLLOW) return;
+    if (follows != uint(TILES_FOLLOW)) return;
     ivec2 tile_grid = tiles_of(texels);
     ivec2 low = tile_with(texel - 1, tile_grid);
     ivec2 high = tile_with(texel + 1, tile_grid);

@@ -68,14 +68,18 @@ pub(super) type EdgeRuleNumber = i32;
 pub(super) type PointKindNumber = i32;
 
 pub(super) fn wavefront(number: WavefrontNumber, name: &str) -> Result<Wavefront, Failure> {
-    use GeosweepWavefront as W;
-    let choices = [
-        (W::Planar as i32, Wavefront::Planar),
-        (W::PointSource as i32, Wavefront::PointSource),
-        (W::Curved as i32, Wavefront::Curved),
-        (W::Anchored as i32, Wavefront::Anchored),
-    ];
+    let choices = Wavefront::EVERY.map(|choice| (wavefront_number(choice), choice));
     choose(number, name, "GeosweepWavefront", &choices)
+}
+
+/// The number that stands for a wavefront in C.
+pub(super) fn wavefront_number(wavefront: Wavefront) -> WavefrontNumber {
+    match wavefront {
+        Wavefront::Planar => GeosweepWavefront::Planar as i32,
+        Wavefront::PointSource => GeosweepWavefront::PointSource as i32,
+        Wavefront::Curved => GeosweepWavefront::Curved as i32,
+        Wavefront::Anchored => GeosweepWavefront::Anchored as i32,
+    }
 }
 
 /// `None` is the best one.

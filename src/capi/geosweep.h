@@ -43,7 +43,7 @@
 
 // The version of this header, which `geosweep_solver_create` compares with the library's: it
 // grows with each change that makes programs compile or run differently.
-#define GEOSWEEP_HEADER_VERSION 2
+#define GEOSWEEP_HEADER_VERSION 3
 
 // For `GeosweepFrame::points`: the points have not changed since the last frame.
 #define GEOSWEEP_POINTS_UNCHANGED 4294967295
@@ -199,6 +199,12 @@ typedef struct {
     const GeosweepPasses *passes;
     // How many.
     uint32_t pass_count;
+    // A cache to make pipelines with; null for none. It stays yours to fill, to save and to destroy, and
+    // must be alive whenever the solver makes pipelines: now, and when the first contours and paths
+    // are made. `geosweep_solver_set_pipeline_cache` takes it back. Pipelines, once made, do not need
+    // it. One thread at a time uses it in the solver; if you use it meanwhile, the rules of
+    // `vkCreateComputePipelines` hold.
+    VkPipelineCache pipeline_cache;
 } GeosweepSolverInfo;
 
 // The points of a surface, one a grid point, row by row: in a buffer or an image of yours on the
@@ -533,6 +539,11 @@ GeosweepStatus geosweep_compute_queue_family(PFN_vkGetInstanceProcAddr get_insta
 // Makes a solver; `geosweep_solver_destroy` destroys it.
 GeosweepStatus geosweep_solver_create(const GeosweepSolverInfo *info, GeosweepSolver **solver);
 
+// Has pipelines be made with this cache from now on, in place of the one before; with none if it is
+// null. What `GeosweepSolverInfo` says of it holds.
+GeosweepStatus geosweep_solver_set_pipeline_cache(const GeosweepSolver *solver,
+                                                  VkPipelineCache cache);
+
 // Says how many bytes of device memory the solver holds for its surfaces, contours and paths, in
 // blocks: a little more than what `geosweep_surface_bytes` and the like say of each.
 GeosweepStatus geosweep_solver_bytes(const GeosweepSolver *solver, uint64_t *bytes);
@@ -592,6 +603,10 @@ GeosweepStatus geosweep_plan_create(const GeosweepSolver *solver,
 
 // Says how many iterations, or rounds of tiles, a recording of the plan holds.
 GeosweepStatus geosweep_plan_iterations(const GeosweepPlan *plan, uint32_t *iterations);
+
+// Says which wavefront the maps of a plan have: a `GeosweepWavefront`, and not always the one asked for.
+GeosweepStatus geosweep_plan_wavefront(const GeosweepPlan *plan,
+                                       GeosweepWavefront *wavefront);
 
 // Destroys a plan. Recorded command buffers do not need it. Null is fine.
 GeosweepStatus geosweep_plan_destroy(GeosweepPlan *plan);

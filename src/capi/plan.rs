@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::arguments::{Output, hand_out, reference, take};
-use super::choices::{ScheduleNumber, WavefrontNumber, schedule, wavefront};
+use super::choices::{ScheduleNumber, WavefrontNumber, schedule, wavefront, wavefront_number};
 use super::solver::{GeosweepSolver, Shared};
 use super::status::{Failure, GeosweepStatus, guard};
 use crate::Stop;
@@ -94,6 +94,21 @@ pub unsafe extern "C" fn geosweep_plan_iterations(
         let (plan, output) =
             unsafe { (reference(plan, "plan")?, Output::new(iterations, "iterations")?) };
         output.write(plan.plan.iterations());
+        Ok(())
+    })
+}
+
+/// Says which wavefront the maps of a plan have: a `GeosweepWavefront`, and not always the one asked for.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_plan_wavefront(
+    plan: *const GeosweepPlan,
+    wavefront: *mut WavefrontNumber,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (plan, output) =
+            unsafe { (reference(plan, "plan")?, Output::new(wavefront, "wavefront")?) };
+        output.write(wavefront_number(plan.plan.wavefront()));
         Ok(())
     })
 }

@@ -14,7 +14,7 @@ use crate::vulkan::{VulkanError, embed};
 
 /// The version of this header, which `geosweep_solver_create` compares with the library's: it
 /// grows with each change that makes programs compile or run differently.
-pub const GEOSWEEP_HEADER_VERSION: u32 = 2;
+pub const GEOSWEEP_HEADER_VERSION: u32 = 3;
 
 /// Passes to make, at most; there are nine kinds.
 const MOST_PASSES: usize = 64;
@@ -51,6 +51,12 @@ pub struct GeosweepSolverInfo {
     pub passes: *const GeosweepPasses,
     /// How many.
     pub pass_count: u32,
+    /// A cache to make pipelines with; null for none. It stays yours to fill, to save and to destroy, and
+    /// must be alive whenever the solver makes pipelines: now, and when the first contours and paths
+    /// are made. `geosweep_solver_set_pipeline_cache` takes it back. Pipelines, once made, do not need
+    /// it. One thread at a time uses it in the solver; if you use it meanwhile, the rules of
+    /// `vkCreateComputePipelines` hold.
+    pub pipeline_cache: vk::PipelineCache,
 }
 
 /// The pipelines of a device, shared by all its surfaces. Any number of threads may use it at once.
@@ -102,7 +108,9 @@ impl GeosweepSolver {
             })?;
             passes.push((schedule, wavefront(asked.wavefront, &name("wavefront"))?));
         }
-        let mut solver = embed::Solver::new(&instance, physical_device, &device, &passes)?;
+        let (tools, cache) = (embed::Tools::default(), info.pipeline_cache);
+        let mut solver =
+            embed::Solver::with_cache(&instance, physical_device, &device, &passes, tools, cache)?;
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance,
             device: device.clone(),
@@ -135,6 +143,21 @@ pub unsafe extern "C" fn geosweep_solver_create(
             let output = Output::new(solver, "solver")?;
             hand_out(output, GeosweepSolver::new(reference(info, "info")?)?);
         }
+        Ok(())
+    })
+}
+
+/// Has pipelines be made with this cache from now on, in place of the one before; with none if it is
+/// null. What `GeosweepSolverInfo` says of it holds.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_solver_set_pipeline_cache(
+    solver: *const GeosweepSolver,
+    cache: vk::PipelineCache,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let solver = unsafe { reference(solver, "solver") }?;
+        solver.shared().solver.set_pipeline_cache(cache);
         Ok(())
     })
 }

@@ -5,16 +5,16 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use ash::vk;
-use bytemuck::{NoUninit, bytes_of};
 use gpu_allocator::MemoryLocation;
 
-use super::barrier::{self, CLEAR, COPY, HOST_READ, PASS};
+use super::barrier::{CLEAR, COPY, HOST_READ, PASS};
 use super::grid_images::{GridImages, Purpose};
-use super::headless::{Commands, Context};
+use super::headless::{CommandBuffer, Context};
 use super::memory::{Buffer, BufferInfo};
-use super::pipelines::{compute_pipeline, constant, spirv};
+use super::pipelines::compute_pipeline;
 use super::profile::Clock;
-use super::record::Recorder;
+use super::record::{Commands, Recorder};
+use super::shaders::{Shader, ceiling_copy, ceiling_updates};
 use super::{VulkanError, embed, requirements};
 use crate::constants::{LAYERS, WORKGROUP};
 use crate::surface::Chart;
@@ -89,14 +89,14 @@ struct Probe<'a> {
     copy: vk::Pipeline,
     /// By wavefront.
     updates: Vec<vk::Pipeline>,
-    commands: Commands,
+    commands: CommandBuffer,
     /// Null where there are none.
     timestamps: vk::QueryPool,
 }
 
-#[derive(Clone, Copy, NoUninit)]
-#[repr(C)]
-struct Work {
+/// Texels of a pass, and its updates from four triangles.
+#[derive(Clone, Copy)]
+struct Load {
     texels: [u32; 2],
     repeats: u32,
 }
@@ -111,7 +111,7 @@ impl<'a> Probe<'a> {
             buffers: Vec::new(),
             copy: vk::Pipeline::null(),
             updates: Vec::new(),
-            commands: Commands::new(context)?,
+            commands: CommandBuffer::new(context)?,
             timestamps: vk::QueryPool::null(),
         };
         let chart = Chart { rows: SIDE, cols: SIDE };
@@ -126,12 +126,16 @@ impl<'a> Probe<'a> {
             let info = BufferInfo { name, size: READ_BACK as u64, location };
             new.buffers.push(Buffer::new(device, allocator, info)?);
         }
-        let layout = pipelines.layout;
-        new.copy = compute_pipeline(device, layout, spirv!("ceiling_copy"), &[])?;
+        let create = |shader: &Shader, value: i32| {
+            let options = (pipelines.layout(shader), Default::default(), Default::default());
+            // The wavefront is the one constant, if there is any.
+            let constants: Vec<_> =
+                shader.constants.iter().map(|&(number, _)| (number, value)).collect();
+            compute_pipeline(device, shader, options, &constants)
+        };
+        new.copy = create(&ceiling_copy::SHADER, 0)?;
         for wavefront in Wavefront::ALL {
-            let constants = [(constant::WAVEFRONT, wavefront as i32)];
-            let spirv = spirv!("ceiling_updates");
-            new.updates.push(compute_pipeline(device, layout, spirv, &constants)?);
+            new.updates.push(create(&ceiling_updates::SHADER, wavefront as i32)?);
         }
         let family = requirements::compute_queue_family(instance, context.physical_device)
             .expect("a context's device meets the requirements");
@@ -151,20 +155,20 @@ impl<'a> Probe<'a> {
         let texels = [SIDE as u32 / 2; 2];
         let copied = 2 * texels[0] * texels[1] * LAYERS * 16;
         let copy = self.each(|probe, commands| {
-            probe.dispatch(commands, probe.copy, Work { texels, repeats: 0 });
+            probe.dispatch(commands, probe.copy, Load { texels, repeats: 0 });
             probe.barrier(commands);
         })?;
         let mut triangles = [0.0; Wavefront::ALL.len()];
         for (wavefront, triangles) in Wavefront::ALL.into_iter().zip(&mut triangles) {
             let repeated = self.repeated(|probe, commands, repeats| {
-                let work = Work { texels: [COMPUTED; 2], repeats };
+                let work = Load { texels: [COMPUTED; 2], repeats };
                 probe.dispatch(commands, probe.updates[wavefront as usize], work);
             })?;
             *triangles = f64::from(4 * COMPUTED * COMPUTED) / repeated.as_secs_f64();
         }
-        let nothing = Work { texels: [0, 1], repeats: 0 };
+        let nothing = Load { texels: [0, 1], repeats: 0 };
         let one_group = |probe: &Self, commands| {
-            probe.dispatch(commands, probe.copy, Work { texels: [1, 1], ..nothing });
+            probe.dispatch(commands, probe.copy, Load { texels: [1, 1], ..nothing });
             probe.barrier(commands);
         };
         let dispatch = self.each(one_group)?;
@@ -173,7 +177,7 @@ impl<'a> Probe<'a> {
             triangles,
             dispatch,
             indirect_dispatch: self.each(|probe, commands| {
-                probe.dispatch_indirect(commands, Work { texels: [1, 1], ..nothing }, ONE_GROUP);
+                probe.dispatch_indirect(commands, Load { texels: [1, 1], ..nothing }, ONE_GROUP);
                 probe.barrier(commands);
             })?,
             skipped_dispatch: self.each(|probe, commands| {
@@ -192,20 +196,24 @@ impl<'a> Probe<'a> {
     fn prepare(&self) -> Result<(), VulkanError> {
         let grid = self.grid();
         self.context.run(|device, commands| {
-            let pipelines = &self.solver.pipelines;
-            Recorder { device, commands, pipelines, grid, profile: None }.prepare();
+            let recorder = self.recording(commands);
+            Recorder { commands: recorder, grid }.prepare();
             let groups = self.buffers[0].buffer;
             // SAFETY: the buffer is this probe's, and nothing else uses it.
             unsafe {
                 device.cmd_fill_buffer(commands, groups, 0, ONE_GROUP, 0);
                 device.cmd_fill_buffer(commands, groups, ONE_GROUP, vk::WHOLE_SIZE, 1);
             }
-            barrier::memory(device, commands, CLEAR, PASS);
+            recorder.barrier(CLEAR, PASS);
             for &pipeline in self.updates.iter().chain([&self.copy]) {
-                self.dispatch(commands, pipeline, Work { texels: [1, 1], repeats: 1 });
+                self.dispatch(commands, pipeline, Load { texels: [1, 1], repeats: 1 });
                 self.barrier(commands);
             }
         })
+    }
+
+    fn recording(&self, commands: vk::CommandBuffer) -> Commands<'_> {
+        Commands::new(&self.context.device, commands, &self.solver.pipelines)
     }
 
     fn grid(&self) -> &GridImages {
@@ -248,12 +256,11 @@ impl<'a> Probe<'a> {
     /// Bytes a second.
     fn read_back(&mut self) -> Result<f64, VulkanError> {
         let (from, to) = (self.buffers[0].buffer, self.buffers[1].buffer);
-        self.commands.record(|device, commands| {
-            let copy = [vk::BufferCopy::default().size(READ_BACK as u64)];
-            barrier::memory(device, commands, PASS, COPY);
-            // SAFETY: both buffers hold so much, and nothing else uses them.
-            unsafe { device.cmd_copy_buffer(commands, from, to, &copy) };
-            barrier::memory(device, commands, CLEAR, HOST_READ);
+        self.commands.record(|_, commands| {
+            let recorder = self.recording(commands);
+            recorder.barrier(PASS, COPY);
+            recorder.copy((from, 0), (to, 0), READ_BACK as u64);
+            recorder.barrier(CLEAR, HOST_READ);
         })?;
         let (mut shortest, mut array) = (Duration::MAX, vec![0; READ_BACK]);
         for _ in 0..TRIES {
@@ -267,7 +274,7 @@ impl<'a> Probe<'a> {
     }
 
     fn barrier(&self, commands: vk::CommandBuffer) {
-        barrier::memory(&self.context.device, commands, PASS, PASS);
+        self.recording(commands).barrier(PASS, PASS);
     }
 
     /// What a timestamp after each of many adds to one.
@@ -306,31 +313,36 @@ impl<'a> Probe<'a> {
     }
 
     /// One invocation for each texel.
-    fn dispatch(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, work: Work) {
-        self.bind(commands, pipeline, work);
-        let [width, height] = work.texels;
-        // SAFETY: a pipeline with the common layout is bound, and the texels are the grid's.
+    fn dispatch(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, load: Load) {
+        self.bind(commands, pipeline, load);
+        let [width, height] = load.texels;
+        // SAFETY: a pipeline is bound with all that it sees, and the texels are the grid's.
         unsafe { self.context.device.cmd_dispatch(commands, width.div_ceil(WORKGROUP), height, 1) };
     }
 
     /// An indirect dispatch of as many workgroups as the buffer says at an offset.
-    fn dispatch_indirect(&self, commands: vk::CommandBuffer, work: Work, offset: u64) {
-        self.bind(commands, self.copy, work);
+    fn dispatch_indirect(&self, commands: vk::CommandBuffer, load: Load, offset: u64) {
+        self.bind(commands, self.copy, load);
         let groups = self.buffers[0].buffer;
-        // SAFETY: a pipeline with the common layout is bound; the buffer holds three numbers there.
+        // SAFETY: as above, and the buffer holds three numbers there.
         unsafe { self.context.device.cmd_dispatch_indirect(commands, groups, offset) };
     }
 
-    fn bind(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, work: Work) {
-        let (device, layout) = (&self.context.device, self.solver.pipelines.layout);
+    fn bind(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, load: Load) {
+        let (device, pipelines) = (&self.context.device, &self.solver.pipelines);
+        // Both passes see the same set, and the first takes the start of the other's constants.
+        let layout = pipelines.layout(&ceiling_updates::SHADER);
         let (compute, sets) = (vk::PipelineBindPoint::COMPUTE, [self.grid().sets[1]]);
+        let texels = load.texels.map(|texels| texels as i32);
+        let constants = ceiling_updates::Push { texels, repeats: load.repeats };
         // SAFETY: pipeline, layout and set belong together and are alive, and the layout has room
         // for the constants.
         unsafe {
             device.cmd_bind_pipeline(commands, compute, pipeline);
             device.cmd_bind_descriptor_sets(commands, compute, layout, 0, &sets, &[]);
             let stages = vk::ShaderStageFlags::COMPUTE;
-            device.cmd_push_constants(commands, layout, stages, 0, bytes_of(&work));
+            let constants = bytemuck::bytes_of(&constants);
+            device.cmd_push_constants(commands, layout, stages, 0, constants);
         }
     }
 }

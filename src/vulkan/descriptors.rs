@@ -4,14 +4,17 @@ use ash::vk;
 
 use super::VulkanError;
 use super::memory::{Buffer, Image};
-use super::pipelines::{Pipelines, binding, descriptor_type};
+use super::pipelines::Pipelines;
+use super::shaders::{count_of, set_0};
 
 /// A pool with room for two sets.
 pub(crate) fn pool(device: &ash::Device) -> Result<vk::DescriptorPool, VulkanError> {
-    let size = |is_image, count| {
-        vk::DescriptorPoolSize::default().ty(descriptor_type(is_image)).descriptor_count(2 * count)
+    let size = |kind| {
+        let count = 2 * count_of(kind, &set_0::KINDS);
+        vk::DescriptorPoolSize::default().ty(kind).descriptor_count(count)
     };
-    let sizes = [size(true, binding::IMAGES), size(false, binding::ALL - binding::IMAGES)];
+    let kinds = [vk::DescriptorType::STORAGE_IMAGE, vk::DescriptorType::STORAGE_BUFFER];
+    let sizes = kinds.map(size);
     let info = vk::DescriptorPoolCreateInfo::default().max_sets(2).pool_sizes(&sizes);
     // SAFETY: nothing is borrowed beyond the call.
     unsafe { device.create_descriptor_pool(&info, None) }
@@ -55,7 +58,7 @@ fn blank<'a>(set: vk::DescriptorSet, index: u32) -> vk::WriteDescriptorSet<'a> {
     vk::WriteDescriptorSet::default()
         .dst_set(set)
         .dst_binding(index)
-        .descriptor_type(descriptor_type(index < binding::IMAGES))
+        .descriptor_type(set_0::KINDS[index as usize])
 }
 
 fn write(device: &ash::Device, write: vk::WriteDescriptorSet) {

@@ -5,7 +5,7 @@ use std::ffi::CStr;
 use ash::vk;
 
 use super::VulkanError;
-use super::headless::Instance;
+use super::instance::Instance;
 use super::requirements::{API_VERSION, unmet, version_text};
 
 /// Which Vulkan device, in the order of [`devices`].

@@ -9,10 +9,10 @@ use gpu_allocator::vulkan::Allocator;
 use super::anchors::ANCHOR_BYTES;
 use super::descriptors;
 use super::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo, RESULT_FORMAT};
-use super::pipelines::{Pipelines, binding};
+use super::pipelines::Pipelines;
 use super::plan::Scan;
 use super::progress::{self, Outcome};
-use super::record::HALO;
+use super::shaders::set_0;
 use super::upload::SOURCE_BYTES;
 use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;
@@ -147,21 +147,23 @@ impl GridImages {
         for (writes, &set) in self.sets.iter().enumerate() {
             let (old, new) = (&self.fronts[1 - writes], &self.fronts[writes]);
             for (index, image) in [
-                (binding::EDGES, &self.edges),
-                (binding::GAUSSIAN, &self.gaussian),
-                (binding::OLD_FRONTS, old),
-                (binding::FRONTS_BEHIND, new),
-                (binding::NEW_FRONTS, new),
-                (binding::OTHER_FRONTS, old),
+                (set_0::EDGES, &self.edges),
+                (set_0::GAUSSIANS, &self.gaussian),
+                (set_0::OLD_FRONTS, old),
+                (set_0::FRONTS_BEHIND, new),
+                (set_0::NEW_FRONTS, new),
+                // For passes that write both.
+                (set_0::NEW_FRONTS_1, old),
             ] {
                 descriptors::write_image(device, set, index, image);
             }
             for (index, buffer) in [
-                (binding::PROGRESS, &self.progress),
-                (binding::UPLOAD, &self.upload),
-                (binding::DOWNLOAD, &self.download),
-                (binding::TILES, &self.tiles),
-                (binding::BLOCKS, &self.blocks),
+                (set_0::PROGRESS, &self.progress),
+                // Seeds and anchors come by the same buffer.
+                (set_0::POINTS, &self.upload),
+                (set_0::DISTANCES, &self.download),
+                (set_0::TILES, &self.tiles),
+                (set_0::BLOCKS, &self.blocks),
             ] {
                 descriptors::write_buffer(device, set, index, buffer);
             }
@@ -317,6 +319,18 @@ pub(crate) fn bands(
     let step = band_rows(chart, point_bytes, most);
     (0..chart.rows).step_by(step).map(move |row| row..(row + step).min(chart.rows))
 }
+
+/// The rows whose points are needed to measure the edges of a band. An edge to the north also depends
+/// on how the surface bends at its other end; at an end where the line ends, at the next two points
+/// inwards.
+pub(crate) fn rows_around(band: &Range<usize>, chart: Chart) -> Range<usize> {
+    band.start.saturating_sub(BEFORE)..(band.end + AFTER).min(chart.rows)
+}
+
+const BEFORE: usize = 3;
+const AFTER: usize = 2;
+/// Rows around a band, at most.
+const HALO: usize = BEFORE + AFTER;
 
 #[cfg(test)]
 mod tests {

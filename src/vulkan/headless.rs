@@ -1,89 +1,15 @@
-//! An instance, a device and a queue of our own, for use without a renderer.
+//! A device and a queue of our own, for use without a renderer.
 
 use std::mem::ManuallyDrop;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use ash::{ext, vk};
+use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
-use super::profile::{Capabilities, Capability};
-use super::requirements::API_VERSION;
-use super::validation::{self, Messenger, ValidationLog};
-use super::{DeviceInfo, VulkanError, devices, requirements};
-use crate::vulkan::DeviceChoice;
-
-/// The loader and an instance, with the validation layers if asked for.
-pub(crate) struct Instance {
-    // The entry keeps the loader's library in memory.
-    _entry: ash::Entry,
-    pub(crate) handle: ash::Instance,
-    messenger: Option<Messenger>,
-    /// Whether tools can be shown labels and names.
-    debug_utils: bool,
-}
-
-impl Instance {
-    pub(crate) fn new(validate: bool) -> Result<Self, VulkanError> {
-        Self::open(validate, false)
-    }
-
-    /// With labels and names for tools, where the loader offers them.
-    fn open(validate: bool, labels: bool) -> Result<Self, VulkanError> {
-        // SAFETY: the loader's library is the system's own and is kept loaded by the entry.
-        let entry = unsafe { ash::Entry::load() }
-            .map_err(|error| VulkanError::NoLoader(error.to_string()))?;
-        let application = vk::ApplicationInfo::default()
-            .application_name(c"geosweep")
-            .engine_name(c"geosweep")
-            .api_version(API_VERSION);
-        let mut features =
-            vk::ValidationFeaturesEXT::default().enabled_validation_features(&validation::FEATURES);
-        let layers = [validation::LAYER.as_ptr()];
-        let extensions = [ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()];
-        // SAFETY: no layer's extensions are asked for.
-        let offered = unsafe { entry.enumerate_instance_extension_properties(None) };
-        let debug_utils = labels
-            && offered
-                .unwrap_or_default()
-                .iter()
-                .any(|extension| extension.extension_name_as_c_str() == Ok(ext::debug_utils::NAME));
-        let mut info = vk::InstanceCreateInfo::default().application_info(&application);
-        if validate {
-            info = info
-                .enabled_layer_names(&layers)
-                .enabled_extension_names(&extensions)
-                .push_next(&mut features);
-        } else if debug_utils {
-            info = info.enabled_extension_names(&extensions[..1]);
-        }
-        // SAFETY: all that the structures point to is alive.
-        let handle = match unsafe { entry.create_instance(&info, None) } {
-            Ok(handle) => handle,
-            Err(vk::Result::ERROR_LAYER_NOT_PRESENT) => return Err(VulkanError::NoValidationLayer),
-            Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) => return Err(VulkanError::NoDevice),
-            Err(result) => return Err(VulkanError::Call { call: "vkCreateInstance", result }),
-        };
-        let mut new = Self { _entry: entry, handle, messenger: None, debug_utils };
-        if validate {
-            new.messenger = Some(Messenger::new(&new._entry, &new.handle)?);
-        }
-        Ok(new)
-    }
-
-    pub(crate) fn validation_log(&self) -> Option<&ValidationLog> {
-        self.messenger.as_ref().map(Messenger::log)
-    }
-}
-
-impl Drop for Instance {
-    fn drop(&mut self) {
-        if let Some(messenger) = &mut self.messenger {
-            messenger.destroy();
-        }
-        // SAFETY: everything made from the instance is gone.
-        unsafe { self.handle.destroy_instance(None) };
-    }
-}
+use super::instance::Instance;
+use super::profile::{Capabilities, Capability, PassRecord, Profile};
+use super::validation::ValidationLog;
+use super::{DeviceChoice, DeviceInfo, VulkanError, devices, requirements};
 
 /// A device with one compute queue, an allocator and command buffers.
 pub(crate) struct Context {
@@ -191,7 +117,7 @@ impl Context {
         self: &Arc<Self>,
         append: impl FnOnce(&ash::Device, vk::CommandBuffer),
     ) -> Result<(), VulkanError> {
-        let commands = Commands::new(self)?;
+        let commands = CommandBuffer::new(self)?;
         commands.record(append)?;
         commands.submit_and_wait()
     }
@@ -217,13 +143,56 @@ impl Drop for Context {
     }
 }
 
+/// How command buffers are recorded, submitted and waited for.
+pub(crate) trait Submitter {
+    /// Records one, in place of what it held.
+    fn record(
+        &self,
+        commands: &CommandBuffer,
+        append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&Profile>),
+    ) -> Result<(), VulkanError>;
+
+    /// Submits what it has recorded, and waits.
+    fn submit(&mut self, commands: &CommandBuffer) -> Result<(), VulkanError>;
+
+    /// The time of a map counts from now on.
+    fn restart(&mut self) {}
+
+    /// Whether it looks at passes.
+    fn is_watching(&self) -> bool {
+        false
+    }
+
+    /// The passes that were submitted last, if it looks at them.
+    fn last(&mut self) -> Option<&mut [PassRecord]> {
+        None
+    }
+}
+
+/// Nobody looks on.
+pub(crate) struct Unwatched;
+
+impl Submitter for Unwatched {
+    fn record(
+        &self,
+        commands: &CommandBuffer,
+        append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&Profile>),
+    ) -> Result<(), VulkanError> {
+        commands.record(|device, buffer| append(device, buffer, None))
+    }
+
+    fn submit(&mut self, commands: &CommandBuffer) -> Result<(), VulkanError> {
+        commands.submit_and_wait()
+    }
+}
+
 /// A command buffer that can be recorded anew and submitted many times, one submission at a time.
-pub(crate) struct Commands {
+pub(crate) struct CommandBuffer {
     context: Arc<Context>,
     buffer: vk::CommandBuffer,
 }
 
-impl Commands {
+impl CommandBuffer {
     pub(crate) fn new(context: &Arc<Context>) -> Result<Self, VulkanError> {
         let info = vk::CommandBufferAllocateInfo::default()
             .command_pool(context.pool)
@@ -265,7 +234,7 @@ impl Commands {
     }
 }
 
-impl Drop for Commands {
+impl Drop for CommandBuffer {
     fn drop(&mut self) {
         // SAFETY: submissions have been waited for; after a lost device nothing is pending.
         unsafe { self.context.device.free_command_buffers(self.context.pool, &[self.buffer]) };

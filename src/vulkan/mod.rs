@@ -8,7 +8,7 @@
 //! read back to steer: the device finds out that a map has converged, and passes recorded beyond
 //! that visit nothing.
 //!
-//! [`plan`] is a list of plain values. [`embed`] records it into a renderer's own command buffer,
+//! A [`plan`] is a list of plain values. [`embed`] records it into a renderer's own command buffer,
 //! on its device and with its allocator. [`Solver`] brings its own of each. What a device must offer
 //! is in [`requirements`]: Vulkan 1.1, and no extension or feature.
 
@@ -21,9 +21,11 @@ pub mod embed;
 mod error;
 pub(crate) mod grid_images;
 mod headless;
+mod instance;
 mod limits;
 pub(crate) mod memory;
 mod pairwise;
+mod passes;
 mod pipelines;
 pub mod plan;
 pub mod profile;
@@ -31,6 +33,8 @@ mod progress;
 mod record;
 pub mod requirements;
 mod schedule;
+mod schedules;
+mod shaders;
 mod solver;
 mod surface_on_device;
 mod texel_chart;
@@ -42,6 +46,7 @@ pub use devices::{DeviceChoice, DeviceInfo, devices};
 pub use error::VulkanError;
 pub use pairwise::{PairwiseOnDevice, PairwiseSchedule};
 pub use schedule::{Schedule, Tuning};
+pub use schedules::planned;
 pub use solver::{Method, Solution, Solver};
 pub use surface_on_device::SurfaceOnDevice;
 pub use texel_chart::TexelChart;

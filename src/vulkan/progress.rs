@@ -1,13 +1,14 @@
 //! How a map's iterations go, as the device keeps it. The twin of `glsl/progress.glsl`.
 
-use bytemuck::{AnyBitPattern, NoUninit};
+use std::mem::offset_of;
 
+use bytemuck::{AnyBitPattern, NoUninit, Zeroable};
+
+pub(crate) use super::shaders::progress::Progress;
 use crate::Stop;
-use crate::constants::{ROUNDS, VISIT_WORDS};
+use crate::constants::VISIT_WORDS;
 
-const SLOTS: usize = 3 * (ROUNDS as usize + 1);
-
-/// What the host reads.
+/// What the host reads: the first part of [`Progress`].
 #[derive(Clone, Copy, Debug, AnyBitPattern, NoUninit)]
 #[repr(C)]
 pub(crate) struct Outcome {
@@ -23,17 +24,21 @@ pub(crate) struct Outcome {
     most: u32,
 }
 
-/// All of it but the visits of scans, which follow.
-#[derive(Clone, Copy, Debug, NoUninit)]
-#[repr(C)]
-pub(crate) struct DeviceProgress {
-    outcome: Outcome,
-    grid_groups: [u32; 3],
-    rounds: [u32; SLOTS],
-    unsettled: [u32; ROUNDS as usize],
-    reached: u32,
-    settled: u32,
+macro_rules! assert_first_part {
+    ($($member:ident),*) => {
+        $(const _: () = assert!(offset_of!(Outcome, $member) == offset_of!(Progress, $member));)*
+    };
 }
+assert_first_part!(
+    residual,
+    renews,
+    iterations,
+    last_residual,
+    since_reached,
+    done,
+    tolerance,
+    most
+);
 
 impl Outcome {
     pub(crate) fn is_done(&self) -> bool {
@@ -54,53 +59,43 @@ impl Outcome {
 /// Dispatches of scans in a recording of which profiles learn whether they have visited something.
 pub(crate) const VISITS: u32 = 32 * VISIT_WORDS;
 /// Bytes of all the progress.
-pub(crate) const BYTES: u64 = offset::VISITS + VISITS as u64 / 8;
+pub(crate) const BYTES: u64 = size_of::<Progress>() as u64;
 
 /// Where the parts lie, in bytes.
 pub(crate) mod offset {
     use super::*;
 
-    pub(crate) const GRID_GROUPS: u64 = size_of::<Outcome>() as u64;
+    pub(crate) const GRID_GROUPS: u64 = offset_of!(Progress, grid_groups) as u64;
 
     /// The tiles of a round.
     pub(crate) const fn round(round: u32) -> u64 {
-        GRID_GROUPS + 12 + 12 * round as u64
+        (offset_of!(Progress, rounds) + round as usize * size_of::<[u32; 3]>()) as u64
     }
 
     /// The texels that were brought back to one image.
-    pub(crate) const SETTLED: u64 = size_of::<DeviceProgress>() as u64 - 4;
+    pub(crate) const SETTLED: u64 = offset_of!(Progress, settled) as u64;
 
-    /// A bit for each dispatch of a scan.
-    pub(crate) const VISITS: u64 = size_of::<DeviceProgress>() as u64;
+    /// A bit for each dispatch of a scan. It is the last part, which only profiles use.
+    pub(crate) const VISITS: u64 = offset_of!(Progress, visits) as u64;
 }
 
-impl DeviceProgress {
-    /// Before the first iteration; the whole grid takes so many groups.
-    pub(crate) fn start(stop: Stop, grid: [u32; 2]) -> Self {
-        let mut rounds = [1; SLOTS];
-        rounds.iter_mut().step_by(3).for_each(|tiles| *tiles = 0);
-        Self {
-            outcome: Outcome {
-                residual: 0,
-                renews: 1,
-                iterations: 0,
-                last_residual: u32::MAX,
-                since_reached: 0,
-                done: 0,
-                tolerance: (stop.tolerance / f64::from(f32::EPSILON)) as u32,
-                most: stop.iterations,
-            },
-            grid_groups: [grid[0], grid[1], 1],
-            rounds,
-            unsettled: [0; ROUNDS as usize],
-            reached: 0,
-            settled: 0,
-        }
+/// Before the first iteration; the whole grid takes so many groups. Visits need no beginning.
+pub(crate) fn start(stop: Stop, grid: [u32; 2]) -> Progress {
+    Progress {
+        renews: 1,
+        last_residual: u32::MAX,
+        tolerance: (stop.tolerance / f64::from(f32::EPSILON)) as u32,
+        most: stop.iterations,
+        grid_groups: [grid[0], grid[1], 1],
+        ..before_rounds()
     }
+}
 
-    /// Before more rounds of tiles: all slots but the first, and what follows them, are to be
-    /// written.
-    pub(crate) fn before_rounds() -> Self {
-        Self::start(Stop::after(1), [0; 2])
-    }
+/// Before more rounds of tiles: all slots but the first, and what follows them up to the visits, are
+/// to be written.
+pub(crate) fn before_rounds() -> Progress {
+    let mut progress = Progress::zeroed();
+    progress.rounds.fill(1);
+    progress.rounds.iter_mut().step_by(3).for_each(|tiles| *tiles = 0);
+    progress
 }

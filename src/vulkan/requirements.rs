@@ -23,7 +23,8 @@ use std::ffi::CStr;
 use ash::vk;
 
 use super::memory::{FORMAT, IMAGE_USAGE, RESULT_FORMAT};
-use super::pipelines::{PUSH_CONSTANT_BYTES, binding, host};
+use super::passes::PUSH_CONSTANT_BYTES;
+use super::shaders::{count_of, set_0, set_1};
 use crate::constants::SURROUNDINGS_WORKGROUP;
 
 /// The Vulkan version needed; instances should be created for it or a later one.
@@ -47,6 +48,7 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
         unmet.push(format!("it supports Vulkan {version}, and 1.1 is needed"));
     }
     let limits = properties.limits;
+    let descriptors = |kind| count_of(kind, &set_0::KINDS) + count_of(kind, &set_1::KINDS);
     for (what, offered, needed) in [
         // The largest of those that are no matter of tuning.
         (
@@ -57,12 +59,12 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
         (
             "shaders see # storage images",
             limits.max_per_stage_descriptor_storage_images,
-            binding::IMAGES + host::IMAGES,
+            descriptors(vk::DescriptorType::STORAGE_IMAGE),
         ),
         (
             "shaders see # storage buffers",
             limits.max_per_stage_descriptor_storage_buffers,
-            binding::ALL - binding::IMAGES + host::BUFFERS,
+            descriptors(vk::DescriptorType::STORAGE_BUFFER),
         ),
         (
             "there are # bytes of push constants",

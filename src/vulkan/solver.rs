@@ -4,10 +4,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::grid_images::{GridImages, POINT_BYTES, bands, transfer_bytes};
-use super::headless::{Commands, Context};
-use super::plan::{self, Reached, Step};
-use super::profile::{self, Capabilities, Capability, Detail, Executable, Session, SolveProfile};
-use super::record::Recorder;
+use super::headless::{CommandBuffer, Context, Submitter, Unwatched};
+use super::plan::Reached;
+use super::profile::{Capabilities, Capability, Detail, Executable, Session, SolveProfile};
+use super::record::{Commands, Recorder};
+use super::schedules;
 use super::surface_on_device::{Start, SurfaceOnDevice};
 use super::upload::{SeedTexel, seed_texels};
 use super::{Schedule, Tuning, ValidationLog, VulkanError, embed};
@@ -39,7 +40,7 @@ const VALIDATION_VARIABLE: &str = "GEOSWEEP_VALIDATION";
 /// ```
 pub struct Solver {
     /// With the passes of the schedules and wavefronts that were used so far.
-    pub(super) pipelines: embed::Solver,
+    pub(super) for_device: embed::Solver,
     pub(super) context: Arc<Context>,
 }
 
@@ -61,6 +62,8 @@ pub struct Method {
 pub struct Solution {
     /// Distances, row-major, +infinity where the sources do not reach.
     pub distances: Vec<f32>,
+    /// The front assumed: [`Wavefront::Anchored`] only where it could be, see [`Method::wavefront`].
+    pub wavefront: Wavefront,
     /// The order of updates.
     pub schedule: Schedule,
     /// Iterations of four scans, of two updates of all points, or rounds of tiles.
@@ -110,8 +113,8 @@ impl Solver {
         };
         let (instance, device) = (&context.instance.handle, &context.device);
         let physical_device = context.physical_device;
-        let pipelines = embed::Solver::with_tools(instance, physical_device, device, &[], tools)?;
-        Ok(Self { pipelines, context })
+        let for_device = embed::Solver::with_tools(instance, physical_device, device, &[], tools)?;
+        Ok(Self { for_device, context })
     }
 
     /// The device's name.
@@ -121,7 +124,7 @@ impl Solver {
 
     /// In how large portions it visits the grid.
     pub fn tuning(&self) -> Tuning {
-        self.pipelines.pipelines.tuning
+        self.for_device.pipelines.tuning
     }
 
     /// What the validation layers have said; `None` if they are off.
@@ -137,19 +140,19 @@ impl Solver {
     /// the device's images or memory.
     pub fn upload(&self, surface: &Surface) -> Result<SurfaceOnDevice, VulkanError> {
         let chart = surface.chart();
-        let texels = self.pipelines.limits.texels(chart)?;
-        let pipelines = &self.pipelines.pipelines;
+        let texels = self.for_device.limits.texels(chart)?;
+        let pipelines = &self.for_device.pipelines;
         let mut on_device = SurfaceOnDevice::new(&self.context, pipelines, surface, texels)?;
         let is_floor = on_device.anchors.is_some();
         let images = &mut on_device.images;
-        self.run(images, |recorder| recorder.prepare())?;
+        self.run(&mut Unwatched, images, |recorder| recorder.prepare())?;
         let origin = surface.origin();
         for rows in bands(chart, POINT_BYTES, transfer_bytes(chart)) {
             let bytes = &mut images.staging()[..rows.len() * chart.cols * POINT_BYTES];
             surface.write_edges(rows.clone(), origin, bytemuck::cast_slice_mut(bytes))?;
-            self.run(images, |recorder| recorder.upload_edges(rows))?;
+            self.run(&mut Unwatched, images, |recorder| recorder.upload_edges(rows))?;
         }
-        self.run(images, |recorder| recorder.bend(surface.edge_rule(), is_floor))?;
+        self.run(&mut Unwatched, images, |recorder| recorder.bend(surface.edge_rule(), is_floor))?;
         self.context.check_validation()?;
         Ok(on_device)
     }
@@ -161,7 +164,7 @@ impl Solver {
         seeds: &[Seed],
         method: Method,
     ) -> Result<Solution, VulkanError> {
-        self.solve_planned(surface, seeds, method, Start::Fresh, |_| {}, None)
+        self.solve_watched(surface, seeds, method, Start::Fresh, &mut Unwatched)
     }
 
     /// Adds seeds to the last map of the surface, which has converged with the same wavefront.
@@ -175,7 +178,7 @@ impl Solver {
         seeds: &[Seed],
         method: Method,
     ) -> Result<Solution, VulkanError> {
-        self.solve_planned(surface, seeds, method, Start::FromLast, |_| {}, None)
+        self.solve_watched(surface, seeds, method, Start::FromLast, &mut Unwatched)
     }
 
     /// What the device offers for profiling; `None` unless the solver was made by
@@ -187,7 +190,9 @@ impl Solver {
     /// What the driver has made of the pipelines used so far; none where the device does not tell.
     pub fn executables(&self) -> Result<Vec<Executable>, VulkanError> {
         match self.capabilities().is_some_and(|found| found.executables.is_ok()) {
-            true => self.pipelines.executables(&self.context.instance.handle, &self.context.device),
+            true => {
+                self.for_device.executables(&self.context.instance.handle, &self.context.device)
+            }
             false => Ok(Vec::new()),
         }
     }
@@ -208,17 +213,16 @@ impl Solver {
         let schedule = self.schedule(&surface.images, method);
         let (texels, tuning) = (surface.images.texels, self.tuning());
         let portions = tuning.portions(method.wavefront, texels);
-        let steps = plan::recording(schedule, texels, portions, None, method.stop.iterations);
-        let passes = profile::records(&steps, detail.grain);
+        let steps = schedule.plan(texels, portions, None, method.stop.iterations);
+        let passes = schedules::records(&steps, detail.grain);
         let [cols, rows] = texels.tiles(tuning.tile);
         let tiles = cols as usize * rows as usize;
-        let detail = Detail { tiles: detail.tiles && schedule == Schedule::Tiles, ..detail };
+        let detail = Detail { tiles: detail.tiles && schedule.has_rounds(), ..detail };
         let room = passes + PASSES_AROUND;
         let mut session = Session::new(&self.context, capabilities, room, tiles, detail)?;
         // What has been recorded before is without queries.
         surface.goes_on = None;
-        let watched = Some(&mut session);
-        let solved = self.solve_planned(surface, seeds, method, Start::Fresh, |_| {}, watched);
+        let solved = self.solve_watched(surface, seeds, method, Start::Fresh, &mut session);
         surface.goes_on = None;
         let solution = solved?;
         let profile = session.finish(solution.time);
@@ -226,36 +230,27 @@ impl Solver {
     }
 
     fn schedule(&self, images: &GridImages, method: Method) -> Schedule {
-        let best = || Schedule::best_on(self.pipelines.limits.kind, images.chart);
+        let best = || Schedule::best_on(self.for_device.limits.kind, images.chart);
         method.schedule.unwrap_or_else(best)
     }
 
-    fn solve_planned(
+    fn solve_watched(
         &mut self,
         surface: &mut SurfaceOnDevice,
         seeds: &[Seed],
         method: Method,
         start: Start,
-        edit: impl Fn(&mut Vec<Step>),
-        mut session: Option<&mut Session>,
+        submitter: &mut impl Submitter,
     ) -> Result<Solution, VulkanError> {
-        let Method { wavefront, stop, .. } = method;
-        let (wavefront, carried) = surface.begin(wavefront, seeds, start)?;
+        let stop = method.stop;
+        let (wavefront, carried) = surface.begin(method.wavefront, seeds, start)?;
         let schedule = self.schedule(&surface.images, method);
         self.make_passes(&surface.images, schedule, wavefront)?;
-        let passes = self.pipelines.passes(schedule, wavefront).expect("they were made above");
         let SurfaceOnDevice { images, first, further, goes_on, .. } = surface;
-        let portions = self.pipelines.pipelines.tuning.portions(wavefront, images.texels);
-        let plan = |texels, reached, most| {
-            let mut steps = plan::recording(schedule, texels, portions, reached, most);
-            edit(&mut steps);
-            steps
-        };
+        let (texels, portions) = (images.texels, self.tuning().portions(wavefront, images.texels));
 
         let begin = Instant::now();
-        if let Some(session) = &mut session {
-            session.restart();
-        }
+        submitter.restart();
         let seeds = seed_texels(seeds, &carried);
         let begin_map = |recorder: &Recorder| {
             if start == Start::Fresh {
@@ -267,50 +262,49 @@ impl Solver {
         let most = images.staging().len() / size_of::<SeedTexel>();
         let (ahead, last) = seeds.split_at(seeds.len().saturating_sub(1) / most * most);
         if !ahead.is_empty() {
-            self.watched(images, session.as_deref_mut(), |recorder| begin_map(&recorder))?;
+            self.run(submitter, images, |recorder| begin_map(&recorder))?;
         }
         for part in ahead.chunks(most) {
             let count = write_seeds(part, images);
-            let watched = session.as_deref_mut();
-            self.watched(images, watched, |recorder| recorder.seed(count, schedule))?;
+            self.run(submitter, images, |recorder| recorder.seed(count, schedule.follows()))?;
         }
         let count = write_seeds(last, images);
         let places = seeds.iter().map(|seed| (seed.texel[1] as u32, seed.texel[0] as u32));
         let reached = Reached::around(places).filter(|_| start == Start::Fresh);
-        let steps = plan(images.texels, reached, stop.iterations);
-        self.record(first, images, session.as_deref(), |recorder| {
+        let steps = schedule.plan(texels, portions, reached, stop.iterations);
+        self.record(submitter, first, images, |recorder| {
             if ahead.is_empty() {
                 begin_map(&recorder);
             }
-            recorder.seed(count, schedule);
-            recorder.steps(passes, &steps);
+            recorder.seed(count, schedule.follows());
+            recorder.steps(wavefront, &steps);
             recorder.outcome(0);
             recorder.end_portion();
         })?;
-        Session::submit(session.as_deref_mut(), first)?;
+        submitter.submit(first)?;
         let mut outcome = images.outcome(0);
         while !outcome.is_done() {
             // One recording serves all but the last iterations, of which fewer may be left.
-            let steps = plan(images.texels, None, stop.iterations - outcome.iterations);
-            let wanted = (wavefront, steps);
+            let left = stop.iterations - outcome.iterations;
+            let wanted = (wavefront, schedule.plan(texels, portions, None, left));
             if goes_on.as_ref() != Some(&wanted) {
-                self.record(further, images, session.as_deref(), |recorder| {
-                    recorder.go_on(&wanted.1);
-                    recorder.steps(passes, &wanted.1);
+                self.record(submitter, further, images, |recorder| {
+                    recorder.go_on(schedule, &wanted.1);
+                    recorder.steps(wavefront, &wanted.1);
                     recorder.outcome(0);
                     recorder.end_portion();
                 })?;
                 *goes_on = Some(wanted);
             }
-            Session::submit(session.as_deref_mut(), further)?;
+            submitter.submit(further)?;
             outcome = images.outcome(0);
         }
         let time = begin.elapsed();
 
-        let distances = self.read_back(images, session)?;
+        let distances = self.read_back(submitter, images)?;
         self.context.check_validation()?;
         let (iterations, residual) = (outcome.iterations, outcome.residual());
-        Ok(Solution { distances, schedule, iterations, residual, time })
+        Ok(Solution { distances, wavefront, schedule, iterations, residual, time })
     }
 
     /// Makes the passes of a schedule and a wavefront unless they are there.
@@ -320,62 +314,48 @@ impl Solver {
         schedule: Schedule,
         wavefront: Wavefront,
     ) -> Result<(), VulkanError> {
-        if self.pipelines.passes(schedule, wavefront).is_some() {
+        if self.for_device.has_passes(schedule, wavefront) {
             return Ok(());
         }
-        self.pipelines.make_passes(&self.context.device, schedule, wavefront)?;
-        let passes = self.pipelines.passes(schedule, wavefront).expect("they were made above");
-        self.run(images, |recorder| recorder.warm_up(passes))
+        self.for_device.make_passes(&self.context.device, schedule, wavefront)?;
+        self.run(&mut Unwatched, images, |recorder| recorder.warm_up_map(schedule, wavefront))
     }
 
-    fn recorder<'a>(
-        &'a self,
-        device: &'a ash::Device,
-        commands: ash::vk::CommandBuffer,
-        grid: &'a GridImages,
-    ) -> Recorder<'a> {
-        Recorder { device, commands, pipelines: &self.pipelines.pipelines, grid, profile: None }
-    }
-
-    /// Records, submits and waits.
-    fn run(&self, grid: &GridImages, append: impl FnOnce(Recorder)) -> Result<(), VulkanError> {
-        self.context.run(|device, commands| append(self.recorder(device, commands, grid)))
-    }
-
-    /// Records a command buffer, in a session if there is one.
+    /// Records a command buffer.
     fn record(
         &self,
-        commands: &Commands,
+        submitter: &impl Submitter,
+        commands: &CommandBuffer,
         grid: &GridImages,
-        session: Option<&Session>,
         append: impl FnOnce(Recorder),
     ) -> Result<(), VulkanError> {
-        Session::record(session, commands, |device, buffer, profile| {
-            append(Recorder { profile, ..self.recorder(device, buffer, grid) });
+        submitter.record(commands, |device, buffer, profile| {
+            let pipelines = &self.for_device.pipelines;
+            let commands = Commands { device, buffer, pipelines, profile };
+            append(Recorder { commands, grid });
         })
     }
 
-    /// Records, submits and waits, in a session if there is one.
-    fn watched(
+    /// Records, submits and waits.
+    fn run(
         &self,
+        submitter: &mut impl Submitter,
         grid: &GridImages,
-        session: Option<&mut Session>,
         append: impl FnOnce(Recorder),
     ) -> Result<(), VulkanError> {
-        let commands = Commands::new(&self.context)?;
-        self.record(&commands, grid, session.as_deref(), append)?;
-        Session::submit(session, &commands)
+        let commands = CommandBuffer::new(&self.context)?;
+        self.record(submitter, &commands, grid, append)?;
+        submitter.submit(&commands)
     }
 
     fn read_back(
         &self,
+        submitter: &mut impl Submitter,
         images: &mut GridImages,
-        mut session: Option<&mut Session>,
     ) -> Result<Vec<f32>, VulkanError> {
         let mut distances = vec![0.0f32; images.chart.points()];
         for rows in bands(images.chart, size_of::<f32>(), transfer_bytes(images.chart)) {
-            let watched = session.as_deref_mut();
-            self.watched(images, watched, |recorder| recorder.unpack(rows.clone()))?;
+            self.run(submitter, images, |recorder| recorder.unpack(rows.clone()))?;
             let part =
                 &mut distances[images.chart.index(rows.start, 0)..images.chart.index(rows.end, 0)];
             let bytes: &mut [u8] = bytemuck::cast_slice_mut(part);
@@ -402,7 +382,7 @@ const PASSES_AROUND: u32 = 8;
 
 impl Drop for Solver {
     fn drop(&mut self) {
-        self.pipelines.destroy(&self.context.device);
+        self.for_device.destroy(&self.context.device);
     }
 }
 
@@ -414,6 +394,8 @@ mod tests {
 
     use super::*;
     use crate::surface::{Sources, Spacing};
+    use crate::vulkan::barrier::tests::without;
+    use crate::vulkan::barrier::{Access, PASS};
 
     const STOP: Stop = Stop { tolerance: 1e-6, iterations: 100 };
 
@@ -435,6 +417,10 @@ mod tests {
         Sources::point(3.0, 20.5).seeds(surface).unwrap()
     }
 
+    fn is_between_passes(before: Access, after: Access) -> bool {
+        (before, after) == (PASS, PASS)
+    }
+
     /// Shows that the validation layers are listening: without this, a clean log says nothing.
     #[test]
     fn a_missing_barrier_is_reported() {
@@ -443,13 +429,9 @@ mod tests {
         for schedule in Schedule::ALL {
             let mut solver = self::solver();
             let mut on_device = solver.upload(&surface).unwrap();
-            let leaky = |steps: &mut Vec<Step>| {
-                let barrier = steps.iter().position(|step| *step == Step::Barrier).unwrap();
-                steps.remove(barrier);
-            };
             let method = method(Wavefront::Planar, schedule);
-            let start = Start::Fresh;
-            let result = solver.solve_planned(&mut on_device, &seeds, method, start, leaky, None);
+            let result =
+                without(is_between_passes, || solver.solve(&mut on_device, &seeds, method));
             let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
             assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-")), "{messages:?}");
         }
@@ -463,12 +445,10 @@ mod tests {
         let mut solver = Solver::with(context).unwrap();
         let surface = hill();
         let mut on_device = solver.upload(&surface).unwrap();
-        let leaky = |steps: &mut Vec<Step>| steps.retain(|step| *step != Step::Barrier);
-        let (method, start) = (method(Wavefront::Planar, Schedule::Raster), Start::Fresh);
-        let seeds = seeds(&surface);
-        let result = solver.solve_planned(&mut on_device, &seeds, method, start, leaky, None);
+        let (method, seeds) = (method(Wavefront::Planar, Schedule::Raster), seeds(&surface));
+        let result = without(is_between_passes, || solver.solve(&mut on_device, &seeds, method));
         let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
-        assert!(messages.iter().any(|m| m.contains("[raster, planar")), "{messages:?}");
+        assert!(messages.iter().any(|m| m.contains("[scan ")), "{messages:?}");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::anchors::Anchors;
 use super::grid_images::{GridImages, Purpose};
-use super::headless::{Commands, Context};
+use super::headless::{CommandBuffer, Context};
 use super::pipelines::Pipelines;
 use super::plan::Step;
 use super::upload::curvatures;
@@ -23,9 +23,9 @@ pub struct SurfaceOnDevice {
     /// Whether the last map's fronts have anchors.
     is_anchored: bool,
     /// Starts a map.
-    pub(super) first: Commands,
+    pub(super) first: CommandBuffer,
     /// Goes on with one, as recorded for this wavefront and these steps.
-    pub(super) further: Commands,
+    pub(super) further: CommandBuffer,
     pub(super) goes_on: Option<(Wavefront, Vec<Step>)>,
     pub(super) context: Arc<Context>,
 }
@@ -47,7 +47,7 @@ impl SurfaceOnDevice {
         surface: &Surface,
         texels: TexelChart,
     ) -> Result<Self, VulkanError> {
-        let (first, further) = (Commands::new(context)?, Commands::new(context)?);
+        let (first, further) = (CommandBuffer::new(context)?, CommandBuffer::new(context)?);
         let images = GridImages::new(
             &context.device,
             &mut context.allocator(),

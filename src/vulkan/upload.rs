@@ -1,31 +1,15 @@
 //! Sources in the form in which the shaders read them.
 
-use bytemuck::NoUninit;
-
 use super::TexelChart;
+pub(crate) use super::shaders::seed::SeedTexel;
 use crate::surface::{FAR, Seed, Tagged};
 use crate::update::SEED;
 
 /// Bytes of a source as `glsl/sources.comp` reads it.
 pub(crate) const SOURCE_BYTES: usize = 16;
 
-/// The sources in one texel, as seed.comp reads them.
-#[derive(Clone, Copy, Debug, PartialEq, NoUninit)]
-#[repr(C)]
-pub(crate) struct SeedTexel {
-    /// Column and row of the texel, the image's border included.
-    pub(crate) texel: [i32; 2],
-    unused: [i32; 2],
-    /// Arrival times of its points.
-    pub(crate) times: [f32; 4],
-    /// Curvatures of their fronts, or numbers of their anchors.
-    pub(crate) curvatures: [f32; 4],
-}
-
-impl SeedTexel {
-    /// Bytes that shaders read and write.
-    pub(crate) const BYTES: u64 = (size_of::<Self>() - size_of::<[i32; 2]>()) as u64;
-}
+/// Bytes of a texel with sources that shaders read and write.
+pub(crate) const SEED_BYTES: u64 = (size_of::<SeedTexel>() - size_of::<[i32; 2]>()) as u64;
 
 /// The curvatures of the fronts at seeds, as fronts carry them.
 pub(crate) fn curvatures(seeds: &[Seed]) -> Vec<f32> {

@@ -198,6 +198,12 @@ fn a_map_in_parts_is_the_map_of_one_frame() {
     let mut iterations = 0;
     ok(unsafe { geosweep_plan_iterations(single, &mut iterations) });
     assert_eq!(iterations, 1);
+    let anchored = session.plan(ROWS, COLS, &method(GeosweepWavefront::Anchored, 1));
+    for plan in [single, anchored] {
+        let mut wavefront = -1;
+        ok(unsafe { geosweep_plan_wavefront(plan, &mut wavefront) });
+        assert_eq!(wavefront, GeosweepWavefront::Curved as i32);
+    }
     let none: GeosweepAccess = zero();
     let after =
         GeosweepAccess { stages: vk::PipelineStageFlags::HOST, access: vk::AccessFlags::HOST_READ };

@@ -59,6 +59,9 @@ fn null_is_named_wherever_it_is_given() {
             geosweep_plan_create(solver, 1, 1, &method, null_mut()) => "plan is null",
             geosweep_plan_iterations(null(), &mut 0) => "plan is null",
             geosweep_plan_iterations(plan, null_mut()) => "iterations is null",
+            geosweep_plan_wavefront(null(), &mut 0) => "plan is null",
+            geosweep_plan_wavefront(plan, null_mut()) => "wavefront is null",
+            geosweep_solver_set_pipeline_cache(null(), vk::PipelineCache::null()) => "solver is null",
             geosweep_surface_bytes_for(null(), &info, &mut bytes) => "solver is null",
             geosweep_surface_bytes_for(solver, null(), &mut bytes) => "info is null",
             geosweep_surface_bytes_for(solver, &info, null_mut()) => "bytes is null",
@@ -122,7 +125,7 @@ fn a_solver_is_made_of_what_can_be_used() {
         status
     };
     all_wrong! {
-        create(&zero()) => "info->header_version is 0, and this library was built with header 2",
+        create(&zero()) => "info->header_version is 0, and this library was built with header 3",
         create(&GeosweepSolverInfo { get_instance_proc_addr: None, ..good }) => "is null",
         create(&GeosweepSolverInfo { instance: vk::Instance::null(), ..good }) => "instance is",
         create(&GeosweepSolverInfo { device: vk::Device::null(), ..good }) => "device is the null",

@@ -70,6 +70,7 @@ pub fn solver_info(host: &Host) -> GeosweepSolverInfo {
         device: host.device.handle(),
         passes: RASTER.as_ptr(),
         pass_count: RASTER.len() as u32,
+        pipeline_cache: vk::PipelineCache::null(),
     }
 }
 

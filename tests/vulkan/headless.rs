@@ -5,7 +5,7 @@ use geosweep::cpu::Solution;
 use geosweep::cpu::twins::{self, Rounds};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{EdgeLengths, Seed};
-use geosweep::vulkan::plan::{self, Step};
+use geosweep::vulkan::plan::Step;
 use geosweep::vulkan::{Method, Schedule, Solver, TexelChart, Tuning, VulkanError};
 use geosweep::{
     DeviceChoice, Engine, MetricTensor, Options, Sources, Surface, Wavefront, distance_map,
@@ -202,7 +202,7 @@ fn twin(
         Schedule::Tiles => {
             let texels = TexelChart::new(edges.chart()).unwrap();
             let portions = tuning.portions(wavefront, texels);
-            let recording = plan::recording(schedule, texels, portions, None, u32::MAX);
+            let recording = schedule.plan(texels, portions, None, u32::MAX);
             let recorded = recording.iter().filter(|step| matches!(step, Step::Tiles { .. }));
             let rounds = Rounds {
                 tile: tuning.tile as usize,

@@ -1,24 +1,26 @@
 //! Contours on the device, for drawing in the same frame.
 
-use bytemuck::NoUninit;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocator;
 
 use super::access::Access;
-use super::curves::{self, CurveBuffer, Curves, CurvesInfo, Layout, NamedPass};
+use super::curves::{self, CurveBuffer, CurveLayout, Curves, CurvesInfo};
 use super::host_sets::Content;
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
 use super::surface::Surface;
 use crate::constants::{LEVELS_TOGETHER, WORKGROUP};
 use crate::surface::Chart;
+use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
 use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE};
 use crate::vulkan::limits::Limits;
 use crate::vulkan::memory::BufferInfo;
-use crate::vulkan::pipelines::spirv;
+use crate::vulkan::passes::{CONTOUR_COUNTS, CONTOUR_OFFSETS, CONTOUR_SEGMENTS};
+use crate::vulkan::pipelines::Pipeline;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::record::dispatched;
+use crate::vulkan::shaders::contour_counts::Push;
 
 /// Room for the contours of a surface, and the passes that find them: [`Recording::contours`].
 ///
@@ -53,7 +55,11 @@ use crate::vulkan::record::dispatched;
 ///
 /// Dropping it frees nothing: the host calls [`Contours::destroy`], before or after the surface's.
 #[derive(Debug)]
-pub struct Contours(Curves);
+pub struct Contours {
+    curves: Curves,
+    /// In their order.
+    pipelines: [Pipeline<Push>; 3],
+}
 
 /// At which times contours are wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,23 +96,6 @@ const MOST_LEVELS: usize = LEVELS_TOGETHER as usize;
 /// Everything a surface's contours are counted in is no longer than this for a row.
 const ROW_WORDS: usize = 1 + WORKGROUP as usize;
 
-#[derive(Clone, Copy, NoUninit)]
-#[repr(C)]
-struct Push {
-    grid: [i32; 2],
-    levels: u32,
-    first_vertex: i32,
-    capacity: i32,
-    start: f32,
-}
-
-/// The passes, in order.
-const PASSES: [NamedPass; 3] = [
-    ("contour_counts", spirv!("contour_counts")),
-    ("contour_offsets", spirv!("contour_offsets")),
-    ("contour_segments", spirv!("contour_segments")),
-];
-
 impl Contours {
     pub(super) fn new(
         device: &ash::Device,
@@ -117,12 +106,14 @@ impl Contours {
         let limits = &solver.limits;
         let (layout, buffers) = parts(limits, surface.grid.chart, vertices)?;
         let counts = buffers[1].size;
-        let info = CurvesInfo { layout, buffers: &buffers, passes: &PASSES };
+        let make = |pass| solver.pipelines.make(device, pass, Wavefront::Planar);
+        let pipelines = [make(CONTOUR_COUNTS)?, make(CONTOUR_OFFSETS)?, make(CONTOUR_SEGMENTS)?];
+        let info = CurvesInfo { layout, buffers: &buffers };
         let curves = Curves::new(device, allocator, (solver, surface), info, |buffers| {
             let counts = curves::whole(limits, buffers[1].buffer, counts)?;
             Ok(vec![Content::Input(counts)])
         })?;
-        Ok(Self(curves))
+        Ok(Self { curves, pipelines })
     }
 
     pub(super) fn bytes_for(
@@ -137,23 +128,56 @@ impl Contours {
 
     /// Where the contours are: of a single [`super::CurveRecord`], drawn as a list of lines.
     pub fn curves(&self) -> CurveBuffer {
-        self.0.curves()
+        self.curves.curves()
     }
 
     /// Most records that [`Recording::contours`] makes in a [`crate::vulkan::profile::Profile`],
     /// beside those of [`Solver::passes_of_frame`].
     pub fn passes(&self) -> u32 {
-        PASSES.len() as u32 + 1
+        self.pipelines.len() as u32 + 1
     }
 
     /// Bytes taken from the allocator's memory blocks.
     pub fn bytes(&self) -> u64 {
-        self.0.bytes()
+        self.curves.bytes()
     }
 
     /// Frees everything. No submitted work may still use the contours. A second call does nothing.
     pub fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
-        self.0.destroy(device, allocator);
+        self.curves.destroy(device, allocator);
+    }
+}
+
+impl Solver {
+    /// Bytes that contours take from the allocator's memory blocks on this device, before they are
+    /// made.
+    ///
+    /// # Errors
+    /// As [`Solver::contours`].
+    pub fn bytes_for_contours(
+        &self,
+        device: &ash::Device,
+        chart: Chart,
+        vertices: u32,
+    ) -> Result<u64, VulkanError> {
+        Contours::bytes_for(device, &self.limits, chart, vertices)
+    }
+
+    /// Makes room for contours of a surface, of so many vertices, two for each of their segments:
+    /// 24 bytes a vertex and 260 a row of the grid. The one call that allocates for contours; the first
+    /// of the solver also makes their pipelines.
+    ///
+    /// # Errors
+    /// If there is no room for a segment, more than shaders see in one buffer, or memory runs out.
+    /// Nothing is left behind then.
+    pub fn contours(
+        &self,
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        surface: &Surface,
+        vertices: u32,
+    ) -> Result<Contours, VulkanError> {
+        Contours::new(device, allocator, (self, surface), vertices)
     }
 }
 
@@ -162,9 +186,9 @@ fn parts(
     limits: &Limits,
     chart: Chart,
     vertices: u32,
-) -> Result<(Layout, [BufferInfo; 2]), VulkanError> {
+) -> Result<(CurveLayout, [BufferInfo; 2]), VulkanError> {
     // Two a segment.
-    let layout = Layout { curves: 1, capacity: vertices / 2 * 2, between: 0 };
+    let layout = CurveLayout { curves: 1, capacity: vertices / 2 * 2, between: 0 };
     if layout.capacity == 0 {
         let reason = format!("{vertices} vertices are too few for a line");
         return Err(VulkanError::Curves { what: "contours", reason });
@@ -236,7 +260,7 @@ impl Recording<'_> {
         contours: &Contours,
         frame: &ContourFrame,
     ) -> Result<CurveBuffer, VulkanError> {
-        let curves = &contours.0;
+        let curves = &contours.curves;
         curves.check(self, frame.points)?;
         let (levels, count) = frame.levels.read()?;
         let (recorder, chart) = (&self.recorder, self.surface.grid.chart);
@@ -257,7 +281,8 @@ impl Recording<'_> {
         // A row of cells has two of points.
         let rows = chart.rows as u32 - 1;
         let heights = [rows, 1, rows];
-        for ((&pipeline, height), work) in curves.pipelines.iter().zip(heights).zip(works(chart)) {
+        for ((&pipeline, height), work) in contours.pipelines.iter().zip(heights).zip(works(chart))
+        {
             let size = [WORKGROUP, height];
             let record = PassRecord { work, ..dispatched(PassKind::Contours, size) };
             let _pass = recorder.pass_with(record);

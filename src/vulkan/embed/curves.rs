@@ -1,7 +1,7 @@
 //! Curves on the device: their buffer, its layout, and the passes that lift them to the surface.
 
 use ash::vk;
-use bytemuck::{NoUninit, Pod, Zeroable};
+use bytemuck::{Pod, Zeroable};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocator;
 
@@ -12,13 +12,16 @@ use super::recording::{Recording, grid_size};
 use super::solver::Solver;
 use super::surface::Surface;
 use crate::constants::{self, CURVE_WORDS, VERTEX_WORDS, WORKGROUP};
+use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
 use crate::vulkan::barrier::SHADER_WRITE;
 use crate::vulkan::limits::Limits;
 use crate::vulkan::memory::{Buffer, BufferInfo};
-use crate::vulkan::pipelines::{Pipelines, compute_pipeline, spirv};
+use crate::vulkan::passes::{LIFT_FROM_BUFFER, LIFT_FROM_IMAGE};
+use crate::vulkan::pipelines::{Pipeline, Pipelines};
 use crate::vulkan::profile::PassKind;
 use crate::vulkan::record::dispatched;
+use crate::vulkan::shaders::lift_from_buffer::Push as Lift;
 
 /// A vertex of a contour or path, to be bound as it is: [`CurveVertex::attributes`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -137,7 +140,7 @@ pub struct CurveBuffer {
 
 /// Where in a buffer of curves everything is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Layout {
+pub(super) struct CurveLayout {
     pub(super) curves: u32,
     /// Vertices of a curve.
     pub(super) capacity: u32,
@@ -145,21 +148,10 @@ pub(super) struct Layout {
     pub(super) between: u32,
 }
 
-#[derive(Clone, Copy, NoUninit)]
-#[repr(C)]
-struct Lift {
-    grid: [i32; 2],
-    first_word: i32,
-    stride: i32,
-    spacing: [f32; 2],
-    first_vertex: i32,
-    capacity: i32,
-}
-
 /// Workgroups that lift a curve, at most.
 const LIFTERS: u32 = 256;
 
-impl Layout {
+impl CurveLayout {
     pub(super) fn first_vertex(self) -> u64 {
         u64::from(self.curves) * u64::from(CURVE_WORDS) + u64::from(self.between)
     }
@@ -194,17 +186,16 @@ pub(super) fn check_bytes(
     Ok(())
 }
 
-/// Buffers, descriptors and pipelines of contours or paths on a surface.
+/// Buffers and descriptors of contours or paths on a surface.
 #[derive(Debug)]
 pub(super) struct Curves {
-    pub(super) layout: Layout,
-    pub(super) pipelines: Vec<vk::Pipeline>,
+    pub(super) layout: CurveLayout,
     /// Of the passes that trace the curves.
     pub(super) tracing: Vec<HostSet>,
     /// With curves as the first of them.
     buffers: Vec<Buffer>,
     /// For each of the surface's points its set and the pass that reads it.
-    lifting: Vec<(HostSet, vk::Pipeline)>,
+    lifting: Vec<(HostSet, Pipeline<Lift>)>,
     pool: vk::DescriptorPool,
     /// Of the surface's own sets, which tells surfaces apart.
     surface: vk::DescriptorPool,
@@ -212,15 +203,10 @@ pub(super) struct Curves {
 
 /// What [`Curves`] are made of.
 pub(super) struct CurvesInfo<'a> {
-    pub(super) layout: Layout,
+    pub(super) layout: CurveLayout,
     /// The curves' own, and others that passes use.
     pub(super) buffers: &'a [BufferInfo],
-    /// The passes that trace.
-    pub(super) passes: &'a [NamedPass],
 }
-
-/// The name of a pass, and its SPIR-V.
-pub(super) type NamedPass = (&'static str, &'static [u8]);
 
 impl Curves {
     /// `tracing` says what the sets of the passes that trace read, given the buffers made.
@@ -233,7 +219,6 @@ impl Curves {
     ) -> Result<Self, VulkanError> {
         let mut new = Self {
             layout: info.layout,
-            pipelines: Vec::new(),
             tracing: Vec::new(),
             buffers: Vec::new(),
             lifting: Vec::new(),
@@ -242,8 +227,7 @@ impl Curves {
         };
         let created = new
             .allocate(device, allocator, &solver.pipelines, info.buffers)
-            .and_then(|()| new.describe(device, solver, surface, tracing))
-            .and_then(|()| new.create_pipelines(device, &solver.pipelines, surface, info.passes));
+            .and_then(|()| new.describe(device, solver, surface, tracing));
         match created {
             Ok(()) => Ok(new),
             Err(error) => {
@@ -284,44 +268,14 @@ impl Curves {
         let contents: Vec<_> = contents.into_iter().map(|input| input.and_output(output)).collect();
         let (pool, mut sets) = host_sets::describe(device, &solver.pipelines, &contents)?;
         self.pool = pool;
-        let lifting = sets.split_off(traced).into_iter();
-        self.lifting = lifting.map(|set| (set, vk::Pipeline::null())).collect();
+        for (set, points) in sets.split_off(traced).into_iter().zip(&surface.points) {
+            let pass = match points.memory {
+                PointMemory::Buffer { .. } => LIFT_FROM_BUFFER,
+                PointMemory::Image { .. } => LIFT_FROM_IMAGE,
+            };
+            self.lifting.push((set, solver.pipelines.make(device, pass, Wavefront::Planar)?));
+        }
         self.tracing = sets;
-        Ok(())
-    }
-
-    fn create_pipelines(
-        &mut self,
-        device: &ash::Device,
-        pipelines: &Pipelines,
-        surface: &Surface,
-        passes: &[NamedPass],
-    ) -> Result<(), VulkanError> {
-        let create = |(name, spirv): NamedPass| {
-            let pipeline = compute_pipeline(device, pipelines.host_layout, spirv, &[])?;
-            pipelines.name(name, pipeline);
-            Ok::<_, VulkanError>(pipeline)
-        };
-        for &pass in passes {
-            self.pipelines.push(create(pass)?);
-        }
-        let is_buffer = |points: &Points| matches!(points.memory, PointMemory::Buffer { .. });
-        let lifts: [(bool, NamedPass); 2] = [
-            (true, ("lift_from_buffer", spirv!("lift_from_buffer"))),
-            (false, ("lift_from_image", spirv!("lift_from_image"))),
-        ];
-        for (from_buffer, pass) in lifts {
-            if !surface.points.iter().any(|points| is_buffer(points) == from_buffer) {
-                continue;
-            }
-            let pipeline = create(pass)?;
-            self.pipelines.push(pipeline);
-            for (lifting, points) in self.lifting.iter_mut().zip(&surface.points) {
-                if is_buffer(points) == from_buffer {
-                    lifting.1 = pipeline;
-                }
-            }
-        }
         Ok(())
     }
 
@@ -334,7 +288,7 @@ impl Curves {
     }
 
     pub(super) fn curves(&self) -> CurveBuffer {
-        let Layout { curves, capacity, .. } = self.layout;
+        let CurveLayout { curves, capacity, .. } = self.layout;
         let vertices_offset = size_of::<f32>() as u64 * self.layout.first_vertex();
         CurveBuffer { buffer: self.buffer(0), curves, vertices_offset, capacity }
     }
@@ -362,7 +316,7 @@ impl Curves {
             PointKind::Positions | PointKind::Metric => [0.0; 2],
             PointKind::Heights(spacing) => [spacing.dx as f32, spacing.dy as f32],
         };
-        let Layout { curves, capacity, .. } = self.layout;
+        let CurveLayout { curves, capacity, .. } = self.layout;
         let lift = Lift {
             grid: grid_size(surface.grid.chart),
             first_word: set.first_word,
@@ -381,12 +335,7 @@ impl Curves {
 
     pub(super) fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
         // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
-        unsafe {
-            for pipeline in self.pipelines.drain(..) {
-                device.destroy_pipeline(pipeline, None);
-            }
-            device.destroy_descriptor_pool(self.pool, None);
-        }
+        unsafe { device.destroy_descriptor_pool(self.pool, None) };
         self.pool = vk::DescriptorPool::null();
         self.buffers.drain(..).for_each(|mut buffer| buffer.destroy(device, allocator));
     }

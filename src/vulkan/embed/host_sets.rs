@@ -8,7 +8,8 @@ use crate::surface::Chart;
 use crate::vulkan::VulkanError;
 use crate::vulkan::grid_images::{GridImages, INLINE_SOURCES};
 use crate::vulkan::limits::Limits;
-use crate::vulkan::pipelines::{Pipelines, host};
+use crate::vulkan::pipelines::Pipelines;
+use crate::vulkan::shaders::set_1;
 use crate::vulkan::upload::SOURCE_BYTES;
 
 /// The alignment of a storage buffer's offset that satisfies every device.
@@ -231,16 +232,16 @@ fn fill(device: &ash::Device, set: vk::DescriptorSet, content: Content) -> HostS
     };
     let empty = HostSet { set, ..HostSet::default() };
     match content {
-        Content::Result(view) => image(host::RESULT, view, vk::ImageLayout::GENERAL),
-        Content::Texture(view, layout) => image(host::TEXTURE, view, layout),
+        Content::Result(view) => image(set_1::DISTANCES, view, vk::ImageLayout::GENERAL),
+        Content::Texture(view, layout) => image(set_1::IMAGE, view, layout),
         Content::TextureAndOutput(view, layout, output) => {
-            image(host::TEXTURE, view, layout);
-            return HostSet { first_output: buffer(host::OUTPUT, output), ..empty };
+            image(set_1::IMAGE, view, layout);
+            return HostSet { first_output: buffer(set_1::OUTPUT, output), ..empty };
         }
-        Content::Input(part) => return HostSet { first_word: buffer(host::INPUT, part), ..empty },
+        Content::Input(part) => return HostSet { first_word: buffer(set_1::INPUT, part), ..empty },
         Content::InputAndOutput(input, output) => {
-            let first_word = buffer(host::INPUT, input);
-            return HostSet { set, first_word, first_output: buffer(host::OUTPUT, output) };
+            let first_word = buffer(set_1::INPUT, input);
+            return HostSet { set, first_word, first_output: buffer(set_1::OUTPUT, output) };
         }
     }
     empty
@@ -255,16 +256,15 @@ fn write<'a>(
     let write = vk::WriteDescriptorSet::default()
         .dst_set(set)
         .dst_binding(index)
-        .descriptor_type(host::kind(index));
+        .descriptor_type(set_1::KINDS[index as usize]);
     // SAFETY: set, view and buffer are alive, and no submitted work uses the set.
     unsafe { device.update_descriptor_sets(&[fill(write)], &[]) };
 }
 
 /// A pool for so many sets, of which each may use any binding.
 fn pool(device: &ash::Device, sets: u32) -> Result<vk::DescriptorPool, VulkanError> {
-    let sizes: Vec<_> = (0..host::ALL)
-        .map(|index| vk::DescriptorPoolSize::default().ty(host::kind(index)).descriptor_count(sets))
-        .collect();
+    let sizes =
+        set_1::KINDS.map(|kind| vk::DescriptorPoolSize::default().ty(kind).descriptor_count(sets));
     let info = vk::DescriptorPoolCreateInfo::default().max_sets(sets).pool_sizes(&sizes);
     // SAFETY: nothing is borrowed beyond the call.
     unsafe { device.create_descriptor_pool(&info, None) }

@@ -1,24 +1,26 @@
 //! Geodesic paths on the device, for drawing in the same frame.
 
 use ash::vk;
-use bytemuck::NoUninit;
 use gpu_allocator::vulkan::Allocator;
 
 use super::access::Access;
-use super::curves::{self, CurveBuffer, CurveRecord, Curves, CurvesInfo, Layout, NamedPass};
+use super::curves::{self, CurveBuffer, CurveLayout, CurveRecord, Curves, CurvesInfo};
 use super::host_sets::{self, HostSet};
 use super::inputs::{PointSource, SourceInput};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
 use super::surface::Surface;
 use crate::constants::{CURVE_WORDS, PATH_WORDS, STEPS_TOGETHER};
+use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
 use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::limits::Limits;
 use crate::vulkan::memory::BufferInfo;
-use crate::vulkan::pipelines::spirv;
+use crate::vulkan::passes::{PATH_STARTS, PATHS};
+use crate::vulkan::pipelines::Pipeline;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::record::dispatched;
+use crate::vulkan::shaders::path_starts::Push;
 
 /// Room for paths on a surface, and the passes that trace them: [`Recording::paths`].
 ///
@@ -58,7 +60,11 @@ use crate::vulkan::record::dispatched;
 ///
 /// Dropping it frees nothing: the host calls [`Paths::destroy`], before or after the surface's.
 #[derive(Debug)]
-pub struct Paths(Curves);
+pub struct Paths {
+    curves: Curves,
+    /// The pass that begins, and the one that goes on, over and over.
+    pipelines: [Pipeline<Push>; 2],
+}
 
 /// Room for paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,21 +115,6 @@ const INLINE_STARTS: usize = 65_536 / START_BYTES;
 const START_BYTES: usize = size_of::<[f32; 2]>();
 const MOST_PATHS: u32 = 65_535;
 
-/// The pass that begins, and the one that goes on, over and over.
-const PASSES: [NamedPass; 2] = [("path_starts", spirv!("path_starts")), ("paths", spirv!("paths"))];
-
-#[derive(Clone, Copy, NoUninit)]
-#[repr(C)]
-struct Batch {
-    grid: [i32; 2],
-    paths: i32,
-    records: i32,
-    first_vertex: i32,
-    capacity: i32,
-    first_source: i32,
-    sources: i32,
-}
-
 impl StartInput<'_> {
     fn count(self) -> usize {
         match self {
@@ -142,7 +133,9 @@ impl Paths {
     ) -> Result<Self, VulkanError> {
         let limits = &solver.limits;
         let (layout, buffers) = parts(limits, info)?;
-        let info = CurvesInfo { layout, buffers: &buffers, passes: &PASSES };
+        let make = |pass| solver.pipelines.make(device, pass, Wavefront::Planar);
+        let pipelines = [make(PATH_STARTS)?, make(PATHS)?];
+        let info = CurvesInfo { layout, buffers: &buffers };
         let curves = Curves::new(device, allocator, (solver, surface), info, |_| {
             let mut sets = vec![host_sets::inline_sources_content(limits, &surface.grid)?];
             for sources in &surface.sources {
@@ -150,7 +143,7 @@ impl Paths {
             }
             Ok(sets)
         })?;
-        Ok(Self(curves))
+        Ok(Self { curves, pipelines })
     }
 
     pub(super) fn bytes_for(
@@ -163,29 +156,60 @@ impl Paths {
 
     /// Where the paths are: a [`super::CurveRecord`] each, drawn as a strip of lines.
     pub fn curves(&self) -> CurveBuffer {
-        self.0.curves()
+        self.curves.curves()
     }
 
     /// Most records that [`Recording::paths`] makes in a [`crate::vulkan::profile::Profile`], beside
     /// those of [`Solver::passes_of_frame`].
     pub fn passes(&self) -> u32 {
         // Sources come, paths begin and go on, and are lifted.
-        1 + 1 + passes_that_go_on(self.0.layout, MOST_TRACES) + 1
+        1 + 1 + passes_that_go_on(self.curves.layout, MOST_TRACES) + 1
     }
 
     /// Bytes taken from the allocator's memory blocks.
     pub fn bytes(&self) -> u64 {
-        self.0.bytes()
+        self.curves.bytes()
     }
 
     /// Frees everything. No submitted work may still use the paths. A second call does nothing.
     pub fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
-        self.0.destroy(device, allocator);
+        self.curves.destroy(device, allocator);
+    }
+}
+
+impl Solver {
+    /// Bytes that paths take from the allocator's memory blocks on this device, before they are
+    /// made.
+    ///
+    /// # Errors
+    /// As [`Solver::paths`].
+    pub fn bytes_for_paths(
+        &self,
+        device: &ash::Device,
+        info: PathsInfo,
+    ) -> Result<u64, VulkanError> {
+        Paths::bytes_for(device, &self.limits, info)
+    }
+
+    /// Makes room for paths on a surface: 24 bytes a vertex and 104 a path. The one call that
+    /// allocates for paths; the first of the solver also makes their pipelines.
+    ///
+    /// # Errors
+    /// If there is no room for a path, more than shaders see in one buffer, or memory runs out.
+    /// Nothing is left behind then.
+    pub fn paths(
+        &self,
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        surface: &Surface,
+        info: PathsInfo,
+    ) -> Result<Paths, VulkanError> {
+        Paths::new(device, allocator, (self, surface), info)
     }
 }
 
 /// The layout and the one buffer; starts and states lie between records and vertices.
-fn parts(limits: &Limits, info: PathsInfo) -> Result<(Layout, [BufferInfo; 1]), VulkanError> {
+fn parts(limits: &Limits, info: PathsInfo) -> Result<(CurveLayout, [BufferInfo; 1]), VulkanError> {
     let PathsInfo { paths, vertices } = info;
     let refuse = |reason| Err(VulkanError::Curves { what: "paths", reason });
     if paths == 0 || paths > MOST_PATHS {
@@ -194,7 +218,8 @@ fn parts(limits: &Limits, info: PathsInfo) -> Result<(Layout, [BufferInfo; 1]), 
     if vertices < 2 {
         return refuse(format!("{vertices} vertices are too few for a line"));
     }
-    let layout = Layout { curves: paths, capacity: vertices, between: (2 + PATH_WORDS) * paths };
+    let layout =
+        CurveLayout { curves: paths, capacity: vertices, between: (2 + PATH_WORDS) * paths };
     layout.check("paths", limits)?;
     Ok((layout, [layout.info("paths")]))
 }
@@ -214,7 +239,7 @@ impl Recording<'_> {
     /// If the paths were made for another surface, its points are a metric, or starts or sources are
     /// too many.
     pub fn paths(&self, paths: &Paths, frame: &PathFrame) -> Result<CurveBuffer, VulkanError> {
-        let (curves, layout) = (&paths.0, paths.0.layout);
+        let (curves, layout) = (&paths.curves, paths.curves.layout);
         curves.check(self, frame.points)?;
         self.check_sources(frame.sources)?;
         let count = frame.starts.count();
@@ -245,18 +270,18 @@ impl Recording<'_> {
                 (curves.tracing[1 + number], self.surface.sources[number].count as usize)
             }
         };
-        let batch = Batch {
+        let batch = Push {
             grid: grid_size(self.surface.grid.chart),
             paths: count as i32,
             records: layout.curves as i32,
             first_vertex: layout.first_vertex() as i32,
             capacity: layout.capacity as i32,
-            first_source: set.first_word,
-            sources: sources as i32,
+            first_word: set.first_word,
+            count: sources as i32,
         };
         let passes = passes_that_go_on(layout, traces(frame.sources));
         for pass in 0..=passes {
-            let pipeline = curves.pipelines[usize::from(pass > 0)];
+            let pipeline = paths.pipelines[usize::from(pass > 0)];
             let size = [layout.curves, 1];
             // How many steps paths take, the device finds.
             let work = match pass {
@@ -297,7 +322,7 @@ fn traces(sources: SourceInput) -> u32 {
 const MOST_TRACES: u32 = 3;
 
 /// After the one that begins, if paths are traced so often at most.
-fn passes_that_go_on(layout: Layout, traces: u32) -> u32 {
+fn passes_that_go_on(layout: CurveLayout, traces: u32) -> u32 {
     traces * layout.capacity.div_ceil(STEPS_TOGETHER)
 }
 

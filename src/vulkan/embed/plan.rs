@@ -3,8 +3,8 @@
 use crate::Stop;
 use crate::update::Wavefront;
 use crate::vulkan::plan::{self, Portions, Step};
-use crate::vulkan::profile::{Grain, records};
-use crate::vulkan::{Method, Schedule, TexelChart};
+use crate::vulkan::profile::Grain;
+use crate::vulkan::{Method, Schedule, TexelChart, schedules};
 
 /// The passes of a recording, for any surface with a grid of one size.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,11 +30,11 @@ impl Plan {
         let mut planned = 0;
         let iterations = iterations.clamp(1, stop.iterations.max(1));
         loop {
-            let more = plan::recording(schedule, texels, portions, None, iterations - planned);
+            let more = schedule.plan(texels, portions, None, iterations - planned);
             planned += plan::iterations(&more);
             steps.extend(more);
             // The list of tiles that rounds leave has a place in the recording.
-            if planned >= iterations || schedule == Schedule::Tiles {
+            if planned >= iterations || schedule.has_rounds() {
                 break;
             }
         }
@@ -43,12 +43,23 @@ impl Plan {
 
     /// Most records of a recording of the steps, with those of copies of what the device decides.
     pub(super) fn records(&self, grain: Grain) -> u32 {
-        records(&self.steps, grain) + 2
+        schedules::records(&self.steps, grain) + 2
     }
 
     /// The passes, to look at.
     pub fn steps(&self) -> &[Step] {
         &self.steps
+    }
+
+    /// The front assumed in maps of the plan, which is not always the one asked for: see
+    /// [`super::Solver::new`].
+    pub fn wavefront(&self) -> Wavefront {
+        self.wavefront
+    }
+
+    /// The order of updates.
+    pub fn schedule(&self) -> Schedule {
+        self.schedule
     }
 
     /// Iterations, or rounds of tiles, in a recording: those beyond convergence visit nothing.

@@ -1,7 +1,6 @@
 //! Recording into the host's command buffer.
 
 use ash::vk;
-use bytemuck::NoUninit;
 
 use super::access::{Access, Reader};
 use super::host_sets::HostSet;
@@ -11,13 +10,17 @@ use super::solver::Solver;
 use super::surface::{ResultImage, Surface};
 use crate::constants::{SOURCES_TOGETHER, SURROUNDINGS_TEXELS, WORKGROUP};
 use crate::surface::{Chart, EdgeRule, Spacing};
+use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
 use crate::vulkan::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE, TRANSFER};
-use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands, frame_bytes};
-use crate::vulkan::pipelines::SchedulePipelines;
-use crate::vulkan::profile::{PassKind, PassRecord, Profile, Work};
-use crate::vulkan::record::{EdgeSource, Recorder, dispatched, rows_around};
-use crate::vulkan::upload::SeedTexel;
+use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands, frame_bytes, rows_around};
+use crate::vulkan::passes::{
+    LOOKUP, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, Pass, RESULT, SOURCES, SURROUNDINGS,
+};
+use crate::vulkan::profile::{Grain, PassKind, PassRecord, Profile, Work};
+use crate::vulkan::record::{Commands, EdgeSource, Recorder, dispatched};
+use crate::vulkan::shaders::{lookup, points_from_buffer, result, sources, surroundings};
+use crate::vulkan::upload::SEED_BYTES;
 
 /// Appends commands for a surface to a command buffer of the host's.
 ///
@@ -51,47 +54,10 @@ pub struct Frame<'a> {
     pub unreached: f32,
 }
 
-#[derive(Clone, Copy, NoUninit)]
-#[repr(C)]
-struct PointsBand {
-    grid: [i32; 2],
-    first_row: i32,
-    band_rows: i32,
-    heights: i32,
-    slowness: i32,
-    first_word: i32,
-    stride: i32,
-}
-
 /// So many points has a grid for each source of a crowd that has surroundings. Updating these, 400 points
 /// from all sides some sixteen times, takes as long as two to four iterations of 1,500 to 3,000 points, which
 /// is what it saves.
 const POINTS_FOR_SURROUNDINGS: usize = 4000;
-
-#[derive(Clone, Copy, NoUninit)]
-#[repr(C)]
-struct SourcePortion {
-    grid: [i32; 2],
-    first_word: i32,
-    count: i32,
-}
-
-#[derive(Clone, Copy, NoUninit)]
-#[repr(C)]
-struct ResultSize {
-    grid: [i32; 2],
-    unreached: f32,
-}
-
-#[derive(Clone, Copy, NoUninit)]
-#[repr(C)]
-struct Places {
-    grid: [i32; 2],
-    count: i32,
-    first_word: i32,
-    first_distance: i32,
-    unreached: f32,
-}
 
 impl<'a> Recording<'a> {
     pub(super) fn new(
@@ -100,8 +66,8 @@ impl<'a> Recording<'a> {
         solver: &'a Solver,
         surface: &'a Surface,
     ) -> Self {
-        let (pipelines, grid) = (&solver.pipelines, &surface.grid);
-        let recorder = Recorder { device, commands, pipelines, grid, profile: None };
+        let commands = Commands::new(device, commands, &solver.pipelines);
+        let recorder = Recorder { commands, grid: &surface.grid };
         Self { recorder, solver, surface }
     }
 
@@ -109,8 +75,8 @@ impl<'a> Recording<'a> {
     /// queries and takes the time. All other calls go to what this returns, and are to run in one
     /// submission.
     pub fn profiled(mut self, profile: &'a Profile) -> Self {
-        profile.begin(self.recorder.device, self.recorder.commands);
-        self.recorder.profile = Some(profile);
+        profile.begin(self.recorder.device, self.recorder.buffer);
+        self.recorder.commands.profile = Some(profile);
         self
     }
 
@@ -121,17 +87,25 @@ impl<'a> Recording<'a> {
     pub fn prepare(&self) {
         let Self { recorder, solver, surface } = self;
         recorder.prepare();
-        for passes in solver.all_passes() {
-            recorder.warm_up(passes);
+        for (schedule, wavefront) in solver.all_passes() {
+            recorder.warm_up_map(schedule, wavefront);
         }
-        let (pipelines, sets) = (&solver.pipelines, &surface.sets);
-        let points = surface.points.iter().zip(&sets.points);
-        let points = points.map(|(points, set)| (self.points_pipeline(points.memory), set));
-        let lookups = sets.lookups.iter().map(|set| (pipelines.lookup, set));
-        let sources = std::iter::once(pipelines.sources).chain(solver.all_surroundings());
-        let sources = sources.map(|pipeline| (pipeline, &sets.inline_sources));
-        for (pipeline, set) in points.chain(lookups).chain(sources) {
-            recorder.host_pass(pipeline, set.set, &[0u32; 8], [0, 0]);
+        let sets = &surface.sets;
+        let warm_up = |number: usize, wavefront, set: &HostSet| {
+            let made = solver.pipelines.numbered(number, wavefront);
+            if let Some((pipeline, layout)) = made {
+                recorder.warm_up(pipeline, layout, &recorder.with_host(set.set));
+            }
+        };
+        for (points, set) in surface.points.iter().zip(&sets.points) {
+            warm_up(points_pass(points.memory).number(), Wavefront::Planar, set);
+        }
+        for set in &sets.lookups {
+            warm_up(LOOKUP.number(), Wavefront::Planar, set);
+        }
+        warm_up(SOURCES.number(), Wavefront::Planar, &sets.inline_sources);
+        for wavefront in Wavefront::EVERY {
+            warm_up(SURROUNDINGS.number(), wavefront, &sets.inline_sources);
         }
         recorder.barrier(PASS, PASS);
     }
@@ -190,7 +164,7 @@ impl<'a> Recording<'a> {
         let rule = if info.kind == PointKind::Metric { EdgeRule::Chord } else { surface.edge_rule };
         for rows in bands(chart, POINT_BYTES, frame_bytes(chart)) {
             let around = rows_around(&rows, chart);
-            let band = PointsBand {
+            let band = points_from_buffer::Push {
                 grid: grid_size(chart),
                 first_row: around.start as i32,
                 band_rows: around.len() as i32,
@@ -199,7 +173,7 @@ impl<'a> Recording<'a> {
                 first_word: set.first_word,
                 stride: info.memory.stride_words(),
             };
-            let pipeline = self.points_pipeline(info.memory);
+            let pipeline = recorder.pipelines.of(points_pass(info.memory));
             let size = [chart.cols as u32, around.len() as u32];
             let slowness = u64::from(info.slowness.is_some());
             let each = [4 * (source.components() + slowness), source.bytes()];
@@ -243,9 +217,9 @@ impl<'a> Recording<'a> {
     /// # Errors
     /// If the plan does not fit the surface.
     pub fn resume(&self, plan: &Plan) -> Result<(), VulkanError> {
-        let passes = self.check(plan)?;
-        self.recorder.go_on(plan.steps());
-        self.recorder.steps(passes, plan.steps());
+        self.check(plan)?;
+        self.recorder.go_on(plan.schedule, plan.steps());
+        self.recorder.steps(plan.wavefront, plan.steps());
         self.recorder.end_portion();
         Ok(())
     }
@@ -281,7 +255,7 @@ impl<'a> Recording<'a> {
         unreached: f32,
     ) -> Result<ResultImage, VulkanError> {
         let result = self.surface.result(slot, reader.layout)?;
-        let Self { recorder, surface, solver } = self;
+        let Self { recorder, surface, .. } = self;
         let texels = surface.grid.texels.inner();
         let points = size_of::<f32>() as u64 * surface.grid.chart.points() as u64;
         let work = Work::of_bytes(points, points);
@@ -294,9 +268,9 @@ impl<'a> Recording<'a> {
         let general = vk::ImageLayout::GENERAL;
         let layouts = (vk::ImageLayout::UNDEFINED, general);
         recorder.image_barrier(result.image, before, SHADER_WRITE, layouts);
-        let size = ResultSize { grid: grid_size(chart), unreached };
+        let size = result::Push { grid: grid_size(chart), unreached };
         let set = surface.sets.results[slot].set;
-        recorder.host_pass(solver.pipelines.result, set, &size, texels);
+        recorder.host_pass(recorder.pipelines.of(RESULT), set, &size, texels);
         let layouts = (general, reader.layout);
         recorder.image_barrier(result.image, SHADER_WRITE, reader.access.side(), layouts);
         Ok(result)
@@ -315,30 +289,33 @@ impl<'a> Recording<'a> {
         before: Access,
         after: Access,
     ) -> Result<(), VulkanError> {
-        let Self { recorder, surface, solver } = self;
+        let Self { recorder, surface, .. } = self;
         let set = nth(&surface.sets.lookups, "lookups", number)?;
         let count = surface.lookup_counts[number];
         // A place and the points around it.
         let _pass = recorder.pass_of_each(PassKind::Lookup, [count, 1], [2 * 4 + 4 * 4, 4]);
         recorder.barrier(before.side(), SHADER);
-        let places = Places {
+        let places = lookup::Push {
             grid: grid_size(surface.grid.chart),
             count: count as i32,
             first_word: set.first_word,
             first_distance: set.first_output,
             unreached,
         };
-        recorder.host_pass(solver.pipelines.lookup, set.set, &places, [count, 1]);
+        recorder.host_pass(recorder.pipelines.of(LOOKUP), set.set, &places, [count, 1]);
         recorder.barrier(SHADER_WRITE, after.side());
         Ok(())
     }
 
-    fn check(&self, plan: &Plan) -> Result<&'a SchedulePipelines, VulkanError> {
+    fn check(&self, plan: &Plan) -> Result<(), VulkanError> {
         if plan.texels != self.surface.grid.texels {
             return Err(VulkanError::OtherGrid);
         }
         let (schedule, wavefront) = (plan.schedule, plan.wavefront);
-        self.solver.passes(schedule, wavefront).ok_or(VulkanError::NoPasses { schedule, wavefront })
+        match self.solver.has_passes(schedule, wavefront) {
+            true => Ok(()),
+            false => Err(VulkanError::NoPasses { schedule, wavefront }),
+        }
     }
 
     pub(super) fn check_sources(&self, sources: SourceInput) -> Result<(), VulkanError> {
@@ -359,7 +336,6 @@ impl<'a> Recording<'a> {
 
     /// Starts a map on what is there, and runs the plan's steps.
     fn start(&self, sources: SourceInput, plan: &Plan, is_added: bool) -> Result<(), VulkanError> {
-        let passes = self.check(plan)?;
         let Self { recorder, surface, .. } = self;
         recorder.start(plan.stop, plan.schedule, is_added);
         let (set, count) = match sources {
@@ -373,25 +349,25 @@ impl<'a> Recording<'a> {
         };
         for first in (0..count).step_by(SOURCES_TOGETHER as usize) {
             let together = (count - first).min(SOURCES_TOGETHER);
-            let portion = SourcePortion {
+            let portion = sources::Push {
                 grid: grid_size(surface.grid.chart),
                 first_word: set.first_word + 4 * first as i32,
                 count: together as i32,
             };
-            let pipeline = self.solver.pipelines.sources;
+            let pipeline = recorder.pipelines.of(SOURCES);
             let size = [4 * together, 1];
             // Four invocations share a source. How many edges around it they need, its place says.
-            let each = [size_of::<PointSource>() as u64 / 4, SeedTexel::BYTES];
+            let each = [size_of::<PointSource>() as u64 / 4, SEED_BYTES];
             let pass = recorder.pass_of_each(PassKind::Sources, size, each);
             recorder.host_pass(pipeline, set.set, &portion, size);
             drop(pass);
             recorder.barrier(SHADER_WRITE, SHADER);
-            recorder.seed(4 * together, plan.schedule);
+            recorder.seed(4 * together, plan.schedule.follows());
         }
         if sources.may_lie_inside_cells() {
             self.surroundings(set, count, plan);
         }
-        recorder.steps(passes, plan.steps());
+        recorder.steps(plan.wavefront, plan.steps());
         recorder.end_portion();
         Ok(())
     }
@@ -404,11 +380,7 @@ impl<'a> Recording<'a> {
         if count == 0 || count > most_surrounded(chart) {
             return;
         }
-        let sources = SourcePortion {
-            grid: grid_size(chart),
-            first_word: set.first_word,
-            count: count as i32,
-        };
+        let sources = surroundings::Push { grid: grid_size(chart), first_word: set.first_word };
         let each = SURROUNDINGS_TEXELS * SURROUNDINGS_TEXELS;
         let work = Work::of_surroundings(count.into(), each.into(), plan.wavefront.is_curved());
         let record = PassRecord {
@@ -421,19 +393,40 @@ impl<'a> Recording<'a> {
         recorder.host_pass(pipeline, set.set, &sources, [count * WORKGROUP, 1]);
         drop(pass);
         recorder.barrier(SHADER_WRITE, SHADER);
-        recorder.seed(count * each, plan.schedule);
+        recorder.seed(count * each, plan.schedule.follows());
     }
 
     pub(super) fn points(&self, number: usize) -> Result<(HostSet, super::Points), VulkanError> {
         let set = nth(&self.surface.sets.points, "point inputs", number)?;
         Ok((set, self.surface.points[number]))
     }
+}
 
-    fn points_pipeline(&self, memory: PointMemory) -> vk::Pipeline {
-        match memory {
-            PointMemory::Buffer { .. } => self.solver.pipelines.points_from_buffer,
-            PointMemory::Image { .. } => self.solver.pipelines.points_from_image,
-        }
+fn points_pass(memory: PointMemory) -> Pass<points_from_buffer::Push> {
+    match memory {
+        PointMemory::Buffer { .. } => POINTS_FROM_BUFFER,
+        PointMemory::Image { .. } => POINTS_FROM_IMAGE,
+    }
+}
+
+impl Solver {
+    /// Most records that [`Recording::frame`] makes for a surface, and [`Recording::resume`] with
+    /// the same plan: room for so many in a [`Profile`]. What else is recorded with them
+    /// comes on top: [`super::Contours::passes`], [`super::Paths::passes`], [`super::Regions::passes`], and one for each
+    /// lookup.
+    pub fn passes_of_frame(&self, surface: &Surface, plan: &Plan, grain: Grain) -> u32 {
+        surface.passes_around() + plan.records(grain)
+    }
+
+    /// Records for a surface into a command buffer that the host has begun, on a queue family for
+    /// compute and outside a render pass. Costs nothing by itself.
+    pub fn record<'a>(
+        &'a self,
+        device: &'a ash::Device,
+        commands: vk::CommandBuffer,
+        surface: &'a Surface,
+    ) -> Recording<'a> {
+        Recording::new(device, commands, self, surface)
     }
 }
 
@@ -456,6 +449,7 @@ pub(super) fn grid_size(chart: Chart) -> [i32; 2] {
 mod tests {
     use super::*;
     use crate::vulkan::grid_images::upload_bytes;
+    use crate::vulkan::upload::SeedTexel;
 
     #[test]
     fn there_is_room_for_the_seeds_of_all_surroundings() {

@@ -1,7 +1,6 @@
 //! Regions of the points nearest to each source, on the device.
 
 use ash::vk;
-use bytemuck::NoUninit;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocator;
 
@@ -10,7 +9,7 @@ use super::curves;
 use super::host_sets::{self, HostSet, Part};
 use super::inputs::{PointSource, SourceInput};
 use super::recording::{Recording, grid_size};
-use super::solver::Solver;
+use super::solver::{Solver, over_any};
 use super::surface::Surface;
 use crate::constants::{FLOW_JUMPS, PARENT_JUMPS};
 use crate::surface::Chart;
@@ -19,9 +18,11 @@ use crate::vulkan::VulkanError;
 use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE};
 use crate::vulkan::limits::Limits;
 use crate::vulkan::memory::{Buffer, BufferInfo};
-use crate::vulkan::pipelines::{Pipelines, compute_pipeline, constant, spirv};
+use crate::vulkan::passes::{REGION_FLOW, REGION_LABELS, REGION_STARTS, REGION_WAYS};
+use crate::vulkan::pipelines::Pipeline;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::record::dispatched;
+use crate::vulkan::shaders::region_starts::Push;
 
 /// Room for the regions of the points nearest to each source, and the passes that find them:
 /// [`Recording::regions`].
@@ -63,7 +64,8 @@ pub struct Regions {
     buffer: Option<Buffer>,
     /// Of the inline sources, and of the surface's source buffers.
     sets: Vec<HostSet>,
-    pipelines: Vec<vk::Pipeline>,
+    /// In their order.
+    pipelines: [Pipeline<Push>; 4],
     pool: vk::DescriptorPool,
     /// Of the surface's own sets, which tells surfaces apart.
     surface: vk::DescriptorPool,
@@ -93,23 +95,6 @@ pub struct RegionFrame<'a> {
     pub reader: Access,
 }
 
-#[derive(Clone, Copy, NoUninit)]
-#[repr(C)]
-struct Push {
-    grid: [i32; 2],
-    first_word: i32,
-    count: i32,
-    from: i32,
-    is_last: u32,
-}
-
-/// The passes, in order.
-const PASSES: [(&str, &[u8]); 4] = [
-    ("region_starts", spirv!("region_starts")),
-    ("region_ways", spirv!("region_ways")),
-    ("region_flow", spirv!("region_flow")),
-    ("region_labels", spirv!("region_labels")),
-];
 /// Of a point two links, of one word, and two places.
 const POINT_WORDS: u64 = 2 + 2 * 2;
 const WORD: u64 = size_of::<u32>() as u64;
@@ -123,20 +108,20 @@ impl Regions {
     ) -> Result<Self, VulkanError> {
         let chart = surface.grid.chart;
         let info = info(&solver.limits, chart)?;
+        let make = |pass| solver.pipelines.make(device, pass, wavefront);
+        let pipelines =
+            [make(REGION_STARTS)?, make(REGION_WAYS)?, make(REGION_FLOW)?, make(REGION_LABELS)?];
         let mut new = Self {
             chart,
             wavefront,
             buffer: Some(Buffer::new(device, allocator, info)?),
             sets: Vec::new(),
-            pipelines: Vec::new(),
+            pipelines,
             pool: vk::DescriptorPool::null(),
             surface: surface.sets.pool,
         };
         solver.pipelines.name(info.name, new.labels().buffer);
-        let created = new
-            .describe(device, solver, surface, info.size)
-            .and_then(|()| new.create_pipelines(device, &solver.pipelines));
-        match created {
+        match new.describe(device, solver, surface, info.size) {
             Ok(()) => Ok(new),
             Err(error) => {
                 new.destroy(device, allocator);
@@ -160,20 +145,6 @@ impl Regions {
         }
         let contents: Vec<_> = contents.into_iter().map(|input| input.and_output(output)).collect();
         (self.pool, self.sets) = host_sets::describe(device, &solver.pipelines, &contents)?;
-        Ok(())
-    }
-
-    fn create_pipelines(
-        &mut self,
-        device: &ash::Device,
-        pipelines: &Pipelines,
-    ) -> Result<(), VulkanError> {
-        let constants = [(constant::WAVEFRONT, self.wavefront as i32)];
-        for (name, spirv) in PASSES {
-            let pipeline = compute_pipeline(device, pipelines.host_layout, spirv, &constants)?;
-            pipelines.name(name, pipeline);
-            self.pipelines.push(pipeline);
-        }
         Ok(())
     }
 
@@ -208,16 +179,42 @@ impl Regions {
     /// Frees everything. No submitted work may still use the regions. A second call does nothing.
     pub fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
         // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
-        unsafe {
-            for pipeline in self.pipelines.drain(..) {
-                device.destroy_pipeline(pipeline, None);
-            }
-            device.destroy_descriptor_pool(self.pool, None);
-        }
+        unsafe { device.destroy_descriptor_pool(self.pool, None) };
         self.pool = vk::DescriptorPool::null();
         if let Some(mut buffer) = self.buffer.take() {
             buffer.destroy(device, allocator);
         }
+    }
+}
+
+impl Solver {
+    /// Bytes that regions take from the allocator's memory blocks on this device, before they are
+    /// made.
+    ///
+    /// # Errors
+    /// As [`Solver::regions`].
+    pub fn bytes_for_regions(
+        &self,
+        device: &ash::Device,
+        chart: Chart,
+    ) -> Result<u64, VulkanError> {
+        Regions::bytes_for(device, &self.limits, chart)
+    }
+
+    /// Makes room for the regions of maps of a surface with one wavefront: 24 bytes a grid point. The
+    /// one call that allocates for regions; the first of the solver and a wavefront also makes their
+    /// pipelines.
+    ///
+    /// # Errors
+    /// If shaders do not see so much in one buffer, or memory runs out. Nothing is left behind then.
+    pub fn regions(
+        &self,
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        surface: &Surface,
+        wavefront: Wavefront,
+    ) -> Result<Regions, VulkanError> {
+        Regions::new(device, allocator, (self, surface), over_any(wavefront))
     }
 }
 

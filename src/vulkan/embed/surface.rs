@@ -240,6 +240,28 @@ impl Surface {
     }
 }
 
+impl Solver {
+    /// Bytes that a surface takes from the allocator's memory blocks on this device, before it is
+    /// made.
+    pub fn bytes_for(&self, device: &ash::Device, info: &SurfaceInfo) -> Result<u64, VulkanError> {
+        Surface::bytes_for(device, self, info)
+    }
+
+    /// Makes a surface: the one call that allocates.
+    ///
+    /// # Errors
+    /// If the grid is too large for the device, memory runs out, or a buffer of the host's cannot
+    /// be used as described. Nothing is left behind then.
+    pub fn surface(
+        &self,
+        device: &ash::Device,
+        allocator: &mut Allocator,
+        info: &SurfaceInfo,
+    ) -> Result<Surface, VulkanError> {
+        Surface::new(device, allocator, self, info)
+    }
+}
+
 impl Outcome {
     /// From what [`super::Recording::outcome_to`] copies.
     pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {

@@ -21,16 +21,17 @@ use std::time::Instant;
 
 use ash::vk;
 
-use super::headless::{Commands, Context};
+use super::headless::{CommandBuffer, Context, Submitter, Unwatched};
 use super::plan::{self, Reached};
-use super::profile::{self, Detail, Grain, Session, SolveProfile};
-use super::{Schedule, Solver, SurfaceOnDevice, TexelChart, Tuning, VulkanError};
+use super::profile::{Detail, Grain, Session, SolveProfile};
+use super::record::Commands;
+use super::{Schedule, Solver, SurfaceOnDevice, TexelChart, Tuning, VulkanError, schedules};
 use crate::update::{Setting, Wavefront};
 use crate::{Convergence, Stop};
 use layout::{BatchLayout, BatchLimits};
-use pipelines::Passes;
+use pipelines::BatchPipelines;
 use progress::{BatchOutcome, MapProgress};
-use record::Recorder;
+use record::BatchRecorder;
 use resources::Resources;
 pub use schedule::PairwiseSchedule;
 use steps::Step;
@@ -58,9 +59,9 @@ pub struct PairwiseOnDevice {
     texels: TexelChart,
     wavefront: Wavefront,
     layout: BatchLayout,
-    passes: Passes,
+    passes: BatchPipelines,
     resources: Resources,
-    commands: Commands,
+    commands: CommandBuffer,
 }
 
 impl Solver {
@@ -95,17 +96,17 @@ impl Solver {
             let available = limits.shared_memory;
             return Err(VulkanError::NotInSharedMemory { rows, cols, device, available });
         };
-        let available = self.pipelines.limits.heap;
+        let available = self.for_device.limits.heap;
         if layout.bytes() > available || layout.distances() > limits.buffer {
             let (needed, available) = (layout.bytes() >> 20, available.min(limits.buffer) >> 20);
             return Err(VulkanError::TooMuchMemory { rows, cols, device, needed, available });
         }
-        let commands = Commands::new(context)?;
-        let mut passes = Passes::new(&context.device, &self.pipelines.pipelines, &layout)?;
+        let commands = CommandBuffer::new(context)?;
+        let mut passes = BatchPipelines::new(&context.device, &self.for_device.pipelines, &layout)?;
         let resources = Resources::new(
             &context.device,
             &mut context.allocator(),
-            &self.pipelines.pipelines,
+            &self.for_device.pipelines,
             grid,
             &layout,
         );
@@ -126,7 +127,7 @@ impl Solver {
             resources,
             commands,
         };
-        new.submit(self, 0, None, |recorder| recorder.prepare())?;
+        new.submit(self, 0, &mut Unwatched, |recorder| recorder.prepare())?;
         context.check_validation()?;
         Ok(new)
     }
@@ -173,7 +174,7 @@ impl PairwiseOnDevice {
         into: &mut [f32],
     ) -> Result<Convergence, VulkanError> {
         self.check(solver, surface);
-        self.solve_edited(solver, sources, stop, into, |_| {}, None)
+        self.solve_watched(solver, sources, stop, into, &mut Unwatched)
     }
 
     /// Computes the same, and tells of every pass of every batch. What a pass had to do is counted
@@ -198,7 +199,7 @@ impl PairwiseOnDevice {
         self.check(solver, surface);
         let capabilities = solver.capabilities().ok_or(VulkanError::NotForProfiling)?;
         let scans = self.scans(solver.tuning(), None, stop.iterations);
-        let passes = profile::records(&scans, detail.grain) + PASSES_AROUND;
+        let passes = schedules::records(&scans, detail.grain) + PASSES_AROUND;
         // Each map converges by itself, so that the work is only known by iteration.
         let grain = match detail.grain {
             Grain::Portions => Grain::Iterations,
@@ -208,8 +209,7 @@ impl PairwiseOnDevice {
         let mut session = Session::new(&self.context, capabilities, passes, 0, detail)?;
         let begin = Instant::now();
         session.restart();
-        let watched = Some(&mut session);
-        let convergence = self.solve_edited(solver, sources, stop, into, |_| {}, watched)?;
+        let convergence = self.solve_watched(solver, sources, stop, into, &mut session)?;
         let time = begin.elapsed();
         Ok((convergence, session.finish(time)))
     }
@@ -219,14 +219,13 @@ impl PairwiseOnDevice {
         assert_eq!(self.edges, surface.images.edges.image, "another surface");
     }
 
-    fn solve_edited(
+    fn solve_watched(
         &mut self,
         solver: &Solver,
         sources: &[Option<usize>],
         stop: Stop,
         into: &mut [f32],
-        edit: impl Fn(&mut Vec<Step>),
-        mut session: Option<&mut Session>,
+        submitter: &mut impl Submitter,
     ) -> Result<Convergence, VulkanError> {
         let points = self.layout.chart.points();
         assert_eq!(into.len(), sources.len() * points, "a row for each source");
@@ -234,8 +233,7 @@ impl PairwiseOnDevice {
         let batch = self.batch();
         let mut convergence = Convergence::NONE;
         for (sources, rows) in sources.chunks(batch).zip(into.chunks_mut(batch * points)) {
-            let watched = session.as_deref_mut();
-            let of_batch = self.solve_batch(solver, sources, stop, rows, &edit, watched)?;
+            let of_batch = self.solve_batch(solver, sources, stop, rows, submitter)?;
             convergence = convergence.worse(of_batch);
         }
         self.context.check_validation()?;
@@ -248,8 +246,7 @@ impl PairwiseOnDevice {
         sources: &[Option<usize>],
         stop: Stop,
         into: &mut [f32],
-        edit: impl Fn(&mut Vec<Step>),
-        mut session: Option<&mut Session>,
+        submitter: &mut impl Submitter,
     ) -> Result<Convergence, VulkanError> {
         let chart = self.layout.chart;
         let texel = |source: usize| {
@@ -262,7 +259,7 @@ impl PairwiseOnDevice {
             into.fill(f32::INFINITY);
             return Ok(Convergence::NONE);
         };
-        let tuning = solver.pipelines.pipelines.tuning;
+        let tuning = solver.for_device.pipelines.tuning;
         let texels = self.texels.inner();
         let groups = texels.map(|texels| texels.div_ceil(tuning.scan_texels()));
         progress::start(sources, stop, groups, self.resources.write_staging());
@@ -270,18 +267,16 @@ impl PairwiseOnDevice {
         let schedule = self.schedule();
         let mut steps = steps::first(schedule, self.scans(tuning, Some(reached), stop.iterations));
         let mut gone = Vec::new();
-        if session.is_some() {
+        if submitter.is_watching() {
             gone = MapProgress::read(sources.len(), self.resources.write_staging());
         }
         let outcome = loop {
-            edit(&mut steps);
-            let watched = session.as_deref_mut();
-            self.submit(solver, sources.len(), watched, |recorder| recorder.steps(&steps))?;
-            if let Some(session) = &mut session {
+            self.submit(solver, sources.len(), submitter, |recorder| recorder.steps(&steps))?;
+            if let Some(passes) = submitter.last() {
                 let before = gone;
                 gone = MapProgress::read(sources.len(), self.resources.read_outcome());
                 let tally = Tally { layout: &self.layout, sources };
-                tally.settle(session.last(), &before, &gone);
+                tally.settle(passes, &before, &gone);
             }
             let outcome = BatchOutcome::read(sources.len(), self.resources.read_outcome());
             if outcome.is_done {
@@ -291,7 +286,9 @@ impl PairwiseOnDevice {
             steps = steps::further(schedule, self.scans(tuning, None, left));
         };
         if schedule == PairwiseSchedule::Images {
-            self.submit(solver, sources.len(), session, |recorder| recorder.steps(&steps::read()))?;
+            self.submit(solver, sources.len(), submitter, |recorder| {
+                recorder.steps(&[Step::Unpack]);
+            })?;
         }
         let points = chart.points();
         let maps: &[f32] = bytemuck::cast_slice(self.resources.read_distances());
@@ -311,7 +308,7 @@ impl PairwiseOnDevice {
             return Vec::new();
         }
         let portions = tuning.portions(self.wavefront, self.texels);
-        plan::recording(Schedule::Raster, self.texels, portions, reached, most)
+        Schedule::Raster.plan(self.texels, portions, reached, most)
     }
 
     /// Records commands for so many maps, submits them and waits.
@@ -319,23 +316,21 @@ impl PairwiseOnDevice {
         &self,
         solver: &Solver,
         maps: usize,
-        session: Option<&mut Session>,
-        append: impl FnOnce(Recorder),
+        submitter: &mut impl Submitter,
+        append: impl FnOnce(BatchRecorder),
     ) -> Result<(), VulkanError> {
-        Session::record(session.as_deref(), &self.commands, |device, commands, profile| {
-            append(Recorder {
-                device,
-                commands,
-                pipelines: &solver.pipelines.pipelines,
+        submitter.record(&self.commands, |device, buffer, profile| {
+            let pipelines = &solver.for_device.pipelines;
+            append(BatchRecorder {
+                commands: Commands { device, buffer, pipelines, profile },
                 passes: &self.passes,
                 resources: &self.resources,
                 layout: &self.layout,
                 texels: self.texels,
                 maps: maps as u32,
-                profile,
             });
         })?;
-        Session::submit(session, &self.commands)
+        submitter.submit(&self.commands)
     }
 }
 
@@ -356,6 +351,8 @@ mod tests {
     use super::*;
     use crate::surface::{Spacing, Surface};
     use crate::vulkan::DeviceChoice;
+    use crate::vulkan::barrier::tests::{number as barrier_number, without};
+    use crate::vulkan::barrier::{Access, PASS};
 
     const STOP: Stop = Stop { tolerance: 1e-6, iterations: 100 };
 
@@ -367,6 +364,10 @@ mod tests {
     fn hill() -> Surface {
         let heights = (0..20 * 30).map(|i| f64::from(i % 7 + i / 90).sin()).collect();
         Surface::from_heights(20, 30, heights, Spacing::square(1.0)).unwrap()
+    }
+
+    fn is_between_passes(before: Access, after: Access) -> bool {
+        (before, after) == (PASS, PASS)
     }
 
     const SOURCES: [Option<usize>; 3] = [Some(15), None, Some(411)];
@@ -386,16 +387,10 @@ mod tests {
             let on_device = solver.upload(&surface).unwrap();
             let mut pairwise =
                 solver.pairwise(&on_device, Wavefront::Planar, Some(schedule)).unwrap();
-            let leaky = |steps: &mut Vec<Step>| {
-                let is_barrier = |step: &Step| matches!(step, Step::Barrier(..));
-                let mut barriers = (0..steps.len()).filter(|&place| is_barrier(&steps[place]));
-                // What goes on with maps has fewer barriers.
-                if let Some(place) = barriers.nth(which) {
-                    steps.remove(place);
-                }
-            };
             let mut rows = vec![0.0; 3 * 600];
-            let result = pairwise.solve_edited(&solver, &SOURCES, STOP, &mut rows, leaky, None);
+            let result = without(barrier_number(which), || {
+                pairwise.solve(&solver, &on_device, &SOURCES, STOP, &mut rows)
+            });
             let Err(VulkanError::Validation(messages)) = result else {
                 panic!("{schedule}, barrier {which}: {result:?}")
             };
@@ -409,13 +404,9 @@ mod tests {
         let on_device = solver.upload(&surface).unwrap();
         let images = Some(PairwiseSchedule::Images);
         let mut pairwise = solver.pairwise(&on_device, Wavefront::Planar, images).unwrap();
-        let leaky = |steps: &mut Vec<Step>| {
-            let barrier = Step::Raster(plan::Step::Barrier);
-            let place = steps.iter().position(|step| *step == barrier).unwrap();
-            steps.remove(place);
-        };
-        let result =
-            pairwise.solve_edited(&solver, &SOURCES, STOP, &mut [0.0; 3 * 600], leaky, None);
+        let result = without(is_between_passes, || {
+            pairwise.solve(&solver, &on_device, &SOURCES, STOP, &mut [0.0; 3 * 600])
+        });
         let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
         assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-")), "{messages:?}");
     }
@@ -429,14 +420,13 @@ mod tests {
         let on_device = solver.upload(&hill()).unwrap();
         let images = Some(PairwiseSchedule::Images);
         let mut pairwise = solver.pairwise(&on_device, Wavefront::Planar, images).unwrap();
-        let leaky = |steps: &mut Vec<Step>| {
-            steps.retain(|step| *step != Step::Raster(plan::Step::Barrier));
-        };
         let rows = &mut [0.0; 3 * 600];
-        let result = pairwise.solve_edited(&solver, &SOURCES, STOP, rows, leaky, None);
+        let result = without(is_between_passes, || {
+            pairwise.solve(&solver, &on_device, &SOURCES, STOP, rows)
+        });
         let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
         let named = |name: &str| messages.iter().any(|message| message.contains(name));
-        assert!(named("[pairwise scan") && named("[batch of fronts"), "{messages:?}");
+        assert!(named("[pairwise_scan") && named("[batch of fronts"), "{messages:?}");
     }
 
     #[test]
@@ -449,7 +439,7 @@ mod tests {
         for schedule in PairwiseSchedule::ALL {
             let mut pairwise =
                 solver.pairwise(&on_device, Wavefront::Curved, Some(schedule)).unwrap();
-            for grain in profile::Grain::ALL {
+            for grain in Grain::ALL {
                 let rows = &mut [0.0; 3 * 600];
                 let detail = Detail { grain, invocations: true, ..Detail::default() };
                 pairwise.profile(&solver, &on_device, &SOURCES, STOP, rows, detail).unwrap();

@@ -1,91 +1,101 @@
-//! The passes over the maps of one surface, specialized for its size.
+//! The pipelines over the maps of one surface, specialized for its size.
 
 use ash::vk;
+use bytemuck::Pod;
 
 use super::layout::BatchLayout;
 use crate::vulkan::VulkanError;
-use crate::vulkan::pipelines::{Pass, Pipelines, SchedulePipelines, constant::*, scan_pass, spirv};
-use crate::vulkan::plan::Scan;
-use crate::vulkan::record::pipeline_index;
+use crate::vulkan::passes::{
+    BatchSizes, PAIRWISE_COUNT, PAIRWISE_FANS, PAIRWISE_SCANS, PAIRWISE_SHARED, PAIRWISE_START,
+    Pass,
+};
+use crate::vulkan::pipelines::{Pipeline, Pipelines};
+use crate::vulkan::shaders::{
+    pairwise_count, pairwise_fans, pairwise_scan, pairwise_shared, pairwise_start,
+};
 
-/// The passes of a batch.
-#[derive(Debug)]
-pub(super) struct Passes(SchedulePipelines);
+/// The pipelines of a batch; which there are depends on where its maps lie.
+#[derive(Debug, Default)]
+pub(super) struct BatchPipelines {
+    /// Puts the surface's fans into order, and runs maps in shared memory.
+    pub(super) in_shared_memory:
+        Option<(Pipeline<pairwise_fans::Push>, Pipeline<pairwise_shared::Push>)>,
+    /// The four scans of maps in images.
+    pub(super) scans: Vec<Pipeline<pairwise_scan::Push>>,
+    pub(super) start: Option<Pipeline<pairwise_start::Push>>,
+    pub(super) count: Option<Pipeline<pairwise_count::Push>>,
+    made: Vec<vk::Pipeline>,
+}
 
-/// Places of the passes over maps in shared memory.
-const FANS: usize = 0;
-const WORKGROUPS: usize = 1;
-/// Places of the passes over maps in images, after the four scans.
-const START: usize = 4;
-const COUNT: usize = 5;
-
-impl Passes {
-    /// Creates them. [`Passes::destroy`] must be called before the device is destroyed.
+impl BatchPipelines {
+    /// Creates them. [`BatchPipelines::destroy`] must be called before the device is destroyed.
     pub(super) fn new(
         device: &ash::Device,
         pipelines: &Pipelines,
         layout: &BatchLayout,
     ) -> Result<Self, VulkanError> {
-        let wavefront = (WAVEFRONT, layout.wavefront as i32);
-        let maps = (MAPS, layout.maps as i32);
-        let mut passes: Vec<Pass> = Vec::new();
-        if let Some(workgroup) = layout.workgroup {
-            let constants = [
-                wavefront,
-                (WIDTH, workgroup.invocations as i32),
-                (REPEATS, workgroup.iterations as i32),
-                (ROWS, layout.chart.rows as i32),
-                (COLS, layout.chart.cols as i32),
-                (PITCH, workgroup.pitch as i32),
-            ];
-            passes.push((spirv!("pairwise_fans"), vec![wavefront]));
-            passes.push((spirv!("pairwise_shared"), constants.to_vec()));
-        } else {
-            let width = (WIDTH, pipelines.tuning.scan_width as i32);
-            let lines = (REPEATS, pipelines.tuning.scan_lines as i32);
-            let cols = (COLS, layout.chart.cols as i32);
-            let constants = [wavefront, maps, width, lines, cols];
-            passes
-                .extend(Scan::ALL.map(|scan| scan_pass(spirv!("pairwise_scan"), scan, &constants)));
-            passes.push((spirv!("pairwise_start"), vec![wavefront, maps]));
-            passes.push((spirv!("pairwise_count"), Vec::new()));
-        }
-        let new = SchedulePipelines::of(device, pipelines, &passes).map(Self)?;
-        let names = match layout.workgroup {
-            Some(_) => ["fans", "shared"].map(str::to_owned).to_vec(),
-            None => {
-                let scans = Scan::ALL.map(|scan| format!("scan {}", scan.name()));
-                scans.into_iter().chain(["start", "count"].map(str::to_owned)).collect()
+        let mut new = Self::default();
+        match new.create(device, pipelines, layout) {
+            Ok(()) => Ok(new),
+            Err(error) => {
+                new.destroy(device);
+                Err(error)
             }
-        };
-        for (name, &pipeline) in names.iter().zip(&new.0.passes) {
-            pipelines.name(&format!("pairwise {name}, {}", layout.wavefront), pipeline);
         }
-        Ok(new)
     }
 
-    pub(super) fn fans(&self) -> vk::Pipeline {
-        self.0.passes[FANS]
+    fn create(
+        &mut self,
+        device: &ash::Device,
+        pipelines: &Pipelines,
+        layout: &BatchLayout,
+    ) -> Result<(), VulkanError> {
+        let sizes = sizes(layout);
+        if layout.workgroup.is_some() {
+            let fans = self.make(device, pipelines, PAIRWISE_FANS, (layout, sizes))?;
+            let shared = self.make(device, pipelines, PAIRWISE_SHARED, (layout, sizes))?;
+            self.in_shared_memory = Some((fans, shared));
+        } else {
+            for scan in PAIRWISE_SCANS {
+                let scan = self.make(device, pipelines, scan, (layout, sizes))?;
+                self.scans.push(scan);
+            }
+            self.start = Some(self.make(device, pipelines, PAIRWISE_START, (layout, sizes))?);
+            self.count = Some(self.make(device, pipelines, PAIRWISE_COUNT, (layout, sizes))?);
+        }
+        Ok(())
     }
 
-    pub(super) fn workgroups(&self) -> vk::Pipeline {
-        self.0.passes[WORKGROUPS]
-    }
-
-    pub(super) fn scan(&self, scan: Scan) -> vk::Pipeline {
-        self.0.passes[pipeline_index(scan)]
-    }
-
-    pub(super) fn start(&self) -> vk::Pipeline {
-        self.0.passes[START]
-    }
-
-    pub(super) fn count(&self) -> vk::Pipeline {
-        self.0.passes[COUNT]
+    fn make<P: Pod>(
+        &mut self,
+        device: &ash::Device,
+        pipelines: &Pipelines,
+        pass: Pass<P>,
+        (layout, sizes): (&BatchLayout, BatchSizes),
+    ) -> Result<Pipeline<P>, VulkanError> {
+        let made = pipelines.make_for_batch(device, pass, layout.wavefront, sizes)?;
+        self.made.push(made.handle);
+        Ok(made)
     }
 
     /// Destroys them. No submitted work may still use them.
     pub(super) fn destroy(&mut self, device: &ash::Device) {
-        self.0.destroy(device);
+        for pipeline in self.made.drain(..) {
+            // SAFETY: the caller has made sure that nothing uses it.
+            unsafe { device.destroy_pipeline(pipeline, None) };
+        }
+    }
+}
+
+fn sizes(layout: &BatchLayout) -> BatchSizes {
+    let (pitch, invocations, iterations) =
+        layout.workgroup.map_or((0, 0, 0), |of| (of.pitch, of.invocations, of.iterations));
+    BatchSizes {
+        maps: layout.maps,
+        rows: layout.chart.rows as u32,
+        cols: layout.chart.cols as u32,
+        pitch,
+        invocations,
+        iterations,
     }
 }

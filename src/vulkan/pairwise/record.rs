@@ -1,59 +1,59 @@
 //! Recording the steps of a batch.
 
+use std::ops::Deref;
+
 use ash::vk;
-use bytemuck::{NoUninit, bytes_of};
+use bytemuck::Pod;
 
 use super::layout::{BatchLayout, fan_numbers, numbers};
-use super::pipelines::Passes;
+use super::pipelines::BatchPipelines;
 use super::progress::{self, offset};
 use super::resources::Resources;
 use super::steps::Step;
 use crate::constants::WORKGROUP;
 use crate::vulkan::TexelChart;
-use crate::vulkan::barrier::{self, NOTHING, PASS, SHADER, SHADER_WRITE};
+use crate::vulkan::barrier::{NOTHING, PASS, SHADER, SHADER_WRITE};
 use crate::vulkan::memory::Buffer;
-use crate::vulkan::pipelines::Pipelines;
+use crate::vulkan::passes::UNPACK;
+use crate::vulkan::pipelines::Pipeline;
 use crate::vulkan::plan::{self, Scan, ScanPass};
-use crate::vulkan::profile::{
-    PassKind, PassRecord, Presence, Profile, Scope, StepCounter, Watch, Work,
-};
-use crate::vulkan::record::{Block, UnpackBand};
+use crate::vulkan::profile::{PassKind, PassRecord, Presence, Scope, StepCounter, Work};
+use crate::vulkan::record::{Commands, Groups};
+use crate::vulkan::schedules::{account, block_of};
+use crate::vulkan::shaders::{pairwise_count, pairwise_fans, pairwise_start, unpack};
 
-/// A command buffer that is being recorded for one batch.
+/// Records for one batch.
 #[derive(Clone, Copy)]
-pub(super) struct Recorder<'a> {
-    pub(super) device: &'a ash::Device,
-    pub(super) commands: vk::CommandBuffer,
-    pub(super) pipelines: &'a Pipelines,
-    pub(super) passes: &'a Passes,
+pub(super) struct BatchRecorder<'a> {
+    pub(super) commands: Commands<'a>,
+    pub(super) passes: &'a BatchPipelines,
     pub(super) resources: &'a Resources,
     pub(super) layout: &'a BatchLayout,
     pub(super) texels: TexelChart,
     /// Maps in the batch.
     pub(super) maps: u32,
-    /// Takes the passes down, if anyone looks on.
-    pub(super) profile: Option<&'a Profile>,
 }
 
-#[derive(Clone, Copy, NoUninit)]
-#[repr(C)]
-struct FanSize {
-    grid: [u32; 2],
-    scan: u32,
+impl<'a> Deref for BatchRecorder<'a> {
+    type Target = Commands<'a>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.commands
+    }
 }
 
-impl<'a> Recorder<'a> {
+const MADE: &str = "the pipelines of the batch's steps are made with it";
+
+impl BatchRecorder<'_> {
     /// Once, before the first batch: brings images into their layout, or puts the surface's fans into
     /// the order of the scans.
     pub(super) fn prepare(&self) {
         let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL);
         for image in &self.resources.fronts {
-            barrier::image(self.device, self.commands, image.image, NOTHING, SHADER, layouts);
+            self.image_barrier(image.image, NOTHING, SHADER, layouts);
         }
-        if self.layout.workgroup.is_none() {
-            return;
-        }
-        self.bind(self.passes.fans(), 0);
+        let Some((fans, _)) = self.passes.in_shared_memory else { return };
+        self.bind(fans, &self.sets(0));
         let [cols, rows] = self.grid();
         for scan in 0..Scan::ALL.len() as u32 {
             let (points, lines) = if scan < 2 { (cols, rows) } else { (rows, cols) };
@@ -67,7 +67,8 @@ impl<'a> Recorder<'a> {
                 ..PassRecord::new(PassKind::Fans)
             };
             let _pass = Scope::open(self.watch(), || (record, Presence::Always));
-            self.dispatch(&FanSize { grid: self.grid(), scan }, groups);
+            let push = pairwise_fans::Push { grid: self.signed_grid(), scan: scan as i32 };
+            self.dispatch(fans, &push, Groups::These(groups));
         }
         self.barrier(SHADER_WRITE, SHADER);
     }
@@ -77,41 +78,42 @@ impl<'a> Recorder<'a> {
         let mut open = None;
         let has_two_layers = self.layout.wavefront.has_two_layers();
         let mut counter = StepCounter::new(self.texels, self.pipelines.tuning, has_two_layers);
+        // What does not begin a batch goes on with one.
+        if steps.first() != Some(&Step::Begin) {
+            self.barrier(PASS, PASS);
+        }
         for step in steps {
-            match step {
-                Step::Barrier(before, after) => {
-                    self.barrier(*before, *after);
-                    continue;
-                }
-                Step::Raster(plan::Step::Barrier) => {
-                    self.barrier(PASS, PASS);
-                    continue;
-                }
-                _ => {}
+            for &(before, after) in step.waits() {
+                self.barrier(before, after);
             }
             Scope::go_on(&mut open, self.watch(), || {
                 (self.record_of(step, &mut counter), Presence::Always)
             });
             match step {
-                Step::Begin => self.copy(self.resources.staging(), self.resources.progress()),
+                Step::Begin => {
+                    self.copy_progress(self.resources.staging(), self.resources.progress())
+                }
                 Step::Start => {
-                    self.bind(self.passes.start(), 0);
-                    self.dispatch(&self.grid(), self.start_groups());
+                    let push = pairwise_start::Push { grid: self.signed_grid() };
+                    self.run(self.passes.start.expect(MADE), &push, self.start_groups());
                 }
                 Step::Workgroups => {
-                    self.bind(self.passes.workgroups(), 0);
-                    self.dispatch(&[0u32; 0], [self.maps, 1, 1]);
+                    let (_, shared) = self.passes.in_shared_memory.expect(MADE);
+                    self.run(shared, &[], [self.maps, 1, 1]);
                 }
                 Step::Raster(plan::Step::Scan(pass)) => self.scan(pass),
                 Step::Raster(plan::Step::Count) => {
-                    self.bind(self.passes.count(), 0);
-                    self.dispatch(&self.maps, self.count_groups());
+                    let push = pairwise_count::Push { count: self.maps };
+                    self.run(self.passes.count.expect(MADE), &push, self.count_groups());
                 }
                 Step::Raster(other) => unreachable!("{other:?} is of another schedule"),
                 Step::Unpack => self.unpack(),
-                Step::Report => self.copy(self.resources.progress(), self.resources.outcome()),
-                Step::Barrier(..) => {}
+                Step::Report => {
+                    self.copy_progress(self.resources.progress(), self.resources.outcome())
+                }
             }
+            let (before, after) = step.ends();
+            self.barrier(before, after);
         }
     }
 
@@ -139,7 +141,7 @@ impl<'a> Recorder<'a> {
                 ..dispatched(PassKind::Workgroups, [self.maps, 1, 1])
             },
             Step::Raster(step) => {
-                let (record, _) = counter.next(step);
+                let (record, _) = account(counter, step);
                 let groups = match step {
                     plan::Step::Count => Some(self.count_groups()),
                     _ => record.groups.map(|[x, y, _]| [x, y, self.maps]),
@@ -151,7 +153,6 @@ impl<'a> Recorder<'a> {
                 let groups = Some(self.unpack_groups());
                 PassRecord { groups, ..copied(PassKind::Unpack, bytes) }
             }
-            Step::Barrier(..) => unreachable!("barriers are no passes"),
         }
     }
 
@@ -169,34 +170,43 @@ impl<'a> Recorder<'a> {
         [cols.div_ceil(2).div_ceil(WORKGROUP), rows.div_ceil(2), self.maps]
     }
 
-    fn watch(&self) -> Watch<'a> {
-        let Self { device, commands, pipelines, profile, .. } = *self;
-        Watch { device, commands, profile, labels: pipelines.labels.as_ref() }
-    }
-
     fn scan(&self, pass: &ScanPass) {
-        self.bind(self.passes.scan(pass.scan), pass.writes);
-        let block = Block::of(pass, self.texels, self.pipelines.tuning.scan_lines);
-        if pass.always {
-            let groups = block.count.div_ceil(self.pipelines.tuning.scan_texels());
-            self.dispatch(&block, [groups, 1, self.maps]);
-            return;
-        }
-        self.push(&block);
-        let by_rows = matches!(pass.scan, Scan::Down | Scan::Up);
-        let offset = if by_rows { offset::ROW_GROUPS } else { offset::COL_GROUPS };
-        let progress = self.resources.progress().buffer;
-        // SAFETY: a pipeline with the common layout is bound, and three numbers are at the offset.
-        unsafe { self.device.cmd_dispatch_indirect(self.commands, progress, offset) };
+        let scan = self.passes.scans[pass.scan as usize];
+        let tuning = self.pipelines.tuning;
+        let block = block_of(pass, self.texels, tuning.scan_lines);
+        let groups = if pass.always {
+            let groups = (pass.texels.len() as u32).div_ceil(tuning.scan_texels());
+            Groups::These([groups, 1, self.maps])
+        } else {
+            let by_rows = matches!(pass.scan, Scan::Down | Scan::Up);
+            let offset = if by_rows { offset::ROW_GROUPS } else { offset::COL_GROUPS };
+            Groups::From(self.resources.progress().buffer, offset)
+        };
+        self.bind(scan, &self.sets(pass.writes));
+        self.dispatch(scan, &block, groups);
     }
 
     fn unpack(&self) {
+        let grid = self.signed_grid();
+        let unpack = self.pipelines.of(UNPACK);
         // The set that writes image 1 reads image 0.
-        self.bind(self.pipelines.unpack, 1);
-        let [cols, rows] = self.grid();
-        let grid = [cols as i32, rows as i32];
-        let band = UnpackBand { grid, first_row: 0, band_rows: rows as i32 };
-        self.dispatch(&band, self.unpack_groups());
+        self.bind(unpack, &self.sets(1));
+        let band = unpack::Push { grid, first_row: 0, band_rows: grid[1] };
+        self.dispatch(unpack, &band, Groups::These(self.unpack_groups()));
+    }
+
+    /// Runs a pass that writes image 0.
+    fn run<P: Pod>(&self, pipeline: Pipeline<P>, constants: &P, groups: [u32; 3]) {
+        self.bind(pipeline, &self.sets(0));
+        self.dispatch(pipeline, constants, Groups::These(groups));
+    }
+
+    fn sets(&self, writes: usize) -> [vk::DescriptorSet; 1] {
+        [self.resources.sets[writes]]
+    }
+
+    fn signed_grid(&self) -> [i32; 2] {
+        self.grid().map(|points| points as i32)
     }
 
     /// Columns and rows of points.
@@ -204,41 +214,7 @@ impl<'a> Recorder<'a> {
         [self.layout.chart.cols as u32, self.layout.chart.rows as u32]
     }
 
-    fn copy(&self, from: &Buffer, to: &Buffer) {
-        let copy = [vk::BufferCopy::default().size(progress::bytes(self.maps))];
-        // SAFETY: both buffers have room for the progress of a full batch.
-        unsafe { self.device.cmd_copy_buffer(self.commands, from.buffer, to.buffer, &copy) };
-    }
-
-    fn barrier(&self, before: barrier::Access, after: barrier::Access) {
-        barrier::memory(self.device, self.commands, before, after);
-    }
-
-    fn bind(&self, pipeline: vk::Pipeline, writes: usize) {
-        let compute = vk::PipelineBindPoint::COMPUTE;
-        let (layout, sets) = (self.pipelines.layout, [self.resources.sets[writes]]);
-        // SAFETY: pipeline, layout and set belong together and are alive.
-        unsafe {
-            self.device.cmd_bind_pipeline(self.commands, compute, pipeline);
-            self.device.cmd_bind_descriptor_sets(self.commands, compute, layout, 0, &sets, &[]);
-        }
-    }
-
-    fn dispatch(&self, constants: &impl NoUninit, [x, y, z]: [u32; 3]) {
-        self.push(constants);
-        // SAFETY: a pipeline with the common layout is bound.
-        unsafe { self.device.cmd_dispatch(self.commands, x, y, z) };
-    }
-
-    fn push(&self, constants: &impl NoUninit) {
-        let bytes = bytes_of(constants);
-        if bytes.is_empty() {
-            return;
-        }
-        let (layout, stages) = (self.pipelines.layout, vk::ShaderStageFlags::COMPUTE);
-        // SAFETY: the layout has room for the constants of every pass.
-        unsafe {
-            self.device.cmd_push_constants(self.commands, layout, stages, 0, bytes);
-        }
+    fn copy_progress(&self, from: &Buffer, to: &Buffer) {
+        self.copy((from.buffer, 0), (to.buffer, 0), progress::bytes(self.maps));
     }
 }

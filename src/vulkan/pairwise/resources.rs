@@ -8,13 +8,9 @@ use super::layout::BatchLayout;
 use super::progress;
 use crate::vulkan::grid_images::GridImages;
 use crate::vulkan::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo};
-use crate::vulkan::pipelines::{Pipelines, binding};
+use crate::vulkan::pipelines::Pipelines;
+use crate::vulkan::shaders::set_0;
 use crate::vulkan::{VulkanError, descriptors};
-
-/// Where the fans of the surface are bound, for maps in shared memory.
-const FANS: u32 = binding::UPLOAD;
-/// Where maps are bound that a dispatch leaves to the next.
-const KEPT: u32 = binding::TILES;
 
 /// The images or buffers of a batch, what the host writes and what it reads.
 #[derive(Debug, Default)]
@@ -89,19 +85,19 @@ impl Resources {
         self.pool = descriptors::pool(device)?;
         self.sets = descriptors::sets(device, self.pool, pipelines)?;
         for (writes, &set) in self.sets.iter().enumerate() {
-            descriptors::write_image(device, set, binding::EDGES, &grid.edges);
-            descriptors::write_image(device, set, binding::GAUSSIAN, &grid.gaussian);
-            descriptors::write_buffer(device, set, binding::PROGRESS, self.progress());
-            descriptors::write_buffer(device, set, binding::DOWNLOAD, self.buffer(Kind::Distances));
+            descriptors::write_image(device, set, set_0::EDGES, &grid.edges);
+            descriptors::write_image(device, set, set_0::GAUSSIANS, &grid.gaussian);
+            descriptors::write_buffer(device, set, set_0::PROGRESS, self.progress());
+            descriptors::write_buffer(device, set, set_0::DISTANCES, self.buffer(Kind::Distances));
             if let [first, second] = self.fronts.as_slice() {
                 let (new, old) = if writes == 0 { (first, second) } else { (second, first) };
-                descriptors::write_image(device, set, binding::OLD_FRONTS, old);
-                descriptors::write_image(device, set, binding::FRONTS_BEHIND, new);
-                descriptors::write_image(device, set, binding::NEW_FRONTS, new);
-                descriptors::write_image(device, set, binding::OTHER_FRONTS, old);
+                descriptors::write_image(device, set, set_0::OLD_FRONTS, old);
+                descriptors::write_image(device, set, set_0::FRONTS_BEHIND, new);
+                descriptors::write_image(device, set, set_0::NEW_FRONTS, new);
+                descriptors::write_image(device, set, set_0::NEW_FRONTS_1, old);
             } else {
-                descriptors::write_buffer(device, set, FANS, self.buffer(Kind::Fans));
-                descriptors::write_buffer(device, set, KEPT, self.buffer(Kind::Kept));
+                descriptors::write_buffer(device, set, set_0::FANS, self.buffer(Kind::Fans));
+                descriptors::write_buffer(device, set, set_0::KEPT, self.buffer(Kind::Kept));
             }
         }
         Ok(())

@@ -19,44 +19,41 @@ pub(super) enum Step {
     Unpack,
     /// Copies how the maps have gone to where the host reads it.
     Report,
-    /// What was accessed before is complete and visible to what follows.
-    Barrier(Access, Access),
+}
+
+impl Step {
+    /// The barriers before it.
+    pub(super) fn waits(&self) -> &'static [(Access, Access)] {
+        match self {
+            Self::Begin => &[(COPY, CLEAR), (PASS, CLEAR)],
+            Self::Report => &[(PASS, COPY)],
+            _ => &[],
+        }
+    }
+
+    /// The barrier after it.
+    pub(super) fn ends(&self) -> (Access, Access) {
+        match self {
+            Self::Begin => (CLEAR, PASS),
+            Self::Start | Self::Raster(_) => (PASS, PASS),
+            Self::Workgroups | Self::Unpack => (SHADER_WRITE, HOST_READ),
+            Self::Report => (CLEAR, HOST_READ),
+        }
+    }
 }
 
 /// Starts a batch and iterates; `scans` are those of the raster schedule, for maps in images.
 pub(super) fn first(schedule: PairwiseSchedule, scans: Vec<plan::Step>) -> Vec<Step> {
-    let mut steps = vec![
-        Step::Barrier(COPY, CLEAR),
-        Step::Barrier(PASS, CLEAR),
-        Step::Begin,
-        Step::Barrier(CLEAR, PASS),
-    ];
-    if schedule == PairwiseSchedule::Images {
-        steps.extend([Step::Start, Step::Barrier(PASS, PASS)]);
-    }
-    steps.extend(iterations(schedule, scans));
-    steps
+    let start = (schedule == PairwiseSchedule::Images).then_some(Step::Start);
+    [Step::Begin].into_iter().chain(start).chain(further(schedule, scans)).collect()
 }
 
 /// Goes on with maps that are not done.
 pub(super) fn further(schedule: PairwiseSchedule, scans: Vec<plan::Step>) -> Vec<Step> {
-    let mut steps = vec![Step::Barrier(PASS, PASS)];
-    steps.extend(iterations(schedule, scans));
-    steps
-}
-
-/// Reads maps in images, which are done.
-pub(super) fn read() -> Vec<Step> {
-    vec![Step::Barrier(PASS, PASS), Step::Unpack, Step::Barrier(SHADER_WRITE, HOST_READ)]
-}
-
-fn iterations(schedule: PairwiseSchedule, scans: Vec<plan::Step>) -> Vec<Step> {
     let mut steps = match schedule {
-        PairwiseSchedule::SharedMemory => {
-            vec![Step::Workgroups, Step::Barrier(SHADER_WRITE, HOST_READ)]
-        }
+        PairwiseSchedule::SharedMemory => vec![Step::Workgroups],
         PairwiseSchedule::Images => scans.into_iter().map(Step::Raster).collect(),
     };
-    steps.extend([Step::Barrier(PASS, COPY), Step::Report, Step::Barrier(CLEAR, HOST_READ)]);
+    steps.push(Step::Report);
     steps
 }

@@ -9,14 +9,14 @@ use crate::vulkan::{TexelChart, Tuning};
 /// Indirect dispatches of scans that follow one another in an iteration, each for a whole block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Blocks {
-    pub(super) texels: TexelChart,
-    pub(super) tuning: Tuning,
-    pub(super) curved: bool,
+    pub(crate) texels: TexelChart,
+    pub(crate) tuning: Tuning,
+    pub(crate) curved: bool,
     /// Number of the first scan's first dispatch in the recording.
-    pub(super) iteration: u32,
+    pub(crate) iteration: u32,
     /// That of the first of these.
-    pub(super) first: u32,
-    pub(super) count: u32,
+    pub(crate) first: u32,
+    pub(crate) count: u32,
 }
 
 impl Blocks {

@@ -1,6 +1,6 @@
 //! What the device has decided, as it is copied beside a recording.
 
-use super::work::Decisions;
+use super::presence::Decisions;
 use crate::constants::{ROUNDS, VISIT_WORDS};
 use crate::vulkan::progress::{self, Outcome, offset};
 

@@ -37,6 +37,7 @@
 //! ```
 //!
 //! [`Recording::profiled`]: super::embed::Recording::profiled
+//! [`planned`]: super::planned
 //! [`Solver::for_profiling`]: super::Solver::for_profiling
 
 mod blocks;
@@ -47,6 +48,7 @@ mod decisions;
 mod executables;
 mod labels;
 mod pass;
+mod presence;
 mod scope;
 mod session;
 mod slots;
@@ -54,6 +56,7 @@ mod slots;
 mod spans;
 mod work;
 
+pub(crate) use blocks::Blocks;
 pub use capabilities::{Capabilities, Capability, Unavailable};
 pub use clock::Clock;
 pub(crate) use decisions::BEFORE as BEFORE_BYTES;
@@ -61,11 +64,13 @@ pub(crate) use executables::executables;
 pub use executables::{Executable, Statistic};
 pub(crate) use labels::Labels;
 pub use pass::{Area, Grain, PassKind, PassRecord};
+#[cfg(test)]
+pub(crate) use presence::{Decisions, decided};
+pub(crate) use presence::{Presence, StepCounter};
 pub(crate) use scope::{Scope, Watch};
 pub(crate) use session::Session;
 pub use session::{Detail, SolveProfile, SubmissionRecord};
 pub use slots::{Decided, Profile, QueryRange, Resolved, Slots};
 #[cfg(feature = "tracing")]
 pub use spans::emit;
-pub(crate) use work::{Presence, StepCounter, records};
-pub use work::{Work, planned};
+pub use work::Work;

@@ -190,7 +190,7 @@ pub struct Area {
 }
 
 impl Area {
-    pub(super) fn new(rows: Range<u32>, cols: Range<u32>) -> Self {
+    pub(crate) fn new(rows: Range<u32>, cols: Range<u32>) -> Self {
         Self { rows: [rows.start, rows.end], cols: [cols.start, cols.end] }
     }
 

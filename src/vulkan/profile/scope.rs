@@ -4,8 +4,8 @@ use ash::vk;
 
 use super::labels::Labels;
 use super::pass::PassRecord;
+use super::presence::Presence;
 use super::slots::Profile;
-use super::work::Presence;
 
 /// Who looks on while a command buffer is recorded.
 #[derive(Clone, Copy)]

@@ -13,7 +13,7 @@ use super::pass::{Grain, PassKind, PassRecord};
 use super::slots::{Decided, Profile, QueryRange, Resolved, Slots, results};
 use crate::constants::ROUNDS;
 use crate::vulkan::VulkanError;
-use crate::vulkan::headless::{Commands, Context};
+use crate::vulkan::headless::{CommandBuffer, Context, Submitter};
 use crate::vulkan::memory::{Buffer, BufferInfo};
 
 /// What is looked at while a map is computed, beside times.
@@ -167,16 +167,6 @@ impl Session {
         Ok(pool)
     }
 
-    /// The passes that were submitted last.
-    pub(crate) fn last(&mut self) -> &mut [PassRecord] {
-        self.found.submissions.last_mut().map_or(&mut [], |last| &mut last.passes)
-    }
-
-    /// The time from now on counts.
-    pub(crate) fn restart(&mut self) {
-        self.start = Instant::now();
-    }
-
     /// At the beginning of a command buffer.
     fn open(&self, device: &ash::Device, commands: vk::CommandBuffer) {
         if let Some(QueryRange { pool, first, count }) = self.around {
@@ -202,36 +192,7 @@ impl Session {
         unsafe { device.cmd_write_timestamp(commands, stage, pool, query) };
     }
 
-    /// Records a command buffer, between the queries of a session if there is one.
-    pub(crate) fn record(
-        session: Option<&Self>,
-        commands: &Commands,
-        append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&Profile>),
-    ) -> Result<(), VulkanError> {
-        commands.record(|device, buffer| {
-            if let Some(session) = session {
-                session.open(device, buffer);
-            }
-            append(device, buffer, session.map(|session| &session.profile));
-            if let Some(session) = session {
-                session.close(device, buffer);
-            }
-        })
-    }
-
-    /// Submits a command buffer and waits; in a session if there is one, by which it was recorded
-    /// last.
-    pub(crate) fn submit(
-        session: Option<&mut Self>,
-        commands: &Commands,
-    ) -> Result<(), VulkanError> {
-        match session {
-            None => commands.submit_and_wait(),
-            Some(session) => session.watch(commands),
-        }
-    }
-
-    fn watch(&mut self, commands: &Commands) -> Result<(), VulkanError> {
+    fn watch(&mut self, commands: &CommandBuffer) -> Result<(), VulkanError> {
         let submitted = self.start.elapsed();
         commands.submit_and_wait()?;
         let ended = self.start.elapsed();
@@ -297,6 +258,37 @@ impl Session {
     pub(crate) fn finish(mut self, time: Duration) -> SolveProfile {
         let found = std::mem::take(&mut self.found);
         SolveProfile { time, ..found }
+    }
+}
+
+/// Between queries, whose results are read after each submission.
+impl Submitter for Session {
+    fn record(
+        &self,
+        commands: &CommandBuffer,
+        append: impl FnOnce(&ash::Device, vk::CommandBuffer, Option<&Profile>),
+    ) -> Result<(), VulkanError> {
+        commands.record(|device, buffer| {
+            self.open(device, buffer);
+            append(device, buffer, Some(&self.profile));
+            self.close(device, buffer);
+        })
+    }
+
+    fn submit(&mut self, commands: &CommandBuffer) -> Result<(), VulkanError> {
+        self.watch(commands)
+    }
+
+    fn restart(&mut self) {
+        self.start = Instant::now();
+    }
+
+    fn is_watching(&self) -> bool {
+        true
+    }
+
+    fn last(&mut self) -> Option<&mut [PassRecord]> {
+        self.found.submissions.last_mut().map(|last| last.passes.as_mut_slice())
     }
 }
 

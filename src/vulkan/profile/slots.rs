@@ -7,7 +7,7 @@ use ash::vk;
 use super::clock::Clock;
 use super::decisions::{self, ReadBack};
 use super::pass::{Grain, PassKind, PassRecord};
-use super::work::{Presence, decided};
+use super::presence::{Presence, decided};
 use crate::vulkan::VulkanError;
 
 /// A range of a query pool of the host's.

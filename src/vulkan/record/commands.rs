@@ -1,81 +1,125 @@
 //! The commands that all recordings are made of.
 
 use ash::vk;
-use bytemuck::{NoUninit, bytes_of};
+use bytemuck::{Pod, bytes_of};
 
-use super::{Recorder, groups};
+use crate::constants::WORKGROUP;
 use crate::vulkan::barrier;
+use crate::vulkan::passes::PUSH_CONSTANT_BYTES;
+use crate::vulkan::pipelines::{Pipeline, Pipelines};
+use crate::vulkan::profile::{PassKind, PassRecord, Presence, Profile, Scope, Watch, Work};
 
-impl Recorder<'_> {
-    /// Runs a pass that also sees something of the host's: so many invocations wide and high.
-    pub(crate) fn host_pass(
+/// A command buffer that is being recorded.
+#[derive(Clone, Copy)]
+pub(crate) struct Commands<'a> {
+    /// The device of everything else.
+    pub(crate) device: &'a ash::Device,
+    /// Begun, on a queue family for compute, outside a render pass.
+    pub(crate) buffer: vk::CommandBuffer,
+    /// Alive until the commands have run.
+    pub(crate) pipelines: &'a Pipelines,
+    /// Takes the passes down, if anyone looks on.
+    pub(crate) profile: Option<&'a Profile>,
+}
+
+/// How many workgroups are dispatched.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Groups {
+    /// So many.
+    These([u32; 3]),
+    /// As many as three numbers of a buffer say, at this offset.
+    From(vk::Buffer, u64),
+}
+
+impl Groups {
+    /// Of so many invocations wide and high, in groups along the width.
+    pub(crate) fn of([width, height]: [u32; 2]) -> Self {
+        Self::These([width.div_ceil(WORKGROUP), height, 1])
+    }
+
+    /// So many in a line.
+    pub(crate) fn line(count: u32) -> Self {
+        Self::These([count, 1, 1])
+    }
+}
+
+impl<'a> Commands<'a> {
+    /// Records what nobody looks at.
+    pub(crate) fn new(
+        device: &'a ash::Device,
+        buffer: vk::CommandBuffer,
+        pipelines: &'a Pipelines,
+    ) -> Self {
+        Self { device, buffer, pipelines, profile: None }
+    }
+
+    /// To be kept while a pass is recorded: its label, and its place in the profile with what is
+    /// known of it.
+    pub(crate) fn pass_with(&self, record: PassRecord) -> Option<Scope<'a>> {
+        Scope::open(self.watch(), || (record, Presence::Always))
+    }
+
+    /// The same of a copy of so many bytes.
+    pub(crate) fn pass_of_copy(&self, kind: PassKind, bytes: u64) -> Option<Scope<'a>> {
+        let work = Work::of_bytes(bytes, bytes);
+        self.pass_with(PassRecord { work, ..PassRecord::new(kind) })
+    }
+
+    pub(crate) fn watch(&self) -> Watch<'a> {
+        let Self { device, buffer, pipelines, profile } = *self;
+        Watch { device, commands: buffer, profile, labels: pipelines.labels.as_ref() }
+    }
+
+    /// Binds a pipeline and the sets that it sees.
+    pub(crate) fn bind<P: Pod>(&self, pipeline: Pipeline<P>, sets: &[vk::DescriptorSet]) {
+        let (compute, layout) = (vk::PipelineBindPoint::COMPUTE, pipeline.layout);
+        // SAFETY: the pipeline was made with the layout, which the sets fit, and all are alive.
+        unsafe {
+            self.device.cmd_bind_pipeline(self.buffer, compute, pipeline.handle);
+            self.device.cmd_bind_descriptor_sets(self.buffer, compute, layout, 0, sets, &[]);
+        }
+    }
+
+    /// Dispatches the pipeline that is bound.
+    pub(crate) fn dispatch<P: Pod>(&self, pipeline: Pipeline<P>, constants: &P, groups: Groups) {
+        let bytes = bytes_of(constants);
+        // SAFETY: a pipeline with this layout is bound, the layout has room for the constants of every
+        // pass, and what the buffer holds at the offset are three numbers.
+        unsafe {
+            if !bytes.is_empty() {
+                let stages = vk::ShaderStageFlags::COMPUTE;
+                self.device.cmd_push_constants(self.buffer, pipeline.layout, stages, 0, bytes);
+            }
+            match groups {
+                Groups::These([x, y, z]) => self.device.cmd_dispatch(self.buffer, x, y, z),
+                Groups::From(buffer, offset) => {
+                    self.device.cmd_dispatch_indirect(self.buffer, buffer, offset);
+                }
+            }
+        }
+    }
+
+    /// Dispatches no group of a pipeline, since drivers may compile it at its first dispatch.
+    pub(crate) fn warm_up(
         &self,
         pipeline: vk::Pipeline,
-        set: vk::DescriptorSet,
-        constants: &impl NoUninit,
-        invocations: [u32; 2],
+        layout: vk::PipelineLayout,
+        sets: &[vk::DescriptorSet],
     ) {
+        let constants = [0; PUSH_CONSTANT_BYTES as usize];
         let (compute, stages) = (vk::PipelineBindPoint::COMPUTE, vk::ShaderStageFlags::COMPUTE);
-        // The set that writes image 1 reads image 0.
-        let (layout, sets) = (self.pipelines.host_layout, [self.grid.sets[1], set]);
-        // SAFETY: pipeline, layout and sets belong together and are alive, and the layout has
-        // room for the constants.
+        // SAFETY: the pipeline was made with the layout, which the sets fit and which has room for the
+        // constants, and all are alive.
         unsafe {
-            self.device.cmd_bind_pipeline(self.commands, compute, pipeline);
-            self.device.cmd_bind_descriptor_sets(self.commands, compute, layout, 0, &sets, &[]);
-            let constants = bytes_of(constants);
-            self.device.cmd_push_constants(self.commands, layout, stages, 0, constants);
-            let [x, y, z] = groups(invocations);
-            self.device.cmd_dispatch(self.commands, x, y, z);
-        }
-    }
-
-    pub(super) fn bind(&self, pipeline: vk::Pipeline, writes: usize) {
-        let compute = vk::PipelineBindPoint::COMPUTE;
-        let (layout, sets) = (self.pipelines.layout, [self.grid.sets[writes]]);
-        // SAFETY: pipeline, layout and set belong together and are alive.
-        unsafe {
-            self.device.cmd_bind_pipeline(self.commands, compute, pipeline);
-            self.device.cmd_bind_descriptor_sets(self.commands, compute, layout, 0, &sets, &[]);
-        }
-    }
-
-    /// Dispatches so many invocations wide and high, in groups along the width.
-    pub(super) fn dispatch(&self, constants: &impl NoUninit, invocations: [u32; 2]) {
-        self.push(constants);
-        let [x, y, z] = groups(invocations);
-        // SAFETY: a pipeline with the common layout is bound.
-        unsafe { self.device.cmd_dispatch(self.commands, x, y, z) };
-    }
-
-    pub(super) fn dispatch_groups(&self, constants: &impl NoUninit, groups: u32) {
-        self.push(constants);
-        // SAFETY: a pipeline with the common layout is bound.
-        unsafe { self.device.cmd_dispatch(self.commands, groups, 1, 1) };
-    }
-
-    /// Dispatches as many groups as a buffer says here.
-    pub(super) fn dispatch_while(
-        &self,
-        constants: &impl NoUninit,
-        buffer: vk::Buffer,
-        offset: u64,
-    ) {
-        self.push(constants);
-        // SAFETY: a pipeline with the common layout is bound, and three numbers are at the offset.
-        unsafe { self.device.cmd_dispatch_indirect(self.commands, buffer, offset) };
-    }
-
-    fn push(&self, constants: &impl NoUninit) {
-        let (layout, stages) = (self.pipelines.layout, vk::ShaderStageFlags::COMPUTE);
-        // SAFETY: the layout has room for the constants of every pass.
-        unsafe {
-            self.device.cmd_push_constants(self.commands, layout, stages, 0, bytes_of(constants));
+            self.device.cmd_bind_pipeline(self.buffer, compute, pipeline);
+            self.device.cmd_bind_descriptor_sets(self.buffer, compute, layout, 0, sets, &[]);
+            self.device.cmd_push_constants(self.buffer, layout, stages, 0, &constants);
+            self.device.cmd_dispatch(self.buffer, 0, 1, 1);
         }
     }
 
     pub(crate) fn barrier(&self, before: barrier::Access, after: barrier::Access) {
-        barrier::memory(self.device, self.commands, before, after);
+        barrier::memory(self.device, self.buffer, before, after);
     }
 
     /// Brings an image from one layout into another between two kinds of access.
@@ -86,11 +130,11 @@ impl Recorder<'_> {
         after: barrier::Access,
         layouts: (vk::ImageLayout, vk::ImageLayout),
     ) {
-        barrier::image(self.device, self.commands, image, before, after, layouts);
+        barrier::image(self.device, self.buffer, image, before, after, layouts);
     }
 
     /// Fills a layer of an image.
-    pub(super) fn clear(&self, image: vk::Image, layer: u32, value: f64) {
+    pub(crate) fn clear(&self, image: vk::Image, layer: u32, value: f64) {
         let value = vk::ClearColorValue { float32: [value as f32; 4] };
         let range =
             vk::ImageSubresourceRange { base_array_layer: layer, layer_count: 1, ..barrier::COLOR };
@@ -98,36 +142,31 @@ impl Recorder<'_> {
         // until the next barrier.
         unsafe {
             let layout = vk::ImageLayout::GENERAL;
-            self.device.cmd_clear_color_image(self.commands, image, layout, &value, &[range]);
+            self.device.cmd_clear_color_image(self.buffer, image, layout, &value, &[range]);
         }
     }
 
     /// Zeroes part of a buffer.
     pub(crate) fn fill(&self, buffer: vk::Buffer, offset: u64, size: u64) {
         // SAFETY: the part lies in the buffer, which nothing else uses until the next barrier.
-        unsafe { self.device.cmd_fill_buffer(self.commands, buffer, offset, size, 0) };
-    }
-
-    /// Writes part of the progress.
-    pub(super) fn write(&self, offset: u64, bytes: &[u8]) {
-        self.update(self.grid.progress.buffer, offset, bytes);
+        unsafe { self.device.cmd_fill_buffer(self.buffer, buffer, offset, size, 0) };
     }
 
     /// Writes part of a buffer, which has room for it; no more than 65 536 bytes, a multiple of 4.
     pub(crate) fn update(&self, buffer: vk::Buffer, offset: u64, bytes: &[u8]) {
         // SAFETY: the part lies in the buffer, which nothing else uses until the next barrier.
-        unsafe { self.device.cmd_update_buffer(self.commands, buffer, offset, bytes) };
+        unsafe { self.device.cmd_update_buffer(self.buffer, buffer, offset, bytes) };
     }
 
     /// Copies part of a buffer to one that has room for it there, and does not overlap it.
     pub(crate) fn copy(&self, from: (vk::Buffer, u64), to: (vk::Buffer, u64), size: u64) {
         let copy = [vk::BufferCopy::default().src_offset(from.1).dst_offset(to.1).size(size)];
         // SAFETY: both buffers hold so many bytes there, of the host's as the host has promised.
-        unsafe { self.device.cmd_copy_buffer(self.commands, from.0, to.0, &copy) };
+        unsafe { self.device.cmd_copy_buffer(self.buffer, from.0, to.0, &copy) };
     }
 
     /// Copies the start of a buffer, row after row, to a part of an image's first layer.
-    pub(super) fn copy_to_image(
+    pub(crate) fn copy_to_image(
         &self,
         from: vk::Buffer,
         to: vk::Image,
@@ -146,6 +185,6 @@ impl Recorder<'_> {
         let layout = vk::ImageLayout::GENERAL;
         // SAFETY: the buffer holds so many texels, the part lies in the image, which is in this layout, and
         // nothing else uses either until the next barrier.
-        unsafe { self.device.cmd_copy_buffer_to_image(self.commands, from, to, layout, &[copy]) };
+        unsafe { self.device.cmd_copy_buffer_to_image(self.buffer, from, to, layout, &[copy]) };
     }
 }

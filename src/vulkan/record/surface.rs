@@ -3,13 +3,17 @@
 use std::ops::Range;
 
 use ash::vk;
-use bytemuck::NoUninit;
 
-use super::{Recorder, dispatched};
+use super::recorder::{Recorder, dispatched};
 use crate::constants::{BORDER, FAR, LAYERS};
-use crate::surface::{Chart, EdgeRule, Spacing};
+use crate::surface::{EdgeRule, Spacing};
 use crate::vulkan::barrier::{CLEAR, NOTHING, SHADER, SHADER_WRITE};
+use crate::vulkan::grid_images::rows_around;
+use crate::vulkan::passes::{
+    EDGES_FROM_HEIGHTS, EDGES_FROM_METRIC, EDGES_FROM_POSITIONS, FAN_CURVATURE, GAUSSIAN_CURVATURE,
+};
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
+use crate::vulkan::shaders::{edges_from_heights, fan_curvature, gaussian_curvature};
 
 /// What edges are measured from.
 #[derive(Clone, Copy, Debug)]
@@ -33,38 +37,6 @@ impl EdgeSource {
         4 * (self.components() + 1)
     }
 }
-
-#[derive(Clone, Copy, NoUninit)]
-#[repr(C)]
-struct EdgesBand {
-    grid: [i32; 2],
-    first_row: i32,
-    band_rows: i32,
-    buffer_row: i32,
-    dx: f32,
-    dy: f32,
-    arcs: i32,
-}
-
-#[derive(Clone, Copy, NoUninit)]
-#[repr(C)]
-struct FanSize {
-    texels: [u32; 2],
-    share_of_fan: f32,
-    is_floor: u32,
-}
-
-/// The rows whose points are needed to measure the edges of a band. An edge to the north also depends
-/// on how the surface bends at its other end; at an end where the line ends, at the next two points
-/// inwards.
-pub(crate) fn rows_around(band: &Range<usize>, chart: Chart) -> Range<usize> {
-    band.start.saturating_sub(BEFORE)..(band.end + AFTER).min(chart.rows)
-}
-
-const BEFORE: usize = 3;
-const AFTER: usize = 2;
-/// Rows around a band, at most.
-pub(crate) const HALO: usize = BEFORE + AFTER;
 
 impl Recorder<'_> {
     /// Brings new images into their layout, with no edge and no point reached.
@@ -92,7 +64,7 @@ impl Recorder<'_> {
         arcs: bool,
         rows: Range<usize>,
     ) {
-        let (pipelines, chart) = (self.pipelines, self.grid.chart);
+        let chart = self.grid.chart;
         let size = [chart.cols as u32, rows.len() as u32];
         let around = rows_around(&rows, chart);
         // Four lengths of each point.
@@ -100,12 +72,12 @@ impl Recorder<'_> {
             .map(|bytes| bytes * chart.cols as u64);
         let work = Work::of_bytes(read, written);
         let _pass = self.pass_with(PassRecord { work, ..dispatched(PassKind::Edges, size) });
-        let pipeline = match source {
-            EdgeSource::Positions => pipelines.edges_from_positions,
-            EdgeSource::Heights => pipelines.edges_from_heights,
-            EdgeSource::Metric => pipelines.edges_from_metric,
-        };
-        let band = EdgesBand {
+        let pipeline = self.pipelines.of(match source {
+            EdgeSource::Positions => EDGES_FROM_POSITIONS,
+            EdgeSource::Heights => EDGES_FROM_HEIGHTS,
+            EdgeSource::Metric => EDGES_FROM_METRIC,
+        });
+        let band = edges_from_heights::Push {
             grid: [chart.cols as i32, chart.rows as i32],
             first_row: rows.start as i32,
             band_rows: rows.len() as i32,
@@ -114,8 +86,7 @@ impl Recorder<'_> {
             dy: spacing.dy as f32,
             arcs: arcs.into(),
         };
-        self.bind(pipeline, 0);
-        self.dispatch(&band, size);
+        self.run(pipeline, 0, &band, size);
         self.barrier(SHADER_WRITE, SHADER);
     }
 
@@ -138,16 +109,18 @@ impl Recorder<'_> {
     /// Computes the surface's Gaussian curvature, once all edges are measured by the rule, and on floor plans
     /// where shortest paths can bend.
     pub(crate) fn bend(&self, rule: EdgeRule, is_floor: bool) {
-        let texels = self.grid.texels.inner();
+        let inner = self.grid.texels.inner();
+        let texels = inner.map(|texels| texels as i32);
         let share_of_fan = rule.share_of_fan() as f32;
-        let size = FanSize { texels, share_of_fan, is_floor: is_floor.into() };
-        for pipeline in [self.pipelines.fan_curvature, self.pipelines.gaussian_curvature] {
-            // Lengths of the edges of four points, and a number of each besides in the second pass.
-            let read = if pipeline == self.pipelines.fan_curvature { 64 } else { 64 + 16 };
-            let _pass = self.pass_of_each(PassKind::Curvature, texels, [read, 16]);
-            self.bind(pipeline, 0);
-            self.dispatch(&size, texels);
-            self.barrier(SHADER_WRITE, SHADER);
-        }
+        // Lengths of the edges of four points, and a number of each besides in the second pass.
+        let pass = self.pass_of_each(PassKind::Curvature, inner, [64, 16]);
+        let size = fan_curvature::Push { texels, share_of_fan };
+        self.run(self.pipelines.of(FAN_CURVATURE), 0, &size, inner);
+        self.barrier(SHADER_WRITE, SHADER);
+        drop(pass);
+        let _pass = self.pass_of_each(PassKind::Curvature, inner, [64 + 16, 16]);
+        let size = gaussian_curvature::Push { texels, share_of_fan, is_floor: is_floor.into() };
+        self.run(self.pipelines.of(GAUSSIAN_CURVATURE), 0, &size, inner);
+        self.barrier(SHADER_WRITE, SHADER);
     }
 }

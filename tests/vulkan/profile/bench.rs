@@ -1,7 +1,6 @@
 //! A headless solver that is profiled.
 
 use geosweep::surface::Seed;
-use geosweep::vulkan::plan;
 use geosweep::vulkan::plan::{Reached, Step};
 use geosweep::vulkan::profile::{Capability, Detail, PassKind, PassRecord, SolveProfile};
 use geosweep::vulkan::{Method, Schedule, Solver, SurfaceOnDevice, TexelChart};
@@ -47,9 +46,8 @@ impl Bench {
         let schedule = method.schedule.unwrap();
         let places = self.seeds.iter().map(|seed| TexelChart::texel_of(seed.row, seed.col));
         let mut reached = Reached::around(places.map(|(row, col, _)| (row, col)));
-        let steps = (0..portions)
-            .map(|_| plan::recording(schedule, texels, sizes, reached.take(), u32::MAX))
-            .collect();
+        let steps =
+            (0..portions).map(|_| schedule.plan(texels, sizes, reached.take(), u32::MAX)).collect();
         (texels, steps)
     }
 }

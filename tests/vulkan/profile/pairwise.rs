@@ -10,10 +10,10 @@ use geosweep::vulkan::{Schedule, TexelChart};
 use crate::common::CONVERGED;
 use crate::profile::bench::{Bench, of_kind, sum};
 
-/// Texels of a plan's iterations; nothing follows the last count but its barrier.
+/// Texels of a plan's iterations; nothing follows the last count.
 fn of_iterations(steps: &[Step]) -> Vec<u64> {
     let iterations = steps.split(|step| *step == Step::Count);
-    iterations.filter(|steps| steps.len() > 1).map(plan::texels_scanned).collect()
+    iterations.filter(|steps| !steps.is_empty()).map(plan::texels_scanned).collect()
 }
 
 /// Maps in images against the plan of each recording and the iterations that each map takes by
@@ -47,7 +47,7 @@ fn each_iteration_visits_the_maps_that_have_not_converged() {
         });
         let plan = |reached| {
             let most = CONVERGED.iterations;
-            of_iterations(&plan::recording(Schedule::Raster, texels, sizes, reached, most))
+            of_iterations(&Schedule::Raster.plan(texels, sizes, reached, most))
         };
         let mut expected = plan(Reached::around(places));
         let most = alone.into_iter().max().unwrap() as usize;

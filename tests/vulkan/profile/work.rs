@@ -42,9 +42,9 @@ fn hold_against_the_plan(bench: &mut Bench, grain: Grain, wavefront: Wavefront, 
     let (mut expected, mut different) = (0, 0);
     let mut iteration = 0;
     for step_list in portions {
-        // Nothing follows the last count but its barrier.
+        // Nothing follows the last count.
         let iterations = step_list.split(|step| *step == Step::Count);
-        for steps in iterations.filter(|steps| steps.len() > 1) {
+        for steps in iterations.filter(|steps| !steps.is_empty()) {
             for scan in Scan::ALL {
                 let mut marks = vec![false; height * width];
                 let mut blocks = 0;

@@ -109,7 +109,7 @@ impl Shares {
 #[cfg(test)]
 mod tests {
     use geosweep::surface::Chart;
-    use geosweep::vulkan::{Schedule, TexelChart, Tuning, plan, profile};
+    use geosweep::vulkan::{Schedule, TexelChart, Tuning, planned};
 
     use super::*;
 
@@ -118,8 +118,8 @@ mod tests {
         let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
         let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4 };
         let portions = tuning.portions(Wavefront::Planar, texels);
-        let steps = plan::recording(schedule, texels, portions, None, 2);
-        let mut passes = profile::planned(&steps, texels, tuning, Wavefront::Planar);
+        let steps = schedule.plan(texels, portions, None, 2);
+        let mut passes = planned(&steps, texels, tuning, Wavefront::Planar);
         let mut submission = |more: Option<PassKind>| {
             passes.extend(more.map(|kind| PassRecord { kind, ..passes[0] }));
             let (submitted, ended) = Default::default();

@@ -1,0 +1,80 @@
+//! An instance of our own.
+
+use ash::{ext, vk};
+
+use super::VulkanError;
+use super::requirements::API_VERSION;
+use super::validation::{self, Messenger, ValidationLog};
+
+/// The loader and an instance, with the validation layers if asked for.
+pub(crate) struct Instance {
+    // The entry keeps the loader's library in memory.
+    _entry: ash::Entry,
+    pub(crate) handle: ash::Instance,
+    messenger: Option<Messenger>,
+    /// Whether tools can be shown labels and names.
+    pub(crate) debug_utils: bool,
+}
+
+impl Instance {
+    pub(crate) fn new(validate: bool) -> Result<Self, VulkanError> {
+        Self::open(validate, false)
+    }
+
+    /// With labels and names for tools, where the loader offers them.
+    pub(crate) fn open(validate: bool, labels: bool) -> Result<Self, VulkanError> {
+        // SAFETY: the loader's library is the system's own and is kept loaded by the entry.
+        let entry = unsafe { ash::Entry::load() }
+            .map_err(|error| VulkanError::NoLoader(error.to_string()))?;
+        let application = vk::ApplicationInfo::default()
+            .application_name(c"geosweep")
+            .engine_name(c"geosweep")
+            .api_version(API_VERSION);
+        let mut features =
+            vk::ValidationFeaturesEXT::default().enabled_validation_features(&validation::FEATURES);
+        let layers = [validation::LAYER.as_ptr()];
+        let extensions = [ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()];
+        // SAFETY: no layer's extensions are asked for.
+        let offered = unsafe { entry.enumerate_instance_extension_properties(None) };
+        let debug_utils = labels
+            && offered
+                .unwrap_or_default()
+                .iter()
+                .any(|extension| extension.extension_name_as_c_str() == Ok(ext::debug_utils::NAME));
+        let mut info = vk::InstanceCreateInfo::default().application_info(&application);
+        if validate {
+            info = info
+                .enabled_layer_names(&layers)
+                .enabled_extension_names(&extensions)
+                .push_next(&mut features);
+        } else if debug_utils {
+            info = info.enabled_extension_names(&extensions[..1]);
+        }
+        // SAFETY: all that the structures point to is alive.
+        let handle = match unsafe { entry.create_instance(&info, None) } {
+            Ok(handle) => handle,
+            Err(vk::Result::ERROR_LAYER_NOT_PRESENT) => return Err(VulkanError::NoValidationLayer),
+            Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) => return Err(VulkanError::NoDevice),
+            Err(result) => return Err(VulkanError::Call { call: "vkCreateInstance", result }),
+        };
+        let mut new = Self { _entry: entry, handle, messenger: None, debug_utils };
+        if validate {
+            new.messenger = Some(Messenger::new(&new._entry, &new.handle)?);
+        }
+        Ok(new)
+    }
+
+    pub(crate) fn validation_log(&self) -> Option<&ValidationLog> {
+        self.messenger.as_ref().map(Messenger::log)
+    }
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        if let Some(messenger) = &mut self.messenger {
+            messenger.destroy();
+        }
+        // SAFETY: everything made from the instance is gone.
+        unsafe { self.handle.destroy_instance(None) };
+    }
+}

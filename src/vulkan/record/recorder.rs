@@ -1,0 +1,97 @@
+//! Recording for one surface.
+
+use std::ops::Deref;
+
+use ash::vk;
+use bytemuck::Pod;
+
+use super::commands::{Commands, Groups};
+use crate::constants::WORKGROUP;
+use crate::vulkan::grid_images::GridImages;
+use crate::vulkan::pipelines::Pipeline;
+use crate::vulkan::profile::{PassKind, PassRecord, Scope, Work};
+
+/// Records for one surface.
+#[derive(Clone, Copy)]
+pub(crate) struct Recorder<'a> {
+    pub(crate) commands: Commands<'a>,
+    /// The surface's.
+    pub(crate) grid: &'a GridImages,
+}
+
+impl<'a> Deref for Recorder<'a> {
+    type Target = Commands<'a>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.commands
+    }
+}
+
+impl<'a> Recorder<'a> {
+    /// To be kept while a pass of so many invocations wide and high is recorded, with bytes read and
+    /// written for each of them.
+    pub(crate) fn pass_of_each(
+        &self,
+        kind: PassKind,
+        invocations: [u32; 2],
+        [read, written]: [u64; 2],
+    ) -> Option<Scope<'a>> {
+        let count = invocations.map(u64::from).iter().product::<u64>();
+        let work = Work::of_bytes(count * read, count * written);
+        self.pass_with(PassRecord { work, ..dispatched(kind, invocations) })
+    }
+
+    /// The same, with bytes read and written for each texel of the images, border included.
+    pub(super) fn pass_over_images(
+        &self,
+        kind: PassKind,
+        read: u64,
+        written: u64,
+    ) -> Option<Scope<'a>> {
+        let extent = self.grid.texels.fronts_extent();
+        let texels = u64::from(extent.width) * u64::from(extent.height);
+        let work = Work::of_bytes(texels * read, texels * written);
+        self.pass_with(PassRecord { work, ..PassRecord::new(kind) })
+    }
+
+    /// Binds a pass that writes one of the two images of fronts and reads the other.
+    pub(crate) fn bind_writing<P: Pod>(&self, pipeline: Pipeline<P>, writes: usize) {
+        self.bind(pipeline, &[self.grid.sets[writes]]);
+    }
+
+    /// Runs a pass that writes image 0, or reads it and writes neither, as `writes` says: so many
+    /// invocations wide and high.
+    pub(crate) fn run<P: Pod>(
+        &self,
+        pipeline: Pipeline<P>,
+        writes: usize,
+        constants: &P,
+        invocations: [u32; 2],
+    ) {
+        self.bind_writing(pipeline, writes);
+        self.dispatch(pipeline, constants, Groups::of(invocations));
+    }
+
+    /// Runs a pass that also sees something of the host's.
+    pub(crate) fn host_pass<P: Pod>(
+        &self,
+        pipeline: Pipeline<P>,
+        set: vk::DescriptorSet,
+        constants: &P,
+        invocations: [u32; 2],
+    ) {
+        self.bind(pipeline, &self.with_host(set));
+        self.dispatch(pipeline, constants, Groups::of(invocations));
+    }
+
+    /// The sets of such a pass: that which writes image 1 reads image 0.
+    pub(crate) fn with_host(&self, set: vk::DescriptorSet) -> [vk::DescriptorSet; 2] {
+        [self.grid.sets[1], set]
+    }
+}
+
+/// The record of a dispatch of so many invocations wide and high, in groups along the width.
+pub(crate) fn dispatched(kind: PassKind, [width, height]: [u32; 2]) -> PassRecord {
+    let groups = Some([width.div_ceil(WORKGROUP), height, 1]);
+    PassRecord { groups, ..PassRecord::new(kind) }
+}

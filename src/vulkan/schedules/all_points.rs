@@ -1,0 +1,55 @@
+//! The schedule that updates all points at once, again and again.
+
+use super::order::{Order, Steps};
+use crate::constants::{NOTHING_FOLLOWS, WORKGROUP};
+use crate::vulkan::TexelChart;
+use crate::vulkan::passes::ALL_POINTS;
+use crate::vulkan::plan::{Portions, Reached, Step};
+use crate::vulkan::profile::{PassKind, PassRecord, Presence, StepCounter, Work};
+use crate::vulkan::progress::offset;
+use crate::vulkan::record::Groups;
+use crate::vulkan::shaders::all_points::Push;
+
+pub(super) struct AllPoints;
+
+/// Iterations of two updates of all points in a recording, at most.
+const ITERATIONS: u32 = 32;
+
+/// Triangles of a point, times the points of a texel.
+const TRIANGLES: u64 = 4 * 8;
+
+impl Order for AllPoints {
+    fn passes(&self) -> &'static [usize] {
+        const PASSES: [usize; 1] = [ALL_POINTS.number()];
+        &PASSES
+    }
+
+    fn follows(&self) -> u32 {
+        NOTHING_FOLLOWS
+    }
+
+    fn plan(&self, _: TexelChart, _: Portions, _: Option<Reached>, most: u32) -> Vec<Step> {
+        let iteration = [Step::AllPoints { writes: 1 }, Step::AllPoints { writes: 0 }, Step::Count];
+        (0..most.min(ITERATIONS)).flat_map(|_| iteration.clone()).collect()
+    }
+
+    fn record(&self, recording: &mut Steps, step: &Step) {
+        let &Step::AllPoints { writes } = step else { return };
+        let grid = recording.recorder.grid;
+        let texels = grid.texels.inner().map(|texels| texels as i32);
+        let groups = Groups::From(grid.progress.buffer, offset::GRID_GROUPS);
+        recording.dispatch(ALL_POINTS, writes, &Push { texels }, groups);
+    }
+
+    fn account(&self, counter: &mut StepCounter, _: &Step) -> (PassRecord, Presence) {
+        let [cols, rows] = counter.texels.inner();
+        let all = u64::from(cols) * u64::from(rows);
+        let record = PassRecord {
+            area: Some(counter.everywhere()),
+            groups: Some([cols.div_ceil(WORKGROUP), rows, 1]),
+            work: Work::of_updates(all, 0, counter.curved, Some(TRIANGLES)),
+            ..counter.inside(PassKind::AllPoints)
+        };
+        (record, Presence::Iteration)
+    }
+}

@@ -1,0 +1,386 @@
+//! The schedules: a file each, which says which passes one takes, plans them, starts a map, records the
+//! steps and counts what they have to do. Here is all that asks which schedule it is.
+
+mod all_points;
+mod order;
+mod raster;
+mod tiles;
+
+use ash::vk;
+
+use super::barrier::{CLEAR, COPY, PASS, PASS_AND_HOST, TRANSFER};
+use super::passes::{COUNT, SEED, SETTLE};
+use super::plan::{Portions, Reached, Step};
+use super::profile::{
+    self, Grain, PassKind, PassRecord, Presence, Profile, Scope, StepCounter, Work,
+};
+use super::progress::{self, VISITS, offset};
+use super::record::{Groups, Recorder};
+use super::{Schedule, TexelChart, Tuning};
+use crate::Stop;
+use crate::constants::WORKGROUP;
+use crate::update::Wavefront;
+
+use order::{Order, Steps};
+pub(super) use raster::block_of;
+
+impl Schedule {
+    fn order(self) -> &'static dyn Order {
+        match self {
+            Self::Raster => &raster::Raster,
+            Self::AllPoints => &all_points::AllPoints,
+            Self::Tiles => &tiles::Tiles,
+        }
+    }
+
+    /// The steps of a recording: as many iterations (or rounds of tiles) as are worth submitting
+    /// together, and no more than `most`. Before and after it, all fronts are in image 0.
+    ///
+    /// If the map has just been started, `reached` is the box around its sources. `portions` are
+    /// [`Tuning::portions`].
+    ///
+    /// ```
+    /// use geosweep::surface::Chart;
+    /// use geosweep::vulkan::{Schedule, TexelChart, plan};
+    /// let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
+    /// let source = plan::Reached { rows: 1..2, cols: 1..2 };
+    /// let portions = plan::Portions { lines: 1, iterations: 4, tile: 16 };
+    /// let steps = Schedule::Raster.plan(texels, portions, Some(source), 100);
+    /// // From a corner, the first scan visits about half of the texels.
+    /// assert!(plan::texels_scanned(&steps[..32]) < 32 * 32 * 6 / 10);
+    /// ```
+    pub fn plan(
+        self,
+        texels: TexelChart,
+        portions: Portions,
+        reached: Option<Reached>,
+        most: u32,
+    ) -> Vec<Step> {
+        self.order().plan(texels, portions, reached, most)
+    }
+
+    /// The numbers of its passes in the table.
+    pub(crate) fn passes(self) -> &'static [usize] {
+        self.order().passes()
+    }
+
+    /// See [`Order::follows`].
+    pub(crate) fn follows(self) -> u32 {
+        self.order().follows()
+    }
+
+    /// See [`Order::has_rounds`].
+    pub(crate) fn has_rounds(self) -> bool {
+        self.order().has_rounds()
+    }
+
+    /// See [`Order::gains_by_surroundings`].
+    pub(crate) fn gains_by_surroundings(self) -> bool {
+        self.order().gains_by_surroundings()
+    }
+}
+
+/// The schedule that a step is of; counts are of several.
+fn order_of(step: &Step) -> Option<&'static dyn Order> {
+    match step {
+        Step::Scan(_) => Some(&raster::Raster),
+        Step::AllPoints { .. } => Some(&all_points::AllPoints),
+        Step::Tiles { .. } | Step::Settle { .. } => Some(&tiles::Tiles),
+        Step::Count => None,
+    }
+}
+
+impl Recorder<'_> {
+    /// Before the seeds of a map, or of what is added to one: no iteration is done.
+    pub(crate) fn start(&self, stop: Stop, schedule: Schedule, is_added: bool) {
+        let order = schedule.order();
+        // The progress, of each tile its state, the round it waits for and two lists, and what else the
+        // schedule keeps.
+        let written = offset::VISITS + 4 * self.tile_bytes() + 4 * order.start_words(self);
+        let work = Work::of_bytes(0, written);
+        let _pass = self.pass_with(PassRecord { work, ..PassRecord::new(PassKind::Start) });
+        let texels = self.grid.texels.inner();
+        let grid = [texels[0].div_ceil(WORKGROUP), texels[1]];
+        self.barrier(COPY, CLEAR);
+        self.barrier(PASS, CLEAR);
+        self.write_progress(&progress::start(stop, grid), 0);
+        self.fill(self.grid.tiles.buffer, 0, vk::WHOLE_SIZE);
+        order.start(self, is_added);
+        self.barrier(CLEAR, PASS);
+    }
+
+    /// Dispatches no group of any pass of a map, since drivers may compile a pipeline at its first
+    /// dispatch.
+    pub(crate) fn warm_up_map(&self, schedule: Schedule, wavefront: Wavefront) {
+        let of_schedule = schedule.passes().iter().copied();
+        let passes = of_schedule.chain([SEED.number(), COUNT.number(), SETTLE.number()]);
+        for number in passes {
+            let sets = [self.grid.sets[0]];
+            if let Some((pipeline, layout)) = self.pipelines.numbered(number, wavefront) {
+                self.warm_up(pipeline, layout, &sets);
+            }
+            self.barrier(PASS, PASS);
+        }
+    }
+
+    /// Before more iterations of a map, by a recording as long as the last.
+    pub(crate) fn go_on(&self, schedule: Schedule, steps: &[Step]) {
+        schedule.order().go_on(self, steps);
+    }
+
+    /// Runs the steps of a plan, whose pipelines were made for a wavefront.
+    pub(crate) fn steps(&self, wavefront: Wavefront, steps: &[Step]) {
+        let mut open: Option<Scope> = None;
+        let (texels, tuning) = (self.grid.texels, self.pipelines.tuning);
+        let mut counter = StepCounter::new(texels, tuning, wavefront.has_two_layers());
+        let notes = self.visits_noted(steps);
+        let visits = u64::from(notes.div_ceil(32)) * size_of::<u32>() as u64;
+        self.decided_before(visits);
+        let mut recording = Steps { recorder: self, wavefront, bound: None, notes, scans: 0 };
+        for step in steps {
+            Scope::go_on(&mut open, self.watch(), || account(&mut counter, step));
+            match order_of(step) {
+                Some(order) => order.record(&mut recording, step),
+                None => recording.dispatch(COUNT, 0, &[], Groups::line(1)),
+            }
+            self.barrier(PASS, PASS);
+        }
+        drop(open);
+        self.decided_after(visits);
+    }
+
+    /// After the steps of a plan, and what belongs to them.
+    pub(crate) fn end_portion(&self) {
+        if let Some(profile) = self.profile {
+            profile.end_portion(self.device, self.buffer);
+        }
+    }
+
+    /// As many as there is room for, if a profile wants to know.
+    fn visits_noted(&self, steps: &[Step]) -> u32 {
+        if self.profile.and_then(Profile::decisions).is_none() {
+            return 0;
+        }
+        let scans = steps.iter().filter(|step| matches!(step, Step::Scan(_))).count();
+        (scans as u32).min(VISITS)
+    }
+
+    /// Copies how the iterations have gone so far to where a profile finds it, and forgets so many
+    /// bytes of visits.
+    fn decided_before(&self, visits: u64) {
+        let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
+        let work = Work::of_bytes(profile::BEFORE_BYTES, profile::BEFORE_BYTES + visits);
+        let _pass = self.pass_with(PassRecord { work, ..PassRecord::new(PassKind::Decisions) });
+        let progress = self.grid.progress.buffer;
+        self.barrier(PASS, TRANSFER);
+        self.copy((progress, 0), (buffer, offset), profile::BEFORE_BYTES);
+        if visits > 0 {
+            self.fill(progress, offset::VISITS, visits);
+        }
+        self.barrier(TRANSFER, PASS_AND_HOST);
+    }
+
+    /// Copies what the device has decided by now, with so many bytes of visits.
+    fn decided_after(&self, visits: u64) {
+        let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
+        let bytes = offset::VISITS + visits;
+        let _pass = self.pass_of_copy(PassKind::Decisions, bytes);
+        let to = (buffer, offset + profile::BEFORE_BYTES);
+        self.copy_for_host(self.grid.progress.buffer, 0, to, bytes);
+    }
+}
+
+/// The record of the next step of a recording.
+pub(super) fn account(counter: &mut StepCounter, step: &Step) -> (PassRecord, Presence) {
+    match order_of(step) {
+        Some(order) => order.account(counter, step),
+        None => counter.count(),
+    }
+}
+
+/// How many records the steps make.
+pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
+    // Iterations end with a count, so that no scan follows one of the same direction.
+    let merged = steps.windows(2).filter(|pair| match (grain, &pair[0], &pair[1]) {
+        // What happens in an iteration beyond convergence is only known later, so that a portion
+        // takes room for all of its iterations.
+        (Grain::Iterations | Grain::Portions, Step::Scan(_) | Step::AllPoints { .. }, _) => true,
+        (Grain::Scans, Step::Scan(before), Step::Scan(after)) => before.scan == after.scan,
+        _ => false,
+    });
+    (steps.len() - merged.count()) as u32
+}
+
+/// The passes of a plan, each as if the map had not converged before it, without times. What rounds
+/// of tiles visit is not known from the plan.
+///
+/// ```
+/// use geosweep::Wavefront;
+/// use geosweep::surface::Chart;
+/// use geosweep::vulkan::{Schedule, TexelChart, Tuning, planned};
+/// let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
+/// let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4 };
+/// let portions = tuning.portions(Wavefront::Planar, texels);
+/// let steps = Schedule::Raster.plan(texels, portions, None, 1);
+/// let passes = planned(&steps, texels, tuning, Wavefront::Planar);
+/// // Four scans of eight blocks each, and the count. A texel of four points is read and written,
+/// // and has 64 bytes of edge lengths.
+/// assert_eq!(passes.len(), 4 * 8 + 1);
+/// assert_eq!(passes[0].work.texels, Some(4 * 32));
+/// assert_eq!(passes[0].work.bytes(), Some(4 * 32 * (2 * 16 + 64)));
+/// ```
+pub fn planned(
+    steps: &[Step],
+    texels: TexelChart,
+    tuning: Tuning,
+    wavefront: Wavefront,
+) -> Vec<PassRecord> {
+    let mut counter = StepCounter::new(texels, tuning, wavefront.has_two_layers());
+    steps.iter().map(|step| account(&mut counter, step).0).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::constants::VISIT_WORDS;
+    use crate::surface::Chart;
+    use crate::vulkan::profile::{Decisions, decided};
+
+    const TUNING: Tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4 };
+
+    fn passes(schedule: Schedule, wavefront: Wavefront) -> Vec<(PassRecord, Presence)> {
+        let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();
+        let portions = TUNING.portions(wavefront, texels);
+        let steps = schedule.plan(texels, portions, None, 2);
+        let mut counter = StepCounter::new(texels, TUNING, wavefront.is_curved());
+        steps.iter().map(|step| account(&mut counter, step)).collect()
+    }
+
+    #[test]
+    fn passes_beyond_convergence_skip_what_they_were_recorded_for() {
+        let visits = [u32::MAX; VISIT_WORDS as usize];
+        let before = Decisions { before: 7, after: 8, ..Decisions::default() };
+        let decisions = Decisions { is_done: true, visits: &visits, ..before };
+        for schedule in [Schedule::Raster, Schedule::AllPoints] {
+            for (record, presence) in passes(schedule, Wavefront::Planar) {
+                let after = decided(record, presence, Some(decisions));
+                assert_eq!(after.iteration, record.iteration.map(|iteration| 7 + iteration));
+                if presence == Presence::Count {
+                    // Seven numbers are looked at and five written, two more at the end; or one is.
+                    let found = after.work.bytes_read.zip(after.work.bytes_written);
+                    let last = record.iteration == Some(0);
+                    assert_eq!(found, Some(if last { (4 * 7, 4 * (5 + 2)) } else { (4, 0) }));
+                    assert!(!after.is_idle());
+                } else if record.iteration == Some(0) {
+                    assert_eq!((after.work, after.is_idle()), (record.work, false));
+                } else {
+                    assert_eq!((after.work.texels, after.is_idle()), (Some(0), true));
+                    assert_eq!(after.work.bytes(), Some(0));
+                    let all = record.work.texels.zip(record.work.skipped).map(|(a, b)| a + b);
+                    assert_eq!(after.work.skipped, all);
+                }
+                let unknown = decided(record, presence, None);
+                assert_eq!(unknown.work, Work::default());
+                assert_eq!(unknown.groups.is_some(), presence == Presence::Count);
+            }
+        }
+    }
+
+    /// Ten rows of texels and seventeen columns in blocks of four; the device has visited the last two
+    /// rows in both scans, and in the scan left the last column.
+    #[test]
+    fn blocks_that_were_not_due_are_skipped() {
+        let mut visits = [0; VISIT_WORDS as usize];
+        // Three blocks down, three up, five right and five left.
+        for number in [2, 3, 11] {
+            visits[0] |= 1 << number;
+        }
+        let decisions = Decisions { after: 2, visits: &visits, ..Decisions::default() };
+        for wavefront in Wavefront::ALL {
+            let (mut visited, mut skipped) = ([0; 4], [0; 4]);
+            for (number, (record, presence)) in
+                passes(Schedule::Raster, wavefront).into_iter().enumerate().take(16)
+            {
+                let found = decided(record, presence, Some(decisions));
+                assert_eq!(found.is_idle(), ![2, 3, 11].contains(&number), "{number}");
+                let PassKind::Scan(scan) = found.kind else { panic!("{found:?}") };
+                visited[scan as usize] += found.work.texels.unwrap();
+                skipped[scan as usize] += found.work.skipped.unwrap();
+                let each = if wavefront.is_curved() { 144 } else { 96 };
+                assert_eq!(found.work.bytes(), found.work.texels.map(|texels| texels * each));
+                assert_eq!(found.work.triangles, found.work.texels.map(|texels| texels * 8));
+            }
+            assert_eq!(visited, [2 * 17, 2 * 17, 0, 10]);
+            assert_eq!(skipped, visited.map(|texels| 10 * 17 - texels));
+            let merged = passes(Schedule::Raster, wavefront).into_iter().take(16);
+            let (record, presence) = merged
+                .reduce(|(mut record, mut presence), (next, following)| {
+                    record.absorb(&next);
+                    presence.absorb(following);
+                    (record, presence)
+                })
+                .unwrap();
+            let found = decided(record, presence, Some(decisions));
+            assert_eq!(found.work.texels, Some(4 * 17 + 10));
+            assert_eq!(found.work.skipped, Some(4 * 10 * 17 - (4 * 17 + 10)));
+            assert_eq!((found.groups, found.dispatches), (Some([3, 1, 1]), 16));
+        }
+    }
+
+    #[test]
+    fn records_of_scans_hold_all_their_blocks() {
+        let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();
+        let portions = TUNING.portions(Wavefront::Planar, texels);
+        let steps = |schedule: Schedule| schedule.plan(texels, portions, None, 2);
+        // Ten rows of texels and seventeen columns in blocks of four.
+        let raster = steps(Schedule::Raster);
+        assert_eq!(records(&raster, Grain::Blocks), 2 * (2 * 3 + 2 * 5 + 1));
+        assert_eq!(records(&raster, Grain::Scans), 2 * (4 + 1));
+        for schedule in [Schedule::AllPoints, Schedule::Tiles] {
+            let steps = steps(schedule);
+            assert_eq!(records(&steps, Grain::Scans), records(&steps, Grain::Blocks));
+        }
+        let of_iterations = |schedule| records(&steps(schedule), Grain::Iterations);
+        assert_eq!(Schedule::ALL.map(of_iterations), [2, 2, 2 + 1], "two rounds and their end");
+    }
+
+    #[test]
+    fn tiles_are_as_many_as_the_device_has_listed() {
+        let rounds = [2, 0];
+        let decisions = Decisions {
+            before: 3,
+            after: 4,
+            is_done: true,
+            rounds: &rounds,
+            settled: 37,
+            visits: &[],
+        };
+        let found: Vec<_> = passes(Schedule::Tiles, Wavefront::Curved)
+            .into_iter()
+            .map(|(record, presence)| decided(record, presence, Some(decisions)))
+            .collect();
+        // Two rounds of 2 x 3 tiles of 8 x 8 texels, then what settles them.
+        assert_eq!(found.len(), 3);
+        let bytes = Some(2 * 64 * (2 * 16 + 16 + 64 + 2 * 16));
+        assert_eq!((found[0].work.texels, found[0].work.skipped), (Some(2 * 64), Some(4 * 64)));
+        assert_eq!((found[0].work.bytes(), found[0].work.triangles), (bytes, None));
+        assert_eq!((found[0].groups, found[0].iteration), (Some([2, 1, 1]), Some(3)));
+        assert!(found[1].is_idle() && found[1].iteration == Some(4));
+        assert_eq!((found[2].kind, found[2].groups), (PassKind::Settle, Some([6, 1, 1])));
+        // A state of each tile, and eight numbers of each texel that is brought back, both ways.
+        assert_eq!(found[2].work.bytes(), Some(2 * (6 * 4 + 37 * 2 * 16)));
+    }
+
+    #[test]
+    fn no_more_is_recorded_than_asked_for() {
+        let texels = TexelChart::new(Chart { rows: 500, cols: 600 }).unwrap();
+        let portions = TUNING.portions(Wavefront::Curved, texels);
+        let count = |schedule: Schedule, wanted: fn(&Step) -> bool| {
+            let steps = schedule.plan(texels, portions, None, 3);
+            steps.iter().filter(|step| wanted(step)).count()
+        };
+        assert_eq!(count(Schedule::Raster, |step| *step == Step::Count), 3);
+        assert_eq!(count(Schedule::AllPoints, |step| *step == Step::Count), 3);
+        assert_eq!(count(Schedule::Tiles, |step| matches!(step, Step::Tiles { .. })), 3);
+    }
+}

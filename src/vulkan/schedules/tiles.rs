@@ -1,0 +1,111 @@
+//! The schedule of tiles: rounds of scans inside those beside which something has changed.
+
+use super::order::{Order, Steps};
+use crate::constants::{ROUNDS, TILES_FOLLOW};
+use crate::vulkan::TexelChart;
+use crate::vulkan::barrier::{CLEAR, COPY, PASS, TRANSFER};
+use crate::vulkan::passes::{SETTLE, TILES};
+use crate::vulkan::plan::{Portions, Reached, Step};
+use crate::vulkan::profile::{PassKind, PassRecord, Presence, Profile, StepCounter, Work};
+use crate::vulkan::progress::{self, offset};
+use crate::vulkan::record::{Groups, Recorder};
+use crate::vulkan::shaders::{settle, tiles};
+
+pub(super) struct Tiles;
+
+impl Order for Tiles {
+    fn passes(&self) -> &'static [usize] {
+        const PASSES: [usize; 1] = [TILES.number()];
+        &PASSES
+    }
+
+    fn follows(&self) -> u32 {
+        TILES_FOLLOW
+    }
+
+    fn has_rounds(&self) -> bool {
+        true
+    }
+
+    fn plan(
+        &self,
+        texels: TexelChart,
+        portions: Portions,
+        _: Option<Reached>,
+        most: u32,
+    ) -> Vec<Step> {
+        let across: u32 = texels.tiles(portions.tile).iter().sum();
+        let rounds = across.clamp(8, ROUNDS).next_multiple_of(2).min(most);
+        let all = (0..rounds).map(|round| Step::Tiles { round });
+        all.chain([Step::Settle { rounds }]).collect()
+    }
+
+    /// The list that the last rounds have left is the first.
+    fn go_on(&self, recorder: &Recorder, steps: &[Step]) {
+        let is_round = |step: &&Step| matches!(step, Step::Tiles { .. });
+        let rounds = steps.iter().filter(is_round).count() as u32;
+        if rounds == 0 {
+            return;
+        }
+        let later = offset::VISITS - offset::round(1);
+        let (list, tiles) = (size_of::<u32>() as u64, recorder.tile_bytes());
+        let work = Work::of_bytes(list, list + later + tiles);
+        let record = PassRecord { work, ..PassRecord::new(PassKind::Resume) };
+        let _pass = recorder.pass_with(record);
+        let progress = recorder.grid.progress.buffer;
+        recorder.barrier(PASS, TRANSFER);
+        let (from, to) = (offset::round(rounds), offset::round(0));
+        recorder.copy((progress, from), (progress, to), list);
+        recorder.barrier(COPY, CLEAR);
+        recorder.write_progress(&progress::before_rounds(), offset::round(1));
+        // Where tiles wait; their states are zero after they have settled, and the lists stay.
+        recorder.fill(recorder.grid.tiles.buffer, tiles, tiles);
+        recorder.barrier(CLEAR, PASS);
+    }
+
+    fn record(&self, recording: &mut Steps, step: &Step) {
+        let recorder = recording.recorder;
+        let grid = recorder.grid;
+        let texels = grid.texels.inner().map(|texels| texels as i32);
+        match *step {
+            Step::Tiles { round } => {
+                let groups = Groups::From(grid.progress.buffer, offset::round(round));
+                recording.dispatch(TILES, 0, &tiles::Push { texels, round }, groups);
+                tile_list(recorder, round);
+            }
+            Step::Settle { rounds: count } => {
+                let [cols, rows] = grid.texels.tiles(recorder.pipelines.tuning.tile);
+                let groups = Groups::line(cols * rows);
+                recording.dispatch(SETTLE, 0, &settle::Push { texels, count }, groups);
+            }
+            _ => {}
+        }
+    }
+
+    fn account(&self, counter: &mut StepCounter, step: &Step) -> (PassRecord, Presence) {
+        let [cols, rows] = counter.texels.tiles(counter.tuning.tile);
+        let tiles = u64::from(cols) * u64::from(rows);
+        if let &Step::Tiles { round } = step {
+            counter.iteration += 1;
+            let record = PassRecord {
+                iteration: Some(round),
+                area: Some(counter.everywhere()),
+                ..counter.inside(PassKind::Tiles)
+            };
+            let texels = u64::from(counter.tuning.tile / 2).pow(2);
+            return (record, Presence::Round { round, texels, tiles, curved: counter.curved });
+        }
+        let groups = Some([tiles as u32, 1, 1]);
+        let record = PassRecord { groups, ..PassRecord::new(PassKind::Settle) };
+        (record, Presence::Settle { tiles })
+    }
+}
+
+/// Copies the list of tiles of a round to where a profile finds it.
+fn tile_list(recorder: &Recorder, round: u32) {
+    let Some((buffer, offset)) = recorder.profile.and_then(Profile::tile_lists) else { return };
+    let bytes = recorder.tile_bytes();
+    let from = (2 + u64::from(round % 2)) * bytes;
+    let to = (buffer, offset + u64::from(round) * bytes);
+    recorder.copy_for_host(recorder.grid.tiles.buffer, from, to, bytes);
+}

@@ -1,0 +1,47 @@
+//! The shaders, as the build has found them in their SPIR-V: for each its module with what it sees,
+//! by what it is specialized, and its blocks as structures. A Rust side that does not match a
+//! shader does not compile.
+
+#![allow(dead_code, reason = "the build writes all that shaders have, and not all is for Rust")]
+
+use ash::vk;
+
+/// A compiled shader and its interface.
+#[derive(Debug)]
+pub(crate) struct Shader {
+    /// Of its file in glsl/.
+    pub(crate) name: &'static str,
+    pub(crate) spirv: &'static [u8],
+    /// Set and number of each descriptor that it uses.
+    pub(crate) bindings: &'static [(u32, u32)],
+    /// Whether the set of the host's own images and buffers is among them.
+    pub(crate) sees_host: bool,
+    /// Its specialization constants, by their numbers.
+    pub(crate) constants: &'static [(u32, Constant)],
+    pub(crate) push_constant_bytes: u32,
+}
+
+impl Shader {
+    /// Whether a constant specializes it.
+    pub(crate) const fn depends_on(&self, wanted: Constant) -> bool {
+        let mut place = 0;
+        while place < self.constants.len() {
+            if self.constants[place].1 as u32 == wanted as u32 {
+                return true;
+            }
+            place += 1;
+        }
+        false
+    }
+}
+
+/// How many of these descriptors are of a kind.
+pub(crate) fn count_of(kind: vk::DescriptorType, kinds: &[vk::DescriptorType]) -> u32 {
+    kinds.iter().filter(|&&other| other == kind).count() as u32
+}
+
+const STORAGE_BUFFER: vk::DescriptorType = vk::DescriptorType::STORAGE_BUFFER;
+const STORAGE_IMAGE: vk::DescriptorType = vk::DescriptorType::STORAGE_IMAGE;
+const SAMPLED_IMAGE: vk::DescriptorType = vk::DescriptorType::SAMPLED_IMAGE;
+
+include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
