@@ -119,14 +119,15 @@ mod tests {
         kind: &K,
         instructions: Instructions,
         times: impl Fn(usize, usize) -> f32,
-        carried: K::Carried,
+        carried: Option<K::Carried>,
     ) -> Vec<Scan> {
         let chart = edges.chart();
         let mut array = vec![f32::FAR; chart.bordered_points()];
         for (row, col) in (0..chart.points()).map(|index| chart.position(index)) {
             array[chart.bordered(row, col)] = times(row, col);
         }
-        let (carried, ground) = (vec![carried; array.len()], kind.ground(chart));
+        let carried = vec![carried.unwrap_or_default(); array.len()];
+        let ground = kind.ground(chart);
         let before = Before { edges, times: &array, carried: &carried, ground: &ground };
         let mut tiles = Tiles::new(chart);
         tiles.touch(MIDDLE[0], MIDDLE[1]);
@@ -180,7 +181,7 @@ mod tests {
                         along(scan, row, col) + if [row, col] == MIDDLE { late } else { 0.0 }
                     };
                     for_triangle_kind!(&edges, wavefront, kind => {
-                        due(&edges, &kind, instructions, times, Default::default())
+                        due(&edges, &kind, instructions, times, None)
                     })
                 };
                 let [vertical, horizontal] = [DOWN_UP, RIGHT_LEFT];
@@ -208,7 +209,7 @@ mod tests {
             for whole in [false, true] {
                 let flat = Front { time: 0.0, curvature: 0.0, whole };
                 let brought = Curvature::of(flat, scan.0);
-                let found = due(&edges, &kind, Instructions::best(), down, brought);
+                let found = due(&edges, &kind, Instructions::best(), down, Some(brought));
                 let expected = 1 + usize::from(scan != Scan::DOWN);
                 assert!(found.contains(&scan) && found.len() == expected, "{scan:?} {whole}");
             }

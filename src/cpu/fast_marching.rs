@@ -88,11 +88,7 @@ fn by_triangles<'a, R: Real, K: TriangleKind<'a, R>>(
 
 /// Over a floor plan this is exact: what is fixed has been reached on its shortest way, and has told its
 /// neighbours of its anchor. See `update/anchored.rs`.
-fn by_anchors<'a, R: Real>(
-    edges: &'a EdgeLengths<R>,
-    seeds: &[Seed],
-    kind: Anchored<R>,
-) -> Solution<R> {
+fn by_anchors<R: Real>(edges: &EdgeLengths<R>, seeds: &[Seed], kind: Anchored<R>) -> Solution<R> {
     let spokes = spokes(edges.chart());
     let mut march = March::start(PointFronts::start(edges, kind, seeds), seeds);
     while let Some(point) = march.next() {

@@ -22,7 +22,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
         let (times, carried) = (vec![R::FAR; points], vec![K::Carried::default(); points]);
         let mut fronts = Self { edges, kind, times, carried };
         for seed in seeds {
-            let arrival = fronts.kind.from_seed(seed);
+            let arrival = fronts.kind.arrival_of_seed(seed);
             fronts.lower(edges.chart().bordered(seed.row, seed.col), arrival);
         }
         fronts

@@ -152,7 +152,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         let chart = self.edges.chart();
         for seed in seeds {
             let point = chart.bordered(seed.row, seed.col);
-            let arrival = self.kind.from_seed(seed);
+            let arrival = self.kind.arrival_of_seed(seed);
             let mut changed = false;
             for ScanCopy { times, carried, .. } in &mut self.copies {
                 let kept = Kept { time: times[point], carried: carried[point] };

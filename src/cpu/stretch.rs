@@ -60,7 +60,7 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
 
     /// The same, x1 being the point behind beside point i.
     #[inline(always)]
-    pub(super) fn from_beside<const LEFT: bool>(&self, i: usize) -> Triangle<R> {
+    pub(super) fn seen_from_beside<const LEFT: bool>(&self, i: usize) -> Triangle<R> {
         let triangle = self.triangle::<LEFT>(i);
         if LEFT { triangle.mirrored() } else { triangle }
     }

@@ -48,8 +48,10 @@ impl<T> Pool<T> {
 pub struct Lent<T: 'static> {
     item: Option<T>,
     /// Where it goes when the test has done with it, and what is to hold of it then.
-    back: Option<(&'static Pool<T>, fn(&T))>,
+    back: Option<Return<T>>,
 }
+
+type Return<T> = (&'static Pool<T>, fn(&T));
 
 impl<T> From<T> for Lent<T> {
     fn from(own: T) -> Self {

@@ -65,7 +65,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
 
     const NEEDS_EDGES: bool = false;
 
-    fn from_seed(&mut self, seed: &Seed) -> KeptAnchored<R> {
+    fn arrival_of_seed(&mut self, seed: &Seed) -> KeptAnchored<R> {
         Kept { time: R::of(seed.time), carried: self.floor.anchor_of(seed) }
     }
 

@@ -35,7 +35,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
     type Arrival = Front<R>;
     type Ground = R;
 
-    fn from_seed(&mut self, seed: &Seed) -> Front<R> {
+    fn arrival_of_seed(&mut self, seed: &Seed) -> Front<R> {
         Front { time: R::of(seed.time), curvature: R::of(seed.curvature), whole: true }
     }
 
@@ -304,7 +304,7 @@ fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
         // A front that is renewed may come later than it did.
         let renewed = how.renews & stretch.carried[i].is_from(how.scan.0);
         let now = if renewed { first.times[i] } else { min(stretch.times[i], first.times[i]) };
-        let other = stretch.from_beside::<SECOND_LEFT>(i);
+        let other = stretch.seen_from_beside::<SECOND_LEFT>(i);
         settled &= from_curved(other, bent.fronts::<SECOND_LEFT>(i), now);
     }
     if !settled {

@@ -37,7 +37,7 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
     type Arrival: Copy;
 
     /// What comes from a seed.
-    fn from_seed(&mut self, seed: &Seed) -> Self::Arrival;
+    fn arrival_of_seed(&mut self, seed: &Seed) -> Self::Arrival;
 
     /// Forgets the seeds of the last map.
     fn forget(&mut self) {}

@@ -20,6 +20,7 @@ use crate::surface::{EdgeLengths, Real};
 use crate::update::{Setting, Wavefront};
 
 /// A kind of front over a surface.
+#[expect(clippy::large_enum_variant, reason = "it is taken apart at once")]
 pub(super) enum FrontOver<'a, R> {
     Planar(Planar),
     Circular(Circular),

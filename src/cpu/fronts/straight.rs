@@ -37,7 +37,7 @@ impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
     type Arrival = R;
     type Ground = ();
 
-    fn from_seed(&mut self, seed: &Seed) -> R {
+    fn arrival_of_seed(&mut self, seed: &Seed) -> R {
         R::of(seed.time)
     }
 
@@ -220,7 +220,7 @@ fn updated<R: Real, S: Straight, const FIRST_LEFT: bool, const SECOND_LEFT: bool
     let first = earlier::<R, S, FIRST_LEFT>(stretch, now, points);
     let mut settled = true;
     for (i, &time) in first[..points].iter().enumerate() {
-        settled &= S::is_settled(stretch.from_beside::<SECOND_LEFT>(i), time);
+        settled &= S::is_settled(stretch.seen_from_beside::<SECOND_LEFT>(i), time);
     }
     if settled { first } else { earlier::<R, S, SECOND_LEFT>(stretch, &first, points) }
 }

@@ -20,17 +20,17 @@ pub fn surroundings<R: Real>(
     sources: &[DVec2],
     wavefront: Wavefront,
 ) -> Solution<R> {
-    for_kind!(edges, wavefront, kind => {
-        let unreached = PointFronts::start(edges, kind.clone(), &[]);
-        solve(unreached, PointFronts::start(edges, kind, seeds), sources)
-    })
+    for_kind!(edges, wavefront, kind => solve(edges, kind, seeds, sources))
 }
 
 fn solve<'a, R: Real, K: FrontKind<'a, R>>(
-    unreached: PointFronts<'a, R, K>,
-    start: PointFronts<'a, R, K>,
+    edges: &'a EdgeLengths<R>,
+    kind: K,
+    seeds: &[Seed],
     sources: &[DVec2],
 ) -> Solution<R> {
+    let unreached = PointFronts::start(edges, kind.clone(), &[]);
+    let start = PointFronts::start(edges, kind, seeds);
     let chart = start.edges.chart();
     let scans = behind(chart);
     let mut fronts = start.clone();

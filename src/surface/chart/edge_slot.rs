@@ -15,7 +15,7 @@ pub(crate) struct EdgeSlot {
 
 impl EdgeSlot {
     /// Its length at as many points in a row of bordered arrays, one for each of [`STORED`].
-    pub(crate) fn row<'a, R>(self, planes: [&'a [R]; 4], first: usize, points: usize) -> &'a [R] {
+    pub(crate) fn row<R>(self, planes: [&[R]; 4], first: usize, points: usize) -> &[R] {
         &planes[self.stored][first.wrapping_add_signed(self.offset)..][..points]
     }
 
