@@ -204,6 +204,7 @@ fn a_map_in_parts_is_the_map_of_one_frame() {
         ok(unsafe { geosweep_plan_wavefront(plan, &mut wavefront) });
         assert_eq!(wavefront, GeosweepWavefront::Curved as i32);
     }
+    ok(unsafe { geosweep_plan_destroy(anchored) });
     let none: GeosweepAccess = zero();
     let after =
         GeosweepAccess { stages: vk::PipelineStageFlags::HOST, access: vk::AccessFlags::HOST_READ };

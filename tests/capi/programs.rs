@@ -27,7 +27,8 @@ fn the_header_compiles_in_c_and_cpp() {
     let twice = "#include \"geosweep.h\"\n#include \"geosweep.h\"\n";
     let guide = read("docs/embedding.md");
     let [deleters] = blocks(&guide, "cpp")[..] else { panic!("one block of C++ is in the guide") };
-    let [curves] = blocks(&guide, "c")[..] else { panic!("one block of C is in the guide") };
+    let in_c = blocks(&guide, "c");
+    let [_, curves] = in_c[..] else { panic!("a frame and its curves are in the guide, in C") };
     let with_deleters = format!("#include <memory>\n{twice}{deleters}");
     let with_curves = format!(
         "{twice}void record(GeosweepSurface *surface, VkCommandBuffer commands, \

@@ -224,8 +224,10 @@ impl<R: Real> Stretches for AnchoredLine<'_, '_, R> {
 
     #[inline(always)]
     fn prefetch_next(&self, start: usize) {
-        let next = if self.scan.is_forward() { self.line + 1 } else { self.line - 1 };
-        let place = (next * self.lines.stride + self.points.start + start + 1) as isize;
+        // Before the first line and after the last there is none; nothing is read there.
+        let next = self.line as isize + if self.scan.is_forward() { 1 } else { -1 };
+        let in_line = (self.points.start + start + 1) as isize;
+        let place = next * self.lines.stride as isize + in_line;
         prefetch(self.lines.times, place);
         prefetch(self.lines.carried, place);
         prefetch(self.lines.ground, place);

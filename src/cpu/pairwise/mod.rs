@@ -26,7 +26,7 @@ use scans::{BatchSolver, Scans};
 ///
 /// The maps of a batch lie side by side in memory, point by point, and are updated together with
 /// coefficients that all share, computed once for a surface. The scans are those of
-/// [`super::scan_outward`], in the same order. A scan visits only points beside which a map of the
+/// the shaders' twin `scan_outward`, in the same order. A scan visits only points beside which a map of the
 /// batch has changed since it passed, so sources in a batch should be neighbours.
 pub struct PairwiseScan {
     chart: Chart,

@@ -107,7 +107,7 @@ impl Tracer<'_> {
         };
         let in_sight = source.map(line).filter(|line| match best {
             Some(best) => line.time + (1.0 - FITS) * line.length <= best.arrival(),
-            None => line.time <= below,
+            None => line.time <= below + ROUNDING * below.abs(),
         });
         in_sight.or(best)
     }

@@ -197,7 +197,8 @@ impl Tracer<'_> {
         let time = |walk: &Walk| walk.time;
         while let Some(latest) = walks.iter().flatten().map(time).max_by(f64::total_cmp) {
             let until = if latest < f64::INFINITY {
-                latest - *band.get_or_insert((latest - self.start) / BANDS)
+                // At its source a map can be earlier than the initial value, by rounding.
+                latest - *band.get_or_insert(((latest - self.start) / BANDS).max(0.0))
             } else {
                 latest
             };
