@@ -6,7 +6,7 @@ vec4 bilinear(vec2 uv) {
 
 // Weights of a cell's corners, north-west, north-east, south-west and south-east, some of which
 // may be missing, at a place so many columns and rows from the first; false in a hole.
-// Twin: corner_weights() in src/surface/sources, where they are explained.
+// Twin: corner_weights() in src/surface/chart, where they are explained.
 bool corner_weights(bvec4 there, vec2 uv, out vec4 weights) {
     vec2 not_uv = 1.0 - uv;
     weights = bilinear(uv);

@@ -12,7 +12,7 @@
 //     place   somewhere on the grid, between its points
 //
 // The image of edge lengths has one texel a point: its edges to the east, north, north-east and north-west.
-// Twins: src/surface/chart.rs and src/vulkan/texel_chart.rs.
+// Twins: src/surface/chart and src/vulkan/texel_chart.rs.
 
 // The grid, by its size in columns and rows.
 

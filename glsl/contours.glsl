@@ -4,7 +4,7 @@
 //
 // One workgroup is a row of cells in contour_counts.comp and contour_segments.comp, one
 // invocation a strip of cells in it.
-// Twin: src/geometry/contours.rs, and src/geometry/triangles.rs for which triangles there are.
+// Twin: src/geometry/contours.rs, and src/surface/chart for which triangles there are.
 
 layout(set = 1, binding = 0) restrict buffer Counts {
     // The levels as floats, ascending; how many segments lie in the rows of cells before each, or
