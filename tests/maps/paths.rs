@@ -546,7 +546,8 @@ proptest! {
 /// Single precision rounds 0.7 down, so that the map is earlier there than its source starts.
 #[test]
 fn paths_end_at_sources_whose_start_is_rounded() {
-    for builtin in [Builtin::Plane, Builtin::Sphere] {
+    // So few points leave the map of the sphere an error of 3e-5.
+    for (builtin, tolerance) in [(Builtin::Plane, ROUNDING), (Builtin::Sphere, 1e-4)] {
         let surface = builtin.surface(9, 9).unwrap();
         let sources = Sources::default().and_point(0.0, 0.0, 0.7);
         for starts in [&[[0.0, 0.0]][..], &[[0.0, 0.0], [4.0, 4.0]]] {
@@ -554,7 +555,7 @@ fn paths_end_at_sources_whose_start_is_rounded() {
                 assert_eq!(path.curve.vertices.first(), Some(start), "{builtin}");
                 assert_eq!(path.curve.vertices.last(), Some(&[0.0; 2]), "{builtin}");
                 let error = path.length + 0.7 - path.distance;
-                assert!(error.abs() < ROUNDING, "{builtin} {start:?}: {error}");
+                assert!(error.abs() < tolerance, "{builtin} {start:?}: {error}");
             }
         }
     }
