@@ -4,7 +4,9 @@ use super::behind::Behind;
 use super::fronts::{FrontKind, KeptBy};
 use super::solution::Solution;
 use crate::surface::{EdgeLengths, Real, Seed};
-use crate::update::{Carried, Kept, SEED};
+#[cfg(feature = "twins")]
+use crate::update::Carried;
+use crate::update::{Kept, SEED};
 
 /// The fronts at all points while a solver works on them.
 #[derive(Clone)]

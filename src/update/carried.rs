@@ -6,6 +6,7 @@ use bytemuck::Pod;
 /// tag bits; the default is carried where no front has arrived.
 pub(crate) trait Carried: Pod + Default + PartialEq + Send + Sync + std::fmt::Debug {
     /// Whether fronts tell which scan has brought them, and are renewed by it.
+    #[cfg_attr(not(feature = "twins"), expect(dead_code, reason = "twins alone ask"))]
     const TELLS_SCANS: bool;
 
     /// Whether this scan has brought the front, if fronts tell.

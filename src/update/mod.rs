@@ -8,6 +8,7 @@
 mod anchor;
 mod anchored;
 mod carried;
+#[cfg(feature = "twins")]
 mod crossing;
 mod curvature;
 mod curved;
@@ -19,6 +20,7 @@ mod wavefront;
 pub(crate) use anchor::Anchor;
 pub(crate) use anchored::{Floor, is_shorter};
 pub(crate) use carried::{Carried, Kept, SEED};
+#[cfg(feature = "twins")]
 pub(crate) use crossing::base_crossing;
 pub(crate) use curvature::Curvature;
 pub use curved::{Bends, Front, curved};
