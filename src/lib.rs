@@ -24,6 +24,7 @@
 //! [`estimate_error`], [`accuracy`] and [`geometry`], file formats and the tool.
 
 pub mod accuracy;
+mod auto;
 #[cfg(feature = "capi")]
 pub mod capi;
 mod constants;

@@ -25,7 +25,9 @@ pub struct Report {
     pub engine: &'static str,
     /// Name of the Vulkan device.
     pub device: Option<String>,
-    /// Why the choice was left to the crate and no Vulkan device was used.
+    /// Why this engine, where the choice was left to the crate.
+    pub reason: Option<String>,
+    /// What kept the GPU that was chosen from computing the map, so that the CPU did.
     pub fallback: Option<String>,
     /// The order of updates.
     pub schedule: &'static str,

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use crate::Stop;
+use crate::auto::Choice;
 use crate::cpu::{self, Connections};
 use crate::name::{UnknownName, by_name};
 use crate::surface::{EdgeLengths, Real, Seed, Sources, Surface};
@@ -15,8 +16,10 @@ use crate::{DistanceMap, Error, Report};
 /// Which engine computes a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Engine {
-    /// The first usable Vulkan device, else the CPU; the report says which, and why. With a
-    /// [`Options::schedule`] only Vulkan will do.
+    /// The CPU, but a GPU for large grids, where there is one and its set-up pays; the report says which,
+    /// and why. A Vulkan device that is a CPU is used only where it is asked for. With a
+    /// [`Options::schedule`] only Vulkan will do. A program that keeps a [`vulkan::Solver`] sets up once,
+    /// and may gain on smaller grids.
     #[default]
     Auto,
     /// A Vulkan device, or an error.
@@ -30,6 +33,15 @@ pub enum Engine {
 }
 
 impl Engine {
+    /// What is left to be chosen, as it was for the map of this report.
+    pub(crate) fn as_for(&self, report: &Report) -> Self {
+        match (self, report.engine) {
+            (Self::Auto, "cpu") => Self::Cpu,
+            (Self::Auto, _) => Self::Vulkan(DeviceChoice::Any),
+            _ => self.clone(),
+        }
+    }
+
     /// The name used by the tool, whichever device.
     pub fn name(&self) -> &'static str {
         match self {
@@ -143,7 +155,7 @@ impl Options {
 /// # Errors
 /// If a source lies off the surface, an option is out of range, an edge of the surface is too
 /// long or too short for single precision, or the engine asked for cannot run.
-/// [`Engine::Auto`] falls back to the CPU where Vulkan cannot run, and says why in the report.
+/// [`Engine::Auto`] falls back to the CPU where the GPU that it chose fails, and says why in the report.
 pub fn distance_map(
     surface: &Surface,
     sources: &Sources,
@@ -206,14 +218,10 @@ impl Precision for f32 {
             Engine::Auto if problem.schedule.is_some() => {
                 Ok(problem.solve_on_vulkan(&DeviceChoice::Any)?)
             }
-            Engine::Cpu => problem.solve_on_cpu(None),
+            Engine::Cpu => problem.solve_on_cpu(),
             Engine::FastMarching => problem.solve_by_fast_marching(),
             Engine::Vulkan(choice) => Ok(problem.solve_on_vulkan(choice)?),
-            Engine::Auto => match problem.solve_on_vulkan(&DeviceChoice::Any) {
-                Ok(map) => Ok(map),
-                Err(VulkanError::Surface(error)) => Err(error.into()),
-                Err(reason) => problem.solve_on_cpu(Some(reason.to_string())),
-            },
+            Engine::Auto => problem.solve_on_the_best(),
         }
     }
 }
@@ -225,7 +233,11 @@ impl Precision for f64 {
         match engine {
             _ if problem.schedule.is_some() => Err(only_single("a schedule")),
             Engine::Vulkan(_) => Err(only_single("a Vulkan device")),
-            Engine::Auto | Engine::Cpu => problem.solve_on_cpu(None),
+            Engine::Auto => {
+                let reason = "only the CPU computes in double precision".into();
+                Ok(problem.solve_on_cpu()?.because(reason))
+            }
+            Engine::Cpu => problem.solve_on_cpu(),
             Engine::FastMarching => problem.solve_by_fast_marching(),
         }
     }
@@ -274,14 +286,33 @@ impl<'a> Problem<'a> {
         Ok(Self { surface, seeds, start, wavefront, schedule: options.schedule, stop })
     }
 
-    fn solve_on_cpu<R: Real>(&self, fallback: Option<String>) -> Result<DistanceMap<R>, Error> {
+    fn solve_on_the_best(&self) -> Result<DistanceMap, Error> {
+        let reason = match Choice::of(self.surface.chart()) {
+            Choice::Cpu(reason) => return Ok(self.solve_on_cpu()?.because(reason)),
+            Choice::Gpu(reason) => reason,
+        };
+        use VulkanError::{NoDevice, NoLoader, NoUsableDevice, Surface};
+        match self.solve_on_vulkan(&DeviceChoice::Gpu) {
+            Ok(map) => Ok(map.because(reason)),
+            Err(Surface(error)) => Err(error.into()),
+            Err(error @ (NoLoader(_) | NoDevice | NoUsableDevice(_))) => {
+                Ok(self.solve_on_cpu()?.because(format!("there is no GPU: {error}")))
+            }
+            Err(error) => {
+                let mut map = self.solve_on_cpu()?.because(reason);
+                map.report.fallback = Some(error.to_string());
+                Ok(map)
+            }
+        }
+    }
+
+    fn solve_on_cpu<R: Real>(&self) -> Result<DistanceMap<R>, Error> {
         let edges = EdgeLengths::<R>::new(self.surface)?;
         let start = Instant::now();
         let solution = cpu::rotated_scan(&edges, &self.seeds, self.wavefront, self.stop);
         let time = start.elapsed();
         let report = Report {
             engine: "cpu",
-            fallback,
             iterations: solution.iterations,
             residual: solution.residual,
             ..self.report("rotated-scan", time)
@@ -319,6 +350,7 @@ impl<'a> Problem<'a> {
         Report {
             engine: "",
             device: None,
+            reason: None,
             fallback: None,
             schedule,
             wavefront: self.wavefront,
@@ -355,5 +387,13 @@ impl<'a> Problem<'a> {
             distances,
             report: Report { converged, reached, max_distance, ..report },
         }
+    }
+}
+
+impl<R> DistanceMap<R> {
+    /// The same map, with why its engine was chosen.
+    fn because(mut self, reason: String) -> Self {
+        self.report.reason = Some(reason);
+        self
     }
 }

@@ -19,7 +19,9 @@ pub(super) fn estimate<R: Precision>(
     sources: &Sources,
     options: &Options,
 ) -> Result<ErrorEstimate<R>, Error> {
-    let finer = in_precision::<R>(fine, &on_fine_grid(sources), options)?;
+    // One engine for both grids, whose difference is the estimate.
+    let options = Options { engine: options.engine.as_for(&map.report), ..options.clone() };
+    let finer = in_precision::<R>(fine, &on_fine_grid(sources), &options)?;
     let rounding = R::epsilon().wide();
     let known = |index| {
         let (row, col) = map.chart.position(index);

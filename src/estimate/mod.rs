@@ -129,6 +129,8 @@ fn estimate<R: Precision>(
     // First, since a surface too small needs no map.
     let coarse = surface.coarsened(&grid_points(surface, sources))?;
     let map = in_precision::<R>(surface, sources, options)?;
+    // One engine for all grids, whose differences are the estimate.
+    let options = &Options { engine: options.engine.as_for(&map.report), ..options.clone() };
     let first = Level::new(surface, coarse, sources, &map, options)?;
     let second = first.coarser(options)?;
     let weights = Weights::of(map.report.wavefront);

@@ -8,12 +8,17 @@ use super::VulkanError;
 use super::instance::Instance;
 use super::requirements::{API_VERSION, unmet, version_text};
 
+/// The kind of a device that computes on the processor's cores.
+const CPU: &str = "CPU";
+
 /// Which Vulkan device, in the order of [`devices`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum DeviceChoice {
     /// The first usable one: a discrete GPU before an integrated one before others.
     #[default]
     Any,
+    /// The same, but no device that is a CPU.
+    Gpu,
     /// The first whose name contains this text, whatever the case.
     Name(String),
     /// The one with this index.
@@ -60,45 +65,51 @@ pub(crate) fn choose(
     instance: &Instance,
     choice: &DeviceChoice,
 ) -> Result<(DeviceInfo, vk::PhysicalDevice), VulkanError> {
-    let mut found = found(instance)?;
-    let available = || {
-        let entry = |info: &DeviceInfo| format!("{}: \"{}\"", info.index, info.name);
-        found.iter().map(|(info, _)| entry(info)).collect::<Vec<_>>().join(", ")
-    };
-    let wanted = match choice {
-        DeviceChoice::Any => {
-            found.sort_by_key(|(info, _)| rank(info.kind));
-            let reasons: Vec<_> = found
-                .iter()
-                .map(|(info, _)| format!("\"{}\": {}", info.name, info.unmet.join("; ")))
-                .collect();
-            let usable = found.into_iter().find(|(info, _)| info.unmet.is_empty());
-            return usable.ok_or_else(|| VulkanError::NoUsableDevice(reasons.join("; ")));
-        }
-        DeviceChoice::Name(name) => {
-            let matches =
-                |info: &DeviceInfo| info.name.to_lowercase().contains(&name.to_lowercase());
-            found.iter().position(|(info, _)| matches(info)).ok_or_else(|| {
-                VulkanError::UnknownDevice {
-                    wanted: format!("called \"{name}\""),
-                    available: available(),
-                }
-            })?
-        }
-        DeviceChoice::Index(index) if *index < found.len() => *index,
-        DeviceChoice::Index(index) => {
-            return Err(VulkanError::UnknownDevice {
-                wanted: format!("number {index}"),
-                available: available(),
-            });
-        }
-    };
-    let (info, physical_device) = found.swap_remove(wanted);
+    let (mut infos, devices): (Vec<_>, Vec<_>) = found(instance)?.into_iter().unzip();
+    let index = position(&infos, choice)?;
+    let info = infos.swap_remove(index);
     if info.unmet.is_empty() {
-        Ok((info, physical_device))
+        Ok((info, devices[index]))
     } else {
         Err(VulkanError::Unusable { device: info.name, unmet: info.unmet.join("; ") })
     }
+}
+
+/// Which of these is meant.
+fn position(infos: &[DeviceInfo], choice: &DeviceChoice) -> Result<usize, VulkanError> {
+    let unknown = |wanted| {
+        let entry = |info: &DeviceInfo| format!("{}: \"{}\"", info.index, info.name);
+        let available = infos.iter().map(entry).collect::<Vec<_>>().join(", ");
+        VulkanError::UnknownDevice { wanted, available }
+    };
+    match choice {
+        DeviceChoice::Any => first_usable(infos, |_| true),
+        DeviceChoice::Gpu => first_usable(infos, |info| info.kind != CPU),
+        DeviceChoice::Name(name) => {
+            let matches =
+                |info: &DeviceInfo| info.name.to_lowercase().contains(&name.to_lowercase());
+            let position = infos.iter().position(matches);
+            position.ok_or_else(|| unknown(format!("called \"{name}\"")))
+        }
+        DeviceChoice::Index(index) if *index < infos.len() => Ok(*index),
+        DeviceChoice::Index(index) => Err(unknown(format!("number {index}"))),
+    }
+}
+
+/// The best of those that will do.
+fn first_usable(
+    infos: &[DeviceInfo],
+    will_do: impl Fn(&DeviceInfo) -> bool,
+) -> Result<usize, VulkanError> {
+    let usable = |info: &DeviceInfo| info.unmet.is_empty() && will_do(info);
+    let usable = (0..infos.len()).filter(|&index| usable(&infos[index]));
+    usable.min_by_key(|&index| rank(infos[index].kind)).ok_or_else(|| {
+        let reason = |info: &DeviceInfo| match info.unmet.is_empty() {
+            true => format!("\"{}\" is a CPU", info.name),
+            false => format!("\"{}\": {}", info.name, info.unmet.join("; ")),
+        };
+        VulkanError::NoUsableDevice(infos.iter().map(reason).collect::<Vec<_>>().join("; "))
+    })
 }
 
 fn found(instance: &Instance) -> Result<Vec<(DeviceInfo, vk::PhysicalDevice)>, VulkanError> {
@@ -127,7 +138,7 @@ fn describe(instance: &ash::Instance, index: usize, device: vk::PhysicalDevice) 
             vk::PhysicalDeviceType::DISCRETE_GPU => "discrete GPU",
             vk::PhysicalDeviceType::INTEGRATED_GPU => "integrated GPU",
             vk::PhysicalDeviceType::VIRTUAL_GPU => "virtual GPU",
-            vk::PhysicalDeviceType::CPU => "CPU",
+            vk::PhysicalDeviceType::CPU => CPU,
             _ => "other",
         },
         api_version: version_text(properties.api_version),
@@ -155,6 +166,54 @@ fn driver(instance: &ash::Instance, device: vk::PhysicalDevice, api_version: u32
 }
 
 fn rank(kind: &str) -> usize {
-    let order = ["discrete GPU", "integrated GPU", "virtual GPU", "CPU"];
+    let order = ["discrete GPU", "integrated GPU", "virtual GPU", CPU];
     order.iter().position(|&other| other == kind).unwrap_or(order.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn devices(kinds: &[(&'static str, bool)]) -> Vec<DeviceInfo> {
+        let info = |(index, &(kind, is_usable)): (usize, &(&'static str, bool))| DeviceInfo {
+            index,
+            name: format!("device {index}"),
+            kind,
+            api_version: "1.1.0".into(),
+            driver: String::new(),
+            unmet: if is_usable { Vec::new() } else { vec!["too old".into()] },
+        };
+        kinds.iter().enumerate().map(info).collect()
+    }
+
+    #[test]
+    fn the_best_usable_device_is_taken_and_a_cpu_only_where_any_will_do() {
+        let machine = devices(&[
+            (CPU, true),
+            ("integrated GPU", true),
+            ("discrete GPU", false),
+            ("discrete GPU", true),
+            ("discrete GPU", true),
+        ]);
+        for choice in [DeviceChoice::Any, DeviceChoice::Gpu] {
+            assert_eq!(position(&machine, &choice).unwrap(), 3, "{choice:?}");
+            assert_eq!(position(&machine[..3], &choice).unwrap(), 1, "{choice:?}");
+        }
+        let without_gpu = [&machine[..1], &machine[2..3]].concat();
+        assert_eq!(position(&without_gpu, &DeviceChoice::Any).unwrap(), 0);
+        let error = position(&without_gpu, &DeviceChoice::Gpu).unwrap_err().to_string();
+        assert!(error.contains("\"device 0\" is a CPU; \"device 2\": too old"), "{error}");
+    }
+
+    #[test]
+    fn devices_are_named_by_a_part_of_the_name_or_an_index() {
+        let machine = devices(&[("other", true), (CPU, false)]);
+        let position = |text: &str| position(&machine, &text.parse().unwrap());
+        // Whether it can be used is found out by who has asked for it.
+        assert_eq!((position("DEVICE 1").unwrap(), position("1").unwrap()), (1, 1));
+        for wanted in ["2", "card"] {
+            let error = position(wanted).unwrap_err().to_string();
+            assert!(error.contains("available: 0: \"device 0\", 1: \"device 1\""), "{error}");
+        }
+    }
 }

@@ -120,7 +120,9 @@ fn devices_and_schedules_are_refused_with_what_to_do() {
     for (engine, name) in
         [(Engine::Auto, "cpu"), (Engine::Cpu, "cpu"), (Engine::FastMarching, "fast-marching")]
     {
+        let is_chosen = engine == Engine::Auto;
         let map = distance_map_f64(&surface, &source, &Options { engine, ..auto.clone() }).unwrap();
         assert_eq!((map.report.engine, map.report.fallback), (name, None));
+        assert_eq!(map.report.reason.is_some_and(|why| why.contains("double")), is_chosen);
     }
 }

@@ -313,15 +313,23 @@ fn iterations_stop_at_the_given_count() {
 fn the_one_call_says_what_it_used() {
     let surface = rough(20, 30, 0);
     let sources = Sources::point(3.0, 4.0).and_point(15.0, 20.0, -2.0);
-    let auto = distance_map(&surface, &sources, &Options::default()).unwrap();
-    assert_eq!((auto.report.engine, &auto.report.fallback), ("vulkan", &None));
-    assert!(auto.report.device.is_some() && auto.report.converged);
-    assert_eq!((auto.report.points, auto.report.reached), (600, 600));
-    let cpu = Options { engine: Engine::Cpu, ..Options::default() };
-    let cpu = distance_map(&surface, &sources, &cpu).unwrap();
-    assert_eq!((cpu.report.engine, cpu.report.device), ("cpu", None));
-    assert!(difference(&auto.distances, &cpu.distances) < AGREEMENT);
-    assert_eq!(auto.distance(15, 20), -2.0);
+    let map = |engine| {
+        let options = Options { engine, ..Options::default() };
+        distance_map(&surface, &sources, &options).unwrap()
+    };
+    let vulkan = map(Engine::Vulkan(device_choice()));
+    assert_eq!((vulkan.report.engine, &vulkan.report.reason), ("vulkan", &None));
+    assert!(vulkan.report.device.is_some() && vulkan.report.converged);
+    assert_eq!((vulkan.report.points, vulkan.report.reached), (600, 600));
+    let cpu = map(Engine::Cpu);
+    assert_eq!((cpu.report.engine, &cpu.report.device, &cpu.report.reason), ("cpu", &None, &None));
+    assert!(difference(&vulkan.distances, &cpu.distances) < AGREEMENT);
+    assert_eq!(vulkan.distance(15, 20), -2.0);
+    // So small a grid is not worth a GPU.
+    let auto = map(Engine::Auto);
+    assert_eq!((auto.report.engine, &auto.report.fallback), ("cpu", &None));
+    assert!(auto.report.reason.is_some_and(|why| why.contains("600 points")));
+    assert_eq!(auto.distances, cpu.distances);
 }
 
 #[test]

@@ -15,7 +15,18 @@ pub fn one_of<T>(table: &[(T, &'static str)]) -> impl TypedValueParser<Value = T
 where
     T: Clone + Display + Send + Sync + 'static,
 {
-    parser(table.iter().map(named).collect())
+    one_of_with_alias(table, None)
+}
+
+/// The same, where a name is understood that is also said for another.
+pub fn one_of_with_alias<T>(
+    table: &[(T, &'static str)],
+    alias: Option<(&'static str, &'static str)>,
+) -> impl TypedValueParser<Value = T> + use<T>
+where
+    T: Clone + Display + Send + Sync + 'static,
+{
+    parser(table.iter().map(named).collect(), alias)
 }
 
 /// One of some values, or `auto`, which leaves the choice open.
@@ -28,7 +39,7 @@ where
 {
     let auto = ("auto".into(), help, None);
     let named = |entry| some(named(entry));
-    parser(std::iter::once(auto).chain(table.iter().map(named)).collect())
+    parser(std::iter::once(auto).chain(table.iter().map(named)).collect(), None)
 }
 
 /// One of some values, or else a name that leaves the choice open.
@@ -41,7 +52,7 @@ where
 {
     let open = (name.into(), help, None);
     let named = |entry| some(named(entry));
-    parser(table.iter().map(named).chain([open]).collect())
+    parser(table.iter().map(named).chain([open]).collect(), None)
 }
 
 /// A name, its help, and what it stands for.
@@ -55,16 +66,27 @@ fn some<T>((name, help, value): Entry<T>) -> Entry<Choice<T>> {
     (name, help, Some(value))
 }
 
-fn parser<T>(entries: Vec<Entry<T>>) -> impl TypedValueParser<Value = T>
+fn parser<T>(
+    entries: Vec<Entry<T>>,
+    alias: Option<(&'static str, &'static str)>,
+) -> impl TypedValueParser<Value = T>
 where
     T: Clone + Send + Sync + 'static,
 {
-    let possible = |(name, help, _): &Entry<T>| match *help {
-        "" => PossibleValue::new(name.clone()),
-        help => PossibleValue::new(name.clone()).help(help),
+    let possible = |(name, help, _): &Entry<T>| {
+        let value = PossibleValue::new(name.clone());
+        let value = if help.is_empty() { value } else { value.help(*help) };
+        match alias {
+            Some((alias, meant)) if meant == name => value.alias(alias),
+            _ => value,
+        }
     };
     let names = PossibleValuesParser::new(entries.iter().map(possible));
     names.map(move |name| {
+        let name = match alias {
+            Some((alias, meant)) if alias == name => meant.into(),
+            _ => name,
+        };
         let entry = entries.iter().find(|entry| entry.0 == name);
         entry.expect("only these names are possible").2.clone()
     })

@@ -54,7 +54,8 @@ pub struct Args {
     /// none)
     #[arg(long, value_name = "NAME", help_heading = "Reports")]
     unit: Option<String>,
-    /// Print one JSON object: precision, engine, device, fallback, schedule, wavefront, iterations,
+    /// Print one JSON object: precision, engine, device, reason (why this
+    /// engine, where it was left to the tool), fallback, schedule, wavefront, iterations,
     /// iteration_bound (Theorem 1's, where it applies), residual, converged, solve_seconds, rows,
     /// cols, points, reached, max_distance, farthest (row and column of the first point that is so
     /// far), extrapolated, and with --error or --extrapolate the

@@ -54,7 +54,7 @@ pub fn inputs<'a>(
 /// What the user should know though the map is there.
 pub fn comment(report: &Report) {
     if let Some(reason) = &report.fallback {
-        say("note", format_args!("computed on the CPU, since Vulkan cannot be used: {reason}"));
+        say("warning", format_args!("computed on the CPU, since the GPU failed: {reason}"));
     }
     if !report.converged {
         warn_of_no_convergence(report.iterations, report.residual, report.tolerance);

@@ -3,7 +3,7 @@
 use geosweep::vulkan::Schedule;
 use geosweep::{DeviceChoice, Engine, Options, Wavefront};
 
-use crate::choices::{Choice, auto_or, one_of};
+use crate::choices::{Choice, auto_or, one_of_with_alias};
 
 #[derive(clap::Args)]
 pub struct SolverArgs {
@@ -12,7 +12,8 @@ pub struct SolverArgs {
     #[arg(help_heading = "Solver")]
     wavefront: Choice<Wavefront>,
     /// What computes the map
-    #[arg(long, default_value = "auto", value_parser = one_of(&ENGINES), help_heading = "Solver")]
+    #[arg(long, default_value = "auto", value_parser = one_of_with_alias(&ENGINES, Some(GPU)))]
+    #[arg(help_heading = "Solver")]
     engine: Engine,
     /// The Vulkan device: its index in `geosweep devices`, or a part of its name; implies
     /// --engine vulkan
@@ -55,14 +56,21 @@ const WAVEFRONTS: [(Wavefront, &str); 4] = [
 ];
 
 const ENGINES: [(Engine, &str); 4] = [
-    (Engine::Auto, "The first usable Vulkan device, else the CPU; for `pairwise` the CPU"),
-    (Engine::Vulkan(DeviceChoice::Any), "A Vulkan device, or an error"),
+    (
+        Engine::Auto,
+        "The CPU; but a GPU, if there is one, for maps of 4 million points or more, which pay for its \
+         set-up",
+    ),
+    (Engine::Vulkan(DeviceChoice::Any), "The best Vulkan device, or an error"),
     (Engine::Cpu, "Raster scans on the CPU"),
     (
         Engine::FastMarching,
         "Fast marching on the CPU, the sequential reference for the planar front",
     ),
 ];
+
+/// What many call it.
+const GPU: (&str, &str) = ("gpu", "vulkan");
 
 const BEST_SCHEDULE: &str = "What is best on the device";
 const SCHEDULES: [(Schedule, &str); 3] = [

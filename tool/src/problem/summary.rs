@@ -10,6 +10,7 @@ use serde::Serialize;
 pub struct MapSummary<'a, R = f32> {
     engine: &'a str,
     device: Option<&'a str>,
+    reason: Option<&'a str>,
     fallback: Option<&'a str>,
     schedule: &'a str,
     wavefront: &'a str,
@@ -32,6 +33,7 @@ impl<'a, R: Real> MapSummary<'a, R> {
         Self {
             engine: report.engine,
             device: report.device.as_deref(),
+            reason: report.reason.as_deref(),
             fallback: report.fallback.as_deref(),
             schedule: report.schedule,
             wavefront: report.wavefront.name(),

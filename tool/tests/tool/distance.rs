@@ -5,7 +5,7 @@ use std::process::Output;
 use std::ffi::OsStr;
 use std::fs;
 
-use crate::workbench::{Workbench, json, map, stderr};
+use crate::workbench::{Workbench, json, map, run, stderr};
 use geosweep::surface::builtin::Builtin;
 use serde_json::Value;
 
@@ -356,12 +356,15 @@ fn builtin_refuses_other_formats_and_sizes() {
 }
 
 /// Runs `geosweep distance` with an engine and one variable of the environment changed.
-fn with_environment(bench: &Workbench, engine: &str, variable: (&str, &OsStr)) -> Output {
-    let surface = bench.flat(9, 9);
-    let args = ["distance", &surface, "--spacing", "1", "--source", "0,0", "-o", "map.npy"];
+fn with_environment(
+    bench: &Workbench,
+    surface: &str,
+    engine: &str,
+    variable: (&str, &OsStr),
+) -> Output {
     bench
         .command()
-        .args(args)
+        .args(["distance", surface, "--source", "0,0", "-o", "map.npy"])
         .args(["--engine", engine, "--json"])
         .env(variable.0, variable.1)
         // The older name of the same variable would win where a machine sets it.
@@ -370,28 +373,57 @@ fn with_environment(bench: &Workbench, engine: &str, variable: (&str, &OsStr)) -
         .unwrap()
 }
 
+/// Large enough for a GPU.
+const LARGE: &str = "builtin:plane:2048x2048";
+
 #[test]
-fn without_a_driver_vulkan_is_refused_and_auto_says_why_it_falls_back() {
+fn without_a_driver_vulkan_is_refused_and_auto_is_the_cpu_and_says_why() {
     let bench = Workbench::new();
     let no_driver = ("VK_DRIVER_FILES", OsStr::new("/nonexistent"));
-    bench.refuses(&with_environment(&bench, "vulkan", no_driver), &["driver", "CPU engine"]);
-    let summary = json(&with_environment(&bench, "auto", no_driver));
-    assert_eq!(summary["engine"], "cpu");
-    assert!(summary["fallback"].as_str().unwrap().contains("driver"), "{summary}");
+    let refused = with_environment(&bench, LARGE, "vulkan", no_driver);
+    bench.refuses(&refused, &["driver", "CPU engine"]);
+    let summary = json(&with_environment(&bench, LARGE, "auto", no_driver));
+    assert_eq!((&summary["engine"], &summary["fallback"]), (&"cpu".into(), &Value::Null));
+    let reason = summary["reason"].as_str().unwrap();
+    assert!(reason.contains("no GPU") && reason.contains("driver"), "{summary}");
     assert_eq!(bench.outputs(), ["map.npy"]);
 }
 
 /// A file in the loader's place that is no library stands for a machine without one.
 #[test]
 #[cfg(target_os = "linux")]
-fn without_a_loader_vulkan_is_refused_and_auto_says_why_it_falls_back() {
+fn without_a_loader_vulkan_is_refused_and_auto_is_the_cpu_and_says_why() {
     let bench = Workbench::new();
     bench.input("libvulkan.so.1", "no library");
     let no_loader = ("LD_LIBRARY_PATH", bench.inputs.path().as_os_str());
-    bench.refuses(&with_environment(&bench, "vulkan", no_loader), &["no Vulkan loader"]);
-    let summary = json(&with_environment(&bench, "auto", no_loader));
-    assert_eq!(summary["engine"], "cpu");
-    assert!(summary["fallback"].as_str().unwrap().contains("loader"), "{summary}");
+    bench.refuses(&with_environment(&bench, LARGE, "gpu", no_loader), &["no Vulkan loader"]);
+    let summary = json(&with_environment(&bench, LARGE, "auto", no_loader));
+    assert_eq!((&summary["engine"], &summary["fallback"]), (&"cpu".into(), &Value::Null));
+    assert!(summary["reason"].as_str().unwrap().contains("loader"), "{summary}");
+}
+
+/// Lavapipe is the same cores by a longer way. The drivers' variable is left alone here, so that a
+/// machine with a GPU takes that.
+#[test]
+fn auto_takes_no_vulkan_device_that_is_a_cpu() {
+    let bench = Workbench::new();
+    let kinds = |name: &str| {
+        let listed = json(&bench.run(["devices", "--json"]));
+        let of = listed.as_array().unwrap().iter().find(|device| device["name"] == name);
+        of.unwrap()["kind"].as_str().unwrap().to_owned()
+    };
+    let report = json(&run(&bench, &format!("distance {LARGE} -s 0,0 --json")));
+    match report["device"].as_str() {
+        Some(device) => assert_ne!(kinds(device), "CPU"),
+        None => assert!(report["reason"].as_str().unwrap().contains("is a CPU"), "{report}"),
+    }
+    // A small map asks nothing of Vulkan, whatever devices there are.
+    let report = json(&run(&bench, "distance builtin:plane:33x33 -s 0,0 --json"));
+    assert_eq!(report["engine"], "cpu");
+    assert!(report["reason"].as_str().unwrap().contains("1089 points"), "{report}");
+    // Who asks for it by its name gets it.
+    let report = json(&run(&bench, "distance builtin:plane:33x33 -s 0,0 --engine gpu --json"));
+    assert_eq!((&report["engine"], &report["reason"]), (&"vulkan".into(), &Value::Null));
 }
 
 #[test]

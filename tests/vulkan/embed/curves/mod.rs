@@ -93,6 +93,7 @@ pub fn map_of(chart: Chart, distances: Vec<f32>) -> DistanceMap {
     let report = Report {
         engine: "vulkan",
         device: None,
+        reason: None,
         fallback: None,
         schedule: "raster",
         wavefront: Wavefront::Curved,

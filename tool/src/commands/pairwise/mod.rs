@@ -257,6 +257,7 @@ impl Args {
             Engine::Auto | Engine::Cpu => "cpu".into(),
             Engine::FastMarching => "fast-marching".into(),
             Engine::Vulkan(DeviceChoice::Any) => "vulkan".into(),
+            Engine::Vulkan(DeviceChoice::Gpu) => "vulkan on a GPU".into(),
             Engine::Vulkan(DeviceChoice::Name(name)) => format!("vulkan on {name}"),
             Engine::Vulkan(DeviceChoice::Index(index)) => format!("vulkan on device {index}"),
         };
