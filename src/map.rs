@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::surface::{Chart, Real};
+use crate::surface::{Chart, Real, Seam};
 use crate::update::Wavefront;
 
 /// Geodesic distances from the sources to every grid point, in single precision or in double
@@ -51,6 +51,9 @@ pub struct Report {
     pub reached: usize,
     /// Largest finite distance.
     pub max_distance: f64,
+    /// Where the surface is closed and the grid is not. Paths across a seam are not found, and two points
+    /// of the grid that are one on the surface have distances of their own.
+    pub seams: Vec<Seam>,
 }
 
 impl<R: Real> DistanceMap<R> {

@@ -362,6 +362,7 @@ impl<'a> Problem<'a> {
             points: self.surface.points(),
             reached: 0,
             max_distance: 0.0,
+            seams: self.surface.seams(),
         }
     }
 

@@ -136,6 +136,11 @@ fn follow_links(path: &Path) -> io::Result<PathBuf> {
 }
 
 impl StagedFile {
+    /// The path that it will have, as given.
+    pub fn path(&self) -> &Path {
+        self.output.path()
+    }
+
     /// Gives the file its name, in one step.
     ///
     /// # Errors

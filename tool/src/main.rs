@@ -17,6 +17,7 @@ use std::error::Error;
 use std::io;
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 use commands::{
@@ -30,6 +31,9 @@ use terminal::say;
 #[derive(Parser)]
 #[command(version, max_term_width = 100, after_help = EXAMPLES)]
 struct Tool {
+    /// Say nothing but warnings and errors
+    #[arg(short, long, global = true)]
+    quiet: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -91,6 +95,9 @@ fn main() -> ExitCode {
         Ok(tool) => tool,
         Err(usage) => return usage_exit(&usage),
     };
+    if tool.quiet {
+        terminal::be_quiet();
+    }
     let outcome = match tool.command {
         Command::Distance(args) => distance::run(&args),
         Command::Pairwise(args) => pairwise::run(&args),
@@ -117,9 +124,14 @@ fn main() -> ExitCode {
     })
 }
 
-/// Help and version go to standard output, errors in the tool's own form to standard error.
+/// Help and version go to standard output, errors in the tool's own form to standard error. A command
+/// without any arguments asks for help.
 fn usage_exit(usage: &clap::Error) -> ExitCode {
-    if usage.use_stderr() {
+    if usage.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        // As above.
+        let _ = terminal::print(usage.render().to_string().trim_end());
+        ExitCode::SUCCESS
+    } else if usage.use_stderr() {
         let text = usage.render().to_string();
         say("error", text.strip_prefix("error: ").unwrap_or(&text).trim_end());
         ExitCode::from(TROUBLE)

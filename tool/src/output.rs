@@ -1,6 +1,7 @@
 //! Output files: named by what is in them, neither inputs nor one another, whole or not at all.
 
 use std::error::Error;
+use std::fmt;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -8,7 +9,7 @@ use std::path::{Path, PathBuf};
 use geosweep::io::{IoError, OutputFile, StagedFile};
 
 use crate::picture::Canvas;
-use crate::terminal::Spinner;
+use crate::terminal::{Spinner, say};
 
 /// A file to write, checked before the work begins; `what` ends with the verb, as in "a picture
 /// is".
@@ -79,6 +80,37 @@ pub fn stage_text(output: OutputFile, text: &str) -> Result<StagedFile, IoError>
 }
 
 /// Gives all files their names, once all are written.
-pub fn commit(staged: impl IntoIterator<Item = StagedFile>) -> Result<(), IoError> {
-    staged.into_iter().try_for_each(StagedFile::commit)
+pub fn commit(staged: impl IntoIterator<Item = StagedFile>) -> Result<Written, IoError> {
+    let mut written = Written::default();
+    for file in staged {
+        written.add(file.path());
+        file.commit()?;
+    }
+    Ok(written)
+}
+
+/// The names of files that have been written.
+#[derive(Default)]
+pub struct Written(Vec<PathBuf>);
+
+impl Written {
+    pub fn add(&mut self, path: &Path) {
+        self.0.push(path.to_owned());
+    }
+}
+
+impl fmt::Display for Written {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<_> = self.0.iter().map(|path| path.display().to_string()).collect();
+        if names.is_empty() { Ok(()) } else { write!(f, "wrote {}", names.join(", ")) }
+    }
+}
+
+/// Says in one line what a command has done, part by part, and what it has written.
+pub fn done(parts: impl IntoIterator<Item = String>, written: &Written) {
+    let parts = parts.into_iter().chain([written.to_string()]);
+    let parts: Vec<_> = parts.filter(|part| !part.is_empty()).collect();
+    if !parts.is_empty() {
+        say("done", parts.join("; "));
+    }
 }

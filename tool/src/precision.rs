@@ -32,6 +32,7 @@ impl fmt::Display for Precision {
 
 /// The numbers of maps in a precision, and how the library computes such maps.
 pub trait Number: Real + MapValue + Serialize {
+    const PRECISION: Precision;
     /// The map.
     const MAP: Solve<DistanceMap<Self>>;
     /// The map with estimated errors.
@@ -41,11 +42,13 @@ pub trait Number: Real + MapValue + Serialize {
 type Solve<T> = fn(&Surface, &Sources, &Options) -> Result<T, Error>;
 
 impl Number for f32 {
+    const PRECISION: Precision = Precision::Single;
     const MAP: Solve<DistanceMap> = distance_map;
     const ESTIMATE: Solve<ErrorEstimate> = estimate_error;
 }
 
 impl Number for f64 {
+    const PRECISION: Precision = Precision::Double;
     const MAP: Solve<DistanceMap<f64>> = distance_map_f64;
     const ESTIMATE: Solve<ErrorEstimate<f64>> = estimate_error_f64;
 }

@@ -4,17 +4,40 @@ use std::error::Error;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// What a command ends with: a status, or a message for people.
 pub type Outcome = Result<ExitCode, Box<dyn Error>>;
 
+/// Whether only warnings and errors are wanted.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// From now on, nothing but warnings and errors.
+pub fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
 /// Says something on standard error; nothing can be done if that is closed.
 pub fn say(kind: &str, message: impl Display) {
-    let _ = writeln!(io::stderr(), "geosweep: {kind}: {message}");
+    if !is_quiet() || ["warning", "error"].contains(&kind) {
+        let _ = writeln!(io::stderr(), "geosweep: {kind}: {message}");
+    }
+}
+
+/// So many of something.
+pub fn counted(count: impl Into<u64>, what: &str) -> String {
+    match count.into() {
+        1 => format!("1 {what}"),
+        count => format!("{count} {what}s"),
+    }
 }
 
 /// Prints a line on standard output.
@@ -25,14 +48,30 @@ pub fn print(line: impl Display) -> io::Result<()> {
     })
 }
 
-/// Prints a value as JSON, in one line.
-pub fn print_json(value: &impl Serialize) -> io::Result<()> {
-    print(serde_json::to_string(value)?)
+/// Raised whenever a name in the JSON of a command is taken away or means something else.
+const JSON_VERSION: u32 = 1;
+
+/// What a command prints with --json: docs/geosweep.schema.json describes it.
+#[derive(Serialize)]
+struct Json<'a, T> {
+    version: u32,
+    command: &'a str,
+    #[serde(flatten)]
+    value: &'a T,
 }
 
-/// Prints a value as JSON, in many lines.
-pub fn print_pretty_json(value: &impl Serialize) -> io::Result<()> {
-    print(serde_json::to_string_pretty(value)?)
+/// Prints an object as JSON, in one line, with the version of its names and the command that it is of.
+pub fn print_json(command: &str, value: &impl Serialize) -> io::Result<()> {
+    print(serde_json::to_string(&Json { version: JSON_VERSION, command, value })?)
+}
+
+/// Things under one name.
+pub struct List<'a, T>(pub &'static str, pub &'a [T]);
+
+impl<T: Serialize> Serialize for List<'_, T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map([(self.0, self.1)])
+    }
 }
 
 /// A sign of life on a terminal while it lives.
@@ -40,6 +79,9 @@ pub struct Spinner(ProgressBar);
 
 impl Spinner {
     pub fn new(doing: &'static str) -> Self {
+        if is_quiet() {
+            return Self(ProgressBar::hidden());
+        }
         let bar = ProgressBar::new_spinner().with_message(doing);
         bar.enable_steady_tick(Duration::from_millis(100));
         Self(bar)
@@ -66,6 +108,9 @@ pub fn progress_of_rows(rows: usize, done: usize) -> ProgressBar {
 }
 
 fn bar(steps: usize, template: &str) -> ProgressBar {
+    if is_quiet() {
+        return ProgressBar::hidden();
+    }
     let style = ProgressStyle::with_template(template).expect("templates are part of the program");
     let bar = ProgressBar::new(steps as u64).with_style(style);
     bar.enable_steady_tick(Duration::from_millis(200));

@@ -7,9 +7,9 @@ use geosweep::Surface;
 use geosweep::io::write_npy;
 use geosweep::surface::builtin::Builtin;
 
-use crate::output::output_file;
+use crate::output::{commit, done, output_file};
 use crate::surface_arg::SizedBuiltin;
-use crate::terminal::Outcome;
+use crate::terminal::{Outcome, counted};
 
 /// The arguments of `geosweep builtin`.
 #[derive(clap::Args)]
@@ -40,7 +40,9 @@ pub fn run(args: &Args) -> Outcome {
     let surface = args.surface.surface()?;
     let positions = positions(&surface);
     let shape = [surface.rows(), surface.cols(), 3];
-    output.stage(|writer| write_npy(writer, &shape, &positions))?.commit()?;
+    let staged = output.stage(|writer| write_npy(writer, &shape, &positions))?;
+    let points = surface.points() as u64;
+    done([counted(points, "point")], &commit([staged])?);
     Ok(ExitCode::SUCCESS)
 }
 

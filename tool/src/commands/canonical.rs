@@ -17,11 +17,11 @@ use geosweep::surface::Chart;
 use geosweep::{Options, Surface, Wavefront};
 use serde::Serialize;
 
-use crate::output::{check_outputs, commit, stage_picture, wanted_png};
+use crate::output::{Written, check_outputs, commit, done, stage_picture, wanted_png};
 use crate::picture::FormPicture;
 use crate::picture::scene::grid_triangles;
 use crate::problem::{SurfaceArgs, builtin_names, warn_of_no_convergence};
-use crate::terminal::{Outcome, Spinner, print_json, progress, say};
+use crate::terminal::{Outcome, Spinner, counted, print_json, progress, say};
 
 /// The arguments of `geosweep canonical`.
 #[derive(clap::Args)]
@@ -63,8 +63,8 @@ pub struct Args {
     /// lines
     #[arg(long, value_name = "FILE.png", help_heading = "Reports")]
     picture: Option<PathBuf>,
-    /// Print one JSON object: dimensions, points (placed), left_out, rows and cols (null for a
-    /// matrix), iterations, converged, raw_stress (the sum over all pairs of the squared difference
+    /// Print one JSON object (docs/json.md): dimensions, placed and left_out (points), rows and cols
+    /// (of the grid that is used, null for a matrix), iterations, converged, raw_stress (the sum over all pairs of the squared difference
     /// of straight and given distance), stress_1 (Kruskal's: the square root of that over the sum
     /// of squared straight distances), start_stress, distance_seconds, form_seconds
     #[arg(long, help_heading = "Reports")]
@@ -123,18 +123,25 @@ pub fn run(args: &Args) -> Outcome {
     let form = args.form(&distances)?;
     let form_seconds = start.elapsed().as_secs_f64();
     if !form.converged {
-        let iterations = form.iterations();
-        say(
-            "warning",
-            format_args!("not settled after {iterations} iterations; give more --iterations"),
-        );
+        let iterations = counted(form.iterations() as u64, "iteration");
+        say("warning", format_args!("not settled after {iterations}; give more --iterations"));
     }
     let placed = Placed::new(&form, points, &kept, chart);
-    outputs.write(&placed)?;
+    let written = outputs.write(&placed)?;
+    let state = if form.converged { "settled" } else { "not settled" };
+    let iterations = counted(form.iterations() as u64, "iteration");
+    done(
+        [
+            format!("{} in {} dimensions", counted(kept.len() as u64, "point"), form.dimensions),
+            format!("{state} after {iterations} in {form_seconds:.2} s"),
+            format!("stress {:.2e}", form.stress_1()),
+        ],
+        &written,
+    );
     if args.json {
         let summary = Summary {
             dimensions: form.dimensions,
-            points: kept.len(),
+            placed: kept.len(),
             left_out,
             rows: chart.map(|chart| chart.rows),
             cols: chart.map(|chart| chart.cols),
@@ -146,7 +153,7 @@ pub fn run(args: &Args) -> Outcome {
             distance_seconds,
             form_seconds,
         };
-        print_json(&summary)?;
+        print_json("canonical", &summary)?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -220,7 +227,7 @@ impl Pairs {
         let (matrix, report) = pairwise.among(&points, |rows| bar.inc(rows as u64))?;
         bar.finish_and_clear();
         if !report.converged() {
-            warn_of_no_convergence(report.iterations, report.residual, report.tolerance);
+            warn_of_no_convergence(&options, report.iterations, report.residual, report.tolerance);
         }
         let given = points.iter().filter(|&&point| surface.present()[point]).count();
         Ok(Self { chart: Some(chart), points: points.len(), matrix, given })
@@ -304,7 +311,7 @@ impl Outputs {
     }
 
     /// Writes all files, then gives them their names.
-    fn write(self, placed: &Placed) -> Result<(), Box<dyn Error>> {
+    fn write(self, placed: &Placed) -> Result<Written, Box<dyn Error>> {
         let positions = placed.positions();
         let form = if self.is_ply {
             let triangles = placed.chart.map(|chart| grid_triangles(chart, &positions));
@@ -325,7 +332,7 @@ impl Outputs {
 #[derive(Serialize)]
 struct Summary {
     dimensions: usize,
-    points: usize,
+    placed: usize,
     left_out: usize,
     rows: Option<usize>,
     cols: Option<usize>,

@@ -21,9 +21,10 @@ pub struct Args {
     /// that is 0
     #[arg(short, long, value_name = "T", default_value_t = 1e-5, value_parser = tolerance)]
     tolerance: f64,
-    /// Print one JSON object: max and mean (relative), at (row, column of the
-    /// largest difference; null if no point is finite in both), scale (null if B
-    /// has none but 0), compared, only_in_a, only_in_b, equal
+    /// Print one JSON object (docs/json.md): max_difference and mean_difference (as fractions of scale),
+    /// at (row, column of the largest difference; null if no point is finite in both), scale (B's
+    /// largest finite value; null if it has none but 0, and differences are as they are), compared,
+    /// only_in_a, only_in_b, equal
     #[arg(long)]
     json: bool,
 }
@@ -51,9 +52,9 @@ fn tolerance(text: &str) -> Result<f64, String> {
 #[derive(Serialize)]
 struct Comparison {
     /// Largest difference, relative to `scale`.
-    max: f64,
+    max_difference: f64,
     /// Mean difference, relative to `scale`.
-    mean: f64,
+    mean_difference: f64,
     /// Row and column of the largest difference.
     at: Option<(usize, usize)>,
     /// Largest finite magnitude of B; without one, differences are as they are.
@@ -80,7 +81,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let comparison = compare(&a, &b, args.tolerance);
     if args.json {
-        print_json(&comparison)?;
+        print_json("compare", &comparison)?;
     } else {
         print(&comparison)?;
     }
@@ -126,16 +127,28 @@ fn compare(a: &Grid<f64>, b: &Grid<f64>, tolerance: f64) -> Comparison {
     let mean = sum / compared.max(1) as f64;
     let equal = max <= tolerance && only_in_a + only_in_b == 0;
     let at = (compared > 0).then_some((at / b.cols, at % b.cols));
-    Comparison { max, mean, at, scale, compared, only_in_a, only_in_b, equal }
+    Comparison {
+        max_difference: max,
+        mean_difference: mean,
+        at,
+        scale,
+        compared,
+        only_in_a,
+        only_in_b,
+        equal,
+    }
 }
 
 impl std::fmt::Display for Comparison {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { max, mean, at, scale, compared, only_in_a, only_in_b, equal } = self;
-        let of = scale.map_or(String::new(), |scale| format!(" of {scale}"));
+        let Self { max_difference, mean_difference, at, scale, compared, .. } = self;
+        let Self { only_in_a, only_in_b, equal, .. } = self;
         if let Some((row, col)) = at {
-            writeln!(f, "max |A - B|   {max:.3e}{of} (at row {row}, column {col})")?;
-            writeln!(f, "mean |A - B|  {mean:.3e}{of} over {compared} points")?;
+            if let Some(scale) = scale {
+                writeln!(f, "differences as fractions of {scale}, B's largest value:")?;
+            }
+            writeln!(f, "max |A - B|   {max_difference:.3e} (at row {row}, column {col})")?;
+            writeln!(f, "mean |A - B|  {mean_difference:.3e} over {compared} points")?;
         } else {
             writeln!(f, "max |A - B|   none: no point is finite in both")?;
         }

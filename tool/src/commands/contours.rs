@@ -92,5 +92,6 @@ pub fn run(args: &Args) -> Outcome {
         say("note", format_args!("no curve: the distances on the grid run from {low} to {high}"));
     }
     let quantity = args.problem.quantity(&problem.scene);
-    LevelCurves { kind: "contour", side: None, problem, found }.write(files, &quantity, args.json)
+    LevelCurves { command: "contours", kind: "contour", side: None, problem, found }
+        .write(files, &quantity, args.json)
 }

@@ -7,7 +7,7 @@ use geosweep::{DeviceChoice, cpu};
 use serde::Serialize;
 
 use crate::ceilings::{CpuCeilings, DeviceCeilings};
-use crate::terminal::{Outcome, Spinner, print, print_pretty_json, say};
+use crate::terminal::{List, Outcome, Spinner, print, print_json, say};
 
 /// The arguments of `geosweep devices`.
 #[derive(clap::Args)]
@@ -16,9 +16,9 @@ pub struct Args {
     /// Measure what each usable device and the processor can do at best, in some seconds
     #[arg(long)]
     measure: bool,
-    /// Print one JSON array: index, name, kind, api_version, driver, unmet (requirements). With
-    /// --measure one object: devices, that array, each usable device with its ceilings; and cpu, an
-    /// array of ceilings by number of threads. Rates are per second, times in seconds
+    /// Print one JSON object (docs/json.md): devices, an array of index, name, kind, api_version,
+    /// driver, unmet (requirements). With --measure each usable device has its ceilings too, and cpu is
+    /// an array of ceilings by number of threads. Rates are per second, times in seconds
     #[arg(long)]
     json: bool,
 }
@@ -68,7 +68,7 @@ pub fn run(args: &Args) -> Outcome {
     let mut devices: Vec<_> = found.iter().map(Device::from).collect();
     if !args.measure {
         if args.json {
-            print_pretty_json(&devices)?;
+            print_json("devices", &List("devices", &devices))?;
         } else {
             devices.iter().try_for_each(print)?;
         }
@@ -84,7 +84,7 @@ pub fn run(args: &Args) -> Outcome {
     };
     let measured = Measured { devices, cpu };
     if args.json {
-        print_pretty_json(&measured)?;
+        print_json("devices", &measured)?;
     } else {
         print(&measured)?;
     }

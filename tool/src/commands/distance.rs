@@ -9,7 +9,7 @@ use geosweep::surface::Real;
 use geosweep::{DistanceMap, ErrorEstimate, Options, Sources, Surface, Wavefront};
 use serde::Serialize;
 
-use crate::output::{check_outputs, commit, stage_picture, wanted_png};
+use crate::output::{Written, check_outputs, commit, stage_picture, wanted_png};
 use crate::picture::Picture;
 use crate::precision::{InPrecision, Number, Precision};
 use crate::problem::{self, MapSummary, Scene, SolverArgs, SourceArgs, SurfaceArgs};
@@ -54,11 +54,11 @@ pub struct Args {
     /// none)
     #[arg(long, value_name = "NAME", help_heading = "Reports")]
     unit: Option<String>,
-    /// Print one JSON object: precision, engine, device, reason (why this
+    /// Print one JSON object (docs/json.md): version, command, precision, engine, device, reason (why this
     /// engine, where it was left to the tool), fallback, schedule, wavefront, iterations,
     /// iteration_bound (Theorem 1's, where it applies), residual, converged, solve_seconds, rows,
     /// cols, points, reached, max_distance, farthest (row and column of the first point that is so
-    /// far), extrapolated, and with --error or --extrapolate the
+    /// far), seams (where a closed surface is cut open), extrapolated, and with --error or --extrapolate the
     /// estimated mean_relative_error and max_relative_error before extrapolation
     #[arg(long, help_heading = "Reports")]
     json: bool,
@@ -106,12 +106,13 @@ impl InPrecision for &Args {
             let _spinner = Spinner::new("computing distances");
             Solved::<R>::new(self, &scene.surface, &sources, &options)?
         };
-        self.comment(&scene.surface, &solved);
+        self.comment(&scene.surface, &solved, &options);
         problem::comment_on_starts::<R>(&scene.surface, &sources);
         let quantity = scene.quantity(self.unit.as_deref().or(scene.unit));
-        outputs.write(&scene, &sources, &quantity, &solved)?;
+        let written = outputs.write(&scene, &sources, &quantity, &solved)?;
+        problem::done_with_map(&scene, &solved.map.report, &written);
         if self.json {
-            print_json(&Summary::new(&scene.surface, self, &solved))?;
+            print_json("distance", &Summary::new(&scene.surface, self, &solved))?;
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -159,9 +160,9 @@ impl<R: Number> Solved<R> {
 
 impl Args {
     /// What the user should know though the map is there.
-    fn comment<R>(&self, surface: &Surface, solved: &Solved<R>) {
+    fn comment<R>(&self, surface: &Surface, solved: &Solved<R>, options: &Options) {
         let report = &solved.map.report;
-        problem::comment(report);
+        problem::comment(report, options);
         if let Some(Estimate { mean_relative, max_relative, unknown, .. }) = solved.estimate {
             let before = if self.extrapolate { " before extrapolation" } else { "" };
             say(
@@ -212,7 +213,7 @@ impl Outputs {
         sources: &Sources,
         quantity: &str,
         Solved { map, estimate }: &Solved<R>,
-    ) -> Result<(), Box<dyn Error>> {
+    ) -> Result<Written, Box<dyn Error>> {
         let (rows, cols) = (map.chart.rows, map.chart.cols);
         let mut staged = Vec::new();
         if let Some((output, format)) = self.map {
@@ -250,7 +251,6 @@ fn map_output(
 
 #[derive(Serialize)]
 struct Summary<'a, R> {
-    precision: Precision,
     #[serde(flatten)]
     map: MapSummary<'a, R>,
     extrapolated: bool,
@@ -258,11 +258,10 @@ struct Summary<'a, R> {
     max_relative_error: Option<f64>,
 }
 
-impl<'a, R: Real> Summary<'a, R> {
+impl<'a, R: Number> Summary<'a, R> {
     fn new(surface: &Surface, args: &Args, solved: &'a Solved<R>) -> Self {
         let Solved { map, estimate } = solved;
         Self {
-            precision: args.precision,
             map: MapSummary::new(surface, map),
             extrapolated: args.extrapolate,
             mean_relative_error: estimate.as_ref().map(|estimate| estimate.mean_relative),

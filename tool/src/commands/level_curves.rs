@@ -11,11 +11,12 @@ use serde::Serialize;
 
 use crate::output::{commit, stage_picture};
 use crate::picture::{Canvas, Look, MapPicture, rgb, scale_of};
-use crate::problem::{CurveFiles, MapSummary, Problem};
+use crate::problem::{CurveFiles, MapSummary, Problem, done_with_map};
 use crate::terminal::{Outcome, print_json, say};
 
 /// Contours or offset curves of a map.
 pub struct LevelCurves {
+    pub command: &'static str,
     pub kind: &'static str,
     /// On which side of the sources they are, if only there.
     pub side: Option<Side>,
@@ -33,14 +34,15 @@ impl LevelCurves {
         if let Some((output, look)) = picture {
             staged.push(stage_picture(output, || self.picture(look, quantity))?);
         }
-        commit(staged)?;
+        let written = commit(staged)?;
+        done_with_map(scene, &map.report, &written);
         if json {
             let level = |(contour, lengths): (_, &Vec<f64>)| Level::new(contour, lengths);
             let summary = Summary {
                 map: MapSummary::new(&scene.surface, map),
                 levels: self.found.iter().zip(&lengths).map(level).collect(),
             };
-            print_json(&summary)?;
+            print_json(self.command, &summary)?;
         }
         Ok(ExitCode::SUCCESS)
     }

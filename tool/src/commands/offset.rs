@@ -85,6 +85,6 @@ pub fn run(args: &Args) -> Outcome {
     };
     comment(&found, &problem)?;
     let quantity = args.problem.quantity(scene);
-    LevelCurves { kind: "offset", side: args.side, problem, found }
+    LevelCurves { command: "offset", kind: "offset", side: args.side, problem, found }
         .write(files, &quantity, args.json)
 }

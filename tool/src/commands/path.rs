@@ -24,8 +24,10 @@ pub struct Args {
     /// parameter domain); .geojson (from a GeoTIFF, in its coordinates); .ply or .obj (in space)
     #[arg(short, long, value_name = "PATHS", required_unless_present_any = ["picture", "json"])]
     output: Vec<PathBuf>,
-    /// Where a path starts: row and column, which may be fractional; repeatable
-    #[arg(long, value_name = "R,C", value_parser = place, allow_hyphen_values = true)]
+    /// Where a path starts that leads back to its source: row and column, which may be fractional;
+    /// repeatable
+    #[arg(long, visible_alias = "to", value_name = "R,C", value_parser = place)]
+    #[arg(allow_hyphen_values = true)]
     #[arg(required_unless_present = "from_file")]
     from: Vec<[f64; 2]>,
     /// A file of starts, after those of --from: an .npy array (K, 2) of rows and columns or (K, 5) as
@@ -81,13 +83,14 @@ pub fn run(args: &Args) -> Outcome {
         let draw = || draw_over_map(&scene, &sources, &map, &quantity, curves, look);
         staged.push(stage_picture(output, draw)?);
     }
-    commit(staged)?;
+    let written = commit(staged)?;
+    problem::done_with_map(&scene, &map.report, &written);
     if args.json {
         let summary = Summary {
             map: MapSummary::new(&scene.surface, &map),
             paths: starts.iter().zip(&paths).map(|(from, path)| Row::new(*from, path)).collect(),
         };
-        print_json(&summary)?;
+        print_json("path", &summary)?;
     }
     Ok(ExitCode::SUCCESS)
 }

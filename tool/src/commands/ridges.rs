@@ -80,10 +80,11 @@ pub fn run(args: &Args) -> Outcome {
         let draw = || draw_over_map(&scene, &sources, &map, &quantity, curves, look);
         staged.push(stage_picture(output, draw)?);
     }
-    commit(staged)?;
+    let written = commit(staged)?;
+    problem::done_with_map(&scene, &map.report, &written);
     if args.json {
         let map = MapSummary::new(&scene.surface, &map);
-        print_json(&Summary { map, ridges: rows })?;
+        print_json("ridges", &Summary { map, ridges: rows })?;
     }
     Ok(ExitCode::SUCCESS)
 }

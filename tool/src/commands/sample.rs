@@ -12,10 +12,10 @@ use serde::Serialize;
 use super::labels::{labels_output, write_labels};
 use super::samples::{Sample, farthest_points, middle};
 use crate::numbers::place;
-use crate::output::{check_outputs, commit, stage_picture};
+use crate::output::{check_outputs, commit, done, stage_picture};
 use crate::picture::Regions;
 use crate::problem::{CurveFiles, PictureArgs, SurfaceArgs, builtin_names};
-use crate::terminal::{Outcome, print_json};
+use crate::terminal::{Outcome, counted, print_json};
 
 /// The arguments of `geosweep sample`.
 #[derive(clap::Args)]
@@ -118,9 +118,16 @@ pub fn run(args: &Args) -> Outcome {
             staged.push(stage_picture(output, || regions.draw(look))?);
         }
     }
-    commit(staged)?;
+    let written = commit(staged)?;
+    let radius = points.radius();
+    let covers = if radius.is_finite() {
+        format!("radius {radius}")
+    } else {
+        "some points beyond reach".into()
+    };
+    done(["CPU".into(), counted(samples.len() as u64, "sample"), covers], &written);
     if args.json {
-        print_json(&Summary { radius: points.radius(), samples })?;
+        print_json("sample", &Summary { radius: points.radius(), samples })?;
     }
     Ok(ExitCode::SUCCESS)
 }

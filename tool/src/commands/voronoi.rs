@@ -83,7 +83,8 @@ pub fn run(args: &Args) -> Outcome {
         };
         staged.push(stage_picture(output, || regions.draw(look))?);
     }
-    commit(staged)?;
+    let written = commit(staged)?;
+    problem::done_with_map(&scene, &map.report, &written);
     if args.json {
         let mut points = vec![0; voronoi.regions()];
         let reached = voronoi.labels.iter().filter(|label| **label != NO_REGION);
@@ -95,7 +96,7 @@ pub fn run(args: &Args) -> Outcome {
             regions: points.iter().zip(&areas).enumerate().map(region).collect(),
             neighbours: voronoi.neighbours(),
         };
-        print_json(&summary)?;
+        print_json("voronoi", &summary)?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -10,6 +10,7 @@ mod summary;
 mod surface;
 
 use std::path::Path;
+use std::time::Duration;
 
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{Direction, EdgeLengths, Real};
@@ -23,7 +24,8 @@ pub use sources::SourceArgs;
 pub use summary::MapSummary;
 pub use surface::{Scene, SurfaceArgs};
 
-use crate::terminal::{Spinner, say};
+use crate::output::{Written, done};
+use crate::terminal::{Spinner, counted, say};
 
 /// A sentence on the built-in surfaces for the end of a command's help.
 pub fn builtin_names() -> String {
@@ -38,7 +40,7 @@ pub fn solve(
 ) -> Result<DistanceMap, geosweep::Error> {
     let _spinner = Spinner::new("computing distances");
     let map = distance_map(&scene.surface, sources, options)?;
-    comment(&map.report);
+    comment(&map.report, options);
     comment_on_starts::<f32>(&scene.surface, sources);
     Ok(map)
 }
@@ -52,17 +54,56 @@ pub fn inputs<'a>(
 }
 
 /// What the user should know though the map is there.
-pub fn comment(report: &Report) {
+pub fn comment(report: &Report, options: &Options) {
     if let Some(reason) = &report.fallback {
         say("warning", format_args!("computed on the CPU, since the GPU failed: {reason}"));
     }
     if !report.converged {
-        warn_of_no_convergence(report.iterations, report.residual, report.tolerance);
+        warn_of_no_convergence(options, report.iterations, report.residual, report.tolerance);
     }
-    let unreached = report.points - report.reached;
-    if unreached > 0 {
-        let points = report.points;
-        say("note", format_args!("{unreached} of {points} points cannot be reached"));
+}
+
+/// Says what was computed, how, and what was written.
+pub fn done_with_map(scene: &Scene, report: &Report, written: &Written) {
+    let Report { points, reached, max_distance, .. } = report;
+    let engine = match (report.engine, &report.device) {
+        (_, Some(device)) => format!("Vulkan on {device}"),
+        ("cpu", None) => "CPU".into(),
+        (other, None) => other.replace('-', " "),
+    };
+    let engine = match report.fallback {
+        Some(_) => format!("{engine}, since the GPU failed"),
+        None => engine,
+    };
+    let points = match points - reached {
+        0 => format!("{points} points, all reached"),
+        unreached => format!("{points} points, {unreached} of them cannot be reached"),
+    };
+    let iterations = match report.engine {
+        "fast-marching" => "one pass".into(),
+        _ => convergence(report.iterations, report.converged),
+    };
+    let time = seconds(report.solve_time);
+    let largest = match max_distance.is_finite() {
+        true => format!("largest {} {max_distance:.6}", scene.quantity(scene.unit)),
+        false => "no distance".into(),
+    };
+    done([engine, points, format!("{iterations} in {time}"), largest], written);
+}
+
+/// How a map has come to its end.
+pub fn convergence(iterations: u32, converged: bool) -> String {
+    let state = if converged { "converged" } else { "not converged" };
+    format!("{state} after {}", counted(iterations, "iteration"))
+}
+
+/// A time with two or three digits.
+pub fn seconds(time: Duration) -> String {
+    let seconds = time.as_secs_f64();
+    match seconds {
+        0.1.. => format!("{seconds:.2} s"),
+        0.001.. => format!("{:.1} ms", 1e3 * seconds),
+        _ => format!("{:.2} ms", 1e3 * seconds),
     }
 }
 
@@ -111,11 +152,16 @@ fn mean_edge(edges: &EdgeLengths<f32>) -> Option<f64> {
     (count > 0).then(|| sum / f64::from(count))
 }
 
-pub fn warn_of_no_convergence(iterations: u32, residual: f64, tolerance: f64) {
+/// Nothing where the user has said after how many iterations to stop.
+pub fn warn_of_no_convergence(options: &Options, iterations: u32, residual: f64, tolerance: f64) {
+    if options.iterations.is_some() {
+        return;
+    }
+    let iterations = counted(iterations, "iteration");
     say(
         "warning",
         format_args!(
-            "not converged after {iterations} iterations: the last changed a distance by a \
+            "not converged after {iterations}: the last changed a distance by a \
              fraction of {residual:.1e}, the tolerance is {tolerance:.1e}; give more --iterations"
         ),
     );

@@ -1,13 +1,16 @@
 //! How a map was computed, for reports.
 
 use geosweep::geometry::farthest;
-use geosweep::surface::Real;
+use geosweep::surface::Seam;
 use geosweep::{DistanceMap, Surface};
 use serde::Serialize;
+
+use crate::precision::{Number, Precision};
 
 /// What the JSON of every command on a map says about it.
 #[derive(Serialize)]
 pub struct MapSummary<'a, R = f32> {
+    precision: Precision,
     engine: &'a str,
     device: Option<&'a str>,
     reason: Option<&'a str>,
@@ -25,12 +28,14 @@ pub struct MapSummary<'a, R = f32> {
     reached: usize,
     max_distance: R,
     farthest: Option<[usize; 2]>,
+    seams: Vec<String>,
 }
 
-impl<'a, R: Real> MapSummary<'a, R> {
+impl<'a, R: Number> MapSummary<'a, R> {
     pub fn new(surface: &Surface, map: &'a DistanceMap<R>) -> Self {
         let report = &map.report;
         Self {
+            precision: R::PRECISION,
             engine: report.engine,
             device: report.device.as_deref(),
             reason: report.reason.as_deref(),
@@ -48,6 +53,7 @@ impl<'a, R: Real> MapSummary<'a, R> {
             reached: report.reached,
             max_distance: R::of(report.max_distance),
             farthest: farthest(map.chart, &map.distances).map(|point| [point.row, point.col]),
+            seams: report.seams.iter().map(Seam::to_string).collect(),
         }
     }
 }

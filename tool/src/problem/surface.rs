@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use geosweep::io::{self, Georeference, SurfaceFile};
-use geosweep::surface::Geometry;
+use geosweep::surface::{Geometry, Seam};
 use geosweep::{EdgeRule, Spacing, Surface};
 
 use crate::choices::one_of;
@@ -84,6 +84,8 @@ struct Given {
 impl Scene {
     fn read(args: &SurfaceArgs) -> Result<Self, Box<dyn Error>> {
         let Given { surface: given, georeference, unit } = args.read_surface()?;
+        // Lengths may come from a metric, which says nothing of seams.
+        let mut seams = given.seams();
         let (rows, cols) = (given.rows(), given.cols());
         let (mut surface, shape) = match &args.metric {
             None => (given, None),
@@ -98,12 +100,17 @@ impl Scene {
         if let Some(path) = &args.mask {
             let mask = io::read_mask(path)?.fit(path, rows, cols)?;
             surface = surface.with_mask(&mask).map_err(|e| format!("{}: {e}", path.display()))?;
+            seams = match &shape {
+                None => surface.seams(),
+                Some(shape) => shape.clone().with_mask(&mask)?.seams(),
+            };
         }
         if let Some(path) = &args.slowness {
             let slowness = io::read_slowness(path)?.fit(path, rows, cols)?;
             surface =
                 surface.with_slowness(slowness).map_err(|e| format!("{}: {e}", path.display()))?;
         }
+        warn_of_seams(&seams);
         if args.edges.is_some() && matches!(surface.geometry(), Geometry::Metric(_)) {
             return Err(
                 "--edges is for positions and heights; a metric has its own lengths, leave \
@@ -189,4 +196,25 @@ impl SurfaceArgs {
             }
         }
     }
+}
+
+/// Says that paths end at seams, and what helps.
+fn warn_of_seams(seams: &[Seam]) {
+    if seams.is_empty() {
+        return;
+    }
+    let names = seams.iter().map(Seam::to_string).collect::<Vec<_>>().join(", ");
+    let is_pole = |seam: &Seam| matches!(seam, Seam::Pole { .. });
+    let of_cuts = "; no path crosses such a seam yet: roll the grid until the seam is far from the sources, \
+                   or repeat the grid side by side with a source in each copy, or take one of two equal \
+                   lines out by --mask";
+    let of_poles =
+        "; the points of a pole must be equal to the last bit, or all but one of them masked";
+    let cuts = if seams.iter().all(is_pole) { "" } else { of_cuts };
+    let poles = if seams.iter().any(|seam| matches!(seam, Seam::Pole { exact: false, .. })) {
+        of_poles
+    } else {
+        ""
+    };
+    say("warning", format_args!("the surface is closed: {names}{cuts}{poles}"));
 }

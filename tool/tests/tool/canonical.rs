@@ -13,7 +13,7 @@ fn the_form_is_a_surface_of_its_own() {
     let report = json(&bench.run(words(line)));
     assert_eq!(bench.outputs(), ["form.npy", "form.png"]);
     assert_eq!((&report["rows"], &report["cols"]), (&12.into(), &15.into()));
-    assert_eq!((&report["points"], &report["left_out"]), (&180.into(), &0.into()));
+    assert_eq!((&report["placed"], &report["left_out"]), (&180.into(), &0.into()));
     assert_eq!(report["converged"], true);
     assert!(report["stress_1"].as_f64().unwrap() < 0.03, "{report}");
     assert!(report["raw_stress"].as_f64() < report["start_stress"].as_f64(), "{report}");
@@ -32,7 +32,7 @@ fn holes_come_back_as_nan() {
     let surface = bench.array("holes.npy", &[9, 8], &heights);
     let output = bench.run(["canonical", &surface, "--spacing", "1", "-o", "form.npy", "--json"]);
     assert!(stderr(&output).contains("3 points are left out"), "{}", stderr(&output));
-    assert_eq!(json(&output)["points"], 9 * 8 - 6 - 3);
+    assert_eq!(json(&output)["placed"], 9 * 8 - 6 - 3);
     let form = SurfaceFile::read(&bench.output("form.npy")).unwrap().into_surface(None).unwrap();
     for (index, present) in form.present().iter().enumerate() {
         assert_eq!(*present, !heights[index].is_nan() && ![0, 1, 8].contains(&index), "{index}");
@@ -124,7 +124,7 @@ fn the_figures_bendings_share_a_form() {
     let rows = json(&bench.run(words("figure canonical --size 17 --json -o figure.png")));
     assert_eq!(bench.outputs(), ["figure.png"]);
     let deviations: Vec<_> =
-        rows.as_array().unwrap().iter().map(|row| row["deviation"].as_f64()).collect();
+        rows["surfaces"].as_array().unwrap().iter().map(|row| row["deviation"].as_f64()).collect();
     let [None, None, Some(between), Some(catenoid)] = deviations[..] else { panic!("{rows}") };
     // The errors of the distances on so coarse a grid.
     assert!(between.max(catenoid) < 2e-3, "{rows}");

@@ -4,7 +4,7 @@ use geosweep::glam::{DVec2, DVec3};
 use geosweep::surface::builtin::Builtin;
 use serde_json::Value;
 
-use crate::workbench::{Workbench, curves, done, json, read, run, stderr};
+use crate::workbench::{Workbench, curves, done, json, notes, read, run, stderr};
 
 /// Great circles: within a tenth of a cell, which is what contours are held to.
 #[test]
@@ -71,7 +71,7 @@ fn curves_closer_to_a_source_than_the_grid_are_said_to_be_cut() {
         let output = done(&bench, &line);
         let curves = json(&output)["levels"][0]["curves"].as_u64().unwrap();
         assert!(!String::from_utf8(output.stdout.clone()).unwrap().contains("-0.0"));
-        (curves, stderr(&output))
+        (curves, notes(&output))
     };
     // The corners of the source's cell are 0.42 to 0.99 away.
     let (none, text) = said("contours PLANE -s 4.3,4.3 --levels 0.1");

@@ -5,7 +5,7 @@ use std::process::Output;
 use std::ffi::OsStr;
 use std::fs;
 
-use crate::workbench::{Workbench, json, map, run, stderr};
+use crate::workbench::{Workbench, json, map, notes, printed_json, run, stderr};
 use geosweep::surface::builtin::Builtin;
 use serde_json::Value;
 
@@ -63,7 +63,7 @@ fn maps_in_double_precision_are_written_whole() {
     assert!(found.iter().zip(&exact).any(|(found, exact)| (found - exact).abs() > 1e-9));
     // No digits are lost behind a start value that single precision has few left for.
     let output = bench.distance("builtin:plane:30x40", "-s 1,2,1e6 --precision double -o map.npy");
-    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+    assert!(output.status.success() && notes(&output).is_empty(), "{}", stderr(&output));
 }
 
 #[test]
@@ -71,7 +71,7 @@ fn the_nearest_source_counts_with_its_start_value() {
     let bench = Workbench::new();
     let output =
         bench.distance(&bench.flat(41, 61), "-s 4,5 -s 30.5,50.25,8 --spacing 1 -o map.npy");
-    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+    assert!(output.status.success() && notes(&output).is_empty(), "{}", stderr(&output));
     let map = map(&bench.output("map.npy"));
     for (index, distance) in map.iter().enumerate() {
         let (row, col) = ((index / 61) as f64, (index % 61) as f64);
@@ -91,7 +91,7 @@ fn start_values_have_digits_left_for_distances() {
     let said = |words: &str| {
         let output = bench.distance("builtin:plane:30x40", &format!("{words} -o map.npy"));
         assert!(output.status.success(), "{}", stderr(&output));
-        stderr(&output)
+        notes(&output)
     };
     let all = said("-s 1,2,1e8 -s 3,4,100000001");
     assert!(all.contains("note: distances beyond a start value of 100000001"), "{all}");
@@ -166,7 +166,11 @@ fn holes_masks_and_walls_are_respected() {
     let report = json(&output);
     assert_eq!((&report["points"], &report["reached"]), (&47.into(), &29.into()));
     assert!(report["iteration_bound"].is_null());
-    assert!(stderr(&output).contains("18 of 47 points cannot be reached"), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("47 points, 18 of them cannot be reached"),
+        "{}",
+        stderr(&output)
+    );
     let map = map(&bench.output("map.tif"));
     for (index, distance) in map.iter().enumerate() {
         assert_eq!(distance.is_finite(), index % 9 < 5 && index != 9, "{index}");
@@ -220,10 +224,15 @@ fn a_missing_spacing_and_a_missing_convergence_are_said() {
     let stderr_text = stderr(&output);
     assert!(stderr_text.contains("geosweep: note:") && stderr_text.contains("--spacing"));
 
+    // Whoever says how many iterations there are to be needs no warning.
     let output = bench.distance("builtin:maze:65x65", "-s 1,1 --iterations 1 --json -o map.npy");
     assert_eq!(json(&output)["converged"], false);
-    let stderr_text = stderr(&output);
-    assert!(stderr_text.contains("warning: not converged after 1 iteration"), "{stderr_text}");
+    assert_eq!(notes(&output), "");
+    assert!(
+        stderr(&output).contains("; not converged after 1 iteration in "),
+        "{}",
+        stderr(&output)
+    );
 }
 
 #[test]
@@ -283,9 +292,10 @@ fn compare_measures_and_its_status_tells() {
 
     let output = bench.run(["compare", &a, &b, "--json"]);
     assert_eq!(output.status.code(), Some(1));
-    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let found = printed_json(&output);
     let expected = serde_json::json!({
-        "max": 0.125, "mean": 0.125 / 4.0, "at": [1, 0], "scale": 4.0,
+        "version": 1, "command": "compare",
+        "max_difference": 0.125, "mean_difference": 0.125 / 4.0, "at": [1, 0], "scale": 4.0,
         "compared": 4, "only_in_a": 0, "only_in_b": 1, "equal": false,
     });
     assert_eq!(found, expected);
@@ -409,7 +419,7 @@ fn auto_takes_no_vulkan_device_that_is_a_cpu() {
     let bench = Workbench::new();
     let kinds = |name: &str| {
         let listed = json(&bench.run(["devices", "--json"]));
-        let of = listed.as_array().unwrap().iter().find(|device| device["name"] == name);
+        let of = listed["devices"].as_array().unwrap().iter().find(|device| device["name"] == name);
         of.unwrap()["kind"].as_str().unwrap().to_owned()
     };
     let report = json(&run(&bench, &format!("distance {LARGE} -s 0,0 --json")));
@@ -450,7 +460,7 @@ fn vulkan_and_cpu_write_the_same_map() {
 fn devices_are_listed_and_unknown_ones_refused() {
     let bench = Workbench::new();
     let listed: Value = json(&bench.run(["devices", "--json"]));
-    let name = listed[0]["name"].as_str().unwrap();
+    let name = listed["devices"][0]["name"].as_str().unwrap();
     let surface = bench.flat(5, 5);
     let distance = |device: &str| {
         let args = ["distance", &surface, "--spacing", "1", "--source", "1,1", "-o", "map.npy"];
@@ -480,4 +490,84 @@ fn help_names_every_option() {
         assert!(help.contains(word), "{word}");
     }
     bench.refuses(&bench.run(["sing"]), &["sing"]);
+}
+
+/// One line at the end: what was computed and on what, how it ended, and which files there are now.
+#[test]
+fn a_line_says_what_was_done() {
+    let bench = Workbench::new();
+    let output = bench.distance("builtin:sphere:33x33", "-s 3,4 -o map.npy --picture map.png");
+    assert!(output.status.success() && output.stdout.is_empty());
+    let said = stderr(&output);
+    assert_eq!(said.lines().count(), 1, "{said}");
+    for part in [
+        "geosweep: done: CPU; 1089 points, all reached; converged after ",
+        " iterations in ",
+        "; largest distance 1.",
+        "; wrote map.npy, map.png\n",
+    ] {
+        assert!(said.contains(part), "`{part}` is missing in: {said}");
+    }
+    let words = "-s 3,4 --engine fast-marching --json";
+    let said = stderr(&run(&bench, &format!("distance builtin:sphere:33x33 {words}")));
+    assert!(said.contains("done: fast marching; ") && said.contains("; one pass in "), "{said}");
+    // Travel times are no distances.
+    let slow = bench.array("slow.npy", &[5, 5], &[2.0; 25]);
+    let words = format!("-s 0,0 --spacing 1 --slowness {slow} --json");
+    let said = stderr(&bench.distance(&bench.flat(5, 5), &words));
+    assert!(said.contains("; largest travel time 11.3"), "{said}");
+    for quiet in ["-q", "--quiet"] {
+        let output = bench.distance("builtin:sphere:33x33", &format!("-s 3,4 --json {quiet}"));
+        assert!(output.status.success() && output.stderr.is_empty(), "{}", stderr(&output));
+    }
+    // What must be known is said all the same.
+    let output = bench.distance(&tube(&bench), "-s 3,4 --json -q");
+    assert!(stderr(&output).contains("geosweep: warning: "), "{}", stderr(&output));
+}
+
+#[test]
+fn without_arguments_there_is_help_and_no_error() {
+    let bench = Workbench::new();
+    for words in [&[][..], &["figure"]] {
+        let output = bench.run(words);
+        let help = String::from_utf8(output.stdout.clone()).unwrap();
+        assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+        assert!(help.contains("Usage: geosweep") && !help.contains("error"), "{help}");
+    }
+}
+
+/// A tube of 9 x 33 points whose last column is its first again.
+fn tube(bench: &Workbench) -> String {
+    let angle = |col: usize| std::f64::consts::TAU * (col % 32) as f64 / 32.0;
+    let point = |index: usize| {
+        let (row, col) = (index / 33, index % 33);
+        [angle(col).cos(), angle(col).sin(), 0.3 * row as f64]
+    };
+    bench.array("tube.npy", &[9, 33, 3], &(0..9 * 33).flat_map(point).collect::<Vec<_>>())
+}
+
+#[test]
+fn a_closed_surface_is_not_silently_cut_open() {
+    let bench = Workbench::new();
+    let tube = tube(&bench);
+    let output = bench.distance(&tube, "-s 4,0 --json");
+    let said = notes(&output);
+    let seam = "its first column and its last column coincide";
+    assert_eq!(json(&output)["seams"], serde_json::json!([seam]));
+    for part in ["geosweep: warning: the surface is closed: ", seam, "no path crosses", "--mask"] {
+        assert!(said.contains(part), "`{part}` is missing in: {said}");
+    }
+    assert_eq!(said.lines().count(), 1, "{said}");
+    // Other commands read surfaces too.
+    let output = run(&bench, &format!("pairwise {tube} --wavefront planar --json"));
+    assert!(stderr(&output).contains(seam), "{}", stderr(&output));
+    // As advised: without the second of two equal columns each point has one distance.
+    let mask: Vec<f64> = (0..9 * 33).map(|index| f64::from(index % 33 != 32)).collect();
+    let bytes: Vec<u8> = mask.iter().map(|&there| there as u8).collect();
+    let mut file = b"\x93NUMPY\x01\x00\x46\x00".to_vec();
+    let header = "{'descr': '|u1', 'fortran_order': False, 'shape': (9, 33), }";
+    file.extend(format!("{header:<69}\n").bytes().chain(bytes));
+    let mask = bench.input("mask.npy", file);
+    let output = bench.distance(&tube, &format!("-s 4,0 --mask {mask} --json"));
+    assert_eq!((json(&output)["seams"].clone(), notes(&output)), (Value::Array(vec![]), "".into()));
 }

@@ -71,15 +71,15 @@ fn convergence_shows_what_the_library_computes() {
     let (width, height) = picture_size(&bench, "figure.png");
     assert!((1500..2500).contains(&width) && (500..1200).contains(&height), "{width} x {height}");
 
-    let rows = rows.as_array().unwrap();
+    let rows = rows["maps"].as_array().unwrap();
     // Three surfaces from two starts, then five with every other wavefront, at two sizes.
     assert_eq!(rows.len(), 2 * (3 * 2 + 5 * (Wavefront::ALL.len() - 1)));
     let table = fs::read_to_string(bench.output("table.csv")).unwrap();
     let mut lines = table.lines();
-    assert_eq!(lines.next(), Some("surface,wavefront,source,iterations,points,error"));
+    assert_eq!(lines.next(), Some("surface,wavefront,source,iterations,side,mean_relative_error"));
     for row in rows {
         let text = |key: &str| row[key].as_str().unwrap();
-        let points = row["points"].as_u64().unwrap() as usize;
+        let points = row["side"].as_u64().unwrap() as usize;
         let last = (points - 1) as f64;
         let radius = if text("source") == "disc" { 0.15 } else { 0.0 };
         let source = [0.25 * last, 0.375 * last];
@@ -91,7 +91,7 @@ fn convergence_shows_what_the_library_computes() {
             let (map, errors) = solve(builtin, points, source, wavefront);
             (map.report.iterations, errors)
         };
-        assert_same(&row["error"], errors.mean_relative);
+        assert_same(&row["mean_relative_error"], errors.mean_relative);
         assert_eq!(row["iterations"], iterations);
 
         let cells: Vec<_> = lines.next().unwrap().split(',').collect();
@@ -112,7 +112,7 @@ fn the_maze_is_shown_iteration_by_iteration() {
     let surface = Builtin::Maze.surface(65, 65).unwrap();
     let edges = EdgeLengths::<f32>::new(&surface).unwrap();
     let seeds = Sources::point(0.0, 0.0).seeds(&surface).unwrap();
-    let stages = stages.as_array().unwrap();
+    let stages = stages["stages"].as_array().unwrap();
     assert_eq!(stages.len(), 4);
     for (stage, iterations) in stages.iter().zip([1, 2, 3, 100]) {
         let stop = Stop { tolerance: 1e-6, iterations };
@@ -127,7 +127,7 @@ fn the_maze_is_shown_iteration_by_iteration() {
 
     // Without walls there is nothing to wait for.
     let stages = json(&bench.run(words("figure maze --size 9 --json -o open.png")));
-    assert!(stages.as_array().unwrap().len() < 4, "{stages}");
+    assert!(stages["stages"].as_array().unwrap().len() < 4, "{stages}");
 }
 
 /// Table 2 from the code that `geosweep bench` measures with; of the paper's rows the one that is
@@ -137,7 +137,7 @@ fn table_2_has_an_iteration_and_a_converged_map_beside_the_papers() {
     let bench = Workbench::new();
     let line = "figure table-2 --sizes 150,33 --surface maze --json --machine toaster -o t.md";
     let rows = json(&bench.run(words(line)));
-    let rows = rows.as_array().unwrap();
+    let rows = rows["sizes"].as_array().unwrap();
     let on_cpu: Vec<_> = rows.iter().filter(|row| row["engine"] == "cpu").collect();
     assert_eq!(on_cpu.len(), 2);
     for (row, side) in on_cpu.iter().zip([33, 150]) {
@@ -191,7 +191,7 @@ fn the_accuracy_report_says_what_the_library_computes() {
         assert!(report.contains(part), "`{part}` is missing in:\n{report}");
     }
 
-    let rows = rows.as_array().unwrap();
+    let rows = rows["maps"].as_array().unwrap();
     // Anchors are for floor plans.
     let anchored: Vec<_> = rows.iter().filter(|row| row["wavefront"] == "anchored").collect();
     let is_plan = |builtin: &Builtin| builtin.surface(33, 33).unwrap().is_floor_plan();
@@ -204,20 +204,20 @@ fn the_accuracy_report_says_what_the_library_computes() {
     assert_eq!(rows.len(), all);
     for row in rows {
         let builtin = Builtin::parse(row["surface"].as_str().unwrap()).unwrap();
-        let points = row["points"].as_u64().unwrap() as usize;
+        let points = row["side"].as_u64().unwrap() as usize;
         let at = |fraction: f64| fraction * (points - 1) as f64;
         let source = if builtin == Builtin::Maze { [0.0; 2] } else { [at(0.3125), at(0.40625)] };
         let wavefront = wavefront(row["wavefront"].as_str().unwrap());
         let (map, errors) = solve(builtin, points, source, wavefront);
-        assert_same(&row["mean"], errors.mean_relative);
-        assert_same(&row["rms"], errors.rms_relative);
-        assert_same(&row["max"], errors.max_relative);
+        assert_same(&row["mean_relative_error"], errors.mean_relative);
+        assert_same(&row["rms_relative_error"], errors.rms_relative);
+        assert_same(&row["max_relative_error"], errors.max_relative);
         assert_eq!(row["iterations"], map.report.iterations);
-        assert!(row["seconds"].as_f64().unwrap() > 0.0);
+        assert!(row["solve_seconds"].as_f64().unwrap() > 0.0);
     }
     // Twice as fine: the order is the binary logarithm of the ratio.
     for pair in rows.chunks(2) {
-        let [coarse, fine] = [0, 1].map(|k| pair[k]["mean"].as_f64().unwrap());
+        let [coarse, fine] = [0, 1].map(|k| pair[k]["mean_relative_error"].as_f64().unwrap());
         assert_eq!(pair[0]["order"], Value::Null);
         let order = pair[1]["order"].as_f64().unwrap();
         approx::assert_relative_eq!(order, (coarse / fine).log2(), max_relative = 1e-12);
@@ -231,6 +231,9 @@ fn a_report_for_nobody_in_particular_goes_to_standard_output() {
     let output = bench.run(words(line));
     let report = String::from_utf8(output.stdout.clone()).unwrap();
     assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+    let command = "geosweep accuracy --sizes 9 --engine cpu --surfaces sheared-plane@30,sphere \\
+                   --wavefronts planar`";
+    assert!(report.contains(command), "{report}");
     assert!(report.contains("\n## sheared-plane@30\n") && report.contains("\n## sphere\n"));
     assert!(!report.contains("point |") && !report.contains(".png"), "{report}");
     assert_eq!(bench.outputs(), [""; 0]);

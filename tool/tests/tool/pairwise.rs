@@ -19,7 +19,7 @@ fn the_matrix_holds_the_maps_of_all_points() {
         let line = format!("pairwise {SPHERE} -o d.npy --wavefront {wavefront} --json");
         let report = json(&bench.run(words(&line)));
         assert_eq!(bench.outputs(), ["d.npy"]);
-        assert_eq!((&report["rows"], &report["points"]), (&POINTS.into(), &POINTS.into()));
+        assert_eq!((&report["matrix_rows"], &report["points"]), (&POINTS.into(), &POINTS.into()));
         assert_eq!((&report["engine"], &report["converged"]), (&"cpu".into(), &true.into()));
         assert_eq!(report["wavefront"], wavefront);
         assert_eq!(report["disk_bytes"], fs::metadata(bench.output("d.npy")).unwrap().len());
@@ -43,7 +43,7 @@ fn the_matrix_holds_the_maps_of_all_points() {
 fn the_solver_is_timed_alone() {
     let bench = Workbench::new();
     let report = json(&bench.run(words(&format!("pairwise {SPHERE} --json"))));
-    assert_eq!((&report["rows"], &report["disk_bytes"]), (&POINTS.into(), &0.into()));
+    assert_eq!((&report["matrix_rows"], &report["disk_bytes"]), (&POINTS.into(), &0.into()));
     assert_eq!(bench.outputs(), [""; 0]);
     bench.refuses(&bench.run(words(&format!("pairwise {SPHERE}"))), &["--output"]);
     bench.refuses(&bench.run(words(&format!("pairwise {SPHERE} --json --resume"))), &["--output"]);
@@ -157,7 +157,7 @@ fn an_interrupted_matrix_is_resumed_to_the_same_bytes() {
 
     let report = json(&run(start("d.npy").args(["--resume", "--json"]).stdout(Stdio::piped())));
     assert!(report["resumed_rows"].as_u64().unwrap() > 0, "{report}");
-    assert_eq!(report["rows"], 1600);
+    assert_eq!(report["matrix_rows"], 1600);
     assert_eq!(bench.outputs(), ["at-once.npy", "d.npy"]);
     let [resumed, at_once] =
         ["d.npy", "at-once.npy"].map(|name| fs::read(bench.output(name)).unwrap());
@@ -180,7 +180,7 @@ fn a_matrix_larger_than_memory_is_written() {
         shell.args(["-c", &command]).output().unwrap()
     };
     let report = json(&limited(250_000, ""));
-    assert_eq!(report["rows"], 9216);
+    assert_eq!(report["matrix_rows"], 9216);
     assert!(report["memory_bytes"].as_u64().unwrap() < 40_000_000, "{report}");
     fs::remove_file(bench.output("d.npy")).unwrap();
     // What needs the matrix in memory says so, before any work.
@@ -268,7 +268,7 @@ fn table_1_is_a_table() {
     let bench = Workbench::new();
     let line = "figure table-1 --sizes 8,32 --runs 3 --json -o table.md";
     let rows = json(&bench.run(words(line)));
-    let rows = rows.as_array().unwrap();
+    let rows = rows["sizes"].as_array().unwrap();
     assert_eq!(
         rows.iter().map(|row| row["vertices"].as_u64()).collect::<Vec<_>>(),
         [Some(64), Some(1024)]

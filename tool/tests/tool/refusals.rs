@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 use std::fs;
 
-use crate::workbench::{Workbench, map, stderr};
+use crate::workbench::{Workbench, map, notes, stderr};
 
 #[test]
 fn wrong_words_are_refused() {
@@ -237,5 +237,5 @@ fn a_closed_pipe_is_no_panic() {
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(2));
-    assert_eq!(stderr(&output), "");
+    assert_eq!(notes(&output), "");
 }

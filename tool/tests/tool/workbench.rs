@@ -4,10 +4,12 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
+use std::sync::LazyLock;
 
 use assert_cmd::Command;
 use assert_cmd::cargo::cargo_bin_cmd;
 use geosweep::io::{read_map, write_npy};
+use jsonschema::Validator;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -85,14 +87,39 @@ pub fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
+/// All that is said but for the line that says what was done.
+pub fn notes(output: &Output) -> String {
+    let said = stderr(output);
+    let notes = said.lines().filter(|line| !line.starts_with("geosweep: done: "));
+    notes.map(|line| format!("{line}\n")).collect()
+}
+
 /// The distances of a map.
 pub fn map(path: &Path) -> Vec<f64> {
     read_map(path).unwrap().values
 }
 
+/// What a command that has succeeded prints with --json.
 pub fn json(output: &Output) -> Value {
     assert!(output.status.success(), "{}", stderr(output));
-    serde_json::from_slice(&output.stdout).unwrap()
+    printed_json(output)
+}
+
+/// One line, as docs/geosweep.schema.json has it.
+pub fn printed_json(output: &Output) -> Value {
+    static SCHEMA: LazyLock<Validator> = LazyLock::new(|| {
+        let schema = include_str!("../../../docs/geosweep.schema.json");
+        jsonschema::validator_for(&serde_json::from_str(schema).unwrap()).unwrap()
+    });
+    let text = str::from_utf8(&output.stdout).unwrap();
+    assert_eq!(text.lines().count(), 1, "{text}");
+    let printed = serde_json::from_str(text).unwrap();
+    if let Err(error) = SCHEMA.validate(&printed) {
+        // Which of the commands it should be like is clear from its name.
+        let command = printed["command"].as_str().unwrap_or_default().replace(' ', "-");
+        panic!("{command}: at {}: {error}\n{text}", error.instance_path());
+    }
+    printed
 }
 
 pub fn words(line: &str) -> Vec<&str> {

@@ -105,6 +105,7 @@ pub fn map_of(chart: Chart, distances: Vec<f32>) -> DistanceMap {
         points: chart.points(),
         reached: reached().count(),
         max_distance: reached().fold(0.0, f32::max).into(),
+        seams: Vec::new(),
     };
     DistanceMap { chart, distances, report }
 }

@@ -9,8 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use geosweep::geometry::Voronoi;
 use geosweep::io::{
-    Element, IoError, MatrixFile, MatrixLayout, OutputFile, Provenance, StagedFile,
-    surface_checksum,
+    Element, IoError, MatrixFile, MatrixLayout, OutputFile, Provenance, surface_checksum,
 };
 use geosweep::pairwise::{Pairwise, PairwiseReport, Rows};
 use geosweep::surface::{Chart, EdgeLengths};
@@ -21,8 +20,11 @@ use serde::Serialize;
 use super::labels::{labels_output, write_labels};
 use super::samples::{Sample, farthest_points, middle};
 use crate::choices::one_of;
-use crate::output::{check_outputs, wanted_file};
-use crate::problem::{SolverArgs, SurfaceArgs, builtin_names, warn_of_no_convergence};
+use crate::output::{Written, check_outputs, done, wanted_file};
+use crate::precision::Precision;
+use crate::problem::{
+    SolverArgs, SurfaceArgs, builtin_names, convergence, seconds, warn_of_no_convergence,
+};
 use crate::terminal::{Outcome, Spinner, print_json, progress_of_rows, say};
 use sources::RowsOf;
 
@@ -76,8 +78,8 @@ pub struct Args {
     /// interruption. Begins if there is none
     #[arg(long, requires = "output")]
     resume: bool,
-    /// Print one JSON object: rows, points, engine, device, wavefront, iterations (of the slowest
-    /// map), converged, residual, solve_seconds, distances_per_second, resumed_rows, memory_bytes
+    /// Print one JSON object (docs/json.md): precision, rows, cols and points of the grid, matrix_rows,
+    /// matrix_cols, engine, device, wavefront, iterations (of the slowest map), converged, residual, solve_seconds, distances_per_second, resumed_rows, memory_bytes
     /// (beside the surface), disk_bytes, samples (with --sample, an array of [row, column])
     #[arg(long, help_heading = "Reports")]
     json: bool,
@@ -141,7 +143,8 @@ pub fn run(args: &Args) -> Outcome {
         Some(samples) => samples.points.clone(),
         None => args.sources(surface)?,
     };
-    let mut pairwise = Pairwise::new(surface, &args.solver.options()?)?;
+    let options = args.solver.options()?;
+    let mut pairwise = Pairwise::new(surface, &options)?;
     let points = pairwise.points();
     let layout = MatrixLayout {
         rows: sources.len(),
@@ -195,23 +198,39 @@ pub fn run(args: &Args) -> Outcome {
             };
         }
     };
+    let mut written = Written::default();
     {
         let _spinner = Spinner::new(if args.symmetrize { "symmetrizing" } else { "writing" });
         let labels = samples.as_ref().zip(labels).map(|(samples, output)| {
             output.stage(|writer| write_labels(writer, surface.chart(), &samples.regions))
         });
         let labels = labels.transpose()?;
-        file.map_or(Ok(()), MatrixFile::finish)?;
-        labels.map_or(Ok(()), StagedFile::commit)?;
+        if let Some((file, path)) = file.zip(args.output.as_ref()) {
+            file.finish()?;
+            written.add(path);
+        }
+        if let Some(labels) = labels {
+            written.add(labels.path());
+            labels.commit()?;
+        }
     }
     if !report.converged() {
-        warn_of_no_convergence(report.iterations, report.residual, report.tolerance);
+        warn_of_no_convergence(&options, report.iterations, report.residual, report.tolerance);
     }
+    let engine = match (&report.device, report.engine) {
+        (Some(device), _) => format!("Vulkan on {device}"),
+        (None, "cpu") => "CPU".into(),
+        (None, other) => other.replace('-', " "),
+    };
+    let how = convergence(report.iterations, report.converged());
+    let time = seconds(report.solve_time);
+    let shape = format!("{} rows of {} distances", layout.rows, layout.cols);
+    done([engine, shape, format!("{how} in {time}")], &written);
     if args.json {
         let places = samples.as_ref().map(|samples| samples.places(surface.chart()));
         let bytes = (memory_bytes, disk_bytes);
-        let summary = Summary::new(&report, resumed_rows, bytes, places);
-        print_json(&summary)?;
+        let summary = Summary::new(surface, &report, resumed_rows, bytes, places);
+        print_json("pairwise", &summary)?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -342,8 +361,12 @@ fn needs(layout: MatrixLayout, memory: usize, disk: u64) -> String {
 
 #[derive(Serialize)]
 struct Summary<'a> {
+    precision: Precision,
     rows: usize,
+    cols: usize,
     points: usize,
+    matrix_rows: usize,
+    matrix_cols: usize,
     engine: &'static str,
     device: Option<&'a str>,
     wavefront: &'static str,
@@ -360,14 +383,19 @@ struct Summary<'a> {
 
 impl<'a> Summary<'a> {
     fn new(
+        surface: &Surface,
         report: &'a PairwiseReport,
         resumed_rows: usize,
         (memory_bytes, disk_bytes): (usize, u64),
         samples: Option<Vec<(usize, usize)>>,
     ) -> Self {
         Self {
-            rows: resumed_rows + report.rows,
-            points: report.points,
+            precision: Precision::Single,
+            rows: surface.rows(),
+            cols: surface.cols(),
+            points: surface.points(),
+            matrix_rows: resumed_rows + report.rows,
+            matrix_cols: report.points,
             engine: report.engine,
             device: report.device.as_deref(),
             wavefront: report.wavefront.name(),

@@ -21,9 +21,9 @@ use geosweep::vulkan::PairwiseSchedule;
 use geosweep::vulkan::profile::{Capability, Grain};
 
 use crate::choices::{Choice, auto_or, one_of};
-use crate::output::{check_outputs, commit, stage_picture, wanted_file, wanted_png};
+use crate::output::{Written, check_outputs, commit, done, stage_picture, wanted_file, wanted_png};
 use crate::problem::{self, SolverArgs, SourceArgs, SurfaceArgs};
-use crate::terminal::{Outcome, print, print_pretty_json};
+use crate::terminal::{Outcome, print, print_json};
 use against::{Comparison, Earlier, Whole};
 use file::Summary;
 use measure::{Measured, Wanted};
@@ -150,13 +150,18 @@ pub fn run(args: &Args) -> Outcome {
     let measured = measure::measure(&wanted, capture)?;
     if !measured.converged {
         let tolerance = options.tolerance.unwrap_or(DEFAULT_TOLERANCE);
-        problem::warn_of_no_convergence(measured.iterations, measured.residual, tolerance);
+        problem::warn_of_no_convergence(
+            &options,
+            measured.iterations,
+            measured.residual,
+            tolerance,
+        );
     }
     let summary = Summary::new(&measured);
     let comparison = earlier.as_ref().map(|earlier| Comparison::new(earlier, &summary));
-    outputs.write(&measured, &scene, &sources)?;
+    done([], &outputs.write(&measured, &scene, &sources)?);
     if args.json {
-        print_pretty_json(&Whole { summary: &summary, against: comparison.as_ref() })?;
+        print_json("profile", &Whole { summary: &summary, against: comparison.as_ref() })?;
     } else {
         print(Report { measured: &measured, summary: &summary, comparison: comparison.as_ref() })?;
     }
@@ -187,7 +192,7 @@ impl Outputs {
         measured: &Measured,
         scene: &problem::Scene,
         sources: &geosweep::Sources,
-    ) -> Result<(), Box<dyn Error>> {
+    ) -> Result<Written, Box<dyn Error>> {
         let mut staged = Vec::new();
         let run = measured.median_run();
         if let Some(output) = self.trace {

@@ -32,13 +32,13 @@ pub struct Measurement {
 pub struct Row {
     surface: String,
     wavefront: &'static str,
-    points: usize,
-    mean: f64,
-    rms: f64,
-    max: f64,
+    side: usize,
+    mean_relative_error: f64,
+    rms_relative_error: f64,
+    max_relative_error: f64,
     order: Option<f64>,
     iterations: u32,
-    seconds: f64,
+    solve_seconds: f64,
 }
 
 /// Measures each surface with each of its wavefronts at each size, and returns them in this order.
@@ -117,13 +117,13 @@ impl Measurement {
         Row {
             surface: self.builtin.to_string(),
             wavefront: self.wavefront.name(),
-            points: self.points,
-            mean: self.errors.mean_relative,
-            rms: self.errors.rms_relative,
-            max: self.errors.max_relative,
+            side: self.points,
+            mean_relative_error: self.errors.mean_relative,
+            rms_relative_error: self.errors.rms_relative,
+            max_relative_error: self.errors.max_relative,
             order: self.order,
             iterations: self.iterations,
-            seconds: self.time.as_secs_f64(),
+            solve_seconds: self.time.as_secs_f64(),
         }
     }
 }

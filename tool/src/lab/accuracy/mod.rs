@@ -17,7 +17,7 @@ use super::publication::Publication;
 use crate::choices::{one_of, wavefront_names};
 use crate::output::{png_output, stage_picture, wanted_file};
 use crate::precision::Precision;
-use crate::terminal::Outcome;
+use crate::terminal::{List, Outcome};
 use measure::Measurement;
 use peers::Peer;
 use report::Report;
@@ -55,8 +55,9 @@ pub struct Args {
     /// What the report says about the machine that the times come from
     #[arg(long, value_name = "TEXT")]
     machine: Option<String>,
-    /// Print one JSON array with an object per map: surface, wavefront, points (a side), mean,
-    /// rms, max (relative errors), order, iterations, seconds
+    /// Print one JSON object (docs/json.md) with maps, an array with an object for each: surface,
+    /// wavefront, side (points a side), mean_relative_error, rms_relative_error, max_relative_error,
+    /// order, iterations, solve_seconds
     #[arg(long)]
     json: bool,
 }
@@ -113,10 +114,11 @@ pub fn run(args: &Args) -> Outcome {
     let pictures = outputs.plots.map(|plots| draw(plots, &measured, &peers)).transpose()?;
     let rows: Vec<_> = measured.iter().map(Measurement::row).collect();
     Publication {
+        command: "accuracy",
         markdown,
         output: outputs.report,
         pictures: pictures.into_iter().flatten().collect(),
-        rows: &rows,
+        rows: &List("maps", &rows),
     }
     .publish(args.json)
 }

@@ -3,6 +3,9 @@
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 
+use geosweep::Wavefront;
+use geosweep::surface::builtin::Builtin;
+
 use super::measure::Measurement;
 use super::peers::Peer;
 use super::{Args, plots};
@@ -74,10 +77,18 @@ clone of the repository, `ci/figures` writes this report and draws all figures a
     }
 
     fn command(&self) -> String {
-        let sizes: Vec<_> = self.args.sizes.iter().map(usize::to_string).collect();
+        let list = |names: Vec<String>| names.join(",");
+        let sizes = list(self.args.sizes.iter().map(usize::to_string).collect());
         let engine = &self.args.engine;
-        let mut command =
-            format!("geosweep accuracy --sizes {} --engine {engine}", sizes.join(","));
+        let mut command = format!("geosweep accuracy --sizes {sizes} --engine {engine}");
+        if !self.args.surfaces.is_empty() {
+            let surfaces = list(self.args.surfaces.iter().map(Builtin::to_string).collect());
+            command += &format!(" --surfaces {surfaces}");
+        }
+        if !self.args.wavefronts.is_empty() {
+            let wavefronts = list(self.args.wavefronts.iter().map(Wavefront::to_string).collect());
+            command += &format!(" --wavefronts {wavefronts}");
+        }
         if self.args.precision != Precision::default() {
             command += &format!(" --precision {}", self.args.precision);
         }

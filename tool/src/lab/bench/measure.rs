@@ -52,7 +52,7 @@ pub struct Plan {
     pub device: DeviceChoice,
     /// Stop after so many, converged or not.
     pub iterations: Option<u32>,
-    /// A method whose map takes longer is timed once, and left out at larger sizes.
+    /// A method whose map takes longer is stopped, and left out at this size and larger ones.
     pub limit: Duration,
     /// Runs go on for so long.
     pub long_enough: Duration,
@@ -164,10 +164,11 @@ struct Bench<'a> {
 }
 
 /// A surface at some size, and what it takes to solve on it.
+#[derive(Clone, Copy)]
 struct Task<'a> {
     name: &'a BenchSurface,
     surface: &'a Surface,
-    seeds: Vec<Seed>,
+    seeds: &'a [Seed],
     stop: Stop,
 }
 
@@ -196,10 +197,11 @@ impl Bench<'_> {
         let (row, col) = name.source(&surface);
         let most = u32::try_from(10 * (surface.rows() + surface.cols())).unwrap_or(u32::MAX);
         let iterations = plan.iterations.unwrap_or(most);
+        let seeds = Sources::point(row as f64, col as f64).seeds(&surface)?;
         let task = Task {
             name,
             surface: &surface,
-            seeds: Sources::point(row as f64, col as f64).seeds(&surface)?,
+            seeds: &seeds,
             stop: Stop { tolerance: DEFAULT_TOLERANCE, iterations },
         };
         self.on_cpu(&task)?;
@@ -232,7 +234,7 @@ impl Bench<'_> {
                 let bytes = (edges.bytes() + solver.bytes()) as u64;
                 self.time(task, wavefront, Method::Cpu, set_up, Some(bytes), |task| {
                     let start = Instant::now();
-                    let found = solver.solve(&task.seeds, task.stop);
+                    let found = solver.solve(task.seeds, task.stop);
                     Ok(Run {
                         time: start.elapsed(),
                         iterations: found.iterations,
@@ -244,7 +246,7 @@ impl Bench<'_> {
             if self.is_wanted(wavefront, Method::FastMarching) {
                 self.time(task, wavefront, Method::FastMarching, edges_time, None, |task| {
                     let start = Instant::now();
-                    let found = cpu::fast_marching(&edges, &task.seeds, wavefront);
+                    let found = cpu::fast_marching(&edges, task.seeds, wavefront);
                     Ok(Run {
                         time: start.elapsed(),
                         iterations: found.iterations,
@@ -287,15 +289,18 @@ impl Bench<'_> {
                 if !self.is_wanted(wavefront, method) {
                     continue;
                 }
-                let how = vulkan::Method { wavefront, schedule: Some(schedule), stop: task.stop };
-                self.time(task, wavefront, method, set_up, bytes, |task| {
+                let how = |stop| vulkan::Method { wavefront, schedule: Some(schedule), stop };
+                let is_timed = self.time(task, wavefront, method, set_up, bytes, |task| {
                     let Solution { iterations, residual, time, .. } =
-                        solver.solve(surface, &task.seeds, how)?;
+                        solver.solve(surface, task.seeds, how(task.stop))?;
                     Ok(Run { time, iterations, residual, visits_and_updates: None })
                 })?;
+                if !is_timed {
+                    continue;
+                }
                 // What it takes, once more and not timed.
                 let detail = Detail { grain: Grain::Blocks, ..Detail::default() };
-                let (_, profile) = solver.profile(surface, &task.seeds, how, detail)?;
+                let (_, profile) = solver.profile(surface, task.seeds, how(task.stop), detail)?;
                 let work = Work::on_device(&profile);
                 let (timing, ceilings) = (self.timings.last_mut(), self.device.as_ref());
                 let (timing, ceilings) = timing.zip(ceilings).expect("it has just been timed");
@@ -306,7 +311,7 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Times a method: once to warm up, then several times.
+    /// Times a method: once to warm up, then several times. Whether it has kept to the limit.
     fn time(
         &mut self,
         task: &Task,
@@ -315,33 +320,32 @@ impl Bench<'_> {
         set_up: Duration,
         bytes: Option<u64>,
         mut run: impl FnMut(&Task) -> Result<Run, Box<dyn Error>>,
-    ) -> Result<(), Box<dyn Error>> {
-        let mut last = run(task)?;
-        let mut times = vec![last.time];
-        if last.time > self.plan.limit {
+    ) -> Result<bool, Box<dyn Error>> {
+        let Warmed { mut last, is_whole } = warm_up(task, self.plan.limit, &mut run)?;
+        if !is_whole || last.time > self.plan.limit {
             self.too_slow.push((wavefront, method));
+            self.bar.inc(1);
             say(
                 "note",
                 format_args!(
-                    "{}, {wavefront} fronts: {} {} took {:.1} s at {} x {} points, and is left out \
-                     at larger sizes; see --limit",
+                    "{}, {wavefront} fronts: {} {} takes more than {} s at {} x {} points, and is left \
+                     out from there on; see --limit",
                     task.name,
                     method.engine(),
                     method.schedule(),
-                    last.time.as_secs_f64(),
+                    self.plan.limit.as_secs_f64(),
                     task.surface.rows(),
                     task.surface.cols()
                 ),
             );
-        } else {
-            times.clear();
-            while times.len() < FEWEST_RUNS
-                || (times.len() < MOST_RUNS
-                    && times.iter().sum::<Duration>() < self.plan.long_enough)
-            {
-                last = run(task)?;
-                times.push(last.time);
-            }
+            return Ok(false);
+        }
+        let mut times = Vec::new();
+        while times.len() < FEWEST_RUNS
+            || (times.len() < MOST_RUNS && times.iter().sum::<Duration>() < self.plan.long_enough)
+        {
+            last = run(task)?;
+            times.push(last.time);
         }
         times.sort();
         let work = last.visits_and_updates.map(|counts| Work::on_cpu(counts, wavefront));
@@ -365,6 +369,37 @@ impl Bench<'_> {
         }
         self.timings.push(timing);
         self.bar.inc(1);
-        Ok(())
+        Ok(true)
+    }
+}
+
+/// What the first run has come to.
+struct Warmed {
+    last: Run,
+    /// Whether it is the whole map.
+    is_whole: bool,
+}
+
+/// A map in portions, each from the start with up to twice the iterations of the last, so that one that
+/// would take longer than the limit is given up soon after.
+fn warm_up(
+    task: &Task,
+    limit: Duration,
+    mut run: impl FnMut(&Task) -> Result<Run, Box<dyn Error>>,
+) -> Result<Warmed, Box<dyn Error>> {
+    let mut iterations = 1;
+    loop {
+        let stop = Stop { iterations: iterations.min(task.stop.iterations), ..task.stop };
+        let last = run(&Task { stop, ..*task })?;
+        if last.residual <= stop.tolerance || stop.iterations == task.stop.iterations {
+            return Ok(Warmed { last, is_whole: true });
+        }
+        // As many as the time is expected to allow.
+        let pace = limit.as_secs_f64() / last.time.as_secs_f64().max(f64::MIN_POSITIVE);
+        let most = (f64::from(stop.iterations) * pace) as u32;
+        iterations = most.min(2 * stop.iterations);
+        if iterations <= stop.iterations {
+            return Ok(Warmed { last, is_whole: false });
+        }
     }
 }

@@ -50,10 +50,11 @@ pub struct Args {
     /// The Vulkan device: its index in `geosweep devices`, or a part of its name
     #[arg(long, value_name = "NAME|INDEX")]
     device: Option<DeviceChoice>,
-    /// Leave an engine or schedule out at larger sizes once a map takes more than this
-    #[arg(long, value_name = "SECONDS", default_value_t = 3.0, value_parser = seconds)]
-    limit: f64,
-    /// Fewer sizes, surfaces and runs: some seconds
+    /// Stop a map that takes more than this, and leave its engine or schedule out at this size and
+    /// larger ones (default: 3; with --quick 0.3)
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    limit: Option<f64>,
+    /// Fewer sizes, surfaces and runs, and a lower limit: some ten seconds
     #[arg(long)]
     quick: bool,
     /// Where to write the tables, as Markdown (default: standard output, unless --json)
@@ -65,7 +66,7 @@ pub struct Args {
     /// What the report says about the machine
     #[arg(long, value_name = "TEXT")]
     machine: Option<String>,
-    /// Print one JSON object: cpu and device (their ceilings, as from `geosweep devices`), maps
+    /// Print one JSON object (docs/json.md): cpu and device (their ceilings, as from `geosweep devices`), maps
     /// and growth. A map: surface, rows, cols, points, wavefront, engine, schedule,
     /// set_up_seconds, median_seconds, best_seconds, runs, iterations, converged,
     /// points_per_second, bytes (held), work (bytes moved, triangles, dispatches,
@@ -125,6 +126,7 @@ pub fn run(args: &Args) -> Outcome {
     let sheet = || plot::by_points(&measured.timings, &plan.methods).draw();
     let plot = plot.map(|plot| stage_picture(plot, sheet)).transpose()?;
     Publication {
+        command: "bench",
         markdown: Report { measured: &measured, machine: args.machine.as_deref() }.to_string(),
         output,
         pictures: plot.into_iter().collect(),
@@ -154,7 +156,11 @@ impl Args {
             methods: lists::or_else(&self.engines, Vec::new).iter().flat_map(of_engine).collect(),
             device: self.device.clone().unwrap_or_default(),
             iterations: None,
-            limit: Duration::from_secs_f64(self.limit),
+            limit: Duration::from_secs_f64(self.limit.unwrap_or(if self.quick {
+                0.3
+            } else {
+                3.0
+            })),
             long_enough: Duration::from_millis(if self.quick { 100 } else { 500 }),
         }
     }

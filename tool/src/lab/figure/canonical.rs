@@ -12,9 +12,9 @@ use geosweep::surface::builtin::Builtin;
 use geosweep::{Options, Surface, Wavefront};
 use serde::Serialize;
 
-use crate::output::{commit, png_output, stage_picture};
+use crate::output::{commit, done, png_output, stage_picture};
 use crate::picture::{Exhibit, FormPicture, Gallery};
-use crate::terminal::{Outcome, print_json, progress};
+use crate::terminal::{List, Outcome, print_json, progress};
 
 /// The arguments of `geosweep figure canonical`.
 #[derive(clap::Args)]
@@ -26,7 +26,7 @@ pub struct Args {
     /// Columns of each grid; the face has a quarter more rows
     #[arg(long, value_name = "N", default_value_t = 54, value_parser = columns)]
     size: usize,
-    /// Print one JSON array with an object for each surface: title, points, stress_1, and deviation
+    /// Print one JSON object (docs/json.md) with surfaces, an array with an object for each: title, points, stress_1, and deviation
     /// from the first bending's form (null for the face)
     #[arg(long)]
     json: bool,
@@ -93,7 +93,8 @@ pub fn run(args: &Args) -> Outcome {
     bar.finish_and_clear();
 
     let exhibits: Vec<_> = studies.iter().map(Study::exhibit).collect();
-    commit([stage_picture(output, || Gallery { exhibits: &exhibits }.draw())?])?;
+    let drawing = || Gallery { exhibits: &exhibits }.draw();
+    done([], &commit([stage_picture(output, drawing)?])?);
     if args.json {
         let row = |study: &Study| Row {
             title: study.title,
@@ -101,7 +102,8 @@ pub fn run(args: &Args) -> Outcome {
             stress_1: study.stress_1,
             deviation: study.deviation,
         };
-        print_json(&studies.iter().map(row).collect::<Vec<_>>())?;
+        let surfaces: Vec<_> = studies.iter().map(row).collect();
+        print_json("figure canonical", &List("surfaces", &surfaces))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -15,10 +15,10 @@ use serde::Serialize;
 use crate::choices::label;
 use crate::lab::lists;
 use crate::lab::reference::Reference;
-use crate::output::{commit, png_output, stage_picture, wanted_file};
+use crate::output::{commit, done, png_output, stage_picture, wanted_file};
 use crate::picture::plot::{Axis, COLORS, Color, Line, Plot, Series, Sheet, Slopes};
 use crate::precision::Precision;
-use crate::terminal::{Outcome, print_json, progress};
+use crate::terminal::{List, Outcome, print_json, progress};
 
 /// The arguments of `geosweep figure convergence`.
 #[derive(clap::Args)]
@@ -31,10 +31,11 @@ pub struct Args {
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = lists::size)]
     #[arg(default_values_t = [17, 33, 65, 129, 257, 513, 1025])]
     sizes: Vec<usize>,
-    /// Write the numbers as a table: surface, wavefront, source, iterations, points, error
+    /// Write the numbers as a table: surface, wavefront, source, iterations, side,
+    /// mean_relative_error
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
-    /// Print the numbers as one JSON array, with an object for each row of the table
+    /// Print one JSON object (docs/json.md) with maps, an array with an object for each row of the table
     #[arg(long)]
     json: bool,
 }
@@ -84,8 +85,9 @@ struct Row {
     wavefront: &'static str,
     source: Start,
     iterations: u32,
-    points: usize,
-    error: f64,
+    /// Points a side.
+    side: usize,
+    mean_relative_error: f64,
 }
 
 /// One line of a plot, with how its maps are made.
@@ -120,9 +122,9 @@ pub fn run(args: &Args) -> Outcome {
     if let Some(table) = table {
         staged.push(table.stage(|writer| write_table(writer, &rows))?);
     }
-    commit(staged)?;
+    done([], &commit(staged)?);
     if args.json {
-        print_json(&rows)?;
+        print_json("figure convergence", &List("maps", &rows))?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -179,8 +181,8 @@ impl Study {
                 wavefront: self.wavefront.name(),
                 source: self.start,
                 iterations,
-                points,
-                error: errors.mean_relative,
+                side: points,
+                mean_relative_error: errors.mean_relative,
             })
         };
         sizes.iter().map(row).collect()
@@ -208,7 +210,8 @@ impl Study {
 
 fn sheet(sizes: &[usize], studies: &[Vec<Study>], rows: &[Vec<Vec<Row>>]) -> Sheet {
     let errors = |rows: &[Vec<Vec<Row>>]| {
-        let errors: Vec<_> = rows.iter().flatten().flatten().map(|row| row.error).collect();
+        let errors: Vec<_> =
+            rows.iter().flatten().flatten().map(|row| row.mean_relative_error).collect();
         Axis::decades("mean relative error", errors.into_iter())
     };
     let (paper_axis, converged_axis) = (errors(&rows[..1]), errors(&rows[1..]));
@@ -221,7 +224,7 @@ fn sheet(sizes: &[usize], studies: &[Vec<Study>], rows: &[Vec<Vec<Row>>]) -> She
             label: study.label.into(),
             color: study.color,
             line: study.line,
-            points: rows.iter().map(|row| [row.points as f64, row.error]).collect(),
+            points: rows.iter().map(|row| [row.side as f64, row.mean_relative_error]).collect(),
         };
         Plot {
             title,
@@ -253,13 +256,13 @@ fn converged_title(wavefront: Wavefront) -> String {
 }
 
 fn write_table(writer: &mut impl Write, rows: &[Row]) -> io::Result<()> {
-    writeln!(writer, "surface,wavefront,source,iterations,points,error")?;
-    for Row { surface, wavefront, source, iterations, points, error } in rows {
+    writeln!(writer, "surface,wavefront,source,iterations,side,mean_relative_error")?;
+    for Row { surface, wavefront, source, iterations, side, mean_relative_error: error } in rows {
         let source = match source {
             Start::Point => "point",
             Start::Disc => "disc",
         };
-        writeln!(writer, "{surface},{wavefront},{source},{iterations},{points},{error:e}")?;
+        writeln!(writer, "{surface},{wavefront},{source},{iterations},{side},{error:e}")?;
     }
     Ok(())
 }

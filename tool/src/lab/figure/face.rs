@@ -10,7 +10,7 @@ use geosweep::surface::EdgeLengths;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{DistanceMap, Engine, Options, Sources, Surface, distance_map};
 
-use crate::output::{commit, png_output, stage_picture};
+use crate::output::{commit, done, png_output, stage_picture};
 use crate::picture::{Canvas, Line, Look, MapPicture, Mark, Regions, Tile, path_line, tiled};
 use crate::terminal::{Outcome, progress};
 
@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Outcome {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    commit([stage_picture(output, || tiled(&[tiles]))?])?;
+    done([], &commit([stage_picture(output, || tiled(&[tiles]))?])?);
     Ok(ExitCode::SUCCESS)
 }
 

@@ -11,9 +11,9 @@ use geosweep::{DEFAULT_TOLERANCE, Sources, Surface, Wavefront};
 use serde::Serialize;
 
 use crate::lab::lists;
-use crate::output::{commit, png_output, stage_picture};
+use crate::output::{commit, done, png_output, stage_picture};
 use crate::picture::{Panel, Panels};
-use crate::terminal::{Outcome, print_json};
+use crate::terminal::{List, Outcome, print_json};
 
 /// The arguments of `geosweep figure maze`.
 #[derive(clap::Args)]
@@ -25,7 +25,8 @@ pub struct Args {
     /// Points a side
     #[arg(long, value_name = "N", default_value_t = 201, value_parser = lists::size)]
     size: usize,
-    /// Print one JSON array with an object per panel: iterations, converged, points, reached
+    /// Print one JSON object (docs/json.md) with stages, an array with an object per panel: iterations,
+    /// converged, points, reached
     #[arg(long)]
     json: bool,
 }
@@ -65,9 +66,9 @@ pub fn run(args: &Args) -> Outcome {
     let stages = stages(&surface, &sources)?;
     let panels: Vec<_> = stages.iter().map(Stage::panel).collect();
     let picture = Panels { surface: &surface, sources: &sources, panels: &panels };
-    commit([stage_picture(output, || picture.draw())?])?;
+    done([], &commit([stage_picture(output, || picture.draw())?])?);
     if args.json {
-        print_json(&stages)?;
+        print_json("figure maze", &List("stages", &stages))?;
     }
     Ok(ExitCode::SUCCESS)
 }

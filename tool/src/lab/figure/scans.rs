@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::output::{commit, png_output, stage_picture};
+use crate::output::{commit, done, png_output, stage_picture};
 use crate::picture::scan_figure;
 use crate::terminal::Outcome;
 
@@ -27,6 +27,6 @@ Example:
 
 pub fn run(args: &Args) -> Outcome {
     let output = png_output(&args.output)?;
-    commit([stage_picture(output, scan_figure)?])?;
+    done([], &commit([stage_picture(output, scan_figure)?])?);
     Ok(ExitCode::SUCCESS)
 }

@@ -13,7 +13,7 @@ use serde::Serialize;
 use crate::lab::lists;
 use crate::lab::publication::Publication;
 use crate::output::wanted_file;
-use crate::terminal::{Outcome, progress};
+use crate::terminal::{List, Outcome, progress};
 
 /// The arguments of `geosweep figure table-1`.
 #[derive(clap::Args)]
@@ -35,7 +35,7 @@ pub struct Args {
     /// What the table says about the machine that the times come from
     #[arg(long, value_name = "TEXT")]
     machine: Option<String>,
-    /// Print one JSON array with an object per size: vertices, distances, planar_seconds,
+    /// Print one JSON object (docs/json.md) with sizes, an array with an object per size: vertices, distances, planar_seconds,
     /// planar_spread, fast_marching_seconds, speed_up, planar_distances_per_second, point_seconds,
     /// point_spread, point_distances_per_second
     #[arg(long)]
@@ -110,7 +110,8 @@ pub fn run(args: &Args) -> Outcome {
     }
     bar.finish_and_clear();
     let markdown = Table { args, rows: &rows }.to_string();
-    Publication { markdown, output, pictures: Vec::new(), rows: &rows }.publish(args.json)
+    let (command, rows) = ("figure table-1", &List("sizes", &rows));
+    Publication { command, markdown, output, pictures: Vec::new(), rows }.publish(args.json)
 }
 
 impl Row {

@@ -12,7 +12,7 @@ use crate::lab::bench::{self, BenchSurface, Measurements, Method, Plan, Timing};
 use crate::lab::lists;
 use crate::lab::publication::Publication;
 use crate::output::wanted_file;
-use crate::terminal::{Outcome, say};
+use crate::terminal::{List, Outcome, say};
 
 /// The arguments of `geosweep figure table-2`.
 #[derive(clap::Args)]
@@ -35,7 +35,7 @@ pub struct Args {
     /// What the table says about the machine that the times come from
     #[arg(long, value_name = "TEXT")]
     machine: Option<String>,
-    /// Print one JSON array with an object per size and engine: engine, rows, cols, points,
+    /// Print one JSON object (docs/json.md) with sizes, an array with an object per size and engine: engine, rows, cols, points,
     /// iteration_seconds, iteration_spread, iteration_bytes (one planar iteration),
     /// converged_seconds, converged_spread, converged_iterations and converged_bytes (curved)
     #[arg(long)]
@@ -101,7 +101,7 @@ pub fn run(args: &Args) -> Outcome {
             methods: methods.clone(),
             device: device.clone(),
             iterations,
-            limit: Duration::from_secs(60),
+            limit: Duration::from_secs(600),
             long_enough: Duration::from_secs(1),
         })
     };
@@ -110,7 +110,8 @@ pub fn run(args: &Args) -> Outcome {
     let rows: Vec<Row> =
         once.timings.iter().zip(&converged.timings).map(|(a, b)| Row::new(a, b)).collect();
     let markdown = Table { args, measured: &once, rows: &rows }.to_string();
-    Publication { markdown, output, pictures: Vec::new(), rows: &rows }.publish(args.json)
+    let (command, rows) = ("figure table-2", &List("sizes", &rows));
+    Publication { command, markdown, output, pictures: Vec::new(), rows }.publish(args.json)
 }
 
 impl Row {

@@ -1,0 +1,307 @@
+//! Where a grid of positions is a closed surface that was cut open: fronts do not pass such a cut.
+
+use std::fmt::{self, Display, Formatter};
+
+use glam::DVec3;
+
+use super::{Chart, Geometry, Surface};
+
+/// A part of the grid's border whose points coincide with others of the border, so that the surface goes
+/// on where the grid ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seam {
+    /// Two sides of the grid coincide, point by point. Distances do not pass from one to the other.
+    Sides {
+        /// Which.
+        sides: [GridSide; 2],
+        /// Whether the first point of one is the last of the other.
+        reversed: bool,
+    },
+    /// The two halves of a side coincide, as in geometry images. Distances do not pass.
+    Fold(GridSide),
+    /// A side is a single point, as at the poles of a sphere.
+    Pole {
+        /// Which.
+        side: GridSide,
+        /// Whether its points are equal. Fronts then pass the pole, along edges of length 0. Edges of
+        /// mere rounding are refused.
+        exact: bool,
+    },
+}
+
+/// A side of the grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GridSide {
+    /// Row 0.
+    FirstRow,
+    /// The last row.
+    LastRow,
+    /// Column 0.
+    FirstColumn,
+    /// The last column.
+    LastColumn,
+}
+
+impl Display for GridSide {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::FirstRow => "first row",
+            Self::LastRow => "last row",
+            Self::FirstColumn => "first column",
+            Self::LastColumn => "last column",
+        })
+    }
+}
+
+impl Display for Seam {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sides { sides: [a, b], reversed: false } => {
+                write!(f, "its {a} and its {b} coincide")
+            }
+            Self::Sides { sides: [a, b], reversed: true } => {
+                write!(f, "its {a} and its {b} coincide in reverse order")
+            }
+            Self::Fold(side) => write!(f, "the halves of its {side} coincide"),
+            Self::Pole { side, exact: true } => write!(f, "its {side} is a single point"),
+            Self::Pole { side, exact: false } => write!(f, "its {side} is nearly a single point"),
+        }
+    }
+}
+
+/// Points coincide that are nearer than this share of the cell behind them: far less than neighbours are
+/// apart, and more than the rounding of half precision, in which geometry images are stored too.
+const COINCIDENT: f64 = 0.05;
+
+impl Surface {
+    /// Where its sides coincide, at points that are no holes. Only a surface of positions is known to be
+    /// closed; others have no seams.
+    ///
+    /// ```
+    /// use std::f64::consts::TAU;
+    /// use geosweep::Surface;
+    /// use geosweep::glam::DVec3;
+    /// // A tube whose last column is its first again.
+    /// let angle = |index: usize| TAU * (index % 17) as f64 / 16.0;
+    /// let point = |index| DVec3::new(angle(index).cos(), angle(index).sin(), (index / 17) as f64);
+    /// let tube = Surface::from_positions(9, 17, (0..9 * 17).map(point).collect())?;
+    /// assert_eq!(tube.seams()[0].to_string(), "its first column and its last column coincide");
+    /// # Ok::<(), geosweep::surface::SurfaceError>(())
+    /// ```
+    pub fn seams(&self) -> Vec<Seam> {
+        use GridSide::{FirstColumn, FirstRow, LastColumn, LastRow};
+        if !matches!(self.geometry(), Geometry::Positions(_)) {
+            return Vec::new();
+        }
+        let sides = [FirstRow, LastRow, FirstColumn, LastColumn].map(|side| Rim::new(self, side));
+        let is_line = |rim: &&Rim| rim.pole().is_none();
+        let lines: Vec<_> = sides.iter().filter(is_line).collect();
+        let mut seams: Vec<_> = sides.iter().filter_map(Rim::pole).collect();
+        for (index, a) in lines.iter().enumerate() {
+            if a.is_folded() {
+                seams.push(Seam::Fold(a.side));
+            }
+            for b in &lines[index + 1..] {
+                let reversed = [false, true].into_iter().find(|&reversed| a.is_along(b, reversed));
+                let of = |reversed| Seam::Sides { sides: [a.side, b.side], reversed };
+                seams.extend(reversed.map(of));
+            }
+        }
+        seams
+    }
+}
+
+/// The points of a side.
+struct Rim {
+    side: GridSide,
+    points: Vec<Option<RimPoint>>,
+}
+
+struct RimPoint {
+    index: usize,
+    position: DVec3,
+    /// The length of the edge that leads inwards; 0 if there is none.
+    depth: f64,
+}
+
+impl RimPoint {
+    /// Nothing for the very same point of the grid, which two sides share at a corner.
+    fn coincides(&self, other: &Self) -> Option<bool> {
+        let apart = self.position.distance(other.position);
+        let near = COINCIDENT * self.depth.max(other.depth);
+        (self.index != other.index).then_some(apart <= near)
+    }
+}
+
+impl Rim {
+    fn new(surface: &Surface, side: GridSide) -> Self {
+        let chart = surface.chart();
+        let Chart { rows, cols } = chart;
+        // The k-th point, and the one behind it.
+        let places = |k| match side {
+            GridSide::FirstRow => [(0, k), (1, k)],
+            GridSide::LastRow => [(rows - 1, k), (rows.saturating_sub(2), k)],
+            GridSide::FirstColumn => [(k, 0), (k, 1)],
+            GridSide::LastColumn => [(k, cols - 1), (k, cols.saturating_sub(2))],
+        };
+        let place =
+            |(row, col)| (row < rows && col < cols).then(|| surface.position(row, col)).flatten();
+        let point = |k| {
+            let [at, behind] = places(k);
+            let position = place(at)?;
+            let depth = place(behind).map_or(0.0, |behind| behind.distance(position));
+            Some(RimPoint { index: chart.index(at.0, at.1), position, depth })
+        };
+        let length = match side {
+            GridSide::FirstRow | GridSide::LastRow => cols,
+            GridSide::FirstColumn | GridSide::LastColumn => rows,
+        };
+        Self { side, points: (0..length).map(point).collect() }
+    }
+
+    fn pole(&self) -> Option<Seam> {
+        let mut points = self.points.iter().flatten();
+        let first = points.next()?;
+        let (mut others, mut exact) = (0, true);
+        for point in points {
+            if !first.coincides(point)? {
+                return None;
+            }
+            others += 1;
+            exact &= point.position == first.position;
+        }
+        (others >= 2).then_some(Seam::Pole { side: self.side, exact })
+    }
+
+    fn is_folded(&self) -> bool {
+        let half = self.points.len() / 2;
+        coincide(self.points.iter().zip(self.points.iter().rev()).take(half))
+    }
+
+    fn is_along(&self, other: &Self, reversed: bool) -> bool {
+        self.points.len() == other.points.len()
+            && match reversed {
+                false => coincide(self.points.iter().zip(&other.points)),
+                true => coincide(self.points.iter().zip(other.points.iter().rev())),
+            }
+    }
+}
+
+/// Whether two pairs and more are there, and all of them coincide.
+fn coincide<'a>(pairs: impl Iterator<Item = (&'a Option<RimPoint>, &'a Option<RimPoint>)>) -> bool {
+    let known = pairs.filter_map(|(a, b)| a.as_ref()?.coincides(b.as_ref()?));
+    let mut count = 0;
+    known.inspect(|_| count += 1).all(|coincides| coincides) && count >= 2
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{PI, TAU};
+
+    use super::*;
+    use crate::surface::Spacing;
+    use crate::surface::builtin::Builtin;
+
+    fn surface(rows: usize, cols: usize, at: impl Fn(f64, f64) -> DVec3) -> Surface {
+        let point = |index| {
+            let (row, col) = Chart { rows, cols }.position(index);
+            at(row as f64 / (rows - 1) as f64, col as f64 / (cols - 1) as f64)
+        };
+        Surface::from_positions(rows, cols, (0..rows * cols).map(point).collect()).unwrap()
+    }
+
+    fn names(surface: &Surface) -> Vec<String> {
+        surface.seams().iter().map(Seam::to_string).collect()
+    }
+
+    fn tube(turns: f64) -> Surface {
+        surface(9, 33, |v, u| DVec3::new((turns * TAU * u).cos(), (turns * TAU * u).sin(), 3.0 * v))
+    }
+
+    #[test]
+    fn a_tube_is_closed_where_its_columns_coincide() {
+        assert_eq!(names(&tube(1.0)), ["its first column and its last column coincide"]);
+        // One column more or less is a gap, or an overlap, of the surface.
+        assert!(tube(32.0 / 33.0).seams().is_empty());
+        assert!(tube(33.0 / 32.0).seams().is_empty());
+        // Rounded to half precision it is closed still.
+        let half = |x: f64| (1024.0 * x).round() / 1024.0;
+        let rough = surface(9, 33, |v, u| {
+            DVec3::new(half((TAU * u + 2e-4).cos()), half((TAU * u - 2e-4).sin()), 3.0 * v)
+        });
+        assert_eq!(rough.seams().len(), 1);
+        // Without one of both columns it is open.
+        let mask: Vec<_> = (0..9 * 33).map(|index| index % 33 != 32).collect();
+        assert!(tube(1.0).with_mask(&mask).unwrap().seams().is_empty());
+    }
+
+    #[test]
+    fn a_moebius_strip_and_a_torus_are_closed() {
+        let moebius = surface(9, 65, |v, u| {
+            let (half_turn, across) = (PI * u, v - 0.5);
+            let radius = 2.0 + across * half_turn.cos();
+            DVec3::new(radius * (TAU * u).cos(), radius * (TAU * u).sin(), across * half_turn.sin())
+        });
+        assert_eq!(
+            names(&moebius),
+            ["its first column and its last column coincide in reverse order"]
+        );
+        let torus = surface(17, 33, |v, u| {
+            let radius = 2.0 + (TAU * v).cos();
+            DVec3::new(radius * (TAU * u).cos(), radius * (TAU * u).sin(), (TAU * v).sin())
+        });
+        let closed = [
+            "its first row and its last row coincide",
+            "its first column and its last column coincide",
+        ];
+        assert_eq!(names(&torus), closed);
+    }
+
+    #[test]
+    fn a_ball_has_poles() {
+        // The sine of a half turn is no 0 in double precision.
+        let ball = |sin: fn(f64) -> f64| {
+            surface(17, 33, move |v, u| {
+                let (radius, around) = (sin(PI * v), TAU * u);
+                DVec3::new(radius * around.cos(), radius * around.sin(), (PI * v).cos())
+            })
+        };
+        let seam = "its first column and its last column coincide";
+        let [north, south] = ["its first row is a single point", "its last row is a single point"];
+        let nearly = "its last row is nearly a single point";
+        assert_eq!(names(&ball(f64::sin)), [north, nearly, seam]);
+        let exact = |x: f64| if x == PI { 0.0 } else { x.sin() };
+        assert_eq!(names(&ball(exact)), [north, south, seam]);
+    }
+
+    /// A square folded to a bag: a geometry image of a closed surface has such sides.
+    #[test]
+    fn the_halves_of_a_folded_side_coincide() {
+        let bag =
+            surface(9, 17, |v, u| DVec3::new((TAU * u).cos() * (1.0 - v), v, (TAU * u).sin() * v));
+        // Rows: at v = 0 the ends of a line run there and back.
+        assert_eq!(bag.seams()[0], Seam::Fold(GridSide::FirstRow));
+    }
+
+    #[test]
+    fn open_surfaces_have_no_seams() {
+        for builtin in Builtin::ALL {
+            let surface = builtin.surface(33, 33).unwrap();
+            assert!(surface.seams().is_empty(), "{builtin}: {:?}", names(&surface));
+        }
+        let flat = Surface::from_heights(5, 5, vec![0.0; 25], Spacing::square(1.0)).unwrap();
+        assert!(flat.seams().is_empty());
+        for (rows, cols) in [(1, 1), (1, 9), (9, 1), (2, 2), (2, 9)] {
+            let strip = surface_of(rows, cols);
+            assert!(strip.seams().is_empty(), "{rows} x {cols}: {:?}", names(&strip));
+        }
+    }
+
+    fn surface_of(rows: usize, cols: usize) -> Surface {
+        let point = |index| {
+            let (row, col) = Chart { rows, cols }.position(index);
+            DVec3::new(col as f64, row as f64, 0.0)
+        };
+        Surface::from_positions(rows, cols, (0..rows * cols).map(point).collect()).unwrap()
+    }
+}
