@@ -28,7 +28,7 @@ fn the_header_compiles_in_c_and_cpp() {
     let guide = read("docs/embedding.md");
     let [deleters] = blocks(&guide, "cpp")[..] else { panic!("one block of C++ is in the guide") };
     let in_c = blocks(&guide, "c");
-    let [_, curves] = in_c[..] else { panic!("a frame and its curves are in the guide, in C") };
+    let [frame, curves] = in_c[..] else { panic!("a frame and its curves are in the guide, in C") };
     let with_deleters = format!("#include <memory>\n{twice}{deleters}");
     let with_curves = format!(
         "{twice}void record(GeosweepSurface *surface, VkCommandBuffer commands, \
@@ -36,14 +36,23 @@ fn the_header_compiles_in_c_and_cpp() {
          void record(GeosweepSurface *surface, VkCommandBuffer commands, GeosweepFrame frame) \
          {{\n{curves}}}\n"
     );
-    for (name, source) in [
-        ("twice.c", twice),
-        ("twice.cpp", twice),
-        ("deleters.cpp", &with_deleters),
-        ("curves.c", &with_curves),
+    let renderer = "VkInstance instance, VkPhysicalDevice physical_device, VkDevice device, \
+                    VkBuffer vertices, VkCommandBuffer load_commands, VkCommandBuffer commands, \
+                    GeosweepSolver *solver, GeosweepSurface *surface, GeosweepPlan *plan, \
+                    GeosweepImage distances";
+    let with_frame =
+        format!("{twice}void frame({renderer});\nvoid frame({renderer}) {{\n{frame}}}\n");
+    for (name, standard, source) in [
+        ("twice.c", "c99", twice),
+        ("twice.cpp", "c++11", twice),
+        ("deleters.cpp", "c++11", &with_deleters),
+        ("frame.c", "c99", &with_frame),
+        ("frame.cpp", "c++20", &with_frame),
+        ("curves.c", "c99", &with_curves),
+        ("curves.cpp", "c++20", &with_curves),
     ] {
         fs::write(folder.join(name), source).unwrap();
-        check_syntax(&folder.join(name));
+        check_syntax(&folder.join(name), standard);
     }
 }
 

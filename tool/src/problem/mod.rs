@@ -76,8 +76,11 @@ pub fn done_with_map(scene: &Scene, report: &Report, written: &Written) {
         None => engine,
     };
     let points = match points - reached {
-        0 => format!("{points} points, all reached"),
-        unreached => format!("{points} points, {unreached} of them cannot be reached"),
+        0 => format!("{}, all reached", counted(*points as u64, "point")),
+        unreached if report.converged => {
+            format!("{points} points, {unreached} of them cannot be reached")
+        }
+        unreached => format!("{points} points, {unreached} of them not reached yet"),
     };
     let iterations = match report.engine {
         "fast-marching" => "one pass".into(),
@@ -85,10 +88,16 @@ pub fn done_with_map(scene: &Scene, report: &Report, written: &Written) {
     };
     let time = seconds(report.solve_time);
     let largest = match max_distance.is_finite() {
-        true => format!("largest {} {max_distance:.6}", scene.quantity(scene.unit)),
+        true => format!("largest {} {}", scene.quantity(scene.unit), seven_digits(*max_distance)),
         false => "no distance".into(),
     };
     done([engine, points, format!("{iterations} in {time}"), largest], written);
+}
+
+/// As many as single precision has.
+fn seven_digits(number: f64) -> String {
+    let before = number.abs().max(1.0).log10().floor() as usize;
+    format!("{number:.*}", 6usize.saturating_sub(before))
 }
 
 /// How a map has come to its end.

@@ -204,17 +204,14 @@ fn warn_of_seams(seams: &[Seam]) {
         return;
     }
     let names = seams.iter().map(Seam::to_string).collect::<Vec<_>>().join(", ");
-    let is_pole = |seam: &Seam| matches!(seam, Seam::Pole { .. });
-    let of_cuts = "; no path crosses such a seam yet: roll the grid until the seam is far from the sources, \
-                   or repeat the grid side by side with a source in each copy, or take one of two equal \
-                   lines out by --mask";
-    let of_poles =
-        "; the points of a pole must be equal to the last bit, or all but one of them masked";
-    let cuts = if seams.iter().all(is_pole) { "" } else { of_cuts };
-    let poles = if seams.iter().any(|seam| matches!(seam, Seam::Pole { exact: false, .. })) {
-        of_poles
-    } else {
-        ""
-    };
-    say("warning", format_args!("the surface is closed: {names}{cuts}{poles}"));
+    let mut said = format!("the surface is closed: {names}");
+    if seams.iter().any(|seam| !matches!(seam, Seam::Pole { .. })) {
+        said += ". No path crosses such a seam yet: roll the grid so that it lies far from the sources, or \
+                 repeat the grid side by side with a source in each copy; --mask takes out one of two \
+                 equal lines";
+    }
+    if seams.iter().any(|seam| matches!(seam, Seam::Pole { exact: false, .. })) {
+        said += ". Points of a pole must be equal to the last digit, or all but one of them masked";
+    }
+    say("warning", said);
 }

@@ -554,7 +554,7 @@ fn a_closed_surface_is_not_silently_cut_open() {
     let said = notes(&output);
     let seam = "its first column and its last column coincide";
     assert_eq!(json(&output)["seams"], serde_json::json!([seam]));
-    for part in ["geosweep: warning: the surface is closed: ", seam, "no path crosses", "--mask"] {
+    for part in ["geosweep: warning: the surface is closed: ", seam, "No path crosses", "--mask"] {
         assert!(said.contains(part), "`{part}` is missing in: {said}");
     }
     assert_eq!(said.lines().count(), 1, "{said}");

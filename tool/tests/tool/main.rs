@@ -2,8 +2,11 @@
 
 mod bench;
 mod canonical;
+mod committed;
 mod contours;
 mod distance;
+#[cfg(unix)]
+mod documentation;
 mod estimate;
 mod figures;
 mod formats;

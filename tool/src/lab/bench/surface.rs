@@ -19,8 +19,7 @@ pub enum BenchSurface {
 }
 
 const TERRAIN: &str = "terrain";
-const ELEVATIONS: &[u8] =
-    include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/data/jacksboro.png"));
+const ELEVATIONS: &[u8] = include_bytes!("../../../data/jacksboro.png");
 /// See examples/data/README.md.
 const ELEVATION_SPACING: Spacing = Spacing { dx: 74.573, dy: 92.475 };
 

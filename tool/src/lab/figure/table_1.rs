@@ -178,6 +178,8 @@ impl Display for Table<'_> {
         writeln!(
             f,
             "\
+# Table 1: time of all pairs
+
 All distances between the points of a grid on the {surface}, in seconds{machine},
 {threads} threads, {instructions}: medians of {runs} runs and half the distance of their quartiles. Raster
 scan: one iteration, planar wavefront. Point-source: the same with circular wavefronts until

@@ -153,6 +153,8 @@ impl Display for Table<'_> {
         writeln!(
             f,
             "\
+# Table 2: time and memory of single maps
+
 Distances from one point of the {} to all others, in milliseconds{machine}{device}: medians, and
 half the distance of the quartiles. One iteration: four raster scans with the planar wavefront, as in
 the paper. Converged: with the curved wavefront, as many iterations as it takes (in brackets).

@@ -1,0 +1,77 @@
+//! Committed figures that do not depend on the machine are those of this engine: errors, iterations, bytes.
+//! `ci/figures` makes them anew.
+
+use serde_json::Value;
+
+use crate::workbench::{Workbench, json, run};
+
+const ACCURACY: &str = include_str!("../../../docs/accuracy.md");
+const TABLE_2: &str = include_str!("../../../docs/figures/table-2.md");
+
+/// The cells of a Markdown table's line.
+fn cells(line: &str) -> Vec<&str> {
+    line.trim_matches('|').split('|').map(str::trim).collect()
+}
+
+/// Rounding differs from one mathematical library to another, in which built-in surfaces are made.
+fn is_same(found: f64, committed: f64) -> bool {
+    (found - committed).abs() <= 0.02 * committed.max(1e-6)
+}
+
+#[test]
+fn committed_errors_are_those_of_this_engine() {
+    let bench = Workbench::new();
+    let report = json(&run(&bench, "accuracy --sizes 33,65,129 --json"));
+    let maps = report["maps"].as_array().unwrap();
+    let mut compared = 0;
+    for of_surface in ACCURACY.split("\n## ").skip(1) {
+        let surface = of_surface.lines().next().unwrap();
+        for line in of_surface.lines().filter(|line| line.starts_with('|')) {
+            let [wavefront, side, mean, rms, max, _, iterations, _] = cells(line)[..] else {
+                continue;
+            };
+            let is_meant = |map: &&Value| {
+                map["surface"] == surface
+                    && map["wavefront"] == wavefront
+                    && map["side"].to_string() == side
+            };
+            let Some(map) = maps.iter().find(is_meant) else { continue };
+            let committed = [mean, rms, max].map(|text| text.parse::<f64>().unwrap());
+            let names = ["mean_relative_error", "rms_relative_error", "max_relative_error"];
+            for (name, committed) in names.into_iter().zip(committed) {
+                let found = map[name].as_f64().unwrap();
+                assert!(
+                    is_same(found, committed),
+                    "{surface}, {wavefront}, {side}: {name} is {found:e}, docs/accuracy.md has \
+                     {committed:e}; run ci/figures"
+                );
+            }
+            assert_eq!(map["iterations"].to_string(), iterations, "{surface}, {wavefront}, {side}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, maps.len());
+}
+
+#[test]
+fn committed_memory_and_iterations_are_those_of_this_engine() {
+    let bench = Workbench::new();
+    let report = json(&run(&bench, "figure table-2 --sizes 150,400 --json"));
+    let mut compared = 0;
+    for size in report["sizes"].as_array().unwrap().iter().filter(|size| size["engine"] == "cpu") {
+        let points = format!("{} x {}", size["rows"], size["cols"]);
+        let line =
+            TABLE_2.lines().map(cells).find(|line| line[0] == points && line[1] == "cpu").unwrap();
+        let megabytes = |name: &str| format!("{:.1}", 1e-6 * size[name].as_f64().unwrap());
+        assert_eq!(megabytes("iteration_bytes"), line[3], "{points}; run ci/figures");
+        assert_eq!(megabytes("converged_bytes"), line[6], "{points}; run ci/figures");
+        let iterations = format!("({})", size["converged_iterations"]);
+        assert!(
+            line[5].ends_with(&iterations),
+            "{points}: {iterations}, {}; run ci/figures",
+            line[5]
+        );
+        compared += 1;
+    }
+    assert_eq!(compared, 2);
+}
