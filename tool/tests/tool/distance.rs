@@ -532,7 +532,7 @@ fn without_arguments_there_is_help_and_no_error() {
         let output = bench.run(words);
         let help = String::from_utf8(output.stdout.clone()).unwrap();
         assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
-        assert!(help.contains("Usage: geosweep") && !help.contains("error"), "{help}");
+        assert!(help.contains("Usage: geosweep") && !help.contains("error:"), "{help}");
     }
 }
 

@@ -84,7 +84,7 @@ fn with_any_time(text: &str) -> String {
 /// What README makes with three lines of Python.
 fn hills() -> Vec<u8> {
     let x = |index: usize| 6.0 * index as f64 / 299.0;
-    let height = |index| x(index / 300).sin() * x(index % 300).cos();
+    let height = |index: usize| x(index / 300).sin() * x(index % 300).cos();
     let mut bytes = Vec::new();
     write_npy(&mut bytes, &[300, 300], &(0..300 * 300).map(height).collect::<Vec<_>>()).unwrap();
     bytes
@@ -161,7 +161,7 @@ fn every_command_of_the_documentation_is_run() {
     assert!(commands >= 15, "{commands} commands are few");
     // RenderDoc's launcher is not on every machine.
     let not_run = others.iter().filter(|line| {
-        line.contains("geosweep ") && !line.contains("RENDERDOC") && !line.contains("--renderdoc")
+        line.contains(": geosweep ") && !line.contains("RENDERDOC") && !line.contains("--renderdoc")
     });
     assert_eq!(not_run.collect::<Vec<_>>(), Vec::<&String>::new(), "these are not run");
 }

@@ -231,7 +231,7 @@ fn a_report_for_nobody_in_particular_goes_to_standard_output() {
     let output = bench.run(words(line));
     let report = String::from_utf8(output.stdout.clone()).unwrap();
     assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
-    let command = "geosweep accuracy --sizes 9 --engine cpu --surfaces sheared-plane@30,sphere \\
+    let command = "accuracy --sizes 9 --engine cpu --surfaces sheared-plane@30,sphere \
                    --wavefronts planar`";
     assert!(report.contains(command), "{report}");
     assert!(report.contains("\n## sheared-plane@30\n") && report.contains("\n## sphere\n"));
@@ -243,8 +243,7 @@ fn a_report_for_nobody_in_particular_goes_to_standard_output() {
 fn wrong_arguments_are_refused() {
     let bench = Workbench::new();
     for (line, parts) in [
-        ("figure", &["convergence", "maze"][..]),
-        ("figure convergence", &["--output"]),
+        ("figure convergence", &["--output"][..]),
         ("figure convergence -o figure.jpg", &["figure.jpg", ".png"]),
         ("figure convergence -o missing/figure.png", &["missing", "no folder"]),
         ("figure convergence -o figure.png --csv table.txt", &["table.txt", ".csv"]),
