@@ -7,7 +7,8 @@ fn every_schedule_gives_the_same_map() {
     let bench = Workbench::new();
     let map = |schedule: &str| {
         let line = format!(
-            "distance builtin:maze:61x67 --source 0,0 --schedule {schedule} -o {schedule}.npy --json"
+            "distance builtin:maze:61x67 --source 0,0 --engine vulkan --schedule {schedule} \
+             -o {schedule}.npy --json"
         );
         json(&run(&bench, &line))["schedule"].as_str().unwrap().to_owned()
     };

@@ -33,7 +33,7 @@ fn committed_errors_are_those_of_this_engine() {
             let is_meant = |map: &&Value| {
                 map["surface"] == surface
                     && map["wavefront"] == wavefront
-                    && map["side"].to_string() == side
+                    && map["side"].as_u64() == side.parse().ok()
             };
             let Some(map) = maps.iter().find(is_meant) else { continue };
             let committed = [mean, rms, max].map(|text| text.parse::<f64>().unwrap());
