@@ -28,7 +28,7 @@ void note_change(uint change) {
     atomicMax(maps[gl_WorkGroupID.z].residual, change);
 }
 
-void note_moved(uint moved, uint beside_holes, ivec2 texel) {}
+void note_moved(uint moved, uint further, ivec2 texel) {}
 
 bool passes(ivec2 point, ivec2 ahead) {
     if (maps[gl_WorkGroupID.z].iterations > 0u) return true;

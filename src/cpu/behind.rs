@@ -26,6 +26,11 @@ impl Behind {
         &self.triangles
     }
 
+    /// Their bits in what [`EdgeLengths::obtuse_triangles`] tells of a point.
+    pub(super) fn bits(&self) -> u8 {
+        self.triangles.iter().fold(0, |bits, triangle| bits | triangle.bit())
+    }
+
     /// The second of the neighbours.
     pub(super) fn middle(&self) -> Direction {
         self.middle
@@ -52,6 +57,8 @@ impl Behind {
 /// Where a triangle's two other corners and its edges lie, seen from its point x0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleSlots {
+    /// Those of x1 and x2.
+    directions: [Direction; 2],
     /// Which of x1 and x2 is the neighbour along an axis of the grid; the other is one across a diagonal.
     axis: usize,
     x1: isize,
@@ -68,6 +75,7 @@ impl TriangleSlots {
         let base = if is_counter_clockwise { first.base() } else { second.base().opposite() };
         let (down, right) = first.step();
         Self {
+            directions: [first, second],
             axis: usize::from(down * right != 0),
             x1: chart.offset(first),
             x2: chart.offset(second),
@@ -75,6 +83,18 @@ impl TriangleSlots {
             l2: EdgeSlot::new(chart, 0, second),
             c: EdgeSlot::new(chart, chart.offset(first), base),
         }
+    }
+
+    /// The directions of its two other corners.
+    pub(super) fn directions(&self) -> [Direction; 2] {
+        self.directions
+    }
+
+    /// Its bit in what [`EdgeLengths::obtuse_triangles`] tells of a point.
+    pub(super) fn bit(&self) -> u8 {
+        let [first, second] = self.directions;
+        let clockwise = if first.next() == second { first } else { second };
+        1 << clockwise as u8
     }
 
     /// The two other corners of a point's triangle.

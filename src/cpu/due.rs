@@ -39,7 +39,9 @@ pub(super) fn find_due<'a, R: Real, K: FrontKind<'a, R>>(
                     let first = chart.bordered(row, cols.start);
                     let stretch = before.stretch(behind, first, cols.len());
                     let (before, stride) = (&before, chart.stride() as isize);
-                    let look = Look::<R, K> { kind, before, first, stretch, stride, how, due };
+                    let obtuse = before.edges.obtuse_triangles().filter(|_| K::NEEDS_EDGES);
+                    let obtuse = obtuse.map(|bits| (&bits[first..][..cols.len()], behind.bits()));
+                    let look = Look::<R, K> { kind, before, first, stretch, obtuse, stride, how, due };
                     how.instructions.run(look);
                 }
             }
@@ -68,6 +70,8 @@ struct Look<'l, 'a, R: Real, K: FrontKind<'a, R>> {
     /// The first point.
     first: usize,
     stretch: Stretch<'l, R, K::Carried, K::Ground>,
+    /// Which of their triangles are obtuse, if any are, and the bits of those of the scan.
+    obtuse: Option<(&'l [u8], u8)>,
     /// From here to the next row.
     stride: isize,
     how: How,
@@ -79,20 +83,30 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Work for Look<'_, 'a, R, K> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { kind, before, first, stretch, stride, how, due } = self;
+        let Self { kind, before, first, stretch, obtuse, stride, how, due } = self;
         let points = stretch.times.len();
         for (tile, due) in due.iter_mut().enumerate() {
             prefetch_next_row(&stretch, stride, tile * TILE, K::NEEDS_EDGES);
             if *due & how.scan.bit() != 0 {
                 continue;
             }
+            // What comes from beyond the neighbours is not seen here.
+            let is_split = |start: usize, points: usize| {
+                obtuse.is_some_and(|(obtuse, of_scan)| {
+                    obtuse[start..][..points].iter().any(|bits| bits & of_scan != 0)
+                })
+            };
             // As updates stretch: the last one overlaps the one before.
             let leaves = match points.checked_sub(TILE) {
                 Some(last) => {
                     let start = (tile * TILE).min(last);
-                    kind.leaves(before, first + start, stretch.part(start, TILE), TILE, how)
+                    !is_split(start, TILE)
+                        && kind.leaves(before, first + start, stretch.part(start, TILE), TILE, how)
                 }
-                None => kind.leaves(before, first, stretch.part(0, points), points, how),
+                None => {
+                    !is_split(0, points)
+                        && kind.leaves(before, first, stretch.part(0, points), points, how)
+                }
             };
             if !leaves {
                 *due |= how.scan.bit();

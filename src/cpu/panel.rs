@@ -127,7 +127,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
             ground: &self.ground[held],
             edges: [next, up, up_next, up_previous],
             place: LinesInGrid {
-                chart,
+                edges: grid.edges,
                 first: self.first,
                 beyond: Some((rows.start + 1..rows.end + 1, times, carried)),
             },

@@ -106,7 +106,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> ScanCopy<R, C, G> {
             carried: &mut self.carried,
             ground: grid.ground,
             edges: grid.edges.planes(),
-            place: LinesInGrid { chart, first: 0, beyond: None },
+            place: LinesInGrid { edges: grid.edges, first: 0, beyond: None },
         };
         in_order(rows, how.scan, |row| kind.update(&mut lines, row + 1, &cols, how, changed))
     }

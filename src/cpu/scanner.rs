@@ -48,6 +48,10 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         let copy = || ScanCopy::new(chart, &tiles, K::NEEDS_EDGES);
         // Each by the thread that will use it.
         let copies = rayon::join(copy, copy).into();
+        if K::NEEDS_EDGES {
+            // Here, and not first by the threads of a scan, which would wait for one another.
+            edges.obtuse_triangles();
+        }
         let carries_nothing = size_of::<K::Carried>() == 0;
         let keeps_edges = carries_nothing && chart.points() >= TRANSPOSED_FROM;
         Self {

@@ -12,6 +12,7 @@ use super::even_grid::EvenGrid;
 use super::measure::{LONGEST_EDGE, RowBends, SHORTEST_EDGE};
 use super::points::Row;
 use super::real::Real;
+use super::unfold::ObtuseTriangles;
 use super::{Surface, SurfaceError};
 
 /// Rows that are measured together, so that each row's points and bends serve the next.
@@ -34,6 +35,8 @@ pub struct EdgeLengths<R> {
     floor: Option<EvenGrid>,
     /// See `gaussian_curvature.rs`; empty until it is asked for.
     pub(super) gaussian_curvature: OnceLock<Vec<R>>,
+    /// See `unfold.rs`.
+    pub(super) obtuse: ObtuseTriangles,
 }
 
 impl<R: Real> EdgeLengths<R> {
@@ -71,7 +74,7 @@ impl<R: Real> EdgeLengths<R> {
                 })
             })?;
         let (rule, floor) = (surface.edge_rule(), surface.floor());
-        Ok(Self { chart, lengths, rule, floor, gaussian_curvature: OnceLock::new() })
+        Ok(Self { chart, lengths, rule, floor, gaussian_curvature: OnceLock::new(), obtuse: Default::default() })
     }
 
     /// The edges between the points of a part of the grid.
@@ -94,7 +97,7 @@ impl<R: Real> EdgeLengths<R> {
             }
         }
         let (rule, floor) = (self.rule, self.floor);
-        Self { chart, lengths, rule, floor, gaussian_curvature: OnceLock::new() }
+        Self { chart, lengths, rule, floor, gaussian_curvature: OnceLock::new(), obtuse: Default::default() }
     }
 
     /// The grid's size.
@@ -125,7 +128,7 @@ impl<R: Real> EdgeLengths<R> {
     pub fn bytes(&self) -> usize {
         let curvature = self.gaussian_curvature.get().map(Vec::as_slice);
         let planes = self.lengths.iter().map(Vec::as_slice).chain(curvature);
-        planes.map(std::mem::size_of_val).sum()
+        planes.map(std::mem::size_of_val).sum::<usize>() + self.obtuse.bytes()
     }
 
     #[inline]

@@ -21,6 +21,7 @@ mod real;
 mod refine;
 mod sources;
 mod tag;
+mod unfold;
 mod window;
 
 pub use arc::EdgeRule;
@@ -41,6 +42,7 @@ pub(crate) use real::{max, min, relative_change};
 pub(crate) use sources::with_diagonals;
 pub use sources::{Seed, Source, SourceError, Sources};
 pub(crate) use tag::{TAG, Tagged};
+pub(crate) use unfold::is_obtuse;
 
 use std::sync::OnceLock;
 

@@ -3,6 +3,7 @@
 
 use super::behind;
 use crate::Stop;
+use crate::constants::SPLIT_REACH;
 use crate::cpu::fronts::{FrontKind, for_kind};
 use crate::cpu::point_fronts::PointFronts;
 use crate::cpu::{Progress, Solution};
@@ -101,14 +102,16 @@ impl Due {
             if by != Some(scan) {
                 self.blocks[scan][block] = true;
             }
-            // The last line of the block in the order of the scan is read by the next.
+            // The last lines of the block in the order of the scan are seen by those ahead.
             let forward = scan % 2 == 0;
-            let ahead = if forward { block + 1 } else { block.wrapping_sub(1) };
-            let last = if forward { self.lines - 1 } else { 0 };
-            if line == last
-                && let Some(due) = self.blocks[scan].get_mut(ahead)
-            {
-                *due = true;
+            let after = if forward { self.lines - 1 - line } else { line };
+            let reach = (SPLIT_REACH as usize).div_ceil(2);
+            for blocks in (1..).take_while(|blocks| after + (blocks - 1) * self.lines < reach) {
+                let ahead =
+                    if forward { block.checked_add(blocks) } else { block.checked_sub(blocks) };
+                if let Some(due) = ahead.and_then(|ahead| self.blocks[scan].get_mut(ahead)) {
+                    *due = true;
+                }
             }
         }
     }

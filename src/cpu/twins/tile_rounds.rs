@@ -2,7 +2,7 @@
 
 use super::behind;
 use crate::Stop;
-use crate::constants::PATIENCE;
+use crate::constants::{PATIENCE, SPLIT_REACH};
 use crate::cpu::Solution;
 use crate::cpu::behind::Behind;
 use crate::cpu::fronts::{FrontKind, for_kind};
@@ -223,7 +223,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
         change
     }
 
-    /// The tiles that see a point of a tile.
+    /// The tiles that may see a point of a tile.
     fn beside(
         &self,
         (row, col): (usize, usize),
@@ -232,9 +232,10 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
     ) -> Vec<(usize, usize)> {
         let side = self.rounds.tile;
         let count = (self.chart.rows.div_ceil(side), self.chart.cols.div_ceil(side));
+        let reach = SPLIT_REACH as usize;
         let steps = |at: usize| match at {
-            0 => vec![-1, 0],
-            last if last + 1 == side => vec![0, 1],
+            first if first < reach => vec![-1, 0],
+            last if last + reach >= side => vec![0, 1],
             _ => vec![0],
         };
         let (down, right) = (steps(row - first.0), steps(col - first.1));
