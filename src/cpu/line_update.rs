@@ -4,7 +4,8 @@
 //! is a matter of the front (`fronts/`).
 
 use super::Instructions;
-use super::tiles::{Scan, TILE};
+use super::scan::Scan;
+use super::tiles::TILE;
 use crate::lanes::Work;
 
 /// How points are updated: a scan `renews` fronts that it has brought before, or not.

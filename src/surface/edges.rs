@@ -84,7 +84,7 @@ impl<R: Real> EdgeLengths<R> {
         for ((to, window), whole) in STORED.into_iter().zip(&mut lengths).zip(self.planes()) {
             for line in 0..chart.rows {
                 let first = self.chart.bordered(row + line, col);
-                let window = &mut window[chart.bordered(line, 0)..][..chart.cols];
+                let window = chart.row_of_mut(window, line);
                 window.copy_from_slice(&whole[first..][..chart.cols]);
                 for (at, length) in window.iter_mut().enumerate() {
                     if chart.neighbour(line, at, to).is_none() {
