@@ -173,6 +173,7 @@ impl Corner<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::Block;
     use crate::surface::builtin::Builtin;
 
     #[test]
@@ -189,7 +190,7 @@ mod tests {
         let surface = Builtin::ShearedPlane { degrees: 60.0 }.surface(9, 9).unwrap();
         let split = Connections::<f64>::split(&surface).unwrap();
         let chart = surface.chart();
-        let inside = chart.around((4, 4), 3);
+        let inside = Block { rows: 1..8, cols: 2..7 };
         for point in inside.places().map(|(row, col)| chart.bordered(row, col)) {
             let own = split.triangles.iter().filter(|triangle| triangle.x0 == point);
             assert_eq!(own.count(), 4);

@@ -81,7 +81,7 @@ impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
         let Some((rows, times, carried)) = beyond else {
             return Kept { time: self.times[point], carried: self.carried[point] };
         };
-        let (row, col) = chart.from_border(point);
+        let (row, col) = chart.entry(point);
         let lines = self.times.len() / self.stride;
         match col.checked_sub(*first) {
             Some(line) if line < lines && rows.contains(&row) => {

@@ -26,19 +26,19 @@ impl Chart {
 
     /// Row and column of a grid point, given its index in a bordered array.
     pub(crate) const fn bordered_position(self, point: usize) -> (usize, usize) {
-        let (row, col) = self.from_border(point);
+        let (row, col) = self.entry(point);
         (row - 1, col - 1)
     }
 
     /// Row and column of a point of a bordered array, counted from the border's, which it may be one of.
     #[inline(always)]
-    pub(crate) const fn from_border(self, point: usize) -> (usize, usize) {
+    pub(crate) const fn entry(self, point: usize) -> (usize, usize) {
         (point / self.stride(), point % self.stride())
     }
 
     /// Row and column of a point of a bordered array, which may be one of the border.
     pub(crate) fn bordered_place(self, point: usize) -> DVec2 {
-        let (row, col) = self.from_border(point);
+        let (row, col) = self.entry(point);
         DVec2::new(row as f64 - 1.0, col as f64 - 1.0)
     }
 
@@ -143,7 +143,7 @@ impl Chart {
     /// Whether a point of a bordered array lies in a block or its halo.
     #[cfg(any(test, feature = "twins"))]
     pub(crate) fn is_near(self, block: &Block, point: usize) -> bool {
-        let (row, col) = self.from_border(point);
+        let (row, col) = self.entry(point);
         let near = |lines: &Range<usize>, at: usize| (lines.start..lines.end + 2).contains(&at);
         near(&block.rows, row) && near(&block.cols, col)
     }
