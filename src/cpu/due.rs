@@ -16,7 +16,7 @@ use super::line_update::How;
 use super::scan::Scan;
 use super::stretch::{Before, Stretch, prefetch_next_row};
 use super::tiles::{TILE, Tiles};
-use crate::lanes::Work;
+use crate::lanes::Loop;
 use crate::surface::{Direction, Real};
 
 /// Finds the tiles in which two scans have something to do; returns how many points were looked
@@ -76,7 +76,7 @@ struct Look<'l, 'a, R: Real, K: FrontKind<'a, R>> {
     due: &'l mut [u8],
 }
 
-impl<'a, R: Real, K: FrontKind<'a, R>> Work for Look<'_, 'a, R, K> {
+impl<'a, R: Real, K: FrontKind<'a, R>> Loop for Look<'_, 'a, R, K> {
     type Output = ();
 
     #[inline(always)]

@@ -9,7 +9,7 @@ use super::fronts::FrontKind;
 use super::scan::Scan;
 use super::scan_copy::ScanCopy;
 use super::tiles::{TILE, Tiles};
-use crate::lanes::Work;
+use crate::lanes::Loop;
 use crate::surface::{Chart, Real};
 use crate::update::{Carried, Kept};
 
@@ -81,7 +81,7 @@ struct Merge<'l, 'a, R: Real, K: FrontKind<'a, R>> {
     scans: [Scan; 2],
 }
 
-impl<'a, R: Real, K: FrontKind<'a, R>> Work for Merge<'_, 'a, R, K> {
+impl<'a, R: Real, K: FrontKind<'a, R>> Loop for Merge<'_, 'a, R, K> {
     type Output = ();
 
     #[inline(always)]

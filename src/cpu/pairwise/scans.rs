@@ -9,7 +9,7 @@ use super::outward::Passing;
 use super::pending::SCANS;
 use crate::cpu::scan::Scan;
 use crate::cpu::{Instructions, Progress};
-use crate::lanes::Work;
+use crate::lanes::Loop;
 use crate::surface::{Chart, EdgeLengths};
 use crate::{Convergence, Stop};
 
@@ -174,7 +174,7 @@ struct MarkedLine<'a, K: Kernel> {
 /// marked that have changed, and returns the largest change.
 struct Visit<'a, K: Kernel, const TRACKS: bool, const ALL: bool>(MarkedLine<'a, K>);
 
-impl<K: Kernel, const TRACKS: bool, const ALL: bool> Work for Visit<'_, K, TRACKS, ALL> {
+impl<K: Kernel, const TRACKS: bool, const ALL: bool> Loop for Visit<'_, K, TRACKS, ALL> {
     type Output = u32;
 
     #[inline(always)]

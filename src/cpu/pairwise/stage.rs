@@ -4,7 +4,7 @@ use super::kernel::{LANES, Lanes};
 use crate::cpu::Instructions;
 use crate::cpu::stream::stream;
 use crate::cpu::transpose::{Turned, transpose};
-use crate::lanes::Work;
+use crate::lanes::Loop;
 use crate::surface::Chart;
 
 /// Where some rows of the grid become parts of the matrix's rows, on their way to memory.
@@ -68,7 +68,7 @@ fn band(chart: Chart) -> usize {
 
 struct Clear<'a>(&'a mut [Lanes]);
 
-impl Work for Clear<'_> {
+impl Loop for Clear<'_> {
     type Output = ();
 
     #[inline(always)]
