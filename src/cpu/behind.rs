@@ -1,6 +1,6 @@
 //! What lies behind a point as a scan passes it: three neighbours and the triangles between them.
 
-use super::tiles::Scan;
+use super::scan::Scan;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real};
 use crate::update::Triangle;
 
@@ -73,15 +73,15 @@ impl TriangleSlots {
     pub(super) fn new(chart: Chart, first: Direction, second: Direction) -> Self {
         let is_counter_clockwise = first.next() == second;
         let base = if is_counter_clockwise { first.base() } else { second.base().opposite() };
-        let (down, right) = first.step();
+        let x1 = chart.offset(first);
         Self {
             directions: [first, second],
-            axis: usize::from(down * right != 0),
-            x1: chart.offset(first),
+            axis: usize::from(first.is_diagonal()),
+            x1,
             x2: chart.offset(second),
             l1: EdgeSlot::new(chart, 0, first),
             l2: EdgeSlot::new(chart, 0, second),
-            c: EdgeSlot::new(chart, chart.offset(first), base),
+            c: EdgeSlot::new(chart, x1, base),
         }
     }
 
@@ -131,16 +131,6 @@ impl TriangleSlots {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use Direction::*;
-
-    #[test]
-    fn scans_have_passed_what_lies_behind_in_the_order_of_their_lines() {
-        let behind = Scan::ALL.map(Scan::behind);
-        assert_eq!(behind[0], [NorthWest, North, NorthEast]);
-        assert_eq!(behind[1], [SouthWest, South, SouthEast]);
-        assert_eq!(behind[2], [NorthWest, West, SouthWest]);
-        assert_eq!(behind[3], [NorthEast, East, SouthEast]);
-    }
 
     #[test]
     fn bases_join_the_neighbours() {

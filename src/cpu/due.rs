@@ -13,10 +13,11 @@ use rayon::prelude::*;
 use super::behind::Behind;
 use super::fronts::FrontKind;
 use super::line_update::How;
+use super::scan::Scan;
 use super::stretch::{Before, Stretch, prefetch_next_row};
-use super::tiles::{Scan, TILE, Tiles, points};
-use crate::lanes::Work;
-use crate::surface::Real;
+use super::tiles::{TILE, Tiles};
+use crate::lanes::Loop;
+use crate::surface::{Direction, Real};
 
 /// Finds the tiles in which two scans have something to do; returns how many points were looked
 /// at, twice those that were for both.
@@ -26,22 +27,24 @@ pub(super) fn find_due<'a, R: Real, K: FrontKind<'a, R>>(
     tiles: &mut Tiles,
     scans: [How; 2],
 ) -> u64 {
-    let chart = before.edges.chart();
+    let (chart, tiling) = (before.edges.chart(), tiles.tiling());
+    let stride = chart.offset(Direction::South);
     let seen = scans.map(|how| (how, Behind::of(chart, how.scan)));
     let in_band = |(band, (beside, due)): (usize, (&[u8], &mut [u8]))| {
         let mut looked = 0;
-        for row in points(band..band + 1, chart.rows) {
+        for row in tiling.rows(band..band + 1) {
             for &(how, ref behind) in &seen {
                 for run in runs(beside, how.scan) {
                     let due = &mut due[run.clone()];
-                    let cols = points(run, chart.cols);
+                    let cols = tiling.cols(run);
                     looked += cols.len() as u64;
                     let first = chart.bordered(row, cols.start);
                     let stretch = before.stretch(behind, first, cols.len());
-                    let (before, stride) = (&before, chart.stride() as isize);
+                    let before = &before;
                     let obtuse = before.edges.obtuse_triangles().filter(|_| K::NEEDS_EDGES);
                     let obtuse = obtuse.map(|bits| (&bits[first..][..cols.len()], behind.bits()));
-                    let look = Look::<R, K> { kind, before, first, stretch, obtuse, stride, how, due };
+                    let look =
+                        Look::<R, K> { kind, before, first, stretch, obtuse, stride, how, due };
                     how.instructions.run(look);
                 }
             }
@@ -78,7 +81,7 @@ struct Look<'l, 'a, R: Real, K: FrontKind<'a, R>> {
     due: &'l mut [u8],
 }
 
-impl<'a, R: Real, K: FrontKind<'a, R>> Work for Look<'_, 'a, R, K> {
+impl<'a, R: Real, K: FrontKind<'a, R>> Loop for Look<'_, 'a, R, K> {
     type Output = ();
 
     #[inline(always)]

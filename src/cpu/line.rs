@@ -4,8 +4,8 @@
 use std::ops::Range;
 
 use super::behind::Behind;
+use super::scan::Scan;
 use super::stretch::{Stretch, part};
-use super::tiles::Scan;
 use crate::lanes::prefetch;
 use crate::surface::{EdgeLengths, Real};
 use crate::update::{Carried, Kept};
@@ -67,6 +67,11 @@ impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
         }
     }
 
+    /// The number here of a row or column of the grid.
+    pub(super) fn number(&self, line: usize) -> usize {
+        line + 1 - self.place.first
+    }
+
     pub(super) fn line_behind(&self, line: usize, scan: Scan) -> usize {
         if scan.is_forward() { line - 1 } else { line + 1 }
     }
@@ -77,8 +82,7 @@ impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
         let Some((rows, times, carried)) = beyond else {
             return Kept { time: self.times[point], carried: self.carried[point] };
         };
-        let stride = edges.chart().stride();
-        let (row, col) = (point / stride, point % stride);
+        let (row, col) = edges.chart().entry(point);
         let lines = self.times.len() / self.stride;
         match col.checked_sub(*first) {
             Some(line) if line < lines && rows.contains(&row) => {
@@ -92,8 +96,7 @@ impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
     /// Row and column, from the border, of point p of a line.
     #[inline(always)]
     pub(super) fn position(&self, line: usize, point: usize, scan: Scan) -> [usize; 2] {
-        let (line, along) = (self.place.first + line, point + 1);
-        if scan.by_rows() { [line, along] } else { [along, line] }
+        scan.lines().place(self.place.first + line, point + 1).into()
     }
 }
 

@@ -74,7 +74,14 @@ impl<R: Real> EdgeLengths<R> {
                 })
             })?;
         let (rule, floor) = (surface.edge_rule(), surface.floor());
-        Ok(Self { chart, lengths, rule, floor, gaussian_curvature: OnceLock::new(), obtuse: Default::default() })
+        Ok(Self {
+            chart,
+            lengths,
+            rule,
+            floor,
+            gaussian_curvature: OnceLock::new(),
+            obtuse: Default::default(),
+        })
     }
 
     /// The edges between the points of a part of the grid.
@@ -87,7 +94,7 @@ impl<R: Real> EdgeLengths<R> {
         for ((to, window), whole) in STORED.into_iter().zip(&mut lengths).zip(self.planes()) {
             for line in 0..chart.rows {
                 let first = self.chart.bordered(row + line, col);
-                let window = &mut window[chart.bordered(line, 0)..][..chart.cols];
+                let window = chart.row_of_mut(window, line);
                 window.copy_from_slice(&whole[first..][..chart.cols]);
                 for (at, length) in window.iter_mut().enumerate() {
                     if chart.neighbour(line, at, to).is_none() {
@@ -97,7 +104,14 @@ impl<R: Real> EdgeLengths<R> {
             }
         }
         let (rule, floor) = (self.rule, self.floor);
-        Self { chart, lengths, rule, floor, gaussian_curvature: OnceLock::new(), obtuse: Default::default() }
+        Self {
+            chart,
+            lengths,
+            rule,
+            floor,
+            gaussian_curvature: OnceLock::new(),
+            obtuse: Default::default(),
+        }
     }
 
     /// The grid's size.

@@ -15,7 +15,7 @@ use super::chart::{Direction, EdgeSlot, ring};
 use super::edges::EdgeLengths;
 use super::real::{Real, max};
 use crate::constants::{OBTUSE, SPLIT_MARGIN, SPLIT_REACH, SPLIT_STEPS};
-use crate::lanes::{Instructions, Work};
+use crate::lanes::{Instructions, Loop};
 
 /// Whether a triangle with an area is obtuse at x0, by more than a margin for what is right-angled but for
 /// rounding: given the squares of its sides at x0 over the square of the base.
@@ -61,9 +61,8 @@ impl<R: Real> EdgeLengths<R> {
     ) {
         let chart = self.chart();
         let base = (b.step().0 - a.step().0, b.step().1 - a.step().1);
-        let point_at = |(down, right): Step| {
-            x0.wrapping_add_signed(down * chart.stride() as isize + right)
-        };
+        let point_at =
+            |(down, right): Step| x0.wrapping_add_signed(down * chart.stride() as isize + right);
         let [la, lb, c] = [
             self.along(x0, a.step()),
             self.along(x0, b.step()),
@@ -126,11 +125,8 @@ impl<R: Real> EdgeLengths<R> {
         let away = (turn * along.1, -turn * along.0);
         let is_diagonal = along.0 != 0 && along.1 != 0;
         // Halfway between both steps, where they are diagonals.
-        let first = if is_diagonal {
-            ((along.0 + away.0) / 2, (along.1 + away.1) / 2)
-        } else {
-            away
-        };
+        let first =
+            if is_diagonal { ((along.0 + away.0) / 2, (along.1 + away.1) / 2) } else { away };
         let second = (along.0 + away.0, along.1 + away.1);
         let base = self.along(point_at(u.step), along);
         let mut best: Option<(bool, Unfolded<R>)> = None;
@@ -220,7 +216,7 @@ struct RowOfTriangles<'a, R> {
     line: &'a mut [u8],
 }
 
-impl<R: Real> Work for RowOfTriangles<'_, R> {
+impl<R: Real> Loop for RowOfTriangles<'_, R> {
     type Output = ();
 
     #[inline(always)]

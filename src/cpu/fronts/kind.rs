@@ -158,7 +158,8 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         for place in points.clone() {
             let [row, col] = lines.position(line, place, scan);
             let point = row * chart.stride() + col;
-            let of_point = behind.triangles().iter().filter(|slots| obtuse[point] & slots.bit() != 0);
+            let of_point =
+                behind.triangles().iter().filter(|slots| obtuse[point] & slots.bit() != 0);
             let first = of_point
                 .filter_map(|slots| {
                     self.through_parts(edges, point, slots.directions(), |x| lines.front(x))

@@ -5,8 +5,9 @@ use std::ops::Range;
 use ash::vk;
 
 use super::recorder::{Recorder, dispatched};
-use crate::constants::{BORDER, FAR, LAYERS};
+use crate::constants::{FAR, LAYERS};
 use crate::surface::{EdgeRule, Spacing};
+use crate::vulkan::TexelChart;
 use crate::vulkan::barrier::{CLEAR, NOTHING, SHADER, SHADER_WRITE};
 use crate::vulkan::grid_images::rows_around;
 use crate::vulkan::passes::{
@@ -100,7 +101,7 @@ impl Recorder<'_> {
         let bytes = 16 * u64::from(extent.width) * u64::from(extent.height);
         let _pass = self.pass_of_copy(PassKind::Edges, bytes);
         self.barrier(SHADER, CLEAR);
-        let border = 2 * BORDER as i32;
+        let border = TexelChart::POINTS_BEFORE as i32;
         let offset = vk::Offset3D { x: border, y: border + rows.start as i32, z: 0 };
         self.copy_to_image(self.grid.upload.buffer, self.grid.edges.image, (offset, extent));
         self.barrier(CLEAR, SHADER);
