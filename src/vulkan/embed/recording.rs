@@ -15,7 +15,7 @@ use crate::vulkan::VulkanError;
 use crate::vulkan::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands, frame_bytes, rows_around};
 use crate::vulkan::passes::{
-    LOOKUP, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, Pass, RESULT, SOURCES, SURROUNDINGS,
+    CommonPass, LOOKUP, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, RESULT, SOURCES, SURROUNDINGS,
 };
 use crate::vulkan::profile::{Grain, PassKind, PassRecord, Profile, Work};
 use crate::vulkan::record::{Commands, EdgeSource, Recorder, dispatched};
@@ -402,7 +402,7 @@ impl<'a> Recording<'a> {
     }
 }
 
-fn points_pass(memory: PointMemory) -> Pass<points_from_buffer::Push> {
+fn points_pass(memory: PointMemory) -> CommonPass<points_from_buffer::Push> {
     match memory {
         PointMemory::Buffer { .. } => POINTS_FROM_BUFFER,
         PointMemory::Image { .. } => POINTS_FROM_IMAGE,

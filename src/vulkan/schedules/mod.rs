@@ -141,7 +141,7 @@ impl Recorder<'_> {
             Scope::go_on(&mut open, self.watch(), || account(&mut counter, step));
             match order_of(step) {
                 Some(order) => order.record(&mut recording, step),
-                None => recording.dispatch(COUNT, 0, &[], Groups::line(1)),
+                None => recording.dispatch(COUNT.pass(), 0, &[], Groups::line(1)),
             }
             self.barrier(PASS, PASS);
         }
