@@ -27,11 +27,11 @@ pub(crate) struct Row {
 #[derive(Clone, Copy, Debug)]
 enum Width {
     /// [`Tuning::scan_width`].
-    OfScans,
+    Scans,
     /// A texel of a tile each.
-    OfTiles,
+    Tiles,
     /// [`WorkgroupSize::invocations`].
-    OfMaps,
+    Maps,
 }
 
 impl Row {
@@ -152,12 +152,12 @@ passes! {
     }
     others {
         SURROUNDINGS: surroundings, Some(Surroundings);
-        SCAN_DOWN: scan, Some(Scan(Down)), OfScans;
-        SCAN_UP: scan, Some(Scan(Up)), OfScans;
-        SCAN_RIGHT: scan, Some(Scan(Right)), OfScans;
-        SCAN_LEFT: scan, Some(Scan(Left)), OfScans;
+        SCAN_DOWN: scan, Some(Scan(Down)), Scans;
+        SCAN_UP: scan, Some(Scan(Up)), Scans;
+        SCAN_RIGHT: scan, Some(Scan(Right)), Scans;
+        SCAN_LEFT: scan, Some(Scan(Left)), Scans;
         ALL_POINTS: all_points, Some(AllPoints);
-        TILES: tiles, Some(Tiles), OfTiles;
+        TILES: tiles, Some(Tiles), Tiles;
         CONTOUR_COUNTS: contour_counts, Some(Contours);
         CONTOUR_OFFSETS: contour_offsets, Some(Contours);
         CONTOUR_SEGMENTS: contour_segments, Some(Contours);
@@ -170,12 +170,12 @@ passes! {
         REGION_FLOW: region_flow, Some(Regions);
         REGION_LABELS: region_labels, Some(Regions);
         PAIRWISE_FANS: pairwise_fans, Some(Fans);
-        PAIRWISE_SHARED: pairwise_shared, Some(Workgroups), OfMaps;
+        PAIRWISE_SHARED: pairwise_shared, Some(Workgroups), Maps;
         PAIRWISE_START: pairwise_start, Some(Seed);
-        PAIRWISE_SCAN_DOWN: pairwise_scan, Some(Scan(Down)), OfScans;
-        PAIRWISE_SCAN_UP: pairwise_scan, Some(Scan(Up)), OfScans;
-        PAIRWISE_SCAN_RIGHT: pairwise_scan, Some(Scan(Right)), OfScans;
-        PAIRWISE_SCAN_LEFT: pairwise_scan, Some(Scan(Left)), OfScans;
+        PAIRWISE_SCAN_DOWN: pairwise_scan, Some(Scan(Down)), Scans;
+        PAIRWISE_SCAN_UP: pairwise_scan, Some(Scan(Up)), Scans;
+        PAIRWISE_SCAN_RIGHT: pairwise_scan, Some(Scan(Right)), Scans;
+        PAIRWISE_SCAN_LEFT: pairwise_scan, Some(Scan(Left)), Scans;
         PAIRWISE_COUNT: pairwise_count, Some(Count);
         CEILING_COPY: ceiling_copy, None;
         CEILING_UPDATES: ceiling_updates, None;
@@ -227,9 +227,9 @@ impl Row {
         let Specialization { tuning, wavefront, workgroup } = *of;
         let ahead = self.scan().map_or((0, 0), Scan::ahead);
         let width = self.width.map_or(0, |width| match width {
-            Width::OfScans => tuning.scan_width,
-            Width::OfTiles => tuning.tile / 2,
-            Width::OfMaps => workgroup.invocations,
+            Width::Scans => tuning.scan_width,
+            Width::Tiles => tuning.tile / 2,
+            Width::Maps => workgroup.invocations,
         });
         let value = |constant| match constant {
             Constant::AheadX => ahead.0,
