@@ -15,8 +15,13 @@
 
 layout(local_size_x_id = 3) in;
 
-// Room for numbers in shared memory, at least as many as a map's fronts have.
-layout(constant_id = 4) const int SHARED = 1;
+// Iterations in a dispatch, at most.
+layout(constant_id = 4) const int ITERATIONS = 1;
+layout(constant_id = 7) const int ROWS = 1;
+layout(constant_id = 8) const int COLS = 1;
+// From a point to the one below it: odd where there is room, so that the points of a column lie
+// in different banks of shared memory.
+layout(constant_id = 9) const int PITCH = 1;
 
 layout(set = 0, binding = 7) readonly restrict buffer Fans {
     float fans[];
@@ -28,26 +33,12 @@ layout(set = 0, binding = 9) restrict buffer Kept {
     float kept[]; // the fronts of maps that are not done
 };
 
-layout(push_constant) uniform Size {
-    ivec2 grid;     // columns and rows of points
-    int pitch;      // from a point to the one below it: odd where there is room, so that the points of a
-                    // column lie in different banks of shared memory
-    int iterations; // in a dispatch, at most
-} size;
-
 const int INVOCATIONS = int(gl_WorkGroupSize.x);
+const int AREA = ROWS * PITCH;
+const int FRONTS = CARRIES ? 2 * AREA : AREA;
 
 // Arrival times, then what is carried beside.
-shared float fronts[SHARED];
-
-// Numbers of each of these.
-int area() {
-    return size.grid.y * size.pitch;
-}
-
-int numbers_of_map() {
-    return CARRIES ? 2 * area() : area();
-}
+shared float fronts[FRONTS];
 
 vec4 at_four(int places[4], int layer) {
     return vec4(fronts[layer + places[0]], fronts[layer + places[1]],
@@ -60,9 +51,9 @@ vec4 at_four(int places[4], int layer) {
 // Updates a pair of points from the line behind; returns how much they have changed.
 uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_renew) {
     int pairs = pairs_of(points);
-    int across = stride_ahead(scan, size.pitch);
-    int step = stride_along(scan, size.pitch);
-    int first = fan_place(size.grid, scan, line, pair, pairs);
+    int across = stride_ahead(scan, PITCH);
+    int step = stride_along(scan, PITCH);
+    int first = fan_place(ivec2(COLS, ROWS), scan, line, pair, pairs);
     // No edge leads beyond the ends of a line, where its last point stands in.
     int places[4];
     for (int i = 0; i < 4; i++) {
@@ -76,10 +67,10 @@ uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_re
     vec4 old_carried = vec4(0.0);
     vec2 surface = vec2(0.0);
     if (CARRIES) {
-        ends.carried = at_four(places, area());
+        ends.carried = at_four(places, AREA);
         ends.surface = vec4(NUMBER(9), NUMBER(10), NUMBER(11), NUMBER(12));
         surface = vec2(NUMBER(13), NUMBER(14));
-        old_carried = vec2(fronts[area() + a], fronts[area() + b]).xyxy;
+        old_carried = vec2(fronts[AREA + a], fronts[AREA + b]).xyxy;
     }
     vec4 old_time = vec2(fronts[a], fronts[b]).xyxy;
 
@@ -97,21 +88,21 @@ uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_re
     fronts[a] = time.x;
     if (has_b) fronts[b] = time.y;
     if (CARRIES) {
-        fronts[area() + a] = carried.x;
-        if (has_b) fronts[area() + b] = carried.y;
+        fronts[AREA + a] = carried.x;
+        if (has_b) fronts[AREA + b] = carried.y;
     }
     return change_of(old_time.xyxy, time.xyxy, old_carried.xyxy, carried.xyxy);
 }
 
 void start(ivec2 source) {
-    for (int i = int(gl_LocalInvocationIndex); i < numbers_of_map(); i += INVOCATIONS) {
-        fronts[i] = i < area() ? FAR : 0.0;
+    for (int i = int(gl_LocalInvocationIndex); i < FRONTS; i += INVOCATIONS) {
+        fronts[i] = i < AREA ? FAR : 0.0;
     }
     barrier();
     if (gl_LocalInvocationIndex == 0u) {
-        int place = row_major(source, size.pitch);
+        int place = row_major(source, PITCH);
         fronts[place] = 0.0;
-        if (CARRIES) fronts[area() + place] = with_tag(SOURCE_CURVATURE, 0u);
+        if (CARRIES) fronts[AREA + place] = with_tag(SOURCE_CURVATURE, 0u);
     }
 }
 
@@ -119,7 +110,6 @@ void main() {
     uint map = gl_WorkGroupID.x;
     if (maps[map].done != 0u) return;
     int lane = int(gl_LocalInvocationIndex);
-    int numbers = numbers_of_map();
     ivec2 source = source_of(map);
     uint renews = maps[map].renews;
     uint iterations = maps[map].iterations;
@@ -129,15 +119,15 @@ void main() {
     if (iterations == 0u) {
         start(source);
     } else {
-        for (int i = lane; i < numbers; i += INVOCATIONS) fronts[i] = kept[int(map) * numbers + i];
+        for (int i = lane; i < FRONTS; i += INVOCATIONS) fronts[i] = kept[int(map) * FRONTS + i];
     }
     barrier();
 
-    for (int n = 0; n < size.iterations; n++) {
+    for (int n = 0; n < ITERATIONS; n++) {
         uint change = 0u;
         for (int scan = 0; scan < 4; scan++) {
-            int lines = lines_of(size.grid, scan);
-            int points = points_of_line(size.grid, scan);
+            int lines = lines_of(ivec2(COLS, ROWS), scan);
+            int points = points_of_line(ivec2(COLS, ROWS), scan);
             bool forward = (scan & 1) == 0;
             int source_line = line_of(source, scan);
             // Behind the first line there is none; the first iteration leads away from the source.
@@ -170,17 +160,12 @@ void main() {
     }
 
     if (is_done) {
-        // Without a division for each point, which would take a fifth of an iteration's time on lavapipe.
-        int points = points_of(size.grid);
-        ivec2 at = from_row_major(lane, size.grid.x);
-        ivec2 step = from_row_major(INVOCATIONS, size.grid.x);
-        for (int i = lane; i < points; i += INVOCATIONS) {
-            distances[int(map) * points + i] = distance_bits(fronts[row_major(at, size.pitch)]);
-            at += step;
-            if (at.x >= size.grid.x) at += ivec2(-size.grid.x, 1);
+        for (int i = lane; i < ROWS * COLS; i += INVOCATIONS) {
+            float time = fronts[row_major(from_row_major(i, COLS), PITCH)];
+            distances[int(map) * ROWS * COLS + i] = distance_bits(time);
         }
     } else {
-        for (int i = lane; i < numbers; i += INVOCATIONS) kept[int(map) * numbers + i] = fronts[i];
+        for (int i = lane; i < FRONTS; i += INVOCATIONS) kept[int(map) * FRONTS + i] = fronts[i];
     }
     if (lane == 0) {
         maps[map].renews = renews;

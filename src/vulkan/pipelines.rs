@@ -1,18 +1,15 @@
 //! The compute pipelines of a device: each is made once, when it is first asked for, and shared by
 //! all surfaces.
 
-use std::collections::HashMap;
 use std::io::Cursor;
 use std::marker::PhantomData;
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use ash::vk;
 use bytemuck::Pod;
 
 use super::memory::Image;
-use super::passes::{
-    CommonPass, PUSH_CONSTANT_BYTES, Pass, Row, Specialization, TABLE, WorkgroupSize,
-};
+use super::passes::{CommonPass, MapSize, PUSH_CONSTANT_BYTES, Pass, Row, Specialization, TABLE};
 use super::profile::Labels;
 use super::shaders::{Shader, set_0, set_1};
 use super::{Tuning, VulkanError};
@@ -44,10 +41,26 @@ pub(crate) struct Pipelines {
     layouts: [vk::PipelineLayout; 2],
     /// By pass and wavefront, the first one for passes that do not depend on it.
     made: [[OnceLock<vk::Pipeline>; Wavefront::EVERY.len()]; TABLE.len()],
-    /// Of passes that depend on the size of a workgroup too. These come in steps, so that there are never more
-    /// than some dozens of a pass.
-    sized: Mutex<HashMap<(usize, Wavefront, WorkgroupSize), vk::Pipeline>>,
+    /// Of passes that depend on the size of maps too, the one used last at the end.
+    sized: Mutex<Vec<Sized>>,
 }
+
+/// A pipeline for maps of a size.
+#[derive(Debug)]
+struct Sized {
+    number: usize,
+    wavefront: Wavefront,
+    map: MapSize,
+    handle: vk::Pipeline,
+    users: InUse,
+}
+
+/// To be kept as long as a pipeline for maps of a size is used.
+pub(crate) type InUse = Arc<()>;
+
+/// So many pipelines for maps of sizes that nothing uses are kept, so that a host may compute maps of ever
+/// new sizes.
+const SIZES_KEPT: usize = 16;
 
 impl Pipelines {
     /// The layouts, and no pipeline. [`Pipelines::destroy`] must be called before the device is
@@ -139,32 +152,42 @@ impl Pipelines {
         if let Some(&made) = place.get() {
             return Ok(made);
         }
-        let workgroup = WorkgroupSize::default();
-        let of = Specialization { tuning: self.tuning, wavefront, workgroup };
+        let map = MapSize::default();
+        let of = Specialization { tuning: self.tuning, wavefront, map };
         let new = self.create(device, &TABLE[number], &of, *cache)?;
         Ok(*place.get_or_init(|| new))
     }
 
-    /// The pipeline of a pass for workgroups of this size, which is made unless it is there.
+    /// The pipeline of a pass for maps of this size, which is made unless it is there. It may go once nothing
+    /// holds what comes with it; no submitted work may use it then.
     pub(crate) fn make_sized<P: Pod>(
         &self,
         device: &ash::Device,
         pass: Pass<P>,
         wavefront: Wavefront,
-        workgroup: WorkgroupSize,
-    ) -> Result<Pipeline<P>, VulkanError> {
+        map: MapSize,
+    ) -> Result<(Pipeline<P>, InUse), VulkanError> {
         let mut sized = lock(&self.sized);
-        let key = (pass.number(), wavefront, workgroup);
-        let handle = match sized.get(&key) {
-            Some(&made) => made,
+        let wanted = (pass.number(), wavefront, map);
+        let place = sized.iter().position(|of| (of.number, of.wavefront, of.map) == wanted);
+        let found = match place {
+            Some(place) => sized.remove(place),
             None => {
-                let of = Specialization { tuning: self.tuning, wavefront, workgroup };
-                let new = self.create(device, pass.row(), &of, *lock(&self.cache))?;
-                sized.insert(key, new);
-                new
+                let of = Specialization { tuning: self.tuning, wavefront, map };
+                let handle = self.create(device, pass.row(), &of, *lock(&self.cache))?;
+                let (number, users) = (pass.number(), InUse::default());
+                Sized { number, wavefront, map, handle, users }
             }
         };
-        Ok(self.with_handle(pass, handle))
+        let made = (self.with_handle(pass, found.handle), Arc::clone(&found.users));
+        sized.push(found);
+        while sized.len() > SIZES_KEPT {
+            let idle = sized.iter().position(|of| Arc::strong_count(&of.users) == 1);
+            let Some(place) = idle else { break };
+            // SAFETY: no one holds it, so that no submitted work uses it.
+            unsafe { device.destroy_pipeline(sized.remove(place).handle, None) };
+        }
+        Ok(made)
     }
 
     fn with_handle<P: Pod>(&self, pass: Pass<P>, handle: vk::Pipeline) -> Pipeline<P> {
@@ -206,9 +229,7 @@ impl Pipelines {
             })
         });
         let sized = lock(&self.sized);
-        let sized = sized
-            .iter()
-            .map(|(&(number, wavefront, _), &made)| (TABLE[number].name(wavefront), made));
+        let sized = sized.iter().map(|of| (TABLE[of.number].name(of.wavefront), of.handle));
         made.chain(sized.collect::<Vec<_>>())
     }
 
@@ -249,7 +270,7 @@ impl Pipelines {
         // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
         unsafe {
             let sized = self.sized.get_mut().unwrap_or_else(PoisonError::into_inner);
-            let sized = sized.drain().map(|(_, pipeline)| pipeline);
+            let sized = sized.drain(..).map(|of| of.handle);
             let made = self.made.iter_mut().flatten().filter_map(OnceLock::take);
             for pipeline in made.chain(sized) {
                 device.destroy_pipeline(pipeline, None);

@@ -9,7 +9,6 @@ use crate::constants::LAYERS;
 use crate::surface::Chart;
 use crate::update::Wavefront;
 use crate::vulkan::TexelChart;
-use crate::vulkan::passes::WorkgroupSize;
 
 /// What a device offers for batches.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +44,7 @@ impl BatchLimits {
 pub(super) struct Workgroup {
     /// From a point to the one below it.
     pub(super) pitch: u32,
-    pub(super) size: WorkgroupSize,
+    pub(super) invocations: u32,
     /// Iterations in a dispatch, at most.
     pub(super) iterations: u32,
 }
@@ -58,9 +57,6 @@ const MOST_ITERATIONS: u32 = 32;
 const MOST_TRIPS: u32 = 60_000;
 /// Invocations of a workgroup, at most: with more of them barriers cost more than lines gain.
 const MOST_INVOCATIONS: u32 = 128;
-/// A workgroup's shared memory comes in steps of so many numbers, 1 KiB, so that maps of nearly the same size
-/// share a pipeline. Current GPUs hand it out in portions as large or little smaller.
-const SHARED_STEP: u32 = 256;
 
 impl Workgroup {
     /// `None` if a map does not fit.
@@ -87,14 +83,7 @@ impl Workgroup {
         let trips = 2 * (rows * shares(cols) + cols * shares(rows)) + 5;
         let loads = 2 * numbers(pitch)?.div_ceil(invocations);
         let iterations = (MOST_TRIPS.checked_sub(loads)? / trips).min(MOST_ITERATIONS);
-        let available = limits.shared_memory / 4;
-        // A processor has it as ordinary memory, of which what is not touched costs nothing.
-        let shared = match limits.on_cpu {
-            true => available,
-            false => numbers(pitch)?.next_multiple_of(SHARED_STEP).min(available),
-        };
-        let size = WorkgroupSize { invocations, shared };
-        (iterations > 0).then_some(Self { pitch, size, iterations })
+        (iterations > 0).then_some(Self { pitch, invocations, iterations })
     }
 }
 
@@ -231,8 +220,7 @@ mod tests {
     fn a_map_of_64_by_64_points_fits_what_every_device_has() {
         let fits = |side, wavefront| Workgroup::fitting(square(side), wavefront, &SMALLEST);
         let workgroup = fits(64, Wavefront::Planar).unwrap();
-        let size = WorkgroupSize { invocations: 32, shared: 64 * 64 };
-        assert_eq!(workgroup, Workgroup { pitch: 64, size, iterations: 32 });
+        assert_eq!((workgroup.pitch, workgroup.invocations, workgroup.iterations), (64, 32, 32));
         assert_eq!(fits(65, Wavefront::Planar), None);
         assert_eq!(fits(64, Wavefront::Curved), None);
         assert_eq!(fits(45, Wavefront::Curved).unwrap().pitch, 45);
@@ -240,26 +228,6 @@ mod tests {
         let more = BatchLimits { shared_memory: 48 << 10, ..SMALLEST };
         let workgroup = Workgroup::fitting(square(64), Wavefront::Curved, &more).unwrap();
         assert_eq!(workgroup.pitch, 65);
-    }
-
-    /// Whatever the maps of a host, there are only so many pipelines.
-    #[test]
-    fn workgroups_come_in_few_sizes() {
-        let count = |on_cpu| {
-            let limits = BatchLimits { on_cpu, ..SMALLEST };
-            let of = |rows, cols, wavefront| {
-                let chart = Chart { rows, cols };
-                Some((Workgroup::fitting(chart, wavefront, &limits)?.size, wavefront))
-            };
-            let sizes = (1..200).flat_map(|rows| (1..200).map(move |cols| (rows, cols)));
-            let all =
-                sizes.flat_map(|(rows, cols)| Wavefront::ALL.map(|front| of(rows, cols, front)));
-            let all: std::collections::HashSet<_> = all.flatten().collect();
-            assert!(all.iter().all(|(size, _)| 4 * size.shared <= SMALLEST.shared_memory));
-            all.len()
-        };
-        // Of each wavefront by up to four or sixteen widths, and on GPUs by up to sixteen steps.
-        assert!(count(true) <= 3 * 16 && count(false) <= 3 * 4 * 16);
     }
 
     #[test]

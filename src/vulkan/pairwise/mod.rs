@@ -316,7 +316,7 @@ impl PairwiseOnDevice {
             let pipelines = &solver.for_device.pipelines;
             append(BatchRecorder {
                 commands: Commands { device, buffer, pipelines, profile },
-                passes: self.passes,
+                passes: &self.passes,
                 resources: &self.resources,
                 layout: &self.layout,
                 texels: self.texels,

@@ -1,22 +1,24 @@
 //! The pipelines over the maps of a batch.
 
-use super::layout::BatchLayout;
+use super::layout::{BatchLayout, Workgroup};
 use crate::vulkan::VulkanError;
 use crate::vulkan::passes::{
-    PAIRWISE_COUNT, PAIRWISE_FANS, PAIRWISE_SCANS, PAIRWISE_SHARED, PAIRWISE_START,
+    MapSize, PAIRWISE_COUNT, PAIRWISE_FANS, PAIRWISE_SCANS, PAIRWISE_SHARED, PAIRWISE_START,
 };
-use crate::vulkan::pipelines::{Pipeline, Pipelines};
+use crate::vulkan::pipelines::{InUse, Pipeline, Pipelines};
 use crate::vulkan::shaders::{
     pairwise_count, pairwise_fans, pairwise_scan, pairwise_shared, pairwise_start,
 };
 
 /// The device's pipelines for a batch, by where its maps lie.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(super) enum BatchPipelines {
     SharedMemory {
         /// Puts the surface's fans into order.
         fans: Pipeline<pairwise_fans::Push>,
         maps: Pipeline<pairwise_shared::Push>,
+        /// Of the latter, which depends on the size of maps.
+        _in_use: InUse,
     },
     Images {
         start: Pipeline<pairwise_start::Push>,
@@ -27,8 +29,7 @@ pub(super) enum BatchPipelines {
 }
 
 impl BatchPipelines {
-    /// Makes those that are not there. None depends on the size of the grid, but for the width of a workgroup
-    /// and the shared memory it takes.
+    /// Makes those that are not there.
     pub(super) fn new(
         device: &ash::Device,
         pipelines: &Pipelines,
@@ -36,10 +37,12 @@ impl BatchPipelines {
     ) -> Result<Self, VulkanError> {
         let wavefront = layout.wavefront;
         if let Some(workgroup) = layout.workgroup {
-            return Ok(Self::SharedMemory {
-                fans: pipelines.make(device, PAIRWISE_FANS, wavefront)?,
-                maps: pipelines.make_sized(device, PAIRWISE_SHARED, wavefront, workgroup.size)?,
-            });
+            let Workgroup { pitch, invocations, iterations } = workgroup;
+            let [rows, cols] = [layout.chart.rows, layout.chart.cols].map(|points| points as u32);
+            let size = MapSize { rows, cols, pitch, invocations, iterations };
+            let fans = pipelines.make(device, PAIRWISE_FANS, wavefront)?;
+            let (maps, _in_use) = pipelines.make_sized(device, PAIRWISE_SHARED, wavefront, size)?;
+            return Ok(Self::SharedMemory { fans, maps, _in_use });
         }
         let [down, up, right, left] = PAIRWISE_SCANS;
         let scan = |pass| pipelines.make(device, pass, wavefront);
@@ -106,8 +109,8 @@ mod tests {
         Solver::with(context).unwrap()
     }
 
-    /// What a second matrix makes: none of its own surface, and of another size at most one, for workgroups of
-    /// another size. Where shared memory costs nothing, what is as wide has none either.
+    /// A second matrix of a size makes none, and one of another size at most that for maps in shared memory. Of
+    /// these only so many are kept, but for those in use.
     #[test]
     fn matrices_share_the_pipelines_of_the_device() {
         let solver = counted();
@@ -128,10 +131,21 @@ mod tests {
                 assert_eq!(made_for(&flat(20, 30), wavefront, schedule), 0, "{schedule}");
             }
             let of_another_size = made_for(&flat(29, 17), Wavefront::Curved, schedule);
-            let on_cpu = solver.for_device.limits.kind == vk::PhysicalDeviceType::CPU;
-            let is_sized = schedule == PairwiseSchedule::SharedMemory && !on_cpu;
-            assert!(of_another_size <= u32::from(is_sized), "{schedule}: {of_another_size}");
+            let is_sized = schedule == PairwiseSchedule::SharedMemory;
+            assert_eq!(of_another_size, u32::from(is_sized), "{schedule}");
         }
+        let shared = PairwiseSchedule::SharedMemory;
+        let kept = flat(3, 3);
+        let on_device = solver.upload(&kept).unwrap();
+        let in_use = solver.pairwise(&on_device, Wavefront::Planar, Some(shared)).unwrap();
+        MADE.store(0, Ordering::Relaxed);
+        for cols in 4..30 {
+            assert!(made_for(&flat(3, cols), Wavefront::Planar, shared) > 0, "{cols}");
+        }
+        assert_eq!(made_for(&kept, Wavefront::Planar, shared), 0, "it is in use");
+        assert_eq!(made_for(&flat(3, 29), Wavefront::Planar, shared), 0, "it is the last");
+        assert_eq!(made_for(&flat(3, 4), Wavefront::Planar, shared), 1, "it is gone");
+        drop(in_use);
         solver.context.check_validation().unwrap();
     }
 }

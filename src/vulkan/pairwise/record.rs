@@ -5,7 +5,7 @@ use std::ops::Deref;
 use ash::vk;
 use bytemuck::Pod;
 
-use super::layout::{BatchLayout, Workgroup, fan_numbers, numbers};
+use super::layout::{BatchLayout, fan_numbers, numbers};
 use super::pipelines::BatchPipelines::{self, Images, SharedMemory};
 use super::progress::{self, offset};
 use super::resources::Resources;
@@ -21,14 +21,14 @@ use crate::vulkan::profile::{PassKind, PassRecord, Presence, Scope, StepCounter,
 use crate::vulkan::record::{Commands, Groups};
 use crate::vulkan::schedules::{account, block_of};
 use crate::vulkan::shaders::{
-    pairwise_count, pairwise_fans, pairwise_scan, pairwise_shared, pairwise_start, unpack,
+    pairwise_count, pairwise_fans, pairwise_scan, pairwise_start, unpack,
 };
 
 /// Records for one batch.
 #[derive(Clone, Copy)]
 pub(super) struct BatchRecorder<'a> {
     pub(super) commands: Commands<'a>,
-    pub(super) passes: BatchPipelines,
+    pub(super) passes: &'a BatchPipelines,
     pub(super) resources: &'a Resources,
     pub(super) layout: &'a BatchLayout,
     pub(super) texels: TexelChart,
@@ -52,7 +52,7 @@ impl BatchRecorder<'_> {
         for image in &self.resources.fronts {
             self.image_barrier(image.image, NOTHING, SHADER, layouts);
         }
-        let SharedMemory { fans, .. } = self.passes else { return };
+        let &SharedMemory { fans, .. } = self.passes else { return };
         self.bind(fans, &self.sets(0));
         let [cols, rows] = self.grid();
         for scan in 0..Scan::ALL.len() as u32 {
@@ -95,17 +95,17 @@ impl BatchRecorder<'_> {
                 }
                 (Step::Start, Images { start, .. }) => {
                     let push = pairwise_start::Push { grid: self.signed_grid() };
-                    self.run(start, &push, self.start_groups());
+                    self.run(*start, &push, self.start_groups());
                 }
                 (Step::Workgroups, SharedMemory { maps, .. }) => {
-                    self.run(maps, &self.size_of_map(), [self.maps, 1, 1]);
+                    self.run(*maps, &[], [self.maps, 1, 1]);
                 }
                 (Step::Raster(plan::Step::Scan(pass)), Images { scans, .. }) => {
                     self.scan(scans[pass.scan as usize], pass);
                 }
                 (Step::Raster(plan::Step::Count), Images { count, .. }) => {
                     let push = pairwise_count::Push { count: self.maps };
-                    self.run(count, &push, self.count_groups());
+                    self.run(*count, &push, self.count_groups());
                 }
                 (Step::Unpack, _) => self.unpack(),
                 (Step::Report, _) => {
@@ -171,13 +171,6 @@ impl BatchRecorder<'_> {
     fn unpack_groups(&self) -> [u32; 3] {
         let [cols, rows] = self.grid();
         [cols.div_ceil(2).div_ceil(WORKGROUP), rows.div_ceil(2), self.maps]
-    }
-
-    fn size_of_map(&self) -> pairwise_shared::Push {
-        let Workgroup { pitch, iterations, .. } =
-            self.layout.workgroup.expect("maps in shared memory have workgroups");
-        let (pitch, iterations) = (pitch as i32, iterations as i32);
-        pairwise_shared::Push { grid: self.signed_grid(), pitch, iterations }
     }
 
     fn scan(&self, scan: Pipeline<pairwise_scan::Push>, pass: &ScanPass) {
