@@ -1,19 +1,25 @@
 //! OpenEXR: geometry images (three channels are a position), heights and maps (one channel).
 
+use std::collections::HashSet;
 use std::io::{self, Cursor, Seek, Write};
 
+use ::exr::block::read as read_blocks;
+use ::exr::block::reader::ChunksReader;
 use ::exr::compression::Compression;
 use ::exr::error::Error;
 use ::exr::meta::MetaData;
 use ::exr::meta::header::Header;
 use ::exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels,
-    ReadLayers, WritableImage, read,
+    ReadLayers, Vec2, WritableImage, read,
 };
 use glam::DVec3;
 
 use super::Grid;
 use super::limits::{check_decoded, check_memory, checked_points, ratio};
+
+/// The one that is the whole picture, where there are smaller ones.
+const LARGEST_LEVEL: Vec2<usize> = Vec2(0, 0);
 
 /// What the channels are.
 pub(super) enum Pixels {
@@ -31,6 +37,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
     };
     let meta = MetaData::read_from_buffered(bytes, false).map_err(malformed)?;
     check_headers(&meta.headers, bytes.len())?;
+    check_blocks(bytes).map_err(malformed)?;
     let layer = read()
         .no_deep_data()
         .largest_resolution_level()
@@ -43,9 +50,6 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
         .layer_data;
     let (rows, cols) = (layer.size.height(), layer.size.width());
     let channels = &layer.channel_data.list;
-    if channels.iter().any(|channel| channel.sampling.x() != 1 || channel.sampling.y() != 1) {
-        return Err("has subsampled channels; write them at full resolution".into());
-    }
     let find = |name: &str| {
         channels.iter().find(|c| c.name.to_string().eq_ignore_ascii_case(name)).map(samples)
     };
@@ -92,8 +96,11 @@ fn check_headers(headers: &[Header], file: usize) -> Result<(), String> {
             _ => ratio::OTHER,
         };
         let points = checked_points(header.layer_size.height(), header.layer_size.width())?;
-        let channels = header.channels.list.iter();
-        let bytes: usize = channels.map(|channel| channel.sample_type.bytes_per_sample()).sum();
+        let channels = &header.channels.list;
+        if channels.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
+            return Err("has subsampled channels; write them at full resolution".into());
+        }
+        let bytes: usize = channels.iter().map(|one| one.sample_type.bytes_per_sample()).sum();
         if bytes == 0 {
             return Err("has a layer without channels".into());
         }
@@ -101,6 +108,30 @@ fn check_headers(headers: &[Header], file: usize) -> Result<(), String> {
         check_decoded(file, ratio, all)?;
         // A position is three numbers, beside what is decoded.
         check_memory::<[f64; 3]>(points.saturating_add(all / size_of::<[f64; 3]>()))?;
+    }
+    Ok(())
+}
+
+/// Checks that each block of the first layer's picture is there, once. Upstream believes the table of
+/// offsets: what it leads to may be of another layer or level, and then panics; or the same block twice,
+/// and then what is missing is read as zeros.
+fn check_blocks(bytes: &[u8]) -> Result<(), Error> {
+    let blocks = read_blocks(Cursor::new(bytes), false)?
+        .filter_chunks(false, |_, tile, block| {
+            block.layer == 0 && tile.level_index == LARGEST_LEVEL
+        })?;
+    let header = blocks.meta_data().headers.first().cloned();
+    let header = header.ok_or(Error::Invalid("no layer".into()))?;
+    let mut places = HashSet::new();
+    for block in blocks {
+        let block = block?;
+        let place = match block.layer_index {
+            0 => header.get_block_data_indices(&block.compressed_block)?,
+            _ => return Err(Error::Invalid("a block of another layer".into())),
+        };
+        if place.level_index != LARGEST_LEVEL || !places.insert(place.tile_index) {
+            return Err(Error::Invalid("a block in place of another".into()));
+        }
     }
     Ok(())
 }
