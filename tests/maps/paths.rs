@@ -491,7 +491,7 @@ fn paths_over_a_corner_that_are_straight_already_stay() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// From every point that is reached a path comes to a source. With the planar front no grid
     /// point on its way along the map is reached later than one before it. The maps of the other
