@@ -10,7 +10,7 @@ const TAGS: [u16; 28] = [
 ];
 const COMPRESSIONS: [u16; 12] = [1, 2, 3, 4, 5, 6, 7, 8, 32773, 32946, 50000, 50001];
 
-pub fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
+pub fn mutate(bytes: &mut [u8], random: &mut Random) {
     // What our encoders write: little-endian, a directory of entries of 12 bytes; 20 in BigTIFF.
     let Some(&[b'I', b'I', version, _, a, b, c, d]) = bytes.first_chunk::<8>() else { return };
     let big = version == 43;
