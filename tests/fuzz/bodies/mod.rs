@@ -2,7 +2,7 @@
 //!
 //! cargo-fuzz (`fuzz/`) and the test on stable Rust call the same ones.
 
-#![allow(dead_code, reason = "each target of cargo-fuzz calls one body")]
+#![allow(dead_code, unused_imports, reason = "each target of cargo-fuzz calls one body")]
 
 mod dice;
 mod readers;
