@@ -264,6 +264,8 @@ fn check<R: Real>(row: usize, lengths: &[Vec<R>; 4]) -> Result<(), SurfaceError>
             let length = lengths[col].wide();
             let usual = length == 0.0 || (SHORTEST_EDGE..=LONGEST_EDGE).contains(&length);
             if !usual && length != R::FAR.wide() {
+                // So long that its square overflows, and that a bend is the difference of two such.
+                let length = if length.is_nan() { f64::INFINITY } else { length };
                 return Err(SurfaceError::EdgeLength { row, col, direction, length });
             }
         }
@@ -317,5 +319,8 @@ mod tests {
         let wide = Surface::from_heights(5, 6, vec![0.0; 30], Spacing::square(1e20)).unwrap();
         let error = wide.check_edges().unwrap_err();
         assert!(matches!(error, SurfaceError::EdgeLength { row: 0, .. }), "{error}");
+        let wider = Surface::from_heights(5, 6, vec![0.0; 30], Spacing::square(1e300)).unwrap();
+        let message = wider.check_edges().unwrap_err().to_string();
+        assert!(message.contains("is inf units long"), "{message}");
     }
 }

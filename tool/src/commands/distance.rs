@@ -107,6 +107,7 @@ impl InPrecision for &Args {
         };
         self.comment(&scene.surface, &solved);
         problem::comment_on_starts::<R>(&scene.surface, &sources);
+        problem::comment_on_size::<R>(&scene.surface);
         let quantity = scene.quantity(self.unit.as_deref().or(scene.unit));
         outputs.write(&scene, &sources, &quantity, &solved)?;
         if self.json {
