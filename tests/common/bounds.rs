@@ -76,11 +76,16 @@ impl Case {
             let index = there[(between(0.0, 1.0) * there.len() as f64) as usize];
             let (row, col) = ((index / cols) as f64, (index % cols) as f64);
             let [down, right] = [between(-0.9, 0.9), between(-0.9, 0.9)];
-            let place = [row + if inside { down } else { 0.0 }, col + if inside { right } else { 0.0 }];
+            let place =
+                [row + if inside { down } else { 0.0 }, col + if inside { right } else { 0.0 }];
             let start = if later { between(0.0, 2.0) } else { 0.0 };
             let with = sources.clone().and_point(place[0], place[1], start);
             // Not every place inside a cell is on the surface.
-            let with = if with.seeds(&surface).is_ok() { with } else { sources.and_point(row, col, start) };
+            let with = if with.seeds(&surface).is_ok() {
+                with
+            } else {
+                sources.and_point(row, col, start)
+            };
             sources = with;
         }
         if curved {
@@ -120,11 +125,16 @@ impl Case {
             .fold(0.0, f64::max);
         let place = |row, col| self.surface.position(row, col);
         let straight = if self.has_positions {
-            let from = seeds.iter().filter_map(|seed| Some((place(seed.row, seed.col)?, seed.time)));
+            let from =
+                seeds.iter().filter_map(|seed| Some((place(seed.row, seed.col)?, seed.time)));
             let from: Vec<_> = from.collect();
             let to = |(row, col)| {
                 let to = place(row, col)?;
-                Some(from.iter().map(|(at, time)| time + at.distance(to)).fold(f64::INFINITY, f64::min))
+                Some(
+                    from.iter()
+                        .map(|(at, time)| time + at.distance(to))
+                        .fold(f64::INFINITY, f64::min),
+                )
             };
             places(chart).map(|place| to(place).unwrap_or(0.0)).collect()
         } else {
@@ -187,7 +197,9 @@ impl Bounds {
             let straight = self.straight.get(index).copied().unwrap_or(0.0);
             if distance < straight - 0.5 * self.longest_edge - rounding {
                 let edge = self.longest_edge;
-                return Err(format!("{distance} at {index} is below the line {straight}, edge {edge}"));
+                return Err(format!(
+                    "{distance} at {index} is below the line {straight}, edge {edge}"
+                ));
             }
         }
         Ok(())
