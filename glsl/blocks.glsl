@@ -50,12 +50,16 @@ uint due_again(uint iteration) {
 // back: points see so many lines of texels behind them.
 void make_seen_due(int forth, int block, int in_block, int pitch) {
     const int REACH = (SPLIT_REACH + 1) / 2;
+    // There is one block on each side of the grid.
     int after = LINES - 1 - in_block;
-    if (after < REACH) make_due(forth, block + 1, pitch);
-    if (in_block < REACH) make_due(forth + 1, block - 1, pitch);
-    // The block beyond, if there is one, where blocks are that small.
-    if (after + LINES < REACH && block + 2 < pitch - 1) make_due(forth, block + 2, pitch);
-    if (in_block + LINES < REACH && block > 0) make_due(forth + 1, block - 2, pitch);
+    for (int next = block + 1; after < REACH && next < pitch - 1; next++) {
+        make_due(forth, next, pitch);
+        after += LINES;
+    }
+    for (int next = block - 1; in_block < REACH && next >= -1; next--) {
+        make_due(forth + 1, next, pitch);
+        in_block += LINES;
+    }
 }
 
 // A line has changed: makes its block due in both scans that pass lines like it, and those that see it.

@@ -39,8 +39,8 @@
 // three degrees, so that rounding makes no right angle obtuse. How many points are looked for to split it, and how
 // many rows and columns away.
 #define OBTUSE 0.95
-#define SPLIT_STEPS 12
-#define SPLIT_REACH 3
+#define SPLIT_STEPS 16
+#define SPLIT_REACH 6
 // Below such a part of squared lengths what tells the places of two such points apart is rounding.
 #define SPLIT_MARGIN 1e-3
 // See curved.rs. GRAZING is no ratio of small whole numbers, or rounding would decide whether rays between
