@@ -160,7 +160,13 @@ impl Setting {
     pub(crate) fn new(surface: &Surface, sources: SourceKind, engine: EngineKind) -> Self {
         let is_floor_plan = surface.is_floor_plan();
         let is_rough = surface.resolution().is_some_and(|resolution| resolution.is_rough());
-        Self { is_floor_plan, is_rough, has_slowness: surface.slowness().is_some(), sources, engine }
+        Self {
+            is_floor_plan,
+            is_rough,
+            has_slowness: surface.slowness().is_some(),
+            sources,
+            engine,
+        }
     }
 
     /// An engine that is given edges and seeds, and knows of the surface at most that it is a floor plan.
