@@ -197,10 +197,11 @@ forget_older_shaderc() {
     [[ $1 != "$(cat "$note" 2>/dev/null)" ]] || return 0
     if [[ -d $target ]]; then
         say "dropping what was built with another libshaderc, if anything"
-        # Without --release cargo drops the debug build only.
-        if ! cargo clean -q -p shaderc-sys || ! cargo clean -q --release -p shaderc-sys; then
-            die "could not; run 'cargo clean', then this again"
-        fi
+        # Cargo drops the build of one profile only.
+        for profile in dev release ci; do
+            cargo clean -q --profile "$profile" -p shaderc-sys ||
+                die "could not; run 'cargo clean', then this again"
+        done
     fi
     mkdir -p "$target"
     printf '%s\n' "$1" >"$note"

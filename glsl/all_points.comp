@@ -49,6 +49,7 @@ vec2 front_at(ivec2 point) {
     return vec2(times[component_of(point)], carried[component_of(point)]);
 }
 
+#include "splits.glsl"
 #include "anchored_ways.glsl"
 
 void main() {
@@ -98,14 +99,17 @@ void main() {
             sight.edges[i] = edge_lengths(lengths, ivec2(0), step);
         }
         Fronts fronts;
+        Places four = Places(first_point(texel), ivec2(1, 0), ivec2(0, 1), ahead, along);
         if (HAS_ANCHORS) {
-            Places four = Places(first_point(texel), ivec2(1, 0), ivec2(0, 1), ahead, along);
             fronts = ways_to(sight, four, 15u, uint(scan) + 1u, may_renew, time, carried);
         } else {
             vec4 base_left = edge_lengths(lengths, -ahead - along, along);
             vec4 base_right = edge_lengths(lengths, -ahead, along);
             vec4 own = CARRIES ? at_step(surface_around, ivec2(0)) : vec4(0.0);
             fronts = update_four(sight, own, base_left, base_right);
+            bvec4 left = are_obtuse(sight.edges[0], sight.edges[1], base_left);
+            bvec4 right = are_obtuse(sight.edges[1], sight.edges[2], base_right);
+            add_parts(four, left, right, fronts);
         }
         accept(fronts, uint(scan) + 1u, may_renew, time, carried);
     }

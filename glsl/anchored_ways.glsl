@@ -1,15 +1,10 @@
 // The update of fronts with anchors: exact over floor plans. Four points at once where all that each sees behind
 // it has one anchor, which is nearly everywhere; elsewhere one after another.
-// Include after wavefront.glsl, edge_image.glsl and surface_image.glsl.
+// Include after wavefront.glsl, edge_image.glsl, surface_image.glsl and splits.glsl.
 // Twin: the anchored front in src/update, where it is explained.
-//
-// The including shader defines
-//     vec2 front_at(ivec2 point)          arrival time and what is carried at any point of the grid
 
 #include "anchors.glsl"
 #include "corner.glsl"
-
-vec2 front_at(ivec2 point);
 
 // How a point is reached: when, from which anchor, and when that was.
 struct Way {
@@ -35,12 +30,6 @@ struct Known {
     vec3 start;    // when the anchor was reached
     vec3 col, row; // of the anchor
     uvec3 before;  // its own anchor
-};
-
-// Where the points are: the first, how much further the second and the third, and the scan's way.
-struct Places {
-    ivec2 first, to_second, to_third;
-    ivec2 ahead, along;
 };
 
 // The shorter of two ways; of two that are as long, on one line, that from the corner passed last.

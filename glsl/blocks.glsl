@@ -3,8 +3,9 @@
 // a texel has changed since the scan has last visited the block. To visit any other would change
 // nothing: what a scan brings to a block depends on that line and the block alone, and it has brought
 // it.
-// But with anchors a scan looks at corners further behind as well, and at those in the block as they were
-// before. So if one of these has changed the block is due again in the next iteration.
+// But with anchors a scan looks at corners further behind as well, and in obtuse triangles at points beyond them;
+// and at those in the block as they were before. So if one of these has changed the block is due again in the
+// next iteration.
 // Skipped blocks leave both images of fronts as they are, which are alike there: a scan that changes a
 // texel writes one image, the next scan reads that image and writes the other, and the texel's block
 // is due in it. So after each scan the image it writes holds the whole map.
@@ -45,13 +46,26 @@ uint due_again(uint iteration) {
     return 2u << (iteration & 1u);
 }
 
-// A line has changed: makes its block due in both scans, `forth` and back, that pass lines like it,
-// and what lies ahead if the line is the block's last.
+// A line of a block has changed: makes the blocks due that see it behind them in two opposite scans, `forth` and
+// back: points see so many lines of texels behind them.
+void make_seen_due(int forth, int block, int in_block, int pitch) {
+    const int REACH = (SPLIT_REACH + 1) / 2;
+    // There is one block on each side of the grid.
+    int after = LINES - 1 - in_block;
+    for (int next = block + 1; after < REACH && next < pitch - 1; next++) {
+        make_due(forth, next, pitch);
+        after += LINES;
+    }
+    for (int next = block - 1; in_block < REACH && next >= -1; next--) {
+        make_due(forth + 1, next, pitch);
+        in_block += LINES;
+    }
+}
+
+// A line has changed: makes its block due in both scans that pass lines like it, and those that see it.
 void make_both_due(int forth, int line, int pitch) {
     int block = line / LINES;
-    int in_block = line - block * LINES;
     make_due(forth, block, pitch);
     make_due(forth + 1, block, pitch);
-    if (in_block == LINES - 1) make_due(forth, block + 1, pitch);
-    if (in_block == 0) make_due(forth + 1, block - 1, pitch);
+    make_seen_due(forth, block, line - block * LINES, pitch);
 }

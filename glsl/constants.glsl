@@ -35,6 +35,14 @@
 #define WHOLE 8
 // Tag of the surface where waves diffract, at points that lack an edge.
 #define DIFFRACTS 1
+// A triangle is obtuse at x0 if the squares of its sides there are together less than so much of the base's: by
+// three degrees, so that rounding makes no right angle obtuse. How many points are looked for to split it, and how
+// many rows and columns away.
+#define OBTUSE 0.95
+#define SPLIT_STEPS 16
+#define SPLIT_REACH 6
+// Below such a part of squared lengths what tells the places of two such points apart is rounding.
+#define SPLIT_MARGIN 1e-3
 // See curved.rs. GRAZING is no ratio of small whole numbers, or rounding would decide whether rays between
 // grid points, which often turn by such a ratio, turn by more.
 #define GRAZING 0.0973

@@ -36,17 +36,18 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     bvec4 after_x1 = greaterThanEqual(crossing, vec4(0.0));
     vec4 n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * 2.0;
     vec4 root = sqrt(max(1.0 + kappa * n, 0.0));
-    vec4 rise = n / (1.0 + root);
+    vec4 rise = max(n / (1.0 + root), 0.0);
+    vec4 by_far = t + l;
+    vec4 by_near = near_t + near_l;
+    vec4 time = t + c * rise;
     bvec4 crosses = both(both(is_front, after_x1), lessThanEqual(crossing, width));
-    bvec4 inside = both(crosses, either(not(beside), greaterThanEqual(rise, d)));
+    bvec4 inside = both(crosses, lessThanEqual(time, min(by_far, by_near)));
     vec4 far_spread = max(1.0 + far_kappa * rise, FOCUS);
     vec4 near_spread = max(1.0 + near_kappa * (rise - d), FOCUS);
     vec4 spread = far_spread * near_spread;
 
     // Along the edge of the end from which it arrives first.
     vec4 grazing = GRAZING * width;
-    vec4 by_far = t + l;
-    vec4 by_near = near_t + near_l;
     bvec4 from_far = lessThanEqual(by_far, by_near);
     vec4 edge = mix(near_l, l, from_far);
     vec4 edge_g = mix(near_g, g, from_far);
@@ -65,7 +66,7 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     vec4 ray = mix(edge, c * (root * h * spread * per), inside);
     vec4 gaussian = mix(edge_g, g + share * (near_g - g), inside);
     vec4 curvature = bent(dividend * per, 0.5 * (g0 + gaussian), ray);
-    return Fronts(mix(mix(by_near, by_far, from_far), t + c * rise, inside), curvature, shape.whole);
+    return Fronts(mix(mix(by_near, by_far, from_far), time, inside), curvature, shape.whole);
 }
 
 // The curvature over a base, in units of the base: from that at its later end and at the nearer one, whose time

@@ -1,9 +1,8 @@
-// The layers of a batch in the images of fronts: arrival times of all maps, then what the
-// fronts of all carry beside.
+// The layers of a batch in the images of fronts: of each map its arrival times, then what its fronts carry
+// beside. Include after wavefront.glsl.
 
-// Maps of a batch, at most.
-layout(constant_id = 6) const int MAPS = 1;
+const int LAYERS_OF_MAP = CARRIES ? LAYERS : 1;
 
 int layer_of(uint map, int layer) {
-    return layer * MAPS + int(map);
+    return int(map) * LAYERS_OF_MAP + layer;
 }

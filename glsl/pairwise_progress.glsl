@@ -1,7 +1,8 @@
 // How the maps of a batch go, each by itself. Twin: src/vulkan/pairwise/progress.rs.
 
 struct Map {
-    uint source;        // its grid point, row-major
+    int source_col;     // its source's column
+    int source_row;     // and row
     uint residual;      // largest change of a front in this iteration, in units of the last place;
     uint next_residual; // or, where a workgroup runs from one into the next, in every second one
     uint renews;        // 1 while curved fronts may be renewed
@@ -20,3 +21,7 @@ layout(set = 0, binding = 6) restrict buffer Progress {
     uint col_groups[3]; // of a column
     Map maps[];
 };
+
+ivec2 source_of(uint map) {
+    return ivec2(maps[map].source_col, maps[map].source_row);
+}

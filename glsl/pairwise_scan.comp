@@ -14,7 +14,6 @@ layout(local_size_x_id = 3) in;
 
 // Most lines of texels in a block.
 layout(constant_id = 4) const int LINES = 1;
-layout(constant_id = 8) const int COLS = 1;
 
 ivec3 place_of(ivec2 texel, int layer) {
     return ivec3(texel, layer_of(gl_WorkGroupID.z, layer));
@@ -28,12 +27,11 @@ void note_change(uint change) {
     atomicMax(maps[gl_WorkGroupID.z].residual, change);
 }
 
-void note_moved(uint moved, uint beside_holes, ivec2 texel) {}
+void note_moved(uint moved, uint further, ivec2 texel) {}
 
 bool passes(ivec2 point, ivec2 ahead) {
     if (maps[gl_WorkGroupID.z].iterations > 0u) return true;
-    ivec2 source = from_row_major(int(maps[gl_WorkGroupID.z].source), COLS);
-    return lines_ahead(point - point_at(source), ahead) > 0;
+    return lines_ahead(point - point_at(source_of(gl_WorkGroupID.z)), ahead) > 0;
 }
 
 #include "scan.glsl"

@@ -94,13 +94,13 @@ uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_re
     return change_of(old_time.xyxy, time.xyxy, old_carried.xyxy, carried.xyxy);
 }
 
-void start(int source) {
+void start(ivec2 source) {
     for (int i = int(gl_LocalInvocationIndex); i < FRONTS; i += INVOCATIONS) {
         fronts[i] = i < AREA ? FAR : 0.0;
     }
     barrier();
     if (gl_LocalInvocationIndex == 0u) {
-        int place = row_major(from_row_major(source, COLS), PITCH);
+        int place = row_major(source, PITCH);
         fronts[place] = 0.0;
         if (CARRIES) fronts[AREA + place] = with_tag(SOURCE_CURVATURE, 0u);
     }
@@ -110,7 +110,7 @@ void main() {
     uint map = gl_WorkGroupID.x;
     if (maps[map].done != 0u) return;
     int lane = int(gl_LocalInvocationIndex);
-    int source = int(maps[map].source);
+    ivec2 source = source_of(map);
     uint renews = maps[map].renews;
     uint iterations = maps[map].iterations;
     uint since_reached = maps[map].since_reached;
@@ -129,7 +129,7 @@ void main() {
             int lines = lines_of(ivec2(COLS, ROWS), scan);
             int points = points_of_line(ivec2(COLS, ROWS), scan);
             bool forward = (scan & 1) == 0;
-            int source_line = line_of(from_row_major(source, COLS), scan);
+            int source_line = line_of(source, scan);
             // Behind the first line there is none; the first iteration leads away from the source.
             int start = iterations > 0u ? 1 : forward ? source_line + 1 : lines - source_line;
             for (int passed = start; passed < lines; passed++) {

@@ -23,7 +23,7 @@ void main() {
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
     uint map = gl_WorkGroupID.z;
     if (is_beyond(texel, all_texels(texels_of(grid))) || maps[map].done != 0u) return;
-    ivec2 point = point_at(from_row_major(int(maps[map].source), grid.x));
+    ivec2 point = point_at(source_of(map));
     bvec4 here = equal(ivec4(0, 1, 2, 3), ivec4(component_of(point)));
     here = both(here, bvec4(texel == texel_of(point)));
     vec4 time = mix(vec4(FAR), vec4(0.0), here);

@@ -22,16 +22,16 @@ void note_change(uint change) {
     atomicMax(residual, change);
 }
 
-void note_moved(uint moved, uint beside_holes, ivec2 texel);
+void note_moved(uint moved, uint further, ivec2 texel);
 
 bool passes(ivec2 point, ivec2 ahead) {
     return true;
 }
 
-#define WITH_ANCHORS
+#define WITH_FURTHER_POINTS
 #include "scan.glsl"
 
-void note_moved(uint moved, uint beside_holes, ivec2 texel) {
+void note_moved(uint moved, uint further, ivec2 texel) {
     bool by_rows = AHEAD_Y != 0;
     int forth = by_rows ? DOWN : RIGHT;
     int way = AHEAD_X + AHEAD_Y;
@@ -40,12 +40,10 @@ void note_moved(uint moved, uint beside_holes, ivec2 texel) {
     int block = first_line / LINES;
     int in_block = first_line - block * LINES;
     make_due(way > 0 ? forth + 1 : forth, block, pitch);
-    // Which of the lines visited are the last of the block forth and back, if they are.
-    int last_forth = (LINES - 1 - in_block) * way;
-    int last_back = -in_block * way;
-    if (last_forth >= 0 && (moved >> last_forth & 1u) != 0u) make_due(forth, block + 1, pitch);
-    if (last_back >= 0 && (moved >> last_back & 1u) != 0u) make_due(forth + 1, block - 1, pitch);
-    if (HAS_ANCHORS && beside_holes != 0u) {
+    for (int k = 0; k < LINES; k++) {
+        if ((moved >> k & 1u) != 0u) make_seen_due(forth, block, in_block + k * way, pitch);
+    }
+    if (further != 0u) {
         atomicOr(blocks[due_at(int(SCAN) - 1, block, pitch)], due_again(iterations));
     }
     make_both_due(by_rows ? RIGHT : DOWN, by_rows ? inner.x : inner.y, pitch);
@@ -56,11 +54,7 @@ void main() {
     // What the dispatch was made by has been read.
     if (gl_GlobalInvocationID.x == 0u) {
         int at = due_at(int(SCAN) - 1, without_border(line) / LINES, pitch);
-        if (HAS_ANCHORS) {
-            atomicAnd(blocks[at], due_again(iterations));
-        } else {
-            blocks[at] = 0u;
-        }
+        atomicAnd(blocks[at], due_again(iterations));
         if (note >= 0) visits[note / 32] |= 1u << (note & 31);
     }
     scan_block();

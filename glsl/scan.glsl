@@ -12,12 +12,15 @@
 //     bool renews_fronts()                              whether fronts are renewed
 //     void note_change(uint change)                     of a front, in units of the last place
 //     bool passes(ivec2 point, ivec2 ahead)             whether the scan gets to a point's line
-//     void note_moved(uint moved, uint beside_holes, ivec2 texel)
+//     void note_moved(uint moved, uint further, ivec2 texel)
 //                                                       in which lines, bit by bit from that of the
 //                                                       texel on, a front has changed at all, and in
-//                                                       which of them at a point that lacks an edge
+//                                                       which of them at points that see further than
+//                                                       their neighbours, or may be seen from there: with
+//                                                       anchors at points that lack an edge, else in
+//                                                       obtuse triangles
 //     int LINES                                         most lines of texels in a block
-// and WITH_ANCHORS if there may be fronts with anchors.
+// and WITH_FURTHER_POINTS if updates may see points beyond the neighbours: anchors, and parts of obtuse triangles.
 
 // The scan's direction: one of the four unit steps.
 layout(constant_id = 0) const int AHEAD_X = 0;
@@ -96,7 +99,7 @@ struct Lines {
     vec4 second_carried;
 };
 
-#ifdef WITH_ANCHORS
+#ifdef WITH_FURTHER_POINTS
 // Behind the block lines are as this scan has left them, in it and ahead as they were before.
 vec2 front_at(ivec2 point) {
     ivec2 texel = texel_of(point);
@@ -109,6 +112,7 @@ vec2 front_at(ivec2 point) {
     return vec2(times[i], carried[i]);
 }
 
+#include "splits.glsl"
 #include "anchored_ways.glsl"
 
 // Updates both lines of a texel by ways to anchors, given what its first line sees, and the edges from its
@@ -142,17 +146,32 @@ void follow_ways(ivec2 point, Sight behind, vec4 l1, vec4 l2, bool may_renew, in
 #endif
 
 // The same through triangles, given the bases of those of the first line too.
-void pass_triangles(ivec2 point, Sight behind, vec4 base_left, vec4 base_right, vec4 l1, vec4 l2,
+// Returns whether any of them is obtuse.
+bool pass_triangles(ivec2 point, Sight behind, vec4 base_left, vec4 base_right, vec4 l1, vec4 l2,
                     vec2 surface, bool may_renew, inout Lines own) {
+    bool any_obtuse = false;
     if (passes(point, ahead)) {
-        accept(update_four(behind, own.first.surface, base_left, base_right), SCAN, may_renew, own.first.time,
-               own.first.carried);
+        Fronts fronts = update_four(behind, own.first.surface, base_left, base_right);
+#ifdef WITH_FURTHER_POINTS
+        bvec4 left = are_obtuse(behind.edges[0], behind.edges[1], base_left);
+        bvec4 right = are_obtuse(behind.edges[1], behind.edges[2], base_right);
+        any_obtuse = any(either(left, right));
+        add_parts(Places(point - along, along, 2 * along, ahead, along), left, right, fronts);
+#endif
+        accept(fronts, SCAN, may_renew, own.first.time, own.first.carried);
     }
     if (passes(point + ahead, ahead)) {
         vec4 base = vec4(edge_length(point - along, along), edge_length(point, along),
                          edge_length(point, along), edge_length(point + along, along));
-        accept(update_pair(own.first, surface, l1, l2, base), SCAN, may_renew, own.second, own.second_carried);
+        Fronts fronts = update_pair(own.first, surface, l1, l2, base);
+#ifdef WITH_FURTHER_POINTS
+        bvec4 obtuse = are_obtuse(l1, l2, base);
+        any_obtuse = any_obtuse || any(obtuse);
+        add_parts(Places(point + ahead, along, ivec2(0), ahead, along), obtuse, obtuse.zwxy, fronts);
+#endif
+        accept(fronts, SCAN, may_renew, own.second, own.second_carried);
     }
+    return any_obtuse;
 }
 
 void scan_block() {
@@ -171,7 +190,7 @@ void scan_block() {
     Behind surface = zero;
     uint change = 0u;
     uint moved = 0u;
-    uint beside_holes = 0u;
+    uint further = 0u;
 
     for (int k = 0; k < LINES; k++) {
         if (k >= lines) break;
@@ -227,14 +246,15 @@ void scan_block() {
         own.second = second_line(old, ahead).xyxy;
         own.second_carried = second_line(old_carried, ahead).xyxy;
 
-#ifdef WITH_ANCHORS
+        bool sees_further = any(equal(tags_of(own_surface), uvec4(DIFFRACTS)));
+#ifdef WITH_FURTHER_POINTS
         if (HAS_ANCHORS) {
             follow_ways(point, behind, l1, l2, may_renew, own);
         } else
 #endif
         {
-            pass_triangles(point, behind, base_left, base_right, l1, l2, second_line(own_surface, ahead),
-                           may_renew, own);
+            sees_further = pass_triangles(point, behind, base_left, base_right, l1, l2, second_line(own_surface, ahead),
+                                          may_renew, own);
         }
 
         times.middle = own.second.xy;
@@ -248,10 +268,10 @@ void scan_block() {
             change = max(change, change_of(old, new, old_carried, new_carried));
             if (differ(old, new) || differ(old_carried, new_carried)) {
                 moved |= 1u << k;
-                if (any(equal(tags_of(own_surface), uvec4(DIFFRACTS)))) beside_holes |= 1u << k;
+                if (sees_further) further |= 1u << k;
             }
         }
     }
     if (change > 0u) note_change(change);
-    if (moved != 0u) note_moved(moved, beside_holes, in_line(line, place, ahead, along));
+    if (moved != 0u) note_moved(moved, further, in_line(line, place, ahead, along));
 }

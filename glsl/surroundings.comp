@@ -66,6 +66,18 @@ vec4 edge_lengths(ivec2 at, ivec2 step) {
                 stored_length(lengths[s.z], way), stored_length(lengths[s.w], way));
 }
 
+// The first point of the images in shared memory.
+ivec2 window;
+
+vec2 front_at(ivec2 point) {
+    ivec2 at = point - window;
+    if (!in_grid(at, ivec2(SIDE))) return vec2(FAR, 0.0);
+    int i = spot(at);
+    return vec2(times[i], carried[CARRIES ? i : 0]);
+}
+
+#include "splits.glsl"
+
 // Has a texel whose first point is here accept what comes through the two triangles of each scan.
 void update_texel(ivec2 at, inout vec4 time, inout vec4 held) {
     vec4 own = ends_at(at).surface;
@@ -78,10 +90,16 @@ void update_texel(ivec2 at, inout vec4 time, inout vec4 held) {
         ivec2 first = -ahead + ((triangle & 1) - 1) * along;
         ivec2 second = first + along;
         bvec4 alone = are_alone(edge_lengths(at, -ahead));
-        Fronts through =
-            update(ends_at(at + first), ends_at(at + second), own, edge_lengths(at, first),
-                   edge_lengths(at, second), edge_lengths(at + first, along), alone);
-        if ((triangle & 1) == 0) {
+        vec4 l1 = edge_lengths(at, first);
+        vec4 l2 = edge_lengths(at, second);
+        vec4 base = edge_lengths(at + first, along);
+        Fronts through = update(ends_at(at + first), ends_at(at + second), own, l1, l2, base, alone);
+        bvec4 none = bvec4(false);
+        bvec4 obtuse = are_obtuse(l1, l2, base);
+        bool is_left = (triangle & 1) == 0;
+        Places four = Places(window + at, ivec2(1, 0), ivec2(0, 1), ahead, along);
+        add_parts(four, is_left ? obtuse : none, is_left ? none : obtuse, through);
+        if (is_left) {
             fronts = through;
         } else {
             accept(earlier(fronts, through), uint(scan) + 1u, true, time, held);
@@ -119,11 +137,12 @@ void main() {
 
     ivec2 in_window = from_row_major(index, TEXELS);
     ivec2 first = first_texel(own);
+    window = window_at(first);
     ivec2 texel = first + in_window;
     ivec2 texels = texels_of(grid);
     is_there = is_there && in_grid(without_border(texel), texels);
     for (int i = index; i < AREA; i += SURROUNDINGS_WORKGROUP) {
-        ivec2 point = clamp(window_at(first) + from_row_major(i, SIDE), ivec2(0), last_point(texels));
+        ivec2 point = clamp(window + from_row_major(i, SIDE), ivec2(0), last_point(texels));
         lengths[i] = imageLoad(edges, point);
         times[i] = FAR;
         if (CARRIES) {

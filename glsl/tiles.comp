@@ -82,6 +82,7 @@ vec2 front_at(ivec2 point) {
     return vec2(time[component_of(point)], held[component_of(point)]);
 }
 
+#include "splits.glsl"
 #include "anchored_ways.glsl"
 
 void load(ivec2 tile, ivec2 tile_grid) {
@@ -146,17 +147,19 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
     vec4 held = vec4(0.0);
     if (CARRIES) held = vec2(carried[a], carried[b]).xyxy;
     Fronts fronts;
+    copy_here = copy;
+    line_here = at;
+    axis_here = abs(ahead);
+    Places pair = Places(window + at, along, ivec2(0), ahead, along);
     if (HAS_ANCHORS) {
-        copy_here = copy;
-        line_here = at;
-        axis_here = abs(ahead);
-        Places pair = Places(window + at, along, ivec2(0), ahead, along);
         fronts = ways_to(sight_of_pair(ends, l1, l2), pair, 3u, uint(copy) + 1u, may_renew, time, held);
     } else {
         vec4 bases = vec4(edge_in_tile(behind - along, along), edge_in_tile(behind, along),
                           edge_in_tile(behind + along, along), 0.0);
         vec2 own = CARRIES ? vec2(surface[spot(at)], surface[spot(next)]) : vec2(0.0);
         fronts = update_pair(ends, own, l1, l2, bases.xyyz);
+        bvec4 obtuse = are_obtuse(l1, l2, bases.xyyz);
+        add_parts(pair, obtuse, obtuse.zwxy, fronts);
     }
     accept(fronts, uint(copy) + 1u, may_renew, time, held);
     times[a] = time.x;
@@ -198,13 +201,13 @@ void merge(ivec2 in_tile, inout vec4 time, inout vec4 held) {
     }
 }
 
-// The tiles that see a point of this one, as bits of 3 x 3 tiles.
+// The tiles that may see a point of this one, as bits of 3 x 3 tiles.
 uint sides_of(ivec2 at) {
     uint bits = 0u;
-    bool west = at.x < 1;
-    bool east = at.x >= TILE - 1;
-    if (at.y < 1) bits |= west ? 0xbu : east ? 0x26u : 0x2u;
-    if (at.y >= TILE - 1) bits |= west ? 0xc8u : east ? 0x1a0u : 0x80u;
+    bool west = at.x < SPLIT_REACH;
+    bool east = at.x >= TILE - SPLIT_REACH;
+    if (at.y < SPLIT_REACH) bits |= west ? 0xbu : east ? 0x26u : 0x2u;
+    if (at.y >= TILE - SPLIT_REACH) bits |= west ? 0xc8u : east ? 0x1a0u : 0x80u;
     if (west) bits |= 0x8u;
     if (east) bits |= 0x20u;
     return bits;

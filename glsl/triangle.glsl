@@ -63,7 +63,7 @@ struct Shape {
     vec4 other;          // from the other end to x0
     vec4 foot;           // from this end to the foot of x0 on the base
     vec4 height_squared; // of x0 over the base
-    bvec4 whole;         // all three edges exist and enclose an area
+    bvec4 whole;         // all three edges exist and enclose an area, not obtuse at x0: see splits.glsl
 };
 
 Shape shape_of(vec4 side, vec4 other, vec4 base) {
@@ -74,7 +74,9 @@ Shape shape_of(vec4 side, vec4 other, vec4 base) {
     shape.foot = 0.5 * ((shape.side * shape.side - shape.other * shape.other) + 1.0);
     shape.height_squared = (shape.side - shape.foot) * (shape.side + shape.foot);
     bvec4 exists = both(lessThan(shape.height_squared, vec4(FAR)), lessThan(base, vec4(FAR)));
-    shape.whole = both(greaterThan(shape.height_squared, vec4(0.0)), exists);
+    vec4 squares = shape.side * shape.side + shape.other * shape.other;
+    bvec4 acute = greaterThanEqual(squares, vec4(OBTUSE));
+    shape.whole = both(both(greaterThan(shape.height_squared, vec4(0.0)), exists), acute);
     return shape;
 }
 

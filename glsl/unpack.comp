@@ -10,7 +10,7 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts; // times first
+layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts;
 layout(set = 0, binding = 8) writeonly restrict buffer Distances {
     uint distances[]; // as in distance.glsl, row-major
 };
@@ -19,6 +19,7 @@ layout(push_constant) uniform Band {
     ivec2 grid;     // columns and rows of the whole grid
     int first_row;  // the band's first row, even
     int band_rows;
+    int layers;     // of each map in the image, the first with its times
 };
 
 void main() {
@@ -26,7 +27,7 @@ void main() {
     ivec2 texel = with_border(inner);
     ivec2 end = ivec2(grid.x, first_row + band_rows);
     if (is_beyond(at_point(first_point(texel)), end)) return;
-    vec4 times = imageLoad(fronts, ivec3(texel, gl_WorkGroupID.z));
+    vec4 times = imageLoad(fronts, ivec3(texel, int(gl_WorkGroupID.z) * layers));
     for (int i = 0; i < 4; i++) {
         ivec2 at = at_point(first_point(texel) + to_corner(i));
         if (is_beyond(at, end)) continue;

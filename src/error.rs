@@ -29,6 +29,18 @@ pub enum Error {
         /// Distances of a row.
         points: usize,
     },
+    /// A map does not fit memory.
+    #[error(
+        "the map of a grid of {points} points needs {} MiB of memory beside the surface, which \
+         cannot be had; take a coarser grid or a part of the surface",
+        .bytes >> 20
+    )]
+    MapMemory {
+        /// Number of points of the grid.
+        points: usize,
+        /// Bytes that are needed at most.
+        bytes: usize,
+    },
     /// An option is out of its range.
     #[error("{0}")]
     Options(String),

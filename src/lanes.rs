@@ -42,7 +42,7 @@ impl Instructions {
 /// A trait and not a closure: a closure that happens not to be inlined would be compiled for the
 /// baseline instructions. For the same reason `run` and what it calls have to be
 /// `#[inline(always)]`.
-pub(crate) trait Work {
+pub(crate) trait Loop {
     type Output;
 
     fn run(self) -> Self::Output;
@@ -70,7 +70,7 @@ pub(crate) fn prefetch<T>(array: &[T], place: isize) {
 
 impl Instructions {
     /// Runs work that is compiled once for each set.
-    pub(crate) fn run<W: Work>(self, work: W) -> W::Output {
+    pub(crate) fn run<L: Loop>(self, work: L) -> L::Output {
         match self {
             Self::Baseline => work.run(),
             // SAFETY: only sets that this machine has are made, by `Instructions::available` and
@@ -86,13 +86,13 @@ impl Instructions {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn avx2<W: Work>(work: W) -> W::Output {
+fn avx2<L: Loop>(work: L) -> L::Output {
     work.run()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
-fn avx512<W: Work>(work: W) -> W::Output {
+fn avx512<L: Loop>(work: L) -> L::Output {
     work.run()
 }
 

@@ -250,6 +250,22 @@ fn only_single(what: &str) -> Error {
     ))
 }
 
+/// Numbers that a map takes at most for each point, its edges and result included: in single
+/// precision 40 bytes (`tests/memory/resident.rs`), and the result.
+const NUMBERS_OF_POINT: usize = 11;
+
+/// An error if the memory for a map cannot be had. The engines end the process where that happens to
+/// them.
+fn check_memory<R: Real>(surface: &Surface) -> Result<(), Error> {
+    let points = surface.chart().points();
+    let bytes = points.saturating_mul(NUMBERS_OF_POINT * size_of::<R>());
+    let mut room = Vec::<u8>::new();
+    let there = room.try_reserve_exact(bytes);
+    // Else compilers leave out what nothing uses.
+    std::hint::black_box(&room);
+    there.map_err(|_| Error::MapMemory { points, bytes })
+}
+
 /// A checked problem, ready for any engine.
 pub(crate) struct Problem<'a> {
     surface: &'a Surface,
@@ -280,6 +296,7 @@ impl<'a> Problem<'a> {
     ) -> Result<Self, Error> {
         let wavefront = options.wavefront(surface, sources)?;
         let stop = options.stop::<R>(surface)?;
+        check_memory::<R>(surface)?;
         let start = sources.start();
         seeds.iter_mut().for_each(|seed| seed.time -= start);
         let seeds = wavefront.seeds(surface, seeds);

@@ -45,27 +45,12 @@ pub enum GeosweepEdgeRule {
     Chord = 1,
 }
 
-/// What the floats of a grid point are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(C)]
-pub enum GeosweepPointKind {
-    /// Three coordinates, x, y and z.
-    Positions = 0,
-    /// A height. The point at row r and column c is (c dx, r dy, height).
-    Heights = 1,
-    /// A metric in index coordinates: rr, rc and cc, such that a step of dr rows and dc columns has
-    /// the squared length rr dr^2 + 2 rc dr dc + cc dc^2. Positive definite, entries up to 1e12.
-    Metric = 2,
-}
-
 /// A `GeosweepWavefront`, or so the program says.
 pub(super) type WavefrontNumber = i32;
 /// A `GeosweepSchedule`, or so the program says.
 pub(super) type ScheduleNumber = i32;
 /// A `GeosweepEdgeRule`, or so the program says.
 pub(super) type EdgeRuleNumber = i32;
-/// A `GeosweepPointKind`, or so the program says.
-pub(super) type PointKindNumber = i32;
 
 pub(super) fn wavefront(number: WavefrontNumber, name: &str) -> Result<Wavefront, Failure> {
     let choices = Wavefront::EVERY.map(|choice| (wavefront_number(choice), choice));
@@ -100,16 +85,13 @@ pub(super) fn edge_rule(number: EdgeRuleNumber, name: &str) -> Result<EdgeRule, 
     choose(number, name, "GeosweepEdgeRule", &choices)
 }
 
-pub(super) fn point_kind(
-    number: PointKindNumber,
+/// The choice with a number.
+pub(super) fn choose<T: Copy>(
+    number: i32,
     name: &str,
-) -> Result<GeosweepPointKind, Failure> {
-    use GeosweepPointKind as K;
-    let choices = [K::Positions, K::Heights, K::Metric].map(|kind| (kind as i32, kind));
-    choose(number, name, "GeosweepPointKind", &choices)
-}
-
-fn choose<T: Copy>(number: i32, name: &str, of: &str, choices: &[(i32, T)]) -> Result<T, Failure> {
+    of: &str,
+    choices: &[(i32, T)],
+) -> Result<T, Failure> {
     let choice = choices.iter().find(|choice| choice.0 == number).map(|choice| choice.1);
     choice.ok_or_else(|| Failure::argument(name, format!("is {number}, which is no {of}")))
 }

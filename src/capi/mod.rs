@@ -46,7 +46,7 @@ mod status;
 mod surface;
 mod surface_info;
 
-pub use choices::{GeosweepEdgeRule, GeosweepPointKind, GeosweepSchedule, GeosweepWavefront};
+pub use choices::{GeosweepEdgeRule, GeosweepSchedule, GeosweepWavefront};
 pub use contours::*;
 pub use curves::*;
 pub use frame::{
@@ -55,7 +55,7 @@ pub use frame::{
 };
 pub use paths::*;
 pub use plan::*;
-pub use points::GeosweepPoints;
+pub use points::{GeosweepPointKind, GeosweepPoints};
 pub use record::*;
 pub use requirements::*;
 pub use solver::*;

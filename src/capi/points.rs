@@ -8,7 +8,7 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocator;
 
 use super::arguments::list;
-use super::choices::{GeosweepPointKind, PointKindNumber, point_kind};
+use super::choices::choose;
 use super::solver::Shared;
 use super::status::Failure;
 use crate::surface::{
@@ -16,6 +16,22 @@ use crate::surface::{
 };
 use crate::vulkan::embed;
 use crate::vulkan::memory::{Buffer, BufferInfo};
+
+/// What the floats of a grid point are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub enum GeosweepPointKind {
+    /// Three coordinates, x, y and z.
+    Positions = 0,
+    /// A height. The point at row r and column c is (c dx, r dy, height).
+    Heights = 1,
+    /// A metric in index coordinates: rr, rc and cc, such that a step of dr rows and dc columns has
+    /// the squared length rr dr^2 + 2 rc dr dc + cc dc^2. Positive definite, entries up to 1e12.
+    Metric = 2,
+}
+
+/// A `GeosweepPointKind`, or so the program says.
+type PointKindNumber = i32;
 
 /// The points of a surface, one a grid point, row by row: in a buffer or an image of yours on the
 /// device, read whenever a recording measures them, or in the program's memory, copied at once.
@@ -81,10 +97,12 @@ pub(super) struct Arrays {
 impl Form {
     pub(super) fn of(given: &GeosweepPoints, name: &str) -> Result<Self, Failure> {
         let field = |field| format!("{name}.{field}");
-        let kind = match point_kind(given.kind, &field("kind"))? {
-            GeosweepPointKind::Positions => embed::PointKind::Positions,
-            GeosweepPointKind::Metric => embed::PointKind::Metric,
-            GeosweepPointKind::Heights => {
+        use GeosweepPointKind as K;
+        let kinds = [K::Positions, K::Heights, K::Metric].map(|kind| (kind as i32, kind));
+        let kind = match choose(given.kind, &field("kind"), "GeosweepPointKind", &kinds)? {
+            K::Positions => embed::PointKind::Positions,
+            K::Metric => embed::PointKind::Metric,
+            K::Heights => {
                 let spacing = Spacing { dx: given.dx, dy: given.dy };
                 if !spacing.is_usable() {
                     let error = SurfaceError::Spacing { dx: given.dx, dy: given.dy };
@@ -93,7 +111,7 @@ impl Form {
                 embed::PointKind::Heights(spacing)
             }
         };
-        let first = if matches!(kind, embed::PointKind::Heights(_)) { 1 } else { 3 };
+        let first = kind.floats();
         if given.slowness != 0 && given.slowness < first {
             let reason = format!("is {}, and the first {first} floats are not it", given.slowness);
             return Err(Failure::argument(&field("slowness"), reason));
@@ -198,7 +216,7 @@ impl Layout {
 
     /// Floats of a point in our buffer: the slowness comes last, 0 in holes.
     fn floats(&self) -> usize {
-        if matches!(self.kind, embed::PointKind::Heights(_)) { 2 } else { 4 }
+        self.kind.floats() as usize + 1
     }
 
     /// Our buffer for them.

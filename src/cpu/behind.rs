@@ -1,6 +1,6 @@
 //! What lies behind a point as a scan passes it: three neighbours and the triangles between them.
 
-use super::tiles::Scan;
+use super::scan::Scan;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real};
 use crate::update::Triangle;
 
@@ -24,6 +24,11 @@ impl Behind {
 
     pub(super) fn triangles(&self) -> &[TriangleSlots; 2] {
         &self.triangles
+    }
+
+    /// Their bits in what [`EdgeLengths::obtuse_triangles`] tells of a point.
+    pub(super) fn bits(&self) -> u8 {
+        self.triangles.iter().fold(0, |bits, triangle| bits | triangle.bit())
     }
 
     /// The second of the neighbours.
@@ -52,6 +57,8 @@ impl Behind {
 /// Where a triangle's two other corners and its edges lie, seen from its point x0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleSlots {
+    /// Those of x1 and x2.
+    directions: [Direction; 2],
     /// Which of x1 and x2 is the neighbour along an axis of the grid; the other is one across a diagonal.
     axis: usize,
     x1: isize,
@@ -66,15 +73,28 @@ impl TriangleSlots {
     pub(super) fn new(chart: Chart, first: Direction, second: Direction) -> Self {
         let is_counter_clockwise = first.next() == second;
         let base = if is_counter_clockwise { first.base() } else { second.base().opposite() };
-        let (down, right) = first.step();
+        let x1 = chart.offset(first);
         Self {
-            axis: usize::from(down * right != 0),
-            x1: chart.offset(first),
+            directions: [first, second],
+            axis: usize::from(first.is_diagonal()),
+            x1,
             x2: chart.offset(second),
             l1: EdgeSlot::new(chart, 0, first),
             l2: EdgeSlot::new(chart, 0, second),
-            c: EdgeSlot::new(chart, chart.offset(first), base),
+            c: EdgeSlot::new(chart, x1, base),
         }
+    }
+
+    /// The directions of its two other corners.
+    pub(super) fn directions(&self) -> [Direction; 2] {
+        self.directions
+    }
+
+    /// Its bit in what [`EdgeLengths::obtuse_triangles`] tells of a point.
+    pub(super) fn bit(&self) -> u8 {
+        let [first, second] = self.directions;
+        let clockwise = if first.next() == second { first } else { second };
+        1 << clockwise as u8
     }
 
     /// The two other corners of a point's triangle.
@@ -111,16 +131,6 @@ impl TriangleSlots {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use Direction::*;
-
-    #[test]
-    fn scans_have_passed_what_lies_behind_in_the_order_of_their_lines() {
-        let behind = Scan::ALL.map(Scan::behind);
-        assert_eq!(behind[0], [NorthWest, North, NorthEast]);
-        assert_eq!(behind[1], [SouthWest, South, SouthEast]);
-        assert_eq!(behind[2], [NorthWest, West, SouthWest]);
-        assert_eq!(behind[3], [NorthEast, East, SouthEast]);
-    }
 
     #[test]
     fn bases_join_the_neighbours() {

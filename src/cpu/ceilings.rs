@@ -9,7 +9,8 @@ use super::behind::Behind;
 use super::fronts::{FrontKind, TriangleKind, for_triangle_kind};
 use super::line::{GridLines, LinesInGrid};
 use super::line_update::How;
-use super::tiles::{Scan, TILE};
+use super::scan::Scan;
+use super::tiles::TILE;
 use crate::surface::{EdgeLengths, Real, Spacing, Surface};
 use crate::update::Wavefront;
 
@@ -121,7 +122,7 @@ impl<'a, K: TriangleKind<'a, f32>> WarmLine<'a, K> {
     /// Updates all points, none of which has been reached: those would be settled. Returns how many.
     fn update(&mut self) -> u64 {
         let (chart, scan) = (self.edges.chart(), Scan::DOWN);
-        self.times[chart.bordered(1, 0)..][..POINTS].fill(f32::FAR);
+        chart.row_of_mut(&mut self.times, 1).fill(f32::FAR);
         let mut lines = GridLines {
             stride: chart.stride(),
             behind: Behind::of(chart, scan),
@@ -129,7 +130,7 @@ impl<'a, K: TriangleKind<'a, f32>> WarmLine<'a, K> {
             carried: &mut self.carried,
             ground: &self.ground,
             edges: self.edges.planes(),
-            place: LinesInGrid { chart, first: 0, beyond: None },
+            place: LinesInGrid { edges: self.edges, first: 0, beyond: None },
         };
         let how = How { scan, renews: true, instructions: Instructions::best() };
         let updated = self.kind.update(&mut lines, 2, &(0..POINTS), how, &mut self.changed);
@@ -163,7 +164,7 @@ mod tests {
                 line.times
             });
             // Through the first row everywhere. Planar fronts are off by a tenth of a cell.
-            for (i, time) in times[edges.chart().bordered(1, 0)..][..POINTS].iter().enumerate() {
+            for (i, time) in edges.chart().row_of(&times, 1).iter().enumerate() {
                 let exact = (i as f32).hypot(301.0);
                 assert!((time - exact).abs() < 0.1, "{wavefront} {i}: {time} {exact}");
             }

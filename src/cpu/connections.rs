@@ -111,9 +111,9 @@ struct Corner<'a> {
 
 impl Corner<'_> {
     fn at(self, step: Step) -> Option<(usize, usize)> {
-        let (row, col) =
-            (self.row.checked_add_signed(step.0)?, self.col.checked_add_signed(step.1)?);
-        self.surface.has(row, col).then_some((row, col))
+        let (row, col) = (self.row as isize + step.0, self.col as isize + step.1);
+        let place = self.surface.chart().at(row, col);
+        place.filter(|&(row, col)| self.surface.has(row, col))
     }
 
     fn length(self, from: Step, to: Step) -> f64 {
@@ -173,6 +173,7 @@ impl Corner<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::Block;
     use crate::surface::builtin::Builtin;
 
     #[test]
@@ -189,8 +190,8 @@ mod tests {
         let surface = Builtin::ShearedPlane { degrees: 60.0 }.surface(9, 9).unwrap();
         let split = Connections::<f64>::split(&surface).unwrap();
         let chart = surface.chart();
-        let inside = (1..8).flat_map(|row| (2..7).map(move |col| chart.bordered(row, col)));
-        for point in inside {
+        let inside = Block { rows: 1..8, cols: 2..7 };
+        for point in inside.places().map(|(row, col)| chart.bordered(row, col)) {
             let own = split.triangles.iter().filter(|triangle| triangle.x0 == point);
             assert_eq!(own.count(), 4);
         }

@@ -13,10 +13,11 @@ use rayon::prelude::*;
 use super::behind::Behind;
 use super::fronts::FrontKind;
 use super::line_update::How;
+use super::scan::Scan;
 use super::stretch::{Before, Stretch, prefetch_next_row};
-use super::tiles::{Scan, TILE, Tiles, points};
-use crate::lanes::Work;
-use crate::surface::Real;
+use super::tiles::{TILE, Tiles};
+use crate::lanes::Loop;
+use crate::surface::{Direction, Real};
 
 /// Finds the tiles in which two scans have something to do; returns how many points were looked
 /// at, twice those that were for both.
@@ -26,20 +27,24 @@ pub(super) fn find_due<'a, R: Real, K: FrontKind<'a, R>>(
     tiles: &mut Tiles,
     scans: [How; 2],
 ) -> u64 {
-    let chart = before.edges.chart();
+    let (chart, tiling) = (before.edges.chart(), tiles.tiling());
+    let stride = chart.offset(Direction::South);
     let seen = scans.map(|how| (how, Behind::of(chart, how.scan)));
     let in_band = |(band, (beside, due)): (usize, (&[u8], &mut [u8]))| {
         let mut looked = 0;
-        for row in points(band..band + 1, chart.rows) {
+        for row in tiling.rows(band..band + 1) {
             for &(how, ref behind) in &seen {
                 for run in runs(beside, how.scan) {
                     let due = &mut due[run.clone()];
-                    let cols = points(run, chart.cols);
+                    let cols = tiling.cols(run);
                     looked += cols.len() as u64;
                     let first = chart.bordered(row, cols.start);
                     let stretch = before.stretch(behind, first, cols.len());
-                    let (before, stride) = (&before, chart.stride() as isize);
-                    let look = Look::<R, K> { kind, before, first, stretch, stride, how, due };
+                    let before = &before;
+                    let obtuse = before.edges.obtuse_triangles().filter(|_| K::NEEDS_EDGES);
+                    let obtuse = obtuse.map(|bits| (&bits[first..][..cols.len()], behind.bits()));
+                    let look =
+                        Look::<R, K> { kind, before, first, stretch, obtuse, stride, how, due };
                     how.instructions.run(look);
                 }
             }
@@ -68,31 +73,43 @@ struct Look<'l, 'a, R: Real, K: FrontKind<'a, R>> {
     /// The first point.
     first: usize,
     stretch: Stretch<'l, R, K::Carried, K::Ground>,
+    /// Which of their triangles are obtuse, if any are, and the bits of those of the scan.
+    obtuse: Option<(&'l [u8], u8)>,
     /// From here to the next row.
     stride: isize,
     how: How,
     due: &'l mut [u8],
 }
 
-impl<'a, R: Real, K: FrontKind<'a, R>> Work for Look<'_, 'a, R, K> {
+impl<'a, R: Real, K: FrontKind<'a, R>> Loop for Look<'_, 'a, R, K> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { kind, before, first, stretch, stride, how, due } = self;
+        let Self { kind, before, first, stretch, obtuse, stride, how, due } = self;
         let points = stretch.times.len();
         for (tile, due) in due.iter_mut().enumerate() {
             prefetch_next_row(&stretch, stride, tile * TILE, K::NEEDS_EDGES);
             if *due & how.scan.bit() != 0 {
                 continue;
             }
+            // What comes from beyond the neighbours is not seen here.
+            let is_split = |start: usize, points: usize| {
+                obtuse.is_some_and(|(obtuse, of_scan)| {
+                    obtuse[start..][..points].iter().any(|bits| bits & of_scan != 0)
+                })
+            };
             // As updates stretch: the last one overlaps the one before.
             let leaves = match points.checked_sub(TILE) {
                 Some(last) => {
                     let start = (tile * TILE).min(last);
-                    kind.leaves(before, first + start, stretch.part(start, TILE), TILE, how)
+                    !is_split(start, TILE)
+                        && kind.leaves(before, first + start, stretch.part(start, TILE), TILE, how)
                 }
-                None => kind.leaves(before, first, stretch.part(0, points), points, how),
+                None => {
+                    !is_split(0, points)
+                        && kind.leaves(before, first, stretch.part(0, points), points, how)
+                }
             };
             if !leaves {
                 *due |= how.scan.bit();

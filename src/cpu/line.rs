@@ -4,10 +4,10 @@
 use std::ops::Range;
 
 use super::behind::Behind;
+use super::scan::Scan;
 use super::stretch::{Stretch, part};
-use super::tiles::Scan;
 use crate::lanes::prefetch;
-use crate::surface::{Chart, Real};
+use crate::surface::{EdgeLengths, Real};
 use crate::update::{Carried, Kept};
 
 /// Bordered arrays of lines, while a scan updates them: point p of line l has index l * `stride` + p + 1, with
@@ -28,7 +28,8 @@ pub(super) struct GridLines<'a, R, C, G> {
 
 /// Where lines lie in the grid.
 pub(super) struct LinesInGrid<'a, R, C> {
-    pub chart: Chart,
+    /// All edges of the surface.
+    pub edges: &'a EdgeLengths<R>,
     /// Which row or column, counted from the border, is the first of these lines.
     pub first: usize,
     /// Of lines that are columns: which rows of them are here, and the whole grid, where fronts are found
@@ -66,17 +67,22 @@ impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
         }
     }
 
+    /// The number here of a row or column of the grid.
+    pub(super) fn number(&self, line: usize) -> usize {
+        line + 1 - self.place.first
+    }
+
     pub(super) fn line_behind(&self, line: usize, scan: Scan) -> usize {
         if scan.is_forward() { line - 1 } else { line + 1 }
     }
 
     /// The front at a point of the grid.
     pub(super) fn front(&self, point: usize) -> Kept<R, C> {
-        let LinesInGrid { chart, first, beyond } = &self.place;
+        let LinesInGrid { edges, first, beyond } = &self.place;
         let Some((rows, times, carried)) = beyond else {
             return Kept { time: self.times[point], carried: self.carried[point] };
         };
-        let (row, col) = (point / chart.stride(), point % chart.stride());
+        let (row, col) = edges.chart().entry(point);
         let lines = self.times.len() / self.stride;
         match col.checked_sub(*first) {
             Some(line) if line < lines && rows.contains(&row) => {
@@ -90,8 +96,7 @@ impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
     /// Row and column, from the border, of point p of a line.
     #[inline(always)]
     pub(super) fn position(&self, line: usize, point: usize, scan: Scan) -> [usize; 2] {
-        let (line, along) = (self.place.first + line, point + 1);
-        if scan.by_rows() { [line, along] } else { [along, line] }
+        scan.lines().place(self.place.first + line, point + 1).into()
     }
 }
 

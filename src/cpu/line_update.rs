@@ -1,11 +1,12 @@
 //! The update of one line of points from the line behind it: what rotated scans are made of.
 //!
-//! The loops have no branch, so that the compiler turns points into lanes; see [`Work`]. What happens at a point
+//! The loops have no branch, so that the compiler turns points into lanes; see [`Loop`]. What happens at a point
 //! is a matter of the front (`fronts/`).
 
 use super::Instructions;
-use super::tiles::{Scan, TILE};
-use crate::lanes::Work;
+use super::scan::Scan;
+use super::tiles::TILE;
+use crate::lanes::Loop;
 
 /// How points are updated: a scan `renews` fronts that it has brought before, or not.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +31,7 @@ impl<B: Ord> Updated<B> {
     }
 }
 
-/// A line whose points are updated stretch by stretch. All methods are to be inlined into [`Work::run`].
+/// A line whose points are updated stretch by stretch. All methods are to be inlined into [`Loop::run`].
 pub(super) trait Stretches {
     /// The largest changes so far, maybe kept apart by their place in the stretch for the sake of lanes.
     type Changes: Default;
@@ -65,7 +66,7 @@ pub(super) struct LineUpdate<'a, L> {
 
 /// Updates each stretch of [`TILE`] points; the last one overlaps the one before if the line has a
 /// remainder, which does no harm: what has been updated stays as it is.
-impl<L: Stretches> Work for LineUpdate<'_, L> {
+impl<L: Stretches> Loop for LineUpdate<'_, L> {
     type Output = Updated<L::Bits>;
 
     #[inline(always)]

@@ -6,9 +6,10 @@ use rayon::prelude::*;
 
 use super::Instructions;
 use super::fronts::FrontKind;
+use super::scan::Scan;
 use super::scan_copy::ScanCopy;
-use super::tiles::{Scan, TILE, Tiles, points};
-use crate::lanes::Work;
+use super::tiles::{TILE, Tiles};
+use crate::lanes::Loop;
 use crate::surface::{Chart, Real};
 use crate::update::{Carried, Kept};
 
@@ -22,9 +23,11 @@ pub(super) fn merge<'a, R: Real, K: FrontKind<'a, R>>(
 ) {
     let [a, b] = copies;
     let changed = [a.changed.as_slice(), b.changed.as_slice()];
-    let of_a = bands(chart, &mut a.times).zip(bands(chart, &mut a.carried));
-    let of_b = bands(chart, &mut b.times).zip(bands(chart, &mut b.carried));
-    of_a.zip(of_b).enumerate().for_each(|(band, ((a, a_carried), (b, b_carried)))| {
+    let bands = (
+        chart.bands_mut(&mut a.times, TILE).zip(chart.bands_mut(&mut a.carried, TILE)),
+        chart.bands_mut(&mut b.times, TILE).zip(chart.bands_mut(&mut b.carried, TILE)),
+    );
+    bands.into_par_iter().enumerate().for_each(|(band, ((a, a_carried), (b, b_carried)))| {
         merge_band(chart, tiles, band, changed, |points, changed| {
             let a = (&mut a[points.clone()], &mut a_carried[points.clone()]);
             let b = (&mut b[points.clone()], &mut b_carried[points]);
@@ -41,12 +44,6 @@ pub(super) fn merge<'a, R: Real, K: FrontKind<'a, R>>(
 fn copy<R: Copy, C: Copy>(from: (&mut [R], &mut [C]), to: (&mut [R], &mut [C])) {
     to.0.copy_from_slice(from.0);
     to.1.copy_from_slice(from.1);
-}
-
-/// The rows of a bordered array, as many at a time as a tile has.
-fn bands<T: Send>(chart: Chart, array: &mut [T]) -> impl IndexedParallelIterator<Item = &mut [T]> {
-    let rows = chart.rows * chart.stride();
-    array[chart.stride()..][..rows].par_chunks_mut(TILE * chart.stride())
 }
 
 /// Calls `merge` with the points of each line of a band's tiles that one of two scans has changed,
@@ -69,10 +66,9 @@ fn merge_band(
         if of_run == [false; 2] {
             continue;
         }
-        let cols = points(start..place, chart.cols);
-        for row in 0..points(band..band + 1, chart.rows).len() {
-            let start = row * chart.stride() + 1;
-            merge(start + cols.start..start + cols.end, of_run);
+        let points = tiles.lines(Scan::DOWN, band, start..place);
+        for row in 0..points.rows.len() {
+            merge(chart.in_band(row, &points.cols), of_run);
         }
     }
 }
@@ -85,7 +81,7 @@ struct Merge<'l, 'a, R: Real, K: FrontKind<'a, R>> {
     scans: [Scan; 2],
 }
 
-impl<'a, R: Real, K: FrontKind<'a, R>> Work for Merge<'_, 'a, R, K> {
+impl<'a, R: Real, K: FrontKind<'a, R>> Loop for Merge<'_, 'a, R, K> {
     type Output = ();
 
     #[inline(always)]

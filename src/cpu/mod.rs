@@ -28,6 +28,7 @@ mod point_fronts;
 mod progress;
 mod raster_scan;
 mod rotated_scan;
+mod scan;
 mod scan_copy;
 mod scanner;
 pub(crate) mod settled;

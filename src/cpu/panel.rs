@@ -6,15 +6,17 @@ use std::ops::Range;
 use super::Instructions;
 use super::behind::Behind;
 use super::line::{GridLines, LinesInGrid};
-use super::tiles::{Scan, TILE};
-use super::transpose::{Block, transpose};
+use super::scan::Scan;
+use super::tiles::TILE;
+use super::transpose::{Turned, transpose};
 use super::transposed::{ColumnsToLines, TransposedEdges};
-use crate::surface::{Chart, EdgeLengths, Real};
+use crate::surface::{Block, Chart, EdgeLengths, Real};
 use crate::update::Carried;
 
 /// Up to [`TILE`] columns of bordered arrays and the one behind them, transposed into lines.
 #[derive(Clone, Debug)]
 pub(super) struct Panel<R, C, G> {
+    /// The distance from a line to the next.
     stride: usize,
     times: Vec<R>,
     carried: Vec<C>,
@@ -37,7 +39,7 @@ pub(super) struct Grid<'a, R, G> {
 
 impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
     pub(super) fn new(chart: Chart, needs_edges: bool) -> Self {
-        let stride = chart.rows + 2;
+        let stride = chart.transposed().stride();
         // One more, to which edges of the last point reach.
         let points = (TILE + 1) * stride + 1;
         Self {
@@ -66,13 +68,12 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
             + edges.sum::<usize>()
     }
 
-    /// Copies rows of the columns of a band, and what their update needs around them.
+    /// Copies points of a band of columns, and what their update needs around them.
     pub(super) fn load(
         &mut self,
         grid: Grid<R, G>,
         (times, carried): (&[R], &[C]),
-        cols: &Range<usize>,
-        rows: Range<usize>,
+        Block { rows, cols }: &Block,
         scan: Scan,
         instructions: Instructions,
     ) {
@@ -80,13 +81,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         // Counted from the border, column c is 1 + c, and the one behind lies before or after.
         self.first = if scan.is_forward() { cols.start } else { cols.start + 1 };
         self.lines = cols.len() + 1;
-        let lines = ColumnsToLines {
-            from_stride: chart.stride(),
-            to_stride: self.stride,
-            first: self.first,
-            count: self.lines,
-            instructions,
-        };
+        let lines = ColumnsToLines { chart, first: self.first, count: self.lines, instructions };
         let around = rows.start..rows.end + 2;
         lines.transpose(times, &mut self.times, 0, around.clone(), [0, 0]);
         lines.transpose(carried, &mut self.carried, 0, around.clone(), [0, 0]);
@@ -99,7 +94,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         lines.transpose(north, next, 0, rows.start..rows.end + 1, [1, 0]);
         if grid.transposed.is_none() {
             let back = back.each_mut().map(Vec::as_mut_slice);
-            lines.transpose_edges_back(grid.edges, back, 1, rows);
+            lines.transpose_edges_back(grid.edges, back, 1, rows.clone());
         }
     }
 
@@ -112,7 +107,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         scan: Scan,
     ) -> GridLines<'a, R, C, G> {
         let chart = grid.edges.chart();
-        let transposed = Chart { rows: chart.cols, cols: chart.rows };
+        let turned = chart.transposed();
         let [next, back @ ..] = &self.edges;
         let [up, up_next, up_previous] = match grid.transposed {
             Some(transposed) => transposed.lines(self.first),
@@ -121,38 +116,32 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> Panel<R, C, G> {
         let held = ..self.lines * self.stride;
         GridLines {
             stride: self.stride,
-            behind: Behind::of(transposed, scan.over_lines()),
+            behind: Behind::of(turned, scan.over_lines()),
             times: &mut self.times[held],
             carried: &mut self.carried[held],
             ground: &self.ground[held],
             edges: [next, up, up_next, up_previous],
             place: LinesInGrid {
-                chart,
+                edges: grid.edges,
                 first: self.first,
                 beyond: Some((rows.start + 1..rows.end + 1, times, carried)),
             },
         }
     }
 
-    /// The line of a column, both counted from the border.
-    pub(super) fn line(&self, col: usize) -> usize {
-        col - self.first
-    }
-
-    /// Copies rows of the columns of a band back.
+    /// Copies points of a band of columns back.
     pub(super) fn store(
         &self,
         (times, carried): (&mut [R], &mut [C]),
-        to_stride: usize,
-        cols: &Range<usize>,
-        rows: Range<usize>,
+        chart: Chart,
+        Block { rows, cols }: Block,
         instructions: Instructions,
     ) {
-        let block = Block {
-            from: self.line(cols.start + 1) * self.stride + rows.start + 1,
+        let block = Turned {
+            from: (cols.start + 1 - self.first) * self.stride + rows.start + 1,
             from_stride: self.stride,
-            to: (rows.start + 1) * to_stride + cols.start + 1,
-            to_stride,
+            to: chart.bordered(rows.start, cols.start),
+            to_stride: chart.stride(),
             rows: cols.len(),
             cols: rows.len(),
         };

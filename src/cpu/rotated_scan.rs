@@ -167,7 +167,7 @@ impl<'a, R: Real> RotatedScan<'a, R> {
 
     /// The arrival times along a row, [`Real::FAR`] or later where no source reaches.
     pub(crate) fn row(&self, row: usize) -> &[R] {
-        &self.scanner.times()[self.chart.bordered(row, 0)..][..self.chart.cols]
+        self.chart.row_of(self.scanner.times(), row)
     }
 }
 

@@ -7,8 +7,9 @@ use super::fronts::FrontKind;
 use super::line::{GridLines, LinesInGrid};
 use super::line_update::{How, Updated};
 use super::panel::{Grid, Panel};
-use super::tiles::{Scan, Tiles, points};
-use crate::surface::{Chart, Real};
+use super::scan::Scan;
+use super::tiles::Tiles;
+use crate::surface::{Block, Chart, Real};
 use crate::update::Carried;
 
 /// The fronts at all points as one scan sees them, and its work space.
@@ -72,11 +73,7 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> ScanCopy<R, C, G> {
         for band in tiles.bands(how.scan) {
             tiles.runs(how.scan, band, &self.changed, &mut runs);
             for run in &runs {
-                updated = updated.and(if how.scan.by_rows() {
-                    self.scan_rows(kind, grid, tiles, how, band, run)
-                } else {
-                    self.scan_cols(kind, grid, tiles, how, band, run)
-                });
+                updated = updated.and(self.scan_run(kind, grid, tiles, how, band, run));
             }
         }
         self.runs = runs;
@@ -84,8 +81,8 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> ScanCopy<R, C, G> {
         updated.largest
     }
 
-    /// Scans a stretch of the rows of a band.
-    fn scan_rows<'a, K: FrontKind<'a, R, Carried = C, Ground = G>>(
+    /// Scans a stretch of a band.
+    fn scan_run<'a, K: FrontKind<'a, R, Carried = C, Ground = G>>(
         &mut self,
         kind: &K,
         grid: Grid<R, G>,
@@ -94,66 +91,46 @@ impl<R: Real, C: Carried, G: bytemuck::Pod> ScanCopy<R, C, G> {
         band: usize,
         run: &Range<usize>,
     ) -> Updated<R::Bits> {
-        let chart = grid.edges.chart();
-        let first = tiles.index(how.scan, band, run.start);
-        let changed = &mut self.changed[first..first + run.len()];
-        let (rows, cols) = (points(band..band + 1, chart.rows), points(run.clone(), chart.cols));
-        self.visits += (rows.len() * cols.len()) as u64;
-        let mut lines = GridLines {
-            stride: chart.stride(),
-            behind: Behind::of(chart, how.scan),
-            times: &mut self.times,
-            carried: &mut self.carried,
-            ground: grid.ground,
-            edges: grid.edges.planes(),
-            place: LinesInGrid { chart, first: 0, beyond: None },
-        };
-        in_order(rows, how.scan, |row| kind.update(&mut lines, row + 1, &cols, how, changed))
-    }
-
-    /// Scans a stretch of the columns of a band.
-    fn scan_cols<'a, K: FrontKind<'a, R, Carried = C, Ground = G>>(
-        &mut self,
-        kind: &K,
-        grid: Grid<R, G>,
-        tiles: &Tiles,
-        how: How,
-        band: usize,
-        run: &Range<usize>,
-    ) -> Updated<R::Bits> {
-        let chart = grid.edges.chart();
-        let (rows, cols) = (points(run.clone(), chart.rows), points(band..band + 1, chart.cols));
-        self.visits += (rows.len() * cols.len()) as u64;
-        let panel = &mut self.panel;
-        let fronts = (self.times.as_slice(), self.carried.as_slice());
-        panel.load(grid, fronts, &cols, rows.clone(), how.scan, how.instructions);
-        let first = panel.line(cols.start + 1);
+        let (chart, scan) = (grid.edges.chart(), how.scan);
+        let points = |run| tiles.lines(scan, band, run);
+        let Block { rows: lines, cols: along } = points(run.clone());
+        self.visits += (lines.len() * along.len()) as u64;
         self.marks.clear();
         self.marks.resize(run.len(), false);
-        let mut lines = panel.lines(grid, fronts, &rows, how.scan);
-        let updated = in_order(cols.clone(), how.scan, |col| {
-            kind.update(&mut lines, col - cols.start + first, &rows, how, &mut self.marks)
-        });
-        for (place, _) in run.clone().zip(&self.marks).filter(|(_, marked)| **marked) {
-            self.changed[tiles.index(how.scan, band, place)] = true;
+        let marks = &mut self.marks;
+        let mut update = |here: &mut GridLines<R, C, G>| {
+            let update = |line| kind.update(here, here.number(line), &along, how, marks);
+            scan.in_order(lines.clone()).map(update).fold(Updated::default(), Updated::and)
+        };
+        let changed = |place| tiles.index(scan, band, place);
+        if scan.by_rows() {
+            let updated = update(&mut GridLines {
+                stride: chart.stride(),
+                behind: Behind::of(chart, scan),
+                times: &mut self.times,
+                carried: &mut self.carried,
+                ground: grid.ground,
+                edges: grid.edges.planes(),
+                place: LinesInGrid { edges: grid.edges, first: 0, beyond: None },
+            });
+            marked(run, &self.marks).for_each(|place| self.changed[changed(place)] = true);
+            return updated;
+        }
+        let panel = &mut self.panel;
+        let fronts = (self.times.as_slice(), self.carried.as_slice());
+        panel.load(grid, fronts, &points(run.clone()).by(scan.lines()), scan, how.instructions);
+        let updated = update(&mut panel.lines(grid, fronts, &along, scan));
+        for place in marked(run, &self.marks) {
+            self.changed[changed(place)] = true;
             let fronts = (self.times.as_mut_slice(), self.carried.as_mut_slice());
-            let rows = points(place..place + 1, chart.rows);
-            panel.store(fronts, chart.stride(), &cols, rows, how.instructions);
+            let points = points(place..place + 1).by(scan.lines());
+            panel.store(fronts, chart, points, how.instructions);
         }
         updated
     }
 }
 
-/// Updates lines in the order of a scan.
-fn in_order<B: Ord + Default>(
-    lines: Range<usize>,
-    scan: Scan,
-    update: impl FnMut(usize) -> Updated<B>,
-) -> Updated<B> {
-    let none = Updated::default();
-    if scan.is_forward() {
-        lines.map(update).fold(none, Updated::and)
-    } else {
-        lines.rev().map(update).fold(none, Updated::and)
-    }
+/// The marked ones of some tiles.
+fn marked<'a>(tiles: &Range<usize>, marks: &'a [bool]) -> impl Iterator<Item = usize> + use<'a> {
+    tiles.clone().zip(marks).filter(|&(_, &marked)| marked).map(|(tile, _)| tile)
 }

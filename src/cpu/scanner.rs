@@ -9,9 +9,10 @@ use super::fronts::{FrontKind, KeptBy};
 use super::line_update::How;
 use super::merge::merge;
 use super::panel::Grid;
+use super::scan::Scan;
 use super::scan_copy::ScanCopy;
 use super::stretch::Before;
-use super::tiles::{Scan, Tiles};
+use super::tiles::Tiles;
 use super::transposed::TransposedEdges;
 use super::{Instructions, Progress};
 use crate::surface::{EdgeLengths, Real, Seed};
@@ -48,6 +49,10 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         let copy = || ScanCopy::new(chart, &tiles, K::NEEDS_EDGES);
         // Each by the thread that will use it.
         let copies = rayon::join(copy, copy).into();
+        if K::NEEDS_EDGES {
+            // Here, and not first by the threads of a scan, which would wait for one another.
+            edges.obtuse_triangles();
+        }
         let carries_nothing = size_of::<K::Carried>() == 0;
         let keeps_edges = carries_nothing && chart.points() >= TRANSPOSED_FROM;
         Self {

@@ -32,8 +32,7 @@ impl<R: Real> Solution<R> {
 pub(super) fn distances<R: Real>(chart: Chart, times: &[R]) -> Vec<R> {
     let mut distances = vec![R::zero(); chart.points()];
     distances.par_chunks_mut(chart.cols).enumerate().for_each(|(row, distances)| {
-        let times = &times[chart.bordered(row, 0)..][..chart.cols];
-        for (distance, &time) in distances.iter_mut().zip(times) {
+        for (distance, &time) in distances.iter_mut().zip(chart.row_of(times, row)) {
             *distance = if time < R::FAR { time } else { R::infinity() };
         }
     });

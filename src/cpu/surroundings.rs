@@ -9,14 +9,13 @@
 //! device alone, `glsl/surroundings.comp` does that.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 
 use glam::DVec2;
 
 use super::fronts::{TriangleKind, for_triangle_kind};
 use super::scanner::Scanner;
 use crate::Stop;
-use crate::surface::{EdgeLengths, Real, Seed, Surface, with_diagonals};
+use crate::surface::{Block, EdgeLengths, Real, Seed, Surface, with_diagonals};
 use crate::update::{Setting, Wavefront};
 
 /// How many rows and columns around a source's cell are its surroundings, at most: with 8 maps from inside
@@ -95,33 +94,26 @@ fn reach(surface: &Surface, sources: usize) -> Option<usize> {
 
 /// The points around a source inside a cell.
 struct Surroundings {
-    /// Their rows and columns, and those with a margin.
-    rows: Range<usize>,
-    cols: Range<usize>,
-    window: [Range<usize>; 2],
+    own: Block,
+    /// Those with a margin.
+    window: Block,
 }
 
 impl Surroundings {
     fn new(surface: &Surface, source: DVec2, reach: usize) -> Self {
-        let span = |at: f64, reach: usize, points: usize| {
-            let cell = at as usize;
-            cell.saturating_sub(reach)..points.min(cell + 2 + reach)
-        };
-        let rows = |reach| span(source.x, reach, surface.rows());
-        let cols = |reach| span(source.y, reach, surface.cols());
-        let window = [rows(reach + MARGIN), cols(reach + MARGIN)];
-        Self { rows: rows(reach), cols: cols(reach), window }
+        let [rows, cols] = source.to_array().map(|at| [at as usize, at as usize + 1]);
+        let around = |reach| surface.chart().around_span(rows, cols, reach);
+        Self { own: around(reach), window: around(reach + MARGIN) }
     }
 
     /// The fronts that arrive there from seeds of the source by ways inside. Where one by a way outside is
     /// earlier, it will take their place.
     fn seeds(&self, wavefront: Wavefront, surface: &Surface, own: &[Seed]) -> Vec<Seed> {
-        let [rows, cols] = &self.window;
-        let window = surface.window(rows.clone(), cols.clone());
+        let window = surface.window(self.window.rows.clone(), self.window.cols.clone());
         // Edges that are too long or too short are the engine's to report, with those of the whole surface.
         let Ok(edges) = EdgeLengths::<f64>::new(&window) else { return Vec::new() };
         let inside = |seed: &Seed| {
-            let (row, col) = (seed.row - rows.start, seed.col - cols.start);
+            let (row, col) = self.window.local((seed.row, seed.col));
             Seed { row, col, ..*seed }
         };
         let own: Vec<_> = own.iter().map(inside).collect();
@@ -138,10 +130,9 @@ impl Surroundings {
         let mut scanner = Scanner::new(edges, kind);
         scanner.solve(own, STOP);
         let from = own.first().and_then(|seed| seed.from);
-        let [first_row, first_col] = self.window.each_ref().map(|lines| lines.start);
-        let points = self.rows.clone().flat_map(|row| self.cols.clone().map(move |col| (row, col)));
-        let arrived = points.filter_map(|(row, col)| {
-            let front = scanner.front(row - first_row, col - first_col);
+        let arrived = self.own.places().filter_map(|(row, col)| {
+            let here = self.window.local((row, col));
+            let front = scanner.front(here.0, here.1);
             let (time, curvature) = (front.time, K::curvature(front));
             (time < f64::FAR).then_some(Seed { row, col, time, curvature, from })
         });

@@ -5,69 +5,12 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::surface::{Chart, Direction};
+pub(super) use super::scan::Scan;
+use crate::surface::{Block, Chart, Direction, Tiling};
 
 /// Points on a side of a tile. A front moves one point a line, so within a band of as many lines
 /// it leaves a tile for the next at most.
 pub(super) const TILE: usize = 16;
-
-/// The four scans of an iteration, numbered from 1: down, up, right and left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Scan(pub u8);
-
-impl Scan {
-    pub(super) const DOWN: Self = Self(1);
-    pub(super) const UP: Self = Self(2);
-    pub(super) const RIGHT: Self = Self(3);
-    pub(super) const LEFT: Self = Self(4);
-    pub(super) const ALL: [Self; 4] = [Self::DOWN, Self::UP, Self::RIGHT, Self::LEFT];
-
-    /// Whether lines are rows.
-    pub(super) fn by_rows(self) -> bool {
-        self.0 <= 2
-    }
-
-    /// Whether lines are passed in the order of their index.
-    pub(super) fn is_forward(self) -> bool {
-        self.0 % 2 == 1
-    }
-
-    /// Rows and columns from a line to the next.
-    pub(super) fn ahead(self) -> [isize; 2] {
-        let (row, col) = self.back().opposite().step();
-        [row, col]
-    }
-
-    /// From a point to that beside it on the line behind.
-    pub(super) fn back(self) -> Direction {
-        match self {
-            Self::DOWN => Direction::North,
-            Self::UP => Direction::South,
-            Self::RIGHT => Direction::West,
-            _ => Direction::East,
-        }
-    }
-
-    /// From a point to the three neighbours that the scan has just passed, in the order in which these lie
-    /// on their line.
-    pub(super) fn behind(self) -> [Direction; 3] {
-        let back = self.back();
-        match self {
-            Self::DOWN | Self::LEFT => [back.next(), back, back.previous()],
-            _ => [back.previous(), back, back.next()],
-        }
-    }
-
-    /// The scan by rows that passes lines in the same order: this one, if columns are turned into rows.
-    pub(super) fn over_lines(self) -> Self {
-        if self.is_forward() { Self::DOWN } else { Self::UP }
-    }
-
-    /// Its flag.
-    pub(super) fn bit(self) -> u8 {
-        1 << self.0
-    }
-}
 
 /// Flags of all scans.
 const ALL: u8 = 0b11110;
@@ -75,8 +18,9 @@ const ALL: u8 = 0b11110;
 /// Tiles of the grid, with flags of scans for each.
 #[derive(Clone, Debug)]
 pub(super) struct Tiles {
-    rows: usize,
-    cols: usize,
+    tiling: Tiling,
+    /// Of the tiles.
+    chart: Chart,
     /// Those that have yet to see its last change.
     pending: Vec<u8>,
     /// Those of the two at hand that have to look at it, beside or ahead of such a change.
@@ -87,9 +31,14 @@ pub(super) struct Tiles {
 
 impl Tiles {
     pub(super) fn new(chart: Chart) -> Self {
-        let (rows, cols) = (chart.rows.div_ceil(TILE), chart.cols.div_ceil(TILE));
-        let none = || vec![0; rows * cols];
-        Self { rows, cols, pending: none(), beside: none(), due: none() }
+        let tiling = Tiling::new(chart, TILE);
+        let none = || vec![0; tiling.tiles().points()];
+        Self { tiling, chart: tiling.tiles(), pending: none(), beside: none(), due: none() }
+    }
+
+    /// Where they lie.
+    pub(super) fn tiling(&self) -> Tiling {
+        self.tiling
     }
 
     /// Bytes held.
@@ -109,43 +58,39 @@ impl Tiles {
 
     /// A point has changed, and no scan has seen it.
     pub(super) fn touch(&mut self, row: usize, col: usize) {
-        self.pending[row / TILE * self.cols + col / TILE] = ALL;
+        let ((row, col), _) = self.tiling.tile_of((row, col));
+        self.pending[self.chart.index(row, col)] = ALL;
     }
 
     /// The bands of tiles that a scan passes, in its order.
     pub(super) fn bands(&self, scan: Scan) -> impl Iterator<Item = usize> + use<> {
-        let count = if scan.by_rows() { self.rows } else { self.cols };
-        let last = count - 1;
-        (0..count).map(move |k| if scan.is_forward() { k } else { last - k })
+        scan.in_order(0..self.chart.by(scan.lines()).rows)
     }
 
     /// Tiles in a band.
     pub(super) fn in_band(&self, scan: Scan) -> usize {
-        if scan.by_rows() { self.cols } else { self.rows }
+        self.chart.by(scan.lines()).cols
     }
 
     /// Index of a tile, given its band and its place in it.
     pub(super) fn index(&self, scan: Scan, band: usize, place: usize) -> usize {
-        if scan.by_rows() { band * self.cols + place } else { place * self.cols + band }
+        let (row, col) = scan.lines().place(band, place);
+        self.chart.index(row, col)
     }
 
-    /// The tiles, by row and column, in which a scan may have to follow a change of one of them.
-    fn followed(
-        &self,
-        scan: Scan,
-        row: usize,
-        col: usize,
-    ) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let ahead = |at: usize, count: usize| {
-            if scan.is_forward() { at..(at + 2).min(count) } else { at.saturating_sub(1)..at + 1 }
-        };
-        let beside = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
-        let (rows, cols) = if scan.by_rows() {
-            (ahead(row, self.rows), beside(col, self.cols))
-        } else {
-            (beside(row, self.rows), ahead(col, self.cols))
-        };
-        rows.flat_map(move |row| cols.clone().map(move |col| (row, col)))
+    /// The points of a stretch of a band, whose rows are the scan's lines.
+    pub(super) fn lines(&self, scan: Scan, band: usize, run: Range<usize>) -> Block {
+        let tiles = Block { rows: band..band + 1, cols: run };
+        self.tiling.points(tiles.by(scan.lines())).by(scan.lines())
+    }
+
+    /// The tiles in which a scan may have to follow a change of one of them: that, and those beside and
+    /// ahead of it.
+    fn followed(&self, scan: Scan, tile: usize) -> impl Iterator<Item = usize> + use<> {
+        let (chart, (row, col), behind) = (self.chart, self.chart.position(tile), scan.behind());
+        let to = Direction::ALL.into_iter().filter(move |to| !behind.contains(to));
+        let beside = to.filter_map(move |to| chart.neighbour(row, col, to));
+        std::iter::once(tile).chain(beside.map(move |(row, col)| chart.index(row, col)))
     }
 
     /// For each row of tiles, which of two scans have to look at each of them: what lies beside or
@@ -160,14 +105,14 @@ impl Tiles {
         let both = scans[0].bit() | scans[1].bit();
         let changed = self.pending.iter().enumerate().filter(|(_, pending)| *pending & both != 0);
         for (tile, pending) in changed {
-            let (row, col) = (tile / self.cols, tile % self.cols);
             for scan in scans.into_iter().filter(|scan| pending & scan.bit() != 0) {
-                for (row, col) in self.followed(scan, row, col) {
-                    self.beside[row * self.cols + col] |= scan.bit();
+                for tile in self.followed(scan, tile) {
+                    self.beside[tile] |= scan.bit();
                 }
             }
         }
-        self.beside.par_chunks(self.cols).zip(self.due.par_chunks_mut(self.cols))
+        let cols = self.chart.cols;
+        self.beside.par_chunks(cols).zip(self.due.par_chunks_mut(cols))
     }
 
     /// The stretches of a band that a scan has to visit: beside tiles where something is due, and
@@ -180,16 +125,14 @@ impl Tiles {
         runs: &mut Vec<Range<usize>>,
     ) {
         runs.clear();
-        let behind = if scan.is_forward() { band.checked_sub(1) } else { Some(band + 1) };
-        let count = if scan.by_rows() { self.rows } else { self.cols };
-        let behind = behind.filter(|&behind| behind < count);
+        let (tiles, back) = (self.chart.by(scan.lines()), scan.over_lines().back());
+        let behind = tiles.neighbour(band, 0, back).map(|(behind, _)| behind);
         let news = |place: usize| {
             self.due[self.index(scan, band, place)] & scan.bit() != 0
                 || behind.is_some_and(|behind| changed[self.index(scan, behind, place)])
         };
-        let places = self.in_band(scan);
-        for place in (0..places).filter(|&place| news(place)) {
-            let (start, end) = (place.saturating_sub(1), (place + 2).min(places));
+        for place in (0..tiles.cols).filter(|&place| news(place)) {
+            let Range { start, end } = tiles.around((band, place), 1).cols;
             match runs.last_mut() {
                 Some(last) if last.end >= start => last.end = end,
                 _ => runs.push(start..end),
@@ -209,11 +152,6 @@ impl Tiles {
             }
         }
     }
-}
-
-/// The points of some tiles, of `count` in a row or column.
-pub(super) fn points(tiles: Range<usize>, count: usize) -> Range<usize> {
-    tiles.start * TILE..(tiles.end * TILE).min(count)
 }
 
 #[cfg(test)]

@@ -4,10 +4,10 @@ use bytemuck::Pod;
 
 use super::Instructions;
 
-/// Where a block lies in both arrays: entry (r, c) goes from `from + r * from_stride + c` to
+/// A block of an array that is turned into one of another, and where it lies in both: entry (r, c) goes from `from + r * from_stride + c` to
 /// `to + c * to_stride + r`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Block {
+pub(super) struct Turned {
     pub from: usize,
     pub from_stride: usize,
     pub to: usize,
@@ -20,7 +20,7 @@ pub(super) struct Block {
 pub(super) fn transpose<T: Pod>(
     from: &[T],
     to: &mut [T],
-    block: Block,
+    block: Turned,
     instructions: Instructions,
 ) {
     if size_of::<T>() == 0 {
@@ -39,7 +39,7 @@ pub(super) fn transpose<T: Pod>(
     one_by_one(from, to, block);
 }
 
-fn one_by_one<R: Copy>(from: &[R], to: &mut [R], block: Block) {
+fn one_by_one<R: Copy>(from: &[R], to: &mut [R], block: Turned) {
     for r in 0..block.rows {
         let line = &from[block.from + r * block.from_stride..][..block.cols];
         for (c, &value) in line.iter().enumerate() {
@@ -48,7 +48,7 @@ fn one_by_one<R: Copy>(from: &[R], to: &mut [R], block: Block) {
     }
 }
 
-impl Block {
+impl Turned {
     /// The part that starts at some row and column.
     fn part(self, row: usize, col: usize, rows: usize, cols: usize) -> Self {
         Self {
@@ -66,7 +66,7 @@ impl Block {
 mod avx2 {
     use std::arch::x86_64::*;
 
-    use super::{Block, one_by_one};
+    use super::{Turned, one_by_one};
     use crate::lanes::prefetch;
 
     /// How many lines before they are needed lines are fetched: they lie pages apart, where the
@@ -74,7 +74,7 @@ mod avx2 {
     const AHEAD: usize = 16;
 
     #[target_feature(enable = "avx2")]
-    pub(super) fn transpose(from: &[f32], to: &mut [f32], block: Block) {
+    pub(super) fn transpose(from: &[f32], to: &mut [f32], block: Turned) {
         let (rows, cols) = (block.rows & !7, block.cols & !7);
         for row in (0..rows).step_by(8) {
             for line in row + AHEAD..row + AHEAD + 8 {
@@ -140,7 +140,7 @@ mod tests {
         for instructions in Instructions::available() {
             for (rows, cols) in [(1, 1), (8, 8), (17, 16), (16, 17), (23, 9), (5, 20)] {
                 let mut to = vec![-1.0f32; 40 * 30];
-                let block = Block { from: 63, from_stride: 30, to: 81, to_stride: 40, rows, cols };
+                let block = Turned { from: 63, from_stride: 30, to: 81, to_stride: 40, rows, cols };
                 transpose(&from, &mut to, block, instructions);
                 let copied = to.iter().filter(|&&value| value >= 0.0).count();
                 assert_eq!(copied, rows * cols);

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Instructions;
 use super::tiles::TILE;
-use super::transpose::{Block, transpose};
+use super::transpose::{Turned, transpose};
 use crate::surface::{Chart, EdgeLengths, Real};
 
 /// The lengths of the edges from each point of a column to the column before: to the same row, the next and
@@ -15,6 +15,7 @@ use crate::surface::{Chart, EdgeLengths, Real};
 /// left goes into transposing them.
 #[derive(Clone, Debug)]
 pub(super) struct TransposedEdges<R> {
+    /// The distance from a line to the next.
     stride: usize,
     edges: [Vec<R>; 3],
     is_filled: bool,
@@ -24,9 +25,9 @@ impl<R: Real> TransposedEdges<R> {
     /// Makes room for the edges of a surface. Zeros come without work, and as memory only once they are
     /// written.
     pub(super) fn new(chart: Chart) -> Self {
-        let stride = chart.rows + 2;
-        let edges = [(); 3].map(|_| vec![R::zero(); chart.stride() * stride]);
-        Self { stride, edges, is_filled: false }
+        let lines = chart.transposed();
+        let edges = [(); 3].map(|_| vec![R::zero(); lines.bordered_points()]);
+        Self { stride: lines.stride(), edges, is_filled: false }
     }
 
     /// Transposes all edges, in parallel over columns, unless that has been done.
@@ -39,13 +40,8 @@ impl<R: Real> TransposedEdges<R> {
             self.edges.each_mut().map(|array| array.par_chunks_mut(TILE * stride));
         (up, up_next, up_previous).into_par_iter().enumerate().for_each(
             |(band, (up, up_next, up_previous))| {
-                let lines = ColumnsToLines {
-                    from_stride: chart.stride(),
-                    to_stride: stride,
-                    first: band * TILE,
-                    count: up.len() / stride,
-                    instructions,
-                };
+                let (first, count) = (band * TILE, up.len() / stride);
+                let lines = ColumnsToLines { chart, first, count, instructions };
                 // Nothing lies before the border.
                 let skip = if band == 0 { 1 } else { 0 };
                 let to = [up, up_next, up_previous];
@@ -73,8 +69,7 @@ impl<R: Real> TransposedEdges<R> {
 /// Columns of bordered arrays from one on, which become the lines of others.
 #[derive(Clone, Copy)]
 pub(super) struct ColumnsToLines {
-    pub from_stride: usize,
-    pub to_stride: usize,
+    pub chart: Chart,
     /// The column of the first line, counted from the border, and the number of lines.
     pub first: usize,
     pub count: usize,
@@ -92,11 +87,12 @@ impl ColumnsToLines {
         rows: Range<usize>,
         [down, left]: [usize; 2],
     ) {
-        let block = Block {
-            from: (rows.start + down) * self.from_stride + self.first + skip - left,
-            from_stride: self.from_stride,
-            to: skip * self.to_stride + rows.start,
-            to_stride: self.to_stride,
+        let (from_stride, to_stride) = (self.chart.stride(), self.chart.transposed().stride());
+        let block = Turned {
+            from: (rows.start + down) * from_stride + self.first + skip - left,
+            from_stride,
+            to: skip * to_stride + rows.start,
+            to_stride,
             rows: rows.len(),
             cols: self.count - skip,
         };

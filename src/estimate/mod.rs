@@ -317,12 +317,8 @@ impl<R: Precision> Level<R> {
     fn largest_around(&self, errors: &[f64]) -> Vec<f64> {
         let chart = self.map.chart;
         let around = |index: usize| {
-            let (row, col) = chart.position(index);
-            let rows = row.saturating_sub(1)..(row + 2).min(chart.rows);
-            rows.flat_map(move |row| {
-                let cols = col.saturating_sub(1)..(col + 2).min(chart.cols);
-                cols.map(move |col| chart.index(row, col))
-            })
+            let places = chart.around(chart.position(index), 1).places();
+            places.map(move |(row, col)| chart.index(row, col))
         };
         (0..errors.len())
             .map(|index| {

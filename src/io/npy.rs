@@ -7,6 +7,8 @@ use std::io::{self, Read, Write};
 
 use half::f16;
 
+use super::limits::check_memory;
+
 const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// An array of numbers, in C order whatever the file's.
@@ -40,6 +42,9 @@ impl NpyArray {
         let header = Header::read(&mut data)?;
         let data = &data[..header.check_size(data.len() as u64)?];
         let Header { dtype, fortran_order, shape } = header;
+        // Reordered, they are there twice.
+        let copies = if fortran_order { 2 } else { 1 };
+        check_memory::<f64>(copies * (data.len() / dtype.bytes))?;
         let values = dtype.decode(data);
         let values = if fortran_order { c_order(&shape, &values) } else { values };
         Ok(Self { shape, dtype, values })

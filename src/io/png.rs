@@ -5,7 +5,7 @@ use std::io::Cursor;
 use ::png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 
 use super::Grid;
-use super::limits::{PNG_BUFFERS, check_decoded, checked_points};
+use super::limits::{PNG_BUFFERS, check_decoded, check_memory, checked_points, ratio};
 
 /// A grey picture's values, unscaled at 8 and 16 bits; fewer bits are scaled to 0..=255.
 pub(super) struct GreyPicture {
@@ -32,7 +32,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<GreyPicture, String> {
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(malformed)?;
     let width = if depth == BitDepth::Sixteen { 2 } else { 1 };
-    check_decoded(bytes.len(), points, width)?;
+    check_decoded(bytes.len(), ratio::DEFLATE, rows * (cols * depth as usize).div_ceil(8))?;
+    check_memory::<[u64; 2]>(points)?;
     let mut samples = vec![0; points * width];
     if reader.output_buffer_size() != Some(samples.len()) {
         return Err("is a PNG file with transparency; only grey PNG without alpha is read".into());

@@ -2,16 +2,17 @@
 
 use std::io::{self, Cursor, Seek, Write};
 
+use ::tiff::decoder::ifd::Value;
 use ::tiff::decoder::{Decoder, DecodingResult, Limits};
 use ::tiff::encoder::colortype::ColorType as Channel;
 pub(super) use ::tiff::encoder::colortype::{Gray32Float, Gray64Float};
 use ::tiff::encoder::{TiffEncoder, TiffValue};
-use ::tiff::tags::Tag;
-use ::tiff::{ColorType, TiffError};
+use ::tiff::tags::{CompressionMethod, Tag};
+use ::tiff::{ColorType, TiffError, TiffResult};
 
 use super::file_spacing::FileSpacing;
 use super::geotiff::{GeoTags, TiffDecoder};
-use super::limits::{checked_points, most_decoded};
+use super::limits::{check_decoded, check_memory, checked_points, most_decoded, ratio};
 use super::{Georeference, Grid};
 
 /// Heights, NaN where the file says "no data".
@@ -24,15 +25,20 @@ pub(super) struct Raster {
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Raster, String> {
     let malformed = |error: TiffError| format!("is no usable TIFF file: {error}");
-    let mut decoder =
-        Decoder::new(Cursor::new(bytes)).map_err(malformed)?.with_limits(limits(bytes.len()));
+    let mut decoder = Decoder::new(Cursor::new(bytes))
+        .map_err(malformed)?
+        .with_limits(limits(bytes.len(), ratio::OTHER));
     let (cols, rows) = decoder.dimensions().map_err(malformed)?;
     let (rows, cols) = (rows as usize, cols as usize);
     let points = checked_points(rows, cols)?;
     let color = decoder.colortype().map_err(malformed)?;
-    if !matches!(color, ColorType::Gray(_)) {
+    let ColorType::Gray(bits) = color else {
         return Err(format!("is a picture of type {color:?}; heights are a single grey channel"));
-    }
+    };
+    let ratio = compression(&mut decoder).map_err(malformed)?;
+    check_decoded(bytes.len(), ratio, rows * (cols * usize::from(bits)).div_ceil(8))?;
+    check_memory::<[u64; 2]>(points)?;
+    let mut decoder = decoder.with_limits(limits(bytes.len(), ratio));
     let no_data = no_data(&mut decoder)?;
     let geo_tags = GeoTags::read(&mut decoder).map_err(malformed)?;
     let samples = decoder.read_image().map_err(malformed)?;
@@ -47,11 +53,24 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Raster, String> {
     })
 }
 
-fn limits(file: usize) -> Limits {
+fn limits(file: usize, ratio: u64) -> Limits {
     let mut limits = Limits::default();
-    limits.decoding_buffer_size = most_decoded(file);
+    limits.decoding_buffer_size = most_decoded(file, ratio);
     limits.intermediate_buffer_size = limits.decoding_buffer_size;
     limits
+}
+
+/// How many bytes the file's compression makes of one.
+fn compression(decoder: &mut TiffDecoder) -> TiffResult<u64> {
+    let method = decoder.find_tag(Tag::Compression)?.map(Value::into_u16).transpose()?;
+    let method = method.map_or(CompressionMethod::None, CompressionMethod::from_u16_exhaustive);
+    Ok(match method {
+        CompressionMethod::None => ratio::STORED,
+        CompressionMethod::PackBits => ratio::RUNS,
+        CompressionMethod::Deflate | CompressionMethod::OldDeflate => ratio::DEFLATE,
+        CompressionMethod::LZW => ratio::LZW,
+        _ => ratio::OTHER,
+    })
 }
 
 /// GDAL's value for "no data", written as text.

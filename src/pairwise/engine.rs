@@ -6,7 +6,7 @@ use super::batches::without_holes;
 use super::lanes::LaneEngine;
 use crate::cpu::{Connections, RotatedScan, fast_marching_with};
 use crate::surface::{EdgeLengths, Seed, Surface};
-use crate::vulkan::{PairwiseOnDevice, Solver, SurfaceOnDevice};
+use crate::vulkan::{Method, PairwiseOnDevice, Solution, Solver, SurfaceOnDevice};
 use crate::{Convergence, Engine, Error, Stop, Wavefront};
 
 /// An engine, ready for a surface.
@@ -23,12 +23,13 @@ enum Kind<'a> {
     Maps(EdgeLengths<f32>),
     /// The reference, a map for each thread.
     FastMarching(EdgeLengths<f32>, Connections<f32>),
-    /// Batches of maps on a device.
+    /// Maps on a device.
     Vulkan(Box<OnDevice>),
 }
 
 struct OnDevice {
-    pairwise: PairwiseOnDevice,
+    /// For batches of maps; without, they are computed one after another.
+    pairwise: Option<PairwiseOnDevice>,
     surface: SurfaceOnDevice,
     solver: Solver,
 }
@@ -41,7 +42,8 @@ impl<'a> RowEngine<'a> {
         let kind = match engine {
             Engine::Auto | Engine::Cpu => {
                 let edges = EdgeLengths::new(surface)?;
-                match LaneEngine::new(surface, &edges, wavefront) {
+                let lanes = LaneEngine::new(surface, &edges, wavefront);
+                match lanes.filter(|_| in_batches(&edges)) {
                     Some(lanes) => Kind::Lanes(lanes),
                     None => Kind::Maps(edges),
                 }
@@ -52,7 +54,11 @@ impl<'a> RowEngine<'a> {
             Engine::Vulkan(choice) => {
                 let solver = Solver::new(choice)?;
                 let on_device = solver.upload(surface)?;
-                let pairwise = solver.pairwise(&on_device, wavefront, None)?;
+                let pairwise = if in_batches(&EdgeLengths::<f32>::new(surface)?) {
+                    Some(solver.pairwise(&on_device, wavefront, None)?)
+                } else {
+                    None
+                };
                 Kind::Vulkan(Box::new(OnDevice { pairwise, surface: on_device, solver }))
             }
         };
@@ -97,7 +103,10 @@ impl<'a> RowEngine<'a> {
                 // Front, flag and a few entries of the heap for a point, and further connections.
                 edges.bytes() + threads * edges.chart().bordered_points() * 64
             }
-            Kind::Vulkan(device) => (device.surface.bytes() + device.pairwise.bytes()) as usize,
+            Kind::Vulkan(device) => {
+                let pairwise = device.pairwise.as_ref().map_or(0, PairwiseOnDevice::bytes);
+                (device.surface.bytes() + pairwise) as usize
+            }
         }
     }
 
@@ -106,7 +115,7 @@ impl<'a> RowEngine<'a> {
         match &self.kind {
             Kind::Lanes(lanes) => lanes.rows_at_once(threads),
             Kind::Maps(_) | Kind::FastMarching(..) => 4 * threads,
-            Kind::Vulkan(device) => device.pairwise.batch(),
+            Kind::Vulkan(device) => device.pairwise.as_ref().map_or(1, PairwiseOnDevice::batch),
         }
     }
 
@@ -155,6 +164,23 @@ impl<'a> RowEngine<'a> {
                 let OnDevice { pairwise, surface: on_device, solver } = &mut **device;
                 let points = surface.chart().points();
                 let mut convergence = Convergence::NONE;
+                let Some(pairwise) = pairwise else {
+                    let method = Method { wavefront, schedule: None, stop };
+                    for (&source, row) in sources.iter().zip(into.chunks_exact_mut(points)) {
+                        let (at, col) = surface.chart().position(source);
+                        if surface.has(at, col) {
+                            let seeds = [Seed::at_source(at, col, 0.0)];
+                            let map = solver.solve(on_device, &seeds, method)?;
+                            row.copy_from_slice(&map.distances);
+                            let Solution { iterations, residual, .. } = map;
+                            convergence = convergence.worse(Convergence { iterations, residual });
+                        } else {
+                            row.fill(f32::INFINITY);
+                        }
+                        done(1);
+                    }
+                    return Ok(convergence);
+                };
                 let batch = pairwise.batch();
                 for (sources, rows) in sources.chunks(batch).zip(into.chunks_mut(batch * points)) {
                     let sources = without_holes(surface, sources);
@@ -166,6 +192,12 @@ impl<'a> RowEngine<'a> {
             }
         }
     }
+}
+
+/// Whether maps are computed in batches: updates there see a point's neighbours alone, and not the points that split
+/// obtuse triangles.
+fn in_batches(edges: &EdgeLengths<f32>) -> bool {
+    edges.obtuse_triangles().is_none()
 }
 
 /// Fills each row by a map of its own, one for each thread at a time; a hole's is +infinity.

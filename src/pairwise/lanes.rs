@@ -73,12 +73,12 @@ impl<'a> LaneEngine<'a> {
     }
 
     /// Computes the whole matrix by the symmetric initialisation (paper, eq. 20).
-    pub fn solve_by_symmetry(
+    pub fn solve_by_symmetry<E: Send>(
         &self,
         stop: Stop,
         matrix: &mut [f32],
-        done: &(dyn Fn(usize) + Sync),
-    ) -> Convergence {
+        done: &(dyn Fn(usize) -> Result<(), E> + Sync),
+    ) -> Result<Convergence, E> {
         let points = self.surface.chart().points();
         let mut convergence = Convergence::NONE;
         for first in (0..points).step_by(GENERATION) {
@@ -90,12 +90,12 @@ impl<'a> LaneEngine<'a> {
                 let sources: Vec<_> = (first..first + rows.len() / points).collect();
                 let sources = without_holes(self.surface, &sources);
                 let convergence = self.scan.solve_below(known, first, &sources, stop, rows);
-                done(sources.len());
-                convergence
+                done(sources.len())?;
+                Ok(convergence)
             });
-            let solved = solved.reduce(|| Convergence::NONE, Convergence::worse);
-            convergence = convergence.worse(solved);
+            let solved = solved.try_reduce(|| Convergence::NONE, |a, b| Ok(a.worse(b)));
+            convergence = convergence.worse(solved?);
         }
-        convergence
+        Ok(convergence)
     }
 }

@@ -103,25 +103,24 @@ impl<'a> Pairwise<'a> {
 
     /// The same with the symmetric initialisation (paper, eq. 20): rows are computed in
     /// generations, and distances to the points of earlier ones are those back from them. So the
-    /// matrix is symmetric but for the blocks of a generation on its diagonal.
+    /// matrix is symmetric but for the blocks of a generation on its diagonal. Where `done` fails,
+    /// nothing more is begun.
     ///
     /// # Errors
     /// As [`Self::matrix`]; and if the wavefront is curved, which would need curvatures there too,
-    /// or the engine has no such start.
-    pub fn matrix_by_symmetry(
+    /// or the engine has no such start; and those of `done`.
+    pub fn matrix_by_symmetry<E: From<Error> + Send>(
         &mut self,
-        done: impl Fn(usize) + Sync,
-    ) -> Result<(Vec<f32>, PairwiseReport), Error> {
+        done: impl Fn(usize) -> Result<(), E> + Sync,
+    ) -> Result<(Vec<f32>, PairwiseReport), E> {
         let Some(lanes) = self.engine.lanes() else {
-            return Err(Error::Options(
-                "the symmetric initialisation is for the planar and the point-source wavefront on \
-                 the CPU; choose these, or leave it out"
-                    .into(),
-            ));
+            let message = "the symmetric initialisation is for the planar and the point-source \
+                           wavefront on the CPU; choose these, or leave it out";
+            return Err(Error::Options(message.into()).into());
         };
         let mut matrix = self.room_for_a_matrix()?;
         let start = Instant::now();
-        let convergence = lanes.solve_by_symmetry(self.stop, &mut matrix, &done);
+        let convergence = lanes.solve_by_symmetry(self.stop, &mut matrix, &done)?;
         Ok((matrix, self.report(self.points(), convergence, start.elapsed())))
     }
 

@@ -12,6 +12,7 @@ use super::even_grid::EvenGrid;
 use super::measure::{LONGEST_EDGE, RowBends, SHORTEST_EDGE};
 use super::points::Row;
 use super::real::Real;
+use super::unfold::ObtuseTriangles;
 use super::{Surface, SurfaceError};
 
 /// Rows that are measured together, so that each row's points and bends serve the next.
@@ -34,6 +35,8 @@ pub struct EdgeLengths<R> {
     floor: Option<EvenGrid>,
     /// See `gaussian_curvature.rs`; empty until it is asked for.
     pub(super) gaussian_curvature: OnceLock<Vec<R>>,
+    /// See `unfold.rs`.
+    pub(super) obtuse: ObtuseTriangles,
 }
 
 impl<R: Real> EdgeLengths<R> {
@@ -71,7 +74,14 @@ impl<R: Real> EdgeLengths<R> {
                 })
             })?;
         let (rule, floor) = (surface.edge_rule(), surface.floor());
-        Ok(Self { chart, lengths, rule, floor, gaussian_curvature: OnceLock::new() })
+        Ok(Self {
+            chart,
+            lengths,
+            rule,
+            floor,
+            gaussian_curvature: OnceLock::new(),
+            obtuse: Default::default(),
+        })
     }
 
     /// The edges between the points of a part of the grid.
@@ -84,7 +94,7 @@ impl<R: Real> EdgeLengths<R> {
         for ((to, window), whole) in STORED.into_iter().zip(&mut lengths).zip(self.planes()) {
             for line in 0..chart.rows {
                 let first = self.chart.bordered(row + line, col);
-                let window = &mut window[chart.bordered(line, 0)..][..chart.cols];
+                let window = chart.row_of_mut(window, line);
                 window.copy_from_slice(&whole[first..][..chart.cols]);
                 for (at, length) in window.iter_mut().enumerate() {
                     if chart.neighbour(line, at, to).is_none() {
@@ -94,7 +104,14 @@ impl<R: Real> EdgeLengths<R> {
             }
         }
         let (rule, floor) = (self.rule, self.floor);
-        Self { chart, lengths, rule, floor, gaussian_curvature: OnceLock::new() }
+        Self {
+            chart,
+            lengths,
+            rule,
+            floor,
+            gaussian_curvature: OnceLock::new(),
+            obtuse: Default::default(),
+        }
     }
 
     /// The grid's size.
@@ -125,7 +142,7 @@ impl<R: Real> EdgeLengths<R> {
     pub fn bytes(&self) -> usize {
         let curvature = self.gaussian_curvature.get().map(Vec::as_slice);
         let planes = self.lengths.iter().map(Vec::as_slice).chain(curvature);
-        planes.map(std::mem::size_of_val).sum()
+        planes.map(std::mem::size_of_val).sum::<usize>() + self.obtuse.bytes()
     }
 
     #[inline]
@@ -247,6 +264,8 @@ fn check<R: Real>(row: usize, lengths: &[Vec<R>; 4]) -> Result<(), SurfaceError>
             let length = lengths[col].wide();
             let usual = length == 0.0 || (SHORTEST_EDGE..=LONGEST_EDGE).contains(&length);
             if !usual && length != R::FAR.wide() {
+                // So long that its square overflows, and that a bend is the difference of two such.
+                let length = if length.is_nan() { f64::INFINITY } else { length };
                 return Err(SurfaceError::EdgeLength { row, col, direction, length });
             }
         }
@@ -300,5 +319,8 @@ mod tests {
         let wide = Surface::from_heights(5, 6, vec![0.0; 30], Spacing::square(1e20)).unwrap();
         let error = wide.check_edges().unwrap_err();
         assert!(matches!(error, SurfaceError::EdgeLength { row: 0, .. }), "{error}");
+        let wider = Surface::from_heights(5, 6, vec![0.0; 30], Spacing::square(1e300)).unwrap();
+        let message = wider.check_edges().unwrap_err().to_string();
+        assert!(message.contains("is inf units long"), "{message}");
     }
 }

@@ -9,7 +9,7 @@ use super::edges::EdgeLengths;
 use super::real::{Real, max, min};
 use super::tag::Tagged;
 use crate::constants::{DEFECT_NOISE, LARGEST_DEFECT};
-use crate::lanes::{Instructions, Work};
+use crate::lanes::{Instructions, Loop};
 
 /// Tag ([`Tagged::with_tag`]) of the Gaussian curvature at points where waves diffract.
 pub(crate) const DIFFRACTS: u8 = crate::constants::DIFFRACTS as u8;
@@ -55,7 +55,7 @@ struct Settled<'a, R> {
     line: &'a mut [R],
 }
 
-impl<R: Real> Work for Settled<'_, R> {
+impl<R: Real> Loop for Settled<'_, R> {
     type Output = ();
 
     #[inline(always)]
@@ -119,7 +119,7 @@ struct Fans<'a, R> {
     line: &'a mut [R],
 }
 
-impl<R: Real> Work for Fans<'_, R> {
+impl<R: Real> Loop for Fans<'_, R> {
     type Output = ();
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! Measures the edges of the points of a row, in lanes. The twin of `glsl/edges.glsl`.
 //!
-//! The loops have no branch, so that the compiler turns points into lanes; see [`Work`].
+//! The loops have no branch, so that the compiler turns points into lanes; see [`Loop`].
 
 use super::Surface;
 use super::arc::{arc, bends, end_bend, normal};
@@ -8,7 +8,7 @@ use super::chart::{Direction, STORED};
 use super::geometry::{InSpace, Space};
 use super::points::Row;
 use super::real::{Real, max};
-use crate::lanes::{Instructions, Work};
+use crate::lanes::{Instructions, Loop};
 
 /// Shortest length of an edge between distinct points, in the surface's unit.
 pub const SHORTEST_EDGE: f64 = 1e-12;
@@ -129,7 +129,7 @@ struct Bend<'a, R, S> {
     bends: &'a mut RowBends<R>,
 }
 
-impl<R: Real, S: Space<R>> Work for Bend<'_, R, S> {
+impl<R: Real, S: Space<R>> Loop for Bend<'_, R, S> {
     type Output = ();
 
     #[inline(always)]
@@ -196,7 +196,7 @@ struct Measure<'a, R, S> {
     lengths: &'a mut [Vec<R>; 4],
 }
 
-impl<R: Real, S: Space<R>> Work for Measure<'_, R, S> {
+impl<R: Real, S: Space<R>> Loop for Measure<'_, R, S> {
     /// Whether an edge may be too short or too long.
     type Output = bool;
 

@@ -19,14 +19,16 @@ mod measure;
 mod points;
 mod real;
 mod refine;
+mod resolution;
 mod seams;
 mod sources;
 mod tag;
+mod unfold;
 mod window;
 
 pub use arc::EdgeRule;
 pub(crate) use chart::{
-    Block, Cell, Edge, EdgeSlot, corner_weights, grid_crossings, ring, triangles,
+    Block, Cell, Edge, EdgeSlot, Lines, Tiling, corner_weights, grid_crossings, ring, triangles,
 };
 pub use chart::{Chart, Direction};
 pub use coarsen::Coarsened;
@@ -39,10 +41,12 @@ pub use geometry::{Geometry, MetricTensor, Spacing};
 pub use measure::{LONGEST_EDGE, SHORTEST_EDGE};
 pub use real::{FAR, Real};
 pub(crate) use real::{max, min, relative_change};
+pub use resolution::Resolution;
 pub use seams::{GridSide, Seam};
 pub(crate) use sources::with_diagonals;
 pub use sources::{Seed, Source, SourceError, Sources};
 pub(crate) use tag::{TAG, Tagged};
+pub(crate) use unfold::is_obtuse;
 
 use std::sync::OnceLock;
 

@@ -123,17 +123,19 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let is_front = whole & (d > -one) & (cos_a <= one) & (width > zero);
     let n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * R::of(2.0);
     let root = max(one + kappa * n, zero).sqrt();
-    let rise = n / (one + root);
-    // Nothing arrives before the earlier end.
-    let late_enough = !beside | (rise >= d);
-    let inside = is_front & (crossing >= zero) & (crossing <= width) & late_enough;
+    // Nothing arrives before the later end, so that each point hangs on earlier ones alone; nor after what runs
+    // along an edge.
+    let rise = max(n / (one + root), zero);
+    let (by_far, by_near) = (t + l, near_t + near_l);
+    let time = t + c * rise;
+    let is_first = time <= min(by_far, by_near);
+    let inside = is_front & (crossing >= zero) & (crossing <= width) & is_first;
     let far_spread = max(one + far_kappa * rise, focus);
     let near_spread = max(one + near_kappa * (rise - d), focus);
     let spread = far_spread * near_spread;
 
     // Along the edge of the end from which it arrives first.
     let grazing = R::of(GRAZING) * width;
-    let (by_far, by_near) = (t + l, near_t + near_l);
     let from_far = by_far <= by_near;
     let (edge_time, edge) = if from_far { (by_far, l) } else { (by_near, near_l) };
     let (edge_k, edge_g) = if from_far { (k, g) } else { (near_k, near_g) };
@@ -151,7 +153,7 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let ray = if inside { c * (root * h * spread * per) } else { edge };
     let gaussian = if inside { g + share * (near_g - g) } else { edge_g };
     let curvature = bent(dividend * per, half * (g0 + gaussian), ray);
-    Front { time: if inside { t + c * rise } else { edge_time }, curvature, whole }
+    Front { time: if inside { time } else { edge_time }, curvature, whole }
 }
 
 /// Curvature at the end of a ray on a surface of some Gaussian curvature, from what it would be

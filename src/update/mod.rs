@@ -30,7 +30,7 @@ pub use point_source::point_source;
 pub use wavefront::Wavefront;
 pub(crate) use wavefront::{EngineKind, Setting, SourceKind, Unsuited};
 
-use crate::surface::{Real, min};
+use crate::surface::{Real, is_obtuse, min};
 
 /// A triangle x0 x1 x2 with arrival times at x1 and x2; the update is for x0.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +52,15 @@ impl<R: Real> Triangle<R> {
     #[inline(always)]
     fn edge_step(self) -> R {
         min(self.t1 + self.l1, self.t2 + self.l2)
+    }
+
+    /// Whether it is obtuse at x0, and so has no face.
+    #[inline(always)]
+    pub(crate) fn is_obtuse(self) -> bool {
+        let Self { l1, l2, c, .. } = self;
+        let per_base = c.recip();
+        let [side, other] = [l1 * per_base, l2 * per_base];
+        (c < R::FAR) & is_obtuse(side * side, other * other)
     }
 
     /// The same triangle with x1 and x2 exchanged.
@@ -76,13 +85,15 @@ struct Shape<R> {
     /// Square of the height of x0 over the base. Not positive unless all three edges exist and
     /// together are the sides of a triangle with an area.
     height_squared: R,
+    /// Whether they are, and those of one that is not obtuse at x0.
     whole: bool,
 }
 
 impl<R: Real> Shape<R> {
     /// Chords always are the sides of a triangle, but lengths weighted by a slowness or taken from
     /// a metric need not be: an edge that is longer than the way around it is no shortest path,
-    /// and a front that runs across such a "triangle" would arrive too early, or before it left.
+    /// and a front that runs across such a "triangle" would arrive too early, or before it left. An obtuse
+    /// triangle has no face either: see `surface/unfold.rs`.
     #[inline(always)]
     fn new(side: R, other: R, base: R) -> Self {
         let per_base = R::one() / base;
@@ -90,7 +101,8 @@ impl<R: Real> Shape<R> {
         let foot = R::of(0.5) * ((side * side - other * other) + R::one());
         let height_squared = (side - foot) * (side + foot);
         // Not positive, not a number or far too large where a side is missing.
-        let whole = (height_squared > R::zero()) & (height_squared < R::FAR) & (base < R::FAR);
+        let exists = (height_squared > R::zero()) & (height_squared < R::FAR) & (base < R::FAR);
+        let whole = exists & !is_obtuse(side * side, other * other);
         Self { per_base, side, other, foot, height_squared, whole }
     }
 }

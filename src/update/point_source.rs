@@ -33,7 +33,9 @@ pub fn point_source<R: Real>(triangle: Triangle<R>) -> R {
     let is_front = shape.whole & (d >= -one) & (cos_a <= one);
     let upwind = is_front & (crossing >= zero) & (crossing <= width);
     let n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * R::of(2.0);
-    let inside = t + c * (n / (one + max(one + kappa * n, zero).sqrt()));
+    // Not before the later end, so that each point hangs on earlier ones alone.
+    let rise = max(n / (one + max(one + kappa * n, zero).sqrt()), zero);
+    let inside = t + c * rise;
     min(along_edge, if upwind { inside } else { along_edge })
 }
 

@@ -58,7 +58,7 @@ impl Wavefront {
     /// # Errors
     /// If the one that is asked for does not suit the setting.
     pub(crate) fn resolve(asked: Option<Self>, setting: Setting) -> Result<Self, Unsuited> {
-        let Setting { has_slowness, sources, engine, .. } = setting;
+        let Setting { is_rough, has_slowness, sources, engine, .. } = setting;
         let from_curves = sources == SourceKind::Curves;
         match asked {
             Some(Self::Anchored) => setting.has_anchors().map(|()| Self::Anchored),
@@ -68,6 +68,7 @@ impl Wavefront {
             None if engine == EngineKind::Map && setting.has_anchors().is_ok() => {
                 Ok(Self::Anchored)
             }
+            None if is_rough => Ok(Self::Planar),
             None if has_slowness && sources.start_together() => Ok(Self::PointSource),
             None => Ok(Self::Curved),
         }
@@ -108,6 +109,8 @@ impl FromStr for Wavefront {
 pub(crate) struct Setting {
     /// Whether the surface is known to be a floor plan ([`Surface::is_floor_plan`]).
     pub is_floor_plan: bool,
+    /// Whether the surface turns at random from point to point ([`crate::surface::Resolution::is_rough`]).
+    pub is_rough: bool,
     pub has_slowness: bool,
     pub sources: SourceKind,
     pub engine: EngineKind,
@@ -156,13 +159,20 @@ impl Setting {
     /// A map of a surface.
     pub(crate) fn new(surface: &Surface, sources: SourceKind, engine: EngineKind) -> Self {
         let is_floor_plan = surface.is_floor_plan();
-        Self { is_floor_plan, has_slowness: surface.slowness().is_some(), sources, engine }
+        let is_rough = surface.resolution().is_some_and(|resolution| resolution.is_rough());
+        Self {
+            is_floor_plan,
+            is_rough,
+            has_slowness: surface.slowness().is_some(),
+            sources,
+            engine,
+        }
     }
 
     /// An engine that is given edges and seeds, and knows of the surface at most that it is a floor plan.
     pub(crate) fn of_engine(is_floor_plan: bool) -> Self {
         let (sources, engine) = (SourceKind::POINT, EngineKind::Map);
-        Self { is_floor_plan, has_slowness: false, sources, engine }
+        Self { is_floor_plan, is_rough: false, has_slowness: false, sources, engine }
     }
 
     /// Refuses surfaces, sources and engines for which fronts have no anchors.
@@ -231,6 +241,9 @@ mod tests {
         assert_eq!(resolved(None, slow), Ok(PointSource));
         assert_eq!(resolved(None, Setting { sources: apart, ..slow }), Ok(Curved));
         assert_eq!(resolved(None, Setting { sources: CURVES, ..slow }), Ok(Curved));
+        let rough = Setting { is_rough: true, ..slow };
+        assert_eq!(resolved(None, rough), Ok(Planar));
+        assert_eq!(resolved(Curved, rough), Ok(Curved));
         let floor = Setting::of_engine(true);
         assert_eq!(resolved(None, floor), Ok(Anchored));
         assert_eq!(resolved(None, Setting { sources: CURVES, ..floor }), Ok(Curved));

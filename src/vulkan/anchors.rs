@@ -2,7 +2,7 @@
 //! of the numbers in `glsl/anchored.glsl`.
 
 use super::TexelChart;
-use crate::constants::{BORDER, FIRST_INSIDE, SOURCES_INSIDE};
+use crate::constants::{FIRST_INSIDE, SOURCES_INSIDE};
 use crate::surface::{Seed, Surface};
 use crate::update::{Anchor, InsideSources};
 
@@ -47,7 +47,7 @@ impl Anchors {
     }
 
     fn number(&mut self, seed: &Seed) -> f32 {
-        let border = 2 * BORDER as usize;
+        let border = TexelChart::POINTS_BEFORE as usize;
         let number = match self.inside.number(seed) {
             Some(source) => FIRST_INSIDE as usize + source,
             None => (seed.row + border) * self.points_in_row + seed.col + border,
@@ -60,7 +60,8 @@ impl Anchors {
         let (sources, rest) = bytes.split_at_mut(SOURCES_INSIDE as usize * size_of::<[f32; 4]>());
         let places = sources.chunks_exact_mut(size_of::<[f32; 4]>());
         for (bytes, source) in places.zip(self.inside.all()) {
-            let [row, col] = (source.place + f64::from(2 * BORDER)).as_vec2().to_array();
+            let [row, col] =
+                (source.place + f64::from(TexelChart::POINTS_BEFORE)).as_vec2().to_array();
             bytes.copy_from_slice(bytemuck::bytes_of(&[col, row, source.time as f32, 0.0]));
         }
         let metric = self.metric();

@@ -11,10 +11,10 @@ use super::barrier::{CLEAR, COPY, HOST_READ, PASS};
 use super::grid_images::{GridImages, Purpose};
 use super::headless::{CommandBuffer, Context};
 use super::memory::{Buffer, BufferInfo};
-use super::pipelines::compute_pipeline;
+use super::passes::{CEILING_COPY, CEILING_UPDATES};
 use super::profile::Clock;
 use super::record::{Commands, Recorder};
-use super::shaders::{Shader, ceiling_copy, ceiling_updates};
+use super::shaders::ceiling_updates;
 use super::{VulkanError, embed, requirements};
 use crate::constants::{LAYERS, WORKGROUP};
 use crate::surface::Chart;
@@ -126,16 +126,9 @@ impl<'a> Probe<'a> {
             let info = BufferInfo { name, size: READ_BACK as u64, location };
             new.buffers.push(Buffer::new(device, allocator, info)?);
         }
-        let create = |shader: &Shader, value: i32| {
-            let options = (pipelines.layout(shader), Default::default(), Default::default());
-            // The wavefront is the one constant, if there is any.
-            let constants: Vec<_> =
-                shader.constants.iter().map(|&(number, _)| (number, value)).collect();
-            compute_pipeline(device, shader, options, &constants)
-        };
-        new.copy = create(&ceiling_copy::SHADER, 0)?;
+        new.copy = pipelines.make(device, CEILING_COPY, Wavefront::Planar)?.handle;
         for wavefront in Wavefront::ALL {
-            new.updates.push(create(&ceiling_updates::SHADER, wavefront as i32)?);
+            new.updates.push(pipelines.make(device, CEILING_UPDATES, wavefront)?.handle);
         }
         let family = requirements::compute_queue_family(instance, context.physical_device)
             .expect("a context's device meets the requirements");
@@ -350,11 +343,7 @@ impl<'a> Probe<'a> {
 impl Drop for Probe<'_> {
     fn drop(&mut self) {
         let (device, allocator) = (&self.context.device, &mut self.context.allocator());
-        for &pipeline in self.updates.iter().chain([&self.copy]) {
-            // SAFETY: all submissions have been waited for; null handles are allowed.
-            unsafe { device.destroy_pipeline(pipeline, None) };
-        }
-        // SAFETY: as above.
+        // SAFETY: all submissions have been waited for; a null handle is allowed.
         unsafe { device.destroy_query_pool(self.timestamps, None) };
         self.images.iter_mut().for_each(|images| images.destroy(device, allocator));
         self.buffers.iter_mut().for_each(|buffer| buffer.destroy(device, allocator));

@@ -28,6 +28,7 @@ mod pairwise;
 mod passes;
 mod pipelines;
 pub mod plan;
+mod point_kind;
 pub mod profile;
 mod progress;
 mod record;

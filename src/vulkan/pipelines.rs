@@ -3,13 +3,13 @@
 
 use std::io::Cursor;
 use std::marker::PhantomData;
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use ash::vk;
 use bytemuck::Pod;
 
 use super::memory::Image;
-use super::passes::{BatchSizes, PUSH_CONSTANT_BYTES, Pass, Row, Specialization, TABLE};
+use super::passes::{CommonPass, MapSize, PUSH_CONSTANT_BYTES, Pass, Row, Specialization, TABLE};
 use super::profile::Labels;
 use super::shaders::{Shader, set_0, set_1};
 use super::{Tuning, VulkanError};
@@ -41,7 +41,26 @@ pub(crate) struct Pipelines {
     layouts: [vk::PipelineLayout; 2],
     /// By pass and wavefront, the first one for passes that do not depend on it.
     made: [[OnceLock<vk::Pipeline>; Wavefront::EVERY.len()]; TABLE.len()],
+    /// Of passes that depend on the size of maps too, the one used last at the end.
+    sized: Mutex<Vec<Sized>>,
 }
+
+/// A pipeline for maps of a size.
+#[derive(Debug)]
+struct Sized {
+    number: usize,
+    wavefront: Wavefront,
+    map: MapSize,
+    handle: vk::Pipeline,
+    users: InUse,
+}
+
+/// To be kept as long as a pipeline for maps of a size is used.
+pub(crate) type InUse = Arc<()>;
+
+/// So many pipelines for maps of sizes that nothing uses are kept, so that a host may compute maps of ever
+/// new sizes.
+const SIZES_KEPT: usize = 16;
 
 impl Pipelines {
     /// The layouts, and no pipeline. [`Pipelines::destroy`] must be called before the device is
@@ -68,6 +87,7 @@ impl Pipelines {
             host_set_layout: vk::DescriptorSetLayout::null(),
             layouts: [vk::PipelineLayout::null(); 2],
             made: [const { [const { OnceLock::new() }; Wavefront::EVERY.len()] }; TABLE.len()],
+            sized: Mutex::default(),
         };
         match new.create_layouts(device) {
             Ok(()) => Ok(new),
@@ -88,11 +108,7 @@ impl Pipelines {
 
     /// Pipelines are created with this cache from now on; none if it is null.
     pub(crate) fn set_cache(&self, cache: vk::PipelineCache) {
-        *self.cache() = cache;
-    }
-
-    fn cache(&self) -> MutexGuard<'_, vk::PipelineCache> {
-        self.cache.lock().unwrap_or_else(PoisonError::into_inner)
+        *lock(&self.cache) = cache;
     }
 
     fn place(&self, number: usize, wavefront: Wavefront) -> &OnceLock<vk::Pipeline> {
@@ -131,28 +147,47 @@ impl Pipelines {
         if let Some(&made) = place.get() {
             return Ok(made);
         }
-        let cache = self.cache();
+        let cache = lock(&self.cache);
         // Another thread may have made it before it released the cache.
         if let Some(&made) = place.get() {
             return Ok(made);
         }
-        let batch = BatchSizes::default();
-        let of = Specialization { tuning: self.tuning, wavefront, batch };
+        let map = MapSize::default();
+        let of = Specialization { tuning: self.tuning, wavefront, map };
         let new = self.create(device, &TABLE[number], &of, *cache)?;
         Ok(*place.get_or_init(|| new))
     }
 
-    /// A pipeline of the pass for one batch's sizes, which is the caller's to destroy.
-    pub(crate) fn make_for_batch<P: Pod>(
+    /// The pipeline of a pass for maps of this size, which is made unless it is there. It may go once nothing
+    /// holds what comes with it; no submitted work may use it then.
+    pub(crate) fn make_sized<P: Pod>(
         &self,
         device: &ash::Device,
         pass: Pass<P>,
         wavefront: Wavefront,
-        batch: BatchSizes,
-    ) -> Result<Pipeline<P>, VulkanError> {
-        let of = Specialization { tuning: self.tuning, wavefront, batch };
-        let handle = self.create(device, pass.row(), &of, *self.cache())?;
-        Ok(self.with_handle(pass, handle))
+        map: MapSize,
+    ) -> Result<(Pipeline<P>, InUse), VulkanError> {
+        let mut sized = lock(&self.sized);
+        let wanted = (pass.number(), wavefront, map);
+        let place = sized.iter().position(|of| (of.number, of.wavefront, of.map) == wanted);
+        let found = match place {
+            Some(place) => sized.remove(place),
+            None => {
+                let of = Specialization { tuning: self.tuning, wavefront, map };
+                let handle = self.create(device, pass.row(), &of, *lock(&self.cache))?;
+                let (number, users) = (pass.number(), InUse::default());
+                Sized { number, wavefront, map, handle, users }
+            }
+        };
+        let made = (self.with_handle(pass, found.handle), Arc::clone(&found.users));
+        sized.push(found);
+        while sized.len() > SIZES_KEPT {
+            let idle = sized.iter().position(|of| Arc::strong_count(&of.users) == 1);
+            let Some(place) = idle else { break };
+            // SAFETY: no one holds it, so that no submitted work uses it.
+            unsafe { device.destroy_pipeline(sized.remove(place).handle, None) };
+        }
+        Ok(made)
     }
 
     fn with_handle<P: Pod>(&self, pass: Pass<P>, handle: vk::Pipeline) -> Pipeline<P> {
@@ -179,19 +214,23 @@ impl Pipelines {
         Some((*self.place(number, wavefront).get()?, self.layout(TABLE[number].shader)))
     }
 
-    /// The pipeline of a pass that was made and depends on no wavefront.
-    pub(crate) fn of<P: Pod>(&self, pass: Pass<P>) -> Pipeline<P> {
-        self.made(pass, Wavefront::Planar).expect("whoever records the pass has made it")
+    /// The pipeline of a pass of every surface.
+    pub(crate) fn of<P: Pod>(&self, pass: CommonPass<P>) -> Pipeline<P> {
+        let made = self.made(pass.pass(), Wavefront::Planar);
+        made.expect("a solver begins with the common passes")
     }
 
     /// All that were made, with their names.
     pub(crate) fn named(&self) -> impl Iterator<Item = (String, vk::Pipeline)> {
-        TABLE.iter().zip(&self.made).flat_map(|(row, made)| {
+        let made = TABLE.iter().zip(&self.made).flat_map(|(row, made)| {
             Wavefront::EVERY.into_iter().zip(made).filter_map(|(wavefront, made)| {
                 let made = *made.get()?;
                 Some((row.name(wavefront), made))
             })
-        })
+        });
+        let sized = lock(&self.sized);
+        let sized = sized.iter().map(|of| (TABLE[of.number].name(of.wavefront), of.handle));
+        made.chain(sized.collect::<Vec<_>>())
     }
 
     /// Names an object for tools, if they look on.
@@ -230,7 +269,10 @@ impl Pipelines {
     pub(crate) fn destroy(&mut self, device: &ash::Device) {
         // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
         unsafe {
-            for pipeline in self.made.iter_mut().flatten().filter_map(OnceLock::take) {
+            let sized = self.sized.get_mut().unwrap_or_else(PoisonError::into_inner);
+            let sized = sized.drain(..).map(|of| of.handle);
+            let made = self.made.iter_mut().flatten().filter_map(OnceLock::take);
+            for pipeline in made.chain(sized) {
                 device.destroy_pipeline(pipeline, None);
             }
             for layout in &mut self.layouts {
@@ -241,6 +283,10 @@ impl Pipelines {
             }
         }
     }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The layout of a set with one descriptor of each of these kinds.
@@ -278,7 +324,7 @@ fn pipeline_layout(
 }
 
 /// A compute pipeline of a shader, with specialization constants by their numbers.
-pub(super) fn compute_pipeline(
+fn compute_pipeline(
     device: &ash::Device,
     shader: &Shader,
     (layout, flags, cache): (vk::PipelineLayout, vk::PipelineCreateFlags, vk::PipelineCache),

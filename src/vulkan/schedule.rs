@@ -37,6 +37,15 @@ impl Schedule {
         }
     }
 
+    /// What it does, in a line: help for those who choose.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Raster => "Scans over rows and columns, as in the paper",
+            Self::AllPoints => "All points at once: for tiny grids, and for comparison",
+            Self::Tiles => "Tiles in the device's shared memory, where something has changed",
+        }
+    }
+
     /// The best schedule on a kind of device for a grid, as far as it is known.
     pub fn best_on(kind: vk::PhysicalDeviceType, chart: Chart) -> Self {
         let side = chart.rows.max(chart.cols);

@@ -19,6 +19,9 @@ pub struct TexelChart {
 }
 
 impl TexelChart {
+    /// Rows, and columns, before the grid's first in an image with one texel a point.
+    pub(crate) const POINTS_BEFORE: u32 = 2 * BORDER;
+
     /// The texels of a grid; `None` if they cannot be counted in 31 bits.
     pub fn new(chart: Chart) -> Option<Self> {
         let texels = |points: usize| {

@@ -29,12 +29,13 @@ pub fn library() -> &'static Path {
         let mut cargo = Command::new(env!("CARGO"));
         cargo.current_dir(ROOT).args(["rustc", "--lib", "--features", "capi", "--offline"]);
         cargo.args(["--crate-type", "cdylib,staticlib"]).arg("--target-dir").arg(target);
-        let profile = if cfg!(debug_assertions) { "debug" } else { "release" };
-        if profile == "release" {
-            cargo.arg("--release");
-        }
+        // The profile of this test lies in target/PROFILE/deps; that of dev in target/debug.
+        let test = env::current_exe().unwrap();
+        let folder = test.ancestors().nth(2).and_then(Path::file_name).unwrap();
+        let profile = if folder == "debug" { OsStr::new("dev") } else { folder };
+        cargo.arg("--profile").arg(profile);
         run(&mut cargo, "build the library");
-        target.join(profile)
+        target.join(folder)
     })
 }
 

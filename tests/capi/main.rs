@@ -10,6 +10,7 @@ mod host;
 
 mod allocations;
 mod build;
+mod caches;
 mod curves;
 mod faults;
 mod header;

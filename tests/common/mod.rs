@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "each binary uses its part")]
 
+pub mod bounds;
 mod devices;
 
 use geosweep::Stop;

@@ -1,4 +1,4 @@
-//! File formats: what is written is read, and nothing in a file makes the library panic.
+//! File formats: what is written is read, and what is cut short is refused. `tests/fuzz` damages files.
 
 use std::fs;
 use std::io::Cursor;
@@ -10,7 +10,6 @@ use geosweep::io::{
     read_slowness, write_npy,
 };
 use geosweep::surface::Geometry;
-use proptest::prelude::*;
 use tempfile::TempDir;
 
 const ROWS: usize = 5;
@@ -53,6 +52,8 @@ impl Folder {
 
     fn file(&self, name: &str, bytes: &[u8]) -> PathBuf {
         let path = self.0.path().join(name);
+        // What replaces a file goes to the disk at once on some file systems.
+        let _ = fs::remove_file(&path);
         fs::write(&path, bytes).unwrap();
         path
     }
@@ -229,28 +230,6 @@ fn a_file_cut_anywhere_is_an_error() {
             let error = SurfaceFile::read(&path).map(drop).unwrap_err();
             assert!(matches!(error, IoError::Content { .. }), "{name} cut to {length}: {error}");
             assert!(error.to_string().starts_with(&path.display().to_string()), "{error}");
-        }
-    }
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(2000) })]
-
-    /// Whatever the bytes, reading ends with a surface or an error.
-    #[test]
-    fn damaged_files_do_not_panic(
-        which in 0usize..4,
-        damage in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
-    ) {
-        let (name, mut bytes) = samples().swap_remove(which);
-        for (place, byte) in damage {
-            let place = place.index(bytes.len());
-            bytes[place] = byte;
-        }
-        let folder = Folder::new();
-        let path = folder.file(name, &bytes);
-        if let Ok(surface) = SurfaceFile::read(&path).and_then(|file| file.into_surface(None)) {
-            prop_assert!(surface.points() >= 1);
         }
     }
 }

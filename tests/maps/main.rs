@@ -2,6 +2,7 @@
 //! found on maps, and files.
 
 mod accuracy;
+mod bounds;
 #[cfg(feature = "canonical")]
 mod canonical;
 #[path = "../common/mod.rs"]

@@ -144,7 +144,7 @@ fn no_path_is_longer_than_the_map_says() {
     ] {
         let surface = builtin.surface(257, 257).unwrap();
         let source = off_centre(257, 257);
-        let starts = starts_beyond(source, 257, 50_000);
+        let starts = starts_beyond(source, 257, 5_000);
         let found = try_paths(&surface, &at(source), Wavefront::Curved, &starts);
         let mut largest = 0.0f64;
         for (start, path) in starts.iter().zip(found) {
@@ -167,7 +167,7 @@ fn paths_from_where_fronts_meet_are_the_shortest() {
     const FINER: usize = 4;
     for builtin in [Builtin::Peaks, Builtin::Face] {
         let source = off_centre(257, 257);
-        let starts = starts_beyond(source, 257, 20_000);
+        let starts = starts_beyond(source, 257, 4_000);
         let [coarse, fine] = [1, FINER].map(|finer| {
             let points = 256 * finer + 1;
             let scaled = |at: [f64; 2]| at.map(|x| x * finer as f64);
@@ -491,7 +491,7 @@ fn paths_over_a_corner_that_are_straight_already_stay() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// From every point that is reached a path comes to a source. With the planar front no grid
     /// point on its way along the map is reached later than one before it. The maps of the other

@@ -1,6 +1,7 @@
 //! The Vulkan engine under the validation layers: without a renderer, embedded in one, profiled.
 
 mod anchored;
+mod bounds;
 #[path = "../common/mod.rs"]
 mod common;
 mod embed;

@@ -384,7 +384,7 @@ impl<R: Real> Brought<R> {
                 continue;
             }
             let [row, col] = further(first, i, scan);
-            let point = row * lines.place.chart.stride() + col;
+            let point = row * lines.place.edges.chart().stride() + col;
             if floor.has(point) {
                 let arrival = reach(floor, lines, point, scan);
                 (self.times[i], self.anchors[i]) = (arrival.time, arrival.carried);

@@ -19,7 +19,11 @@ impl Straight for Circular {
     /// visited anew.
     #[inline(always)]
     fn earlier<R: Real>(now: R, triangle: Triangle<R>) -> R {
-        let time = point_source(triangle);
+        Self::first(now, point_source(triangle))
+    }
+
+    #[inline(always)]
+    fn first<R: Real>(now: R, time: R) -> R {
         let is_earlier = time < now * (R::one() - R::epsilon());
         if is_earlier { time } else { now }
     }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, StretchOf, TriangleKind};
+use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, StretchOf, TriangleKind, in_stretch};
 use crate::cpu::behind::Behind;
 use crate::cpu::bend_units;
 use crate::cpu::line::ScanLine;
@@ -86,7 +86,8 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
         how: How,
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
-        let line = CurvedLine(lines.line(line, points, how.scan));
+        let parts = self.through_parts_of_line(lines, line, points, how.scan);
+        let line = CurvedLine { line: lines.line(line, points, how.scan), parts: &parts };
         how.instructions.run(LineUpdate { line, how, changed })
     }
 
@@ -119,6 +120,10 @@ impl<'a, R: Real> TriangleKind<'a, R> for Curved<'a, R> {
 
     fn time(arrival: Front<R>) -> R {
         arrival.time
+    }
+
+    fn earlier(a: Front<R>, b: Front<R>) -> Front<R> {
+        Front::first(a, b)
     }
 
     fn curvature(kept: KeptBy<'a, R, Self>) -> R {
@@ -184,7 +189,11 @@ fn leaves<R: Real>(stretch: &Stretch<R, Curvature<R>, R>, points: usize, how: Ho
 }
 
 /// A line while a scan updates it.
-struct CurvedLine<'a, R>(ScanLine<'a, R, Curvature<R>, R>);
+struct CurvedLine<'a, R> {
+    line: ScanLine<'a, R, Curvature<R>, R>,
+    /// What comes through parts of obtuse triangles, by the point's place in the line.
+    parts: &'a [(usize, Front<R>)],
+}
 
 /// The largest changes by their place in the stretch.
 struct BentChanges<R: Real> {
@@ -208,12 +217,12 @@ impl<R: Real> Stretches for CurvedLine<'_, R> {
 
     #[inline(always)]
     fn points(&self) -> usize {
-        self.0.times.len()
+        self.line.times.len()
     }
 
     #[inline(always)]
     fn prefetch_next(&self, start: usize) {
-        self.0.prefetch_next(start);
+        self.line.prefetch_next(start);
     }
 
     #[inline(always)]
@@ -224,16 +233,21 @@ impl<R: Real> Stretches for CurvedLine<'_, R> {
         how: How,
         changes: &mut BentChanges<R>,
     ) -> Option<bool> {
-        let stretch = self.0.stretch(start, points);
-        if leaves(&stretch, points, how) {
+        let stretch = self.line.stretch(start, points);
+        let parts = in_stretch(self.parts, start, points);
+        if parts.is_empty() && leaves(&stretch, points, how) {
             return None;
         }
-        let bent = Bent { stretch, gaussian_behind: self.0.ground_behind(start, points) };
-        let first = if stretch.comes_from_left(points) {
+        let bent = Bent { stretch, gaussian_behind: self.line.ground_behind(start, points) };
+        let mut first = if stretch.comes_from_left(points) {
             first_fronts::<R, true, false>(&bent, points, how)
         } else {
             first_fronts::<R, false, true>(&bent, points, how)
         };
+        for &(point, front) in parts {
+            let i = point - start;
+            first.set(i, Front::first(first.get(i), front));
+        }
         let (mut times, mut curvatures) = ([R::zero(); TILE], [Curvature::default(); TILE]);
         let mut any = false;
         for i in 0..points {
@@ -248,8 +262,8 @@ impl<R: Real> Stretches for CurvedLine<'_, R> {
             let bend = (bent - bent_before).abs() * after.time;
             changes.bends[i] = R::zero().units_between(bend).max(changes.bends[i]);
         }
-        self.0.times[start..][..points].copy_from_slice(&times[..points]);
-        self.0.carried[start..][..points].copy_from_slice(&curvatures[..points]);
+        self.line.times[start..][..points].copy_from_slice(&times[..points]);
+        self.line.carried[start..][..points].copy_from_slice(&curvatures[..points]);
         Some(any)
     }
 

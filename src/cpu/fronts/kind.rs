@@ -9,7 +9,8 @@ use crate::cpu::behind::{Behind, TriangleSlots};
 use crate::cpu::line::GridLines;
 use crate::cpu::line_update::{How, Updated};
 use crate::cpu::stretch::{Before, Stretch};
-use crate::surface::{Chart, EdgeLengths, Real, Seed};
+use crate::cpu::tiles::Scan;
+use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
 use crate::update::{Carried, Kept, Triangle};
 
 /// The front that a point keeps, by the kind of front.
@@ -119,6 +120,56 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
     /// When it comes.
     fn time(arrival: Self::Arrival) -> R;
 
+    /// The first of two that come to a point.
+    fn earlier(a: Self::Arrival, b: Self::Arrival) -> Self::Arrival;
+
+    /// What comes to a point through the parts of its triangle between two neighbours, if that is obtuse
+    /// ([`EdgeLengths::split`]).
+    fn through_parts(
+        &self,
+        edges: &EdgeLengths<R>,
+        point: usize,
+        directions: [Direction; 2],
+        seen: impl Fn(usize) -> KeptBy<'a, R, Self>,
+    ) -> Option<Self::Arrival> {
+        let mut first: Option<Self::Arrival> = None;
+        edges.split(point, directions, |[x1, x2], [l1, l2, c]| {
+            let [a, b] = [x1, x2].map(&seen);
+            let triangle = Triangle { t1: a.time, t2: b.time, l1, l2, c };
+            let arrival = self.arrival([point, x1, x2], triangle, [a.carried, b.carried], false);
+            first = Some(first.map_or(arrival, |first| Self::earlier(first, arrival)));
+        });
+        first
+    }
+
+    /// What comes to the points of a line through the parts of obtuse triangles behind them, by their places in it.
+    fn through_parts_of_line(
+        &self,
+        lines: &LinesOf<'_, 'a, R, Self>,
+        line: usize,
+        points: &Range<usize>,
+        scan: Scan,
+    ) -> Vec<(usize, Self::Arrival)> {
+        let mut found = Vec::new();
+        let edges = lines.place.edges;
+        let Some(obtuse) = edges.obtuse_triangles() else { return found };
+        let chart = edges.chart();
+        let behind = Behind::of(chart, scan);
+        for place in points.clone() {
+            let [row, col] = lines.position(line, place, scan);
+            let point = row * chart.stride() + col;
+            let of_point =
+                behind.triangles().iter().filter(|slots| obtuse[point] & slots.bit() != 0);
+            let first = of_point
+                .filter_map(|slots| {
+                    self.through_parts(edges, point, slots.directions(), |x| lines.front(x))
+                })
+                .reduce(Self::earlier);
+            found.extend(first.map(|arrival| (place - points.start, arrival)));
+        }
+        found
+    }
+
     /// The same through one of a point's triangles.
     #[inline]
     fn through(
@@ -129,10 +180,15 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         seen: impl Fn(usize) -> KeptBy<'a, R, Self>,
     ) -> Self::Arrival {
         let [x1, x2] = slots.corners(point);
-        let kept = [x1, x2].map(seen);
+        let kept = [x1, x2].map(&seen);
         let triangle = slots.triangle(edges, point, kept.map(|front| front.time));
         let carried = kept.map(|front| front.carried);
-        self.arrival([point, x1, x2], triangle, carried, slots.is_alone(triangle))
+        let arrival = self.arrival([point, x1, x2], triangle, carried, slots.is_alone(triangle));
+        if !triangle.is_obtuse() {
+            return arrival;
+        }
+        let parts = self.through_parts(edges, point, slots.directions(), seen);
+        parts.map_or(arrival, |parts| Self::earlier(arrival, parts))
     }
 
     /// The curvature of a front; of one that carries none, that of a circle around its source.
@@ -140,4 +196,11 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
 
     /// What a circle of some radius carries over a plane.
     fn circle(radius: R) -> Self::Carried;
+}
+
+/// Of what comes to some points of a line, in their order, that which comes to so many from one on.
+#[inline(always)]
+pub(super) fn in_stretch<A>(found: &[(usize, A)], start: usize, points: usize) -> &[(usize, A)] {
+    let before = |end: usize| found.partition_point(|&(place, _)| place < end);
+    if found.is_empty() { found } else { &found[before(start)..before(start + points)] }
 }

@@ -21,6 +21,11 @@ impl Straight for Planar {
     }
 
     #[inline(always)]
+    fn first<R: Real>(now: R, time: R) -> R {
+        min(now, time)
+    }
+
+    #[inline(always)]
     fn is_settled<R: Real>(triangle: Triangle<R>, now: R) -> bool {
         from_planar(triangle, now)
     }

@@ -1,9 +1,10 @@
 //! Fronts that carry nothing beside their arrival time.
 
 use std::borrow::Cow;
+use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, StretchOf, TriangleKind};
+use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, StretchOf, TriangleKind, in_stretch};
 use crate::cpu::behind::Behind;
 use crate::cpu::line::ScanLine;
 use crate::cpu::line_update::{How, LineUpdate, Stretches, Updated};
@@ -22,6 +23,9 @@ pub(in crate::cpu) trait Straight:
 
     /// The earlier of the arrival time at a point and that through a triangle, as scans in lanes take it.
     fn earlier<R: Real>(now: R, triangle: Triangle<R>) -> R;
+
+    /// The earlier of the arrival time at a point and another, likewise.
+    fn first<R: Real>(now: R, time: R) -> R;
 
     /// Whether nothing comes through a triangle earlier than `now`.
     fn is_settled<R: Real>(triangle: Triangle<R>, now: R) -> bool;
@@ -81,7 +85,9 @@ impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
         how: How,
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
-        let line = StraightLine::<R, S>(lines.line(line, points, how.scan), *self);
+        let parts = self.through_parts_of_line(lines, line, points, how.scan);
+        let line = lines.line(line, points, how.scan);
+        let line = StraightLine::<R, S> { line, parts: &parts, kind: PhantomData };
         how.instructions.run(LineUpdate { line, how, changed })
     }
 
@@ -108,6 +114,10 @@ impl<'a, R: Real, S: Straight> TriangleKind<'a, R> for S {
         arrival
     }
 
+    fn earlier(a: R, b: R) -> R {
+        min(a, b)
+    }
+
     fn curvature(kept: KeptBy<'a, R, Self>) -> R {
         kept.time.recip()
     }
@@ -129,7 +139,12 @@ fn stays<R: Real, S: Straight>(stretch: &Stretch<R, (), ()>, points: usize) -> b
 }
 
 /// A line while a scan updates it.
-struct StraightLine<'a, R, S>(ScanLine<'a, R, (), ()>, S);
+struct StraightLine<'a, R, S> {
+    line: ScanLine<'a, R, (), ()>,
+    /// When something comes through parts of obtuse triangles, by the point's place in the line.
+    parts: &'a [(usize, R)],
+    kind: PhantomData<S>,
+}
 
 /// The largest changes of arrival times, by their place in the stretch.
 struct TimeChanges<R: Real>([R::Bits; TILE]);
@@ -147,12 +162,12 @@ impl<R: Real, S: Straight> Stretches for StraightLine<'_, R, S> {
 
     #[inline(always)]
     fn points(&self) -> usize {
-        self.0.times.len()
+        self.line.times.len()
     }
 
     #[inline(always)]
     fn prefetch_next(&self, start: usize) {
-        self.0.prefetch_next(start);
+        self.line.prefetch_next(start);
     }
 
     #[inline(always)]
@@ -163,16 +178,23 @@ impl<R: Real, S: Straight> Stretches for StraightLine<'_, R, S> {
         _: How,
         changes: &mut TimeChanges<R>,
     ) -> Option<bool> {
-        let stretch = self.0.stretch(start, points);
-        if stretch.leads(points) {
-            return None;
+        let stretch = self.line.stretch(start, points);
+        let parts = in_stretch(self.parts, start, points);
+        if parts.is_empty() {
+            if stretch.leads(points) {
+                return None;
+            }
+            // Where none has been reached, something comes, and the test would be in vain.
+            if !stretch.is_unreached(points) && stays::<R, S>(&stretch, points) {
+                return None;
+            }
         }
-        // Where none has been reached, something comes, and the test would be in vain.
-        if !stretch.is_unreached(points) && stays::<R, S>(&stretch, points) {
-            return None;
+        let mut before = [R::zero(); TILE];
+        before[..points].copy_from_slice(stretch.times);
+        let mut now = before;
+        for &(point, time) in parts {
+            now[point - start] = S::first(now[point - start], time);
         }
-        let mut now = [R::zero(); TILE];
-        now[..points].copy_from_slice(stretch.times);
         let after = if stretch.comes_from_left(points) {
             updated::<R, S, true, false>(&stretch, &now, points)
         } else {
@@ -180,11 +202,11 @@ impl<R: Real, S: Straight> Stretches for StraightLine<'_, R, S> {
         };
         let mut any = false;
         for (i, largest) in changes.0[..points].iter_mut().enumerate() {
-            let change = now[i].units_between(after[i]);
+            let change = before[i].units_between(after[i]);
             any |= change > R::Bits::default();
             *largest = change.max(*largest);
         }
-        self.0.times[start..][..points].copy_from_slice(&after[..points]);
+        self.line.times[start..][..points].copy_from_slice(&after[..points]);
         Some(any)
     }
 

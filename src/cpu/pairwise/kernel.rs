@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::cpu::behind::Behind;
-use crate::cpu::tiles::Scan;
+use crate::cpu::scan::Scan;
 use crate::surface::{Chart, EdgeLengths, Real, min};
 
 /// Maps that are computed side by side: as many as AVX-512 has lanes of single precision. With

@@ -1,5 +1,7 @@
 //! Marked points of a grid, a bit for each.
 
+use crate::surface::Chart;
+
 /// Points in a word of marks.
 pub(super) const WORD: usize = u64::BITS as usize;
 
@@ -11,14 +13,14 @@ pub(super) struct Marks {
 }
 
 impl Marks {
-    /// No point marked.
-    pub(super) fn none(lines: usize, points: usize) -> Self {
-        let on_line = points.div_ceil(WORD);
-        Self { words: vec![0; lines * on_line], on_line }
+    /// No point marked of a chart whose rows are the lines.
+    pub(super) fn none(lines: Chart) -> Self {
+        let words = words(lines);
+        Self { words: vec![0; words.points()], on_line: words.cols }
     }
 
-    pub(super) fn bytes(lines: usize, points: usize) -> usize {
-        lines * points.div_ceil(WORD) * size_of::<u64>()
+    pub(super) fn bytes(lines: Chart) -> usize {
+        words(lines).points() * size_of::<u64>()
     }
 
     /// Marks all points, or none; all may include some that the grid does not have.
@@ -71,6 +73,11 @@ impl Marks {
     }
 }
 
+/// How the words of lines lie.
+fn words(lines: Chart) -> Chart {
+    Chart { cols: lines.cols.div_ceil(WORD), ..lines }
+}
+
 /// Halves that lie across change places, then halves of these, down to single bits.
 fn transpose(block: &mut [u64; WORD]) {
     let (mut width, mut low) = (WORD / 2, u64::MAX >> (WORD / 2));
@@ -100,7 +107,7 @@ mod tests {
     #[test]
     fn marks_spread_across_words() {
         for (point, beside) in [(0, 0..2), (63, 62..65), (64, 63..66), (149, 148..151)] {
-            let (mut from, mut to) = (Marks::none(1, 150), Marks::none(2, 150));
+            let [mut from, mut to] = [1, 2].map(|rows| Marks::none(Chart { rows, cols: 150 }));
             from.mark(0, point);
             to.spread(1, from.line(0));
             assert_eq!(marked(&to), beside.map(|point| (1, point)).collect::<Vec<_>>());
@@ -109,11 +116,11 @@ mod tests {
 
     #[test]
     fn every_mark_is_turned() {
-        let (lines, points) = (70, 150);
-        let (mut marks, mut turned) = (Marks::none(lines, points), Marks::none(points, lines));
+        let chart = Chart { rows: 70, cols: 150 };
+        let [mut marks, mut turned] = [chart, chart.transposed()].map(Marks::none);
         let is_marked = |k: &usize| k * k % 7 == 2;
-        for k in (0..lines * points).filter(is_marked) {
-            marks.mark(k / points, k % points);
+        for (line, point) in (0..chart.points()).filter(is_marked).map(|k| chart.position(k)) {
+            marks.mark(line, point);
         }
         marks.transpose_into(&mut turned);
         let mut back: Vec<_> = marked(&turned).into_iter().map(|(c, r)| (r, c)).collect();

@@ -1,7 +1,7 @@
 //! The first iteration, whose scans all lead away from the source.
 
 use super::kernel::LANES;
-use crate::cpu::tiles::Scan;
+use crate::cpu::scan::Scan;
 use crate::surface::Chart;
 
 /// Where the sources of a batch lie.

@@ -1,8 +1,8 @@
 //! Which points a scan has to visit: those beside a change that it has not seen yet.
 
 use super::marks::{Marks, WORD};
-use crate::cpu::tiles::Scan;
-use crate::surface::Chart;
+use crate::cpu::scan::Scan;
+use crate::surface::{Chart, Lines};
 
 /// For each scan the points that it has to visit. All maps of a batch share these, since their
 /// sources are neighbours.
@@ -19,8 +19,7 @@ pub(super) struct Pending {
 
 impl Pending {
     pub(super) fn new(chart: Chart) -> Self {
-        let Chart { rows, cols } = chart;
-        let (by_rows, by_cols) = (Marks::none(rows, cols), Marks::none(cols, rows));
+        let [by_rows, by_cols] = [chart, chart.transposed()].map(Marks::none);
         Self {
             chart,
             visits: [by_rows.clone(), by_rows.clone(), by_cols.clone(), by_cols.clone()],
@@ -29,8 +28,8 @@ impl Pending {
         }
     }
 
-    pub(super) fn bytes(Chart { rows, cols }: Chart) -> usize {
-        3 * (Marks::bytes(rows, cols) + Marks::bytes(cols, rows))
+    pub(super) fn bytes(chart: Chart) -> usize {
+        3 * (Marks::bytes(chart) + Marks::bytes(chart.transposed()))
     }
 
     /// Forgets all changes; points before `known`, row-major, are as they are, and everything
@@ -43,7 +42,8 @@ impl Pending {
 
     /// A point has changed, and no scan has seen it.
     pub(super) fn touch(&mut self, row: usize, col: usize) {
-        for (scan, line, point) in [(Scan::DOWN, row, col), (Scan::RIGHT, col, row)] {
+        for scan in [Scan::DOWN, Scan::RIGHT] {
+            let (line, point) = scan.lines().place(row, col);
             self.changed[kind(scan)].mark(line, point);
             self.tell(scan, line);
             self.changed[kind(scan)].line_mut(line).fill(0);
@@ -54,7 +54,8 @@ impl Pending {
     /// marked those that it has changed, and then has to [`Self::tell`]. Unless it visits them in
     /// `all_maps`, it has to visit them another time.
     pub(super) fn take(&mut self, scan: Scan, line: usize, all_maps: bool) -> Option<&mut [u64]> {
-        let (first, end) = (self.first_unknown(scan, line), self.points(scan));
+        let first = scan.lines().before(self.chart, line, self.known);
+        let end = self.chart.by(scan.lines()).cols;
         let visits = self.visits[index(scan)].line_mut(line);
         let taken = self.changed[kind(scan)].line_mut(line);
         for (k, (taken, visits)) in taken.iter_mut().zip(visits).enumerate() {
@@ -73,58 +74,40 @@ impl Pending {
     /// Tells both scans over lines of this kind what has changed on a line.
     pub(super) fn tell(&mut self, scan: Scan, line: usize) {
         let changed = self.changed[kind(scan)].line(line);
-        let [forward, backward] = match kind(scan) {
-            ROWS => [Scan::DOWN, Scan::UP],
-            _ => [Scan::RIGHT, Scan::LEFT],
+        let over = match scan.lines() {
+            Lines::Rows => [Scan::DOWN, Scan::UP],
+            Lines::Cols => [Scan::RIGHT, Scan::LEFT],
         };
-        if line + 1 < self.lines(scan) {
-            self.visits[index(forward)].spread(line + 1, changed);
-        }
-        if line > 0 {
-            self.visits[index(backward)].spread(line - 1, changed);
+        let lines = self.chart.by(scan.lines());
+        for scan in over {
+            let ahead = scan.over_lines().back().opposite();
+            if let Some((next, _)) = lines.neighbour(line, 0, ahead) {
+                self.visits[index(scan)].spread(next, changed);
+            }
         }
     }
 
     /// Ends a scan: tells the scans over lines of the other kind what it has changed.
     pub(super) fn end(&mut self, scan: Scan) {
         let [rows, cols] = &mut self.changed;
-        let turned = match kind(scan) {
-            ROWS => {
+        let turned = match scan.lines() {
+            Lines::Rows => {
                 rows.transpose_into(cols);
                 Scan::RIGHT
             }
-            _ => {
+            Lines::Cols => {
                 cols.transpose_into(rows);
                 Scan::DOWN
             }
         };
-        (0..self.lines(turned)).for_each(|line| self.tell(turned, line));
+        (0..self.chart.by(turned.lines()).rows).for_each(|line| self.tell(turned, line));
         self.changed.iter_mut().for_each(|changed| changed.fill(false));
-    }
-
-    /// Number of lines of a scan.
-    pub(super) fn lines(&self, scan: Scan) -> usize {
-        if scan.by_rows() { self.chart.rows } else { self.chart.cols }
-    }
-
-    fn points(&self, scan: Scan) -> usize {
-        if scan.by_rows() { self.chart.cols } else { self.chart.rows }
-    }
-
-    fn first_unknown(&self, scan: Scan, line: usize) -> usize {
-        if scan.by_rows() {
-            self.known.saturating_sub(line * self.chart.cols)
-        } else {
-            self.known.saturating_sub(line).div_ceil(self.chart.cols)
-        }
     }
 }
 
-const ROWS: usize = 0;
-
 /// Whether lines of a scan are rows, 0, or columns, 1.
 fn kind(scan: Scan) -> usize {
-    usize::from(!scan.by_rows())
+    scan.lines() as usize
 }
 
 fn index(scan: Scan) -> usize {
@@ -140,7 +123,7 @@ mod tests {
 
     /// The points of a line that a scan has to visit.
     fn take(pending: &mut Pending, scan: Scan, line: usize) -> Vec<usize> {
-        let points = pending.points(scan).next_multiple_of(WORD);
+        let points = pending.chart.by(scan.lines()).cols.next_multiple_of(WORD);
         let Some(taken) = pending.take(scan, line, true) else { return Vec::new() };
         let visited = (0..points).filter(|point| taken[point / WORD] >> (point % WORD) & 1 > 0);
         let visited = visited.collect();
@@ -150,7 +133,8 @@ mod tests {
 
     fn assert_quiet(pending: &mut Pending) {
         for scan in SCANS {
-            assert!((0..pending.lines(scan)).all(|line| take(pending, scan, line).is_empty()));
+            let lines = pending.chart.by(scan.lines()).rows;
+            assert!((0..lines).all(|line| take(pending, scan, line).is_empty()));
         }
     }
 
@@ -170,7 +154,7 @@ mod tests {
         for scan in SCANS {
             let mut pending = Pending::new(Chart { rows: 80, cols: 90 });
             pending.start(0);
-            let (line, point) = if scan.by_rows() { (65, 64) } else { (64, 65) };
+            let (line, point) = scan.lines().place(65, 64);
             pending.changed[kind(scan)].mark(line, point);
             pending.tell(scan, line);
             pending.end(scan);
@@ -190,11 +174,11 @@ mod tests {
                 let mut pending = Pending::new(chart);
                 pending.start(known);
                 let mut visited = Vec::new();
-                for line in 0..pending.lines(scan) {
+                for line in 0..chart.by(scan.lines()).rows {
                     let points = take(&mut pending, scan, line);
-                    let index = |point| match scan.by_rows() {
-                        true => chart.index(line, point),
-                        false => chart.index(point, line),
+                    let index = |point| {
+                        let (row, col) = scan.lines().place(line, point);
+                        chart.index(row, col)
                     };
                     visited.extend(points.into_iter().map(index));
                 }

@@ -7,9 +7,9 @@ use super::maps::{Known, Maps};
 use super::marks::WORD;
 use super::outward::Passing;
 use super::pending::SCANS;
-use crate::cpu::tiles::Scan;
+use crate::cpu::scan::Scan;
 use crate::cpu::{Instructions, Progress};
-use crate::lanes::Work;
+use crate::lanes::Loop;
 use crate::surface::{Chart, EdgeLengths};
 use crate::{Convergence, Stop};
 
@@ -44,11 +44,9 @@ impl<K: Kernel> Scans<K> {
         let coefficients = SCANS.map(|scan| {
             let slots = FanSlots::new(chart, scan);
             let at = |row, col| K::coefficients(slots.fan(edges, chart.bordered(row, col)));
-            if scan.by_rows() {
-                (0..chart.points()).map(|k| at(k / chart.cols, k % chart.cols)).collect()
-            } else {
-                (0..chart.points()).map(|k| at(k % chart.rows, k / chart.rows)).collect()
-            }
+            let lines = chart.by(scan.lines());
+            let places = lines.places().map(|(line, point)| scan.lines().place(line, point));
+            places.map(|(row, col)| at(row, col)).collect()
         });
         Self { chart, coefficients, spare: Mutex::default() }
     }
@@ -87,14 +85,12 @@ impl<K: Kernel> Scans<K> {
         instructions: Instructions,
     ) -> u32 {
         let Maps { points, pending, outward, .. } = maps;
-        let (lines, stride) = (pending.lines(scan), self.chart.stride());
-        let (step, across) = if scan.by_rows() { (1, stride) } else { (stride, 1) };
-        let behind = if scan.is_forward() { -(across as isize) } else { across as isize };
+        let (chart, lines) = (self.chart, self.chart.by(scan.lines()));
+        let step = chart.offset(scan.lines().along()).unsigned_abs();
+        let behind = chart.offset(scan.back());
         let coefficients = &self.coefficients[usize::from(scan.0) - 1];
-        let on_line = coefficients.len() / lines;
         let mut largest = 0;
-        for passed in 0..lines {
-            let line = if scan.is_forward() { passed } else { lines - 1 - passed };
+        for line in scan.in_order(0..lines.rows) {
             let passing = match outward {
                 Some(outward) => outward.passing(scan, line),
                 None => Passing::All,
@@ -107,12 +103,13 @@ impl<K: Kernel> Scans<K> {
                 Passing::Some(maps) => maps,
                 _ => [u32::MAX; LANES],
             };
+            let (row, col) = scan.lines().place(line, 0);
             let work = MarkedLine::<K> {
                 points,
-                first: (line + 1) * across + step,
+                first: chart.bordered(row, col),
                 step,
                 behind,
-                coefficients: &coefficients[line * on_line..][..on_line],
+                coefficients: &coefficients[lines.row(line)],
                 marks,
                 maps,
                 wakes,
@@ -177,7 +174,7 @@ struct MarkedLine<'a, K: Kernel> {
 /// marked that have changed, and returns the largest change.
 struct Visit<'a, K: Kernel, const TRACKS: bool, const ALL: bool>(MarkedLine<'a, K>);
 
-impl<K: Kernel, const TRACKS: bool, const ALL: bool> Work for Visit<'_, K, TRACKS, ALL> {
+impl<K: Kernel, const TRACKS: bool, const ALL: bool> Loop for Visit<'_, K, TRACKS, ALL> {
     type Output = u32;
 
     #[inline(always)]

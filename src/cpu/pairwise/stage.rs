@@ -3,8 +3,8 @@
 use super::kernel::{LANES, Lanes};
 use crate::cpu::Instructions;
 use crate::cpu::stream::stream;
-use crate::cpu::transpose::{Block, transpose};
-use crate::lanes::Work;
+use crate::cpu::transpose::{Turned, transpose};
+use crate::lanes::Loop;
 use crate::surface::Chart;
 
 /// Where some rows of the grid become parts of the matrix's rows, on their way to memory.
@@ -39,8 +39,8 @@ impl Stage {
         for first in (0..chart.rows).step_by(self.band) {
             let rows = first..chart.rows.min(first + self.band);
             for row in rows.clone() {
-                let line = &mut points[chart.bordered(row, 0)..][..chart.cols];
-                let block = Block {
+                let line = chart.row_of_mut(points, row);
+                let block = Turned {
                     from: 0,
                     from_stride: LANES,
                     to: chart.index(row - first, 0),
@@ -68,7 +68,7 @@ fn band(chart: Chart) -> usize {
 
 struct Clear<'a>(&'a mut [Lanes]);
 
-impl Work for Clear<'_> {
+impl Loop for Clear<'_> {
     type Output = ();
 
     #[inline(always)]

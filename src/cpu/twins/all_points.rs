@@ -31,7 +31,7 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
     loop {
         let (mut change, renews) = (R::Bits::default(), progress.renews());
         for _ in 0..2 {
-            for (row, col) in (0..chart.points()).map(|index| chart.position(index)) {
+            for (row, col) in chart.places() {
                 let point = chart.bordered(row, col);
                 for (behind, scan) in scans.iter().zip(1..) {
                     new.accept(point, old.reach(point, behind), scan, renews);

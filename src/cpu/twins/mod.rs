@@ -17,7 +17,7 @@ pub use surroundings::surroundings;
 pub use tile_rounds::{Rounds, tile_rounds};
 
 use super::behind::Behind;
-use super::tiles::Scan;
+use super::scan::Scan;
 use crate::surface::Chart;
 
 /// What lies behind a point in each of the four scans of an iteration.

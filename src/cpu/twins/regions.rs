@@ -189,7 +189,7 @@ fn step(
             off = [off[0] + weight * apart[0], off[1] + weight * apart[1]];
         }
     }
-    let last = [chart.cols - 1, chart.rows - 1];
+    let last = [chart.last().1, chart.last().0];
     Some(Ok([0, 1].map(|k| (on[k] + off[k] / sum).clamp(0.0, last[k] as f32))))
 }
 

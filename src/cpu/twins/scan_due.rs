@@ -3,10 +3,12 @@
 
 use super::behind;
 use crate::Stop;
+use crate::constants::SPLIT_REACH;
 use crate::cpu::fronts::{FrontKind, for_kind};
 use crate::cpu::point_fronts::PointFronts;
+use crate::cpu::scan::Scan;
 use crate::cpu::{Progress, Solution};
-use crate::surface::{Chart, EdgeLengths, Real, Seed};
+use crate::surface::{Chart, EdgeLengths, Real, Seed, Tiling};
 use crate::update::Wavefront;
 
 /// Which blocks an iteration has visited: of the scans down, up, right and left in turn those of rows,
@@ -39,34 +41,30 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
     let mut progress = Progress::new(stop);
     let mut due = Due::new(chart, lines);
     for seed in seeds {
-        due.changed([seed.row, seed.col], None);
+        due.changed((seed.row, seed.col), None);
     }
     let mut visits = Vec::new();
     loop {
         let (mut change, renews) = (R::Bits::default(), progress.renews());
         let mut visited: Visits = due.blocks.each_ref().map(|blocks| vec![false; blocks.len()]);
         for scan in 0..4 {
-            let (count, length) =
-                if scan < 2 { (chart.rows, chart.cols) } else { (chart.cols, chart.rows) };
-            let in_order =
-                |number: usize, of: usize| if scan % 2 == 0 { number } else { of - 1 - number };
-            for number in 0..visited[scan].len() {
-                let block = in_order(number, visited[scan].len());
+            let order = Scan::ALL[scan];
+            let turned = chart.by(order.lines());
+            for block in order.in_order(0..visited[scan].len()) {
                 if !std::mem::take(&mut due.blocks[scan][block]) {
                     continue;
                 }
                 visited[scan][block] = true;
-                let first = 2 * lines * block;
-                let size = (2 * lines).min(count - first);
-                for line in (0..size).map(|number| first + in_order(number, size)) {
-                    for along in 0..length {
-                        let [row, col] = if scan < 2 { [line, along] } else { [along, line] };
+                let of_block = Tiling::new(turned, 2 * lines).rows(block..block + 1);
+                for line in order.in_order(of_block) {
+                    for along in 0..turned.cols {
+                        let (row, col) = order.lines().place(line, along);
                         let point = chart.bordered(row, col);
                         let before = fronts.at(point);
                         let front = fronts.reach(point, &behind[scan]);
                         change = change.max(fronts.accept(point, front, scan as u8 + 1, renews));
                         if fronts.at(point) != before {
-                            due.changed([row, col], Some(scan));
+                            due.changed((row, col), Some(scan));
                         }
                     }
                 }
@@ -87,28 +85,30 @@ struct Due {
 }
 
 impl Due {
-    fn new(Chart { rows, cols }: Chart, lines: usize) -> Self {
-        let blocks = |points: usize| vec![false; points.div_ceil(2 * lines)];
-        Self { lines, blocks: [rows, rows, cols, cols].map(blocks) }
+    fn new(chart: Chart, lines: usize) -> Self {
+        let tiles = Tiling::new(chart, 2 * lines).tiles();
+        Self { lines, blocks: Scan::ALL.map(|scan| vec![false; tiles.by(scan.lines()).rows]) }
     }
 
     /// A point, by row and column, has changed: in a scan, which needs not visit the block again for it,
     /// or before all.
-    fn changed(&mut self, point: [usize; 2], by: Option<usize>) {
-        for scan in 0..4 {
-            let texel = point[scan / 2] / 2;
+    fn changed(&mut self, (row, col): (usize, usize), by: Option<usize>) {
+        for (scan, order) in Scan::ALL.into_iter().enumerate() {
+            let texel = order.lines().place(row, col).0 / 2;
             let (block, line) = (texel / self.lines, texel % self.lines);
             if by != Some(scan) {
                 self.blocks[scan][block] = true;
             }
-            // The last line of the block in the order of the scan is read by the next.
-            let forward = scan % 2 == 0;
-            let ahead = if forward { block + 1 } else { block.wrapping_sub(1) };
-            let last = if forward { self.lines - 1 } else { 0 };
-            if line == last
-                && let Some(due) = self.blocks[scan].get_mut(ahead)
-            {
-                *due = true;
+            // The last lines of the block in the order of the scan are seen by those ahead.
+            let forward = order.is_forward();
+            let after = if forward { self.lines - 1 - line } else { line };
+            let reach = (SPLIT_REACH as usize).div_ceil(2);
+            for blocks in (1..).take_while(|blocks| after + (blocks - 1) * self.lines < reach) {
+                let ahead =
+                    if forward { block.checked_add(blocks) } else { block.checked_sub(blocks) };
+                if let Some(due) = ahead.and_then(|ahead| self.blocks[scan].get_mut(ahead)) {
+                    *due = true;
+                }
             }
         }
     }

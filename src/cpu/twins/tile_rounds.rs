@@ -2,12 +2,13 @@
 
 use super::behind;
 use crate::Stop;
-use crate::constants::PATIENCE;
+use crate::constants::{PATIENCE, SPLIT_REACH};
 use crate::cpu::Solution;
 use crate::cpu::behind::Behind;
 use crate::cpu::fronts::{FrontKind, for_kind};
 use crate::cpu::point_fronts::PointFronts;
-use crate::surface::{Chart, EdgeLengths, Real, Seed, relative_change};
+use crate::cpu::scan::Scan;
+use crate::surface::{Chart, EdgeLengths, Real, Seed, Tiling, relative_change};
 use crate::update::Wavefront;
 
 /// How rounds go.
@@ -65,6 +66,7 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
 /// The tiles of a grid and the fronts in them.
 struct Tiles<'a, R: Real, K: FrontKind<'a, R>> {
     chart: Chart,
+    tiling: Tiling,
     rounds: Rounds,
     behind: [Behind; 4],
     /// Before the round.
@@ -95,6 +97,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
         let chart = fronts.edges.chart();
         let mut tiles = Self {
             chart,
+            tiling: Tiling::new(chart, rounds.tile),
             rounds,
             behind: behind(chart),
             copies: std::array::from_fn(|_| fronts.clone()),
@@ -108,11 +111,12 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
             renews: true,
         };
         // The tiles of the texels around each seed's.
+        let texels = Tiling::new(chart, 2);
         for seed in seeds {
-            for row in around(seed.row / 2, chart.rows.div_ceil(2)) {
-                for col in around(seed.col / 2, chart.cols.div_ceil(2)) {
-                    tiles.enlist((2 * row / rounds.tile, 2 * col / rounds.tile));
-                }
+            let (texel, _) = texels.tile_of((seed.row, seed.col));
+            for (row, col) in texels.tiles().around(texel, 1).places() {
+                let (tile, _) = tiles.tiling.tile_of((2 * row, 2 * col));
+                tiles.enlist(tile);
             }
         }
         tiles
@@ -138,27 +142,11 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
     }
 
     fn visit(&mut self, tile: (usize, usize), after: &mut PointFronts<'a, R, K>) -> Visit<R::Bits> {
-        let (chart, side) = (self.chart, self.rounds.tile);
-        let first = (tile.0 * side, tile.1 * side);
-        let rows = first.0..(first.0 + side).min(chart.rows);
-        let cols = first.1..(first.1 + side).min(chart.cols);
-        let all = || rows.clone().flat_map(|row| cols.clone().map(move |col| (row, col)));
-        // With the points around the tile, those of the border included.
-        let beside = |points: &std::ops::Range<usize>, most: usize| {
-            points.start..(points.end + 2).min(most + 2)
-        };
-        for row in beside(&rows, chart.rows) {
-            for col in beside(&cols, chart.cols) {
-                let point = row * chart.stride() + col;
-                self.copies.iter_mut().for_each(|copy| copy.copy_point(&self.fronts, point));
-            }
+        let chart = self.chart;
+        let block = self.tiling.points(self.tiling.tiles().around(tile, 0));
+        for point in chart.with_halo(&block) {
+            self.copies.iter_mut().for_each(|copy| copy.copy_point(&self.fronts, point));
         }
-        // Beyond these points, anchors are seen as they were before the round.
-        let stride = chart.stride();
-        let is_near = |point: usize| {
-            let (row, col) = (point / stride, point % stride);
-            (rows.start..rows.end + 2).contains(&row) && (cols.start..cols.end + 2).contains(&col)
-        };
         let mut change = R::Bits::default();
         for _ in 0..self.rounds.inner {
             let fronts = &self.fronts;
@@ -166,26 +154,22 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
                 let (behind, scan) = (&self.behind[index], index as u8 + 1);
                 let mut update = |row, col| {
                     let point = chart.bordered(row, col);
-                    let seen = |x| if is_near(x) { copy.at(x) } else { fronts.at(x) };
+                    // Farther away, anchors are seen as they were before the round.
+                    let near = |x| chart.is_near(&block, x);
+                    let seen = |x| if near(x) { copy.at(x) } else { fronts.at(x) };
                     let front = copy.reach_seen(point, behind, seen);
                     copy.accept(point, front, scan, self.renews);
                 };
                 // The points of a line do not depend on one another.
-                match scan {
-                    1 => all().for_each(|(row, col)| update(row, col)),
-                    2 => rows
-                        .clone()
-                        .rev()
-                        .for_each(|row| cols.clone().for_each(|col| update(row, col))),
-                    3 => cols.clone().for_each(|col| rows.clone().for_each(|row| update(row, col))),
-                    _ => cols
-                        .clone()
-                        .rev()
-                        .for_each(|col| rows.clone().for_each(|row| update(row, col))),
+                let (order, turned) = (Scan(scan), block.clone().by(Scan(scan).lines()));
+                for line in order.in_order(turned.rows) {
+                    for (row, col) in turned.cols.clone().map(|at| order.lines().place(line, at)) {
+                        update(row, col);
+                    }
                 }
             }
             change = R::Bits::default();
-            for (row, col) in all() {
+            for (row, col) in block.places() {
                 let point = chart.bordered(row, col);
                 change = change.max(self.merge(after, point));
             }
@@ -196,14 +180,14 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
 
         let mut border_change = R::Bits::default();
         let mut reached = false;
-        for (row, col) in all() {
+        for (row, col) in block.places() {
             let point = chart.bordered(row, col);
             reached |= self.fronts.time(point) >= R::FAR && after.time(point) < R::FAR;
             let by = after.change_from(&self.fronts, point);
             if by <= self.tolerance {
                 continue;
             }
-            for beside in self.beside((row, col), first, tile) {
+            for beside in self.tiling.beside((row, col), SPLIT_REACH as usize) {
                 self.enlist(beside);
                 border_change = border_change.max(by);
             }
@@ -223,31 +207,6 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
         change
     }
 
-    /// The tiles that see a point of a tile.
-    fn beside(
-        &self,
-        (row, col): (usize, usize),
-        first: (usize, usize),
-        tile: (usize, usize),
-    ) -> Vec<(usize, usize)> {
-        let side = self.rounds.tile;
-        let count = (self.chart.rows.div_ceil(side), self.chart.cols.div_ceil(side));
-        let steps = |at: usize| match at {
-            0 => vec![-1, 0],
-            last if last + 1 == side => vec![0, 1],
-            _ => vec![0],
-        };
-        let (down, right) = (steps(row - first.0), steps(col - first.1));
-        let all = down.iter().flat_map(|&down| right.iter().map(move |&right| (down, right)));
-        all.filter(|&step| step != (0, 0))
-            .filter_map(|(down, right)| {
-                let row = tile.0.checked_add_signed(down).filter(|&row| row < count.0)?;
-                let col = tile.1.checked_add_signed(right).filter(|&col| col < count.1)?;
-                Some((row, col))
-            })
-            .collect()
-    }
-
     /// After the rounds of a recording, each with its largest unsettled change; returns whether they
     /// were the last. The twin of `settle.comp`, but that fronts are in one place here.
     fn settle(&mut self, unsettled: &[R::Bits], reached: bool, recorded: u32) -> bool {
@@ -260,9 +219,4 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
         }
         visited < recorded || self.list.is_empty() || self.iterations >= self.most
     }
-}
-
-/// An index and those beside it below `count`.
-fn around(index: usize, count: usize) -> std::ops::RangeInclusive<usize> {
-    index.saturating_sub(1)..=(index + 1).min(count - 1)
 }

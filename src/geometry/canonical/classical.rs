@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::Distances;
 use super::guttman::{BLOCK, LANES, ROWS, total};
 use crate::cpu::Instructions;
-use crate::lanes::Work;
+use crate::lanes::Loop;
 
 /// Vectors beyond the dimensions asked for, so that the last eigenvalues converge as fast as the
 /// first.
@@ -126,7 +126,7 @@ struct Row<'a> {
     out: &'a mut [f64],
 }
 
-impl Work for Row<'_> {
+impl Loop for Row<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::Distances;
 use crate::cpu::Instructions;
-use crate::lanes::Work;
+use crate::lanes::Loop;
 
 /// Pairs that are worked on at once: few enough to stay in the first cache, and to be summed in
 /// single precision before the sum goes on in double.
@@ -65,7 +65,7 @@ struct Row<'a> {
     out: &'a mut [f64],
 }
 
-impl Work for Row<'_> {
+impl Loop for Row<'_> {
     /// The sum of squared differences of the distances.
     type Output = f64;
 

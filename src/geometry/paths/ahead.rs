@@ -8,7 +8,7 @@ use super::edge_times::{Crossing, EdgeTimes};
 use super::entry::Entry;
 use super::search::{AT_POINT, fits, is_triangle};
 use super::tracer::Tracer;
-use crate::lanes::{Instructions, Work};
+use crate::lanes::{Instructions, Loop};
 use crate::surface::Chart;
 
 /// Paths that go on side by side: twice as many as the widest vectors hold in double precision, so
@@ -124,7 +124,7 @@ struct Headings {
     leaves: [bool; LANES],
 }
 
-impl Work for &mut Headings {
+impl Loop for &mut Headings {
     type Output = ();
 
     #[inline(always)]
@@ -171,7 +171,7 @@ struct Cells {
     is_good: [bool; LANES],
 }
 
-impl Work for &mut Cells {
+impl Loop for &mut Cells {
     type Output = ();
 
     #[inline(always)]

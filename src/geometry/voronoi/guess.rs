@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::NO_REGION;
 use crate::geometry::order::rank;
 use crate::geometry::spokes::Spokes;
-use crate::lanes::{Instructions, Work};
+use crate::lanes::{Instructions, Loop};
 use crate::surface::{Direction, Real};
 
 /// Labels by the earliest neighbours alone.
@@ -106,7 +106,7 @@ struct Earliest<'a> {
     line: &'a mut [AtomicU32],
 }
 
-impl Work for Earliest<'_> {
+impl Loop for Earliest<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -145,7 +145,7 @@ struct Differences<'a> {
     differences: &'a mut [u32],
 }
 
-impl Work for Differences<'_> {
+impl Loop for Differences<'_> {
     type Output = ();
 
     #[inline(always)]

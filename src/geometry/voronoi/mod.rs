@@ -1,8 +1,11 @@
 //! Geodesic Voronoi regions: what is nearest to which source (paper, section 6.3).
 
 mod borders;
+mod continuation;
 mod guess;
+mod known;
 mod source_fronts;
+mod starts;
 
 use std::collections::BTreeSet;
 

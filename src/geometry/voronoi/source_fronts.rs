@@ -16,28 +16,14 @@ use std::collections::BinaryHeap;
 
 use rayon::prelude::*;
 
-use super::NO_REGION;
+use super::continuation::Continuation;
 use super::guess::Guess;
-use crate::cpu::{Visited, settled};
+use super::known::{KnownFronts, NONE, has_several};
+use super::starts::{first_labels, starts};
 use crate::geometry::MapError;
-use crate::geometry::order::{bordered, rank};
+use crate::geometry::order::bordered;
 use crate::geometry::spokes::Spokes;
-use crate::surface::{Chart, EdgeLengths, Real, Source, Sources, Surface, max, min, ring};
-use crate::update::{Triangle, Wavefront, planar, point_source};
-
-/// No further front, and the label of a point that has not been visited.
-const NONE: u32 = NO_REGION;
-/// Set in the label of a point that several fronts reach.
-const SEVERAL: u32 = 1 << 31;
-
-/// A front that reaches a point near a border.
-#[derive(Clone, Copy, Debug)]
-struct Arrival {
-    label: u32,
-    time: f64,
-    /// The next one at the same point.
-    next: u32,
-}
+use crate::surface::{Chart, EdgeLengths, Real, Sources, Surface, max, min, ring};
 
 /// A front that may reach a point.
 #[derive(Clone, Copy, Debug)]
@@ -52,39 +38,17 @@ struct Candidate {
     last: f64,
 }
 
-/// A front at a point that its source seeds.
-struct Start {
-    point: usize,
-    label: u32,
-    time: f64,
-}
-
-/// How the front of a source is continued.
-#[derive(Clone, Copy, Debug)]
-struct Origin {
-    wavefront: Wavefront,
-    initial: f64,
-}
-
-/// The fronts at all points of a bordered array.
+/// The fronts at all points of a bordered array, as they are followed.
 pub(super) struct SourceFronts<'a> {
-    spokes: Spokes<'a>,
-    origins: Vec<Origin>,
+    continuation: Continuation<'a>,
     start: f64,
-    /// The map's.
-    times: Vec<f32>,
-    /// The label of each point, or with [`SEVERAL`] the first of its arrivals. Those of points that
-    /// are yet to come are guesses.
-    labels: Vec<u32>,
-    /// The rank of the last point that need not be visited any more.
-    now: u64,
+    known: KnownFronts,
     /// The ranks of points to be visited: of those known to be from the first, the earliest last, and
     /// of others; and which they are.
     ahead: Vec<u64>,
     queue: BinaryHeap<Reverse<u64>>,
     is_queued: Vec<bool>,
-    arrivals: Vec<Arrival>,
-    /// SourceFronts whose arrival at a point its neighbours have yet to hear of.
+    /// Fronts whose arrival at a point its neighbours have yet to hear of.
     news: Vec<(u32, u32)>,
     /// Where the candidates of a point are gathered.
     room: Vec<Candidate>,
@@ -113,46 +77,43 @@ impl<'a> SourceFronts<'a> {
         let spokes = Spokes::new(edges);
         let starts = starts(edges.chart(), surface, sources)?;
         let guess = Guess::new(&spokes, &times, &first_labels(&starts));
-        let mut fronts = Self {
-            spokes,
-            origins: sources.iter().map(Origin::of).collect(),
+        let mut known = KnownFronts::guessed(times, guess.labels);
+        starts.iter().for_each(|start| known.set_label(start.point, NONE));
+        starts.iter().for_each(|start| known.insert(start.point, start.label, start.time));
+        let ranks = guess.doubtful.par_iter().map(|&point| known.rank(point as usize));
+        let mut ahead: Vec<u64> = ranks.collect();
+        ahead.par_sort_unstable_by(|a, b| b.cmp(a));
+        ahead.dedup();
+        let mut is_queued = vec![false; edges.chart().bordered_points()];
+        guess.doubtful.into_iter().for_each(|point| is_queued[point as usize] = true);
+        Ok(Self {
+            continuation: Continuation::new(spokes, sources),
             start: sources.start(),
-            labels: guess.labels,
-            now: 0,
-            ahead: Vec::new(),
+            known,
+            ahead,
             queue: BinaryHeap::new(),
-            is_queued: vec![false; times.len()],
-            times,
-            arrivals: Vec::new(),
+            is_queued,
             news: Vec::new(),
             room: Vec::new(),
-        };
-        starts.iter().for_each(|start| fronts.labels[start.point] = NONE);
-        starts.iter().for_each(|start| fronts.insert(start.point, start.label, start.time));
-        fronts.ahead =
-            guess.doubtful.par_iter().map(|&point| fronts.rank(point as usize)).collect();
-        fronts.ahead.par_sort_unstable_by(|a, b| b.cmp(a));
-        fronts.ahead.dedup();
-        guess.doubtful.into_iter().for_each(|point| fronts.is_queued[point as usize] = true);
-        Ok(fronts)
+        })
     }
 
     /// Visits what is in the queue, and what that adds to it.
     fn follow(&mut self) {
         while let Some(rank) = self.next() {
-            self.now = rank;
+            self.known.advance(rank);
             let point = (rank & u64::from(u32::MAX)) as usize;
-            let guess = self.labels[point];
-            let is_seed = guess & SEVERAL != 0;
+            let guess = self.known.guess(point);
+            let is_seed = has_several(guess);
             if !is_seed {
-                self.labels[point] = NONE;
+                self.known.set_label(point, NONE);
             }
             self.visit(point);
-            if is_seed || self.labels[point] != guess {
+            if is_seed || self.known.guess(point) != guess {
                 self.enqueue_after(point);
             }
         }
-        self.now = u64::MAX;
+        self.known.advance(u64::MAX);
     }
 
     /// Takes the first point that is to be visited.
@@ -164,46 +125,41 @@ impl<'a> SourceFronts<'a> {
         }
     }
 
-    fn rank(&self, point: usize) -> u64 {
-        rank(self.times[point], point)
+    fn spokes(&self) -> &Spokes<'a> {
+        self.continuation.spokes()
     }
 
     fn enqueue(&mut self, point: usize) {
         if !self.is_queued[point] {
             self.is_queued[point] = true;
-            self.queue.push(Reverse(self.rank(point)));
+            self.queue.push(Reverse(self.known.rank(point)));
         }
     }
 
     /// The neighbours that are yet to come of a point whose label was guessed wrong.
     fn enqueue_after(&mut self, point: usize) {
         for to in 0..8 {
-            let neighbour = self.spokes.neighbour(point, to);
-            if self.rank(neighbour) > self.now && self.times[neighbour] < f32::FAR {
+            let neighbour = self.spokes().neighbour(point, to);
+            if self.known.is_ahead(neighbour) && self.known.is_reached(neighbour) {
                 self.enqueue(neighbour);
             }
         }
     }
 
-    /// What is known of a point's label: of those yet to come only that sources seed them.
-    fn label(&self, point: usize) -> u32 {
-        let label = self.labels[point];
-        if label & SEVERAL != 0 || self.rank(point) <= self.now { label } else { NONE }
-    }
-
     /// Labels a point whose earlier neighbours have all been visited.
     fn visit(&mut self, point: usize) {
-        let lengths = std::array::from_fn(|to| self.spokes.length(point, to));
+        let lengths = std::array::from_fn(|to| self.spokes().length(point, to));
         let (mut found, visited, is_alone) = self.candidates(point, &lengths);
         if let [single] = &found[..]
             && is_alone
         {
-            self.labels[point] = single.label;
+            self.known.set_label(point, single.label);
             self.room = found;
             return;
         }
         for candidate in &mut found {
-            let arrival = self.arrival(point, candidate, &lengths);
+            let Candidate { label, since, .. } = candidate;
+            let arrival = self.continuation.arrival(point, *label, since, &lengths);
             candidate.time = min(candidate.time, arrival);
         }
         if found.len() > 1 {
@@ -215,15 +171,17 @@ impl<'a> SourceFronts<'a> {
         found.retain(|candidate| candidate.time < f64::FAR);
         match &found[..] {
             [] => {}
-            [single] => self.labels[point] = single.label,
+            [single] => self.known.set_label(point, single.label),
             several => {
-                self.labels[point] = NONE;
-                several.iter().for_each(|front| self.insert(point, front.label, front.time));
+                self.known.set_label(point, NONE);
+                let known = &mut self.known;
+                several.iter().for_each(|front| known.insert(point, front.label, front.time));
             }
         }
         for front in &found {
             // Nobody has to be told who knows of a front before it comes here.
-            if front.known != visited || self.since(front.label, front.time) < front.last {
+            let since = self.continuation.since(front.label, front.time);
+            if front.known != visited || since < front.last {
                 self.news.push((point as u32, front.label));
             }
         }
@@ -240,23 +198,23 @@ impl<'a> SourceFronts<'a> {
         found.clear();
         let fresh =
             |(label, time)| Candidate { label, time, since: [f64::FAR; 8], known: 0, last: 0.0 };
-        found.extend(self.arrivals_at(point).map(fresh));
+        found.extend(self.known.at(point).map(fresh));
         let (mut visited, mut is_alone) = (0, found.is_empty());
         for (to, &length) in lengths.iter().enumerate() {
-            let neighbour = self.spokes.neighbour(point, to);
-            let label = self.label(neighbour);
+            let neighbour = self.spokes().neighbour(point, to);
+            let label = self.known.label(neighbour);
             if label == NONE || length >= f64::FAR {
                 continue;
             }
             visited |= 1 << to;
-            is_alone &= label & SEVERAL == 0;
-            for (label, time) in self.arrivals_of(neighbour, label) {
+            is_alone &= !has_several(label);
+            for (label, time) in self.known.of_label(neighbour, label) {
                 let place = found.iter().position(|candidate| candidate.label == label);
                 let place = place.unwrap_or_else(|| {
                     found.push(fresh((label, f64::FAR)));
                     found.len() - 1
                 });
-                let since = self.since(label, time);
+                let since = self.continuation.since(label, time);
                 let candidate = &mut found[place];
                 candidate.since[to] = since;
                 candidate.known |= 1 << to;
@@ -266,200 +224,64 @@ impl<'a> SourceFronts<'a> {
         (found, visited, is_alone)
     }
 
-    /// From the start of a front to its arrival somewhere.
-    fn since(&self, label: u32, time: f64) -> f64 {
-        if time < f64::FAR {
-            max(time - self.origins[label as usize].initial, 0.0)
-        } else {
-            f64::FAR
-        }
-    }
-
     /// Tells a point's neighbours of a front that has reached it.
     fn tell(&mut self, point: usize, label: u32) {
-        let time = self.time(point, label);
+        let time = self.known.time(point, label);
         for to in 0..8 {
-            let neighbour = self.spokes.neighbour(point, to);
-            if !self.is_visited(neighbour) || self.spokes.length(point, to) >= f64::FAR {
+            let neighbour = self.spokes().neighbour(point, to);
+            if !self.known.is_visited(neighbour) || self.spokes().length(point, to) >= f64::FAR {
                 continue;
             }
-            let before = self.time(neighbour, label);
+            let before = self.known.time(neighbour, label);
             if time >= before {
                 continue;
             }
-            let (_, first) = self.first(neighbour);
-            let latest = latest(first, f64::from(self.spokes.longest(neighbour)));
+            let (_, first) = self.known.first(neighbour);
+            let latest = latest(first, f64::from(self.spokes().longest(neighbour)));
             if time >= latest {
                 continue;
             }
             // Through the two triangles on either side of the edge between them.
             let back = ring::opposite(to);
-            let [right, left] = [ring::previous(back), ring::next(back)];
             let mut since = [f64::FAR; 8];
-            for to in [right, back, left] {
-                let time = self.time(self.spokes.neighbour(neighbour, to), label);
-                since[to] = self.since(label, time);
+            for to in [ring::previous(back), back, ring::next(back)] {
+                let time = self.known.time(self.spokes().neighbour(neighbour, to), label);
+                since[to] = self.continuation.since(label, time);
             }
-            let length = |to: usize| self.spokes.length(neighbour, to);
-            let triangles = [right, left].map(|side| {
-                let ends = [back, side];
-                self.triangle(neighbour, ends, &since, ends.map(length))
-            });
-            let Origin { wavefront, initial } = self.origins[label as usize];
-            let now = min(latest, before) - initial;
-            let settles = match wavefront {
-                Wavefront::PointSource => settled::from_point_source,
-                _ => settled::from_planar,
-            };
-            let visited = Visited { now, triangles };
-            if visited.stays(triangles.map(|triangle| settles(triangle, now))) {
-                continue;
-            }
-            let [left, right] = triangles.map(|triangle| self.through(label, triangle));
-            let arrival = initial + min(left, right);
+            let now = min(latest, before);
+            let arrival = self.continuation.arrival_beside(neighbour, label, back, &since, now);
+            let Some(arrival) = arrival else { continue };
             if arrival <= latest && arrival < before * (1.0 - 1e-9) {
-                self.insert(neighbour, label, arrival);
+                self.known.insert(neighbour, label, arrival);
                 self.enqueue_after(neighbour);
                 self.news.push((neighbour as u32, label));
             }
         }
     }
 
-    fn is_visited(&self, point: usize) -> bool {
-        self.label(point) != NONE && self.times[point] < f32::FAR
-    }
-
-    /// When a front arrives at a point from its neighbours.
-    fn arrival(&self, point: usize, front: &Candidate, lengths: &[f64; 8]) -> f64 {
-        let (mut shortest, mut nearest) = (f64::FAR, 0);
-        for (to, (since, length)) in front.since.iter().zip(lengths).enumerate() {
-            let along = since + length;
-            if along < shortest {
-                (shortest, nearest) = (along, to);
-            }
-        }
-        if shortest >= f64::FAR {
-            return f64::FAR;
-        }
-        let through = |to: usize| {
-            let ends = [to, ring::next(to)];
-            let triangle = self.triangle(point, ends, &front.since, ends.map(|to| lengths[to]));
-            self.through(front.label, triangle)
-        };
-        // Nearly always beside the neighbour over which the way along an edge is shortest, and on
-        // the side where the next one is shorter.
-        let [right, left] = [ring::previous(nearest), ring::next(nearest)];
-        let [to_right, to_left] = [right, left].map(|to| front.since[to] + lengths[to]);
-        let beside = if to_right < to_left { [right, nearest] } else { [nearest, right] };
-        let found = beside.into_iter().map(through).find(|&time| time < shortest);
-        let first = found.unwrap_or_else(|| (0..8).map(through).fold(shortest, min));
-        self.origins[front.label as usize].initial + first
-    }
-
-    /// The triangle of a point with two neighbours, one beside the other.
-    #[inline(always)]
-    fn triangle(
-        &self,
-        point: usize,
-        ends: [usize; 2],
-        since: &[f64; 8],
-        [l1, l2]: [f64; 2],
-    ) -> Triangle<f64> {
-        let [t1, t2] = ends.map(|to| since[to]);
-        let first = if ring::next(ends[0]) == ends[1] { ends[0] } else { ends[1] };
-        Triangle { t1, t2, l1, l2, c: self.spokes.base(point, first) }
-    }
-
-    /// The time since a front's start at which it arrives through a triangle.
-    #[inline(always)]
-    fn through(&self, label: u32, triangle: Triangle<f64>) -> f64 {
-        let Triangle { t1, t2, l1, l2, .. } = triangle;
-        if max(t1, t2) >= f64::FAR {
-            return min(t1 + l1, t2 + l2);
-        }
-        match self.origins[label as usize].wavefront {
-            Wavefront::PointSource => point_source(triangle),
-            _ => planar(triangle),
-        }
-    }
-
-    /// When a front arrives at a point, [`Real::FAR`] if that is not known.
-    fn time(&self, point: usize, label: u32) -> f64 {
-        let here = self.arrivals_at(point).find(|(other, _)| *other == label);
-        here.map_or(f64::FAR, |(_, time)| time)
-    }
-
-    /// The fronts known at a point.
-    fn arrivals_at(&self, point: usize) -> impl Iterator<Item = (u32, f64)> {
-        self.arrivals_of(point, self.label(point))
-    }
-
-    /// The fronts known at a point, given what is known of its label.
-    fn arrivals_of(&self, point: usize, here: u32) -> impl Iterator<Item = (u32, f64)> {
-        let several = here != NONE && here & SEVERAL != 0;
-        let single = (here & SEVERAL == 0).then(|| (here, f64::from(self.times[point])));
-        let mut next = if several { here & !SEVERAL } else { NONE };
-        let listed = std::iter::from_fn(move || {
-            let Arrival { label, time, next: following } = *self.arrivals.get(next as usize)?;
-            next = following;
-            Some((label, time))
-        });
-        single.into_iter().chain(listed)
-    }
-
-    /// Adds a front to those at a point, or makes it earlier.
-    fn insert(&mut self, point: usize, label: u32, time: f64) {
-        let here = self.labels[point];
-        if here != NONE && here & SEVERAL == 0 {
-            self.labels[point] = NONE;
-            self.insert(point, here, f64::from(self.times[point]));
-        }
-        let first = self.labels[point];
-        let mut next = if first == NONE { NONE } else { first & !SEVERAL };
-        while let Some(arrival) = self.arrivals.get_mut(next as usize) {
-            if arrival.label == label {
-                arrival.time = arrival.time.min(time);
-                return;
-            }
-            next = arrival.next;
-        }
-        let next = if first == NONE { NONE } else { first & !SEVERAL };
-        self.labels[point] = SEVERAL | self.arrivals.len() as u32;
-        self.arrivals.push(Arrival { label, time, next });
-    }
-
-    /// The first front at a point, of equally early ones that of the first source.
-    fn first(&self, point: usize) -> (u32, f64) {
-        let earlier = |a: (u32, f64), b: (u32, f64)| {
-            if (b.1, b.0) < (a.1, a.0) { b } else { a }
-        };
-        self.arrivals_at(point).reduce(earlier).unwrap_or((NO_REGION, f64::FAR))
-    }
-
     /// The label of each grid point, row-major.
     pub(super) fn labels(&self) -> Vec<u32> {
         let chart = self.chart();
-        let label = |point: usize| {
-            let several = self.labels[point] != NONE && self.labels[point] & SEVERAL != 0;
-            if several { self.first(point).0 } else { self.labels[point] }
-        };
         let mut labels = vec![NONE; chart.points()];
         labels.par_chunks_mut(chart.cols).enumerate().for_each(|(row, labels)| {
             let first = chart.bordered(row, 0);
-            labels.iter_mut().zip(first..).for_each(|(found, point)| *found = label(point));
+            labels
+                .iter_mut()
+                .zip(first..)
+                .for_each(|(found, point)| *found = self.known.first_label(point));
         });
         labels
     }
 
     pub(super) fn chart(&self) -> Chart {
-        self.spokes.chart()
+        self.spokes().chart()
     }
 
     /// The square of the time at which a front arrives at a point of the grid, since the first
     /// start, if it is known there. Differences of squares are linear in the plane.
     pub(super) fn squared(&self, index: usize, label: u32) -> Option<f64> {
         let (row, col) = self.chart().position(index);
-        let time = self.time(self.chart().bordered(row, col), label);
+        let time = self.known.time(self.chart().bordered(row, col), label);
         (time < f64::FAR).then(|| self.square(time))
     }
 
@@ -477,7 +299,7 @@ impl<'a> SourceFronts<'a> {
     fn lead(&self, index: usize, labels: [u32; 2]) -> Option<f64> {
         let (row, col) = self.chart().position(index);
         let mut times = [f64::FAR; 2];
-        for (label, time) in self.arrivals_at(self.chart().bordered(row, col)) {
+        for (label, time) in self.known.at(self.chart().bordered(row, col)) {
             let known = labels.iter().zip(&mut times).filter(|(known, _)| **known == label);
             known.for_each(|(_, known)| *known = time);
         }
@@ -497,53 +319,13 @@ fn latest(first: f64, longest: f64) -> f64 {
     first + 2.0 * longest * (1.0 + 1e-6)
 }
 
-/// The fronts at the points that sources seed. Of two sources that are the same the second has
-/// none.
-fn starts(chart: Chart, surface: &Surface, sources: &Sources) -> Result<Vec<Start>, MapError> {
-    let all: Vec<&Source> = sources.iter().collect();
-    let mut starts = Vec::new();
-    for (label, source) in all.iter().enumerate() {
-        let seeds = Sources::from_iter([(*source).clone()]).seeds(surface)?;
-        if !all[..label].contains(source) {
-            starts.extend(seeds.into_iter().map(|seed| Start {
-                point: chart.bordered(seed.row, seed.col),
-                label: label as u32,
-                time: seed.time,
-            }));
-        }
-    }
-    Ok(starts)
-}
-
-/// The points that sources seed, each with the label of the first front there.
-fn first_labels(starts: &[Start]) -> Vec<(usize, u32)> {
-    let mut order: Vec<&Start> = starts.iter().collect();
-    order.sort_by(|a, b| {
-        a.point.cmp(&b.point).then(a.time.total_cmp(&b.time)).then(a.label.cmp(&b.label))
-    });
-    order.dedup_by_key(|start| start.point);
-    order.into_iter().map(|start| (start.point, start.label)).collect()
-}
-
-impl Origin {
-    fn of(source: &Source) -> Self {
-        match source {
-            Source::Point { initial, .. } => {
-                Self { wavefront: Wavefront::PointSource, initial: *initial }
-            }
-            Source::Curve { initial, .. } => {
-                Self { wavefront: Wavefront::Planar, initial: *initial }
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Spacing;
     use crate::Stop;
     use crate::cpu::raster_scan;
+    use crate::surface::Source;
     use crate::update::Wavefront;
 
     /// Whether points are left out or not, all fronts are the same.
@@ -585,8 +367,9 @@ mod tests {
                     let mut fronts =
                         SourceFronts::before(&surface, &edges, &sources, &map).unwrap();
                     if everywhere {
-                        let reached = |&point: &usize| fronts.times[point] < f32::FAR;
-                        let all: Vec<usize> = (0..fronts.times.len()).filter(reached).collect();
+                        let reached = |&point: &usize| fronts.known.is_reached(point);
+                        let points = 0..fronts.is_queued.len();
+                        let all: Vec<usize> = points.filter(reached).collect();
                         all.into_iter().for_each(|point| fronts.enqueue(point));
                     }
                     fronts.follow();
@@ -596,8 +379,8 @@ mod tests {
                     |fronts: &SourceFronts| fronts.is_queued.iter().filter(|&&q| q).count();
                 // The closest of pairs are never late enough by far for one of them to be left behind.
                 assert!(visits(&few) < visits(&all) || roughness > 0.0 || beside == 1.0);
-                for point in 0..few.times.len() {
-                    let mut found = [&few, &all].map(|f| f.arrivals_at(point).collect::<Vec<_>>());
+                for point in 0..few.is_queued.len() {
+                    let mut found = [&few, &all].map(|f| f.known.at(point).collect::<Vec<_>>());
                     found.iter_mut().for_each(|found| found.sort_by_key(|(label, _)| *label));
                     assert_eq!(found[0], found[1], "{roughness} {count} {point}");
                 }

@@ -9,6 +9,7 @@ mod layout;
 mod read;
 mod symmetric;
 
+use std::cell::Cell;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -198,20 +199,40 @@ impl MatrixFile {
     ///
     /// # Panics
     /// If rows are missing.
-    pub fn finish(mut self) -> Result<(), IoError> {
+    pub fn finish(self) -> Result<(), IoError> {
+        self.finish_while(|| true).map(drop)
+    }
+
+    /// The same, which takes a while for a matrix that is made symmetric. As soon as `go_on` says no,
+    /// the matrix is given back, with all its rows: to be paused or discarded.
+    ///
+    /// # Errors
+    /// As [`Self::finish`].
+    ///
+    /// # Panics
+    /// If rows are missing.
+    pub fn finish_while(mut self, go_on: impl Fn() -> bool) -> Result<Option<Self>, IoError> {
         assert_eq!(self.rows, self.layout.rows, "all rows are there");
         self.save()?;
         if self.layout.symmetric {
             let (output, layout) = (self.output.clone(), self.layout);
-            let file = &mut self.file;
-            output.stage(|writer| write_means(file, layout, writer))?.commit()?;
+            let interrupted = Cell::new(false);
+            let go_on = || {
+                interrupted.set(!go_on());
+                !interrupted.get()
+            };
+            let staged = output.stage(|writer| write_means(&mut self.file, layout, writer, go_on));
+            if interrupted.get() {
+                return Ok(Some(self));
+            }
+            staged?.commit()?;
             self.discard();
-            return Ok(());
+            return Ok(None);
         }
         let error = |source: io::Error| IoError::write(self.output.path(), source);
         fs::rename(&self.part, self.output.target()).map_err(error)?;
         Checkpoint::remove(&self.part);
-        Ok(())
+        Ok(None)
     }
 
     fn save(&mut self) -> Result<(), IoError> {
@@ -222,7 +243,7 @@ impl MatrixFile {
     }
 
     /// Removes what is there; failing that, the user can.
-    fn discard(&self) {
+    pub fn discard(&self) {
         let _ = fs::remove_file(&self.part);
         Checkpoint::remove(&self.part);
     }
@@ -309,6 +330,23 @@ mod tests {
             let message = refused(overwrite(bytes));
             assert!(message.contains("remove it to begin anew"), "{message}");
         }
+    }
+
+    #[test]
+    fn a_matrix_is_given_back_where_it_is_not_to_be_finished() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("d.npy");
+        let layout = MatrixLayout { symmetric: true, ..LAYOUT };
+        let output = OutputFile::new(&path).unwrap();
+        let mut matrix = MatrixFile::begin(output, layout, Provenance::new()).unwrap();
+        matrix.append(&[0.0, 1.0, 2.0, 3.0, 0.0, 4.0, 6.0, 8.0, 0.0]).unwrap();
+        let matrix = matrix.finish_while(|| false).unwrap().unwrap();
+        let left = |folder: &Path| fs::read_dir(folder).unwrap().count();
+        assert_eq!(left(folder.path()), 2, "the matrix and its checkpoint");
+        matrix.finish().unwrap();
+        assert_eq!(left(folder.path()), 1);
+        let means = [0.0, 2.0, 4.0, 2.0, 0.0, 6.0, 4.0, 6.0, 0.0];
+        assert_eq!(read_matrix(&path).unwrap().distances, means);
     }
 
     #[test]

@@ -6,12 +6,16 @@ use super::MatrixLayout;
 
 /// Bytes of the rows that are held at a time.
 const BAND: usize = 16 << 20;
+/// Columns after which it is asked whether to go on.
+const BETWEEN_QUESTIONS: usize = 256;
 
-/// Writes a matrix whose numbers are the means of those of a whole one and its transpose.
+/// Writes a matrix whose numbers are the means of those of a whole one and its transpose; an error
+/// once `go_on` says no.
 pub(super) fn write_means(
     whole: &mut (impl Read + Seek),
     layout: MatrixLayout,
     writer: &mut impl Write,
+    go_on: impl Fn() -> bool,
 ) -> io::Result<()> {
     let source = layout.of_rows();
     let points = layout.rows;
@@ -26,6 +30,9 @@ pub(super) fn write_means(
         whole.seek(SeekFrom::Start(source.bytes_of_rows(first)))?;
         read_floats(whole, rows)?;
         for other in 0..points {
+            if other % BETWEEN_QUESTIONS == 0 && !go_on() {
+                return Err(io::Error::other("interrupted"));
+            }
             let column = &mut column[..band];
             let start = source.bytes_of_rows(other) + (first * size_of::<f32>()) as u64;
             whole.seek(SeekFrom::Start(start))?;

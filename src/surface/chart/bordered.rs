@@ -1,10 +1,12 @@
 //! Arrays with a border: a missing point before and after each row and column of the grid, so that
 //! no neighbour needs a test of bounds.
 
+use std::ops::Range;
+
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::{Chart, Direction};
+use super::{Block, Chart, Direction};
 
 impl Chart {
     /// Distance between rows of a bordered array.
@@ -24,12 +26,19 @@ impl Chart {
 
     /// Row and column of a grid point, given its index in a bordered array.
     pub(crate) const fn bordered_position(self, point: usize) -> (usize, usize) {
-        (point / self.stride() - 1, point % self.stride() - 1)
+        let (row, col) = self.entry(point);
+        (row - 1, col - 1)
+    }
+
+    /// Row and column of a point of a bordered array, counted from the border's, which it may be one of.
+    #[inline(always)]
+    pub(crate) const fn entry(self, point: usize) -> (usize, usize) {
+        (point / self.stride(), point % self.stride())
     }
 
     /// Row and column of a point of a bordered array, which may be one of the border.
     pub(crate) fn bordered_place(self, point: usize) -> DVec2 {
-        let (row, col) = (point / self.stride(), point % self.stride());
+        let (row, col) = self.entry(point);
         DVec2::new(row as f64 - 1.0, col as f64 - 1.0)
     }
 
@@ -79,9 +88,30 @@ impl Chart {
         self.bordered_rows_mut(array).map(move |row| &mut row[1..=self.cols])
     }
 
+    /// The same rows, so many at a time.
+    pub(crate) fn bands_mut<T: Send>(
+        self,
+        array: &mut [T],
+        rows: usize,
+    ) -> impl IndexedParallelIterator<Item = &mut [T]> {
+        let stride = self.stride();
+        array[stride..][..self.rows * stride].par_chunks_mut(rows * stride)
+    }
+
+    /// Where some columns of a row lie in a band, whose rows are counted from its first.
+    pub(crate) const fn in_band(self, row: usize, cols: &Range<usize>) -> Range<usize> {
+        let first = row * self.stride() + 1;
+        first + cols.start..first + cols.end
+    }
+
     /// A row of the grid in a bordered array.
     pub(crate) fn row_of<T>(self, array: &[T], row: usize) -> &[T] {
         &array[self.bordered(row, 0)..][..self.cols]
+    }
+
+    /// A row of the grid in a bordered array.
+    pub(crate) fn row_of_mut<T>(self, array: &mut [T], row: usize) -> &mut [T] {
+        &mut array[self.bordered(row, 0)..][..self.cols]
     }
 
     /// A row of the grid in a bordered array, with the rows before and after it, each with a point more
@@ -99,11 +129,30 @@ impl Chart {
         array[last..].fill(value);
     }
 
+    /// The points of a block and its halo, which are those around it, in a bordered array; they may be of
+    /// the border.
+    #[cfg(any(test, feature = "twins"))]
+    pub(crate) fn with_halo(self, block: &Block) -> impl Iterator<Item = usize> + use<> {
+        let Block { rows, cols } = block.clone();
+        let lines = rows.start..rows.end + 2;
+        lines.flat_map(move |line| {
+            (cols.start..cols.end + 2).map(move |at| line * self.stride() + at)
+        })
+    }
+
+    /// Whether a point of a bordered array lies in a block or its halo.
+    #[cfg(any(test, feature = "twins"))]
+    pub(crate) fn is_near(self, block: &Block, point: usize) -> bool {
+        let (row, col) = self.entry(point);
+        let near = |lines: &Range<usize>, at: usize| (lines.start..lines.end + 2).contains(&at);
+        near(&block.rows, row) && near(&block.cols, col)
+    }
+
     /// A row-major array as a bordered one.
     pub(crate) fn with_border<T: Copy>(self, values: &[T], border: T) -> Vec<T> {
         let mut bordered = vec![border; self.bordered_points()];
         for (row, values) in values.chunks_exact(self.cols).enumerate() {
-            bordered[self.bordered(row, 0)..][..self.cols].copy_from_slice(values);
+            self.row_of_mut(&mut bordered, row).copy_from_slice(values);
         }
         bordered
     }
@@ -149,6 +198,38 @@ mod tests {
         CHART.bordered_rows_mut(&mut array).for_each(|row| row.fill(8));
         CHART.fill_border_rows(&mut array, 8);
         assert!(array.iter().all(|&value| value == 8));
+    }
+
+    #[test]
+    fn bands_are_rows_of_the_grid() {
+        let (mut array, cols) = (vec![0; CHART.bordered_points()], 1..4);
+        CHART.bands_mut(&mut array, 3).enumerate().for_each(|(band, points)| {
+            for row in 3 * band..CHART.rows.min(3 * band + 3) {
+                points[CHART.in_band(row - 3 * band, &cols)].fill(row + 1);
+            }
+        });
+        for (row, col) in CHART.places() {
+            let expected = if cols.contains(&col) { row + 1 } else { 0 };
+            assert_eq!(array[CHART.bordered(row, col)], expected);
+        }
+        assert_eq!(array.iter().filter(|&&value| value > 0).count(), 12);
+    }
+
+    #[test]
+    fn halos_are_all_neighbours_of_a_block() {
+        for block in [CHART.around((0, 3), 1), CHART.around((2, 2), 0), CHART.around((3, 4), 9)] {
+            let mut expected: Vec<usize> = block
+                .places()
+                .map(|(row, col)| CHART.bordered(row, col))
+                .flat_map(|here| Direction::ALL.map(|to| CHART.beside(here, to)))
+                .chain(block.places().map(|(row, col)| CHART.bordered(row, col)))
+                .collect();
+            expected.sort_unstable();
+            expected.dedup();
+            assert!(CHART.with_halo(&block).eq(expected.iter().copied()));
+            let near = (0..CHART.bordered_points()).filter(|&point| CHART.is_near(&block, point));
+            assert!(near.eq(expected));
+        }
     }
 
     #[test]

@@ -2,8 +2,8 @@
 //!
 //! North is towards smaller rows and east towards larger columns, as in a picture. Everything that
 //! depends on the grid's shape is in this folder: where a point's neighbours are, and where none is
-//! ([`Chart::at`]), how far a line goes ([`Chart::walk`]), which cells, edges and triangles there are,
-//! and how arrays with a border are laid out. Whoever asks for a neighbour compares with no number of
+//! ([`Chart::at`]), how far a line goes ([`Chart::walk`]), which lines, tiles, cells, edges and triangles
+//! there are, and how arrays with a border are laid out. Whoever asks for a neighbour compares with no number of
 //! rows or columns, so that a chart glued along its borders is a change of this folder.
 
 mod block;
@@ -11,6 +11,8 @@ mod bordered;
 mod cells;
 mod direction;
 mod edge_slot;
+mod lines;
+mod tiling;
 mod triangles;
 
 pub(crate) use block::Block;
@@ -18,6 +20,8 @@ pub(crate) use cells::{Cell, bilinear, corner_weights, grid_crossings};
 pub use direction::Direction;
 pub(crate) use direction::ring;
 pub(crate) use edge_slot::{EdgeSlot, STORED};
+pub(crate) use lines::Lines;
+pub(crate) use tiling::Tiling;
 pub(crate) use triangles::{Edge, triangles};
 
 use std::ops::Range;

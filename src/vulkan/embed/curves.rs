@@ -7,7 +7,7 @@ use gpu_allocator::vulkan::Allocator;
 
 use super::access::Access;
 use super::host_sets::{self, Content, HostSet, Part};
-use super::inputs::{PointKind, PointMemory, Points};
+use super::inputs::{PointMemory, Points};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
 use super::surface::Surface;
@@ -300,7 +300,7 @@ impl Curves {
             return Err(VulkanError::OtherSurface);
         }
         let (_, Points { kind, .. }) = recording.points(points)?;
-        if kind == PointKind::Metric {
+        if !kind.has_positions() {
             let reason = "a metric has no positions to lift them to".into();
             return Err(VulkanError::Curves { what: "contours or paths", reason });
         }
@@ -312,10 +312,7 @@ impl Curves {
         let Recording { recorder, surface, .. } = recording;
         let (set, pipeline) = self.lifting[points];
         let Points { memory, kind, .. } = surface.points[points];
-        let spacing = match kind {
-            PointKind::Positions | PointKind::Metric => [0.0; 2],
-            PointKind::Heights(spacing) => [spacing.dx as f32, spacing.dy as f32],
-        };
+        let spacing = kind.spacing().map_or([0.0; 2], |of| [of.dx as f32, of.dy as f32]);
         let CurveLayout { curves, capacity, .. } = self.layout;
         let lift = Lift {
             grid: grid_size(surface.grid.chart),

@@ -3,7 +3,8 @@
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
 
-use crate::surface::{Chart, Seed, SourceError, Spacing};
+use crate::surface::{Chart, Seed, SourceError};
+use crate::vulkan::point_kind::PointKind;
 
 /// The points of a surface in memory of the host's on the device.
 ///
@@ -52,19 +53,6 @@ impl PointMemory {
     }
 }
 
-/// What the floats of a point are.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PointKind {
-    /// Three coordinates.
-    Positions,
-    /// A height over a rectangular grid.
-    Heights(Spacing),
-    /// The metric alone, in index coordinates: the entries rr, rc and cc of
-    /// [`crate::MetricTensor`], in square units. Where it is not positive definite, lengths are
-    /// wrong.
-    Metric,
-}
-
 impl Points {
     /// Positions in a buffer, three floats each, so many bytes apart.
     pub fn positions(buffer: vk::Buffer, stride: u64) -> Self {
@@ -74,11 +62,7 @@ impl Points {
 
     /// Floats of a point, as far as they are looked at.
     pub(super) fn floats(&self) -> u64 {
-        let size = match self.kind {
-            PointKind::Positions | PointKind::Metric => 3,
-            PointKind::Heights(_) => 1,
-        };
-        size.max(self.slowness.map_or(0, |index| u64::from(index) + 1))
+        u64::from(self.kind.floats()).max(self.slowness.map_or(0, |index| u64::from(index) + 1))
     }
 }
 

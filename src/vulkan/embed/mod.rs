@@ -66,10 +66,11 @@ mod regions;
 mod solver;
 mod surface;
 
+pub use super::point_kind::PointKind;
 pub use access::{Access, Reader};
 pub use contours::{ContourFrame, Contours, LevelInput};
 pub use curves::{CurveBuffer, CurveRecord, CurveStatus, CurveVertex};
-pub use inputs::{Lookup, PointKind, PointMemory, PointSource, Points, SourceBuffer, SourceInput};
+pub use inputs::{Lookup, PointMemory, PointSource, Points, SourceBuffer, SourceInput};
 pub use paths::{PathFrame, Paths, PathsInfo, StartInput};
 pub use plan::Plan;
 pub use recording::{Frame, Recording};

@@ -4,21 +4,21 @@ use ash::vk;
 
 use super::access::{Access, Reader};
 use super::host_sets::HostSet;
-use super::inputs::{PointKind, PointMemory, PointSource, SourceInput};
+use super::inputs::{PointMemory, PointSource, SourceInput};
 use super::plan::Plan;
 use super::solver::Solver;
 use super::surface::{ResultImage, Surface};
 use crate::constants::{SOURCES_TOGETHER, SURROUNDINGS_TEXELS, WORKGROUP};
-use crate::surface::{Chart, EdgeRule, Spacing};
+use crate::surface::{Chart, EdgeRule};
 use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
 use crate::vulkan::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands, frame_bytes, rows_around};
 use crate::vulkan::passes::{
-    LOOKUP, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, Pass, RESULT, SOURCES, SURROUNDINGS,
+    CommonPass, LOOKUP, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, RESULT, SOURCES, SURROUNDINGS,
 };
 use crate::vulkan::profile::{Grain, PassKind, PassRecord, Profile, Work};
-use crate::vulkan::record::{Commands, EdgeSource, Recorder, dispatched};
+use crate::vulkan::record::{Commands, Recorder, dispatched};
 use crate::vulkan::shaders::{lookup, points_from_buffer, result, sources, surroundings};
 use crate::vulkan::upload::SEED_BYTES;
 
@@ -155,20 +155,16 @@ impl<'a> Recording<'a> {
         let (set, info) = self.points(points)?;
         let Self { recorder, surface, solver } = self;
         let chart = surface.grid.chart;
-        let (source, spacing, heights) = match info.kind {
-            PointKind::Positions => (EdgeSource::Positions, Spacing::square(1.0), 0),
-            PointKind::Heights(spacing) => (EdgeSource::Heights, spacing, 1),
-            PointKind::Metric => (EdgeSource::Metric, Spacing::square(1.0), 0),
-        };
-        // A metric has no other edges than straight ones.
-        let rule = if info.kind == PointKind::Metric { EdgeRule::Chord } else { surface.edge_rule };
+        let kind = info.kind;
+        // Without positions there are no other edges than straight ones.
+        let rule = if kind.has_positions() { surface.edge_rule } else { EdgeRule::Chord };
         for rows in bands(chart, POINT_BYTES, frame_bytes(chart)) {
             let around = rows_around(&rows, chart);
             let band = points_from_buffer::Push {
                 grid: grid_size(chart),
                 first_row: around.start as i32,
                 band_rows: around.len() as i32,
-                heights,
+                heights: kind.spacing().is_some().into(),
                 slowness: info.slowness.map_or(-1, |index| index as i32),
                 first_word: set.first_word,
                 stride: info.memory.stride_words(),
@@ -176,12 +172,12 @@ impl<'a> Recording<'a> {
             let pipeline = recorder.pipelines.of(points_pass(info.memory));
             let size = [chart.cols as u32, around.len() as u32];
             let slowness = u64::from(info.slowness.is_some());
-            let each = [4 * (source.components() + slowness), source.bytes()];
+            let each = [4 * (u64::from(kind.floats()) + slowness), kind.uploaded_bytes()];
             let pass = recorder.pass_of_each(PassKind::Points, size, each);
             recorder.host_pass(pipeline, set.set, &band, size);
             drop(pass);
             recorder.barrier(SHADER_WRITE, SHADER);
-            recorder.measure(source, spacing, rule == EdgeRule::Arc, rows);
+            recorder.measure(kind, rule == EdgeRule::Arc, rows);
         }
         if solver.is_curved() {
             recorder.bend(rule, false);
@@ -402,7 +398,7 @@ impl<'a> Recording<'a> {
     }
 }
 
-fn points_pass(memory: PointMemory) -> Pass<points_from_buffer::Push> {
+fn points_pass(memory: PointMemory) -> CommonPass<points_from_buffer::Push> {
     match memory {
         PointMemory::Buffer { .. } => POINTS_FROM_BUFFER,
         PointMemory::Image { .. } => POINTS_FROM_IMAGE,

@@ -6,7 +6,7 @@ use super::plan::Plan;
 use crate::surface::Chart;
 use crate::update::{Setting, Wavefront};
 use crate::vulkan::limits::Limits;
-use crate::vulkan::passes::*;
+use crate::vulkan::passes::{COMMON, SURROUNDINGS};
 use crate::vulkan::pipelines::{Pipeline, Pipelines};
 use crate::vulkan::profile::{self, Labels};
 use crate::vulkan::shaders::surroundings;
@@ -91,7 +91,7 @@ impl Solver {
         let pipelines = Pipelines::new(device, tuning, labels, tools.executables)?;
         pipelines.set_cache(cache);
         let mut new = Self { pipelines, limits: Limits::of(instance, physical_device) };
-        let made = new.pipelines.make_all(device, &COMMON, Wavefront::Planar).and_then(|()| {
+        let made = new.pipelines.make_all(device, COMMON, Wavefront::Planar).and_then(|()| {
             let mut passes = passes.iter();
             passes
                 .try_for_each(|&(schedule, wavefront)| new.add_passes(device, schedule, wavefront))
@@ -212,24 +212,6 @@ impl Solver {
         self.pipelines.destroy(device);
     }
 }
-
-/// The passes of every surface.
-const COMMON: [usize; 14] = [
-    EDGES_FROM_POSITIONS.number(),
-    EDGES_FROM_HEIGHTS.number(),
-    EDGES_FROM_METRIC.number(),
-    FAN_CURVATURE.number(),
-    GAUSSIAN_CURVATURE.number(),
-    SEED.number(),
-    COUNT.number(),
-    SETTLE.number(),
-    UNPACK.number(),
-    POINTS_FROM_BUFFER.number(),
-    POINTS_FROM_IMAGE.number(),
-    SOURCES.number(),
-    RESULT.number(),
-    LOOKUP.number(),
-];
 
 /// Whether maps from between grid points take fewer iterations if the surroundings of sources are solved
 /// first.

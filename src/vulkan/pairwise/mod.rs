@@ -102,21 +102,14 @@ impl Solver {
             return Err(VulkanError::TooMuchMemory { rows, cols, device, needed, available });
         }
         let commands = CommandBuffer::new(context)?;
-        let mut passes = BatchPipelines::new(&context.device, &self.for_device.pipelines, &layout)?;
+        let passes = BatchPipelines::new(&context.device, &self.for_device.pipelines, &layout)?;
         let resources = Resources::new(
             &context.device,
             &mut context.allocator(),
             &self.for_device.pipelines,
             grid,
             &layout,
-        );
-        let resources = match resources {
-            Ok(resources) => resources,
-            Err(error) => {
-                passes.destroy(&context.device);
-                return Err(error);
-            }
-        };
+        )?;
         let new = PairwiseOnDevice {
             context: Arc::clone(context),
             edges: grid.edges.image,
@@ -262,7 +255,7 @@ impl PairwiseOnDevice {
         let tuning = solver.for_device.pipelines.tuning;
         let texels = self.texels.inner();
         let groups = texels.map(|texels| texels.div_ceil(tuning.scan_texels()));
-        progress::start(sources, stop, groups, self.resources.write_staging());
+        progress::start(chart, sources, stop, groups, self.resources.write_staging());
 
         let schedule = self.schedule();
         let mut steps = steps::first(schedule, self.scans(tuning, Some(reached), stop.iterations));
@@ -341,7 +334,6 @@ const PASSES_AROUND: u32 = 4;
 impl Drop for PairwiseOnDevice {
     fn drop(&mut self) {
         let context = &self.context;
-        self.passes.destroy(&context.device);
         self.resources.destroy(&context.device, &mut context.allocator());
     }
 }

@@ -1,101 +1,151 @@
-//! The pipelines over the maps of one surface, specialized for its size.
+//! The pipelines over the maps of a batch.
 
-use ash::vk;
-use bytemuck::Pod;
-
-use super::layout::BatchLayout;
+use super::layout::{BatchLayout, Workgroup};
 use crate::vulkan::VulkanError;
 use crate::vulkan::passes::{
-    BatchSizes, PAIRWISE_COUNT, PAIRWISE_FANS, PAIRWISE_SCANS, PAIRWISE_SHARED, PAIRWISE_START,
-    Pass,
+    MapSize, PAIRWISE_COUNT, PAIRWISE_FANS, PAIRWISE_SCANS, PAIRWISE_SHARED, PAIRWISE_START,
 };
-use crate::vulkan::pipelines::{Pipeline, Pipelines};
+use crate::vulkan::pipelines::{InUse, Pipeline, Pipelines};
 use crate::vulkan::shaders::{
     pairwise_count, pairwise_fans, pairwise_scan, pairwise_shared, pairwise_start,
 };
 
-/// The pipelines of a batch; which there are depends on where its maps lie.
-#[derive(Debug, Default)]
-pub(super) struct BatchPipelines {
-    /// Puts the surface's fans into order, and runs maps in shared memory.
-    pub(super) in_shared_memory:
-        Option<(Pipeline<pairwise_fans::Push>, Pipeline<pairwise_shared::Push>)>,
-    /// The four scans of maps in images.
-    pub(super) scans: Vec<Pipeline<pairwise_scan::Push>>,
-    pub(super) start: Option<Pipeline<pairwise_start::Push>>,
-    pub(super) count: Option<Pipeline<pairwise_count::Push>>,
-    made: Vec<vk::Pipeline>,
+/// The device's pipelines for a batch, by where its maps lie.
+#[derive(Debug)]
+pub(super) enum BatchPipelines {
+    SharedMemory {
+        /// Puts the surface's fans into order.
+        fans: Pipeline<pairwise_fans::Push>,
+        maps: Pipeline<pairwise_shared::Push>,
+        /// Of the latter, which depends on the size of maps.
+        _in_use: InUse,
+    },
+    Images {
+        start: Pipeline<pairwise_start::Push>,
+        /// In the order of an iteration.
+        scans: [Pipeline<pairwise_scan::Push>; 4],
+        count: Pipeline<pairwise_count::Push>,
+    },
 }
 
 impl BatchPipelines {
-    /// Creates them. [`BatchPipelines::destroy`] must be called before the device is destroyed.
+    /// Makes those that are not there.
     pub(super) fn new(
         device: &ash::Device,
         pipelines: &Pipelines,
         layout: &BatchLayout,
     ) -> Result<Self, VulkanError> {
-        let mut new = Self::default();
-        match new.create(device, pipelines, layout) {
-            Ok(()) => Ok(new),
-            Err(error) => {
-                new.destroy(device);
-                Err(error)
-            }
+        let wavefront = layout.wavefront;
+        if let Some(workgroup) = layout.workgroup {
+            let Workgroup { pitch, invocations, iterations } = workgroup;
+            let [rows, cols] = [layout.chart.rows, layout.chart.cols].map(|points| points as u32);
+            let size = MapSize { rows, cols, pitch, invocations, iterations };
+            let fans = pipelines.make(device, PAIRWISE_FANS, wavefront)?;
+            let (maps, _in_use) = pipelines.make_sized(device, PAIRWISE_SHARED, wavefront, size)?;
+            return Ok(Self::SharedMemory { fans, maps, _in_use });
         }
-    }
-
-    fn create(
-        &mut self,
-        device: &ash::Device,
-        pipelines: &Pipelines,
-        layout: &BatchLayout,
-    ) -> Result<(), VulkanError> {
-        let sizes = sizes(layout);
-        if layout.workgroup.is_some() {
-            let fans = self.make(device, pipelines, PAIRWISE_FANS, (layout, sizes))?;
-            let shared = self.make(device, pipelines, PAIRWISE_SHARED, (layout, sizes))?;
-            self.in_shared_memory = Some((fans, shared));
-        } else {
-            for scan in PAIRWISE_SCANS {
-                let scan = self.make(device, pipelines, scan, (layout, sizes))?;
-                self.scans.push(scan);
-            }
-            self.start = Some(self.make(device, pipelines, PAIRWISE_START, (layout, sizes))?);
-            self.count = Some(self.make(device, pipelines, PAIRWISE_COUNT, (layout, sizes))?);
-        }
-        Ok(())
-    }
-
-    fn make<P: Pod>(
-        &mut self,
-        device: &ash::Device,
-        pipelines: &Pipelines,
-        pass: Pass<P>,
-        (layout, sizes): (&BatchLayout, BatchSizes),
-    ) -> Result<Pipeline<P>, VulkanError> {
-        let made = pipelines.make_for_batch(device, pass, layout.wavefront, sizes)?;
-        self.made.push(made.handle);
-        Ok(made)
-    }
-
-    /// Destroys them. No submitted work may still use them.
-    pub(super) fn destroy(&mut self, device: &ash::Device) {
-        for pipeline in self.made.drain(..) {
-            // SAFETY: the caller has made sure that nothing uses it.
-            unsafe { device.destroy_pipeline(pipeline, None) };
-        }
+        let [down, up, right, left] = PAIRWISE_SCANS;
+        let scan = |pass| pipelines.make(device, pass, wavefront);
+        Ok(Self::Images {
+            start: pipelines.make(device, PAIRWISE_START, wavefront)?,
+            scans: [scan(down)?, scan(up)?, scan(right)?, scan(left)?],
+            count: pipelines.make(device, PAIRWISE_COUNT, wavefront)?,
+        })
     }
 }
 
-fn sizes(layout: &BatchLayout) -> BatchSizes {
-    let (pitch, invocations, iterations) =
-        layout.workgroup.map_or((0, 0, 0), |of| (of.pitch, of.invocations, of.iterations));
-    BatchSizes {
-        maps: layout.maps,
-        rows: layout.chart.rows as u32,
-        cols: layout.chart.cols as u32,
-        pitch,
-        invocations,
-        iterations,
+#[cfg(test)]
+mod tests {
+    use std::ffi::{CStr, c_void};
+    use std::sync::OnceLock;
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    use ash::vk;
+
+    use crate::surface::{Spacing, Surface};
+    use crate::update::Wavefront;
+    use crate::vulkan::headless::Context;
+    use crate::vulkan::{DeviceChoice, PairwiseSchedule, Solver};
+
+    static REAL: OnceLock<vk::PFN_vkCreateComputePipelines> = OnceLock::new();
+    static MADE: AtomicU32 = AtomicU32::new(0);
+
+    /// Counts, and has the driver do it.
+    unsafe extern "system" fn create_and_count(
+        device: vk::Device,
+        cache: vk::PipelineCache,
+        count: u32,
+        infos: *const vk::ComputePipelineCreateInfo<'_>,
+        allocator: *const vk::AllocationCallbacks<'_>,
+        pipelines: *mut vk::Pipeline,
+    ) -> vk::Result {
+        MADE.fetch_add(count, Ordering::Relaxed);
+        let create = REAL.get().expect("it was set before");
+        // SAFETY: the arguments are the caller's.
+        unsafe { create(device, cache, count, infos, allocator, pipelines) }
+    }
+
+    /// A solver whose pipelines are counted.
+    fn counted() -> Solver {
+        let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
+        let mut context = Context::new(&device, true).unwrap();
+        REAL.get_or_init(|| context.device.fp_v1_0().create_compute_pipelines);
+        let get = context.instance.handle.fp_v1_0().get_device_proc_addr;
+        let handle = context.device.handle();
+        let load = |name: &CStr| {
+            if name == c"vkCreateComputePipelines" {
+                return create_and_count as *const c_void;
+            }
+            // SAFETY: the device is alive, and what is found is called as what its name says.
+            unsafe {
+                std::mem::transmute::<vk::PFN_vkVoidFunction, *const c_void>(get(
+                    handle,
+                    name.as_ptr(),
+                ))
+            }
+        };
+        // SAFETY: all functions are the device's, or do what these do.
+        context.device = unsafe { ash::Device::load_with(load, handle) };
+        Solver::with(context).unwrap()
+    }
+
+    /// A second matrix of a size makes none, and one of another size at most that for maps in shared memory. Of
+    /// these only so many are kept, but for those in use.
+    #[test]
+    fn matrices_share_the_pipelines_of_the_device() {
+        let solver = counted();
+        assert!(MADE.swap(0, Ordering::Relaxed) > 0, "those of every surface");
+        let flat = |rows: usize, cols: usize| {
+            Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
+        };
+        let made_for = |surface: &Surface, wavefront, schedule| {
+            let on_device = solver.upload(surface).unwrap();
+            drop(solver.pairwise(&on_device, wavefront, Some(schedule)).unwrap());
+            MADE.swap(0, Ordering::Relaxed)
+        };
+        for (schedule, first) in
+            [(PairwiseSchedule::SharedMemory, 2), (PairwiseSchedule::Images, 4 + 2)]
+        {
+            for wavefront in Wavefront::ALL {
+                assert_eq!(made_for(&flat(20, 30), wavefront, schedule), first, "{schedule}");
+                assert_eq!(made_for(&flat(20, 30), wavefront, schedule), 0, "{schedule}");
+            }
+            let of_another_size = made_for(&flat(29, 17), Wavefront::Curved, schedule);
+            let is_sized = schedule == PairwiseSchedule::SharedMemory;
+            assert_eq!(of_another_size, u32::from(is_sized), "{schedule}");
+        }
+        let shared = PairwiseSchedule::SharedMemory;
+        let kept = flat(3, 3);
+        let on_device = solver.upload(&kept).unwrap();
+        let in_use = solver.pairwise(&on_device, Wavefront::Planar, Some(shared)).unwrap();
+        MADE.store(0, Ordering::Relaxed);
+        for cols in 4..30 {
+            assert!(made_for(&flat(3, cols), Wavefront::Planar, shared) > 0, "{cols}");
+        }
+        assert_eq!(made_for(&kept, Wavefront::Planar, shared), 0, "it is in use");
+        assert_eq!(made_for(&flat(3, 29), Wavefront::Planar, shared), 0, "it is the last");
+        assert_eq!(made_for(&flat(3, 4), Wavefront::Planar, shared), 1, "it is gone");
+        drop(in_use);
+        solver.context.check_validation().unwrap();
     }
 }

@@ -4,7 +4,7 @@ use std::mem::offset_of;
 
 use bytemuck::{Zeroable, bytes_of};
 
-use crate::surface::relative_change;
+use crate::surface::{Chart, relative_change};
 use crate::vulkan::shaders::pairwise_count::{Map, Progress};
 use crate::{Convergence, Stop};
 
@@ -21,9 +21,15 @@ pub(super) const fn bytes(maps: u32) -> u64 {
     (size_of::<Progress>() + maps as usize * size_of::<Map>()) as u64
 }
 
-/// Writes the progress before the first iteration; a row and a column of texels take so many groups.
+/// Writes the progress before the first iteration; sources are points of the chart, and a row and a column of texels take so many groups.
 /// A map without source is done.
-pub(super) fn start(sources: &[Option<usize>], stop: Stop, [row, col]: [u32; 2], into: &mut [u8]) {
+pub(super) fn start(
+    chart: Chart,
+    sources: &[Option<usize>],
+    stop: Stop,
+    [row, col]: [u32; 2],
+    into: &mut [u8],
+) {
     let maps = sources.len() as u32;
     let batch = Progress {
         pending: sources.iter().flatten().count() as u32,
@@ -36,7 +42,11 @@ pub(super) fn start(sources: &[Option<usize>], stop: Stop, [row, col]: [u32; 2],
     first.copy_from_slice(bytes_of(&batch));
     for (bytes, source) in rest.chunks_exact_mut(size_of::<Map>()).zip(sources) {
         let map = match source {
-            Some(point) => Map { source: *point as u32, renews: 1, ..Map::zeroed() },
+            Some(point) => {
+                let (row, col) = chart.position(*point);
+                let [source_col, source_row] = [col, row].map(|place| place as i32);
+                Map { source_col, source_row, renews: 1, ..Map::zeroed() }
+            }
             None => Map { done: 1, ..Map::zeroed() },
         };
         bytes.copy_from_slice(bytes_of(&map));

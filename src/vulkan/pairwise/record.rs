@@ -6,7 +6,7 @@ use ash::vk;
 use bytemuck::Pod;
 
 use super::layout::{BatchLayout, fan_numbers, numbers};
-use super::pipelines::BatchPipelines;
+use super::pipelines::BatchPipelines::{self, Images, SharedMemory};
 use super::progress::{self, offset};
 use super::resources::Resources;
 use super::steps::Step;
@@ -20,7 +20,9 @@ use crate::vulkan::plan::{self, Scan, ScanPass};
 use crate::vulkan::profile::{PassKind, PassRecord, Presence, Scope, StepCounter, Work};
 use crate::vulkan::record::{Commands, Groups};
 use crate::vulkan::schedules::{account, block_of};
-use crate::vulkan::shaders::{pairwise_count, pairwise_fans, pairwise_start, unpack};
+use crate::vulkan::shaders::{
+    pairwise_count, pairwise_fans, pairwise_scan, pairwise_start, unpack,
+};
 
 /// Records for one batch.
 #[derive(Clone, Copy)]
@@ -42,8 +44,6 @@ impl<'a> Deref for BatchRecorder<'a> {
     }
 }
 
-const MADE: &str = "the pipelines of the batch's steps are made with it";
-
 impl BatchRecorder<'_> {
     /// Once, before the first batch: brings images into their layout, or puts the surface's fans into
     /// the order of the scans.
@@ -52,7 +52,7 @@ impl BatchRecorder<'_> {
         for image in &self.resources.fronts {
             self.image_barrier(image.image, NOTHING, SHADER, layouts);
         }
-        let Some((fans, _)) = self.passes.in_shared_memory else { return };
+        let &SharedMemory { fans, .. } = self.passes else { return };
         self.bind(fans, &self.sets(0));
         let [cols, rows] = self.grid();
         for scan in 0..Scan::ALL.len() as u32 {
@@ -89,27 +89,30 @@ impl BatchRecorder<'_> {
             Scope::go_on(&mut open, self.watch(), || {
                 (self.record_of(step, &mut counter), Presence::Always)
             });
-            match step {
-                Step::Begin => {
+            match (step, self.passes) {
+                (Step::Begin, _) => {
                     self.copy_progress(self.resources.staging(), self.resources.progress())
                 }
-                Step::Start => {
+                (Step::Start, Images { start, .. }) => {
                     let push = pairwise_start::Push { grid: self.signed_grid() };
-                    self.run(self.passes.start.expect(MADE), &push, self.start_groups());
+                    self.run(*start, &push, self.start_groups());
                 }
-                Step::Workgroups => {
-                    let (_, shared) = self.passes.in_shared_memory.expect(MADE);
-                    self.run(shared, &[], [self.maps, 1, 1]);
+                (Step::Workgroups, SharedMemory { maps, .. }) => {
+                    self.run(*maps, &[], [self.maps, 1, 1]);
                 }
-                Step::Raster(plan::Step::Scan(pass)) => self.scan(pass),
-                Step::Raster(plan::Step::Count) => {
+                (Step::Raster(plan::Step::Scan(pass)), Images { scans, .. }) => {
+                    self.scan(scans[pass.scan as usize], pass);
+                }
+                (Step::Raster(plan::Step::Count), Images { count, .. }) => {
                     let push = pairwise_count::Push { count: self.maps };
-                    self.run(self.passes.count.expect(MADE), &push, self.count_groups());
+                    self.run(*count, &push, self.count_groups());
                 }
-                Step::Raster(other) => unreachable!("{other:?} is of another schedule"),
-                Step::Unpack => self.unpack(),
-                Step::Report => {
+                (Step::Unpack, _) => self.unpack(),
+                (Step::Report, _) => {
                     self.copy_progress(self.resources.progress(), self.resources.outcome())
+                }
+                (Step::Start | Step::Workgroups | Step::Raster(_), _) => {
+                    unreachable!("{step:?} is of another schedule")
                 }
             }
             let (before, after) = step.ends();
@@ -170,8 +173,7 @@ impl BatchRecorder<'_> {
         [cols.div_ceil(2).div_ceil(WORKGROUP), rows.div_ceil(2), self.maps]
     }
 
-    fn scan(&self, pass: &ScanPass) {
-        let scan = self.passes.scans[pass.scan as usize];
+    fn scan(&self, scan: Pipeline<pairwise_scan::Push>, pass: &ScanPass) {
         let tuning = self.pipelines.tuning;
         let block = block_of(pass, self.texels, tuning.scan_lines);
         let groups = if pass.always {
@@ -191,7 +193,8 @@ impl BatchRecorder<'_> {
         let unpack = self.pipelines.of(UNPACK);
         // The set that writes image 1 reads image 0.
         self.bind(unpack, &self.sets(1));
-        let band = unpack::Push { grid, first_row: 0, band_rows: grid[1] };
+        let layers = numbers(self.layout.wavefront) as i32;
+        let band = unpack::Push { grid, first_row: 0, band_rows: grid[1], layers };
         self.dispatch(unpack, &band, Groups::These(self.unpack_groups()));
     }
 

@@ -120,6 +120,44 @@ impl PassKind {
     }
 }
 
+/// Where in a map a pass belongs.
+enum Part {
+    /// Before its steps.
+    Start,
+    /// Within an iteration, which ends with a count.
+    Iteration,
+    /// Rounds of tiles, each a record of its own, and what settles them.
+    Rounds,
+    /// Between portions of steps.
+    Notes,
+    /// Before or after a map, or of many maps at once; or it stands for several passes.
+    Outside,
+}
+
+impl PassKind {
+    /// Whether it is one of the steps that iterate a map.
+    pub fn is_step(self) -> bool {
+        match self.part() {
+            Part::Iteration | Part::Rounds => true,
+            Part::Start | Part::Notes | Part::Outside => false,
+        }
+    }
+
+    fn part(self) -> Part {
+        use PassKind::*;
+        match self {
+            Forget | Start | Resume | Sources | Surroundings | Seed => Part::Start,
+            Scan(_) | AllPoints | Count => Part::Iteration,
+            Tiles | Settle => Part::Rounds,
+            Decisions => Part::Notes,
+            Prepare | Points | Edges | Curvature | Iteration | Portion | Fans | Workgroups
+            | Outcome | Distances | Unpack | Lookup | Contours | Paths | Lift | Regions => {
+                Part::Outside
+            }
+        }
+    }
+}
+
 /// What a record stands for: the coarser, the fewer timestamps. They take time of their own:
 /// [`crate::vulkan::Ceilings::timestamp`], 15 to 25 microseconds each on lavapipe;
 /// `docs/profiling.md` says what that adds to maps.
@@ -161,12 +199,14 @@ impl Grain {
 
     /// What the record of a pass of some kind is of.
     pub(crate) fn kind(self, pass: PassKind) -> PassKind {
-        use PassKind::*;
-        match (self, pass) {
-            (Self::Iterations, Scan(_) | AllPoints | Count) => Iteration,
-            (Self::Portions, Forget | Start | Resume | Sources | Surroundings | Seed) => Portion,
-            (Self::Portions, Scan(_) | AllPoints | Count | Tiles | Settle | Decisions) => Portion,
-            _ => pass,
+        match (self, pass.part()) {
+            (Self::Blocks | Self::Scans, _)
+            | (Self::Iterations | Self::Portions, Part::Outside) => pass,
+            (Self::Iterations, Part::Iteration) => PassKind::Iteration,
+            (Self::Iterations, Part::Start | Part::Rounds | Part::Notes) => pass,
+            (Self::Portions, Part::Start | Part::Iteration | Part::Rounds | Part::Notes) => {
+                PassKind::Portion
+            }
         }
     }
 

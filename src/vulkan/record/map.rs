@@ -81,6 +81,7 @@ impl Recorder<'_> {
             grid: [chart.cols as i32, chart.rows as i32],
             first_row: rows.start as i32,
             band_rows: rows.len() as i32,
+            layers: LAYERS as i32,
         };
         // The set that writes image 1 reads image 0.
         self.run(self.pipelines.of(UNPACK), 1, &band, size);

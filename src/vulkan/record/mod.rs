@@ -8,4 +8,3 @@ mod surface;
 
 pub(crate) use commands::{Commands, Groups};
 pub(crate) use recorder::{Recorder, dispatched};
-pub(crate) use surface::EdgeSource;

@@ -5,38 +5,15 @@ use std::ops::Range;
 use ash::vk;
 
 use super::recorder::{Recorder, dispatched};
-use crate::constants::{BORDER, FAR, LAYERS};
+use crate::constants::{FAR, LAYERS};
 use crate::surface::{EdgeRule, Spacing};
+use crate::vulkan::TexelChart;
 use crate::vulkan::barrier::{CLEAR, NOTHING, SHADER, SHADER_WRITE};
 use crate::vulkan::grid_images::rows_around;
-use crate::vulkan::passes::{
-    EDGES_FROM_HEIGHTS, EDGES_FROM_METRIC, EDGES_FROM_POSITIONS, FAN_CURVATURE, GAUSSIAN_CURVATURE,
-};
+use crate::vulkan::passes::{FAN_CURVATURE, GAUSSIAN_CURVATURE};
+use crate::vulkan::point_kind::PointKind;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::shaders::{edges_from_heights, fan_curvature, gaussian_curvature};
-
-/// What edges are measured from.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum EdgeSource {
-    Positions,
-    Heights,
-    Metric,
-}
-
-impl EdgeSource {
-    /// Numbers of a point, without its slowness.
-    pub(crate) fn components(self) -> u64 {
-        match self {
-            Self::Positions | Self::Metric => 3,
-            Self::Heights => 1,
-        }
-    }
-
-    /// Bytes of a point in the upload buffer, which holds its slowness too.
-    pub(crate) fn bytes(self) -> u64 {
-        4 * (self.components() + 1)
-    }
-}
 
 impl Recorder<'_> {
     /// Brings new images into their layout, with no edge and no point reached.
@@ -57,26 +34,16 @@ impl Recorder<'_> {
 
     /// Measures the edges of a band of rows; the points of [`rows_around`] it are in the upload
     /// buffer.
-    pub(crate) fn measure(
-        &self,
-        source: EdgeSource,
-        spacing: Spacing,
-        arcs: bool,
-        rows: Range<usize>,
-    ) {
+    pub(crate) fn measure(&self, kind: PointKind, arcs: bool, rows: Range<usize>) {
         let chart = self.grid.chart;
         let size = [chart.cols as u32, rows.len() as u32];
         let around = rows_around(&rows, chart);
         // Four lengths of each point.
-        let [read, written] = [source.bytes() * around.len() as u64, 16 * rows.len() as u64]
+        let [read, written] = [kind.uploaded_bytes() * around.len() as u64, 16 * rows.len() as u64]
             .map(|bytes| bytes * chart.cols as u64);
         let work = Work::of_bytes(read, written);
         let _pass = self.pass_with(PassRecord { work, ..dispatched(PassKind::Edges, size) });
-        let pipeline = self.pipelines.of(match source {
-            EdgeSource::Positions => EDGES_FROM_POSITIONS,
-            EdgeSource::Heights => EDGES_FROM_HEIGHTS,
-            EdgeSource::Metric => EDGES_FROM_METRIC,
-        });
+        let spacing = kind.spacing().unwrap_or(Spacing::square(1.0));
         let band = edges_from_heights::Push {
             grid: [chart.cols as i32, chart.rows as i32],
             first_row: rows.start as i32,
@@ -86,7 +53,7 @@ impl Recorder<'_> {
             dy: spacing.dy as f32,
             arcs: arcs.into(),
         };
-        self.run(pipeline, 0, &band, size);
+        self.run(self.pipelines.of(kind.edges()), 0, &band, size);
         self.barrier(SHADER_WRITE, SHADER);
     }
 
@@ -100,7 +67,7 @@ impl Recorder<'_> {
         let bytes = 16 * u64::from(extent.width) * u64::from(extent.height);
         let _pass = self.pass_of_copy(PassKind::Edges, bytes);
         self.barrier(SHADER, CLEAR);
-        let border = 2 * BORDER as i32;
+        let border = TexelChart::POINTS_BEFORE as i32;
         let offset = vk::Offset3D { x: border, y: border + rows.start as i32, z: 0 };
         self.copy_to_image(self.grid.upload.buffer, self.grid.edges.image, (offset, extent));
         self.barrier(CLEAR, SHADER);

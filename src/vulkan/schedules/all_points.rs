@@ -28,6 +28,10 @@ impl Order for AllPoints {
         NOTHING_FOLLOWS
     }
 
+    fn has_rounds(&self) -> bool {
+        false
+    }
+
     fn plan(&self, _: TexelChart, _: Portions, _: Option<Reached>, most: u32) -> Vec<Step> {
         let iteration = [Step::AllPoints { writes: 1 }, Step::AllPoints { writes: 0 }, Step::Count];
         (0..most.min(ITERATIONS)).flat_map(|_| iteration.clone()).collect()

@@ -69,8 +69,9 @@ impl Schedule {
         self.order().follows()
     }
 
-    /// See [`Order::has_rounds`].
-    pub(crate) fn has_rounds(self) -> bool {
+    /// Whether it goes by rounds over lists of tiles that the device makes, rather than by iterations over the
+    /// whole grid.
+    pub fn has_rounds(self) -> bool {
         self.order().has_rounds()
     }
 
@@ -141,7 +142,7 @@ impl Recorder<'_> {
             Scope::go_on(&mut open, self.watch(), || account(&mut counter, step));
             match order_of(step) {
                 Some(order) => order.record(&mut recording, step),
-                None => recording.dispatch(COUNT, 0, &[], Groups::line(1)),
+                None => recording.dispatch(COUNT.pass(), 0, &[], Groups::line(1)),
             }
             self.barrier(PASS, PASS);
         }
@@ -201,12 +202,16 @@ pub(super) fn account(counter: &mut StepCounter, step: &Step) -> (PassRecord, Pr
 /// How many records the steps make.
 pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
     // Iterations end with a count, so that no scan follows one of the same direction.
-    let merged = steps.windows(2).filter(|pair| match (grain, &pair[0], &pair[1]) {
-        // What happens in an iteration beyond convergence is only known later, so that a portion
-        // takes room for all of its iterations.
-        (Grain::Iterations | Grain::Portions, Step::Scan(_) | Step::AllPoints { .. }, _) => true,
-        (Grain::Scans, Step::Scan(before), Step::Scan(after)) => before.scan == after.scan,
-        _ => false,
+    let merged = steps.windows(2).filter(|pair| match &pair[0] {
+        Step::Scan(before) => match grain {
+            // What happens in an iteration beyond convergence is only known later, so that a portion
+            // takes room for all of its iterations.
+            Grain::Iterations | Grain::Portions => true,
+            Grain::Scans => matches!(&pair[1], Step::Scan(after) if before.scan == after.scan),
+            Grain::Blocks => false,
+        },
+        Step::AllPoints { .. } => matches!(grain, Grain::Iterations | Grain::Portions),
+        Step::Tiles { .. } | Step::Settle { .. } | Step::Count => false,
     });
     (steps.len() - merged.count()) as u32
 }

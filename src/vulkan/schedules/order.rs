@@ -30,9 +30,7 @@ pub(super) trait Order: Sync {
     ) -> Vec<Step>;
 
     /// Whether it goes by rounds over lists that the device makes. A recording holds one sequence of them.
-    fn has_rounds(&self) -> bool {
-        false
-    }
+    fn has_rounds(&self) -> bool;
 
     /// Whether maps from between grid points take fewer iterations if the surroundings of sources are
     /// solved first.

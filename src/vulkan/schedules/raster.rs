@@ -30,6 +30,10 @@ impl Order for Raster {
         true
     }
 
+    fn has_rounds(&self) -> bool {
+        false
+    }
+
     fn plan(
         &self,
         texels: TexelChart,

@@ -76,7 +76,7 @@ impl Order for Tiles {
             Step::Settle { rounds: count } => {
                 let [cols, rows] = grid.texels.tiles(recorder.pipelines.tuning.tile);
                 let groups = Groups::line(cols * rows);
-                recording.dispatch(SETTLE, 0, &settle::Push { texels, count }, groups);
+                recording.dispatch(SETTLE.pass(), 0, &settle::Push { texels, count }, groups);
             }
             _ => {}
         }

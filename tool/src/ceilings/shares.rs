@@ -3,7 +3,7 @@
 //! Counted is what a point's update needs by itself, once: what is computed twice at the borders of
 //! workgroups, and what caches save, is not.
 
-use geosweep::vulkan::profile::{PassKind, PassRecord, SolveProfile, SubmissionRecord};
+use geosweep::vulkan::profile::{PassRecord, SolveProfile, SubmissionRecord};
 use geosweep::{Wavefront, cpu, vulkan};
 use serde::Serialize;
 
@@ -47,9 +47,7 @@ impl Work {
 
     /// Of a map on a device, as a profile of every dispatch tells.
     pub fn on_device(profile: &SolveProfile) -> Self {
-        use PassKind::{AllPoints, Count, Scan, Settle, Tiles};
-        let is_step =
-            |pass: &&PassRecord| matches!(pass.kind, Scan(_) | AllPoints | Tiles | Settle | Count);
+        let is_step = |pass: &&PassRecord| pass.kind.is_step();
         let steps: Vec<_> = profile.passes().filter(is_step).collect();
         let idle = steps.iter().filter(|pass| pass.is_idle()).count();
         let has_steps = |found: &&SubmissionRecord| found.passes.iter().any(|pass| is_step(&pass));
@@ -109,6 +107,7 @@ impl Shares {
 #[cfg(test)]
 mod tests {
     use geosweep::surface::Chart;
+    use geosweep::vulkan::profile::PassKind;
     use geosweep::vulkan::{Schedule, TexelChart, Tuning, planned};
 
     use super::*;

@@ -108,6 +108,7 @@ impl InPrecision for &Args {
         };
         self.comment(&scene.surface, &solved, &options);
         problem::comment_on_starts::<R>(&scene.surface, &sources);
+        problem::comment_on_size::<R>(&scene.surface);
         let quantity = scene.quantity(self.unit.as_deref().or(scene.unit));
         let written = outputs.write(&scene, &sources, &quantity, &solved)?;
         problem::done_with_map(&scene, &solved.map.report, &written);

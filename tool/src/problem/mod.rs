@@ -42,6 +42,7 @@ pub fn solve(
     let map = distance_map(&scene.surface, sources, options)?;
     comment(&map.report, options);
     comment_on_starts::<f32>(&scene.surface, sources);
+    comment_on_size::<f32>(&scene.surface);
     Ok(map)
 }
 
@@ -137,6 +138,20 @@ pub fn comment_on_starts<R: Real>(surface: &Surface, sources: &Sources) {
                 "distances beyond a start value of {largest} are rounded by up to {:.1e}, where \
                  neighbouring points are {edge:.1e} apart{advice}",
                 rounded(largest)
+            ),
+        );
+    }
+}
+
+/// Says where so many edges lie in a row that the rounding of their lengths adds up.
+pub fn comment_on_size<R: Real>(surface: &Surface) {
+    let most = surface.rows().max(surface.cols());
+    if most as f64 * R::epsilon().wide() > ROUNDING {
+        say(
+            "note",
+            format_args!(
+                "distances over {most} edges in a row can err by thousandths, since rounding adds up \
+                 in single precision; `geosweep distance --precision double` does without"
             ),
         );
     }

@@ -21,7 +21,7 @@ pub struct SolverArgs {
     device: Option<DeviceChoice>,
     /// The order of updates on a Vulkan device, the same map from each; any but auto implies
     /// --engine vulkan, and is for single maps
-    #[arg(long, default_value = "auto", value_parser = auto_or(BEST_SCHEDULE, &SCHEDULES))]
+    #[arg(long, default_value = "auto", value_parser = auto_or(BEST_SCHEDULE, &schedules()))]
     #[arg(help_heading = "Solver")]
     schedule: Choice<Schedule>,
     /// Stop after this many iterations: of four scans, of two updates of all points, or rounds of
@@ -73,11 +73,10 @@ const ENGINES: [(Engine, &str); 4] = [
 const GPU: (&str, &str) = ("gpu", "vulkan");
 
 const BEST_SCHEDULE: &str = "What is best on the device";
-const SCHEDULES: [(Schedule, &str); 3] = [
-    (Schedule::Raster, "Scans over rows and columns, as in the paper"),
-    (Schedule::AllPoints, "All points at once: for tiny grids, and for comparison"),
-    (Schedule::Tiles, "Tiles in the device's shared memory, where something has changed"),
-];
+
+fn schedules() -> [(Schedule, &'static str); Schedule::ALL.len()] {
+    Schedule::ALL.map(|schedule| (schedule, schedule.about()))
+}
 
 impl SolverArgs {
     pub fn options(&self) -> Result<Options, String> {

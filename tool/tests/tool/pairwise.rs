@@ -164,6 +164,28 @@ fn an_interrupted_matrix_is_resumed_to_the_same_bytes() {
     assert!(resumed == at_once);
 }
 
+/// A matrix in memory, of which nothing can be resumed: nothing is left.
+#[test]
+fn an_interrupted_matrix_from_symmetry_leaves_nothing() {
+    let bench = Workbench::new();
+    let line =
+        "pairwise builtin:peaks:80x80 --wavefront point --from-symmetry --symmetrize -o d.npy";
+    let mut command = Command::new(cargo_bin!("geosweep"));
+    command.current_dir(bench.outputs.path()).args(words(line)).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    // As soon as it has begun, which is after it has learned to be interrupted.
+    while !bench.output("d.npy.part").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended before it began");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let pid = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("interrupted"), "{}", stderr(&output));
+    assert_eq!(bench.outputs(), [""; 0]);
+}
+
 /// A matrix of 340 MB within 250 MB of address space, for everything.
 #[test]
 #[cfg(target_os = "linux")]

@@ -116,6 +116,10 @@ Examples:
 /// Whether the user has asked to stop.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
+fn is_interrupted() -> bool {
+    INTERRUPTED.load(Ordering::SeqCst)
+}
+
 /// Why rows stopped coming.
 #[derive(Debug, thiserror::Error)]
 enum Stopped {
@@ -158,6 +162,12 @@ pub fn run(args: &Args) -> Outcome {
     let disk_bytes = matrix.as_ref().map_or(0, |_| layout.bytes());
     say("note", needs(layout, memory_bytes, disk_bytes));
 
+    // A second interruption ends the program as it would have without this.
+    ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::SeqCst) {
+            std::process::exit(130);
+        }
+    })?;
     let begin = |output| {
         let made_from = args.provenance(surface, &sources)?;
         let file = if args.resume { MatrixFile::resume } else { MatrixFile::begin };
@@ -168,12 +178,6 @@ pub fn run(args: &Args) -> Outcome {
     if resumed_rows > 0 {
         say("note", format_args!("goes on after row {resumed_rows} of {}", layout.rows));
     }
-    // A second interruption ends the program as it would have without this.
-    ctrlc::set_handler(|| {
-        if INTERRUPTED.swap(true, Ordering::SeqCst) {
-            std::process::exit(130);
-        }
-    })?;
     let bar = progress_of_rows(layout.rows, resumed_rows);
     let solved = if args.from_symmetry {
         by_symmetry(&mut pairwise, file.as_mut(), &bar)
@@ -183,20 +187,7 @@ pub fn run(args: &Args) -> Outcome {
     bar.finish_and_clear();
     let report = match solved {
         Ok(report) => report,
-        Err(stopped) => {
-            let rows = file.as_ref().map_or(0, MatrixFile::rows);
-            // What is there is good, whatever has failed since.
-            let paused = file.map_or(Ok(()), MatrixFile::pause);
-            return match stopped {
-                Stopped::Interrupted if rows > 0 => {
-                    paused?;
-                    let all = layout.rows;
-                    let what = format!("interrupted after {rows} of {all} rows");
-                    Err(format!("{what}; the same command with --resume goes on").into())
-                }
-                stopped => Err(stopped.into()),
-            };
-        }
+        Err(stopped) => return args.stopped(stopped, file, layout),
     };
     let mut written = Written::default();
     {
@@ -205,8 +196,11 @@ pub fn run(args: &Args) -> Outcome {
             output.stage(|writer| write_labels(writer, surface.chart(), &samples.regions))
         });
         let labels = labels.transpose()?;
+        let finish = |file: MatrixFile| file.finish_while(|| !is_interrupted());
         if let Some((file, path)) = file.zip(args.output.as_ref()) {
-            file.finish()?;
+            if let Some(unfinished) = finish(file)? {
+                return args.stopped(Stopped::Interrupted, Some(unfinished), layout);
+            }
             written.add(path);
         }
         if let Some(labels) = labels {
@@ -262,6 +256,26 @@ impl Args {
             say("note", format_args!("{holes} of the sources are holes; their rows are +infinity"));
         }
         Ok(sources)
+    }
+
+    /// What a matrix that is not finished ends with. What is there is good, whatever has failed
+    /// since; but nothing goes on with a matrix that was computed in memory.
+    fn stopped(&self, stopped: Stopped, file: Option<MatrixFile>, layout: MatrixLayout) -> Outcome {
+        let rows = file.as_ref().map_or(0, MatrixFile::rows);
+        if self.from_symmetry {
+            file.inspect(MatrixFile::discard);
+            return Err(stopped.into());
+        }
+        let paused = file.map_or(Ok(()), MatrixFile::pause);
+        match stopped {
+            Stopped::Interrupted if rows > 0 => {
+                paused?;
+                let all = layout.rows;
+                let what = format!("interrupted after {rows} of {all} rows");
+                Err(format!("{what}; the same command with --resume goes on").into())
+            }
+            stopped => Err(stopped.into()),
+        }
     }
 
     /// All that the bytes of the matrix depend on.
@@ -329,8 +343,12 @@ fn row_by_row(
             file.append(rows.distances)?;
         }
         bar.inc(rows.sources.len() as u64);
-        if INTERRUPTED.load(Ordering::SeqCst) { Err(Stopped::Interrupted) } else { Ok(()) }
+        go_on()
     })
+}
+
+fn go_on() -> Result<(), Stopped> {
+    if is_interrupted() { Err(Stopped::Interrupted) } else { Ok(()) }
 }
 
 /// Computes the matrix in memory, and writes it.
@@ -339,7 +357,10 @@ fn by_symmetry(
     file: Option<&mut MatrixFile>,
     bar: &ProgressBar,
 ) -> Result<PairwiseReport, Stopped> {
-    let (matrix, report) = pairwise.matrix_by_symmetry(|rows| bar.inc(rows as u64))?;
+    let (matrix, report) = pairwise.matrix_by_symmetry(|rows| {
+        bar.inc(rows as u64);
+        go_on()
+    })?;
     if let Some(file) = file {
         file.append(&matrix)?;
     }

@@ -2,8 +2,8 @@
 
 use geosweep::Sources;
 use geosweep::surface::Chart;
+use geosweep::vulkan::TexelChart;
 use geosweep::vulkan::profile::{PassKind, PassRecord, SolveProfile};
-use geosweep::vulkan::{Schedule, TexelChart};
 
 use super::measure::Measured;
 use super::subject::Solved;
@@ -27,10 +27,12 @@ pub fn draw(
     scene: &Scene,
     sources: &Sources,
 ) -> Canvas {
-    let (rows, key) = match measured.solved {
-        Solved::Map(Schedule::Tiles) => rounds(measured, visits),
-        _ => scans(measured, visits),
+    let has_rounds = match measured.solved {
+        Solved::Map(schedule) => schedule.has_rounds(),
+        Solved::Pairwise { .. } => false,
     };
+    let of_schedule = if has_rounds { rounds } else { scans };
+    let (rows, key) = of_schedule(measured, visits);
     let (title, entries) = key;
     let (surface, shape) = (&scene.surface, scene.shape());
     let key = Swatches { title, entries: &entries };
@@ -65,10 +67,11 @@ fn title(what: String, passes: &[PassRecord], run: &SolveProfile) -> String {
     format!("{what}{}{}", share.unwrap_or_default(), taken.unwrap_or_default())
 }
 
-/// A row of scans for the first iteration and for the last that visits anything, coloured by the order
+/// A row of scans, or updates of all points, for the first iteration and for the last that visits anything, coloured by the order
 /// of blocks.
 fn scans(measured: &Measured, visits: &SolveProfile) -> (Vec<Vec<Visit>>, Key) {
-    let is_scan = |pass: &&PassRecord| matches!(pass.kind, PassKind::Scan(_) | PassKind::AllPoints);
+    // Counts visit no points.
+    let is_scan = |pass: &&PassRecord| pass.kind.is_step() && pass.area.is_some();
     let scans: Vec<PassRecord> = visits.passes().filter(is_scan).copied().collect();
     let iterations: Vec<&[PassRecord]> = scans
         .chunk_by(|a, b| a.iteration == b.iteration)

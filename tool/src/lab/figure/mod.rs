@@ -5,6 +5,7 @@ mod convergence;
 mod face;
 mod maze;
 mod scans;
+mod table;
 mod table_1;
 mod table_2;
 

@@ -10,6 +10,7 @@ use geosweep::surface::builtin::Builtin;
 use geosweep::{Engine, Options, Surface, Wavefront};
 use serde::Serialize;
 
+use super::table::{Paper, on_a};
 use crate::lab::lists;
 use crate::lab::publication::Publication;
 use crate::output::wanted_file;
@@ -24,7 +25,7 @@ pub struct Args {
     output: Option<PathBuf>,
     /// Points a side (default: those of the paper)
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = side)]
-    #[arg(default_values_t = PAPER.map(|row| row.side))]
+    #[arg(default_values_t = PAPER.sides())]
     sizes: Vec<usize>,
     /// The built-in surface
     #[arg(long, value_name = "NAME", default_value = "sphere", value_parser = Builtin::parse)]
@@ -52,21 +53,15 @@ Examples:
   geosweep figure table-1
   geosweep figure table-1 --sizes 32,64 --runs 3 --json";
 
-/// A row of the paper's table: an AMD Opteron with SSE2 in 2008.
-struct Published {
-    side: usize,
-    raster_seconds: f64,
-    marching_seconds: f64,
-}
-
-const PAPER: [Published; 6] = [
-    Published { side: 32, raster_seconds: 0.1541, marching_seconds: 1.2824 },
-    Published { side: 44, raster_seconds: 0.5156, marching_seconds: 5.5156 },
-    Published { side: 50, raster_seconds: 0.8348, marching_seconds: 9.4335 },
-    Published { side: 54, raster_seconds: 1.1336, marching_seconds: 12.9128 },
-    Published { side: 60, raster_seconds: 1.8539, marching_seconds: 19.5472 },
-    Published { side: 64, raster_seconds: 2.4762, marching_seconds: 25.8347 },
-];
+/// Seconds of the raster scan and of fast marching on an AMD Opteron with SSE2 in 2008.
+const PAPER: Paper<6, 2> = Paper([
+    (32, [0.1541, 1.2824]),
+    (44, [0.5156, 5.5156]),
+    (50, [0.8348, 9.4335]),
+    (54, [1.1336, 12.9128]),
+    (60, [1.8539, 19.5472]),
+    (64, [2.4762, 25.8347]),
+]);
 
 fn side(text: &str) -> Result<usize, String> {
     match text.trim().parse() {
@@ -169,10 +164,7 @@ struct Table<'a> {
 
 impl Display for Table<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let machine = match &self.args.machine {
-            Some(machine) => format!(" on a {machine}"),
-            None => String::new(),
-        };
+        let machine = on_a(self.args.machine.as_ref());
         let (threads, surface) = (rayon::current_num_threads(), self.args.surface);
         let (instructions, runs) = (Instructions::best(), self.args.runs);
         writeln!(
@@ -194,9 +186,7 @@ SSE2 in 2008.
 |---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
         )?;
         self.rows.iter().try_for_each(|row| {
-            let published = PAPER.iter().find(|published| published.side == row.side);
-            let [scan, marching, ratio] = published.map_or([(); 3].map(|()| String::new()), |p| {
-                let (scan, marching) = (p.raster_seconds, p.marching_seconds);
+            let [scan, marching, ratio] = PAPER.cells(row.side, |[scan, marching]| {
                 [format!("{scan:.2}"), format!("{marching:.1}"), format!("{:.1}", marching / scan)]
             });
             writeln!(

@@ -8,6 +8,7 @@ use geosweep::vulkan::{Schedule, Solver};
 use geosweep::{DeviceChoice, Wavefront};
 use serde::Serialize;
 
+use super::table::{Paper, on_a};
 use crate::lab::bench::{self, BenchSurface, Measurements, Method, Plan, Timing};
 use crate::lab::lists;
 use crate::lab::publication::Publication;
@@ -23,7 +24,7 @@ pub struct Args {
     output: Option<PathBuf>,
     /// Points a side (default: those of the paper)
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = lists::size)]
-    #[arg(default_values_t = PAPER.map(|row| row.side))]
+    #[arg(default_values_t = PAPER.sides())]
     sizes: Vec<usize>,
     /// The surface: built-in, terrain or a file, as for `geosweep bench`
     #[arg(long, value_name = "NAME", default_value = "sphere", value_parser = BenchSurface::parse)]
@@ -51,22 +52,16 @@ Examples:
   geosweep figure table-2
   geosweep figure table-2 --sizes 150,400 --json";
 
-/// A row of the paper's table: an nVidia 7950 GT in 2008.
-struct Published {
-    side: usize,
-    seconds: f64,
-    bytes: u64,
-}
-
-const PAPER: [Published; 7] = [
-    Published { side: 150, seconds: 0.1110, bytes: 1_620_000 },
-    Published { side: 200, seconds: 0.1208, bytes: 2_880_000 },
-    Published { side: 400, seconds: 0.1629, bytes: 11_520_000 },
-    Published { side: 600, seconds: 0.2766, bytes: 25_920_000 },
-    Published { side: 800, seconds: 0.4192, bytes: 46_080_000 },
-    Published { side: 1000, seconds: 0.6125, bytes: 72_000_000 },
-    Published { side: 1200, seconds: 0.7362, bytes: 103_680_000 },
-];
+/// Milliseconds of an iteration, and megabytes, on an nVidia 7950 GT in 2008.
+const PAPER: Paper<7, 2> = Paper([
+    (150, [111.0, 1.62]),
+    (200, [120.8, 2.88]),
+    (400, [162.9, 11.52]),
+    (600, [276.6, 25.92]),
+    (800, [419.2, 46.08]),
+    (1000, [612.5, 72.0]),
+    (1200, [736.2, 103.68]),
+]);
 
 /// An engine at one size.
 #[derive(Serialize)]
@@ -142,10 +137,7 @@ struct Table<'a> {
 
 impl Display for Table<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let machine = match &self.args.machine {
-            Some(machine) => format!(" on a {machine}"),
-            None => String::new(),
-        };
+        let machine = on_a(self.args.machine.as_ref());
         let device = match &self.measured.device {
             Some((name, _)) => format!("; vulkan is {name}"),
             None => String::new(),
@@ -170,18 +162,17 @@ its table 2, are those of one iteration on an nVidia 7950 GT in 2008.
 |---:|---|---:|---:|---:|---:|---:|---:|---:|"
         )?;
         self.rows.iter().try_for_each(|row| {
-            let square = row.rows == row.cols;
-            let published = PAPER.iter().find(|published| square && published.side == row.rows);
-            let [seconds, bytes] = published.map_or([(); 2].map(|()| String::new()), |p| {
-                [format!("{:.0}", 1e3 * p.seconds), format!("{:.1}", 1e-6 * p.bytes as f64)]
-            });
+            // Of other shapes the paper has none.
+            let side = if row.rows == row.cols { row.rows } else { 0 };
+            let [time, bytes] =
+                PAPER.cells(side, |[time, bytes]| [format!("{time:.0}"), format!("{bytes:.1}")]);
             let held = |bytes: Option<u64>| match bytes {
                 Some(bytes) => format!("{:.1}", 1e-6 * bytes as f64),
                 None => String::new(),
             };
             writeln!(
                 f,
-                "| {} x {} | {} | {:.2} ± {:.2} | {} | {:.0} | {:.2} ± {:.2} ({}) | {} | {seconds} | {bytes} |",
+                "| {} x {} | {} | {:.2} ± {:.2} | {} | {:.0} | {:.2} ± {:.2} ({}) | {} | {time} | {bytes} |",
                 row.rows,
                 row.cols,
                 row.engine,

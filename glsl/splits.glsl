@@ -1,0 +1,168 @@
+// Fronts through the parts of obtuse triangles, which have no face themselves: grid points beyond their bases
+// split them.
+// Include after wavefront.glsl and edge_image.glsl.
+// Twin: src/surface/unfold.rs, where it is explained.
+//
+// The including shader defines
+//     vec2 front_at(ivec2 point)          arrival time and what is carried at any point of the grid
+//     float surface_at(ivec2 point)       what the surface brings there
+
+vec2 front_at(ivec2 point);
+
+// Where four points of an update are: the first, how much further the second and the third, the fourth being
+// beyond both; and the scan's way.
+struct Places {
+    ivec2 first, to_second, to_third;
+    ivec2 ahead, along;
+};
+
+// A grid point in the plane of x0's triangle.
+struct Unfolded {
+    ivec2 step; // from x0
+    vec2 place;
+    vec3 front; // its arrival time, and what is carried and what the surface brings there
+};
+
+// Whether one place lies to the left of another one, seen from x0.
+bool follows(vec2 a, vec2 other) {
+    float across = other.x * a.y - other.y * a.x;
+    return across > SPLIT_MARGIN * (dot(a, a) + dot(other, other));
+}
+
+// Whether triangles have an area and are obtuse at x0.
+bvec4 are_obtuse(vec4 l1, vec4 l2, vec4 c) {
+    vec4 per_base = 1.0 / c;
+    vec4 side = l1 * per_base;
+    vec4 other = l2 * per_base;
+    return both(lessThan(c, vec4(FAR)), lessThan(side * side + other * other, vec4(OBTUSE)));
+}
+
+bool is_obtuse(vec2 a, vec2 b) {
+    float base = dot(a - b, a - b);
+    return dot(a, a) / base + dot(b, b) / base < OBTUSE;
+}
+
+// The place so far from both ends of an edge, to its right. False if the three are no triangle.
+bool unfold(vec2 u, vec2 w, float base, float to_u, float to_w, out vec2 place) {
+    place = vec2(0.0);
+    if (max(base, max(to_u, to_w)) >= FAR) return false;
+    float per_base = 1.0 / base;
+    to_u = to_u * per_base;
+    to_w = to_w * per_base;
+    float foot = 0.5 * ((to_u * to_u - to_w * to_w) + 1.0);
+    float height_squared = (to_u - foot) * (to_u + foot);
+    if (!(height_squared > 0.0)) return false;
+    vec2 along = w - u;
+    place = u + foot * along + sqrt(height_squared) * vec2(along.y, -along.x);
+    return true;
+}
+
+// The point beyond an edge of the grid that is next in x0's plane. False if there is none.
+bool find_beyond(ivec2 x0, Unfolded u, Unfolded w, int turn, vec2 right, vec2 left, inout Unfolded apex) {
+    ivec2 along = w.step - u.step;
+    ivec2 away = turn * ivec2(-along.y, along.x);
+    bool is_diagonal = along.x != 0 && along.y != 0;
+    float base = edge_length(x0 + u.step, along);
+    bool found = false;
+    bool was_inside = false;
+    for (int i = 0; i < (is_diagonal ? 1 : 2); i++) {
+        ivec2 step = i == 1 ? along + away : is_diagonal ? (along + away) / 2 : away;
+        ivec2 from_x0 = u.step + step;
+        if (max(abs(from_x0.x), abs(from_x0.y)) > SPLIT_REACH) continue;
+        vec2 place;
+        float to_u = edge_length(x0 + u.step, step);
+        float to_w = edge_length(x0 + w.step, step - along);
+        if (!unfold(u.place, w.place, base, to_u, to_w, place)) continue;
+        bool inside = follows(place, right) && follows(left, place);
+        bool nearer = dot(place, place) < dot(apex.place, apex.place) * (1.0 - SPLIT_MARGIN);
+        if (!found || (inside == was_inside ? nearer : inside)) {
+            apex.step = from_x0;
+            apex.place = place;
+            was_inside = inside;
+        }
+        found = true;
+    }
+    return found;
+}
+
+vec3 known_at(ivec2 point) {
+    return vec3(front_at(point), CARRIES ? surface_at(point) : 0.0);
+}
+
+// The first of the fronts at x0 through the parts of its obtuse triangle between two neighbours, four times over.
+Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
+    Fronts first = Fronts(vec4(FAR), vec4(0.0), bvec4(false));
+    float la = edge_length(x0, a);
+    float lb = edge_length(x0, b);
+    float c = edge_length(x0 + a, b - a);
+    float x = 0.5 * (la * la + lb * lb - c * c) / la;
+    float height_squared = lb * lb - x * x;
+    if (max(la, lb) >= FAR || !(height_squared > 0.0)) return first;
+    float surface = CARRIES ? surface_at(x0) : 0.0;
+    Unfolded right = Unfolded(a, vec2(la, 0.0), known_at(x0 + a));
+    Unfolded left = Unfolded(b, vec2(x, sqrt(height_squared)), known_at(x0 + b));
+    // The edge beyond which the next point is looked for.
+    Unfolded u = right;
+    Unfolded w = left;
+    ivec2 base = b - a;
+    int turn = base.x * a.y - base.y * a.x > 0 ? 1 : -1;
+    Unfolded apex = right;
+    for (int i = 0; i < SPLIT_STEPS; i++) {
+        if (!find_beyond(x0, u, w, turn, right.place, left.place, apex)) break;
+        if (!follows(apex.place, right.place)) {
+            u = apex;
+            continue;
+        }
+        if (!follows(left.place, apex.place)) {
+            w = apex;
+            continue;
+        }
+        apex.front = known_at(x0 + apex.step);
+        // The part to the right of the point in x, that to its left in y; there is nothing in one that is obtuse.
+        bool right_obtuse = is_obtuse(right.place, apex.place);
+        bool left_obtuse = is_obtuse(apex.place, left.place);
+        vec2 ends = vec2(right_obtuse ? FAR : 0.0, left_obtuse ? FAR : 0.0);
+        vec4 far = ends.xyxy;
+        vec3 l = sqrt(vec3(dot(right.place, right.place), dot(apex.place, apex.place), dot(left.place, left.place)));
+        vec2 to_right = apex.place - right.place;
+        vec2 to_left = left.place - apex.place;
+        vec2 bases = sqrt(vec2(dot(to_right, to_right), dot(to_left, to_left)));
+        Ends end1 = Ends(max(vec2(right.front.x, apex.front.x).xyxy, far), vec2(right.front.y, apex.front.y).xyxy,
+                         vec2(right.front.z, apex.front.z).xyxy);
+        Ends end2 = Ends(max(vec2(apex.front.x, left.front.x).xyxy, far), vec2(apex.front.y, left.front.y).xyxy,
+                         vec2(apex.front.z, left.front.z).xyxy);
+        Fronts parts = update(end1, end2, vec4(surface), max(l.xyxy, far), max(l.yzyz, far), max(bases.xyxy, far),
+                              bvec4(false));
+        Fronts others = Fronts(parts.time.yxyx, parts.carried.yxyx, parts.whole.yxyx);
+        first = earlier(first, earlier(parts, others));
+        if (right_obtuse) {
+            left = apex;
+            w = apex;
+        } else if (left_obtuse) {
+            right = apex;
+            u = apex;
+        } else {
+            break;
+        }
+    }
+    return first;
+}
+
+// Adds what comes through the parts of obtuse triangles to the fronts of four points, given which of their
+// triangles to the left and right are.
+void add_parts(Places places, bvec4 left, bvec4 right, inout Fronts fronts) {
+    if (!any(either(left, right))) return;
+    // A loop, since drivers are slow to compile the same code twice over.
+    for (int i = 0; i < 8; i++) {
+        int k = i & 3;
+        if (!(i < 4 ? left[k] : right[k])) continue;
+        ivec2 x0 = places.first + (k & 1) * places.to_second + (k >> 1) * places.to_third;
+        ivec2 a = i < 4 ? -places.ahead - places.along : -places.ahead;
+        Fronts parts = through_parts(x0, a, a + places.along);
+        Fronts all = earlier(fronts, parts);
+        bvec4 here = equal(ivec4(k), ivec4(0, 1, 2, 3));
+        fronts.time = mix(fronts.time, all.time, here);
+        fronts.carried = mix(fronts.carried, all.carried, here);
+        fronts.whole = either(both(here, all.whole), both(not(here), fronts.whole));
+    }
+}

@@ -1,0 +1,102 @@
+//! The four scans of an iteration: which lines they pass, in what order, and what lies behind.
+
+use std::ops::Range;
+
+use crate::surface::{Direction, Lines};
+
+/// The four scans of an iteration, numbered from 1: down, up, right and left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Scan(pub u8);
+
+impl Scan {
+    pub(super) const DOWN: Self = Self(1);
+    pub(super) const UP: Self = Self(2);
+    pub(super) const RIGHT: Self = Self(3);
+    pub(super) const LEFT: Self = Self(4);
+    pub(super) const ALL: [Self; 4] = [Self::DOWN, Self::UP, Self::RIGHT, Self::LEFT];
+
+    /// Whether lines are rows.
+    pub(super) fn by_rows(self) -> bool {
+        self.0 <= 2
+    }
+
+    /// The lines that it passes one after another.
+    pub(super) fn lines(self) -> Lines {
+        if self.by_rows() { Lines::Rows } else { Lines::Cols }
+    }
+
+    /// Whether lines are passed in the order of their index.
+    pub(super) fn is_forward(self) -> bool {
+        self.0 % 2 == 1
+    }
+
+    /// Some lines, or bands of them, in its order.
+    pub(super) fn in_order(
+        self,
+        Range { start, end }: Range<usize>,
+    ) -> impl Iterator<Item = usize> + use<> {
+        (start..end).map(move |k| if self.is_forward() { k } else { start + end - 1 - k })
+    }
+
+    /// Rows and columns from a line to the next.
+    pub(super) fn ahead(self) -> [isize; 2] {
+        let (row, col) = self.back().opposite().step();
+        [row, col]
+    }
+
+    /// From a point to that beside it on the line behind.
+    pub(super) fn back(self) -> Direction {
+        match self {
+            Self::DOWN => Direction::North,
+            Self::UP => Direction::South,
+            Self::RIGHT => Direction::West,
+            _ => Direction::East,
+        }
+    }
+
+    /// From a point to the three neighbours that the scan has just passed, in the order in which these lie
+    /// on their line.
+    pub(super) fn behind(self) -> [Direction; 3] {
+        let back = self.back();
+        match self {
+            Self::DOWN | Self::LEFT => [back.next(), back, back.previous()],
+            _ => [back.previous(), back, back.next()],
+        }
+    }
+
+    /// The scan by rows that passes lines in the same order: this one, if columns are turned into rows.
+    pub(super) fn over_lines(self) -> Self {
+        if self.is_forward() { Self::DOWN } else { Self::UP }
+    }
+
+    /// Its flag.
+    pub(super) fn bit(self) -> u8 {
+        1 << self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Direction::*;
+
+    #[test]
+    fn lines_come_after_those_behind_them() {
+        for scan in Scan::ALL {
+            let (down, right) = scan.back().opposite().step();
+            let (line, along) = scan.lines().place(down as usize, right as usize);
+            assert_eq!((line as isize, along), (if scan.is_forward() { 1 } else { -1 }, 0));
+            let lines: Vec<_> = scan.in_order(3..6).collect();
+            assert_eq!(lines, if scan.is_forward() { [3, 4, 5] } else { [5, 4, 3] });
+        }
+    }
+
+    #[test]
+    fn scans_have_passed_what_lies_behind_in_the_order_of_their_lines() {
+        let behind = Scan::ALL.map(Scan::behind);
+        assert_eq!(behind[0], [NorthWest, North, NorthEast]);
+        assert_eq!(behind[1], [SouthWest, South, SouthEast]);
+        assert_eq!(behind[2], [NorthWest, West, SouthWest]);
+        assert_eq!(behind[3], [NorthEast, East, SouthEast]);
+    }
+}

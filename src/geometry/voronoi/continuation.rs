@@ -1,0 +1,142 @@
+//! How the fronts of sources go on from point to point: when one arrives, given when it has reached the
+//! neighbours.
+
+use crate::cpu::{Visited, settled};
+use crate::geometry::spokes::Spokes;
+use crate::surface::{Real, Source, Sources, max, min, ring};
+use crate::update::{Triangle, Wavefront, planar, point_source};
+
+/// How the front of a source is continued.
+#[derive(Clone, Copy, Debug)]
+struct Origin {
+    wavefront: Wavefront,
+    initial: f64,
+}
+
+/// The updates of sources' fronts, each by its label.
+pub(super) struct Continuation<'a> {
+    spokes: Spokes<'a>,
+    origins: Vec<Origin>,
+}
+
+impl<'a> Continuation<'a> {
+    pub(super) fn new(spokes: Spokes<'a>, sources: &Sources) -> Self {
+        Self { spokes, origins: sources.iter().map(Origin::of).collect() }
+    }
+
+    pub(super) fn spokes(&self) -> &Spokes<'a> {
+        &self.spokes
+    }
+
+    /// From the start of a front to its arrival somewhere.
+    pub(super) fn since(&self, label: u32, time: f64) -> f64 {
+        if time < f64::FAR {
+            max(time - self.origins[label as usize].initial, 0.0)
+        } else {
+            f64::FAR
+        }
+    }
+
+    /// When a front arrives at a point from its neighbours, given the times since its start there.
+    pub(super) fn arrival(
+        &self,
+        point: usize,
+        label: u32,
+        since: &[f64; 8],
+        lengths: &[f64; 8],
+    ) -> f64 {
+        let (mut shortest, mut nearest) = (f64::FAR, 0);
+        for (to, (since, length)) in since.iter().zip(lengths).enumerate() {
+            let along = since + length;
+            if along < shortest {
+                (shortest, nearest) = (along, to);
+            }
+        }
+        if shortest >= f64::FAR {
+            return f64::FAR;
+        }
+        let through = |to: usize| {
+            let ends = [to, ring::next(to)];
+            let triangle = self.triangle(point, ends, since, ends.map(|to| lengths[to]));
+            self.through(label, triangle)
+        };
+        // Nearly always beside the neighbour over which the way along an edge is shortest, and on
+        // the side where the next one is shorter.
+        let [right, left] = [ring::previous(nearest), ring::next(nearest)];
+        let [to_right, to_left] = [right, left].map(|to| since[to] + lengths[to]);
+        let beside = if to_right < to_left { [right, nearest] } else { [nearest, right] };
+        let found = beside.into_iter().map(through).find(|&time| time < shortest);
+        let first = found.unwrap_or_else(|| (0..8).map(through).fold(shortest, min));
+        self.origins[label as usize].initial + first
+    }
+
+    /// When a front arrives at a point through the two triangles beside one of its edges; `None` if it
+    /// is settled that it does not before `now`. Of the times since its start at the neighbours, those at
+    /// the end of the edge and on either side of that count.
+    pub(super) fn arrival_beside(
+        &self,
+        point: usize,
+        label: u32,
+        edge: usize,
+        since: &[f64; 8],
+        now: f64,
+    ) -> Option<f64> {
+        let length = |to: usize| self.spokes.length(point, to);
+        let triangles = [ring::previous(edge), ring::next(edge)].map(|side| {
+            let ends = [edge, side];
+            self.triangle(point, ends, since, ends.map(length))
+        });
+        let Origin { wavefront, initial } = self.origins[label as usize];
+        let now = now - initial;
+        let settles = match wavefront {
+            Wavefront::PointSource => settled::from_point_source,
+            _ => settled::from_planar,
+        };
+        let visited = Visited { now, triangles };
+        if visited.stays(triangles.map(|triangle| settles(triangle, now))) {
+            return None;
+        }
+        let [left, right] = triangles.map(|triangle| self.through(label, triangle));
+        Some(initial + min(left, right))
+    }
+
+    /// The triangle of a point with two neighbours, one beside the other.
+    #[inline(always)]
+    fn triangle(
+        &self,
+        point: usize,
+        ends: [usize; 2],
+        since: &[f64; 8],
+        [l1, l2]: [f64; 2],
+    ) -> Triangle<f64> {
+        let [t1, t2] = ends.map(|to| since[to]);
+        let first = if ring::next(ends[0]) == ends[1] { ends[0] } else { ends[1] };
+        Triangle { t1, t2, l1, l2, c: self.spokes.base(point, first) }
+    }
+
+    /// The time since a front's start at which it arrives through a triangle.
+    #[inline(always)]
+    fn through(&self, label: u32, triangle: Triangle<f64>) -> f64 {
+        let Triangle { t1, t2, l1, l2, .. } = triangle;
+        if max(t1, t2) >= f64::FAR {
+            return min(t1 + l1, t2 + l2);
+        }
+        match self.origins[label as usize].wavefront {
+            Wavefront::PointSource => point_source(triangle),
+            _ => planar(triangle),
+        }
+    }
+}
+
+impl Origin {
+    fn of(source: &Source) -> Self {
+        match source {
+            Source::Point { initial, .. } => {
+                Self { wavefront: Wavefront::PointSource, initial: *initial }
+            }
+            Source::Curve { initial, .. } => {
+                Self { wavefront: Wavefront::Planar, initial: *initial }
+            }
+        }
+    }
+}

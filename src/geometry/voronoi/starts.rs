@@ -1,0 +1,44 @@
+//! Where the fronts of sources start.
+
+use crate::geometry::MapError;
+use crate::surface::{Chart, Source, Sources, Surface};
+
+/// A front at a point that its source seeds.
+pub(super) struct Start {
+    /// In a bordered array.
+    pub point: usize,
+    pub label: u32,
+    pub time: f64,
+}
+
+/// The fronts at the points that sources seed. Of two sources that are the same the second has
+/// none.
+pub(super) fn starts(
+    chart: Chart,
+    surface: &Surface,
+    sources: &Sources,
+) -> Result<Vec<Start>, MapError> {
+    let all: Vec<&Source> = sources.iter().collect();
+    let mut starts = Vec::new();
+    for (label, source) in all.iter().enumerate() {
+        let seeds = Sources::from_iter([(*source).clone()]).seeds(surface)?;
+        if !all[..label].contains(source) {
+            starts.extend(seeds.into_iter().map(|seed| Start {
+                point: chart.bordered(seed.row, seed.col),
+                label: label as u32,
+                time: seed.time,
+            }));
+        }
+    }
+    Ok(starts)
+}
+
+/// The points that sources seed, each with the label of the first front there.
+pub(super) fn first_labels(starts: &[Start]) -> Vec<(usize, u32)> {
+    let mut order: Vec<&Start> = starts.iter().collect();
+    order.sort_by(|a, b| {
+        a.point.cmp(&b.point).then(a.time.total_cmp(&b.time)).then(a.label.cmp(&b.label))
+    });
+    order.dedup_by_key(|start| start.point);
+    order.into_iter().map(|start| (start.point, start.label)).collect()
+}

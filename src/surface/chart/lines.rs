@@ -1,0 +1,106 @@
+//! The chart as lines that are passed one after another: its rows, or its columns.
+
+use super::{Block, Chart, Direction};
+
+/// Which way the lines run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lines {
+    Rows,
+    Cols,
+}
+
+impl Lines {
+    /// Row and column of a line's point. Of a row and a column these are the line and the point in it.
+    #[inline(always)]
+    pub(crate) const fn place(self, line: usize, point: usize) -> (usize, usize) {
+        match self {
+            Self::Rows => (line, point),
+            Self::Cols => (point, line),
+        }
+    }
+
+    /// To the next point of a line.
+    pub(crate) const fn along(self) -> Direction {
+        match self {
+            Self::Rows => Direction::East,
+            Self::Cols => Direction::South,
+        }
+    }
+
+    /// How many points at the start of a line come before a point of the chart, given by its index.
+    pub(crate) const fn before(self, chart: Chart, line: usize, index: usize) -> usize {
+        match self {
+            Self::Rows => index.saturating_sub(chart.index(line, 0)),
+            Self::Cols => index.saturating_sub(line).div_ceil(chart.cols),
+        }
+    }
+}
+
+impl Chart {
+    /// The chart whose rows are this one's columns.
+    pub(crate) const fn transposed(self) -> Self {
+        Self { rows: self.cols, cols: self.rows }
+    }
+
+    /// The chart whose rows are this one's lines.
+    pub(crate) const fn by(self, lines: Lines) -> Self {
+        match lines {
+            Lines::Rows => self,
+            Lines::Cols => self.transposed(),
+        }
+    }
+}
+
+impl Block {
+    /// The block whose rows are this one's lines.
+    pub(crate) fn by(self, lines: Lines) -> Self {
+        match lines {
+            Lines::Rows => self,
+            Lines::Cols => Self { rows: self.cols, cols: self.rows },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CHART: Chart = Chart { rows: 4, cols: 5 };
+
+    #[test]
+    fn points_of_lines_are_those_of_the_chart() {
+        for lines in [Lines::Rows, Lines::Cols] {
+            let turned = CHART.by(lines);
+            for (line, point) in turned.places() {
+                let (row, col) = lines.place(line, point);
+                assert!(row < CHART.rows && col < CHART.cols);
+                assert_eq!(lines.place(row, col), (line, point));
+                let next = turned.neighbour(line, point, Direction::East);
+                let next = next.map(|(line, point)| lines.place(line, point));
+                assert_eq!(next, CHART.neighbour(row, col, lines.along()));
+            }
+            let block = CHART.around((1, 4), 1);
+            let turned: Vec<_> = block.clone().by(lines).places().collect();
+            assert_eq!(turned.len(), 6);
+            assert!(turned.into_iter().all(|(line, at)| block.has(lines.place(line, at))));
+        }
+    }
+
+    #[test]
+    fn lines_know_how_much_of_them_comes_before_a_point() {
+        for (lines, index) in [Lines::Rows, Lines::Cols]
+            .into_iter()
+            .flat_map(|lines| (0..=CHART.points()).map(move |index| (lines, index)))
+        {
+            let turned = CHART.by(lines);
+            for line in 0..turned.rows {
+                let comes_before = |&point: &usize| {
+                    let (row, col) = lines.place(line, point);
+                    CHART.index(row, col) < index
+                };
+                let count = (0..turned.cols).filter(comes_before).count();
+                assert_eq!(lines.before(CHART, line, index).min(turned.cols), count);
+            }
+        }
+    }
+}

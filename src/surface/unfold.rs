@@ -1,0 +1,240 @@
+//! Obtuse triangles, split by grid points beyond their bases (paper, end of section 3, after Kimmel and
+//! Sethian). The twin of `glsl/splits.glsl`.
+//!
+//! A front that runs through a triangle that is obtuse at x0 may come before one of the base's ends. Then points
+//! depend on one another in a circle: what comes out hangs on the order of updates, and where fronts meet,
+//! they pass each other on too early. So an obtuse triangle has no face, only its edges. In its place the triangles
+//! beyond its base are unfolded into its plane, one after another, until a grid point comes to lie between
+//! both edges. That splits the triangle in two, of which at most one is obtuse, and is split again.
+
+use std::sync::OnceLock;
+
+use rayon::prelude::*;
+
+use super::chart::{Direction, EdgeSlot, ring};
+use super::edges::EdgeLengths;
+use super::real::{Real, max};
+use crate::constants::{OBTUSE, SPLIT_MARGIN, SPLIT_REACH, SPLIT_STEPS};
+use crate::lanes::{Instructions, Loop};
+
+/// Whether a triangle with an area is obtuse at x0, by more than a margin for what is right-angled but for
+/// rounding: given the squares of its sides at x0 over the square of the base.
+#[inline(always)]
+pub(crate) fn is_obtuse<R: Real>(side_squared: R, other_squared: R) -> bool {
+    side_squared + other_squared < R::of(OBTUSE)
+}
+
+/// The triangles of each point that are obtuse there, as bits: bit q is for that between the neighbours in
+/// directions q and q + 1 of [`Direction::ALL`]. Unknown until it is asked for; nothing if no triangle is obtuse.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ObtuseTriangles(OnceLock<Option<Vec<u8>>>);
+
+impl ObtuseTriangles {
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        self.0.get().and_then(Option::as_ref).map_or(0, Vec::len)
+    }
+}
+
+impl<R: Real> EdgeLengths<R> {
+    /// The obtuse triangles of each point of the bordered array, as bits in the order of [`Direction::ALL`]; none
+    /// if the surface has no such triangle, as is the rule.
+    pub(crate) fn obtuse_triangles(&self) -> Option<&[u8]> {
+        self.obtuse.0.get_or_init(|| obtuse_triangles(self)).as_deref()
+    }
+
+    /// The length of the edge from a point of the bordered array to its neighbour a step of rows and columns away.
+    #[inline]
+    fn along(&self, point: usize, step: Step) -> R {
+        let to = Direction::ALL.into_iter().find(|to| to.step() == step);
+        to.map_or(R::FAR, |to| self.at(point, EdgeSlot::new(self.chart(), 0, to)))
+    }
+
+    /// Splits a point's triangle between two neighbours in directions that follow one another, if it is obtuse:
+    /// tells of the parts that are not, by the two other corners' indices in the bordered array and the lengths
+    /// of x0 x1, x0 x2 and x1 x2 in the plane.
+    pub(crate) fn split(
+        &self,
+        x0: usize,
+        [a, b]: [Direction; 2],
+        mut part: impl FnMut([usize; 2], [R; 3]),
+    ) {
+        let chart = self.chart();
+        let base = (b.step().0 - a.step().0, b.step().1 - a.step().1);
+        let point_at =
+            |(down, right): Step| x0.wrapping_add_signed(down * chart.stride() as isize + right);
+        let [la, lb, c] = [
+            self.along(x0, a.step()),
+            self.along(x0, b.step()),
+            self.along(point_at(a.step()), base),
+        ];
+        if max(la, max(lb, c)) >= R::FAR {
+            return;
+        }
+        // x0 is the origin, and x1 lies on the first axis.
+        let x = R::of(0.5) * (la * la + lb * lb - c * c) / la;
+        let height_squared = lb * lb - x * x;
+        if !(height_squared > R::zero() && is_obtuse(la * la / (c * c), lb * lb / (c * c))) {
+            return;
+        }
+        let mut wedge = [
+            Unfolded { step: a.step(), place: [la, R::zero()] },
+            Unfolded { step: b.step(), place: [x, height_squared.sqrt()] },
+        ];
+        // The edge beyond which the next point is looked for, seen from x0 the first end to the right.
+        let mut edge = wedge;
+        // Whether a step to the left of that edge, turned by a right angle, leads away from x0.
+        let turn = if base.1 * a.step().0 - base.0 * a.step().1 > 0 { 1 } else { -1 };
+        for _ in 0..SPLIT_STEPS {
+            let Some(apex) = self.beyond(edge, turn, wedge, point_at) else { return };
+            if !apex.follows(&wedge[0]) {
+                edge[0] = apex;
+                continue;
+            }
+            if !wedge[1].follows(&apex) {
+                edge[1] = apex;
+                continue;
+            }
+            let halves = [[wedge[0], apex], [apex, wedge[1]]];
+            let obtuse = halves.map(|[a, b]| {
+                let base = a.squared_to(&b);
+                is_obtuse(a.squared() / base, b.squared() / base)
+            });
+            for ([a, b], _) in halves.into_iter().zip(obtuse).filter(|(_, obtuse)| !obtuse) {
+                let squares = [a.squared(), b.squared(), a.squared_to(&b)];
+                part([a, b].map(|end| point_at(end.step)), squares.map(|square| square.sqrt()));
+            }
+            match obtuse {
+                [true, _] => (wedge[1], edge[1]) = (apex, apex),
+                [_, true] => (wedge[0], edge[0]) = (apex, apex),
+                _ => return,
+            }
+        }
+    }
+
+    /// The point beyond an edge of the grid that is next in x0's plane. Beyond an edge along an axis there are
+    /// two; of these one within the wedge, else the nearer one, the first unless the other is clearly nearer.
+    fn beyond(
+        &self,
+        [u, w]: [Unfolded<R>; 2],
+        turn: isize,
+        [right, left]: [Unfolded<R>; 2],
+        point_at: impl Fn(Step) -> usize,
+    ) -> Option<Unfolded<R>> {
+        let along = (w.step.0 - u.step.0, w.step.1 - u.step.1);
+        let away = (turn * along.1, -turn * along.0);
+        let is_diagonal = along.0 != 0 && along.1 != 0;
+        // Halfway between both steps, where they are diagonals.
+        let first =
+            if is_diagonal { ((along.0 + away.0) / 2, (along.1 + away.1) / 2) } else { away };
+        let second = (along.0 + away.0, along.1 + away.1);
+        let base = self.along(point_at(u.step), along);
+        let mut best: Option<(bool, Unfolded<R>)> = None;
+        for step in [first, second].into_iter().take(if is_diagonal { 1 } else { 2 }) {
+            let from_w = (step.0 - along.0, step.1 - along.1);
+            let from_x0 = (u.step.0 + step.0, u.step.1 + step.1);
+            if from_x0.0.abs().max(from_x0.1.abs()) > SPLIT_REACH as isize {
+                continue;
+            }
+            let sides = [self.along(point_at(u.step), step), self.along(point_at(w.step), from_w)];
+            let Some(place) = unfolded([u.place, w.place], base, sides) else { continue };
+            let apex = Unfolded { step: from_x0, place };
+            let inside = apex.follows(&right) && left.follows(&apex);
+            let is_better = best.is_none_or(|(was_inside, other)| {
+                let nearer = apex.squared() < other.squared() * R::of(1.0 - SPLIT_MARGIN);
+                if inside == was_inside { nearer } else { inside }
+            });
+            if is_better {
+                best = Some((inside, apex));
+            }
+        }
+        best.map(|(_, apex)| apex)
+    }
+}
+
+/// A step in rows and columns.
+type Step = (isize, isize);
+
+/// A grid point in the plane of x0's triangle.
+#[derive(Clone, Copy, Debug)]
+struct Unfolded<R> {
+    /// From x0, in rows and columns.
+    step: Step,
+    place: [R; 2],
+}
+
+impl<R: Real> Unfolded<R> {
+    /// Whether it lies to the left of another one, seen from x0, by more than what rounding makes of one beyond
+    /// the other.
+    fn follows(&self, other: &Self) -> bool {
+        let across = other.place[0] * self.place[1] - other.place[1] * self.place[0];
+        across > R::of(SPLIT_MARGIN) * (self.squared() + other.squared())
+    }
+
+    /// Its squared distance from x0.
+    fn squared(&self) -> R {
+        let [x, y] = self.place;
+        x * x + y * y
+    }
+
+    fn squared_to(&self, other: &Self) -> R {
+        let [x, y] = [self.place[0] - other.place[0], self.place[1] - other.place[1]];
+        x * x + y * y
+    }
+}
+
+/// The place so far from both ends of an edge, to its right; none if the three are no triangle.
+fn unfolded<R: Real>([u, w]: [[R; 2]; 2], base: R, [to_u, to_w]: [R; 2]) -> Option<[R; 2]> {
+    if max(base, max(to_u, to_w)) >= R::FAR {
+        return None;
+    }
+    let (per_base, half) = (R::one() / base, R::of(0.5));
+    let (to_u, to_w) = (to_u * per_base, to_w * per_base);
+    let foot = half * ((to_u * to_u - to_w * to_w) + R::one());
+    let height_squared = (to_u - foot) * (to_u + foot);
+    if !(height_squared > R::zero()) {
+        return None;
+    }
+    let (height, along) = (height_squared.sqrt(), [w[0] - u[0], w[1] - u[1]]);
+    Some([u[0] + foot * along[0] + height * along[1], u[1] + foot * along[1] - height * along[0]])
+}
+
+fn obtuse_triangles<R: Real>(edges: &EdgeLengths<R>) -> Option<Vec<u8>> {
+    let chart = edges.chart();
+    let mut triangles = vec![0; chart.bordered_points()];
+    chart
+        .rows_mut(&mut triangles)
+        .enumerate()
+        .for_each(|(row, line)| Instructions::best().run(RowOfTriangles { edges, row, line }));
+    triangles.par_iter().any(|&bits| bits != 0).then_some(triangles)
+}
+
+/// The obtuse triangles of a row of points.
+struct RowOfTriangles<'a, R> {
+    edges: &'a EdgeLengths<R>,
+    row: usize,
+    line: &'a mut [u8],
+}
+
+impl<R: Real> Loop for RowOfTriangles<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { edges, row, line } = self;
+        let (chart, cols) = (edges.chart(), line.len());
+        let first = chart.bordered(row, 0);
+        let fan = Direction::ALL.map(|to| edges.row(first, EdgeSlot::new(chart, 0, to), cols));
+        let bases = Direction::ALL
+            .map(|to| edges.row(first, EdgeSlot::new(chart, chart.offset(to), to.base()), cols));
+        for (col, bits) in line.iter_mut().enumerate() {
+            let mut found = 0;
+            for to in 0..8 {
+                let (a, b, c) = (fan[to][col], fan[ring::next(to)][col], bases[to][col]);
+                let obtuse = (c < R::FAR) & (a * a + b * b < R::of(OBTUSE) * (c * c));
+                found |= u8::from(obtuse) << to;
+            }
+            *bits = found;
+        }
+    }
+}

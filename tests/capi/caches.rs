@@ -1,0 +1,131 @@
+//! A pipeline cache of the program's, through the functions of C.
+
+use std::ffi::{CStr, c_char};
+use std::sync::{Mutex, OnceLock};
+
+use geosweep::ash::vk::{self, Handle};
+use geosweep::capi::*;
+
+use crate::host::Host;
+use crate::session::{Session, entry, frame, method, ok, solver_info, surface_info, zero};
+
+static REAL: OnceLock<(vk::PFN_vkGetDeviceProcAddr, vk::PFN_vkCreateComputePipelines)> =
+    OnceLock::new();
+/// Those that pipelines were made with, one by one.
+static CACHES: Mutex<Vec<vk::PipelineCache>> = Mutex::new(Vec::new());
+
+unsafe extern "system" fn create_and_note(
+    device: vk::Device,
+    cache: vk::PipelineCache,
+    count: u32,
+    infos: *const vk::ComputePipelineCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    pipelines: *mut vk::Pipeline,
+) -> vk::Result {
+    CACHES.lock().unwrap().extend((0..count).map(|_| cache));
+    let (_, create) = REAL.get().unwrap();
+    unsafe { create(device, cache, count, infos, allocator, pipelines) }
+}
+
+unsafe extern "system" fn of_device(
+    device: vk::Device,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    if unsafe { CStr::from_ptr(name) } == c"vkCreateComputePipelines" {
+        // SAFETY: it is called as what its name says.
+        return unsafe {
+            std::mem::transmute::<vk::PFN_vkCreateComputePipelines, vk::PFN_vkVoidFunction>(
+                create_and_note,
+            )
+        };
+    }
+    let (get, _) = REAL.get().unwrap();
+    unsafe { get(device, name) }
+}
+
+/// The loader's functions, but for the one that makes pipelines.
+unsafe extern "system" fn noting(
+    instance: vk::Instance,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    if unsafe { CStr::from_ptr(name) } == c"vkGetDeviceProcAddr" {
+        // SAFETY: it is called as what its name says.
+        return unsafe {
+            std::mem::transmute::<vk::PFN_vkGetDeviceProcAddr, vk::PFN_vkVoidFunction>(of_device)
+        };
+    }
+    unsafe { entry().get_instance_proc_addr(instance, name) }
+}
+
+fn made_with() -> Vec<vk::PipelineCache> {
+    std::mem::take(&mut CACHES.lock().unwrap())
+}
+
+/// A program fills a cache, saves it, and starts again with what it has saved: pipelines are made with the
+/// cache that is the solver's at that time, and maps are the same.
+#[test]
+fn a_saved_cache_serves_the_next_solver() {
+    let mut host = Host::new();
+    let device = host.device.clone();
+    let functions = (host.instance.fp_v1_0().get_device_proc_addr, device.fp_v1_0());
+    REAL.get_or_init(|| (functions.0, functions.1.create_compute_pipelines));
+    let properties = unsafe { host.instance.get_physical_device_properties(host.physical_device) };
+    let heights: Vec<f32> = (0..9 * 12).map(|point| (0.3 * point as f32).sin()).collect();
+    let data = heights.as_ptr();
+    let points = [GeosweepPoints { data, stride: 4, kind: 1, dx: 1.0, dy: 1.0, ..zero() }];
+
+    let (mut saved, mut runs) = (Vec::new(), Vec::new());
+    for _ in 0..2 {
+        let info = vk::PipelineCacheCreateInfo::default().initial_data(&saved);
+        let cache = unsafe { device.create_pipeline_cache(&info, None) }.unwrap();
+        let info = GeosweepSolverInfo {
+            get_instance_proc_addr: Some(noting),
+            pipeline_cache: cache,
+            ..solver_info(&host)
+        };
+        let mut solver = std::ptr::null_mut();
+        ok(unsafe { geosweep_solver_create(&info, &mut solver) });
+        let of_solver = made_with();
+        assert!(!of_solver.is_empty() && of_solver.iter().all(|&with| with == cache));
+
+        let mut session = Session { host, solver };
+        let surface = session.surface(&surface_info(9, 12, &points));
+        assert_eq!(made_with(), [], "surfaces make none");
+        // Taken back for the contours' pipelines, given again for those of the paths.
+        let (mut contours, mut paths) = (std::ptr::null_mut(), std::ptr::null_mut());
+        let null = vk::PipelineCache::null();
+        ok(unsafe { geosweep_solver_set_pipeline_cache(solver, null) });
+        ok(unsafe { geosweep_contours_create(surface, 100, &mut contours) });
+        let of_contours = made_with();
+        assert!(!of_contours.is_empty() && of_contours.iter().all(|with| with.is_null()));
+        ok(unsafe { geosweep_solver_set_pipeline_cache(solver, cache) });
+        ok(unsafe { geosweep_paths_create(surface, 1, 100, &mut paths) });
+        let of_paths = made_with();
+        assert!(!of_paths.is_empty() && of_paths.iter().all(|&with| with == cache));
+
+        saved = unsafe { device.get_pipeline_cache_data(cache) }.unwrap();
+        // Its header says of which device it is; what follows is the driver's.
+        let [vendor, of_device] = [8, 12].map(|at| {
+            u32::from_ne_bytes(saved[at..at + 4].try_into().expect("the header has 32 bytes"))
+        });
+        assert_eq!((vendor, of_device), (properties.vendor_id, properties.device_id));
+        assert_eq!(saved[16..32], properties.pipeline_cache_uuid);
+        // No pipeline needs it any more.
+        unsafe { device.destroy_pipeline_cache(cache, None) };
+
+        let plan = session.plan(9, 12, &method(GeosweepWavefront::Curved, 50));
+        let map = session.map(surface, &frame(plan, &[geosweep_source_at(4.0, 3.5)]));
+        runs.push((of_solver.len(), of_contours.len(), of_paths.len(), map));
+        unsafe {
+            ok(geosweep_contours_destroy(contours));
+            ok(geosweep_paths_destroy(paths));
+            ok(geosweep_surface_destroy(surface));
+            ok(geosweep_plan_destroy(plan));
+            ok(geosweep_solver_destroy(solver));
+        }
+        host = session.host;
+    }
+    assert!(runs[0] == runs[1], "other pipelines or another map");
+    assert!(runs[0].3.iter().all(|distance| distance.is_finite()));
+    assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
+}

@@ -1,0 +1,243 @@
+//! Random surfaces that nothing was tuned on, and bounds that every map keeps on them, whatever the front,
+//! the engine and the schedule.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use geosweep::Stop;
+use geosweep::glam::DVec3;
+use geosweep::surface::{Chart, Direction, EdgeLengths, Real, Seed};
+use geosweep::{EdgeRule, Sources, Surface};
+
+use super::Random;
+
+/// Fronts settle within so many iterations, or the map says that it has not converged.
+pub const SETTLED: Stop = Stop { tolerance: 1e-6, iterations: 500 };
+
+/// How many cases a test runs: `usual`, or what `GEOSWEEP_CASES` says; and the first one's number, 0 or
+/// `GEOSWEEP_FIRST_CASE`.
+pub fn cases(usual: u64) -> std::ops::Range<u64> {
+    let of = |name| std::env::var(name).ok().and_then(|text| text.parse().ok());
+    let first = of("GEOSWEEP_FIRST_CASE").unwrap_or(0);
+    first..first + of("GEOSWEEP_CASES").unwrap_or(usual)
+}
+
+/// A surface and sources on it.
+pub struct Case {
+    pub name: String,
+    pub surface: Surface,
+    pub sources: Sources,
+    /// Whether distances in space bound those along the surface.
+    has_positions: bool,
+}
+
+impl Case {
+    /// Relief from a hundredth to a hundred times the spacing, smooth or not; sheared by up to three cells and
+    /// stretched up to tenfold; with holes or without, and with a slowness or without. Up to eight sources, some of
+    /// them inside cells and some of them later, or a curve beside them.
+    pub fn new(number: u64) -> Self {
+        let mut random = Random::new(number);
+        let mut one_in = |many: f64| random.next() < 1.0 / many;
+        let [flat, sheared, stretched] = [one_in(4.0), one_in(2.0), one_in(2.0)];
+        let [holed, slow, chords, later, inside, curved] =
+            [one_in(3.0), one_in(4.0), one_in(2.0), one_in(5.0), one_in(3.0), one_in(5.0)];
+        let mut between = |low: f64, high: f64| low + (high - low) * random.next();
+        let (rows, cols) = (between(3.0, 32.0) as usize, between(3.0, 32.0) as usize);
+        let relief = if flat { 0.0 } else { 10f64.powf(between(-2.0, 2.0)) };
+        let shear = if sheared { between(-3.0, 3.0) } else { 0.0 };
+        let stretch = if stretched { between(1.0, 10.0) } else { 1.0 };
+        let mut heights: Vec<f64> = (0..rows * cols).map(|_| between(-1.7, 1.7)).collect();
+        let rounds = between(0.0, 10.0) as usize;
+        (0..rounds).for_each(|_| smooth(rows, cols, &mut heights));
+        let height = heights.iter().fold(1e-9, |most: f64, height| most.max(height.abs()));
+        let present: Vec<bool> = (0..heights.len()).map(|_| between(0.0, 1.0) > 0.12).collect();
+        let positions = heights.iter().enumerate().map(|(index, z)| {
+            let (row, col) = ((index / cols) as f64, (index % cols) as f64);
+            DVec3::new(stretch * (col + shear * row), row, relief * z / height)
+        });
+        let surface = Surface::from_positions(rows, cols, positions.collect()).unwrap();
+        let surface = surface.with_edge_rule(if chords { EdgeRule::Chord } else { EdgeRule::Arc });
+        let surface = if holed && present.contains(&true) {
+            surface.with_mask(&present).unwrap()
+        } else {
+            surface
+        };
+        let points = rows * cols;
+        let surface = if slow {
+            let slowness = (0..points).map(|_| between(0.3, 3.0)).collect();
+            surface.with_slowness(slowness).unwrap()
+        } else {
+            surface
+        };
+        let count = between(1.0, 9.0) as usize;
+        let there: Vec<usize> = (0..points).filter(|&index| surface.present()[index]).collect();
+        let mut sources = Sources::default();
+        for _ in 0..count {
+            let index = there[(between(0.0, 1.0) * there.len() as f64) as usize];
+            let (row, col) = ((index / cols) as f64, (index % cols) as f64);
+            let [down, right] = [between(-0.9, 0.9), between(-0.9, 0.9)];
+            let place =
+                [row + if inside { down } else { 0.0 }, col + if inside { right } else { 0.0 }];
+            let start = if later { between(0.0, 2.0) } else { 0.0 };
+            let with = sources.clone().and_point(place[0], place[1], start);
+            // Not every place inside a cell is on the surface.
+            let with = if with.seeds(&surface).is_ok() {
+                with
+            } else {
+                sources.and_point(row, col, start)
+            };
+            sources = with;
+        }
+        if curved {
+            let ends = [(); 2].map(|()| {
+                let index = there[(between(0.0, 1.0) * there.len() as f64) as usize];
+                (index / cols, index % cols)
+            });
+            let line = ends.map(|(row, col)| [row as f64, col as f64]);
+            let with = sources.clone().and_curve(line, 0.0);
+            if with.seeds(&surface).is_ok() {
+                sources = with;
+            }
+        }
+        let name = format!(
+            "case {number}: {rows} x {cols}, relief {relief:.3}, smoothed {rounds} times, sheared by {shear:.2}, \
+             stretched by {stretch:.2}, {count} sources{}{}{}{}",
+            if slow { ", slowness" } else { "" },
+            if inside { ", inside cells" } else { "" },
+            if curved { ", a curve" } else { "" },
+            if chords { ", chords" } else { "" },
+        );
+        Self { name, surface, sources, has_positions: !slow && !inside && !curved }
+    }
+
+    pub fn seeds(&self) -> Vec<Seed> {
+        self.sources.seeds(&self.surface).unwrap()
+    }
+
+    /// What the map is held against.
+    pub fn bounds(&self) -> Bounds {
+        let (chart, seeds) = (self.surface.chart(), self.seeds());
+        let edges = EdgeLengths::<f64>::new(&self.surface).unwrap();
+        let shortest = dijkstra(&edges, &seeds);
+        let longest_edge = places(chart)
+            .flat_map(|(row, col)| Direction::ALL.map(|to| edges.length(row, col, to)))
+            .filter(|&length| length < f64::FAR)
+            .fold(0.0, f64::max);
+        let place = |row, col| self.surface.position(row, col);
+        let straight = if self.has_positions {
+            let from =
+                seeds.iter().filter_map(|seed| Some((place(seed.row, seed.col)?, seed.time)));
+            let from: Vec<_> = from.collect();
+            let to = |(row, col)| {
+                let to = place(row, col)?;
+                Some(
+                    from.iter()
+                        .map(|(at, time)| time + at.distance(to))
+                        .fold(f64::INFINITY, f64::min),
+                )
+            };
+            places(chart).map(|place| to(place).unwrap_or(0.0)).collect()
+        } else {
+            Vec::new()
+        };
+        let start = seeds.iter().map(|seed| seed.time).fold(f64::INFINITY, f64::min);
+        let finite = shortest.iter().copied().filter(|time| time.is_finite());
+        let largest = finite.fold(f64::MIN_POSITIVE, f64::max);
+        Bounds { start, shortest, straight, longest_edge, largest }
+    }
+}
+
+/// Three parts the point's own height, one part its neighbours'.
+fn smooth(rows: usize, cols: usize, heights: &mut [f64]) {
+    let before = heights.to_vec();
+    let at = |row: usize, col: usize| before[row.min(rows - 1) * cols + col.min(cols - 1)];
+    for row in 0..rows {
+        for col in 0..cols {
+            let around = at(row.saturating_sub(1), col)
+                + at(row + 1, col)
+                + at(row, col.saturating_sub(1))
+                + at(row, col + 1);
+            heights[row * cols + col] = 0.5 * at(row, col) + 0.125 * around;
+        }
+    }
+}
+
+/// Bounds of a map that need no other map: see [`Bounds::check`].
+pub struct Bounds {
+    start: f64,
+    /// Lengths of the shortest ways along edges, infinite where there is none.
+    shortest: Vec<f64>,
+    /// Straight lines in space; empty if they are not known.
+    straight: Vec<f64>,
+    longest_edge: f64,
+    pub largest: f64,
+}
+
+impl Bounds {
+    /// No distance is below the first source's, above the shortest way along edges, or below the straight line by
+    /// more than half the longest edge, which is how far fronts that meet inside a cell may be mistaken; and the
+    /// same points are reached.
+    pub fn check<R: Real>(&self, distances: &[R]) -> Result<(), String> {
+        // Single precision: some units in the last place for each of the points passed, at most so much in all.
+        let rounding = 1e-5 * self.largest;
+        for (index, (distance, &shortest)) in distances.iter().zip(&self.shortest).enumerate() {
+            let distance = distance.wide();
+            if distance.is_nan() || distance.is_finite() != shortest.is_finite() {
+                return Err(format!("{distance} at {index}, {shortest} along edges"));
+            }
+            if !distance.is_finite() {
+                continue;
+            }
+            if distance < self.start - rounding {
+                return Err(format!("{distance} at {index} is before the start, {}", self.start));
+            }
+            if distance > shortest + rounding {
+                return Err(format!("{distance} at {index} is above {shortest}, along edges"));
+            }
+            let straight = self.straight.get(index).copied().unwrap_or(0.0);
+            if distance < straight - 0.5 * self.longest_edge - rounding {
+                let edge = self.longest_edge;
+                return Err(format!(
+                    "{distance} at {index} is below the line {straight}, edge {edge}"
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn places(chart: Chart) -> impl Iterator<Item = (usize, usize)> {
+    (0..chart.points()).map(move |index| chart.position(index))
+}
+
+/// Lengths of the shortest ways along edges, for each point, row by row.
+fn dijkstra(edges: &EdgeLengths<f64>, seeds: &[Seed]) -> Vec<f64> {
+    let chart = edges.chart();
+    let mut times = vec![f64::INFINITY; chart.points()];
+    let mut heap = BinaryHeap::new();
+    // Times that are not negative compare as their bits do.
+    let key = |time: f64| (time + 1e3).to_bits();
+    for seed in seeds {
+        let index = chart.index(seed.row, seed.col);
+        if seed.time < times[index] {
+            times[index] = seed.time;
+            heap.push(Reverse((key(seed.time), index)));
+        }
+    }
+    while let Some(Reverse((at, index))) = heap.pop() {
+        if at != key(times[index]) {
+            continue;
+        }
+        let (row, col) = chart.position(index);
+        for to in Direction::ALL {
+            let length = edges.length(row, col, to);
+            let Some((row, col)) = chart.neighbour(row, col, to) else { continue };
+            let (next, time) = (chart.index(row, col), times[index] + length);
+            if length < f64::FAR && time < times[next] {
+                times[next] = time;
+                heap.push(Reverse((key(time), next)));
+            }
+        }
+    }
+    times
+}

@@ -1,0 +1,152 @@
+//! Files of any content: each reader ends with what it reads, or with an error that names the file.
+
+use std::fs;
+use std::path::Path;
+
+use geosweep::io::{
+    Element, Grid, IoError, MatrixFile, MatrixLayout, OutputFile, Provenance, SurfaceFile,
+    is_distance_matrix, read_curves, read_map, read_mask, read_matrix, read_metric, read_points,
+    read_slowness,
+};
+use geosweep::surface::Chart;
+use geosweep::{Engine, Options, Sources, Surface, distance_map};
+use tempfile::TempDir;
+
+/// A surface of up to this many points is also solved for.
+const SOLVED: usize = 1 << 10;
+
+pub fn npy(data: &[u8]) {
+    with_file("file.npy", data, |path| {
+        surface(path);
+        grid(path, read_map(path));
+        grid(path, read_mask(path));
+        grid(path, read_slowness(path));
+        grid(path, read_metric(path));
+        places(path);
+    });
+}
+
+pub fn png(data: &[u8]) {
+    with_file("file.png", data, |path| {
+        surface(path);
+        grid(path, read_mask(path));
+    });
+}
+
+pub fn tiff(data: &[u8]) {
+    with_file("file.tif", data, |path| {
+        surface(path);
+        grid(path, read_map(path));
+    });
+}
+
+pub fn exr(data: &[u8]) {
+    with_file("file.exr", data, |path| {
+        surface(path);
+        grid(path, read_map(path));
+    });
+}
+
+pub fn table(data: &[u8]) {
+    with_file("file.csv", data, places);
+}
+
+pub fn matrix(data: &[u8]) {
+    with_file("file.npy", data, |path| {
+        is_distance_matrix(path);
+        if let Some(matrix) = checked(path, read_matrix(path)) {
+            assert_eq!(matrix.distances.len(), matrix.points * matrix.points);
+        }
+    });
+}
+
+/// A checkpoint, a zero byte, and the unfinished matrix. Goes on with it where that is not refused.
+pub fn checkpoint(data: &[u8]) {
+    let Some(end) = data.iter().position(|&byte| byte == 0) else { return };
+    let (checkpoint, part) = (&data[..end], &data[end + 1..]);
+    let path = FOLDER.with(|folder| folder.path().join("d.npy"));
+    let beside = |suffix: &str| path.with_file_name(format!("d.npy{suffix}"));
+    write(&beside(".part"), part);
+    write(&beside(".part.json"), checkpoint);
+    let output = OutputFile::new(&path).unwrap();
+    match MatrixFile::resume(output, UNFINISHED, Provenance::new()) {
+        Ok(mut matrix) => {
+            let missing = UNFINISHED.rows - matrix.rows();
+            matrix.append(&vec![1.0; missing * UNFINISHED.cols]).unwrap();
+            matrix.finish().unwrap();
+            assert_eq!(read_matrix(&path).unwrap().points, UNFINISHED.rows);
+            fs::remove_file(&path).unwrap();
+        }
+        Err(error) => assert!(error.to_string().contains("d.npy.part"), "{error}"),
+    }
+}
+
+/// The matrix that checkpoints are resumed to.
+pub const UNFINISHED: MatrixLayout =
+    MatrixLayout { rows: 4, cols: 4, element: Element::Float32, upper: false, symmetric: false };
+
+fn surface(path: &Path) {
+    let surface = SurfaceFile::read(path).and_then(|file| {
+        file.georeference().map_or_else(|error| named(path, &error), |_| ());
+        file.into_surface(None)
+    });
+    let Some(surface) = checked(path, surface) else { return };
+    assert!(surface.points() <= surface.chart().points());
+    if surface.chart().points() <= SOLVED {
+        solved(&surface);
+    }
+}
+
+/// Distances are numbers, or the lengths are refused.
+fn solved(surface: &Surface) {
+    let first =
+        surface.present().iter().position(|present| *present).expect("a surface has a point");
+    let (row, col) = surface.chart().position(first);
+    let sources = Sources::point(row as f64, col as f64);
+    let options = Options { engine: Engine::Cpu, ..Options::default() };
+    if let Ok(map) = distance_map(surface, &sources, &options) {
+        assert!(map.distances.iter().all(|distance| !distance.is_nan()));
+    }
+}
+
+fn grid<T>(path: &Path, grid: Result<Grid<T>, IoError>) {
+    if let Some(grid) = checked(path, grid) {
+        assert_eq!(grid.values.len(), grid.rows * grid.cols);
+        assert!(!grid.values.is_empty());
+    }
+}
+
+fn places(path: &Path) {
+    if let Some(curves) = checked(path, read_curves(path)) {
+        assert!(!curves.is_empty() && curves.iter().all(|curve| !curve.is_empty()));
+    }
+    let chart = Chart { rows: 7, cols: 9 };
+    if let Some(points) = checked(path, read_points(path, chart)) {
+        assert!(points.iter().all(|&point| point < chart.points()));
+    }
+}
+
+fn checked<T>(path: &Path, result: Result<T, IoError>) -> Option<T> {
+    result.inspect_err(|error| named(path, error)).ok()
+}
+
+fn named(path: &Path, error: &IoError) {
+    assert!(error.to_string().starts_with(&path.display().to_string()), "{error}");
+}
+
+/// Writes a new file. Some file systems have what replaces an old one on the disk at once, which takes
+/// longer than all else.
+fn write(path: &Path, data: &[u8]) {
+    let _ = fs::remove_file(path);
+    fs::write(path, data).unwrap();
+}
+
+thread_local! {
+    static FOLDER: TempDir = tempfile::tempdir().unwrap();
+}
+
+fn with_file(name: &str, data: &[u8], read: impl FnOnce(&Path)) {
+    let path = FOLDER.with(|folder| folder.path().join(name));
+    write(&path, data);
+    read(&path);
+}

@@ -1,0 +1,58 @@
+//! An allocator that refuses what would take the process beyond a cap.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::ptr;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::current;
+
+/// What the process may hold at a time.
+pub const CAP: usize = 1 << 30;
+
+struct Capped;
+
+static HELD: AtomicUsize = AtomicUsize::new(0);
+
+/// Takes so many bytes from what is left, or says which case has asked for them. Who has asked may go
+/// on without them; else the process ends.
+fn take(bytes: usize) -> bool {
+    let held = HELD.fetch_add(bytes, Ordering::Relaxed);
+    let fits = held.checked_add(bytes).is_some_and(|held| held <= CAP);
+    if !fits {
+        give(bytes);
+        current::tell_of_refusal(bytes);
+    }
+    fits
+}
+
+fn give(bytes: usize) {
+    HELD.fetch_sub(bytes, Ordering::Relaxed);
+}
+
+// SAFETY: all is left to the system's allocator, or null is returned.
+unsafe impl GlobalAlloc for Capped {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        if take(layout.size()) { unsafe { System.alloc(layout) } } else { ptr::null_mut() }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        if take(layout.size()) { unsafe { System.alloc_zeroed(layout) } } else { ptr::null_mut() }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        if !take(size) {
+            return ptr::null_mut();
+        }
+        let moved = unsafe { System.realloc(pointer, layout, size) };
+        give(if moved.is_null() { size } else { layout.size() });
+        moved
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        give(layout.size());
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static CAPPED: Capped = Capped;

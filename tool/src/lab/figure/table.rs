@@ -1,0 +1,38 @@
+//! What the tables beside the paper's have in common.
+
+/// The rows of one of the paper's tables: points a side, and what it says of such a grid.
+pub struct Paper<const ROWS: usize, const N: usize>(pub [(usize, [f64; N]); ROWS]);
+
+impl<const ROWS: usize, const N: usize> Paper<ROWS, N> {
+    /// Points a side of its grids.
+    pub fn sides(&self) -> [usize; ROWS] {
+        self.0.map(|(side, _)| side)
+    }
+
+    /// The cells about a grid, empty where the paper has none of so many points a side.
+    pub fn cells<const M: usize>(
+        &self,
+        side: usize,
+        cells: impl Fn([f64; N]) -> [String; M],
+    ) -> [String; M] {
+        let row = self.0.iter().find(|(other, _)| *other == side);
+        row.map_or([(); M].map(|()| String::new()), |&(_, numbers)| cells(numbers))
+    }
+}
+
+/// The machine, at the end of a phrase.
+pub fn on_a(machine: Option<&String>) -> String {
+    machine.map_or(String::new(), |machine| format!(" on a {machine}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_empty_beside_sizes_that_the_paper_has_not() {
+        let paper = Paper([(32, [0.5, 2.0]), (64, [1.0, 3.0])]);
+        let cells = |side| paper.cells(side, |[a, b]| [(b / a).to_string()]);
+        assert_eq!((paper.sides(), cells(64), cells(33)), ([32, 64], ["3".into()], ["".into()]));
+    }
+}
