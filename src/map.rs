@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::surface::{Chart, Real, Seam};
+use crate::surface::{Chart, Real, Resolution, Seam};
 use crate::update::Wavefront;
 
 /// Geodesic distances from the sources to every grid point, in single precision or in double
@@ -54,6 +54,9 @@ pub struct Report {
     /// Where the surface is closed and the grid is not. Paths across a seam are not found, and two points
     /// of the grid that are one on the surface have distances of their own.
     pub seams: Vec<Seam>,
+    /// How well the grid resolves the surface ([`crate::Surface::resolution`]): where its normals turn by tens of
+    /// degrees from point to point, distances are those of a polyhedron. `None` over a metric.
+    pub resolution: Option<Resolution>,
 }
 
 impl<R: Real> DistanceMap<R> {

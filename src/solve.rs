@@ -380,6 +380,7 @@ impl<'a> Problem<'a> {
             reached: 0,
             max_distance: 0.0,
             seams: self.surface.seams(),
+            resolution: self.surface.resolution(),
         }
     }
 

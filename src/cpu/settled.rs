@@ -157,7 +157,7 @@ mod tests {
             [[0.3, 0.2], [0.01, 0.7], [0.0; 2], [-0.2, 0.05], [-0.5, -1.0], [1e18, 2.0]]
         {
             let bends = Bends { fronts: curvatures, surface: [0.0; 3], alone: false };
-            let share = if curvatures[0] > 1.0 { -1.0 } else { 0.2 };
+            let share = if curvatures[0] > 1.0 { -1.0 } else { 0.15 };
             assert_settles(
                 share,
                 |triangle| curved(triangle, bends).time,

@@ -58,7 +58,8 @@ pub struct Args {
     /// engine, where it was left to the tool), fallback, schedule, wavefront, iterations,
     /// iteration_bound (Theorem 1's, where it applies), residual, converged, solve_seconds, rows,
     /// cols, points, reached, max_distance, farthest (row and column of the first point that is so
-    /// far), seams (where a closed surface is cut open), extrapolated, and with --error or --extrapolate the
+    /// far), seams (where a closed surface is cut open), sharp_edges (the share of edges along which the surface
+    /// turns by more than 30 degrees), extrapolated, and with --error or --extrapolate the
     /// estimated mean_relative_error and max_relative_error before extrapolation
     #[arg(long, help_heading = "Reports")]
     json: bool,

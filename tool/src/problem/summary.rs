@@ -29,6 +29,7 @@ pub struct MapSummary<'a, R = f32> {
     max_distance: R,
     farthest: Option<[usize; 2]>,
     seams: Vec<String>,
+    sharp_edges: Option<f64>,
 }
 
 impl<'a, R: Number> MapSummary<'a, R> {
@@ -54,6 +55,7 @@ impl<'a, R: Number> MapSummary<'a, R> {
             max_distance: R::of(report.max_distance),
             farthest: farthest(map.chart, &map.distances).map(|point| [point.row, point.col]),
             seams: report.seams.iter().map(Seam::to_string).collect(),
+            sharp_edges: report.resolution.map(|resolution| resolution.sharp_edges),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use geosweep::io::{self, Georeference, SurfaceFile};
-use geosweep::surface::{Geometry, Seam};
+use geosweep::surface::{Geometry, Resolution, Seam};
 use geosweep::{EdgeRule, Spacing, Surface};
 
 use crate::choices::one_of;
@@ -111,6 +111,7 @@ impl Scene {
                 surface.with_slowness(slowness).map_err(|e| format!("{}: {e}", path.display()))?;
         }
         warn_of_seams(&seams);
+        warn_of_resolution(&surface, args);
         if args.edges.is_some() && matches!(surface.geometry(), Geometry::Metric(_)) {
             return Err(
                 "--edges is for positions and heights; a metric has its own lengths, leave \
@@ -197,6 +198,29 @@ impl SurfaceArgs {
         }
     }
 }
+
+/// Says that the surface turns too far from point to point to be smooth, and what may be the matter.
+fn warn_of_resolution(surface: &Surface, args: &SurfaceArgs) {
+    let Some(Resolution { sharp_edges, .. }) = surface.resolution() else { return };
+    if sharp_edges <= MOST_SHARP {
+        return;
+    }
+    let share = 100.0 * sharp_edges;
+    let mut said = format!(
+        "the grid does not resolve the surface: it turns by more than 30 degrees along {share:.0} % of the edges. \
+         Distances are those of a polyhedron, good to several per cent"
+    );
+    let one_apart = |spacing: &Spacing| spacing.dx == 1.0 && spacing.dy == 1.0;
+    let is_unspaced = args.spacing.is_none()
+        && matches!(surface.geometry(), Geometry::Heights { spacing, .. } if one_apart(spacing));
+    if is_unspaced {
+        said += "; no --spacing was given, so points lie one unit apart";
+    }
+    say("warning", said);
+}
+
+/// The share of sharp edges from which on a surface is not resolved: creases of built-in surfaces have less.
+const MOST_SHARP: f64 = 0.1;
 
 /// Says that paths end at seams, and what helps.
 fn warn_of_seams(seams: &[Seam]) {

@@ -106,6 +106,7 @@ pub fn map_of(chart: Chart, distances: Vec<f32>) -> DistanceMap {
         reached: reached().count(),
         max_distance: reached().fold(0.0, f32::max).into(),
         seams: Vec::new(),
+        resolution: None,
     };
     DistanceMap { chart, distances, report }
 }
