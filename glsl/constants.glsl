@@ -39,6 +39,8 @@
 // three degrees, so that rounding makes no right angle obtuse. How many points are looked for to split it, and how
 // many rows and columns away.
 #define OBTUSE 0.95
+// A triangle is upright if the square of its longest side is less than so many times those of the others.
+#define UPRIGHT 1.1
 #define SPLIT_STEPS 16
 #define SPLIT_REACH 6
 // Below such a part of squared lengths what tells the places of two such points apart is rounding.

@@ -1,5 +1,5 @@
 // Fronts through the parts of obtuse triangles, which have no face themselves: grid points beyond their bases
-// split them.
+// split them. What cannot be split has its face.
 // Include after wavefront.glsl and edge_image.glsl.
 // Twin: src/surface/unfold.rs, where it is explained.
 //
@@ -27,14 +27,6 @@ struct Unfolded {
 bool follows(vec2 a, vec2 other) {
     float across = other.x * a.y - other.y * a.x;
     return across > SPLIT_MARGIN * (dot(a, a) + dot(other, other));
-}
-
-// Whether triangles have an area and are obtuse at x0.
-bvec4 are_obtuse(vec4 l1, vec4 l2, vec4 c) {
-    vec4 per_base = 1.0 / c;
-    vec4 side = l1 * per_base;
-    vec4 other = l2 * per_base;
-    return both(lessThan(c, vec4(FAR)), lessThan(side * side + other * other, vec4(OBTUSE)));
 }
 
 bool is_obtuse(vec2 a, vec2 b) {
@@ -92,9 +84,16 @@ vec3 known_at(ivec2 point) {
 // The first of the fronts at x0 through the parts of its obtuse triangle between two neighbours, four times over.
 Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
     Fronts first = Fronts(vec4(FAR), vec4(0.0), bvec4(false));
+    ivec2 base = b - a;
+    // Whichever scan asks, from the same end: counter-clockwise.
+    if (base.x * a.y - base.y * a.x < 0) {
+        a = b;
+        base = -base;
+        b = a + base;
+    }
     float la = edge_length(x0, a);
     float lb = edge_length(x0, b);
-    float c = edge_length(x0 + a, b - a);
+    float c = edge_length(x0 + a, base);
     float x = 0.5 * (la * la + lb * lb - c * c) / la;
     float height_squared = lb * lb - x * x;
     if (max(la, lb) >= FAR || !(height_squared > 0.0)) return first;
@@ -104,23 +103,24 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
     // The edge beyond which the next point is looked for.
     Unfolded u = right;
     Unfolded w = left;
-    ivec2 base = b - a;
     int turn = base.x * a.y - base.y * a.x > 0 ? 1 : -1;
     Unfolded apex = right;
-    for (int i = 0; i < SPLIT_STEPS; i++) {
-        if (!find_beyond(x0, u, w, turn, right.place, left.place, apex)) break;
-        if (!follows(apex.place, right.place)) {
+    for (int i = 0; i <= SPLIT_STEPS; i++) {
+        // At last what is left, as one part.
+        bool found = i < SPLIT_STEPS && find_beyond(x0, u, w, turn, right.place, left.place, apex);
+        if (!found) apex = left;
+        if (found && !follows(apex.place, right.place)) {
             u = apex;
             continue;
         }
-        if (!follows(left.place, apex.place)) {
+        if (found && !follows(left.place, apex.place)) {
             w = apex;
             continue;
         }
-        apex.front = known_at(x0 + apex.step);
+        if (found) apex.front = known_at(x0 + apex.step);
         // The part to the right of the point in x, that to its left in y; there is nothing in one that is obtuse.
-        bool right_obtuse = is_obtuse(right.place, apex.place);
-        bool left_obtuse = is_obtuse(apex.place, left.place);
+        bool right_obtuse = found && is_obtuse(right.place, apex.place);
+        bool left_obtuse = !found || is_obtuse(apex.place, left.place);
         vec2 ends = vec2(right_obtuse ? FAR : 0.0, left_obtuse ? FAR : 0.0);
         vec4 far = ends.xyxy;
         vec3 l = sqrt(vec3(dot(right.place, right.place), dot(apex.place, apex.place), dot(left.place, left.place)));
@@ -135,6 +135,7 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
                               bvec4(false));
         Fronts others = Fronts(parts.time.yxyx, parts.carried.yxyx, parts.whole.yxyx);
         first = earlier(first, earlier(parts, others));
+        if (!found) break;
         if (right_obtuse) {
             left = apex;
             w = apex;

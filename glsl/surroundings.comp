@@ -93,7 +93,8 @@ void update_texel(ivec2 at, inout vec4 time, inout vec4 held) {
         vec4 l1 = edge_lengths(at, first);
         vec4 l2 = edge_lengths(at, second);
         vec4 base = edge_lengths(at + first, along);
-        Fronts through = update(ends_at(at + first), ends_at(at + second), own, l1, l2, base, alone);
+        vec4 faced = without_obtuse_faces(l1, l2, base);
+        Fronts through = update(ends_at(at + first), ends_at(at + second), own, l1, l2, faced, alone);
         bvec4 none = bvec4(false);
         bvec4 obtuse = are_obtuse(l1, l2, base);
         bool is_left = (triangle & 1) == 0;

@@ -63,7 +63,7 @@ struct Shape {
     vec4 other;          // from the other end to x0
     vec4 foot;           // from this end to the foot of x0 on the base
     vec4 height_squared; // of x0 over the base
-    bvec4 whole;         // all three edges exist and enclose an area, not obtuse at x0: see splits.glsl
+    bvec4 whole;         // all three edges exist and enclose an area
 };
 
 Shape shape_of(vec4 side, vec4 other, vec4 base) {
@@ -74,10 +74,29 @@ Shape shape_of(vec4 side, vec4 other, vec4 base) {
     shape.foot = 0.5 * ((shape.side * shape.side - shape.other * shape.other) + 1.0);
     shape.height_squared = (shape.side - shape.foot) * (shape.side + shape.foot);
     bvec4 exists = both(lessThan(shape.height_squared, vec4(FAR)), lessThan(base, vec4(FAR)));
-    vec4 squares = shape.side * shape.side + shape.other * shape.other;
-    bvec4 acute = greaterThanEqual(squares, vec4(OBTUSE));
-    shape.whole = both(both(greaterThan(shape.height_squared, vec4(0.0)), exists), acute);
+    shape.whole = both(greaterThan(shape.height_squared, vec4(0.0)), exists);
     return shape;
+}
+
+// Whether no angle is obtuse by more than some degrees.
+bvec4 are_upright(Shape shape) {
+    vec4 side = shape.side * shape.side;
+    vec4 other = shape.other * shape.other;
+    vec4 longest = max(max(side, other), 1.0);
+    return lessThan(longest, UPRIGHT * (side + other + 1.0 - longest));
+}
+
+// Whether triangles are obtuse at x0.
+bvec4 are_obtuse(vec4 l1, vec4 l2, vec4 c) {
+    vec4 per_base = 1.0 / c;
+    vec4 side = l1 * per_base;
+    vec4 other = l2 * per_base;
+    return both(lessThan(c, vec4(FAR)), lessThan(side * side + other * other, vec4(OBTUSE)));
+}
+
+// The bases of triangles, but of obtuse ones, whose edges alone count: see splits.glsl.
+vec4 without_obtuse_faces(vec4 l1, vec4 l2, vec4 c) {
+    return mix(c, vec4(FAR), are_obtuse(l1, l2, c));
 }
 
 // Whether of x1 and x2 only the one across the diagonal is there, given the edges to the other, along

@@ -45,6 +45,8 @@ Fronts earlier(Fronts a, Fronts b) {
 // The fronts at four points through the two triangles that each sees behind it, given these triangles' bases.
 Fronts update_four(Sight sight, vec4 surface, vec4 base_left, vec4 base_right) {
     bvec4 alone = are_alone(sight.edges[1]);
+    base_left = without_obtuse_faces(sight.edges[0], sight.edges[1], base_left);
+    base_right = without_obtuse_faces(sight.edges[1], sight.edges[2], base_right);
     return earlier(update(sight.ends[0], sight.ends[1], surface, sight.edges[0], sight.edges[1], base_left, alone),
                    update(sight.ends[1], sight.ends[2], surface, sight.edges[1], sight.edges[2], base_right, alone));
 }
@@ -54,6 +56,7 @@ Fronts update_four(Sight sight, vec4 surface, vec4 base_left, vec4 base_right) {
 Fronts update_pair(Ends behind, vec2 surface, vec4 l1, vec4 l2, vec4 base) {
     Ends near = Ends(behind.time.xyyz, behind.carried.xyyz, behind.surface.xyyz);
     Ends far = Ends(behind.time.yzzw, behind.carried.yzzw, behind.surface.yzzw);
+    base = without_obtuse_faces(l1, l2, base);
     Fronts sided = update(near, far, surface.xyxy, l1, l2, base, are_alone(l1.zwzw));
     return earlier(Fronts(sided.time.xyxy, sided.carried.xyxy, sided.whole.xyxy),
                    Fronts(sided.time.zwzw, sided.carried.zwzw, sided.whole.zwzw));

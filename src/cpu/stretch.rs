@@ -45,7 +45,7 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
     }
 
     /// One of the two triangles of point i: with the points behind before and beside it, or with those
-    /// beside and after it.
+    /// beside and after it. Of an obtuse one the edges.
     #[inline(always)]
     pub(super) fn triangle<const LEFT: bool>(&self, i: usize) -> Triangle<R> {
         let x1 = if LEFT { 0 } else { 1 };
@@ -56,6 +56,7 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
             l2: self.edges[x1 + 1][i],
             c: self.bases[x1][i],
         }
+        .without_obtuse_face()
     }
 
     /// The same, x1 being the point behind beside point i.

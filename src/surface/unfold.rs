@@ -5,7 +5,8 @@
 //! depend on one another in a circle: what comes out hangs on the order of updates, and where fronts meet,
 //! they pass each other on too early. So an obtuse triangle has no face, only its edges. In its place the triangles
 //! beyond its base are unfolded into its plane, one after another, until a grid point comes to lie between
-//! both edges. That splits the triangle in two, of which at most one is obtuse, and is split again.
+//! both edges. That splits the triangle in two, of which at most one is obtuse, and is split again. What a hole
+//! or the border keeps from being split has its face: it is rare, and no front comes before the later end.
 
 use std::sync::OnceLock;
 
@@ -51,15 +52,18 @@ impl<R: Real> EdgeLengths<R> {
     }
 
     /// Splits a point's triangle between two neighbours in directions that follow one another, if it is obtuse:
-    /// tells of the parts that are not, by the two other corners' indices in the bordered array and the lengths
+    /// tells of its parts, by the two other corners' indices in the bordered array and the lengths
     /// of x0 x1, x0 x2 and x1 x2 in the plane.
     pub(crate) fn split(
         &self,
         x0: usize,
-        [a, b]: [Direction; 2],
+        directions: [Direction; 2],
         mut part: impl FnMut([usize; 2], [R; 3]),
     ) {
         let chart = self.chart();
+        // Whichever scan asks, from the same end.
+        let [first, second] = directions;
+        let [a, b] = if first.next() == second { directions } else { [second, first] };
         let base = (b.step().0 - a.step().0, b.step().1 - a.step().1);
         let point_at =
             |(down, right): Step| x0.wrapping_add_signed(down * chart.stride() as isize + right);
@@ -81,12 +85,16 @@ impl<R: Real> EdgeLengths<R> {
             Unfolded { step: a.step(), place: [la, R::zero()] },
             Unfolded { step: b.step(), place: [x, height_squared.sqrt()] },
         ];
+        let mut tell = |[a, b]: [Unfolded<R>; 2]| {
+            let squares = [a.squared(), b.squared(), a.squared_to(&b)];
+            part([a, b].map(|end| point_at(end.step)), squares.map(|square| square.sqrt()));
+        };
         // The edge beyond which the next point is looked for, seen from x0 the first end to the right.
         let mut edge = wedge;
-        // Whether a step to the left of that edge, turned by a right angle, leads away from x0.
+        // Which way an edge is turned by a right angle to lead away from x0.
         let turn = if base.1 * a.step().0 - base.0 * a.step().1 > 0 { 1 } else { -1 };
         for _ in 0..SPLIT_STEPS {
-            let Some(apex) = self.beyond(edge, turn, wedge, point_at) else { return };
+            let Some(apex) = self.beyond(edge, turn, wedge, point_at) else { break };
             if !apex.follows(&wedge[0]) {
                 edge[0] = apex;
                 continue;
@@ -100,9 +108,8 @@ impl<R: Real> EdgeLengths<R> {
                 let base = a.squared_to(&b);
                 is_obtuse(a.squared() / base, b.squared() / base)
             });
-            for ([a, b], _) in halves.into_iter().zip(obtuse).filter(|(_, obtuse)| !obtuse) {
-                let squares = [a.squared(), b.squared(), a.squared_to(&b)];
-                part([a, b].map(|end| point_at(end.step)), squares.map(|square| square.sqrt()));
+            for (half, _) in halves.into_iter().zip(obtuse).filter(|(_, obtuse)| !obtuse) {
+                tell(half);
             }
             match obtuse {
                 [true, _] => (wedge[1], edge[1]) = (apex, apex),
@@ -110,6 +117,7 @@ impl<R: Real> EdgeLengths<R> {
                 _ => return,
             }
         }
+        tell(wedge);
     }
 
     /// The point beyond an edge of the grid that is next in x0's plane. Beyond an edge along an axis there are

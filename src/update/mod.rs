@@ -30,7 +30,8 @@ pub use point_source::point_source;
 pub use wavefront::Wavefront;
 pub(crate) use wavefront::{EngineKind, Setting, SourceKind, Unsuited};
 
-use crate::surface::{Real, is_obtuse, min};
+use crate::constants::UPRIGHT;
+use crate::surface::{Real, is_obtuse, max, min};
 
 /// A triangle x0 x1 x2 with arrival times at x1 and x2; the update is for x0.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +55,13 @@ impl<R: Real> Triangle<R> {
         min(self.t1 + self.l1, self.t2 + self.l2)
     }
 
-    /// Whether it is obtuse at x0, and so has no face.
+    /// The same, or its edges alone if it is obtuse at x0: see `surface/unfold.rs`.
+    #[inline(always)]
+    pub(crate) fn without_obtuse_face(self) -> Self {
+        Self { c: if self.is_obtuse() { R::FAR } else { self.c }, ..self }
+    }
+
+    /// Whether it is obtuse at x0.
     #[inline(always)]
     pub(crate) fn is_obtuse(self) -> bool {
         let Self { l1, l2, c, .. } = self;
@@ -85,15 +92,13 @@ struct Shape<R> {
     /// Square of the height of x0 over the base. Not positive unless all three edges exist and
     /// together are the sides of a triangle with an area.
     height_squared: R,
-    /// Whether they are, and those of one that is not obtuse at x0.
     whole: bool,
 }
 
 impl<R: Real> Shape<R> {
     /// Chords always are the sides of a triangle, but lengths weighted by a slowness or taken from
     /// a metric need not be: an edge that is longer than the way around it is no shortest path,
-    /// and a front that runs across such a "triangle" would arrive too early, or before it left. An obtuse
-    /// triangle has no face either: see `surface/unfold.rs`.
+    /// and a front that runs across such a "triangle" would arrive too early, or before it left.
     #[inline(always)]
     fn new(side: R, other: R, base: R) -> Self {
         let per_base = R::one() / base;
@@ -101,9 +106,17 @@ impl<R: Real> Shape<R> {
         let foot = R::of(0.5) * ((side * side - other * other) + R::one());
         let height_squared = (side - foot) * (side + foot);
         // Not positive, not a number or far too large where a side is missing.
-        let exists = (height_squared > R::zero()) & (height_squared < R::FAR) & (base < R::FAR);
-        let whole = exists & !is_obtuse(side * side, other * other);
+        let whole = (height_squared > R::zero()) & (height_squared < R::FAR) & (base < R::FAR);
         Self { per_base, side, other, foot, height_squared, whole }
+    }
+
+    /// Whether no angle is obtuse by more than some degrees, as in cells that are not sheared. There is then no
+    /// triangle beside it through which points depend on one another in a circle.
+    #[inline(always)]
+    fn is_upright(&self) -> bool {
+        let (side, other) = (self.side * self.side, self.other * self.other);
+        let longest = max(max(side, other), R::one());
+        longest < R::of(UPRIGHT) * (side + other + R::one() - longest)
     }
 }
 

@@ -10,7 +10,7 @@ use crate::surface::{Real, max, min};
 /// eq. 10. The upwind condition (15) is the interval of d for which the ray to x0 crosses the
 /// base between x1 and x2: d |x0 x1| <= p and d |x0 x2| >= p - 1. Outside it the ray runs along
 /// an edge (16). This is the minimum over the base of t plus distance (the Hopf-Lax form):
-/// monotone. A triangle that is obtuse at x0 has no face, only its edges.
+/// monotone for every triangle, obtuse ones included.
 #[inline(always)]
 pub fn planar<R: Real>(triangle: Triangle<R>) -> R {
     let Triangle { t1, t2, l1, l2, c } = triangle;
@@ -41,8 +41,8 @@ mod tests {
     }
 
     #[test]
-    fn is_the_minimum_over_the_base_of_triangles_that_are_not_obtuse_at_x0() {
-        for (p, h) in [(0.5, 0.8), (0.1, 0.35), (-0.7, 0.4), (1.6, 0.2), (0.5, 0.5)] {
+    fn is_the_minimum_over_the_edge_for_acute_and_obtuse_triangles() {
+        for (p, h) in [(0.5, 0.8), (0.1, 0.3), (-0.7, 0.4), (1.6, 0.2), (0.5, 0.05)] {
             let (l1, l2) = (f64::hypot(p, h), f64::hypot(p - 1.0, h));
             for d in [-1.5, -0.9, -0.3, 0.0, 0.2, 0.7, 1.0, 3.0] {
                 let triangle = Triangle { t1: 4.0, t2: 4.0 + d, l1, l2, c: 1.0 };

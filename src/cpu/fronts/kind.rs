@@ -183,7 +183,8 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         let kept = [x1, x2].map(&seen);
         let triangle = slots.triangle(edges, point, kept.map(|front| front.time));
         let carried = kept.map(|front| front.carried);
-        let arrival = self.arrival([point, x1, x2], triangle, carried, slots.is_alone(triangle));
+        let (edges_alone, alone) = (triangle.without_obtuse_face(), slots.is_alone(triangle));
+        let arrival = self.arrival([point, x1, x2], edges_alone, carried, alone);
         if !triangle.is_obtuse() {
             return arrival;
         }
