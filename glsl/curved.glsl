@@ -36,7 +36,7 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     bvec4 after_x1 = greaterThanEqual(crossing, vec4(0.0));
     vec4 n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * 2.0;
     vec4 root = sqrt(max(1.0 + kappa * n, 0.0));
-    vec4 least = mix(vec4(0.0), d, both(are_upright(shape), greaterThanEqual(kappa, vec4(1.0))));
+    vec4 least = mix(vec4(0.0), d, are_upright(shape));
     vec4 rise = max(n / (1.0 + root), least);
     vec4 by_far = t + l;
     vec4 by_near = near_t + near_l;

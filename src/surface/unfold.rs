@@ -44,6 +44,12 @@ impl<R: Real> EdgeLengths<R> {
         self.obtuse.0.get_or_init(|| obtuse_triangles(self)).as_deref()
     }
 
+    /// Whether the surface has triangles that are obtuse at the point that is updated from them: where it is steep,
+    /// or its grid sheared.
+    pub fn has_obtuse_triangles(&self) -> bool {
+        self.obtuse_triangles().is_some()
+    }
+
     /// The length of the edge from a point of the bordered array to its neighbour a step of rows and columns away.
     #[inline]
     fn along(&self, point: usize, step: Step) -> R {

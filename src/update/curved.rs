@@ -123,9 +123,10 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let is_front = whole & (d > -one) & (cos_a <= one) & (width > zero);
     let n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * R::of(2.0);
     let root = max(one + kappa * n, zero).sqrt();
-    // Nothing arrives before the later end, so that each point hangs on earlier ones alone; but where the base is
-    // longer than the way from the source, as in cells that are stretched, before the earlier end. Nor after what runs along an edge.
-    let rise = max(n / (one + root), if shape.is_upright() & (kappa >= one) { d } else { zero });
+    // Nothing arrives before the later end of the base, so that each point hangs on earlier ones alone; but before
+    // the earlier one where cells are not sheared: from within a stretched cell a point may be nearer than an end of
+    // its base. Nor after what runs along an edge.
+    let rise = max(n / (one + root), if shape.is_upright() { d } else { zero });
     let (by_far, by_near) = (t + l, near_t + near_l);
     let time = t + c * rise;
     let is_first = time <= min(by_far, by_near);

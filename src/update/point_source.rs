@@ -33,11 +33,7 @@ pub fn point_source<R: Real>(triangle: Triangle<R>) -> R {
     let is_front = shape.whole & (d >= -one) & (cos_a <= one);
     let upwind = is_front & (crossing >= zero) & (crossing <= width);
     let n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * R::of(2.0);
-    // Not before the later end, so that each point hangs on earlier ones alone; but where the base is longer than
-    // the way from the source, as in cells that are stretched, before the earlier end.
-    let floor = if shape.is_upright() & (kappa >= one) { d } else { zero };
-    let rise = max(n / (one + max(one + kappa * n, zero).sqrt()), floor);
-    let inside = t + c * rise;
+    let inside = t + c * (n / (one + max(one + kappa * n, zero).sqrt()));
     min(along_edge, if upwind { inside } else { along_edge })
 }
 
