@@ -7,12 +7,15 @@ use std::collections::BinaryHeap;
 use geosweep::Stop;
 use geosweep::glam::DVec3;
 use geosweep::surface::{Chart, Direction, EdgeLengths, Real, Seed};
-use geosweep::{EdgeRule, Sources, Surface};
+use geosweep::{EdgeRule, Sources, Surface, Wavefront};
 
 use super::Random;
 
 /// Fronts settle within so many iterations, or the map says that it has not converged.
 pub const SETTLED: Stop = Stop { tolerance: 1e-6, iterations: 500 };
+
+/// Maps that differ by more of the largest distance have settled in two ways.
+pub const APART: f64 = 1e-4;
 
 /// How many cases a test runs: `usual`, or what `GEOSWEEP_CASES` says; and the first one's number, 0 or
 /// `GEOSWEEP_FIRST_CASE`.
@@ -110,6 +113,16 @@ impl Case {
         Self { name, surface, sources, has_positions: !slow && !inside && !curved }
     }
 
+    /// The fronts that keep the bounds here. Point-source ones have no curvature of their own to tell fronts that meet in
+    /// obtuse triangles, or that start apart.
+    pub fn wavefronts<R: Real>(&self, edges: &EdgeLengths<R>) -> Vec<Wavefront> {
+        let start = self.sources.start();
+        let together = self.sources.iter().all(|source| source.initial() == start);
+        let by_point = self.sources.are_points() && together && !edges.has_obtuse_triangles();
+        let all = Wavefront::ALL.into_iter();
+        all.filter(|&wavefront| wavefront != Wavefront::PointSource || by_point).collect()
+    }
+
     pub fn seeds(&self) -> Vec<Seed> {
         self.sources.seeds(&self.surface).unwrap()
     }
@@ -174,6 +187,15 @@ pub struct Bounds {
 }
 
 impl Bounds {
+    /// Largest difference of two maps, over the largest distance.
+    pub fn difference<R: Real, S: Real>(&self, a: &[R], b: &[S]) -> f64 {
+        let apart = |(a, b): (&R, &S)| {
+            let (a, b) = (a.wide(), b.wide());
+            if a.is_finite() { (a - b).abs() } else { 0.0 }
+        };
+        a.iter().zip(b).map(apart).fold(0.0, f64::max) / self.largest
+    }
+
     /// No distance is below the first source's, above the shortest way along edges, or below the straight line by
     /// more than half the longest edge, which is how far fronts that meet inside a cell may be mistaken; and the
     /// same points are reached.
