@@ -169,7 +169,7 @@ fn an_interrupted_matrix_is_resumed_to_the_same_bytes() {
 fn an_interrupted_matrix_from_symmetry_leaves_nothing() {
     let bench = Workbench::new();
     let line =
-        "pairwise builtin:peaks:80x80 --wavefront point --from-symmetry --symmetrize -o d.npy";
+        "pairwise builtin:sphere:80x80 --wavefront point --from-symmetry --symmetrize -o d.npy";
     let mut command = Command::new(cargo_bin!("geosweep"));
     command.current_dir(bench.outputs.path()).args(words(line)).stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();

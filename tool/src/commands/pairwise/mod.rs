@@ -295,7 +295,7 @@ impl Args {
             Engine::Vulkan(DeviceChoice::Index(index)) => format!("vulkan on device {index}"),
         };
         let sources = match sources {
-            [first, .., last] if last - first + 1 == sources.len() && sources.is_sorted() => {
+            [first, .., last] if sources.is_sorted() && last - first + 1 == sources.len() => {
                 format!("{first}..{}", last + 1)
             }
             _ => format!("{sources:?}"),
