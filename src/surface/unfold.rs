@@ -206,7 +206,8 @@ fn unfolded<R: Real>([u, w]: [[R; 2]; 2], base: R, [to_u, to_w]: [R; 2]) -> Opti
     let (to_u, to_w) = (to_u * per_base, to_w * per_base);
     let foot = half * ((to_u * to_u - to_w * to_w) + R::one());
     let height_squared = (to_u - foot) * (to_u + foot);
-    if !(height_squared > R::zero()) {
+    // No number where edges are no numbers.
+    if height_squared.is_nan() || height_squared <= R::zero() {
         return None;
     }
     let (height, along) = (height_squared.sqrt(), [w[0] - u[0], w[1] - u[1]]);
