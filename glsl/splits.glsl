@@ -55,8 +55,10 @@ bool find_beyond(ivec2 x0, Unfolded u, Unfolded w, int turn, vec2 right, vec2 le
     ivec2 away = turn * ivec2(-along.y, along.x);
     bool is_diagonal = along.x != 0 && along.y != 0;
     float base = edge_length(x0 + u.step, along);
+    const float CLEARLY = 1.0 - SPLIT_MARGIN;
     bool found = false;
     bool was_inside = false;
+    float other_around = FAR;
     for (int i = 0; i < (is_diagonal ? 1 : 2); i++) {
         ivec2 step = i == 1 ? along + away : is_diagonal ? (along + away) / 2 : away;
         ivec2 from_x0 = u.step + step;
@@ -66,11 +68,16 @@ bool find_beyond(ivec2 x0, Unfolded u, Unfolded w, int turn, vec2 right, vec2 le
         float to_w = edge_length(x0 + w.step, step - along);
         if (!unfold(u.place, w.place, base, to_u, to_w, place)) continue;
         bool inside = follows(place, right) && follows(left, place);
-        bool nearer = dot(place, place) < dot(apex.place, apex.place) * (1.0 - SPLIT_MARGIN);
+        float around = to_u + to_w;
+        float squared = dot(place, place);
+        float other = dot(apex.place, apex.place);
+        bool as_near = !(squared < other * CLEARLY) && !(other < squared * CLEARLY);
+        bool nearer = as_near ? around < other_around * CLEARLY : squared < other;
         if (!found || (inside == was_inside ? nearer : inside)) {
             apex.step = from_x0;
             apex.place = place;
             was_inside = inside;
+            other_around = around;
         }
         found = true;
     }

@@ -127,7 +127,8 @@ impl<R: Real> EdgeLengths<R> {
     }
 
     /// The point beyond an edge of the grid that is next in x0's plane. Beyond an edge along an axis there are
-    /// two; of these one within the wedge, else the nearer one, the first unless the other is clearly nearer.
+    /// two; of these one within the wedge, else the nearer one, else that with the shorter sides: whichever way
+    /// round the grid is numbered. Where rounding would have to tell, the first.
     fn beyond(
         &self,
         [u, w]: [Unfolded<R>; 2],
@@ -143,7 +144,8 @@ impl<R: Real> EdgeLengths<R> {
             if is_diagonal { ((along.0 + away.0) / 2, (along.1 + away.1) / 2) } else { away };
         let second = (along.0 + away.0, along.1 + away.1);
         let base = self.along(point_at(u.step), along);
-        let mut best: Option<(bool, Unfolded<R>)> = None;
+        let clearly = R::of(1.0 - SPLIT_MARGIN);
+        let mut best: Option<(bool, R, Unfolded<R>)> = None;
         for step in [first, second].into_iter().take(if is_diagonal { 1 } else { 2 }) {
             let from_w = (step.0 - along.0, step.1 - along.1);
             let from_x0 = (u.step.0 + step.0, u.step.1 + step.1);
@@ -154,15 +156,19 @@ impl<R: Real> EdgeLengths<R> {
             let Some(place) = unfolded([u.place, w.place], base, sides) else { continue };
             let apex = Unfolded { step: from_x0, place };
             let inside = apex.follows(&right) && left.follows(&apex);
-            let is_better = best.is_none_or(|(was_inside, other)| {
-                let nearer = apex.squared() < other.squared() * R::of(1.0 - SPLIT_MARGIN);
+            let around = sides[0] + sides[1];
+            let is_better = best.is_none_or(|(was_inside, other_around, other)| {
+                let (squared, other) = (apex.squared(), other.squared());
+                let as_near = !(squared < other * clearly) & !(other < squared * clearly);
+                let nearer =
+                    if as_near { around < other_around * clearly } else { squared < other };
                 if inside == was_inside { nearer } else { inside }
             });
             if is_better {
-                best = Some((inside, apex));
+                best = Some((inside, around, apex));
             }
         }
-        best.map(|(_, apex)| apex)
+        best.map(|(.., apex)| apex)
     }
 }
 
