@@ -71,9 +71,11 @@ float length_of(vec2 to) {
     return sqrt(to.y * (m.x * to.y + (m.y + m.y) * to.x) + m.z * to.x * to.x);
 }
 
-// Twice the area between two steps.
+// Twice the area between two steps: exactly none between one and itself, also where devices would fuse one of the
+// products with the difference.
 float area_of(vec2 a, vec2 b) {
-    return a.x * b.y - a.y * b.x;
+    precise float area = a.x * b.y - a.y * b.x;
+    return area;
 }
 
 Anchor anchor_of(uint number) {

@@ -1,7 +1,7 @@
 // What the update by anchors knows of a floor plan beside its grid points: at the end of the buffer for
 // uploads sources inside cells, then the metric. Twin: src/vulkan/anchors.rs.
 
-layout(set = 0, binding = 7) readonly restrict buffer Anchors {
+layout(set = 0, binding = 3) readonly restrict buffer Anchors {
     vec4 anchors[];
 };
 

@@ -9,7 +9,7 @@
 layout(local_size_x = WORKGROUP) in;
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray old_fronts;
-layout(set = 0, binding = 4, rgba32f) uniform writeonly restrict image2DArray new_fronts;
+layout(set = 2, binding = 0, rgba32f) uniform writeonly restrict image2DArray new_fronts;
 
 layout(push_constant) uniform Size {
     ivec2 texels; // columns and rows of texels, without the border

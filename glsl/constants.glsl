@@ -14,6 +14,8 @@
 // Invocations of a workgroup; 128 is the most that every Vulkan device offers, and a row or
 // column of texels is the whole dispatch, so small groups fill a device sooner.
 #define WORKGROUP 64
+// Workgroups of a dispatch along one axis: the most that every Vulkan device offers.
+#define MOST_GROUPS 65535
 // Layers of the images of fronts, each with 2 x 2 points a texel: arrival times, and what else fronts
 // carry, by their kind: a curvature, or the number of an anchor.
 #define TIME 0

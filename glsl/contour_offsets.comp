@@ -33,5 +33,7 @@ void main() {
         uint needed = 2u * sum;
         uint drawn = min(needed, uint(capacity));
         write_record(0, drawn, 0u, needed, needed > drawn ? OUT_OF_ROOM : COMPLETE);
+        // What paths alone have to tell.
+        for (int word = 6; word < CURVE_WORDS; word++) curves[word] = 0u;
     }
 }

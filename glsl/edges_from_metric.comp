@@ -14,7 +14,7 @@ struct Point {
     float slowness;
 };
 
-layout(set = 0, binding = 7) readonly restrict buffer Points {
+layout(set = 0, binding = 3) readonly restrict buffer Points {
     vec4 points[]; // metric and slowness, row-major
 };
 

@@ -13,7 +13,7 @@ struct Point {
     float slowness;
 };
 
-layout(set = 0, binding = 7) readonly restrict buffer Points {
+layout(set = 0, binding = 3) readonly restrict buffer Points {
     vec4 points[]; // position and slowness, row-major
 };
 

@@ -13,7 +13,7 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 0, binding = 7) writeonly restrict buffer Fans {
+layout(set = 0, binding = 3) writeonly restrict buffer Fans {
     float fans[];
 };
 

@@ -12,8 +12,8 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 0, binding = 4, rgba32f) uniform writeonly restrict image2DArray new_fronts_0;
-layout(set = 0, binding = 5, rgba32f) uniform writeonly restrict image2DArray new_fronts_1;
+layout(set = 0, binding = 2, rgba32f) uniform writeonly restrict image2DArray fronts_1;
+layout(set = 2, binding = 0, rgba32f) uniform writeonly restrict image2DArray fronts_0;
 
 layout(push_constant) uniform Size {
     ivec2 grid; // columns and rows of points
@@ -27,11 +27,11 @@ void main() {
     bvec4 here = equal(ivec4(0, 1, 2, 3), ivec4(component_of(point)));
     here = both(here, bvec4(texel == texel_of(point)));
     vec4 time = mix(vec4(FAR), vec4(0.0), here);
-    imageStore(new_fronts_0, ivec3(texel, layer_of(map, TIME)), time);
-    imageStore(new_fronts_1, ivec3(texel, layer_of(map, TIME)), time);
+    imageStore(fronts_0, ivec3(texel, layer_of(map, TIME)), time);
+    imageStore(fronts_1, ivec3(texel, layer_of(map, TIME)), time);
     if (CARRIES) {
         vec4 carried = mix(vec4(0.0), vec4(with_tag(SOURCE_CURVATURE, 0u)), here);
-        imageStore(new_fronts_0, ivec3(texel, layer_of(map, CARRIED)), carried);
-        imageStore(new_fronts_1, ivec3(texel, layer_of(map, CARRIED)), carried);
+        imageStore(fronts_0, ivec3(texel, layer_of(map, CARRIED)), carried);
+        imageStore(fronts_1, ivec3(texel, layer_of(map, CARRIED)), carried);
     }
 }

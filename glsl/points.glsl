@@ -6,7 +6,7 @@
 
 float component(ivec2 at, int index);
 
-layout(set = 0, binding = 7) writeonly restrict buffer Points {
+layout(set = 0, binding = 3) writeonly restrict buffer Points {
     float points[]; // position and slowness, or height and slowness, row-major
 };
 

@@ -1,6 +1,6 @@
 // How a map's iterations go, kept on the device so that no readback steers them.
 
-layout(set = 0, binding = 6) restrict buffer Progress {
+layout(set = 2, binding = 1) restrict buffer Progress {
     uint residual;      // largest change of a front in this iteration, in units of the last place
     uint renews;        // 1 while curved fronts may be renewed
     uint iterations;    // done so far: of four scans, of updates of all points, or rounds of tiles
@@ -11,7 +11,7 @@ layout(set = 0, binding = 6) restrict buffer Progress {
     uint most;          // iterations, at most
     // What the dispatches of further iterations read, zero groups once the map is done.
     uint grid_groups[3];   // of the grid
-    uint rounds[3 * (ROUNDS + 1)]; // of the tiles to visit in each round
+    uint rounds[4 * (ROUNDS + 1)]; // of the tiles to visit in each round; then how many these are
     uint unsettled[ROUNDS]; // largest change of a round that another one has to pass on
     uint reached;           // 1 once a round has reached a point
     uint settled;           // texels that settle.comp has copied, for profiles

@@ -29,11 +29,9 @@ layout(constant_id = 1) const int AHEAD_Y = 1;
 #include "edge_image.glsl"
 #include "surface_image.glsl"
 
-// The image that the scan writes is bound twice, so that reads of the line behind and writes of
-// this line can be told apart.
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray old_fronts;
-layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray fronts_behind;
-layout(set = 0, binding = 4, rgba32f) uniform writeonly image2DArray new_fronts;
+// Read on the line behind the block, which an earlier dispatch has written.
+layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray new_fronts;
 
 layout(push_constant) uniform Block {
     int line;  // the first row or column of texels in the order of the scan
@@ -81,9 +79,9 @@ vec4 first_line_old(ivec2 texel, int layer) {
 Behind layer_behind(ivec2 texel, int layer) {
     ivec3 at = place_of(texel - ahead, layer);
     ivec3 side = ivec3(along, 0);
-    return Behind(second_line(imageLoad(fronts_behind, at - side), ahead),
-                  second_line(imageLoad(fronts_behind, at), ahead),
-                  second_line(imageLoad(fronts_behind, at + side), ahead));
+    return Behind(second_line(imageLoad(new_fronts, at - side), ahead),
+                  second_line(imageLoad(new_fronts, at), ahead),
+                  second_line(imageLoad(new_fronts, at + side), ahead));
 }
 
 Behind surface_behind(ivec2 texel) {
@@ -106,8 +104,8 @@ vec2 front_at(ivec2 point) {
     bool is_behind = lines_ahead(texel, ahead) < line * (AHEAD_X + AHEAD_Y);
     ivec3 time_at = place_of(texel, TIME);
     ivec3 carried_at = place_of(texel, CARRIED);
-    vec4 times = is_behind ? imageLoad(fronts_behind, time_at) : imageLoad(old_fronts, time_at);
-    vec4 carried = is_behind ? imageLoad(fronts_behind, carried_at) : imageLoad(old_fronts, carried_at);
+    vec4 times = is_behind ? imageLoad(new_fronts, time_at) : imageLoad(old_fronts, time_at);
+    vec4 carried = is_behind ? imageLoad(new_fronts, carried_at) : imageLoad(old_fronts, carried_at);
     int i = component_of(point);
     return vec2(times[i], carried[i]);
 }

@@ -14,9 +14,8 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray fronts_behind;
-layout(set = 0, binding = 4, rgba32f) uniform writeonly image2DArray seeded_fronts;
-layout(set = 0, binding = 7) readonly restrict buffer Seeds {
+layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray new_fronts;
+layout(set = 0, binding = 3) readonly restrict buffer Seeds {
     SeedTexel seeds[];
 };
 
@@ -31,11 +30,11 @@ void main() {
     if (index >= count) return;
     ivec2 texel = seeds[index].texel;
     if (texel.x < 0) return;
-    vec4 time = imageLoad(fronts_behind, ivec3(texel, TIME));
-    vec4 carried = imageLoad(fronts_behind, ivec3(texel, CARRIED));
+    vec4 time = imageLoad(new_fronts, ivec3(texel, TIME));
+    vec4 carried = imageLoad(new_fronts, ivec3(texel, CARRIED));
     bvec4 first = lessThan(seeds[index].times, time);
-    imageStore(seeded_fronts, ivec3(texel, TIME), mix(time, seeds[index].times, first));
-    imageStore(seeded_fronts, ivec3(texel, CARRIED), mix(carried, seeds[index].curvatures, first));
+    imageStore(new_fronts, ivec3(texel, TIME), mix(time, seeds[index].times, first));
+    imageStore(new_fronts, ivec3(texel, CARRIED), mix(carried, seeds[index].curvatures, first));
     ivec2 inner = without_border(texel);
     if (follows == uint(SCANS_FOLLOW)) {
         int pitch = pitch_of(texels);
@@ -49,7 +48,7 @@ void main() {
     for (int row = low.y; row <= high.y; row++) {
         for (int col = low.x; col <= high.x; col++) {
             uint tile = uint(row_major(ivec2(col, row), tile_grid.x));
-            ENLIST(tile, 0u, uint(tile_grid.x * tile_grid.y));
+            enlist(tile, 0u, uint(tile_grid.x * tile_grid.y));
         }
     }
 }

@@ -13,31 +13,41 @@
 layout(local_size_x = WORKGROUP) in;
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts_1;
-layout(set = 0, binding = 4, rgba32f) uniform writeonly restrict image2DArray new_fronts_0;
+layout(set = 2, binding = 0, rgba32f) uniform writeonly restrict image2DArray fronts_0;
 
 layout(push_constant) uniform Recording {
     ivec2 texels; // columns and rows of texels, without the border
     uint count;   // of rounds
 };
 
+// Of the workgroup's tile.
+shared uint state;
+
 void count_rounds() {
     uint visited = 0u;
-    while (visited < count && rounds[3 * visited] > 0u) visited += 1u;
+    while (visited < count && rounds[4 * visited] > 0u) visited += 1u;
     iterations += visited;
     if (visited > 0u) last_residual = unsettled[visited - 1u];
     since_reached = reached != 0u ? 0u : since_reached + visited;
     if (since_reached >= PATIENCE) renews = 0u;
-    if (visited < count || rounds[3 * count] == 0u) done = 1u;
+    if (visited < count || rounds[4 * count] == 0u) done = 1u;
     if (iterations >= most) done = 1u;
     // A recording that goes on takes its first list from here.
-    if (done != 0u) rounds[3 * count] = 0u;
+    if (done != 0u) rounds[4 * count] = 0u;
 }
 
 void main() {
     ivec2 tile_grid = tiles_of(texels);
-    uint number = gl_WorkGroupID.x;
-    if (number == 0u && gl_LocalInvocationIndex == 0u && done == 0u) count_rounds();
-    if ((tiles[number] & 1u) != 0u) {
+    uint all = uint(tile_grid.x * tile_grid.y);
+    uint number = place_in_dispatch(all);
+    if (number >= all) return;
+    if (gl_LocalInvocationIndex == 0u) {
+        if (number == 0u && done == 0u) count_rounds();
+        state = tiles[number];
+        tiles[number] = 0u;
+    }
+    barrier();
+    if ((state & 1u) != 0u) {
         ivec2 first = first_texel_of(from_row_major(int(number), tile_grid.x));
         if (gl_LocalInvocationIndex == 0u) {
             ivec2 size = min(ivec2(TEXELS), texels - without_border(first));
@@ -47,10 +57,8 @@ void main() {
             ivec2 texel = first + from_row_major(int(i), TEXELS);
             if (is_beyond(without_border(texel), texels)) continue;
             for (int layer = 0; layer < LAYERS; layer++) {
-                imageStore(new_fronts_0, ivec3(texel, layer), imageLoad(fronts_1, ivec3(texel, layer)));
+                imageStore(fronts_0, ivec3(texel, layer), imageLoad(fronts_1, ivec3(texel, layer)));
             }
         }
     }
-    barrier();
-    if (gl_LocalInvocationIndex == 0u) tiles[number] = 0u;
 }

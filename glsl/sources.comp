@@ -14,7 +14,7 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(set = 0, binding = 7) writeonly restrict buffer Seeds {
+layout(set = 0, binding = 3) writeonly restrict buffer Seeds {
     SeedTexel seeds[];
 };
 

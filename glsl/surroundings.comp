@@ -19,7 +19,7 @@
 layout(local_size_x = SURROUNDINGS_WORKGROUP) in;
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts;
-layout(set = 0, binding = 7) writeonly restrict buffer Seeds {
+layout(set = 0, binding = 3) writeonly restrict buffer Seeds {
     SeedTexel seeds[];
 };
 

@@ -21,11 +21,8 @@ layout(local_size_x_id = 3, local_size_y = 4) in;
 // Iterations inside a tile, at most.
 layout(constant_id = 4) const int INNER = 4;
 
-// Each image is bound twice, so that reads and writes can be told apart.
-layout(set = 0, binding = 2, rgba32f) uniform readonly image2DArray fronts_1;
-layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray fronts_0;
-layout(set = 0, binding = 4, rgba32f) uniform writeonly image2DArray new_fronts_0;
-layout(set = 0, binding = 5, rgba32f) uniform writeonly image2DArray new_fronts_1;
+layout(set = 0, binding = 2, rgba32f) uniform restrict image2DArray fronts_1;
+layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray fronts_0;
 
 layout(push_constant) uniform Round {
     ivec2 texels; // columns and rows of texels, without the border
@@ -221,7 +218,9 @@ ivec2 neighbour(uint bit) {
 void main() {
     ivec2 tile_grid = tiles_of(texels);
     uint count = uint(tile_grid.x * tile_grid.y);
-    uint number = tiles[(2u + (round & 1u)) * count + gl_WorkGroupID.x];
+    uint place = place_in_dispatch(count);
+    if (place >= rounds[4u * round + 3u]) return;
+    uint number = tiles[(2u + (round & 1u)) * count + place];
     ivec2 tile = from_row_major(int(number), tile_grid.x);
     uint state = atomicOr(tiles[number], 0u);
     bool may_renew = renews != 0u;
@@ -290,11 +289,11 @@ void main() {
         ivec2 texel = first_texel_of(tile) + in_tile;
         if (is_beyond(without_border(texel), texels)) continue;
         if ((state & 1u) == 0u) {
-            imageStore(new_fronts_1, ivec3(texel, TIME), time[k]);
-            if (CARRIES) imageStore(new_fronts_1, ivec3(texel, CARRIED), held[k]);
+            imageStore(fronts_1, ivec3(texel, TIME), time[k]);
+            if (CARRIES) imageStore(fronts_1, ivec3(texel, CARRIED), held[k]);
         } else {
-            imageStore(new_fronts_0, ivec3(texel, TIME), time[k]);
-            if (CARRIES) imageStore(new_fronts_0, ivec3(texel, CARRIED), held[k]);
+            imageStore(fronts_0, ivec3(texel, TIME), time[k]);
+            if (CARRIES) imageStore(fronts_0, ivec3(texel, CARRIED), held[k]);
         }
         for (int j = 0; j < 4; j++) {
             has_reached = has_reached || (time_before[k][j] >= FAR && time[k][j] < FAR);
@@ -319,6 +318,6 @@ void main() {
     if (gl_LocalInvocationIndex < 9u && (wakes >> gl_LocalInvocationIndex & 1u) != 0u) {
         ivec2 other = tile + neighbour(gl_LocalInvocationIndex);
         uint wanted = uint(row_major(other, tile_grid.x));
-        ENLIST(wanted, round + 1u, count);
+        enlist(wanted, round + 1u, count);
     }
 }

@@ -1,9 +1,10 @@
 // Tiles of TILE x TILE points, of which those are visited whose surroundings have changed.
+// Include after progress.glsl.
 
 // Points on a side of a tile.
 layout(constant_id = 5) const int TILE = 16;
 
-layout(set = 0, binding = 9) restrict buffer Tiles {
+layout(set = 2, binding = 2) restrict buffer Tiles {
     uint tiles[]; // for each tile its state, then the round it waits for, then two lists of tiles
 };
 
@@ -33,7 +34,21 @@ uint image_before(uint state, uint round) {
     return (state >> 1) == round + 1u ? 1u - image : image;
 }
 
-// Puts a tile on the list for a round unless it is there.
-#define ENLIST(tile, for_round, count) \
-    if (atomicExchange(tiles[(count) + (tile)], (for_round) + 1u) != (for_round) + 1u) \
-        tiles[(2u + ((for_round) & 1u)) * (count) + atomicAdd(rounds[3u * (for_round)], 1u)] = (tile)
+// Workgroups of one tile each, of up to so many tiles, are dispatched in columns as short as leave no more of them
+// than every device takes. Twin: column_of in src/vulkan/record/commands.rs.
+uint column_of(uint count) {
+    return (count + MOST_GROUPS - 1u) / MOST_GROUPS;
+}
+
+// The place of a workgroup in such a dispatch; the last column may go beyond the tiles.
+uint place_in_dispatch(uint count) {
+    return gl_WorkGroupID.x * column_of(count) + gl_WorkGroupID.y;
+}
+
+// Puts a tile, of so many, on the list for a round unless it is there.
+void enlist(uint tile, uint for_round, uint count) {
+    if (atomicExchange(tiles[count + tile], for_round + 1u) == for_round + 1u) return;
+    uint place = atomicAdd(rounds[4u * for_round + 3u], 1u);
+    tiles[(2u + (for_round & 1u)) * count + place] = tile;
+    if (place % column_of(count) == 0u) atomicAdd(rounds[4u * for_round], 1u);
+}

@@ -73,7 +73,9 @@ Shape shape_of(vec4 side, vec4 other, vec4 base) {
     shape.other = other * shape.per_base;
     shape.foot = 0.5 * ((shape.side * shape.side - shape.other * shape.other) + 1.0);
     shape.height_squared = (shape.side - shape.foot) * (shape.side + shape.foot);
-    bvec4 exists = both(lessThan(shape.height_squared, vec4(FAR)), lessThan(base, vec4(FAR)));
+    // Asked of the lengths: where edges are missing the height is no number, and devices may take comparisons
+    // with that for true.
+    bvec4 exists = lessThan(max(max(side, other), base), vec4(FAR));
     shape.whole = both(greaterThan(shape.height_squared, vec4(0.0)), exists);
     return shape;
 }

@@ -11,7 +11,7 @@
 layout(local_size_x = WORKGROUP) in;
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts;
-layout(set = 0, binding = 8) writeonly restrict buffer Distances {
+layout(set = 1, binding = 1) writeonly restrict buffer Output {
     uint distances[]; // as in distance.glsl, row-major
 };
 

@@ -101,12 +101,12 @@ impl<R: Real> Shape<R> {
     /// and a front that runs across such a "triangle" would arrive too early, or before it left.
     #[inline(always)]
     fn new(side: R, other: R, base: R) -> Self {
+        let exists = (side < R::FAR) & (other < R::FAR) & (base < R::FAR);
         let per_base = R::one() / base;
         let (side, other) = (side * per_base, other * per_base);
         let foot = R::of(0.5) * ((side * side - other * other) + R::one());
         let height_squared = (side - foot) * (side + foot);
-        // Not positive, not a number or far too large where a side is missing.
-        let whole = (height_squared > R::zero()) & (height_squared < R::FAR) & (base < R::FAR);
+        let whole = (height_squared > R::zero()) & exists;
         Self { per_base, side, other, foot, height_squared, whole }
     }
 

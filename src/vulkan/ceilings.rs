@@ -325,14 +325,14 @@ impl<'a> Probe<'a> {
         let (device, pipelines) = (&self.context.device, &self.solver.pipelines);
         // Both passes see the same set, and the first takes the start of the other's constants.
         let layout = pipelines.layout(&ceiling_updates::SHADER);
-        let (compute, sets) = (vk::PipelineBindPoint::COMPUTE, [self.grid().sets[1]]);
+        let compute = vk::PipelineBindPoint::COMPUTE;
         let texels = load.texels.map(|texels| texels as i32);
         let constants = ceiling_updates::Push { texels, repeats: load.repeats };
-        // SAFETY: pipeline, layout and set belong together and are alive, and the layout has room
+        // SAFETY: pipeline, layout and sets belong together and are alive, and the layout has room
         // for the constants.
         unsafe {
             device.cmd_bind_pipeline(commands, compute, pipeline);
-            device.cmd_bind_descriptor_sets(commands, compute, layout, 0, &sets, &[]);
+            self.grid().sets.writing[1].bind(device, commands, layout);
             let stages = vk::ShaderStageFlags::COMPUTE;
             let constants = bytemuck::bytes_of(&constants);
             device.cmd_push_constants(commands, layout, stages, 0, constants);

@@ -1,67 +1,196 @@
-//! Descriptor sets: for each of two images of fronts the one of passes that write it.
+//! Descriptor sets of a surface and of what its maps are solved in.
+//!
+//! Every device binds four storage images and four storage buffers to a pass. So a pass sees the set of its
+//! surface, with the fronts that it reads, and beside it either that of a map, with the fronts that it writes, or
+//! one of the host's.
 
 use ash::vk;
 
 use super::VulkanError;
 use super::memory::{Buffer, Image};
 use super::pipelines::Pipelines;
-use super::shaders::{count_of, set_0};
+use super::shaders::{count_of, set_0, set_1, set_2};
 
-/// A pool with room for two sets.
-pub(crate) fn pool(device: &ash::Device) -> Result<vk::DescriptorPool, VulkanError> {
-    let size = |kind| {
-        let count = 2 * count_of(kind, &set_0::KINDS);
+/// The number of the host's sets, and of those of maps.
+const HOST: u32 = 1;
+const MAP: u32 = 2;
+
+/// Sets that a pass sees, with those of a number that it does not use.
+pub(crate) const SETS: u32 = MAP + 1;
+
+/// Storage images, or storage buffers, that a pass sees at most.
+pub(crate) const fn most_seen(kind: vk::DescriptorType) -> u32 {
+    let (host, map) = (count_of(kind, &set_1::KINDS), count_of(kind, &set_2::KINDS));
+    count_of(kind, &set_0::KINDS) + if host > map { host } else { map }
+}
+
+const _: () = assert!(
+    most_seen(vk::DescriptorType::STORAGE_IMAGE) <= 4
+        && most_seen(vk::DescriptorType::STORAGE_BUFFER) <= 4,
+    "devices need offer no more than four of each"
+);
+
+/// What a pass is bound to.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sets {
+    surface: vk::DescriptorSet,
+    /// Its number, and the set.
+    other: (u32, vk::DescriptorSet),
+}
+
+impl Sets {
+    /// The same surface and fronts, beside something of the host's.
+    pub(crate) fn with_host(self, set: vk::DescriptorSet) -> Self {
+        Self { other: (HOST, set), ..self }
+    }
+
+    /// Binds them for pipelines of a layout.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded on the device, and the layout is that of passes which see such sets.
+    pub(crate) unsafe fn bind(
+        self,
+        device: &ash::Device,
+        commands: vk::CommandBuffer,
+        layout: vk::PipelineLayout,
+    ) {
+        for (number, set) in [(0, self.surface), self.other] {
+            let compute = vk::PipelineBindPoint::COMPUTE;
+            // SAFETY: as the caller has promised.
+            unsafe {
+                device.cmd_bind_descriptor_sets(commands, compute, layout, number, &[set], &[]);
+            }
+        }
+    }
+}
+
+/// What the sets of a grid, or of a batch, are made of; nothing where no pass asks for it.
+#[derive(Clone, Copy)]
+pub(crate) struct Contents<'a> {
+    pub(crate) edges: &'a Image,
+    pub(crate) gaussian: &'a Image,
+    pub(crate) fronts: Option<[&'a Image; 2]>,
+    /// Points, seeds and anchors, or fans.
+    pub(crate) points: Option<&'a Buffer>,
+    pub(crate) progress: &'a Buffer,
+    /// Tiles, or maps that are kept.
+    pub(crate) tiles: Option<&'a Buffer>,
+    /// Blocks of lines, or distances of maps in shared memory.
+    pub(crate) blocks: &'a Buffer,
+    /// Where [`UNPACK`](super::passes::UNPACK) leaves distances.
+    pub(crate) distances: &'a Buffer,
+}
+
+/// The sets of a grid, or of a batch.
+#[derive(Debug, Default)]
+pub(crate) struct GridSets {
+    /// For each of the two images of fronts those of a pass that writes it and reads the other.
+    pub(crate) writing: [Sets; 2],
+    /// In the place of the host's, of the pass that unpacks distances.
+    pub(crate) read_back: vk::DescriptorSet,
+    pool: vk::DescriptorPool,
+}
+
+impl GridSets {
+    /// [`GridSets::destroy`] must be called before the device goes.
+    pub(crate) fn new(
+        device: &ash::Device,
+        pipelines: &Pipelines,
+        contents: Contents,
+    ) -> Result<Self, VulkanError> {
+        let mut new = Self { pool: pool(device)?, ..Self::default() };
+        let [surface, map] = [pipelines.surface_set_layout, pipelines.map_set_layout];
+        let layouts = [surface, surface, map, map, pipelines.host_set_layout];
+        let info = vk::DescriptorSetAllocateInfo::default()
+            .descriptor_pool(new.pool)
+            .set_layouts(&layouts);
+        // SAFETY: the pool has room for these sets.
+        let sets = match unsafe { device.allocate_descriptor_sets(&info) } {
+            Ok(sets) => sets,
+            Err(result) => {
+                new.destroy(device);
+                return Err(VulkanError::Call { call: "vkAllocateDescriptorSets", result });
+            }
+        };
+        for writes in 0..2 {
+            let (surface, map) = (sets[writes], sets[2 + writes]);
+            new.writing[writes] = Sets { surface, other: (MAP, map) };
+            fill(device, (surface, map), writes, contents);
+        }
+        new.read_back = sets[4];
+        write_buffer(device, new.read_back, set_1::OUTPUT, contents.distances);
+        Ok(new)
+    }
+
+    /// Frees them. No submitted work may still use them.
+    pub(crate) fn destroy(&mut self, device: &ash::Device) {
+        // SAFETY: the caller has made sure that nothing uses the sets; a null handle is allowed.
+        unsafe { device.destroy_descriptor_pool(std::mem::take(&mut self.pool), None) };
+    }
+}
+
+/// Room for the sets of a grid.
+fn pool(device: &ash::Device) -> Result<vk::DescriptorPool, VulkanError> {
+    let kinds = [
+        vk::DescriptorType::STORAGE_IMAGE,
+        vk::DescriptorType::STORAGE_BUFFER,
+        vk::DescriptorType::SAMPLED_IMAGE,
+    ];
+    let sizes = kinds.map(|kind| {
+        let of_pair = count_of(kind, &set_0::KINDS) + count_of(kind, &set_2::KINDS);
+        let count = 2 * of_pair + count_of(kind, &set_1::KINDS);
         vk::DescriptorPoolSize::default().ty(kind).descriptor_count(count)
-    };
-    let kinds = [vk::DescriptorType::STORAGE_IMAGE, vk::DescriptorType::STORAGE_BUFFER];
-    let sizes = kinds.map(size);
-    let info = vk::DescriptorPoolCreateInfo::default().max_sets(2).pool_sizes(&sizes);
+    });
+    let info = vk::DescriptorPoolCreateInfo::default().max_sets(5).pool_sizes(&sizes);
     // SAFETY: nothing is borrowed beyond the call.
     unsafe { device.create_descriptor_pool(&info, None) }
         .map_err(VulkanError::from_call("vkCreateDescriptorPool"))
 }
 
-/// The sets of such a pool.
-pub(crate) fn sets(
+/// The sets of passes that write an image of fronts.
+fn fill(
     device: &ash::Device,
-    pool: vk::DescriptorPool,
-    pipelines: &Pipelines,
-) -> Result<[vk::DescriptorSet; 2], VulkanError> {
-    let layouts = [pipelines.set_layout; 2];
-    let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
-    // SAFETY: the pool has room for two such sets.
-    let sets = unsafe { device.allocate_descriptor_sets(&info) }
-        .map_err(VulkanError::from_call("vkAllocateDescriptorSets"))?;
-    Ok([sets[0], sets[1]])
+    (surface, map): (vk::DescriptorSet, vk::DescriptorSet),
+    writes: usize,
+    contents: Contents,
+) {
+    let Contents { edges, gaussian, fronts, points, progress, tiles, blocks, .. } = contents;
+    write_image(device, surface, set_0::EDGES, edges);
+    write_image(device, surface, set_0::GAUSSIANS, gaussian);
+    write_buffer(device, map, set_2::PROGRESS, progress);
+    write_buffer(device, map, set_2::BLOCKS, blocks);
+    if let Some(fronts) = fronts {
+        write_image(device, surface, set_0::OLD_FRONTS, fronts[1 - writes]);
+        write_image(device, map, set_2::NEW_FRONTS, fronts[writes]);
+    }
+    if let Some(points) = points {
+        write_buffer(device, surface, set_0::POINTS, points);
+    }
+    if let Some(tiles) = tiles {
+        write_buffer(device, map, set_2::TILES, tiles);
+    }
 }
 
-/// Binds an image in a set, which no submitted work may use.
-pub(crate) fn write_image(device: &ash::Device, set: vk::DescriptorSet, index: u32, image: &Image) {
+fn write_image(device: &ash::Device, set: vk::DescriptorSet, index: u32, image: &Image) {
     let info = [vk::DescriptorImageInfo::default()
         .image_view(image.view)
         .image_layout(vk::ImageLayout::GENERAL)];
-    write(device, blank(set, index).image_info(&info));
+    let write = blank(set, index, vk::DescriptorType::STORAGE_IMAGE).image_info(&info);
+    // SAFETY: set and image are alive, and no submitted work uses the set, which is new.
+    unsafe { device.update_descriptor_sets(&[write], &[]) };
 }
 
-/// Binds a buffer in a set, which no submitted work may use.
-pub(crate) fn write_buffer(
-    device: &ash::Device,
+fn write_buffer(device: &ash::Device, set: vk::DescriptorSet, index: u32, buffer: &Buffer) {
+    let info = [vk::DescriptorBufferInfo::default().buffer(buffer.buffer).range(vk::WHOLE_SIZE)];
+    let write = blank(set, index, vk::DescriptorType::STORAGE_BUFFER).buffer_info(&info);
+    // SAFETY: as for images.
+    unsafe { device.update_descriptor_sets(&[write], &[]) };
+}
+
+fn blank<'a>(
     set: vk::DescriptorSet,
     index: u32,
-    buffer: &Buffer,
-) {
-    let info = [vk::DescriptorBufferInfo::default().buffer(buffer.buffer).range(vk::WHOLE_SIZE)];
-    write(device, blank(set, index).buffer_info(&info));
-}
-
-fn blank<'a>(set: vk::DescriptorSet, index: u32) -> vk::WriteDescriptorSet<'a> {
-    vk::WriteDescriptorSet::default()
-        .dst_set(set)
-        .dst_binding(index)
-        .descriptor_type(set_0::KINDS[index as usize])
-}
-
-fn write(device: &ash::Device, write: vk::WriteDescriptorSet) {
-    // SAFETY: set and resource are alive, and the caller has made sure that nothing uses the set.
-    unsafe { device.update_descriptor_sets(&[write], &[]) };
+    kind: vk::DescriptorType,
+) -> vk::WriteDescriptorSet<'a> {
+    vk::WriteDescriptorSet::default().dst_set(set).dst_binding(index).descriptor_type(kind)
 }

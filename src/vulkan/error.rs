@@ -73,6 +73,9 @@ pub enum VulkanError {
         /// MiB in the device's largest heap.
         available: u64,
     },
+    /// Portions of such sizes do not fit the device.
+    #[error("maps cannot be solved in such portions: {0}")]
+    Tuning(String),
     /// A map was to be computed in shared memory and does not fit it.
     #[error(
         "a map of {rows} x {cols} points does not fit the {available} bytes of shared memory of \

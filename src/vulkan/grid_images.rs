@@ -7,12 +7,11 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocator;
 
 use super::anchors::ANCHOR_BYTES;
-use super::descriptors;
+use super::descriptors::{Contents, GridSets};
 use super::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo, RESULT_FORMAT};
 use super::pipelines::Pipelines;
 use super::plan::Scan;
 use super::progress::{self, Outcome};
-use super::shaders::set_0;
 use super::upload::SOURCE_BYTES;
 use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;
@@ -57,10 +56,7 @@ pub(crate) struct GridImages {
     pub(crate) upload: Buffer,
     /// Distances to read back, or sources that a recording brings with it.
     pub(crate) download: Buffer,
-    /// For each of the two images of fronts the descriptors of a pass that writes it and
-    /// reads the other.
-    pub(crate) sets: [vk::DescriptorSet; 2],
-    pool: vk::DescriptorPool,
+    pub(crate) sets: GridSets,
 }
 
 impl GridImages {
@@ -85,10 +81,25 @@ impl GridImages {
                 buffers.push(Buffer::new(device, allocator, info)?);
                 pipelines.name(info.name, buffers[buffers.len() - 1].buffer);
             }
-            descriptors::pool(device)
+            let ([edges, gaussian, fronts @ ..], [progress, _, tiles, blocks, points, distances]) =
+                (&images[..4], &buffers[..])
+            else {
+                unreachable!("four images come before the results, and there are six buffers")
+            };
+            let contents = Contents {
+                edges,
+                gaussian,
+                fronts: Some([&fronts[0], &fronts[1]]),
+                points: Some(points),
+                progress,
+                tiles: Some(tiles),
+                blocks,
+                distances,
+            };
+            GridSets::new(device, pipelines, contents)
         })();
-        let pool = match created {
-            Ok(pool) => pool,
+        let sets = match created {
+            Ok(sets) => sets,
             Err(error) => {
                 images.iter_mut().for_each(|image| image.destroy(device, allocator));
                 buffers.iter_mut().for_each(|buffer| buffer.destroy(device, allocator));
@@ -100,7 +111,7 @@ impl GridImages {
             images.try_into().expect("four images come before the results");
         let [progress, outcome, tiles, blocks, upload, download] =
             buffers.try_into().expect("six buffers were created");
-        let mut new = Self {
+        Ok(Self {
             chart,
             texels,
             edges,
@@ -113,16 +124,8 @@ impl GridImages {
             blocks,
             upload,
             download,
-            sets: [vk::DescriptorSet::null(); 2],
-            pool,
-        };
-        match new.describe(device, pipelines) {
-            Ok(()) => Ok(new),
-            Err(error) => {
-                new.destroy(device, allocator);
-                Err(error)
-            }
-        }
+            sets,
+        })
     }
 
     /// Bytes that [`GridImages::new`] would take from the allocator.
@@ -140,35 +143,6 @@ impl GridImages {
             bytes += info.bytes(device)?;
         }
         Ok(bytes)
-    }
-
-    fn describe(&mut self, device: &ash::Device, pipelines: &Pipelines) -> Result<(), VulkanError> {
-        self.sets = descriptors::sets(device, self.pool, pipelines)?;
-        for (writes, &set) in self.sets.iter().enumerate() {
-            let (old, new) = (&self.fronts[1 - writes], &self.fronts[writes]);
-            for (index, image) in [
-                (set_0::EDGES, &self.edges),
-                (set_0::GAUSSIANS, &self.gaussian),
-                (set_0::OLD_FRONTS, old),
-                (set_0::FRONTS_BEHIND, new),
-                (set_0::NEW_FRONTS, new),
-                // For passes that write both.
-                (set_0::NEW_FRONTS_1, old),
-            ] {
-                descriptors::write_image(device, set, index, image);
-            }
-            for (index, buffer) in [
-                (set_0::PROGRESS, &self.progress),
-                // Seeds and anchors come by the same buffer.
-                (set_0::POINTS, &self.upload),
-                (set_0::DISTANCES, &self.download),
-                (set_0::TILES, &self.tiles),
-                (set_0::BLOCKS, &self.blocks),
-            ] {
-                descriptors::write_buffer(device, set, index, buffer);
-            }
-        }
-        Ok(())
     }
 
     /// How the iterations of the last recording with this number have gone.
@@ -201,9 +175,7 @@ impl GridImages {
 
     /// Frees everything. No submitted work may still use it.
     pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
-        // SAFETY: the caller has made sure that nothing uses the sets.
-        unsafe { device.destroy_descriptor_pool(self.pool, None) };
-        self.pool = vk::DescriptorPool::null();
+        self.sets.destroy(device);
         let [fronts0, fronts1] = &mut self.fronts;
         let images = [&mut self.edges, &mut self.gaussian, fronts0, fronts1];
         for image in images.into_iter().chain(&mut self.results) {

@@ -3,7 +3,7 @@
 use std::mem::ManuallyDrop;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use ash::vk;
+use ash::{khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use super::instance::Instance;
@@ -52,7 +52,10 @@ impl Context {
         });
         let wanted = capabilities.as_ref();
         let extensions = wanted.map_or(Vec::new(), Capabilities::device_extensions);
-        let extensions: Vec<_> = extensions.iter().map(|name| name.as_ptr()).collect();
+        let mut extensions: Vec<_> = extensions.iter().map(|name| name.as_ptr()).collect();
+        if requirements::is_portable_subset(&instance.handle, physical_device) {
+            extensions.push(khr::portability_subset::NAME.as_ptr());
+        }
         let features = vk::PhysicalDeviceFeatures::default()
             .pipeline_statistics_query(wanted.is_some_and(|wanted| wanted.statistics.is_ok()));
         let mut executables = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default()

@@ -1,6 +1,8 @@
 //! An instance of our own.
 
-use ash::{ext, vk};
+use std::ffi::CStr;
+
+use ash::{ext, khr, vk};
 
 use super::VulkanError;
 use super::requirements::API_VERSION;
@@ -30,26 +32,37 @@ impl Instance {
             .application_name(c"geosweep")
             .engine_name(c"geosweep")
             .api_version(API_VERSION);
+        // SAFETY: no layer's extensions are asked for.
+        let offered = unsafe { entry.enumerate_instance_extension_properties(None) };
+        let offered = offered.unwrap_or_default();
+        let offers = |name: &CStr| {
+            offered.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name))
+        };
+        let debug_utils = labels && offers(ext::debug_utils::NAME);
+        let mut extensions = Vec::new();
+        let mut info = vk::InstanceCreateInfo::default().application_info(&application);
+        if validate || debug_utils {
+            extensions.push(ext::debug_utils::NAME.as_ptr());
+        }
+        // Else loaders hide devices that are Vulkan's but for some corners: those of MoltenVK.
+        if offers(khr::portability_enumeration::NAME) {
+            extensions.push(khr::portability_enumeration::NAME.as_ptr());
+            info.flags |= vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR;
+        }
         let mut features =
             vk::ValidationFeaturesEXT::default().enabled_validation_features(&validation::FEATURES);
         let layers = [validation::LAYER.as_ptr()];
-        let extensions = [ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()];
-        // SAFETY: no layer's extensions are asked for.
-        let offered = unsafe { entry.enumerate_instance_extension_properties(None) };
-        let debug_utils = labels
-            && offered
-                .unwrap_or_default()
-                .iter()
-                .any(|extension| extension.extension_name_as_c_str() == Ok(ext::debug_utils::NAME));
-        let mut info = vk::InstanceCreateInfo::default().application_info(&application);
+        let settings = validation::settings();
+        let mut settings = vk::LayerSettingsCreateInfoEXT::default().settings(&settings);
         if validate {
-            info = info
-                .enabled_layer_names(&layers)
-                .enabled_extension_names(&extensions)
-                .push_next(&mut features);
-        } else if debug_utils {
-            info = info.enabled_extension_names(&extensions[..1]);
+            extensions.push(ext::validation_features::NAME.as_ptr());
+            info = info.enabled_layer_names(&layers).push_next(&mut features);
+            if validation::takes_settings(&entry) {
+                extensions.push(ext::layer_settings::NAME.as_ptr());
+                info = info.push_next(&mut settings);
+            }
         }
+        info = info.enabled_extension_names(&extensions);
         // SAFETY: all that the structures point to is alive.
         let handle = match unsafe { entry.create_instance(&info, None) } {
             Ok(handle) => handle,

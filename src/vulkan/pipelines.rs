@@ -11,7 +11,7 @@ use bytemuck::Pod;
 use super::memory::Image;
 use super::passes::{CommonPass, MapSize, PUSH_CONSTANT_BYTES, Pass, Row, Specialization, TABLE};
 use super::profile::Labels;
-use super::shaders::{Shader, set_0, set_1};
+use super::shaders::{Shader, set_0, set_1, set_2};
 use super::{Tuning, VulkanError};
 use crate::update::Wavefront;
 
@@ -33,11 +33,15 @@ pub(crate) struct Pipelines {
     flags: vk::PipelineCreateFlags,
     /// The host's, which one creation of ours at a time uses.
     cache: Mutex<vk::PipelineCache>,
-    /// Of the sets with a surface's own images and buffers.
-    pub(crate) set_layout: vk::DescriptorSetLayout,
+    /// Of the sets that every pass sees: a surface, and the fronts that are read.
+    pub(crate) surface_set_layout: vk::DescriptorSetLayout,
     /// Of the sets with the host's images and buffers.
     pub(crate) host_set_layout: vk::DescriptorSetLayout,
-    /// Of passes that see the former alone, and of those that see both.
+    /// Of the sets with what a map is solved in.
+    pub(crate) map_set_layout: vk::DescriptorSetLayout,
+    /// In the place of the host's sets where a pass sees none.
+    no_set_layout: vk::DescriptorSetLayout,
+    /// Of passes that see no set of the host's, and of those that see one.
     layouts: [vk::PipelineLayout; 2],
     /// By pass and wavefront, the first one for passes that do not depend on it.
     made: [[OnceLock<vk::Pipeline>; Wavefront::EVERY.len()]; TABLE.len()],
@@ -83,8 +87,10 @@ impl Pipelines {
             labels,
             flags,
             cache: Mutex::default(),
-            set_layout: vk::DescriptorSetLayout::null(),
+            surface_set_layout: vk::DescriptorSetLayout::null(),
             host_set_layout: vk::DescriptorSetLayout::null(),
+            map_set_layout: vk::DescriptorSetLayout::null(),
+            no_set_layout: vk::DescriptorSetLayout::null(),
             layouts: [vk::PipelineLayout::null(); 2],
             made: [const { [const { OnceLock::new() }; Wavefront::EVERY.len()] }; TABLE.len()],
             sized: Mutex::default(),
@@ -99,10 +105,14 @@ impl Pipelines {
     }
 
     fn create_layouts(&mut self, device: &ash::Device) -> Result<(), VulkanError> {
-        self.set_layout = set_layout(device, &set_0::KINDS)?;
+        self.surface_set_layout = set_layout(device, &set_0::KINDS)?;
         self.host_set_layout = set_layout(device, &set_1::KINDS)?;
-        self.layouts[0] = pipeline_layout(device, &[self.set_layout])?;
-        self.layouts[1] = pipeline_layout(device, &[self.set_layout, self.host_set_layout])?;
+        self.map_set_layout = set_layout(device, &set_2::KINDS)?;
+        self.no_set_layout = set_layout(device, &[])?;
+        let of_map = [self.surface_set_layout, self.no_set_layout, self.map_set_layout];
+        self.layouts[0] = pipeline_layout(device, &of_map)?;
+        let of_host = [self.surface_set_layout, self.host_set_layout];
+        self.layouts[1] = pipeline_layout(device, &of_host)?;
         Ok(())
     }
 
@@ -265,9 +275,15 @@ impl Pipelines {
         Ok(made)
     }
 
-    /// Destroys them. No submitted work may still use them.
-    pub(crate) fn destroy(&mut self, device: &ash::Device) {
-        // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
+    /// From now on pipelines are made for these sizes, and those that were made are destroyed. No submitted work
+    /// may still use them.
+    pub(crate) fn set_tuning(&mut self, device: &ash::Device, tuning: Tuning) {
+        self.destroy_made(device);
+        self.tuning = tuning;
+    }
+
+    fn destroy_made(&mut self, device: &ash::Device) {
+        // SAFETY: the caller has made sure that nothing uses them.
         unsafe {
             let sized = self.sized.get_mut().unwrap_or_else(PoisonError::into_inner);
             let sized = sized.drain(..).map(|of| of.handle);
@@ -275,10 +291,23 @@ impl Pipelines {
             for pipeline in made.chain(sized) {
                 device.destroy_pipeline(pipeline, None);
             }
+        }
+    }
+
+    /// Destroys everything. No submitted work may still use it.
+    pub(crate) fn destroy(&mut self, device: &ash::Device) {
+        self.destroy_made(device);
+        // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
+        unsafe {
             for layout in &mut self.layouts {
                 device.destroy_pipeline_layout(std::mem::take(layout), None);
             }
-            for layout in [&mut self.set_layout, &mut self.host_set_layout] {
+            for layout in [
+                &mut self.surface_set_layout,
+                &mut self.host_set_layout,
+                &mut self.map_set_layout,
+                &mut self.no_set_layout,
+            ] {
                 device.destroy_descriptor_set_layout(std::mem::take(layout), None);
             }
         }

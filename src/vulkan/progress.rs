@@ -4,6 +4,7 @@ use std::mem::offset_of;
 
 use bytemuck::{AnyBitPattern, NoUninit, Zeroable};
 
+use super::record::column_of;
 pub(crate) use super::shaders::progress::Progress;
 use crate::Stop;
 use crate::constants::VISIT_WORDS;
@@ -67,9 +68,14 @@ pub(crate) mod offset {
 
     pub(crate) const GRID_GROUPS: u64 = offset_of!(Progress, grid_groups) as u64;
 
-    /// The tiles of a round.
+    /// What the dispatch of a round reads, then how many tiles are on its list.
     pub(crate) const fn round(round: u32) -> u64 {
-        (offset_of!(Progress, rounds) + round as usize * size_of::<[u32; 3]>()) as u64
+        (offset_of!(Progress, rounds) + round as usize * size_of::<[u32; 4]>()) as u64
+    }
+
+    /// How many these are.
+    pub(crate) const fn listed(of: u32) -> u64 {
+        round(of) + size_of::<[u32; 3]>() as u64
     }
 
     /// The texels that were brought back to one image.
@@ -79,23 +85,24 @@ pub(crate) mod offset {
     pub(crate) const VISITS: u64 = offset_of!(Progress, visits) as u64;
 }
 
-/// Before the first iteration; the whole grid takes so many groups. Visits need no beginning.
-pub(crate) fn start(stop: Stop, grid: [u32; 2]) -> Progress {
+/// Before the first iteration; the whole grid takes so many groups, and has so many tiles. Visits need no
+/// beginning.
+pub(crate) fn start(stop: Stop, grid: [u32; 2], tiles: u32) -> Progress {
     Progress {
         renews: 1,
         last_residual: u32::MAX,
         tolerance: (stop.tolerance / f64::from(f32::EPSILON)) as u32,
         most: stop.iterations,
         grid_groups: [grid[0], grid[1], 1],
-        ..before_rounds()
+        ..before_rounds(tiles)
     }
 }
 
-/// Before more rounds of tiles: all slots but the first, and what follows them up to the visits, are
-/// to be written.
-pub(crate) fn before_rounds() -> Progress {
+/// Before more rounds of so many tiles, of which none is listed: all slots but the first, and what follows
+/// them up to the visits, are to be written.
+pub(crate) fn before_rounds(tiles: u32) -> Progress {
     let mut progress = Progress::zeroed();
-    progress.rounds.fill(1);
-    progress.rounds.iter_mut().step_by(3).for_each(|tiles| *tiles = 0);
+    let (rounds, _) = progress.rounds.as_chunks_mut();
+    rounds.fill([0, column_of(tiles), 1, 0]);
     progress
 }

@@ -1,9 +1,12 @@
 //! What a device must offer: to be known before it is created.
 //!
 //! An instance for Vulkan 1.1 or later, a device with a queue family for compute, and nothing
-//! else: no extension and no feature needs to be enabled. [`unmet`] names what a physical device
+//! else: no extension and no feature needs to be enabled, and no limit is asked for beyond those that Vulkan
+//! guarantees. [`unmet`] names what a physical device
 //! lacks. [`API_VERSION`], [`DEVICE_EXTENSIONS`] and [`features`] exist so that a program can merge
-//! them with its own wishes and stay right if they ever grow.
+//! them with its own wishes and stay right if they ever grow. A device that offers
+//! `VK_KHR_portability_subset`, as those of MoltenVK do, asks every program to enable that; nothing that it
+//! leaves out is used here.
 //!
 //! ```no_run
 //! # use geosweep::ash::{self, vk};
@@ -20,12 +23,12 @@
 
 use std::ffi::CStr;
 
-use ash::vk;
+use ash::{khr, vk};
 
+use super::descriptors::{SETS, most_seen};
 use super::memory::{FORMAT, IMAGE_USAGE, RESULT_FORMAT};
 use super::passes::PUSH_CONSTANT_BYTES;
-use super::shaders::{count_of, set_0, set_1};
-use crate::constants::SURROUNDINGS_WORKGROUP;
+use crate::constants::{MOST_GROUPS, SURROUNDINGS_WORKGROUP};
 
 /// The Vulkan version needed; instances should be created for it or a later one.
 pub const API_VERSION: u32 = vk::API_VERSION_1_1;
@@ -38,6 +41,9 @@ pub fn features() -> vk::PhysicalDeviceFeatures {
     vk::PhysicalDeviceFeatures::default()
 }
 
+/// Shared memory that every device offers, of which surroundings of sources take most.
+const SHARED_MEMORY_BYTES: u32 = 16 << 10;
+
 /// Names what a device lacks; an empty list means that the engine runs on it.
 pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> Vec<String> {
     // SAFETY: the physical device is from this instance.
@@ -48,7 +54,6 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
         unmet.push(format!("it supports Vulkan {version}, and 1.1 is needed"));
     }
     let limits = properties.limits;
-    let descriptors = |kind| count_of(kind, &set_0::KINDS) + count_of(kind, &set_1::KINDS);
     for (what, offered, needed) in [
         // The largest of those that are no matter of tuning.
         (
@@ -57,14 +62,30 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
             SURROUNDINGS_WORKGROUP,
         ),
         (
+            "workgroups are # invocations wide",
+            limits.max_compute_work_group_size[0],
+            SURROUNDINGS_WORKGROUP,
+        ),
+        (
+            "workgroups share # bytes of memory",
+            limits.max_compute_shared_memory_size,
+            SHARED_MEMORY_BYTES,
+        ),
+        (
+            "dispatches are # workgroups wide",
+            limits.max_compute_work_group_count.into_iter().min().unwrap_or(0),
+            MOST_GROUPS,
+        ),
+        ("shaders see # descriptor sets", limits.max_bound_descriptor_sets, SETS),
+        (
             "shaders see # storage images",
             limits.max_per_stage_descriptor_storage_images,
-            descriptors(vk::DescriptorType::STORAGE_IMAGE),
+            most_seen(vk::DescriptorType::STORAGE_IMAGE),
         ),
         (
             "shaders see # storage buffers",
             limits.max_per_stage_descriptor_storage_buffers,
-            descriptors(vk::DescriptorType::STORAGE_BUFFER),
+            most_seen(vk::DescriptorType::STORAGE_BUFFER),
         ),
         (
             "there are # bytes of push constants",
@@ -108,6 +129,19 @@ fn compute_family(families: &[vk::QueueFamilyProperties]) -> Option<u32> {
     with(vk::QueueFlags::COMPUTE, vk::QueueFlags::GRAPHICS)
         .or_else(|| with(vk::QueueFlags::COMPUTE, vk::QueueFlags::empty()))
         .map(|index| index as u32)
+}
+
+/// Whether a device is Vulkan's but for some corners, and asks for an extension that says so.
+pub(crate) fn is_portable_subset(
+    instance: &ash::Instance,
+    physical_device: vk::PhysicalDevice,
+) -> bool {
+    // SAFETY: the physical device is from this instance.
+    let offered = unsafe { instance.enumerate_device_extension_properties(physical_device) };
+    let is_wanted = |extension: &vk::ExtensionProperties| {
+        extension.extension_name_as_c_str() == Ok(khr::portability_subset::NAME)
+    };
+    offered.unwrap_or_default().iter().any(is_wanted)
 }
 
 /// The largest side of a grid's images and their largest size in bytes.

@@ -4,8 +4,8 @@ use std::fmt;
 
 use ash::vk;
 
-use super::TexelChart;
 use super::plan::Portions;
+use super::{TexelChart, VulkanError};
 use crate::Wavefront;
 use crate::name::{UnknownName, by_name};
 use crate::surface::Chart;
@@ -106,6 +106,34 @@ impl Tuning {
     /// Not measured: fewer dispatches for an eighth more updates, and a warp for each tile.
     const ON_GPU: Self = Self { scan_width: 128, scan_lines: 8, tile: 16, inner: 4 };
 
+    /// Whether a device has room for them.
+    pub(crate) fn check(&self, limits: &vk::PhysicalDeviceLimits) -> Result<(), VulkanError> {
+        let Self { scan_width, scan_lines, tile, inner } = *self;
+        let refuse = |reason: String| Err(VulkanError::Tuning(reason));
+        let most =
+            limits.max_compute_work_group_invocations.min(limits.max_compute_work_group_size[0]);
+        let bytes = limits.max_compute_shared_memory_size;
+        if scan_lines == 0 || scan_lines > MOST_LINES {
+            return refuse(format!("{scan_lines} lines are not between 1 and {MOST_LINES}"));
+        }
+        if scan_width > most || 32 * scan_width > bytes {
+            return refuse(format!("a workgroup of {scan_width} invocations is too large"));
+        }
+        if scan_width <= 2 * (scan_lines - 1) {
+            return refuse(format!("of {scan_width} texels none is left for {scan_lines} lines"));
+        }
+        if !(2..=64).contains(&tile) || tile % 2 != 0 || 2 * tile > most {
+            return refuse(format!("no tile has {tile} points a side"));
+        }
+        if Self::tile_bytes(tile) > bytes {
+            return refuse(format!("a tile of {tile} points a side does not fit {bytes} bytes"));
+        }
+        if inner == 0 {
+            return refuse("no iteration in a tile solves nothing".into());
+        }
+        Ok(())
+    }
+
     /// Shared memory of a tile with curved fronts: edge lengths, Gaussian curvature and four
     /// copies of the fronts at its points and those around it.
     fn tile_bytes(tile: u32) -> u32 {
@@ -116,6 +144,7 @@ impl Tuning {
     pub fn portions(&self, wavefront: Wavefront, texels: TexelChart) -> Portions {
         let small = texels.rows.max(texels.cols) <= SMALL_SIDE;
         let iterations = if small && wavefront != Wavefront::Planar { 5 } else { 4 };
+        let iterations = iterations_together(texels, iterations);
         Portions { lines: self.scan_lines, iterations, tile: self.tile }
     }
 
@@ -124,6 +153,21 @@ impl Tuning {
         self.scan_width - 2 * (self.scan_lines - 1)
     }
 }
+
+/// Lines of a block, at most: shaders note in the bits of a word which of them have changed.
+const MOST_LINES: u32 = 32;
+
+/// So many iterations in a submission, or fewer on large grids: systems take a device that is busy for seconds for
+/// hung, and nothing else is drawn meanwhile.
+pub(crate) fn iterations_together(texels: TexelChart, wanted: u32) -> u32 {
+    let [cols, rows] = texels.inner().map(u64::from);
+    (TEXELS_TOGETHER / (cols * rows)).clamp(1, wanted.into()) as u32
+}
+
+/// Texels of the iterations of a submission, at most, unless a single iteration has more. It reads and writes 96
+/// bytes of each in each scan with planar fronts, and 144 with curved ones: 2.4 GB at most, 50 milliseconds on an
+/// integrated GPU that moves 50 GB a second.
+const TEXELS_TOGETHER: u64 = 1 << 22;
 
 /// Up to so many texels a side, circular and curved fronts on smooth surfaces settle in five
 /// iterations (measured: sphere, peaks, cone and torus of 33 to 129 points); beyond, and planar

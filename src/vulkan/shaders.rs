@@ -14,7 +14,7 @@ pub(crate) struct Shader {
     pub(crate) spirv: &'static [u8],
     /// Set and number of each descriptor that it uses.
     pub(crate) bindings: &'static [(u32, u32)],
-    /// Whether the set of the host's own images and buffers is among them.
+    /// Whether the host's own images and buffers are among them: it then sees no set of maps.
     pub(crate) sees_host: bool,
     /// Its specialization constants, by their numbers.
     pub(crate) constants: &'static [(u32, Constant)],
@@ -36,8 +36,15 @@ impl Shader {
 }
 
 /// How many of these descriptors are of a kind.
-pub(crate) fn count_of(kind: vk::DescriptorType, kinds: &[vk::DescriptorType]) -> u32 {
-    kinds.iter().filter(|&&other| other == kind).count() as u32
+pub(crate) const fn count_of(kind: vk::DescriptorType, kinds: &[vk::DescriptorType]) -> u32 {
+    let (mut count, mut place) = (0, 0);
+    while place < kinds.len() {
+        if kinds[place].as_raw() == kind.as_raw() {
+            count += 1;
+        }
+        place += 1;
+    }
+    count
 }
 
 const STORAGE_BUFFER: vk::DescriptorType = vk::DescriptorType::STORAGE_BUFFER;

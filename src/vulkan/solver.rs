@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::grid_images::{GridImages, POINT_BYTES, bands, transfer_bytes};
 use super::headless::{CommandBuffer, Context, Submitter, Unwatched};
+use super::passes::COMMON;
 use super::plan::Reached;
 use super::profile::{Capabilities, Capability, Detail, Executable, Session, SolveProfile};
 use super::record::{Commands, Recorder};
@@ -125,6 +126,23 @@ impl Solver {
     /// In how large portions it visits the grid.
     pub fn tuning(&self) -> Tuning {
         self.for_device.pipelines.tuning
+    }
+
+    /// The same solver with other sizes of portions than [`Tuning::of`] the device, to find out which are best.
+    /// Surfaces that were uploaded before are of no use to it.
+    ///
+    /// # Errors
+    /// [`VulkanError::Tuning`] if the device has no room for them, or a call of Vulkan's that fails.
+    pub fn with_tuning(mut self, tuning: Tuning) -> Result<Self, VulkanError> {
+        let (instance, device) = (&self.context.instance.handle, &self.context.device);
+        // SAFETY: the physical device is from this instance.
+        let properties =
+            unsafe { instance.get_physical_device_properties(self.context.physical_device) };
+        tuning.check(&properties.limits)?;
+        let pipelines = &mut self.for_device.pipelines;
+        pipelines.set_tuning(device, tuning);
+        pipelines.make_all(device, COMMON, Wavefront::Planar)?;
+        Ok(self)
     }
 
     /// What the validation layers have said; `None` if they are off.

@@ -15,6 +15,29 @@ pub(crate) const FEATURES: [vk::ValidationFeatureEnableEXT; 2] = [
     vk::ValidationFeatureEnableEXT::GPU_ASSISTED,
 ];
 
+/// Layers since 1.3.290 tell of hazards between accesses of shaders only if they are asked to.
+pub(crate) fn settings() -> [vk::LayerSettingEXT<'static>; 1] {
+    let setting = vk::LayerSettingEXT::default()
+        .layer_name(LAYER)
+        .setting_name(c"syncval_shader_accesses_heuristic")
+        .ty(vk::LayerSettingTypeEXT::BOOL32);
+    [vk::LayerSettingEXT {
+        value_count: 1,
+        p_values: std::ptr::from_ref(&vk::TRUE).cast(),
+        ..setting
+    }]
+}
+
+/// Whether the layer takes settings from a program. Older ones do not know the structure.
+pub(crate) fn takes_settings(entry: &ash::Entry) -> bool {
+    // SAFETY: the name is a string.
+    let offered = unsafe { entry.enumerate_instance_extension_properties(Some(LAYER)) };
+    let is_wanted = |extension: &vk::ExtensionProperties| {
+        extension.extension_name_as_c_str() == Ok(ext::layer_settings::NAME)
+    };
+    offered.unwrap_or_default().iter().any(is_wanted)
+}
+
 /// Warnings and errors of the validation layers, in the order in which they came. Clones share
 /// one log, which outlives the device: what the layers say while it is destroyed is in it too.
 #[derive(Clone, Debug, Default)]
@@ -69,17 +92,23 @@ impl Messenger {
 }
 
 unsafe extern "system" fn collect(
-    _severity: vk::DebugUtilsMessageSeverityFlagsEXT,
+    severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _kind: vk::DebugUtilsMessageTypeFlagsEXT,
     data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
     log: *mut c_void,
 ) -> vk::Bool32 {
     // SAFETY: the layer passes valid data, and the log that was given to it.
-    let (message, log) = unsafe {
+    let (id, text, log) = unsafe {
+        let id = (*data).message_id_name_as_c_str().unwrap_or(c"").to_string_lossy();
         let text = (*data).message_as_c_str().unwrap_or(c"").to_string_lossy();
-        (text.into_owned(), &*log.cast::<ValidationLog>())
+        (id, text, &*log.cast::<ValidationLog>())
     };
-    if !is_about_the_layer_itself(&message) {
+    if !is_about_the_layer_itself(severity, &id) {
+        // Older layers name it in the text, newer ones beside it.
+        let message = match text.contains(&*id) {
+            true => text.into_owned(),
+            false => format!("[ {id} ] {text}"),
+        };
         // Printed as they come too, since a crashing driver takes the log with it.
         eprintln!("validation: {message}");
         log.push(message);
@@ -87,7 +116,27 @@ unsafe extern "system" fn collect(
     vk::FALSE
 }
 
-/// What the layers say of their own set-up is no finding.
-fn is_about_the_layer_itself(message: &str) -> bool {
-    message.contains("GPU-Assisted Validation") && message.contains("not enabled")
+/// What the layers say of their own set-up is no finding: which features they turn on for themselves, and which
+/// checks they leave out for want of one.
+fn is_about_the_layer_itself(severity: vk::DebugUtilsMessageSeverityFlagsEXT, id: &str) -> bool {
+    let of_layers = ["WARNING-GPU-Assisted", "UNASSIGNED-GPU-Assisted", "VALIDATION-SETTINGS"];
+    severity == vk::DebugUtilsMessageSeverityFlagsEXT::WARNING
+        && of_layers.iter().any(|start| id.starts_with(start))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn set_up_is_no_finding_whatever_its_words_and_errors_always_are() {
+        type Severity = vk::DebugUtilsMessageSeverityFlagsEXT;
+        for id in ["WARNING-GPU-Assisted-Validation", "UNASSIGNED-GPU-Assisted Validation. "] {
+            assert!(is_about_the_layer_itself(Severity::WARNING, id));
+            assert!(!is_about_the_layer_itself(Severity::ERROR, id));
+        }
+        for id in ["SYNC-HAZARD-READ-AFTER-WRITE", "VUID-vkCmdDispatch-groupCountX-00386", ""] {
+            assert!(!is_about_the_layer_itself(Severity::WARNING, id));
+        }
+    }
 }

@@ -120,7 +120,8 @@ pub fn validated(program: &Path) -> Run {
          khronos_validation.log_filename = {}\n\
          khronos_validation.report_flags = error,warn\n\
          khronos_validation.enables = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT\n\
-         khronos_validation.validate_sync = true\n",
+         khronos_validation.validate_sync = true\n\
+         khronos_validation.syncval_shader_accesses_heuristic = true\n",
         log.display()
     );
     fs::write(folder.join("vk_layer_settings.txt"), settings).unwrap();

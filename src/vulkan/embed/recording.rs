@@ -94,7 +94,7 @@ impl<'a> Recording<'a> {
         let warm_up = |number: usize, wavefront, set: &HostSet| {
             let made = solver.pipelines.numbered(number, wavefront);
             if let Some((pipeline, layout)) = made {
-                recorder.warm_up(pipeline, layout, &recorder.with_host(set.set));
+                recorder.warm_up(pipeline, layout, recorder.with_host(set.set));
             }
         };
         for (points, set) in surface.points.iter().zip(&sets.points) {

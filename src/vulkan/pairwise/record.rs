@@ -13,6 +13,7 @@ use super::steps::Step;
 use crate::constants::WORKGROUP;
 use crate::vulkan::TexelChart;
 use crate::vulkan::barrier::{NOTHING, PASS, SHADER, SHADER_WRITE};
+use crate::vulkan::descriptors::Sets;
 use crate::vulkan::memory::Buffer;
 use crate::vulkan::passes::UNPACK;
 use crate::vulkan::pipelines::Pipeline;
@@ -53,7 +54,7 @@ impl BatchRecorder<'_> {
             self.image_barrier(image.image, NOTHING, SHADER, layouts);
         }
         let &SharedMemory { fans, .. } = self.passes else { return };
-        self.bind(fans, &self.sets(0));
+        self.bind(fans, self.sets(0));
         let [cols, rows] = self.grid();
         for scan in 0..Scan::ALL.len() as u32 {
             let (points, lines) = if scan < 2 { (cols, rows) } else { (rows, cols) };
@@ -184,15 +185,15 @@ impl BatchRecorder<'_> {
             let offset = if by_rows { offset::ROW_GROUPS } else { offset::COL_GROUPS };
             Groups::From(self.resources.progress().buffer, offset)
         };
-        self.bind(scan, &self.sets(pass.writes));
+        self.bind(scan, self.sets(pass.writes));
         self.dispatch(scan, &block, groups);
     }
 
     fn unpack(&self) {
         let grid = self.signed_grid();
         let unpack = self.pipelines.of(UNPACK);
-        // The set that writes image 1 reads image 0.
-        self.bind(unpack, &self.sets(1));
+        // The sets that write image 1 read image 0.
+        self.bind(unpack, self.sets(1).with_host(self.resources.sets.read_back));
         let layers = numbers(self.layout.wavefront) as i32;
         let band = unpack::Push { grid, first_row: 0, band_rows: grid[1], layers };
         self.dispatch(unpack, &band, Groups::These(self.unpack_groups()));
@@ -200,12 +201,12 @@ impl BatchRecorder<'_> {
 
     /// Runs a pass that writes image 0.
     fn run<P: Pod>(&self, pipeline: Pipeline<P>, constants: &P, groups: [u32; 3]) {
-        self.bind(pipeline, &self.sets(0));
+        self.bind(pipeline, self.sets(0));
         self.dispatch(pipeline, constants, Groups::These(groups));
     }
 
-    fn sets(&self, writes: usize) -> [vk::DescriptorSet; 1] {
-        [self.resources.sets[writes]]
+    fn sets(&self, writes: usize) -> Sets {
+        self.resources.sets.writing[writes]
     }
 
     fn signed_grid(&self) -> [i32; 2] {

@@ -1,16 +1,15 @@
 //! What a batch of maps occupies on the device.
 
-use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocator;
 
 use super::layout::BatchLayout;
 use super::progress;
+use crate::vulkan::VulkanError;
+use crate::vulkan::descriptors::{Contents, GridSets};
 use crate::vulkan::grid_images::GridImages;
 use crate::vulkan::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo};
 use crate::vulkan::pipelines::Pipelines;
-use crate::vulkan::shaders::set_0;
-use crate::vulkan::{VulkanError, descriptors};
 
 /// The images or buffers of a batch, what the host writes and what it reads.
 #[derive(Debug, Default)]
@@ -18,9 +17,7 @@ pub(super) struct Resources {
     /// Two, or none for maps in shared memory.
     pub(super) fronts: Vec<Image>,
     buffers: Vec<Buffer>,
-    /// For each of the two images the descriptors of a pass that writes it and reads the other.
-    pub(super) sets: [vk::DescriptorSet; 2],
-    pool: vk::DescriptorPool,
+    pub(super) sets: GridSets,
 }
 
 /// The order of the buffers.
@@ -82,24 +79,19 @@ impl Resources {
             self.buffers.push(Buffer::new(device, allocator, BufferInfo { name, size, location })?);
             pipelines.name(name, self.buffers[self.buffers.len() - 1].buffer);
         }
-        self.pool = descriptors::pool(device)?;
-        self.sets = descriptors::sets(device, self.pool, pipelines)?;
-        for (writes, &set) in self.sets.iter().enumerate() {
-            descriptors::write_image(device, set, set_0::EDGES, &grid.edges);
-            descriptors::write_image(device, set, set_0::GAUSSIANS, &grid.gaussian);
-            descriptors::write_buffer(device, set, set_0::PROGRESS, self.progress());
-            descriptors::write_buffer(device, set, set_0::DISTANCES, self.buffer(Kind::Distances));
-            if let [first, second] = self.fronts.as_slice() {
-                let (new, old) = if writes == 0 { (first, second) } else { (second, first) };
-                descriptors::write_image(device, set, set_0::OLD_FRONTS, old);
-                descriptors::write_image(device, set, set_0::FRONTS_BEHIND, new);
-                descriptors::write_image(device, set, set_0::NEW_FRONTS, new);
-                descriptors::write_image(device, set, set_0::NEW_FRONTS_1, old);
-            } else {
-                descriptors::write_buffer(device, set, set_0::FANS, self.buffer(Kind::Fans));
-                descriptors::write_buffer(device, set, set_0::KEPT, self.buffer(Kind::Kept));
-            }
-        }
+        let in_shared_memory = layout.workgroup.is_some();
+        let of_workgroups = |kind| in_shared_memory.then(|| self.buffer(kind));
+        let contents = Contents {
+            edges: &grid.edges,
+            gaussian: &grid.gaussian,
+            fronts: self.fronts.first_chunk().map(<[Image; 2]>::each_ref),
+            points: of_workgroups(Kind::Fans),
+            progress: self.progress(),
+            tiles: of_workgroups(Kind::Kept),
+            blocks: self.buffer(Kind::Distances),
+            distances: self.buffer(Kind::Distances),
+        };
+        self.sets = GridSets::new(device, pipelines, contents)?;
         Ok(())
     }
 
@@ -143,8 +135,7 @@ impl Resources {
 
     /// Frees everything. No submitted work may still use it.
     pub(super) fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
-        // SAFETY: the caller has made sure that nothing uses the sets; null handles are allowed.
-        unsafe { device.destroy_descriptor_pool(self.pool, None) };
+        self.sets.destroy(device);
         self.fronts.iter_mut().for_each(|image| image.destroy(device, allocator));
         self.buffers.iter_mut().for_each(|buffer| buffer.destroy(device, allocator));
     }

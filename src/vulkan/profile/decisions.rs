@@ -34,7 +34,7 @@ impl ReadBack {
             before: outcome(before).iterations,
             after: outcome(after).iterations,
             is_done: outcome(after).is_done(),
-            rounds: (0..ROUNDS).map(|round| number(offset::round(round))).collect(),
+            rounds: (0..ROUNDS).map(|round| number(offset::listed(round))).collect(),
             settled: number(offset::SETTLED),
             visits: (0..VISIT_WORDS).map(|k| number(offset::VISITS + 4 * u64::from(k))).collect(),
         }

@@ -3,8 +3,9 @@
 use ash::vk;
 use bytemuck::{Pod, bytes_of};
 
-use crate::constants::WORKGROUP;
+use crate::constants::{MOST_GROUPS, WORKGROUP};
 use crate::vulkan::barrier;
+use crate::vulkan::descriptors::Sets;
 use crate::vulkan::passes::PUSH_CONSTANT_BYTES;
 use crate::vulkan::pipelines::{Pipeline, Pipelines};
 use crate::vulkan::profile::{PassKind, PassRecord, Presence, Profile, Scope, Watch, Work};
@@ -41,6 +42,18 @@ impl Groups {
     pub(crate) fn line(count: u32) -> Self {
         Self::These([count, 1, 1])
     }
+
+    /// So many in all and maybe a few more, however many they are. Shaders find a group's place by
+    /// `place_in_dispatch` in `glsl/tiles.glsl`.
+    pub(crate) fn in_columns(count: u32) -> Self {
+        let column = column_of(count);
+        Self::These([count.div_ceil(column), column, 1])
+    }
+}
+
+/// Of so many workgroups those in a column, so that there are no more columns than every device takes.
+pub(crate) fn column_of(count: u32) -> u32 {
+    count.div_ceil(MOST_GROUPS).max(1)
 }
 
 impl<'a> Commands<'a> {
@@ -71,12 +84,15 @@ impl<'a> Commands<'a> {
     }
 
     /// Binds a pipeline and the sets that it sees.
-    pub(crate) fn bind<P: Pod>(&self, pipeline: Pipeline<P>, sets: &[vk::DescriptorSet]) {
-        let (compute, layout) = (vk::PipelineBindPoint::COMPUTE, pipeline.layout);
+    pub(crate) fn bind<P: Pod>(&self, pipeline: Pipeline<P>, sets: Sets) {
+        self.bind_handle(pipeline.handle, pipeline.layout, sets);
+    }
+
+    fn bind_handle(&self, pipeline: vk::Pipeline, layout: vk::PipelineLayout, sets: Sets) {
         // SAFETY: the pipeline was made with the layout, which the sets fit, and all are alive.
         unsafe {
-            self.device.cmd_bind_pipeline(self.buffer, compute, pipeline.handle);
-            self.device.cmd_bind_descriptor_sets(self.buffer, compute, layout, 0, sets, &[]);
+            self.device.cmd_bind_pipeline(self.buffer, vk::PipelineBindPoint::COMPUTE, pipeline);
+            sets.bind(self.device, self.buffer, layout);
         }
     }
 
@@ -91,7 +107,10 @@ impl<'a> Commands<'a> {
                 self.device.cmd_push_constants(self.buffer, pipeline.layout, stages, 0, bytes);
             }
             match groups {
-                Groups::These([x, y, z]) => self.device.cmd_dispatch(self.buffer, x, y, z),
+                Groups::These(groups @ [x, y, z]) => {
+                    debug_assert!(groups.into_iter().all(|count| count <= MOST_GROUPS));
+                    self.device.cmd_dispatch(self.buffer, x, y, z);
+                }
                 Groups::From(buffer, offset) => {
                     self.device.cmd_dispatch_indirect(self.buffer, buffer, offset);
                 }
@@ -100,19 +119,12 @@ impl<'a> Commands<'a> {
     }
 
     /// Dispatches no group of a pipeline, since drivers may compile it at its first dispatch.
-    pub(crate) fn warm_up(
-        &self,
-        pipeline: vk::Pipeline,
-        layout: vk::PipelineLayout,
-        sets: &[vk::DescriptorSet],
-    ) {
+    pub(crate) fn warm_up(&self, pipeline: vk::Pipeline, layout: vk::PipelineLayout, sets: Sets) {
         let constants = [0; PUSH_CONSTANT_BYTES as usize];
-        let (compute, stages) = (vk::PipelineBindPoint::COMPUTE, vk::ShaderStageFlags::COMPUTE);
-        // SAFETY: the pipeline was made with the layout, which the sets fit and which has room for the
-        // constants, and all are alive.
+        let stages = vk::ShaderStageFlags::COMPUTE;
+        self.bind_handle(pipeline, layout, sets);
+        // SAFETY: the layout has room for the constants.
         unsafe {
-            self.device.cmd_bind_pipeline(self.buffer, compute, pipeline);
-            self.device.cmd_bind_descriptor_sets(self.buffer, compute, layout, 0, sets, &[]);
             self.device.cmd_push_constants(self.buffer, layout, stages, 0, &constants);
             self.device.cmd_dispatch(self.buffer, 0, 1, 1);
         }
@@ -186,5 +198,26 @@ impl<'a> Commands<'a> {
         // SAFETY: the buffer holds so many texels, the part lies in the image, which is in this layout, and
         // nothing else uses either until the next barrier.
         unsafe { self.device.cmd_copy_buffer_to_image(self.buffer, from, to, layout, &[copy]) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_of_workgroups_are_no_more_than_devices_take() {
+        // Tiles of 16 points on 4112 x 4112, and of 8 points on the largest images.
+        for (count, wanted) in [
+            (1, [1, 1, 1]),
+            (65_535, [65_535, 1, 1]),
+            (66_049, [33_025, 2, 1]),
+            (4096 * 4096, [65_281, 257, 1]),
+        ] {
+            let Groups::These(groups) = Groups::in_columns(count) else { unreachable!() };
+            assert_eq!(groups, wanted);
+            let all = groups.map(u64::from).into_iter().product::<u64>();
+            assert!((u64::from(count)..).contains(&all), "{groups:?}");
+        }
     }
 }

@@ -83,8 +83,7 @@ impl Recorder<'_> {
             band_rows: rows.len() as i32,
             layers: LAYERS as i32,
         };
-        // The set that writes image 1 reads image 0.
-        self.run(self.pipelines.of(UNPACK), 1, &band, size);
+        self.host_pass(self.pipelines.of(UNPACK), self.grid.sets.read_back, &band, size);
         self.barrier(SHADER_WRITE, HOST_READ);
     }
 }

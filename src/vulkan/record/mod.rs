@@ -6,5 +6,5 @@ mod map;
 mod recorder;
 mod surface;
 
-pub(crate) use commands::{Commands, Groups};
+pub(crate) use commands::{Commands, Groups, column_of};
 pub(crate) use recorder::{Recorder, dispatched};

@@ -7,6 +7,7 @@ use bytemuck::Pod;
 
 use super::commands::{Commands, Groups};
 use crate::constants::WORKGROUP;
+use crate::vulkan::descriptors::Sets;
 use crate::vulkan::grid_images::GridImages;
 use crate::vulkan::pipelines::Pipeline;
 use crate::vulkan::profile::{PassKind, PassRecord, Scope, Work};
@@ -56,7 +57,7 @@ impl<'a> Recorder<'a> {
 
     /// Binds a pass that writes one of the two images of fronts and reads the other.
     pub(crate) fn bind_writing<P: Pod>(&self, pipeline: Pipeline<P>, writes: usize) {
-        self.bind(pipeline, &[self.grid.sets[writes]]);
+        self.bind(pipeline, self.grid.sets.writing[writes]);
     }
 
     /// Runs a pass that writes image 0, or reads it and writes neither, as `writes` says: so many
@@ -80,13 +81,13 @@ impl<'a> Recorder<'a> {
         constants: &P,
         invocations: [u32; 2],
     ) {
-        self.bind(pipeline, &self.with_host(set));
+        self.bind(pipeline, self.with_host(set));
         self.dispatch(pipeline, constants, Groups::of(invocations));
     }
 
-    /// The sets of such a pass: that which writes image 1 reads image 0.
-    pub(crate) fn with_host(&self, set: vk::DescriptorSet) -> [vk::DescriptorSet; 2] {
-        [self.grid.sets[1], set]
+    /// The sets of such a pass: those that write image 1 read image 0.
+    pub(crate) fn with_host(&self, set: vk::DescriptorSet) -> Sets {
+        self.grid.sets.writing[1].with_host(set)
     }
 }
 

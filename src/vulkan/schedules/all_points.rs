@@ -8,11 +8,12 @@ use crate::vulkan::plan::{Portions, Reached, Step};
 use crate::vulkan::profile::{PassKind, PassRecord, Presence, StepCounter, Work};
 use crate::vulkan::progress::offset;
 use crate::vulkan::record::Groups;
+use crate::vulkan::schedule::iterations_together;
 use crate::vulkan::shaders::all_points::Push;
 
 pub(super) struct AllPoints;
 
-/// Iterations of two updates of all points in a recording, at most.
+/// Iterations of two updates of all points in a recording, at most, and fewer on large grids.
 const ITERATIONS: u32 = 32;
 
 /// Triangles of a point, times the points of a texel.
@@ -32,9 +33,11 @@ impl Order for AllPoints {
         false
     }
 
-    fn plan(&self, _: TexelChart, _: Portions, _: Option<Reached>, most: u32) -> Vec<Step> {
+    fn plan(&self, texels: TexelChart, _: Portions, _: Option<Reached>, most: u32) -> Vec<Step> {
         let iteration = [Step::AllPoints { writes: 1 }, Step::AllPoints { writes: 0 }, Step::Count];
-        (0..most.min(ITERATIONS)).flat_map(|_| iteration.clone()).collect()
+        (0..most.min(iterations_together(texels, ITERATIONS)))
+            .flat_map(|_| iteration.clone())
+            .collect()
     }
 
     fn record(&self, recording: &mut Steps, step: &Step) {

@@ -104,7 +104,7 @@ impl Recorder<'_> {
         let grid = [texels[0].div_ceil(WORKGROUP), texels[1]];
         self.barrier(COPY, CLEAR);
         self.barrier(PASS, CLEAR);
-        self.write_progress(&progress::start(stop, grid), 0);
+        self.write_progress(&progress::start(stop, grid, self.tiles()), 0);
         self.fill(self.grid.tiles.buffer, 0, vk::WHOLE_SIZE);
         order.start(self, is_added);
         self.barrier(CLEAR, PASS);
@@ -116,9 +116,9 @@ impl Recorder<'_> {
         let of_schedule = schedule.passes().iter().copied();
         let passes = of_schedule.chain([SEED.number(), COUNT.number(), SETTLE.number()]);
         for number in passes {
-            let sets = [self.grid.sets[0]];
+            let sets = self.grid.sets.writing[0];
             if let Some((pipeline, layout)) = self.pipelines.numbered(number, wavefront) {
-                self.warm_up(pipeline, layout, &sets);
+                self.warm_up(pipeline, layout, sets);
             }
             self.barrier(PASS, PASS);
         }

@@ -93,10 +93,14 @@ impl Recorder<'_> {
         self.update(self.grid.progress.buffer, from, bytes);
     }
 
+    /// How many tiles there are.
+    pub(super) fn tiles(&self) -> u32 {
+        self.grid.texels.tiles(self.pipelines.tuning.tile).iter().product()
+    }
+
     /// Bytes of one number for each tile.
     pub(super) fn tile_bytes(&self) -> u64 {
-        let [cols, rows] = self.grid.texels.tiles(self.pipelines.tuning.tile);
-        u64::from(cols) * u64::from(rows) * size_of::<u32>() as u64
+        u64::from(self.tiles()) * size_of::<u32>() as u64
     }
 
     /// Copies what passes have written to where the host reads it while the map goes on.

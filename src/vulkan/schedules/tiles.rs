@@ -48,7 +48,7 @@ impl Order for Tiles {
             return;
         }
         let later = offset::VISITS - offset::round(1);
-        let (list, tiles) = (size_of::<u32>() as u64, recorder.tile_bytes());
+        let (list, tiles) = (offset::round(1) - offset::round(0), recorder.tile_bytes());
         let work = Work::of_bytes(list, list + later + tiles);
         let record = PassRecord { work, ..PassRecord::new(PassKind::Resume) };
         let _pass = recorder.pass_with(record);
@@ -57,7 +57,7 @@ impl Order for Tiles {
         let (from, to) = (offset::round(rounds), offset::round(0));
         recorder.copy((progress, from), (progress, to), list);
         recorder.barrier(COPY, CLEAR);
-        recorder.write_progress(&progress::before_rounds(), offset::round(1));
+        recorder.write_progress(&progress::before_rounds(recorder.tiles()), offset::round(1));
         // Where tiles wait; their states are zero after they have settled, and the lists stay.
         recorder.fill(recorder.grid.tiles.buffer, tiles, tiles);
         recorder.barrier(CLEAR, PASS);
@@ -74,8 +74,7 @@ impl Order for Tiles {
                 tile_list(recorder, round);
             }
             Step::Settle { rounds: count } => {
-                let [cols, rows] = grid.texels.tiles(recorder.pipelines.tuning.tile);
-                let groups = Groups::line(cols * rows);
+                let groups = Groups::in_columns(recorder.tiles());
                 recording.dispatch(SETTLE.pass(), 0, &settle::Push { texels, count }, groups);
             }
             _ => {}

@@ -3,7 +3,7 @@
 
 #![allow(dead_code)] // each test binary uses its part
 
-use std::ffi::{CStr, c_char, c_void};
+use std::ffi::{CStr, c_void};
 use std::sync::Mutex;
 
 use geosweep::ash::{self, ext, vk};
@@ -100,9 +100,27 @@ impl Host {
         let mut features =
             vk::ValidationFeaturesEXT::default().enabled_validation_features(enabled);
         let layers = [LAYER.as_ptr()];
-        let extensions = [ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()];
+        let mut extensions =
+            vec![ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()];
+        // Newer layers tell of hazards of shaders only if they are asked to; older ones cannot be asked.
+        let of_layer = unsafe { entry.enumerate_instance_extension_properties(Some(LAYER)) };
+        let takes_settings = of_layer
+            .unwrap_or_default()
+            .iter()
+            .any(|extension| extension.extension_name_as_c_str() == Ok(ext::layer_settings::NAME));
+        let mut setting = vk::LayerSettingEXT::default()
+            .layer_name(LAYER)
+            .setting_name(c"syncval_shader_accesses_heuristic")
+            .ty(vk::LayerSettingTypeEXT::BOOL32);
+        (setting.value_count, setting.p_values) = (1, std::ptr::from_ref(&vk::TRUE).cast());
+        let settings = [setting];
+        let mut settings = vk::LayerSettingsCreateInfoEXT::default().settings(&settings);
         let mut info = vk::InstanceCreateInfo::default().application_info(&application);
         if validate {
+            if takes_settings {
+                extensions.push(ext::layer_settings::NAME.as_ptr());
+                info = info.push_next(&mut settings);
+            }
             info = info
                 .enabled_layer_names(&layers)
                 .enabled_extension_names(&extensions)
@@ -301,15 +319,17 @@ fn listen(entry: &ash::Entry, instance: &ash::Instance, log: &Mutex<Vec<String>>
 }
 
 unsafe extern "system" fn collect(
-    _severity: vk::DebugUtilsMessageSeverityFlagsEXT,
+    severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _kind: vk::DebugUtilsMessageTypeFlagsEXT,
     data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
     log: *mut c_void,
 ) -> vk::Bool32 {
-    let text: *const c_char = unsafe { (*data).p_message };
-    let text = unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned();
+    let id = unsafe { (*data).message_id_name_as_c_str() }.unwrap_or(c"").to_string_lossy();
+    let text = unsafe { (*data).message_as_c_str() }.unwrap_or(c"").to_string_lossy();
     // What the layers say of their own set-up is no finding.
-    if !(text.contains("GPU-Assisted Validation") && text.contains("not enabled")) {
+    let is_warning = severity == vk::DebugUtilsMessageSeverityFlagsEXT::WARNING;
+    if !(is_warning && id.contains("GPU-Assisted")) {
+        let text = format!("[ {id} ] {text}");
         eprintln!("validation: {text}");
         unsafe { &*log.cast::<Mutex<Vec<String>>>() }.lock().unwrap().push(text);
     }

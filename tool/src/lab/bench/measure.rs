@@ -7,7 +7,7 @@ use geosweep::Stop;
 use geosweep::cpu::{self, RotatedScan};
 use geosweep::surface::{EdgeLengths, Seed};
 use geosweep::vulkan::profile::{Capability, Detail, Grain};
-use geosweep::vulkan::{self, Schedule, Solution, Solver, SurfaceOnDevice, VulkanError};
+use geosweep::vulkan::{self, Schedule, Solution, Solver, SurfaceOnDevice, Tuning, VulkanError};
 use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Sources, Surface, Wavefront};
 use indicatif::ProgressBar;
 
@@ -50,6 +50,8 @@ pub struct Plan {
     pub wavefronts: Vec<Wavefront>,
     pub methods: Vec<Method>,
     pub device: DeviceChoice,
+    /// The device's own, if none is given.
+    pub tuning: Option<Tuning>,
     /// Stop after so many, converged or not.
     pub iterations: Option<u32>,
     /// A method whose map takes longer is stopped, and left out at this size and larger ones.
@@ -125,7 +127,13 @@ pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
         bar,
         // Looked at for what maps take alone, so that nothing else is asked of the device.
         solver: on_device
-            .then(|| Solver::for_profiling(&plan.device, &Capability::ALL))
+            .then(|| {
+                let solver = Solver::for_profiling(&plan.device, &Capability::ALL)?;
+                match plan.tuning {
+                    Some(tuning) => solver.with_tuning(tuning),
+                    None => Ok(solver),
+                }
+            })
             .transpose()?,
         cpu: cpu::Ceilings::measure(rayon::current_num_threads().min(MOST_THREADS)),
         device: if on_device { Some(vulkan::Ceilings::measure(&plan.device)?) } else { None },

@@ -10,7 +10,7 @@ mod surface;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use geosweep::vulkan::Schedule;
+use geosweep::vulkan::{Schedule, Tuning};
 use geosweep::{DeviceChoice, Engine, Wavefront};
 
 use super::lists;
@@ -50,6 +50,10 @@ pub struct Args {
     /// The Vulkan device: its index in `geosweep devices`, or a part of its name
     #[arg(long, value_name = "NAME|INDEX")]
     device: Option<DeviceChoice>,
+    /// The Vulkan device's portions in place of those for its kind: invocations and lines of a block of a scan,
+    /// points on a side of a tile and iterations inside it, to find out which are best
+    #[arg(long, value_name = "WIDTH,LINES,TILE,INNER", value_parser = tuning)]
+    tuning: Option<Tuning>,
     /// Stop a map that takes more than this, and leave its engine or schedule out at this size and
     /// larger ones (default: 3; with --quick 0.3)
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
@@ -117,6 +121,16 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+fn tuning(text: &str) -> Result<Tuning, String> {
+    let numbers: Result<Vec<u32>, _> = text.split(',').map(str::parse).collect();
+    match numbers.as_deref() {
+        Ok(&[scan_width, scan_lines, tile, inner]) => {
+            Ok(Tuning { scan_width, scan_lines, tile, inner })
+        }
+        _ => Err("four numbers are wanted, such as 128,8,16,4".into()),
+    }
+}
+
 pub fn run(args: &Args) -> Outcome {
     let output = wanted_file(args.output.as_ref(), "a report is", "md")?;
     let plot = wanted_png(args.plot.as_ref())?;
@@ -155,6 +169,7 @@ impl Args {
             wavefronts: lists::or_else(&self.wavefront, || vec![Wavefront::Curved]),
             methods: lists::or_else(&self.engines, Vec::new).iter().flat_map(of_engine).collect(),
             device: self.device.clone().unwrap_or_default(),
+            tuning: self.tuning,
             iterations: None,
             limit: Duration::from_secs_f64(self.limit.unwrap_or(if self.quick {
                 0.3

@@ -95,6 +95,7 @@ pub fn run(args: &Args) -> Outcome {
             wavefronts: vec![wavefront],
             methods: methods.clone(),
             device: device.clone(),
+            tuning: None,
             iterations,
             limit: Duration::from_secs(600),
             long_enough: Duration::from_secs(1),
