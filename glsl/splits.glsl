@@ -9,6 +9,10 @@
 
 vec2 front_at(ivec2 point);
 
+// Whether the surface has obtuse triangles. A constant, since drivers for CPUs take the time of the branch not
+// taken too: twice as long for a scan.
+layout(constant_id = 6) const int SPLITS = 1;
+
 // Where four points of an update are: the first, how much further the second and the third, the fourth being
 // beyond both; and the scan's way.
 struct Places {
@@ -159,7 +163,7 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
 // Adds what comes through the parts of obtuse triangles to the fronts of four points, given which of their
 // triangles to the left and right are.
 void add_parts(Places places, bvec4 left, bvec4 right, inout Fronts fronts) {
-    if (!any(either(left, right))) return;
+    if (SPLITS == 0 || !any(either(left, right))) return;
     // A loop, since drivers are slow to compile the same code twice over.
     for (int i = 0; i < 8; i++) {
         int k = i & 3;

@@ -200,11 +200,12 @@ void merge(ivec2 in_tile, inout vec4 time, inout vec4 held) {
 
 // The tiles that may see a point of this one, as bits of 3 x 3 tiles.
 uint sides_of(ivec2 at) {
+    const int REACH = SPLITS != 0 ? SPLIT_REACH : 1;
     uint bits = 0u;
-    bool west = at.x < SPLIT_REACH;
-    bool east = at.x >= TILE - SPLIT_REACH;
-    if (at.y < SPLIT_REACH) bits |= west ? 0xbu : east ? 0x26u : 0x2u;
-    if (at.y >= TILE - SPLIT_REACH) bits |= west ? 0xc8u : east ? 0x1a0u : 0x80u;
+    bool west = at.x < REACH;
+    bool east = at.x >= TILE - REACH;
+    if (at.y < REACH) bits |= west ? 0xbu : east ? 0x26u : 0x2u;
+    if (at.y >= TILE - REACH) bits |= west ? 0xc8u : east ? 0x1a0u : 0x80u;
     if (west) bits |= 0x8u;
     if (east) bits |= 0x20u;
     return bits;

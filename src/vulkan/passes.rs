@@ -204,8 +204,32 @@ const fn largest(sizes: &[u32]) -> u32 {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Specialization {
     pub(crate) tuning: Tuning,
-    pub(crate) wavefront: Wavefront,
+    pub(crate) variant: Variant,
     pub(crate) map: MapSize,
+}
+
+/// What is known of a map when its pipelines are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Variant {
+    pub(crate) wavefront: Wavefront,
+    /// Whether obtuse triangles are split, as they are on any surface that is not known to have none.
+    pub(crate) splits: bool,
+}
+
+impl From<Wavefront> for Variant {
+    fn from(wavefront: Wavefront) -> Self {
+        Self { wavefront, splits: true }
+    }
+}
+
+impl Variant {
+    pub(crate) const COUNT: usize = 2 * Wavefront::EVERY.len();
+
+    /// All, by their places among a pass's pipelines.
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        let both = |splits| Wavefront::EVERY.map(|wavefront| Self { wavefront, splits });
+        [false, true].into_iter().flat_map(both)
+    }
 }
 
 /// Of maps in the shared memory of workgroups; zeros for other passes. The loops of that pass take 6 to 9 %
@@ -222,6 +246,13 @@ pub(crate) struct MapSize {
 }
 
 impl Row {
+    /// The place of its pipeline among all that it may have.
+    pub(crate) fn place_of(&self, variant: Variant) -> usize {
+        let splits = self.shader.depends_on(Constant::Splits) && variant.splits;
+        let wavefront = if self.depends_on_wavefront { variant.wavefront as usize } else { 0 };
+        usize::from(splits) * Wavefront::EVERY.len() + wavefront
+    }
+
     /// Its direction, if it is a scan's.
     fn scan(&self) -> Option<Scan> {
         if let Some(Scan(scan)) = self.kind { Some(scan) } else { None }
@@ -229,7 +260,7 @@ impl Row {
 
     /// The numbers and values of its specialization constants.
     pub(crate) fn constants(&self, of: &Specialization) -> Vec<(u32, i32)> {
-        let Specialization { tuning, wavefront, map } = *of;
+        let Specialization { tuning, variant: Variant { wavefront, splits }, map } = *of;
         let ahead = self.scan().map_or((0, 0), Scan::ahead);
         let width = self.width.map_or(0, |width| match width {
             Width::Scans => tuning.scan_width,
@@ -240,6 +271,7 @@ impl Row {
             Constant::AheadX => ahead.0,
             Constant::AheadY => ahead.1,
             Constant::Wavefront => wavefront as i32,
+            Constant::Splits => splits.into(),
             Constant::LocalSizeX => width as i32,
             Constant::Lines => tuning.scan_lines as i32,
             Constant::Tile => tuning.tile as i32,
@@ -253,7 +285,8 @@ impl Row {
     }
 
     /// What debuggers and drivers call its pipeline.
-    pub(crate) fn name(&self, wavefront: Wavefront) -> String {
+    pub(crate) fn name(&self, variant: Variant) -> String {
+        let wavefront = variant.wavefront;
         let scan = self.scan().map_or(String::new(), |scan| format!(" {}", scan.name()));
         let wavefront = match self.depends_on_wavefront {
             true => format!(", {wavefront}"),
@@ -271,14 +304,14 @@ mod tests {
     fn shaders_of_the_four_scans_differ_in_what_lies_ahead() {
         let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4 };
         let (wavefront, map) = (Wavefront::Curved, MapSize::default());
-        let of = Specialization { tuning, wavefront, map };
+        let of = Specialization { tuning, variant: wavefront.into(), map };
         for (pass, scan) in SCANS.into_iter().zip(Scan::ALL) {
             let constants = pass.row().constants(&of);
             let (x, y) = scan.ahead();
             for wanted in [(0, x), (1, y), (2, Wavefront::Curved as i32), (3, 64), (4, 4)] {
                 assert!(constants.contains(&wanted), "{constants:?}");
             }
-            assert_eq!(pass.row().name(Wavefront::Curved), format!("scan {}, curved", scan.name()));
+            assert_eq!(pass.row().name(Wavefront::Curved.into()), format!("scan {}, curved", scan.name()));
         }
     }
 

@@ -9,7 +9,7 @@ use ash::vk;
 use bytemuck::Pod;
 
 use super::memory::Image;
-use super::passes::{CommonPass, MapSize, PUSH_CONSTANT_BYTES, Pass, Row, Specialization, TABLE};
+use super::passes::{Variant, CommonPass, MapSize, PUSH_CONSTANT_BYTES, Pass, Row, Specialization, TABLE};
 use super::profile::Labels;
 use super::shaders::{Shader, set_0, set_1, set_2};
 use super::{Tuning, VulkanError};
@@ -43,8 +43,8 @@ pub(crate) struct Pipelines {
     no_set_layout: vk::DescriptorSetLayout,
     /// Of passes that see no set of the host's, and of those that see one.
     layouts: [vk::PipelineLayout; 2],
-    /// By pass and wavefront, the first one for passes that do not depend on it.
-    made: [[OnceLock<vk::Pipeline>; Wavefront::EVERY.len()]; TABLE.len()],
+    /// By pass and variant ([`Row::place_of`]).
+    made: [[OnceLock<vk::Pipeline>; Variant::COUNT]; TABLE.len()],
     /// Of passes that depend on the size of maps too, the one used last at the end.
     sized: Mutex<Vec<Sized>>,
 }
@@ -92,7 +92,7 @@ impl Pipelines {
             map_set_layout: vk::DescriptorSetLayout::null(),
             no_set_layout: vk::DescriptorSetLayout::null(),
             layouts: [vk::PipelineLayout::null(); 2],
-            made: [const { [const { OnceLock::new() }; Wavefront::EVERY.len()] }; TABLE.len()],
+            made: [const { [const { OnceLock::new() }; Variant::COUNT] }; TABLE.len()],
             sized: Mutex::default(),
         };
         match new.create_layouts(device) {
@@ -121,20 +121,20 @@ impl Pipelines {
         *lock(&self.cache) = cache;
     }
 
-    fn place(&self, number: usize, wavefront: Wavefront) -> &OnceLock<vk::Pipeline> {
-        let column = if TABLE[number].depends_on_wavefront { wavefront as usize } else { 0 };
-        &self.made[number][column]
+    fn place(&self, number: usize, variant: Variant) -> &OnceLock<vk::Pipeline> {
+        &self.made[number][TABLE[number].place_of(variant)]
     }
 
     /// Makes the pipelines of passes, by their numbers in the table, unless they are there;
-    /// `wavefront` is that of passes which depend on it.
+    /// `variant` is that of passes which depend on it.
     pub(crate) fn make_all(
         &self,
         device: &ash::Device,
         numbers: &[usize],
-        wavefront: Wavefront,
+        variant: impl Into<Variant>,
     ) -> Result<(), VulkanError> {
-        numbers.iter().try_for_each(|&number| self.make_one(device, number, wavefront).map(drop))
+        let variant = variant.into();
+        numbers.iter().try_for_each(|&number| self.make_one(device, number, variant).map(drop))
     }
 
     /// The pipeline of a pass, which is made unless it is there.
@@ -144,7 +144,7 @@ impl Pipelines {
         pass: Pass<P>,
         wavefront: Wavefront,
     ) -> Result<Pipeline<P>, VulkanError> {
-        Ok(self.with_handle(pass, self.make_one(device, pass.number(), wavefront)?))
+        Ok(self.with_handle(pass, self.make_one(device, pass.number(), variant.into())?))
     }
 
     fn make_one(
@@ -153,7 +153,7 @@ impl Pipelines {
         number: usize,
         wavefront: Wavefront,
     ) -> Result<vk::Pipeline, VulkanError> {
-        let place = self.place(number, wavefront);
+        let place = self.place(number, variant);
         if let Some(&made) = place.get() {
             return Ok(made);
         }
@@ -163,7 +163,7 @@ impl Pipelines {
             return Ok(made);
         }
         let map = MapSize::default();
-        let of = Specialization { tuning: self.tuning, wavefront, map };
+        let of = Specialization { tuning: self.tuning, variant, map };
         let new = self.create(device, &TABLE[number], &of, *cache)?;
         Ok(*place.get_or_init(|| new))
     }
@@ -183,7 +183,7 @@ impl Pipelines {
         let found = match place {
             Some(place) => sized.remove(place),
             None => {
-                let of = Specialization { tuning: self.tuning, wavefront, map };
+                let of = Specialization { tuning: self.tuning, variant, map };
                 let handle = self.create(device, pass.row(), &of, *lock(&self.cache))?;
                 let (number, users) = (pass.number(), InUse::default());
                 Sized { number, wavefront, map, handle, users }
@@ -206,12 +206,12 @@ impl Pipelines {
 
     /// Whether the pipelines of passes were made for a wavefront.
     pub(crate) fn have(&self, numbers: &[usize], wavefront: Wavefront) -> bool {
-        numbers.iter().all(|&number| self.place(number, wavefront).get().is_some())
+        numbers.iter().all(|&number| self.place(number, variant).get().is_some())
     }
 
     /// The pipeline of a pass for a wavefront, if it was made.
     pub(crate) fn made<P: Pod>(&self, pass: Pass<P>, wavefront: Wavefront) -> Option<Pipeline<P>> {
-        let handle = *self.place(pass.number(), wavefront).get()?;
+        let handle = *self.place(pass.number(), variant.into()).get()?;
         Some(self.with_handle(pass, handle))
     }
 
@@ -221,7 +221,7 @@ impl Pipelines {
         number: usize,
         wavefront: Wavefront,
     ) -> Option<(vk::Pipeline, vk::PipelineLayout)> {
-        Some((*self.place(number, wavefront).get()?, self.layout(TABLE[number].shader)))
+        Some((*self.place(number, variant).get()?, self.layout(TABLE[number].shader)))
     }
 
     /// The pipeline of a pass of every surface.
