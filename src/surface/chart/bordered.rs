@@ -6,7 +6,9 @@ use std::ops::Range;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::{Block, Chart, Direction};
+#[cfg(any(test, feature = "twins"))]
+use super::Block;
+use super::{Chart, Direction};
 
 impl Chart {
     /// Distance between rows of a bordered array.
