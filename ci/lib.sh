@@ -8,10 +8,12 @@ die() {
     exit 1
 }
 
-# Announces a command, then runs it.
+# Announces a command, runs it, and says how long it took.
 step() {
+    local start=$SECONDS
     printf '\n==> %s\n' "$*"
     "$@"
+    ((SECONDS - start < 5)) || say "that took $((SECONDS - start)) s"
 }
 
 # A shell that is no login shell often lacks rustup's folder.

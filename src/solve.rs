@@ -16,8 +16,8 @@ use crate::{DistanceMap, Error, Report};
 /// Which engine computes a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Engine {
-    /// The CPU, but a GPU for large grids, where there is one and its set-up pays; the report says which,
-    /// and why. A Vulkan device that is a CPU is used only where it is asked for. With a
+    /// The CPU, but a GPU for large grids, where there is one and its set-up should pay: from 2^22 points on, a
+    /// threshold that is reckoned, not measured. The report says which, and why. A Vulkan device that is a CPU is used only where it is asked for. With a
     /// [`Options::schedule`] only Vulkan will do. A program that keeps a [`vulkan::Solver`] sets up once,
     /// and may gain on smaller grids.
     #[default]

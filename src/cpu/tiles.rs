@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-pub(super) use super::scan::Scan;
+use super::scan::Scan;
 use crate::surface::{Block, Chart, Direction, Tiling};
 
 /// Points on a side of a tile. A front moves one point a line, so within a band of as many lines

@@ -62,7 +62,9 @@ impl<R: Real> TransposedEdges<R> {
 
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        self.edges.iter().map(|edges| std::mem::size_of_val(edges.as_slice())).sum()
+        // Before they are written they are room that no memory stands behind.
+        let held = self.edges.iter().map(|edges| std::mem::size_of_val(edges.as_slice())).sum();
+        if self.is_filled { held } else { 0 }
     }
 }
 

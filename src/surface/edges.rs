@@ -156,6 +156,19 @@ impl<R: Real> EdgeLengths<R> {
         &self.lengths[slot.stored][first.wrapping_add_signed(slot.offset)..][..points]
     }
 
+    /// Along a row of points, the lengths of their eight edges, and of the edge from the end of each to the end
+    /// of the next.
+    #[inline(always)]
+    pub(crate) fn fans(&self, row: usize, points: usize) -> [[&[R]; 8]; 2] {
+        let chart = self.chart();
+        let first = chart.bordered(row, 0);
+        let along = |slot: EdgeSlot| self.row(first, slot, points);
+        [
+            Direction::ALL.map(|to| along(EdgeSlot::new(chart, 0, to))),
+            Direction::ALL.map(|to| along(EdgeSlot::new(chart, chart.offset(to), to.base()))),
+        ]
+    }
+
     /// The lengths of all edges to the east, north, north-east and north-west, as bordered arrays.
     pub(crate) fn planes(&self) -> [&[R]; 4] {
         self.lengths.each_ref().map(Vec::as_slice)

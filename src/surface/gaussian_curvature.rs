@@ -125,11 +125,7 @@ impl<R: Real> Loop for Fans<'_, R> {
     #[inline(always)]
     fn run(self) {
         let Self { edges, row, line } = self;
-        let (chart, cols) = (edges.chart(), line.len());
-        let first = chart.bordered(row, 0);
-        let fan = Direction::ALL.map(|to| edges.row(first, EdgeSlot::new(chart, 0, to), cols));
-        let bases = Direction::ALL
-            .map(|to| edges.row(first, EdgeSlot::new(chart, chart.offset(to), to.base()), cols));
+        let [fan, bases] = edges.fans(row, line.len());
         let share = R::of(edges.rule().share_of_fan());
         for (col, curvature) in line.iter_mut().enumerate() {
             let (mut edges, mut opposite) = ([R::FAR; 8], [R::FAR; 8]);

@@ -243,11 +243,7 @@ impl<R: Real> Loop for RowOfTriangles<'_, R> {
     #[inline(always)]
     fn run(self) {
         let Self { edges, row, line } = self;
-        let (chart, cols) = (edges.chart(), line.len());
-        let first = chart.bordered(row, 0);
-        let fan = Direction::ALL.map(|to| edges.row(first, EdgeSlot::new(chart, 0, to), cols));
-        let bases = Direction::ALL
-            .map(|to| edges.row(first, EdgeSlot::new(chart, chart.offset(to), to.base()), cols));
+        let [fan, bases] = edges.fans(row, line.len());
         for (col, bits) in line.iter_mut().enumerate() {
             let mut found = 0;
             for to in 0..8 {

@@ -160,9 +160,7 @@ impl<R: Real> Floor<R> {
         let chart = lengths.chart();
         let slots = Direction::ALL.map(|to| EdgeSlot::new(chart, 0, to));
         let mut edges = vec![0; chart.bordered_points()];
-        let rows = chart.stride()..edges.len() - chart.stride();
-        edges[rows].par_chunks_mut(chart.stride()).enumerate().for_each(|(row, edges)| {
-            let inner = &mut edges[1..=chart.cols];
+        chart.rows_mut(&mut edges).enumerate().for_each(|(row, inner)| {
             for (bit, &slot) in slots.iter().enumerate() {
                 let lengths = lengths.row(chart.bordered(row, 0), slot, chart.cols);
                 for (edges, &length) in inner.iter_mut().zip(lengths) {
@@ -242,9 +240,8 @@ impl<R: Real> Floor<R> {
                 [R::of(place.x), R::of(place.y)]
             }
             None => {
-                // Shorter than a machine word, they are divided sooner.
-                let (anchor, stride) = (anchor as u32, self.chart.stride() as u32);
-                [anchor / stride, anchor % stride].map(|line| R::of(f64::from(line)))
+                let (row, col) = self.chart.short_entry(anchor as u32);
+                [row, col].map(|line| R::of(f64::from(line)))
             }
         }
     }
@@ -274,11 +271,11 @@ impl<R: Real> Floor<R> {
         along: [isize; 2],
         front: impl Fn(usize) -> Kept<R, Anchor<R>>,
     ) -> Rays<R> {
-        let offset = ahead[0] * self.chart.stride() as isize + ahead[1];
-        let number = (first[0] * self.chart.stride() + first[1]).wrapping_add_signed(-offset);
+        let behind = |axis: usize| first[axis].wrapping_add_signed(-ahead[axis]);
+        let behind = self.chart.entry_index(behind(0), behind(1));
         let [ahead, along] = [ahead, along].map(|steps| steps.map(|steps| R::of(steps as f64)));
         let point = first.map(|line| R::of(line as f64));
-        let anchor = front(number).carried.number();
+        let anchor = front(behind).carried.number();
         let place = self.place(anchor);
         let step = [place[0] - point[0], place[1] - point[1]];
         let per_point = along.map(|steps| -steps);

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each binary uses its part")]
 
 pub mod bounds;
+mod cases;
 mod devices;
 
 use geosweep::Stop;
@@ -12,6 +13,8 @@ use geosweep::surface::{EdgeLengths, Real, Seed};
 use geosweep::vulkan::{Method, Solver};
 use geosweep::{Sources, Spacing, Surface, Wavefront};
 
+#[allow(unused_imports, reason = "each binary uses its part")]
+pub use cases::cases;
 #[allow(unused_imports, reason = "each binary uses its part")]
 pub use devices::{Lent, Pool, device_choice, vulkan_solver};
 

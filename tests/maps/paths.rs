@@ -7,7 +7,7 @@ use geosweep::surface::builtin::Builtin;
 use geosweep::{Sources, Spacing, Surface, Wavefront};
 use proptest::prelude::*;
 
-use crate::common::{CONVERGED, Random, at, off_centre, rotated};
+use crate::common::{CONVERGED, Random, at, cases, off_centre, rotated};
 
 /// Converged single-precision maps, and lengths in single precision.
 const ROUNDING: f64 = 1e-5;
@@ -492,7 +492,7 @@ fn paths_over_a_corner_that_are_straight_already_stay() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases(400))]
 
     /// From every point that is reached a path comes to a source. With the planar front no grid
     /// point on its way along the map is reached later than one before it. The maps of the other

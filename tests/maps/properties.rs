@@ -11,13 +11,9 @@ use geosweep::{
 };
 use proptest::prelude::*;
 
-use crate::common::{CONVERGED, CONVERGED_F64, difference, marched, rotated};
+use crate::common::{CONVERGED, CONVERGED_F64, cases, difference, marched, rotated};
 
 const ROUNDING: f64 = 1e-12;
-
-fn config() -> ProptestConfig {
-    ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() }
-}
 
 fn wavefront() -> impl Strategy<Value = Wavefront> {
     prop_oneof![Just(Wavefront::Planar), Just(Wavefront::PointSource)]
@@ -168,7 +164,7 @@ fn check_turned(
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases(1000))]
 
     /// The scheme is not symmetric, only its limit is: on these coarse grids within
     /// 4% and 2% in 20 000 cases.

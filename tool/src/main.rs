@@ -21,8 +21,8 @@ use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 use commands::{
-    builtin, canonical, compare, contours, devices, distance, offset, pairwise, path, profile,
-    ridges, sample, voronoi,
+    builtin, canonical, compare, contours, devices, distance, notices, offset, pairwise, path,
+    profile, ridges, sample, voronoi,
 };
 use lab::{accuracy, bench, figure};
 use terminal::say;
@@ -85,6 +85,8 @@ enum Command {
     Profile(Box<profile::Args>),
     /// Redraw a figure of the paper
     Figure(figure::Args),
+    /// Print the notices and licences of the packages that the tool contains
+    Notices,
 }
 
 /// Status for errors; 1 is left to `compare` for "they differ", as in diff.
@@ -115,6 +117,7 @@ fn main() -> ExitCode {
         Command::Bench(args) => bench::run(&args),
         Command::Profile(args) => profile::run(&args),
         Command::Figure(args) => figure::run(&args),
+        Command::Notices => notices::run(),
     };
     outcome.unwrap_or_else(|error| {
         if !is_broken_pipe(error.as_ref()) {

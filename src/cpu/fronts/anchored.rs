@@ -15,7 +15,8 @@ use crate::constants::ANCHOR_COUNTS;
 use crate::cpu::behind::Behind;
 use crate::cpu::line::GridLines;
 use crate::cpu::line_update::{How, LineUpdate, Stretches, Updated};
-use crate::cpu::tiles::{Scan, TILE};
+use crate::cpu::scan::Scan;
+use crate::cpu::tiles::TILE;
 use crate::lanes::prefetch;
 use crate::surface::{Chart, EdgeLengths, EvenGrid, Real, Seed, TAG, Tagged, min};
 use crate::update::{Anchor, Carried, Floor, Kept, is_shorter};
@@ -126,12 +127,10 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
     }
 
     fn ground(&self, chart: Chart) -> Cow<'a, [HolesBehind<R>]> {
-        let stride = chart.stride();
         let mut holes = vec![HolesBehind(R::one().with_tag(TAG)); chart.bordered_points()];
-        let inner = stride..holes.len() - stride;
-        holes[inner].par_chunks_mut(stride).enumerate().for_each(|(row, holes)| {
-            for (col, hole) in holes.iter_mut().enumerate().skip(1).take(chart.cols) {
-                let point = (row + 1) * stride + col;
+        chart.rows_mut(&mut holes).enumerate().for_each(|(row, holes)| {
+            for (col, hole) in holes.iter_mut().enumerate() {
+                let point = chart.bordered(row, col);
                 let blocks = |scan: &Scan| !self.floor.is_open(point, scan.back() as usize);
                 *hole = HolesBehind::new(Scan::ALL.into_iter().filter(blocks));
             }
@@ -181,8 +180,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Anchored<R> {
         if !is_one {
             return false;
         }
-        let stride = before.edges.chart().stride();
-        let at = [first / stride, first % stride];
+        let at = before.edges.chart().entry(first).into();
         let known = |x: usize| Kept { time: before.times[x], carried: before.carried[x] };
         let rays = self.floor.rays(at, how.scan.ahead(), [0, 1], known);
         let mut settled = true;
@@ -384,7 +382,7 @@ impl<R: Real> Brought<R> {
                 continue;
             }
             let [row, col] = further(first, i, scan);
-            let point = row * lines.place.edges.chart().stride() + col;
+            let point = lines.place.edges.chart().entry_index(row, col);
             if floor.has(point) {
                 let arrival = reach(floor, lines, point, scan);
                 (self.times[i], self.anchors[i]) = (arrival.time, arrival.carried);

@@ -8,8 +8,8 @@ use bytemuck::Pod;
 use crate::cpu::behind::{Behind, TriangleSlots};
 use crate::cpu::line::GridLines;
 use crate::cpu::line_update::{How, Updated};
+use crate::cpu::scan::Scan;
 use crate::cpu::stretch::{Before, Stretch};
-use crate::cpu::tiles::Scan;
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
 use crate::update::{Carried, Kept, Triangle};
 
@@ -157,7 +157,7 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         let behind = Behind::of(chart, scan);
         for place in points.clone() {
             let [row, col] = lines.position(line, place, scan);
-            let point = row * chart.stride() + col;
+            let point = chart.entry_index(row, col);
             let of_point =
                 behind.triangles().iter().filter(|slots| obtuse[point] & slots.bit() != 0);
             let first = of_point

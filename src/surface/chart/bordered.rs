@@ -6,7 +6,9 @@ use std::ops::Range;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::{Block, Chart, Direction};
+#[cfg(any(test, feature = "twins"))]
+use super::Block;
+use super::{Chart, Direction};
 
 impl Chart {
     /// Distance between rows of a bordered array.
@@ -21,7 +23,7 @@ impl Chart {
 
     /// Index of a grid point in a bordered array.
     pub(crate) const fn bordered(self, row: usize, col: usize) -> usize {
-        (row + 1) * self.stride() + col + 1
+        self.entry_index(row + 1, col + 1)
     }
 
     /// Row and column of a grid point, given its index in a bordered array.
@@ -34,6 +36,18 @@ impl Chart {
     #[inline(always)]
     pub(crate) const fn entry(self, point: usize) -> (usize, usize) {
         (point / self.stride(), point % self.stride())
+    }
+
+    /// The same for an index that is known to be below 2^32, which is divided sooner.
+    #[inline(always)]
+    pub(crate) const fn short_entry(self, point: u32) -> (u32, u32) {
+        (point / self.stride() as u32, point % self.stride() as u32)
+    }
+
+    /// Index of a point of a bordered array, given its row and column, counted from the border's.
+    #[inline(always)]
+    pub(crate) const fn entry_index(self, row: usize, col: usize) -> usize {
+        row * self.stride() + col
     }
 
     /// Row and column of a point of a bordered array, which may be one of the border.
@@ -173,6 +187,9 @@ mod tests {
             assert_eq!(there as isize - here as isize, CHART.offset(direction));
             assert_eq!(CHART.beside(here, direction), there);
             assert_eq!(CHART.bordered_position(there), (row, col));
+            let (row, col) = CHART.entry(there);
+            assert_eq!(CHART.entry_index(row, col), there);
+            assert_eq!(CHART.short_entry(there as u32), (row as u32, col as u32));
             let place = DVec2::new(2.0, 2.0) + direction.vector();
             assert_eq!((CHART.bordered_place(there), CHART.bordered_at(place)), (place, there));
         }

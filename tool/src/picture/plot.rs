@@ -54,6 +54,8 @@ pub enum Line {
     Solid,
     /// Thinner, and without marks.
     Dashed,
+    /// Thinner, with small marks.
+    Thin,
 }
 
 /// Light lines for comparison from one place, y proportional to powers of x.
@@ -84,6 +86,8 @@ const fn rgb(hex: u32) -> Color {
 
 const GRID: Color = [0.9, 0.9, 0.9];
 const AXIS: Color = [0.45, 0.45, 0.45];
+/// What others do, for comparison.
+pub const OTHERS: Color = [0.55, 0.55, 0.55];
 /// Slopes and their names.
 const LIGHT: Color = [0.62, 0.62, 0.62];
 
@@ -327,7 +331,10 @@ impl Frame<'_> {
         ends.sort_by(|(_, a), (_, b)| a.y.total_cmp(&b.y));
         let wanted: Vec<_> = ends.iter().map(|(_, end)| end.y).collect();
         let right = self.origin.x + self.size.x;
-        for ((series, end), y) in ends.into_iter().zip(apart(&wanted, LINE_HEIGHT)) {
+        // From the title's line on, to where the ticks are written.
+        let room = [self.origin.y - HEADER + 0.5 * TITLE, self.origin.y + self.size.y];
+        let places = within(apart(&wanted, LINE_HEIGHT), room, LINE_HEIGHT);
+        for ((series, end), y) in ends.into_iter().zip(places) {
             let from = end + Vec2::new(NEAR, 0.0);
             let light = mix(PAPER, series.color, 0.5);
             canvas.stroke(from, Vec2::new(right + LEADER, y), 0.8, light);
@@ -342,6 +349,7 @@ impl Line {
         let (radius, on, period) = match self {
             Self::Solid => (2.2, f32::MAX, f32::MAX),
             Self::Dashed => (1.3, 13.0, 22.0),
+            Self::Thin => (1.1, f32::MAX, f32::MAX),
         };
         let mut start = 0.0;
         for ends in points.windows(2) {
@@ -357,11 +365,14 @@ impl Line {
             }
             start = end;
         }
-        if self != Self::Dashed {
-            for point in points {
-                canvas.stroke(*point, *point, 6.5, PAPER);
-                canvas.stroke(*point, *point, 5.0, color);
-            }
+        let mark = match self {
+            Self::Solid => 5.0,
+            Self::Dashed => return,
+            Self::Thin => 3.5,
+        };
+        for point in points {
+            canvas.stroke(*point, *point, mark + 1.5, PAPER);
+            canvas.stroke(*point, *point, mark, color);
         }
     }
 }
@@ -400,6 +411,15 @@ fn apart(wanted: &[f32], gap: f32) -> Vec<f32> {
     places.enumerate().map(|(index, place)| place + index as f32 * gap).collect()
 }
 
+/// The same places, moved into a range as far as there is room in it for all.
+fn within(places: Vec<f32>, [low, high]: [f32; 2], gap: f32) -> Vec<f32> {
+    let last = places.len().saturating_sub(1);
+    let moved = |(index, place): (usize, f32)| {
+        place.min(high - (last - index) as f32 * gap).max(low + index as f32 * gap)
+    };
+    places.into_iter().enumerate().map(moved).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -410,6 +430,13 @@ mod tests {
         assert_eq!(apart(&[50.0, 50.0, 50.0], 10.0), [40.0, 50.0, 60.0]);
         assert_eq!(apart(&[0.0, 4.0, 100.0], 10.0), [-3.0, 7.0, 100.0]);
         assert_eq!(apart(&[], 10.0), [0.0; 0]);
+    }
+
+    #[test]
+    fn labels_stay_in_their_range_as_far_as_there_is_room() {
+        assert_eq!(within(vec![-8.0, 50.0, 99.0], [0.0, 90.0], 10.0), [0.0, 50.0, 90.0]);
+        assert_eq!(within(vec![70.0, 80.0, 90.0], [0.0, 80.0], 10.0), [60.0, 70.0, 80.0]);
+        assert_eq!(within(vec![0.0, 10.0, 20.0], [0.0, 15.0], 10.0), [0.0, 10.0, 20.0]);
     }
 
     #[test]

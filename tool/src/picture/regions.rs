@@ -5,7 +5,7 @@ use geosweep::{Sources, Surface};
 
 use super::canvas::Canvas;
 use super::colors::{INK, UNREACHED, region_colors};
-use super::curves::{CurvePicture, Key, Line, Look, mark_all};
+use super::curves::{CurvePicture, Key, Line, Look, mark_all, number_all};
 use super::legend::number;
 use super::raster::Paint;
 
@@ -40,6 +40,7 @@ impl Regions<'_> {
         };
         let (source_lines, marks) = mark_all(self.sources);
         let lines: Vec<_> = voronoi.borders.iter().map(border).chain(source_lines).collect();
+        let names = if self.areas.is_some() { number_all(self.sources) } else { Vec::new() };
         let (areas, unit) = self.areas.unwrap_or_default();
         let whole: f64 = areas.iter().sum();
         let entry = |(index, area): (usize, &f64)| {
@@ -58,6 +59,7 @@ impl Regions<'_> {
             paint: Paint::Colors(&colors),
             lines: &lines,
             marks: &marks,
+            names: &names,
             key: match self.areas {
                 Some(_) => Key::Names { title: &title, entries: &entries },
                 None => Key::Nothing,

@@ -142,7 +142,7 @@ impl Light {
 /// A colour as bright as the relief says: darkened in the shade, though never so much that it
 /// cannot be told, lightened towards white in the light, and unchanged on level ground.
 pub fn shade(color: Color, brightness: f32) -> Color {
-    const DARKENING: f32 = 0.55;
+    const DARKENING: f32 = 0.4;
     const LIGHTENING: f32 = 0.7;
     if brightness <= 1.0 {
         color.map(|channel| channel * (1.0 - DARKENING * (1.0 - brightness)))

@@ -58,8 +58,8 @@ const WAVEFRONTS: [(Wavefront, &str); 4] = [
 const ENGINES: [(Engine, &str); 4] = [
     (
         Engine::Auto,
-        "The CPU; but a GPU, if there is one, for maps of 4 million points or more, which pay for its \
-         set-up",
+        "The CPU; but a GPU, if there is one, for maps of 4 million points or more, which should pay for \
+         its set-up: a threshold that is reckoned, not measured",
     ),
     (Engine::Vulkan(DeviceChoice::Any), "The best Vulkan device, or an error"),
     (Engine::Cpu, "Raster scans on the CPU"),

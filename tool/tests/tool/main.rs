@@ -10,6 +10,7 @@ mod documentation;
 mod estimate;
 mod figures;
 mod formats;
+mod notices;
 mod offsets;
 mod pairwise;
 mod paths;

@@ -3,7 +3,7 @@
 use geosweep::Wavefront;
 use geosweep::surface::builtin::Builtin;
 
-use crate::picture::plot::{Axis, COLORS, Line, Plot, Series, Sheet};
+use crate::picture::plot::{Axis, COLORS, Color, Line, OTHERS, Plot, Series, Sheet};
 
 use super::measure::Measurement;
 use super::peers::Peer;
@@ -12,7 +12,8 @@ use super::peers::Peer;
 pub const FILES: [&str; 2] = ["accuracy-size.png", "accuracy-time.png"];
 
 const COLUMNS: usize = 3;
-const FRAME: [usize; 2] = [430, 420];
+/// As high as the names of all solvers.
+const FRAME: [usize; 2] = [470, 520];
 
 /// The errors against the number of points a side.
 pub fn by_size(measured: &[Measurement], peers: &[Peer]) -> Sheet {
@@ -72,6 +73,20 @@ fn title(builtin: Builtin) -> String {
     }
 }
 
+/// The colour of a wavefront, by its name.
+fn color(name: &str) -> Color {
+    let index = Wavefront::EVERY.iter().position(|wavefront| wavefront.name() == name);
+    COLORS[index.unwrap_or(Wavefront::EVERY.len())]
+}
+
+/// Of what was measured apart: in double precision a wavefront has its colour, and all others have one.
+fn look(solver: &str) -> (Color, Line) {
+    match solver.split_once(", double precision") {
+        Some((wavefront, _)) => (color(wavefront), Line::Solid),
+        None => (OTHERS, Line::Thin),
+    }
+}
+
 /// What is drawn of a series of measurements.
 struct Curve {
     line: Line,
@@ -94,25 +109,25 @@ fn sheet(
     solvers.dedup();
     let plot = |(index, of_surface): (usize, &&[Measurement])| {
         let (leftmost, lowest) = (index % COLUMNS == 0, index + COLUMNS >= surfaces.len());
-        let of_wavefronts = of_surface.chunk_by(|a, b| a.wavefront == b.wavefront).enumerate();
-        let series = |(index, of_wavefront): (usize, &[Measurement])| {
-            let color = COLORS[index % COLORS.len()];
+        let of_wavefronts = of_surface.chunk_by(|a, b| a.wavefront == b.wavefront);
+        let series = |of_wavefront: &[Measurement]| {
             let name = of_wavefront[0].wavefront.name();
             let series = |curve: &Curve| Series {
                 label: if curve.named { name.to_owned() } else { String::new() },
-                color,
+                color: color(name),
                 line: curve.line,
                 points: of_wavefront.iter().map(curve.point).collect(),
             };
             curves.iter().map(series).collect::<Vec<_>>()
         };
         let builtin = of_surface[0].builtin;
-        let of_peers = solvers.iter().enumerate().map(|(index, solver)| {
+        let of_peers = solvers.iter().map(|solver| {
             let of_solver = |peer: &&Peer| peer.builtin == builtin && peer.solver == **solver;
+            let (color, line) = look(solver);
             Series {
                 label: (*solver).clone(),
-                color: COLORS[(Wavefront::EVERY.len() + index) % COLORS.len()],
-                line: Line::Solid,
+                color,
+                line,
                 points: peers.iter().filter(of_solver).map(of_peer).collect(),
             }
         });
@@ -120,7 +135,8 @@ fn sheet(
             title: title(of_surface[0].builtin),
             x: x.written(lowest),
             y: y.written(leftmost),
-            series: of_wavefronts.flat_map(series).chain(of_peers).collect(),
+            // The later ones lie above.
+            series: of_peers.chain(of_wavefronts.flat_map(series)).collect(),
             slopes: None,
         }
     };

@@ -21,6 +21,7 @@ impl CurvePicture<'_> {
                 _ => canvas.polyline(&pixels, radius, color),
             }
         }
+        self.write_names(&mut canvas, view.thickness(), |at| Some(view.pixel(at.into())));
         canvas
     }
 }

@@ -6,15 +6,16 @@ mod pose;
 mod space;
 
 use geosweep::geometry::{Contour, Curve, Path, Ridge};
-use geosweep::glam::DVec3;
+use geosweep::glam::{DVec3, Vec2};
 use geosweep::surface::Source;
 use geosweep::{Sources, Surface};
 
 use super::canvas::{Canvas, Color, mix};
-use super::colors::{Scale, ink_over};
+use super::colors::{INK, Scale, ink_over};
 use super::legend::{Legend, Lines};
 use super::raster::Paint;
 use super::swatches::Swatches;
+use super::text::Pen;
 pub use over_map::MapPicture;
 
 /// What is drawn.
@@ -29,6 +30,7 @@ pub struct CurvePicture<'a> {
     /// In the order of drawing; all rims lie under all lines.
     pub lines: &'a [Line],
     pub marks: &'a [Mark],
+    pub names: &'a [Name],
     pub key: Key<'a>,
 }
 
@@ -47,6 +49,12 @@ pub struct Mark {
     pub at: [f64; 2],
     pub radius: f32,
     pub color: Color,
+}
+
+/// A word beside a place, over all else.
+pub struct Name {
+    pub at: [f64; 2],
+    pub text: String,
 }
 
 /// What explains the colours.
@@ -123,6 +131,18 @@ pub fn mark_all(sources: &Sources) -> (Vec<Line>, Vec<Mark>) {
     (lines, marks)
 }
 
+/// The number of each source, beside it; of curves, beside their middle.
+pub fn number_all(sources: &Sources) -> Vec<Name> {
+    let name = |(number, source): (usize, &Source)| {
+        let at = match source {
+            Source::Point { at, .. } => *at,
+            Source::Curve { vertices, .. } => vertices[vertices.len() / 2],
+        };
+        Name { at: at.to_array(), text: number.to_string() }
+    };
+    sources.iter().enumerate().map(name).collect()
+}
+
 /// A colour in eight bits a channel.
 pub fn rgb(color: Color) -> [u8; 3] {
     color.map(|channel| (channel.clamp(0.0, 1.0) * 255.0).round() as u8)
@@ -145,6 +165,25 @@ impl CurvePicture<'_> {
             Key::Scale { quantity, scale, levels } => {
                 let legend = Legend { quantity, scale, lines: Lines::At(levels) };
                 legend.beside(&picture, size, 0).0
+            }
+        }
+    }
+
+    /// Writes the names, given where their places are in the picture.
+    fn write_names(
+        &self,
+        canvas: &mut Canvas,
+        thickness: f32,
+        pixel: impl Fn([f64; 2]) -> Option<Vec2>,
+    ) {
+        let pen = Pen::bold(22.0 * thickness);
+        for Name { at, text } in self.names {
+            if let Some(at) = pixel(*at) {
+                let width = pen.width(text);
+                let (right, gap) = (at.x + 10.0 * thickness, 10.0 * thickness);
+                let fits = right + width < canvas.width as f32;
+                let left = if fits { right } else { at.x - gap - width };
+                pen.write(canvas, left, at.y, text, INK);
             }
         }
     }

@@ -42,6 +42,7 @@ impl MapPicture<'_> {
             paint: Paint::Values(&scale, None),
             lines: &lines,
             marks: &marks,
+            names: &[],
             key: quantity.map_or(Key::Nothing, key),
         }
         .draw(look)

@@ -29,6 +29,11 @@ impl CurvePicture<'_> {
         };
         let strokes: Vec<Stroke> = self.strokes(thickness).flat_map(stroke).collect();
         let mut canvas = Scene { view, mesh: &mesh, strokes: &strokes, background: PAPER }.draw();
+        let pixel = |at| {
+            let place = lifted(self.shape, &[at], &pose).concat().first().copied()?;
+            Some(view.pixel(place).truncate())
+        };
+        self.write_names(&mut canvas, thickness, pixel);
         if pose.exaggeration > 1.05 {
             let pen = Pen::new(20.0);
             let note = format!("heights × {:.1}", pose.exaggeration);
