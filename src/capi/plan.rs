@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use super::arguments::{Output, hand_out, reference, take};
+use super::arguments::{Output, reference};
 use super::choices::{ScheduleNumber, WavefrontNumber, schedule, wavefront, wavefront_number};
+use super::objects::{hand_out, object, take};
 use super::solver::{GeosweepSolver, Shared};
 use super::status::{Failure, GeosweepStatus, guard};
 use crate::Stop;
@@ -72,7 +73,7 @@ pub unsafe extern "C" fn geosweep_plan_create(
         // SAFETY: the caller's promise.
         let (solver, given, output) = unsafe {
             let output = Output::new(plan, "plan")?;
-            (reference(solver, "solver")?, reference(method, "method")?, output)
+            (object(solver, "solver")?, reference(method, "method")?, output)
         };
         let chart = chart(rows, cols)?;
         let shared = Arc::clone(solver.shared());
@@ -92,7 +93,7 @@ pub unsafe extern "C" fn geosweep_plan_iterations(
     guard(|| {
         // SAFETY: the caller's promise.
         let (plan, output) =
-            unsafe { (reference(plan, "plan")?, Output::new(iterations, "iterations")?) };
+            unsafe { (object(plan, "plan")?, Output::new(iterations, "iterations")?) };
         output.write(plan.plan.iterations());
         Ok(())
     })
@@ -107,7 +108,7 @@ pub unsafe extern "C" fn geosweep_plan_wavefront(
     guard(|| {
         // SAFETY: the caller's promise.
         let (plan, output) =
-            unsafe { (reference(plan, "plan")?, Output::new(wavefront, "wavefront")?) };
+            unsafe { (object(plan, "plan")?, Output::new(wavefront, "wavefront")?) };
         output.write(wavefront_number(plan.plan.wavefront()));
         Ok(())
     })
@@ -118,7 +119,7 @@ pub unsafe extern "C" fn geosweep_plan_wavefront(
 pub unsafe extern "C" fn geosweep_plan_destroy(plan: *mut GeosweepPlan) -> GeosweepStatus {
     guard(|| {
         // SAFETY: the caller's promise.
-        drop(unsafe { take(plan) });
+        drop(unsafe { take(plan, "plan") }?);
         Ok(())
     })
 }

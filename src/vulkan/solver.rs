@@ -110,6 +110,7 @@ impl Solver {
         let tools = embed::Tools {
             labels: has(|found| found.labels.is_ok()),
             executables: has(|found| found.executables.is_ok()),
+            checks: false,
         };
         let (instance, device) = (&context.instance.handle, &context.device);
         let physical_device = context.physical_device;
@@ -282,7 +283,7 @@ impl Solver {
             recorder.end_portion();
         })?;
         submitter.submit(first)?;
-        let mut outcome = images.outcome(0);
+        let mut outcome = images.record(0).outcome;
         while !outcome.is_done() {
             // One recording serves all but the last iterations, of which fewer may be left.
             let left = stop.iterations - outcome.iterations;
@@ -297,7 +298,7 @@ impl Solver {
                 *goes_on = Some(wanted);
             }
             submitter.submit(further)?;
-            outcome = images.outcome(0);
+            outcome = images.record(0).outcome;
         }
         let time = begin.elapsed();
 

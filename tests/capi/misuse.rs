@@ -92,7 +92,7 @@ fn null_is_named_wherever_it_is_given() {
             geosweep_record_add(surface, commands, &sources, null()) => "plan is null",
             geosweep_record_resume(surface, commands, null()) => "plan is null",
             geosweep_record_outcome(none, commands, 0) => "surface is null",
-            geosweep_record_outcome_to(surface, commands, no_buffer, 0, access) => "buffer is the null",
+            geosweep_record_outcome_to(surface, commands, no_buffer, 0, access) => "it is the null handle",
             geosweep_record_result(none, commands, 0, COPY, 1.0, &mut image) => "surface is null",
             geosweep_record_lookup(none, commands, 0, 1.0, access, access) => "surface is null",
             geosweep_record_end(none, commands, access) => "surface is null",

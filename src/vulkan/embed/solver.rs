@@ -21,6 +21,8 @@ use crate::vulkan::{Method, Schedule, Tuning, VulkanError, requirements};
 pub struct Solver {
     pub(crate) pipelines: Pipelines,
     pub(crate) limits: Limits,
+    /// See [`Tools::checks`].
+    pub(super) checks: bool,
 }
 
 /// What the host has enabled on its instance and device for tools that look on.
@@ -31,6 +33,10 @@ pub struct Tools {
     /// `VK_KHR_pipeline_executable_properties` with the feature `pipelineExecutableInfo`: drivers
     /// tell what they have made of pipelines, by [`Solver::executables`].
     pub executables: bool,
+    /// Recordings are checked for what costs a look at mapped memory: with several slots, a slot that is
+    /// recorded while its last recording has not run is an error. While you develop; a recording that is
+    /// thrown away counts, unless its command buffer is recorded anew.
+    pub checks: bool,
 }
 
 impl Solver {
@@ -80,7 +86,14 @@ impl Solver {
     ) -> Result<Self, VulkanError> {
         // SAFETY: the physical device is from this instance.
         let properties = unsafe { instance.get_physical_device_properties(physical_device) };
-        let unmet = requirements::unmet(instance, physical_device);
+        let mut unmet = requirements::unmet(instance, physical_device);
+        if requirements::is_for_vulkan_1_0(instance, device) {
+            unmet.push(
+                "its instance was created for Vulkan 1.0, and 1.1 is needed: say so in \
+                        VkApplicationInfo::apiVersion"
+                    .into(),
+            );
+        }
         if !unmet.is_empty() {
             let name = properties.device_name_as_c_str().unwrap_or(c"unnamed");
             let device = name.to_string_lossy().into_owned();
@@ -90,7 +103,8 @@ impl Solver {
         let tuning = Tuning::of(&properties);
         let pipelines = Pipelines::new(device, tuning, labels, tools.executables)?;
         pipelines.set_cache(cache);
-        let mut new = Self { pipelines, limits: Limits::of(instance, physical_device) };
+        let limits = Limits::of(instance, physical_device);
+        let mut new = Self { pipelines, limits, checks: tools.checks };
         let made = new.pipelines.make_all(device, COMMON, Wavefront::Planar).and_then(|()| {
             let mut passes = passes.iter();
             passes

@@ -105,6 +105,10 @@ impl Recorder<'_> {
         self.barrier(COPY, CLEAR);
         self.barrier(PASS, CLEAR);
         self.write_progress(&progress::start(stop, grid), 0);
+        if !is_added {
+            let size = size_of::<u32>() as u64;
+            self.fill(self.grid.progress.buffer, offset::PASSED_OVER, size);
+        }
         self.fill(self.grid.tiles.buffer, 0, vk::WHOLE_SIZE);
         order.start(self, is_added);
         self.barrier(CLEAR, PASS);

@@ -8,6 +8,7 @@ mod families;
 mod faults;
 mod frames;
 mod inputs;
+mod misuse;
 mod pipelines;
 mod queues;
 mod readme;
