@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::arguments::{Output, reference};
-use super::choices::{ScheduleNumber, WavefrontNumber, schedule, wavefront, wavefront_number};
+use super::choices::{
+    ScheduleNumber, WavefrontNumber, schedule, schedule_number, wavefront, wavefront_number,
+};
 use super::objects::{hand_out, object, take};
 use super::solver::{GeosweepSolver, Shared};
 use super::status::{Failure, GeosweepStatus, guard};
@@ -28,7 +30,9 @@ pub struct GeosweepMethod {
     /// Iterations of a map, at most, all its recordings together; at least 1.
     pub most_iterations: u32,
     /// Iterations in a recording: from 1 to 256. Those after convergence visit nothing; if they
-    /// are too few, `geosweep_record_resume` goes on.
+    /// are too few, `geosweep_record_resume` goes on. Tiles count in rounds, of which a recording holds no
+    /// more than the grid's size says: 8 at 48 x 48 points, 16 at 120 x 120, 32 at 256 x 256, 128 at most.
+    /// `geosweep_plan_iterations` says how many it holds.
     pub iterations: u32,
 }
 
@@ -84,7 +88,8 @@ pub unsafe extern "C" fn geosweep_plan_create(
     })
 }
 
-/// Says how many iterations, or rounds of tiles, a recording of the plan holds.
+/// Says how many iterations, or rounds of tiles, a recording of the plan holds: as many as were asked for, or
+/// with tiles fewer. Resume as often as it takes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_plan_iterations(
     plan: *const GeosweepPlan,
@@ -95,6 +100,21 @@ pub unsafe extern "C" fn geosweep_plan_iterations(
         let (plan, output) =
             unsafe { (object(plan, "plan")?, Output::new(iterations, "iterations")?) };
         output.write(plan.plan.iterations());
+        Ok(())
+    })
+}
+
+/// Says in which schedule the maps of a plan are computed: a `GeosweepSchedule`, what `GEOSWEEP_SCHEDULE_BEST` has
+/// come to.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_plan_schedule(
+    plan: *const GeosweepPlan,
+    schedule: *mut ScheduleNumber,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (plan, output) = unsafe { (object(plan, "plan")?, Output::new(schedule, "schedule")?) };
+        output.write(schedule_number(plan.plan.schedule()));
         Ok(())
     })
 }

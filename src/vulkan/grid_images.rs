@@ -147,6 +147,7 @@ impl GridImages {
     fn describe(&mut self, device: &ash::Device, pipelines: &Pipelines) -> Result<(), VulkanError> {
         self.sets = descriptors::sets(device, self.pool, pipelines)?;
         for (writes, &set) in self.sets.iter().enumerate() {
+            pipelines.name(["writes fronts 0", "writes fronts 1"][writes], set);
             let (old, new) = (&self.fronts[1 - writes], &self.fronts[writes]);
             for (index, image) in [
                 (set_0::EDGES, &self.edges),

@@ -103,6 +103,10 @@ impl Pipelines {
         self.host_set_layout = set_layout(device, &set_1::KINDS)?;
         self.layouts[0] = pipeline_layout(device, &[self.set_layout])?;
         self.layouts[1] = pipeline_layout(device, &[self.set_layout, self.host_set_layout])?;
+        self.name("a surface's own", self.set_layout);
+        self.name("what the host gives", self.host_set_layout);
+        self.name("passes over a surface", self.layouts[0]);
+        self.name("passes that see the host's", self.layouts[1]);
         Ok(())
     }
 
@@ -236,7 +240,8 @@ impl Pipelines {
     /// Names an object for tools, if they look on.
     pub(crate) fn name(&self, name: &str, object: impl vk::Handle) {
         if let Some(labels) = &self.labels {
-            labels.name(object, name);
+            // In captures they stand among the host's.
+            labels.name(object, &format!("geosweep: {name}"));
         }
     }
 

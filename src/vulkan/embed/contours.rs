@@ -264,6 +264,7 @@ impl Recording<'_> {
         curves.check(self, frame.points)?;
         let (levels, count) = frame.levels.read()?;
         let (recorder, chart) = (&self.recorder, self.surface.grid.chart);
+        let _group = recorder.group(c"geosweep: contours");
         let (stages, access) = frame.reader.side();
         let ours = (CLEAR.0 | SHADER.0, CLEAR.1 | SHADER.1);
         recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);

@@ -299,13 +299,12 @@ impl Curves {
         if recording.surface.sets.pool != self.surface {
             return Err(VulkanError::OtherSurface);
         }
-        recording.surface.state.check_map()?;
         let (_, Points { kind, .. }) = recording.points(points)?;
         if !kind.has_positions() {
             let reason = "a metric has no positions to lift them to".into();
             return Err(VulkanError::Curves { what: "contours or paths", reason });
         }
-        Ok(())
+        recording.surface.state.check_map()
     }
 
     /// Lifts all curves to the surface's points with this number, and lets the reader read.

@@ -121,6 +121,17 @@ pub(super) enum Content {
 }
 
 impl Content {
+    /// What tools call its set.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Result(_) => "writes distances",
+            Self::Texture(..) => "reads an image of the host's",
+            Self::TextureAndOutput(..) => "reads an image of the host's, writes what it draws",
+            Self::Input(_) => "reads a buffer",
+            Self::InputAndOutput(..) => "reads a buffer, writes another",
+        }
+    }
+
     /// With something that the pass writes.
     pub(super) fn and_output(self, output: Part) -> Self {
         match self {
@@ -198,8 +209,11 @@ pub(super) fn describe(
     // SAFETY: the pool has room for these sets.
     match unsafe { device.allocate_descriptor_sets(&info) } {
         Ok(sets) => {
-            let filled = sets.into_iter().zip(contents);
-            Ok((pool, filled.map(|(set, &content)| fill(device, set, content)).collect()))
+            let filled = sets.into_iter().zip(contents).map(|(set, &content)| {
+                pipelines.name(content.name(), set);
+                fill(device, set, content)
+            });
+            Ok((pool, filled.collect()))
         }
         Err(result) => {
             // SAFETY: nothing uses the pool.

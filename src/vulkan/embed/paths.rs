@@ -246,6 +246,7 @@ impl Recording<'_> {
         let count = frame.starts.count();
         check_starts(self.recorder.device, frame.starts, layout.curves as usize)?;
         let recorder = &self.recorder;
+        let _group = recorder.group(c"geosweep: paths");
         let (stages, access) = frame.reader.and(frame.before).side();
         let ours = (TRANSFER.0 | SHADER.0, TRANSFER.1 | SHADER.1);
         recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);

@@ -96,15 +96,18 @@ impl<'a> Recording<'a> {
     /// # Errors
     /// As these, and then nothing is recorded.
     pub fn frame(&self, frame: &Frame) -> Result<ResultImage, VulkanError> {
-        let state = &self.surface.state;
-        match frame.points {
-            Some(points) => state.check_prepared().and(self.points(points).map(drop))?,
-            None => state.check_measured(frame.plan)?,
+        if let Some(points) = frame.points {
+            self.points(points)?;
         }
         self.check(frame.plan)?;
         self.check_sources(frame.sources)?;
         let result = self.surface.result(frame.slot, frame.reader.layout)?;
+        match frame.points {
+            Some(_) => self.surface.state.check_prepared()?,
+            None => self.surface.state.check_measured(frame.plan)?,
+        }
         self.check_slot(frame.slot, true)?;
+        let _group = self.recorder.group(c"geosweep: frame");
         self.begin(frame.before);
         if let Some(points) = frame.points {
             self.measure(points)?;
@@ -135,8 +138,8 @@ impl<'a> Recording<'a> {
     /// # Errors
     /// If the surface has no such points, or is not prepared.
     pub fn measure(&self, points: usize) -> Result<(), VulkanError> {
-        self.surface.state.check_prepared()?;
         let (set, info) = self.points(points)?;
+        self.surface.state.check_prepared()?;
         let Self { recorder, surface, solver } = self;
         let chart = surface.grid.chart;
         let kind = info.kind;
@@ -178,9 +181,9 @@ impl<'a> Recording<'a> {
     /// # Errors
     /// If the plan or the sources do not fit the surface, or its edges were never measured.
     pub fn solve(&self, sources: SourceInput, plan: &Plan) -> Result<(), VulkanError> {
-        self.surface.state.check_measured(plan)?;
         self.check(plan)?;
         self.check_sources(sources)?;
+        self.surface.state.check_measured(plan)?;
         self.surface.state.solve(plan);
         self.recorder.forget();
         self.start(sources, plan, false)
@@ -191,9 +194,9 @@ impl<'a> Recording<'a> {
     /// # Errors
     /// If the plan or the sources do not fit the surface, or there is no map of that wavefront.
     pub fn add(&self, sources: SourceInput, plan: &Plan) -> Result<(), VulkanError> {
-        self.surface.state.check_wavefront(plan.wavefront)?;
         self.check(plan)?;
         self.check_sources(sources)?;
+        self.surface.state.check_wavefront(plan.wavefront)?;
         self.surface.state.solve(plan);
         self.start(sources, plan, true)
     }
@@ -205,8 +208,8 @@ impl<'a> Recording<'a> {
     /// # Errors
     /// If the plan does not fit the surface, or there is no map of that plan's wavefront and schedule.
     pub fn resume(&self, plan: &Plan) -> Result<(), VulkanError> {
-        self.surface.state.check_plan(plan)?;
         self.check(plan)?;
+        self.surface.state.check_plan(plan)?;
         self.recorder.go_on(plan.schedule, plan.steps());
         self.recorder.steps(plan.wavefront, plan.steps());
         self.recorder.end_portion();
@@ -220,6 +223,7 @@ impl<'a> Recording<'a> {
     /// has not run.
     pub fn outcome(&self, slot: usize) -> Result<(), VulkanError> {
         let Self { recorder, surface, .. } = self;
+        surface.check_slot(slot)?;
         surface.state.check_map()?;
         self.check_slot(slot, false)?;
         let serial = surface.state.next_serial(slot, recorder.buffer);
@@ -240,13 +244,13 @@ impl<'a> Recording<'a> {
         offset: u64,
         after: Access,
     ) -> Result<(), VulkanError> {
-        self.surface.state.check_map()?;
         host_sets::check_copied(
             self.recorder.device,
             "the outcome",
             (buffer, offset),
             RECORD_BYTES,
         )?;
+        self.surface.state.check_map()?;
         self.recorder.outcome_to(buffer, offset);
         self.recorder.barrier(CLEAR, after.side());
         Ok(())
@@ -263,8 +267,8 @@ impl<'a> Recording<'a> {
         reader: Reader,
         unreached: f32,
     ) -> Result<ResultImage, VulkanError> {
-        self.surface.state.check_map()?;
         let result = self.surface.result(slot, reader.layout)?;
+        self.surface.state.check_map()?;
         let Self { recorder, surface, .. } = self;
         let texels = surface.grid.texels.inner();
         let points = size_of::<f32>() as u64 * surface.grid.chart.points() as u64;
@@ -300,8 +304,8 @@ impl<'a> Recording<'a> {
         after: Access,
     ) -> Result<(), VulkanError> {
         let Self { recorder, surface, .. } = self;
-        surface.state.check_map()?;
         let set = nth(&surface.sets.lookups, "lookups", number)?;
+        surface.state.check_map()?;
         let count = surface.lookup_counts[number];
         // A place and the points around it.
         let _pass = recorder.pass_of_each(PassKind::Lookup, [count, 1], [2 * 4 + 4 * 4, 4]);
@@ -318,10 +322,9 @@ impl<'a> Recording<'a> {
         Ok(())
     }
 
-    /// Whether there is such a slot, and another map may go there.
+    /// Whether another map may go to a slot, if the host wants to know.
     fn check_slot(&self, slot: usize, starts_map: bool) -> Result<(), VulkanError> {
         let Self { recorder, surface, solver } = self;
-        surface.check_slot(slot)?;
         if !solver.checks {
             return Ok(());
         }

@@ -264,9 +264,10 @@ impl Recording<'_> {
         if self.surface.sets.pool != regions.surface {
             return Err(VulkanError::OtherSurface);
         }
-        self.surface.state.check_wavefront(regions.wavefront)?;
         self.check_sources(frame.sources)?;
+        self.surface.state.check_wavefront(regions.wavefront)?;
         let (recorder, labels, chart) = (&self.recorder, regions.labels(), regions.chart);
+        let _group = recorder.group(c"geosweep: regions");
         let (stages, access) = frame.reader.and(frame.before).side();
         let ours = (CLEAR.0 | SHADER.0, CLEAR.1 | SHADER.1);
         recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);

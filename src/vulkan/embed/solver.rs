@@ -200,9 +200,12 @@ impl Solver {
     }
 
     /// The passes of a map on a grid of this size, with this many iterations (or rounds of tiles) a
-    /// recording: at most 128 for tiles, and no more than [`Method::stop`] allows in all. More
-    /// than one recording goes on where the last has left off: [`super::Recording::resume`]. Without a
-    /// schedule it is [`Schedule::best_on`] the device if the solver was made for it, else another.
+    /// recording, and no more than [`Method::stop`] allows in all. Of tiles a recording holds as many rounds
+    /// at most as there are tiles along both sides of the grid together, and 8 to 128: 8 at 48 x 48 points,
+    /// 16 at 120 x 120, 32 at 256 x 256. [`Plan::iterations`] says how many it holds, of those
+    /// [`Plan::asked`] for. More than one recording goes on where the last has left off:
+    /// [`super::Recording::resume`]. Without a schedule it is [`Schedule::best_on`] the device if the solver
+    /// was made for it, else another.
     ///
     /// # Errors
     /// If the solver was not made for the method's schedule and wavefront, or the grid is too large.

@@ -1,5 +1,7 @@
 //! The commands that all recordings are made of.
 
+use std::ffi::CStr;
+
 use ash::vk;
 use bytemuck::{Pod, bytes_of};
 
@@ -7,7 +9,7 @@ use crate::constants::WORKGROUP;
 use crate::vulkan::barrier;
 use crate::vulkan::passes::PUSH_CONSTANT_BYTES;
 use crate::vulkan::pipelines::{Pipeline, Pipelines};
-use crate::vulkan::profile::{PassKind, PassRecord, Presence, Profile, Scope, Watch, Work};
+use crate::vulkan::profile::{Group, PassKind, PassRecord, Presence, Profile, Scope, Watch, Work};
 
 /// A command buffer that is being recorded.
 #[derive(Clone, Copy)]
@@ -63,6 +65,11 @@ impl<'a> Commands<'a> {
     pub(crate) fn pass_of_copy(&self, kind: PassKind, bytes: u64) -> Option<Scope<'a>> {
         let work = Work::of_bytes(bytes, bytes);
         self.pass_with(PassRecord { work, ..PassRecord::new(kind) })
+    }
+
+    /// To be kept while several passes are recorded that have a label in common.
+    pub(crate) fn group(&self, label: &CStr) -> Option<Group<'a>> {
+        self.pipelines.labels.as_ref().map(|labels| labels.group(self.buffer, label))
     }
 
     pub(crate) fn watch(&self) -> Watch<'a> {

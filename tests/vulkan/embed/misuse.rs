@@ -56,7 +56,7 @@ impl Stage {
 }
 
 macro_rules! assert_all {
-    ($error:pat: $($call:expr),* $(,)?) => {
+    ($error:pat, $($call:expr),* $(,)?) => {
         $(match $call {
             Err($error) => {}
             other => panic!("{}: {other:?}", stringify!($call)),
@@ -75,7 +75,8 @@ fn an_unprepared_surface_takes_nothing() {
     let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 4);
     let sources = source(3.0, 4.0);
     stage.attempt(|r| {
-        assert_all!(VulkanError::NotPrepared:
+        assert_all!(
+            VulkanError::NotPrepared,
             r.frame(&frame(&plan, &sources)),
             r.frame(&Frame { points: None, ..frame(&plan, &sources) }),
             r.measure(0),
@@ -88,7 +89,7 @@ fn an_unprepared_surface_takes_nothing() {
     destroyed.destroy(&device, stage.host.allocator());
     let kept = std::mem::replace(&mut stage.surface, destroyed);
     stage.attempt(|r| {
-        assert_all!(VulkanError::Destroyed: r.frame(&frame(&plan, &sources)), r.measure(0));
+        assert_all!(VulkanError::Destroyed, r.frame(&frame(&plan, &sources)), r.measure(0));
     });
     stage.surface = kept;
     stage.end([points]);
@@ -107,14 +108,15 @@ fn maps_come_of_what_was_measured() {
     let sources = source(3.0, 4.0);
     let unchanged = |plan| Frame { points: None, ..frame(plan, &sources) };
     stage.attempt(|r| {
-        assert_all!(VulkanError::NotMeasured:
+        assert_all!(
+            VulkanError::NotMeasured,
             r.frame(&unchanged(&planar)),
             r.solve(SourceInput::Inline(&sources), &planar),
         );
         r.measure(0).unwrap();
         r.frame(&unchanged(&planar)).unwrap();
         r.prepare();
-        assert_all!(VulkanError::NotMeasured: r.frame(&unchanged(&planar)));
+        assert_all!(VulkanError::NotMeasured, r.frame(&unchanged(&planar)));
         r.measure(0).unwrap();
     });
     let device = stage.host.device.clone();
@@ -122,7 +124,7 @@ fn maps_come_of_what_was_measured() {
     let curved = stage.plan(Schedule::Raster, Wavefront::Curved, 4);
     stage.attempt(|r| {
         r.frame(&unchanged(&planar)).unwrap();
-        assert_all!(VulkanError::NotMeasured: r.frame(&unchanged(&curved)));
+        assert_all!(VulkanError::NotMeasured, r.frame(&unchanged(&curved)));
         r.frame(&frame(&curved, &sources)).unwrap();
         r.frame(&unchanged(&curved)).unwrap();
     });
@@ -165,7 +167,8 @@ fn nothing_is_read_of_a_map_that_is_not_there_or_another() {
     let region_frame = RegionFrame { before: none, sources: inline, reader: read };
     stage.attempt(|r| {
         for _ in 0..2 {
-            assert_all!(VulkanError::NoMap:
+            assert_all!(
+                VulkanError::NoMap,
                 r.add(inline, &plan),
                 r.resume(&plan),
                 r.outcome(0),
@@ -182,7 +185,8 @@ fn nothing_is_read_of_a_map_that_is_not_there_or_another() {
             r.measure(0).unwrap();
         }
         r.solve(inline, &planar).unwrap();
-        assert_all!(VulkanError::OtherMap:
+        assert_all!(
+            VulkanError::OtherMap,
             r.add(inline, &plan),
             r.resume(&plan),
             r.resume(&tiles),

@@ -1,5 +1,6 @@
 //! The embedding interface, used by a renderer of the tests' own.
 
+mod capture;
 mod curves;
 mod edges;
 #[path = "../../../examples/embed.rs"]
