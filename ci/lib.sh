@@ -74,6 +74,8 @@ list_missing() {
     if [[ -n ${1-} ]]; then
         need "validation layers" vulkan-validationlayers have_json 'VkLayer_khronos_validation.json'
         need "Vulkan's headers and linker's library, for programs in C" libvulkan-dev have_library libvulkan.so
+        need "CMake, for programs in C++" cmake command -v cmake >/dev/null
+        need "pkg-config, for the same" pkg-config command -v pkg-config >/dev/null
         need "spirv-val, the SPIR-V checker" spirv-tools command -v spirv-val >/dev/null
         need "X server without a screen, for the viewer's tests" xvfb command -v Xvfb >/dev/null
         # The viewer loads these when it starts.

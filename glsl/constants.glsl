@@ -100,6 +100,8 @@
 // Longest length of an edge: squares and sums of such lengths stay within single precision and below
 // FAR. A coordinate beyond it in memory of a renderer's marks a hole, as NaN does.
 #define LONGEST_EDGE 1e12
+// How many points a renderer's surface lacks, before they have been looked at.
+#define NEVER_MEASURED 4294967295
 // Levels of the contours of one recording, at most.
 #define LEVELS_TOGETHER 1024
 // Words of a curve's record and of its vertices; see curve.glsl.

@@ -14,6 +14,8 @@ layout(push_constant) uniform Band {
     ivec2 grid;     // columns and rows of the whole grid
     int first_row;  // the band's first row
     int band_rows;
+    int first_own;  // of these, the first one that no other band has
+    int own_rows;
     int heights;    // 1 for a height a point, 0 for a position
     int slowness;   // which component is the slowness; -1 for 1 everywhere
     int first_word; // of the host's buffer
@@ -21,6 +23,7 @@ layout(push_constant) uniform Band {
 };
 
 #include "usable.glsl"
+#include "progress.glsl"
 
 void main() {
     ivec2 place = ivec2(gl_GlobalInvocationID.xy);
@@ -37,4 +40,7 @@ void main() {
         points[to + i] = usable ? value : 0.0;
     }
     points[to + size] = present ? weight : 0.0;
+    // Rows around a band are those of others too.
+    bool is_own = place.y >= first_own && place.y < first_own + own_rows;
+    if (!present && is_own) atomicAdd(holes, 1u);
 }

@@ -13,6 +13,8 @@ layout(set = 1, binding = 2) uniform texture2D image;
 
 #include "points.glsl"
 
+// Beyond an image that is too small there is no point.
 float component(ivec2 at, int index) {
-    return texelFetch(image, at, 0)[index];
+    bool is_there = in_grid(at, textureSize(image, 0));
+    return is_there ? texelFetch(image, at, 0)[index] : uintBitsToFloat(0x7fc00000u);
 }

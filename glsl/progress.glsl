@@ -16,4 +16,7 @@ layout(set = 2, binding = 1) restrict buffer Progress {
     uint reached;           // 1 once a round has reached a point
     uint settled;           // texels that settle.comp has copied, for profiles
     uint visits[VISIT_WORDS]; // a bit for each dispatch of a scan that has visited its block, for profiles
+    // What a renderer is to know of its input, which no iteration changes.
+    uint holes;       // points that cannot be used; NEVER_MEASURED before there are any edges
+    uint passed_over; // sources of the map that reach no point
 };

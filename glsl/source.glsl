@@ -15,9 +15,16 @@ struct Source {
     float curvature;
 };
 
+// What is 0, negative, infinite or no number stands for a point source, what is tiny for a straight front.
+float usable_curvature(float given) {
+    uint bits = floatBitsToUint(given);
+    if (bits == 0u || bits >= 0x7f800000u) return SOURCE_CURVATURE;
+    return given <= FLAT ? 0.0 : min(given, SOURCE_CURVATURE);
+}
+
 Source source(int index) {
     int at = first_word + 4 * index;
-    return Source(words[at], words[at + 1], words[at + 2], words[at + 3]);
+    return Source(words[at], words[at + 1], words[at + 2], usable_curvature(words[at + 3]));
 }
 
 vec2 place_of(Source s) {

@@ -11,6 +11,7 @@
 #include "edge_image.glsl"
 #include "cell.glsl"
 #include "seed_texel.glsl"
+#include "progress.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
@@ -32,6 +33,16 @@ ivec2 first_texel(Source s) {
     return texel_of(point_at(max(ivec2(ceil(place_of(s))) - 1, ivec2(0))));
 }
 
+// Whether there is a point around a source for its front to begin at.
+bool arrives(Source s) {
+    if (!counts(s)) return false;
+    for (int i = 0; i < 4; i++) {
+        ivec2 at = ivec2(floor(place_of(s))) + to_corner(i);
+        if (in_grid(at, grid) && arrival(s, at).x < FAR) return true;
+    }
+    return false;
+}
+
 bool reaches(Source s, ivec2 texel) {
     return in_grid(texel - first_texel(s), ivec2(2));
 }
@@ -42,6 +53,7 @@ void main() {
     int number = index / 4;
     Source own = source(number);
     seeds[index].texel = ivec2(-1);
+    if ((index & 3) == 0 && !arrives(own)) atomicAdd(passed_over, 1u);
     if (!counts(own)) return;
     ivec2 texel = first_texel(own) + to_corner(index & 3);
     // The image's border ends where the grid's last texel has a neighbour.

@@ -2,7 +2,7 @@
 
 use super::status::Failure;
 
-fn usable<T>(pointer: *const T, name: &str) -> Result<(), Failure> {
+pub(super) fn usable<T>(pointer: *const T, name: &str) -> Result<(), Failure> {
     if pointer.is_null() {
         return Err(Failure::argument(name, "is null"));
     }
@@ -21,16 +21,6 @@ pub(super) unsafe fn reference<'a, T>(pointer: *const T, name: &str) -> Result<&
     usable(pointer, name)?;
     // SAFETY: checked above, or required.
     Ok(unsafe { &*pointer })
-}
-
-/// What an argument points to, to be changed.
-///
-/// # Safety
-/// As [`reference`], and nothing else reads it either.
-pub(super) unsafe fn exclusive<'a, T>(pointer: *mut T, name: &str) -> Result<&'a mut T, Failure> {
-    usable(pointer, name)?;
-    // SAFETY: checked above, or required.
-    Ok(unsafe { &mut *pointer })
 }
 
 /// An array of at most so many entries, which may be null if there is none.
@@ -75,18 +65,4 @@ impl<T> Output<T> {
         // may not be initialized.
         unsafe { self.0.write(value) };
     }
-}
-
-/// An object handed to the program, until [`take`] gets it back.
-pub(super) fn hand_out<T>(to: Output<*mut T>, object: T) {
-    to.write(Box::into_raw(Box::new(object)));
-}
-
-/// An object back from the program; `None` for null.
-///
-/// # Safety
-/// The pointer is null or from [`hand_out`], has not been taken back, and nothing uses it.
-pub(super) unsafe fn take<T>(pointer: *mut T) -> Option<Box<T>> {
-    // SAFETY: required.
-    (!pointer.is_null()).then(|| unsafe { Box::from_raw(pointer) })
 }

@@ -79,6 +79,15 @@ pub(super) fn schedule(number: ScheduleNumber, name: &str) -> Result<Option<Sche
     choose(number, name, "GeosweepSchedule", &choices)
 }
 
+/// The number that stands for a schedule in C.
+pub(super) fn schedule_number(schedule: Schedule) -> ScheduleNumber {
+    match schedule {
+        Schedule::Raster => GeosweepSchedule::Raster as i32,
+        Schedule::AllPoints => GeosweepSchedule::AllPoints as i32,
+        Schedule::Tiles => GeosweepSchedule::Tiles as i32,
+    }
+}
+
 pub(super) fn edge_rule(number: EdgeRuleNumber, name: &str) -> Result<EdgeRule, Failure> {
     use GeosweepEdgeRule as R;
     let choices = [(R::Arc as i32, EdgeRule::Arc), (R::Chord as i32, EdgeRule::Chord)];

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::arguments::{Output, hand_out, list, reference, take};
+use super::arguments::{Output, list, reference};
 use super::curves::GeosweepCurves;
 use super::frame::GeosweepAccess;
+use super::objects::{hand_out, object, take};
 use super::plan::chart;
 use super::record::{output_unless_null, record};
 use super::solver::{GeosweepSolver, Shared};
@@ -20,7 +21,7 @@ const MOST_LEVELS: usize = 1024;
 /// Room for the contours of a surface, and the passes that find them. Frames in flight on one queue
 /// share it; with readers on another queue make one for each.
 pub struct GeosweepContours {
-    shared: Arc<Shared>,
+    pub(super) shared: Arc<Shared>,
     contours: embed::Contours,
 }
 
@@ -57,8 +58,7 @@ pub unsafe extern "C" fn geosweep_contours_bytes_for(
 ) -> GeosweepStatus {
     guard(|| {
         // SAFETY: the caller's promise.
-        let (solver, output) =
-            unsafe { (reference(solver, "solver")?, Output::new(bytes, "bytes")?) };
+        let (solver, output) = unsafe { (object(solver, "solver")?, Output::new(bytes, "bytes")?) };
         let Shared { solver, device, .. } = &**solver.shared();
         output.write(solver.bytes_for_contours(device, chart(rows, cols)?, vertices)?);
         Ok(())
@@ -76,7 +76,7 @@ pub unsafe extern "C" fn geosweep_contours_create(
     guard(|| {
         // SAFETY: the caller's promise.
         let (surface, output) =
-            unsafe { (reference(surface, "surface")?, Output::new(contours, "contours")?) };
+            unsafe { (object(surface, "surface")?, Output::new(contours, "contours")?) };
         let GeosweepSurface { shared, surface, .. } = surface;
         let mut allocator = shared.allocator();
         let contours = shared.solver.contours(&shared.device, &mut allocator, surface, vertices)?;
@@ -94,7 +94,7 @@ pub unsafe extern "C" fn geosweep_contours_bytes(
     guard(|| {
         // SAFETY: the caller's promise.
         let (contours, output) =
-            unsafe { (reference(contours, "contours")?, Output::new(bytes, "bytes")?) };
+            unsafe { (object(contours, "contours")?, Output::new(bytes, "bytes")?) };
         output.write(contours.contours.bytes());
         Ok(())
     })
@@ -109,7 +109,7 @@ pub unsafe extern "C" fn geosweep_contours_curves(
     guard(|| {
         // SAFETY: the caller's promise.
         let (contours, output) =
-            unsafe { (reference(contours, "contours")?, Output::new(curves, "curves")?) };
+            unsafe { (object(contours, "contours")?, Output::new(curves, "curves")?) };
         output.write(contours.contours.curves().into());
         Ok(())
     })
@@ -132,7 +132,7 @@ pub unsafe extern "C" fn geosweep_record_contours(
         // SAFETY: the caller's promise.
         let (output, contours, given, levels) = unsafe {
             let output = output_unless_null(result)?;
-            let contours = reference(contours, "contours")?;
+            let contours = object(contours, "contours")?;
             let given = reference(frame, "frame")?;
             (output, contours, given, levels(given)?)
         };
@@ -177,8 +177,8 @@ pub unsafe extern "C" fn geosweep_contours_destroy(
 ) -> GeosweepStatus {
     guard(|| {
         // SAFETY: the caller's promise.
-        let Some(contours) = (unsafe { take(contours) }) else { return Ok(()) };
-        let GeosweepContours { shared, mut contours } = *contours;
+        let Some(contours) = unsafe { take(contours, "contours") }? else { return Ok(()) };
+        let GeosweepContours { shared, mut contours } = contours;
         contours.destroy(&shared.device, &mut shared.allocator());
         Ok(())
     })

@@ -3,7 +3,8 @@
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
 
-use super::arguments::{list, reference};
+use super::arguments::list;
+use super::objects::object;
 use super::plan::GeosweepPlan;
 use super::status::Failure;
 use super::surface::GeosweepSurface;
@@ -12,6 +13,10 @@ use crate::vulkan::grid_images::INLINE_SOURCES;
 
 /// For `GeosweepFrame::points`: the points have not changed since the last frame.
 pub const GEOSWEEP_POINTS_UNCHANGED: u32 = 0xFFFF_FFFF;
+
+/// For `GeosweepSource::curvature`: the source is one of many grid points on a straight line.
+pub const GEOSWEEP_STRAIGHT: f32 = 1e-30;
+const _: () = assert!(GEOSWEEP_STRAIGHT == PointSource::STRAIGHT);
 
 /// How you use what you share with us, as one side of a barrier. All zero: nothing to wait for.
 #[derive(Clone, Copy, Debug)]
@@ -44,8 +49,9 @@ pub struct GeosweepSource {
     pub col: f32,
     /// The distance, or time, at the source; usually 0.
     pub time: f32,
-    /// Of the front there, for the curved wavefront: 1e18 where the source is a point, 0 where the
-    /// grid point is one of many on a straight line.
+    /// Of the front there, for the curved wavefront: 0 where the source is a point, as sources between grid
+    /// points are in any case; `GEOSWEEP_STRAIGHT` where the grid point is one of many on a straight line. In a
+    /// buffer, what is negative, infinite or no number stands for a point as well.
     pub curvature: f32,
 }
 
@@ -134,7 +140,7 @@ pub(super) unsafe fn plan<'a>(
     name: &str,
 ) -> Result<&'a embed::Plan, Failure> {
     // SAFETY: the caller's promise.
-    let plan = unsafe { reference(plan, name) }?;
+    let plan = unsafe { object(plan, name) }?;
     if !std::sync::Arc::ptr_eq(&plan.shared, &surface.shared) {
         return Err(Failure::argument(name, "was made by another solver than the surface"));
     }

@@ -9,16 +9,18 @@
  * At the end:  geosweep_surface_destroy, geosweep_plan_destroy, geosweep_solver_destroy, before
  *              your device and instance go.
  *
- * Contours and shortest paths for drawing in the same frame, if wanted: geosweep_contours_create and
- * geosweep_paths_create once a surface, geosweep_record_contours and geosweep_record_paths after the
- * map.
+ * Contours, shortest paths and regions for the same frame, if wanted: geosweep_contours_create and the
+ * like once a surface, geosweep_record_contours and the like after the map. Profiles of single passes
+ * are for programs in Rust; names and labels of passes for tools are there wherever you have enabled
+ * VK_EXT_debug_utils.
  *
  * Errors. Calls return a GeosweepStatus, and geosweep_last_error says in words what was wrong.
- * A call that fails has made and recorded nothing.
+ * A call that fails has made and recorded nothing. What only the device can know stands in the
+ * GeosweepOutcome of a frame. While you develop, make the solver with GEOSWEEP_SOLVER_CHECKS.
  *
  * Ownership. Your Vulkan objects stay yours and must outlive what was made from them. Arrays and
  * structs are not needed after the call that takes them. Device memory is taken when surfaces,
- * contours and paths are created, never else, from the solver's own blocks, never from an allocator
+ * contours, paths and regions are created, never else, from the solver's own blocks, never from an allocator
  * of yours: geosweep_surface_bytes_for and the like say beforehand how much. No call submits, waits
  * or maps your memory, and recording allocates nothing.
  *
@@ -43,13 +45,21 @@
 
 // The version of this header, which `geosweep_solver_create` compares with the library's: it
 // grows with each change that makes programs compile or run differently.
-#define GEOSWEEP_HEADER_VERSION 3
+#define GEOSWEEP_HEADER_VERSION 4
+
+// For `GeosweepSolverInfo::flags`, while you develop: what costs a little is checked as well. With several slots,
+// one that is recorded while its last recording has not run is an error, and so is destroying a surface that
+// such a recording uses; objects are told from those destroyed before, of which a few bytes are kept.
+#define GEOSWEEP_SOLVER_CHECKS 1
 
 // For `GeosweepFrame::points`: the points have not changed since the last frame.
 #define GEOSWEEP_POINTS_UNCHANGED 4294967295
 
+// For `GeosweepSource::curvature`: the source is one of many grid points on a straight line.
+#define GEOSWEEP_STRAIGHT 1e-30
+
 // Bytes of the record that `geosweep_record_outcome_to` copies.
-#define GEOSWEEP_OUTCOME_BYTES 32
+#define GEOSWEEP_OUTCOME_BYTES 40
 
 // Bytes of a curve's record in a `GeosweepCurves`: from draw to draw, and what
 // `geosweep_curve_record_from_bytes` reads.
@@ -58,8 +68,11 @@
 // For `GeosweepCurveRecord::source`: the path has not arrived at a source.
 #define GEOSWEEP_NO_SOURCE 4294967295
 
+// For a label: no source is the nearest, since the point is a hole or no front arrives there.
+#define GEOSWEEP_NO_REGION 4294967295
+
 // What a call has come to. `geosweep_last_error` says the rest in words.
-typedef enum {
+typedef enum GeosweepStatus {
     // Done.
     GEOSWEEP_STATUS_SUCCESS = 0,
     // An argument cannot be used: the message says which one, and why. Nothing was made or
@@ -78,10 +91,12 @@ typedef enum {
     // A defect of geosweep's, which was kept from crossing into your program. What the call was
     // about is in an unknown state: destroy it.
     GEOSWEEP_STATUS_INTERNAL_ERROR = 7,
+    // What was asked for is not there yet: ask again after the fence of its submission.
+    GEOSWEEP_STATUS_NOT_READY = 8,
 } GeosweepStatus;
 
 // What has become of a curve.
-typedef enum {
+typedef enum GeosweepCurveStatus {
     // All of it is there: a path has arrived at a source.
     GEOSWEEP_CURVE_STATUS_COMPLETE = 0,
     // There are more vertices than there is room for.
@@ -96,7 +111,7 @@ typedef enum {
 } GeosweepCurveStatus;
 
 // How the edges between grid points are measured.
-typedef enum {
+typedef enum GeosweepEdgeRule {
     // Along a cubic through the neighbouring points, where the surface is smooth.
     GEOSWEEP_EDGE_RULE_ARC = 0,
     // The straight line: the surface is a polyhedron.
@@ -104,7 +119,7 @@ typedef enum {
 } GeosweepEdgeRule;
 
 // What the floats of a grid point are.
-typedef enum {
+typedef enum GeosweepPointKind {
     // Three coordinates, x, y and z.
     GEOSWEEP_POINT_KIND_POSITIONS = 0,
     // A height. The point at row r and column c is (c dx, r dy, height).
@@ -115,7 +130,7 @@ typedef enum {
 } GeosweepPointKind;
 
 // The order of updates. All lead to the same map.
-typedef enum {
+typedef enum GeosweepSchedule {
     // The best on the device for the grid, as far as it is known, of those that the solver was made
     // for. For plans only.
     GEOSWEEP_SCHEDULE_BEST = 0,
@@ -128,7 +143,7 @@ typedef enum {
 } GeosweepSchedule;
 
 // The shape of the front that is assumed inside a triangle.
-typedef enum {
+typedef enum GeosweepWavefront {
     // Straight: first-order accurate, the cheapest.
     GEOSWEEP_WAVEFRONT_PLANAR = 0,
     // Circular around a virtual point source: exact on the plane, for point sources.
@@ -152,6 +167,10 @@ typedef struct GeosweepPaths GeosweepPaths;
 // once, on any thread.
 typedef struct GeosweepPlan GeosweepPlan;
 
+// Room for the regions of a surface's maps, and the passes that find them. Frames in flight on one queue share
+// it; with readers on another queue make one for each.
+typedef struct GeosweepRegions GeosweepRegions;
+
 // The pipelines of a device, shared by all its surfaces. Any number of threads may use it at once.
 typedef struct GeosweepSolver GeosweepSolver;
 
@@ -160,7 +179,7 @@ typedef struct GeosweepSolver GeosweepSolver;
 typedef struct GeosweepSurface GeosweepSurface;
 
 // What instance and device must be created with, for a program to merge with its own wishes.
-typedef struct {
+typedef struct GeosweepRequirements {
     // For `VkApplicationInfo::apiVersion`, which may be higher.
     uint32_t api_version;
     // For `VkDeviceCreateInfo::enabledExtensionCount`. None are needed so far.
@@ -174,7 +193,7 @@ typedef struct {
 } GeosweepRequirements;
 
 // A schedule with a wavefront.
-typedef struct {
+typedef struct GeosweepPasses {
     // Any but `GEOSWEEP_SCHEDULE_BEST`.
     GeosweepSchedule schedule;
     // The wavefront.
@@ -182,7 +201,7 @@ typedef struct {
 } GeosweepPasses;
 
 // What a solver is made of. All handles stay yours, and must outlive the solver.
-typedef struct {
+typedef struct GeosweepSolverInfo {
     // `GEOSWEEP_HEADER_VERSION`.
     uint32_t header_version;
     // The loader's `vkGetInstanceProcAddr`, or your replacement of it. All functions that are
@@ -196,7 +215,7 @@ typedef struct {
     VkDevice device;
     // The schedules and wavefronts to make pipelines for: those that plans will ask for. Compiling
     // them takes a while.
-    const GeosweepPasses *passes;
+    const struct GeosweepPasses *passes;
     // How many.
     uint32_t pass_count;
     // A cache to make pipelines with; null for none. It stays yours to fill, to save and to destroy, and
@@ -205,6 +224,8 @@ typedef struct {
     // it. One thread at a time uses it in the solver; if you use it meanwhile, the rules of
     // `vkCreateComputePipelines` hold.
     VkPipelineCache pipeline_cache;
+    // `GEOSWEEP_SOLVER_CHECKS`, or 0.
+    uint32_t flags;
 } GeosweepSolverInfo;
 
 // The points of a surface, one a grid point, row by row: in a buffer or an image of yours on the
@@ -214,7 +235,7 @@ typedef struct {
 // A point on the device with a float that is NaN, infinite or beyond 1e12, or a slowness that is
 // not positive, is a hole. In the program's memory NaN and the mask make holes, and the rest is an
 // error.
-typedef struct {
+typedef struct GeosweepPoints {
     // What the first floats of a point are.
     GeosweepPointKind kind;
     // Which float of a point, counted from 0, is its slowness (time per length; distances are then
@@ -244,7 +265,7 @@ typedef struct {
 // A buffer of sources, each a `GeosweepSource`, that your shaders write. An entry that is not on
 // the grid, in a hole, or has a time that is NaN or not below 1e30 is passed over: write NaN where
 // there is none.
-typedef struct {
+typedef struct GeosweepSourceBuffer {
     // With usage `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
     VkBuffer buffer;
     // Bytes before the first; a multiple of 4.
@@ -255,7 +276,7 @@ typedef struct {
 
 // Buffers for looking distances up: places in, distances out. Both with usage
 // `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
-typedef struct {
+typedef struct GeosweepLookup {
     // Two floats a place, row and column, fractional between grid points.
     VkBuffer places;
     // Bytes before the first; a multiple of 4.
@@ -271,7 +292,7 @@ typedef struct {
 // What a surface is made for. Images and buffers stay yours: they must be alive whenever
 // a recording that reads them runs. The arrays are not needed after the call, and may be null
 // where their count is 0.
-typedef struct {
+typedef struct GeosweepSurfaceInfo {
     // Rows of grid points.
     uint32_t rows;
     // Columns of grid points.
@@ -288,21 +309,21 @@ typedef struct {
     // How many.
     uint32_t queue_family_count;
     // Where points may come from, by number: one for each frame in flight, say.
-    const GeosweepPoints *points;
+    const struct GeosweepPoints *points;
     // How many.
     uint32_t point_count;
     // Buffers that sources may come from, by number.
-    const GeosweepSourceBuffer *sources;
+    const struct GeosweepSourceBuffer *sources;
     // How many.
     uint32_t source_count;
     // Buffers for lookups, by number.
-    const GeosweepLookup *lookups;
+    const struct GeosweepLookup *lookups;
     // How many.
     uint32_t lookup_count;
 } GeosweepSurfaceInfo;
 
 // An image, with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`, that belongs to its surface.
-typedef struct {
+typedef struct GeosweepImage {
     // The image.
     VkImage image;
     // A view of all of it.
@@ -319,10 +340,10 @@ typedef struct {
 // Distances as the passes keep them: 2 x 2 grid points a texel, in a border. Not for filtering.
 // The point at row r and column c is component 2 (r mod 2) + c mod 2 of texel
 // (c / 2 + border, r / 2 + border), in layer `layer`. What is not reached is 1e30 or more.
-typedef struct {
+typedef struct GeosweepPackedTimes {
     // `VK_FORMAT_R32G32B32A32_SFLOAT`, always in the layout `VK_IMAGE_LAYOUT_GENERAL`; the view is
     // an array.
-    GeosweepImage image;
+    struct GeosweepImage image;
     // Of the view.
     uint32_t layer;
     // Texels around the grid's.
@@ -330,17 +351,25 @@ typedef struct {
 } GeosweepPackedTimes;
 
 // How the iterations of a recording went.
-typedef struct {
+typedef struct GeosweepOutcome {
     // Largest relative change of a distance in the last of them.
     double residual;
     // Iterations since the start of the map, or rounds of tiles.
     uint32_t iterations;
-    // Whether the map has converged. If not, `geosweep_record_resume` goes on.
+    // How many grid points are holes: those with something that is not finite or too large, beyond an image
+    // that is too small, or a slowness that is not positive. Compare it with those you have made.
+    uint32_t holes;
+    // How many of the map's sources reach no point: off the grid, in holes, or with a time that is no number
+    // below 1e30. Unused entries of a buffer count.
+    uint32_t passed_over;
+    // Whether the map has converged, over edges that were measured. If not, `geosweep_record_resume` goes on.
     bool converged;
+    // Whether edges have been measured on the device: not if the recording that measures them never ran.
+    bool measured;
 } GeosweepOutcome;
 
 // How a map is computed.
-typedef struct {
+typedef struct GeosweepMethod {
     // The shape of fronts.
     GeosweepWavefront wavefront;
     // The order of updates.
@@ -351,25 +380,28 @@ typedef struct {
     // Iterations of a map, at most, all its recordings together; at least 1.
     uint32_t most_iterations;
     // Iterations in a recording: from 1 to 256. Those after convergence visit nothing; if they
-    // are too few, `geosweep_record_resume` goes on.
+    // are too few, `geosweep_record_resume` goes on. Tiles count in rounds, of which a recording holds no
+    // more than the grid's size says: 8 at 48 x 48 points, 16 at 120 x 120, 32 at 256 x 256, 128 at most.
+    // `geosweep_plan_iterations` says how many it holds.
     uint32_t iterations;
 } GeosweepMethod;
 
 // A source: a place where the distance, or time, is known. `geosweep_source_at` makes the usual one.
-typedef struct {
+typedef struct GeosweepSource {
     // From 0 to rows - 1, fractional between grid points.
     float row;
     // From 0 to cols - 1.
     float col;
     // The distance, or time, at the source; usually 0.
     float time;
-    // Of the front there, for the curved wavefront: 1e18 where the source is a point, 0 where the
-    // grid point is one of many on a straight line.
+    // Of the front there, for the curved wavefront: 0 where the source is a point, as sources between grid
+    // points are in any case; `GEOSWEEP_STRAIGHT` where the grid point is one of many on a straight line. In a
+    // buffer, what is negative, infinite or no number stands for a point as well.
     float curvature;
 } GeosweepSource;
 
 // How you use what you share with us, as one side of a barrier. All zero: nothing to wait for.
-typedef struct {
+typedef struct GeosweepAccess {
     // In which stages.
     VkPipelineStageFlags stages;
     // Of which kinds.
@@ -378,9 +410,9 @@ typedef struct {
 
 // The sources of a recording: an array of the program's, which is copied into the command buffer,
 // or, if that is null, a buffer.
-typedef struct {
+typedef struct GeosweepSources {
     // The array, or null.
-    const GeosweepSource *sources;
+    const struct GeosweepSource *sources;
     // Its length, at most 1024; 0 with null.
     uint32_t count;
     // The number of the surface's source buffer, if there is no array.
@@ -389,29 +421,29 @@ typedef struct {
 
 // How you read an image of distances, this frame and whenever you read that image before. With an
 // access of all zero you read it on another queue, after a semaphore.
-typedef struct {
+typedef struct GeosweepReader {
     // In which stages, and how.
-    GeosweepAccess access;
+    struct GeosweepAccess access;
     // The layout in which the image is left.
     VkImageLayout layout;
 } GeosweepReader;
 
 // What a frame takes.
-typedef struct {
+typedef struct GeosweepFrame {
     // How you have written points and sources since the frame before: compute shaders and copies
     // are waited for in any case, and what you write through mapped memory before you submit needs
     // nothing.
-    GeosweepAccess before;
+    struct GeosweepAccess before;
     // Which of the surface's points are measured, or `GEOSWEEP_POINTS_UNCHANGED`.
     uint32_t points;
     // Which image of distances is written.
     uint32_t slot;
     // Where the fronts start.
-    GeosweepSources sources;
+    struct GeosweepSources sources;
     // The passes, made by the surface's solver for a grid of the surface's size.
-    const GeosweepPlan *plan;
+    const struct GeosweepPlan *plan;
     // Who reads the image of distances.
-    GeosweepReader reader;
+    struct GeosweepReader reader;
     // What stands in it where nothing was reached: `INFINITY`, which filters turn to NaN beside
     // such points, or a negative number. Neither 0, which is the distance of sources, nor NaN.
     float unreached;
@@ -419,9 +451,9 @@ typedef struct {
 
 // What is known of a curve. In the buffer it starts with a `VkDrawIndirectCommand`;
 // `geosweep_curve_record_from_bytes` reads all of it.
-typedef struct {
+typedef struct GeosweepCurveRecord {
     // What has become of it.
-    GeosweepCurveStatus status;
+    enum GeosweepCurveStatus status;
     // How many vertices are drawn: of contours those that there was room for, of a path all of them
     // or none.
     uint32_t vertex_count;
@@ -444,7 +476,7 @@ typedef struct {
 // Curve k is drawn by `vkCmdDrawIndirect` with an offset of k x `GEOSWEEP_CURVE_RECORD_BYTES`,
 // contours as a list of lines, a path as a strip of lines, from the buffer bound as a vertex buffer
 // with an offset of `vertices_offset`.
-typedef struct {
+typedef struct GeosweepCurves {
     // The buffer: records from its first byte, then vertices.
     VkBuffer buffer;
     // Bytes before the first vertex.
@@ -457,7 +489,7 @@ typedef struct {
 
 // Which contours are wanted, and who draws them. Levels are a list, or, if that is null, multiples of
 // a step.
-typedef struct {
+typedef struct GeosweepContourFrame {
     // The list, ascending, or null.
     const float *levels;
     // How many levels: at most 1024. Those beyond the map's largest distance cost next to nothing.
@@ -471,14 +503,14 @@ typedef struct {
     // How you read the contours, this frame and the frame before: the stages
     // `VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT` and `VK_PIPELINE_STAGE_VERTEX_INPUT_BIT` with
     // `VK_ACCESS_INDIRECT_COMMAND_READ_BIT` and `VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT` as a rule.
-    GeosweepAccess reader;
+    struct GeosweepAccess reader;
 } GeosweepContourFrame;
 
 // Where paths start, where they end, and who draws them. Starts are an array of the program's, which
 // is copied into the command buffer, or, if that is null, in a buffer.
-typedef struct {
+typedef struct GeosweepPathFrame {
     // How you have written starts and sources.
-    GeosweepAccess before;
+    struct GeosweepAccess before;
     // Two floats a start, row and column; or null. One that is off the grid or not a number has no
     // path.
     const float *starts;
@@ -492,15 +524,34 @@ typedef struct {
     // The number of the surface's points to which paths are lifted.
     uint32_t points;
     // All sources of the map, those added to it too.
-    GeosweepSources sources;
+    struct GeosweepSources sources;
     // How you read the paths, this frame and the frame before, as of `GeosweepContourFrame`.
-    GeosweepAccess reader;
+    struct GeosweepAccess reader;
 } GeosweepPathFrame;
+
+// Where labels are: a buffer with the usages `STORAGE_BUFFER`, `VERTEX_BUFFER` and `TRANSFER_SRC`, from its first
+// byte: an unsigned 32-bit number for each grid point, row by row.
+typedef struct GeosweepLabels {
+    // The buffer, which is longer, and belongs to the regions.
+    VkBuffer buffer;
+    // Bytes of all labels: 4 x rows x cols.
+    uint64_t bytes;
+} GeosweepLabels;
+
+// Of which sources regions are wanted, and who reads them.
+typedef struct GeosweepRegionFrame {
+    // How you have written the sources.
+    struct GeosweepAccess before;
+    // All sources of the map, those added to it too. Their places in this list are the labels.
+    struct GeosweepSources sources;
+    // How you read the labels, this frame and the frame before.
+    struct GeosweepAccess reader;
+} GeosweepRegionFrame;
 
 // A vertex of a contour or path in the buffer: three attributes of a pipeline, with the formats
 // `VK_FORMAT_R32G32B32_SFLOAT`, `VK_FORMAT_R32_SFLOAT` and `VK_FORMAT_R32G32_SFLOAT` at the
 // offsets 0, 12 and 16.
-typedef struct {
+typedef struct GeosweepCurveVertex {
     // x, y and z, on the surface.
     float position[3];
     // The distance there, a contour's level.
@@ -521,256 +572,317 @@ extern "C" {
 const char *geosweep_last_error(void);
 
 // Says what instance and device must be created with.
-GeosweepStatus geosweep_requirements(GeosweepRequirements *requirements);
+enum GeosweepStatus geosweep_requirements(struct GeosweepRequirements *requirements);
 
 // Asks whether a physical device will do, before a device is created on it. If not, the status is
 // `GEOSWEEP_STATUS_UNSUPPORTED`, and the message names all that is missing.
-GeosweepStatus geosweep_check_device(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
-                                     VkInstance instance,
-                                     VkPhysicalDevice physical_device);
+enum GeosweepStatus geosweep_check_device(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
+                                          VkInstance instance,
+                                          VkPhysicalDevice physical_device);
 
 // Finds a queue family for compute, one without graphics if there is one: on large GPUs that is
 // the asynchronous one. Any family with `VK_QUEUE_COMPUTE_BIT` will do.
-GeosweepStatus geosweep_compute_queue_family(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
-                                             VkInstance instance,
-                                             VkPhysicalDevice physical_device,
-                                             uint32_t *family);
+enum GeosweepStatus geosweep_compute_queue_family(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
+                                                  VkInstance instance,
+                                                  VkPhysicalDevice physical_device,
+                                                  uint32_t *family);
+
+// Says which schedule `GEOSWEEP_SCHEDULE_BEST` stands for, for grids of so many rows and columns on a device: what
+// a solver should be made for, before it is.
+enum GeosweepStatus geosweep_best_schedule(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
+                                           VkInstance instance,
+                                           VkPhysicalDevice physical_device,
+                                           uint32_t rows,
+                                           uint32_t cols,
+                                           GeosweepSchedule *schedule);
 
 // Makes a solver; `geosweep_solver_destroy` destroys it.
-GeosweepStatus geosweep_solver_create(const GeosweepSolverInfo *info, GeosweepSolver **solver);
+enum GeosweepStatus geosweep_solver_create(const struct GeosweepSolverInfo *info,
+                                           struct GeosweepSolver **solver);
 
 // Has pipelines be made with this cache from now on, in place of the one before; with none if it is
 // null. What `GeosweepSolverInfo` says of it holds.
-GeosweepStatus geosweep_solver_set_pipeline_cache(const GeosweepSolver *solver,
-                                                  VkPipelineCache cache);
+enum GeosweepStatus geosweep_solver_set_pipeline_cache(const struct GeosweepSolver *solver,
+                                                       VkPipelineCache cache);
 
 // Says how many bytes of device memory the solver holds for its surfaces, contours and paths, in
 // blocks: a little more than what `geosweep_surface_bytes` and the like say of each.
-GeosweepStatus geosweep_solver_bytes(const GeosweepSolver *solver, uint64_t *bytes);
+enum GeosweepStatus geosweep_solver_bytes(const struct GeosweepSolver *solver, uint64_t *bytes);
 
 // Destroys a solver, after its surfaces, plans, contours and paths: while there are any, it is
 // refused. Null is fine.
-GeosweepStatus geosweep_solver_destroy(GeosweepSolver *solver);
+enum GeosweepStatus geosweep_solver_destroy(struct GeosweepSolver *solver);
 
 // Says how many bytes of device memory a surface will take, before it is made: 36 a grid point and
 // 4 for each slot, a buffer of 16 a point up to 4 MiB, of 6 a point up to 16 MiB on larger grids, and
 // 16 a point (8 for heights) for points in the program's memory.
-GeosweepStatus geosweep_surface_bytes_for(const GeosweepSolver *solver,
-                                          const GeosweepSurfaceInfo *info,
-                                          uint64_t *bytes);
+enum GeosweepStatus geosweep_surface_bytes_for(const struct GeosweepSolver *solver,
+                                               const struct GeosweepSurfaceInfo *info,
+                                               uint64_t *bytes);
 
 // Makes a surface; `geosweep_surface_destroy` destroys it. Takes device memory.
-GeosweepStatus geosweep_surface_create(const GeosweepSolver *solver,
-                                       const GeosweepSurfaceInfo *info,
-                                       GeosweepSurface **surface);
+enum GeosweepStatus geosweep_surface_create(const struct GeosweepSolver *solver,
+                                            const struct GeosweepSurfaceInfo *info,
+                                            struct GeosweepSurface **surface);
 
 // Says how many bytes of device memory a surface takes.
-GeosweepStatus geosweep_surface_bytes(const GeosweepSurface *surface, uint64_t *bytes);
+enum GeosweepStatus geosweep_surface_bytes(const struct GeosweepSurface *surface, uint64_t *bytes);
 
 // Replaces points that were given in the program's memory, by others with the same offset and
 // stride. No submitted work may still read them: keep as many as there are frames in flight.
 // Recordings that measure them find the new ones.
-GeosweepStatus geosweep_surface_write_points(GeosweepSurface *surface,
-                                             uint32_t number,
-                                             const float *data,
-                                             const uint8_t *mask);
+enum GeosweepStatus geosweep_surface_write_points(struct GeosweepSurface *surface,
+                                                  uint32_t number,
+                                                  const float *data,
+                                                  const uint8_t *mask);
 
 // Gives the image of distances of a slot. `layout` is that of the reader for which it was recorded
 // last.
-GeosweepStatus geosweep_surface_result(const GeosweepSurface *surface,
-                                       uint32_t slot,
-                                       VkImageLayout layout,
-                                       GeosweepImage *result);
+enum GeosweepStatus geosweep_surface_result(const struct GeosweepSurface *surface,
+                                            uint32_t slot,
+                                            VkImageLayout layout,
+                                            struct GeosweepImage *result);
 
 // Gives the packed distances that all slots share: those of the last recording until the next. Read
 // them after `geosweep_record_end`.
-GeosweepStatus geosweep_surface_packed(const GeosweepSurface *surface, GeosweepPackedTimes *packed);
+enum GeosweepStatus geosweep_surface_packed(const struct GeosweepSurface *surface,
+                                            struct GeosweepPackedTimes *packed);
 
-// Says how the iterations of the last recording for a slot went, after the fence of its submission.
-GeosweepStatus geosweep_surface_outcome(const GeosweepSurface *surface,
-                                        uint32_t slot,
-                                        GeosweepOutcome *outcome);
+// Says how the iterations of the last recording for a slot went, after the fence of its submission. If that
+// recording has not run, the status is `GEOSWEEP_STATUS_NOT_READY`.
+enum GeosweepStatus geosweep_surface_outcome(const struct GeosweepSurface *surface,
+                                             uint32_t slot,
+                                             struct GeosweepOutcome *outcome);
 
-// Destroys a surface with its images. No submitted work may still use it. Null is fine.
-GeosweepStatus geosweep_surface_destroy(GeosweepSurface *surface);
+// Says that the last recording for a slot was thrown away and will never run, to a solver with checks.
+enum GeosweepStatus geosweep_surface_discard(const struct GeosweepSurface *surface,
+                                             uint32_t slot);
+
+// Destroys a surface with its images. No submitted work may still use it, which a solver with checks looks
+// at. Null is fine.
+enum GeosweepStatus geosweep_surface_destroy(struct GeosweepSurface *surface);
 
 // Makes a plan for surfaces of so many rows and columns; `geosweep_plan_destroy` destroys it.
-GeosweepStatus geosweep_plan_create(const GeosweepSolver *solver,
-                                    uint32_t rows,
-                                    uint32_t cols,
-                                    const GeosweepMethod *method,
-                                    GeosweepPlan **plan);
+enum GeosweepStatus geosweep_plan_create(const struct GeosweepSolver *solver,
+                                         uint32_t rows,
+                                         uint32_t cols,
+                                         const struct GeosweepMethod *method,
+                                         struct GeosweepPlan **plan);
 
-// Says how many iterations, or rounds of tiles, a recording of the plan holds.
-GeosweepStatus geosweep_plan_iterations(const GeosweepPlan *plan, uint32_t *iterations);
+// Says how many iterations, or rounds of tiles, a recording of the plan holds: as many as were asked for, or
+// with tiles fewer. Resume as often as it takes.
+enum GeosweepStatus geosweep_plan_iterations(const struct GeosweepPlan *plan,
+                                             uint32_t *iterations);
+
+// Says in which schedule the maps of a plan are computed: a `GeosweepSchedule`, what `GEOSWEEP_SCHEDULE_BEST` has
+// come to.
+enum GeosweepStatus geosweep_plan_schedule(const struct GeosweepPlan *plan,
+                                           GeosweepSchedule *schedule);
 
 // Says which wavefront the maps of a plan have: a `GeosweepWavefront`, and not always the one asked for.
-GeosweepStatus geosweep_plan_wavefront(const GeosweepPlan *plan,
-                                       GeosweepWavefront *wavefront);
+enum GeosweepStatus geosweep_plan_wavefront(const struct GeosweepPlan *plan,
+                                            GeosweepWavefront *wavefront);
 
 // Destroys a plan. Recorded command buffers do not need it. Null is fine.
-GeosweepStatus geosweep_plan_destroy(GeosweepPlan *plan);
+enum GeosweepStatus geosweep_plan_destroy(struct GeosweepPlan *plan);
 
 // A source at a place, with distance 0.
-GeosweepSource geosweep_source_at(float row, float col);
+struct GeosweepSource geosweep_source_at(float row, float col);
 
 // Prepares a new surface: to be recorded once, before anything else of that surface.
-GeosweepStatus geosweep_record_prepare(const GeosweepSurface *surface, VkCommandBuffer commands);
+enum GeosweepStatus geosweep_record_prepare(const struct GeosweepSurface *surface,
+                                            VkCommandBuffer commands);
 
 // Records all of a usual frame: `begin`, `measure` if there are new points, `solve`, `outcome` and
 // `result`. Gives the image of distances to `result` unless that is null.
-GeosweepStatus geosweep_record_frame(const GeosweepSurface *surface,
-                                     VkCommandBuffer commands,
-                                     const GeosweepFrame *frame,
-                                     GeosweepImage *result);
+enum GeosweepStatus geosweep_record_frame(const struct GeosweepSurface *surface,
+                                          VkCommandBuffer commands,
+                                          const struct GeosweepFrame *frame,
+                                          struct GeosweepImage *result);
 
 // Records the start of a frame, one call after another: waits for what you have written, and for
 // recordings of this surface before.
-GeosweepStatus geosweep_record_begin(const GeosweepSurface *surface,
-                                     VkCommandBuffer commands,
-                                     GeosweepAccess before);
+enum GeosweepStatus geosweep_record_begin(const struct GeosweepSurface *surface,
+                                          VkCommandBuffer commands,
+                                          struct GeosweepAccess before);
 
 // Measures the surface's edges from its points with this number. The map is lost: `solve` comes
 // next.
-GeosweepStatus geosweep_record_measure(const GeosweepSurface *surface,
-                                       VkCommandBuffer commands,
-                                       uint32_t points);
+enum GeosweepStatus geosweep_record_measure(const struct GeosweepSurface *surface,
+                                            VkCommandBuffer commands,
+                                            uint32_t points);
 
 // Computes a new map, with as many iterations as the plan holds, less those after convergence.
-GeosweepStatus geosweep_record_solve(const GeosweepSurface *surface,
-                                     VkCommandBuffer commands,
-                                     const GeosweepSources *sources,
-                                     const GeosweepPlan *plan);
+enum GeosweepStatus geosweep_record_solve(const struct GeosweepSurface *surface,
+                                          VkCommandBuffer commands,
+                                          const struct GeosweepSources *sources,
+                                          const struct GeosweepPlan *plan);
 
 // Adds sources to the map, which has converged with the same wavefront.
-GeosweepStatus geosweep_record_add(const GeosweepSurface *surface,
-                                   VkCommandBuffer commands,
-                                   const GeosweepSources *sources,
-                                   const GeosweepPlan *plan);
+enum GeosweepStatus geosweep_record_add(const struct GeosweepSurface *surface,
+                                        VkCommandBuffer commands,
+                                        const struct GeosweepSources *sources,
+                                        const struct GeosweepPlan *plan);
 
 // Goes on with a map that may not have converged, by as many iterations again: in the same command
 // buffer or, for long maps, in later ones, with `begin` before and `outcome` and `result` after it.
 // With the plan that the map was started with.
-GeosweepStatus geosweep_record_resume(const GeosweepSurface *surface,
-                                      VkCommandBuffer commands,
-                                      const GeosweepPlan *plan);
+enum GeosweepStatus geosweep_record_resume(const struct GeosweepSurface *surface,
+                                           VkCommandBuffer commands,
+                                           const struct GeosweepPlan *plan);
 
 // Copies how the iterations have gone to the slot's record, for `geosweep_surface_outcome`.
-GeosweepStatus geosweep_record_outcome(const GeosweepSurface *surface,
-                                       VkCommandBuffer commands,
-                                       uint32_t slot);
+enum GeosweepStatus geosweep_record_outcome(const struct GeosweepSurface *surface,
+                                            VkCommandBuffer commands,
+                                            uint32_t slot);
 
 // Copies how the iterations have gone, `GEOSWEEP_OUTCOME_BYTES` bytes for
 // `geosweep_outcome_from_bytes`, to a buffer of yours with usage
 // `VK_BUFFER_USAGE_TRANSFER_DST_BIT`. Shaders find the number of iterations in the third 32-bit
 // number. `after` is how you read them; `offset` is a multiple of 4.
-GeosweepStatus geosweep_record_outcome_to(const GeosweepSurface *surface,
-                                          VkCommandBuffer commands,
-                                          VkBuffer buffer,
-                                          uint64_t offset,
-                                          GeosweepAccess after);
+enum GeosweepStatus geosweep_record_outcome_to(const struct GeosweepSurface *surface,
+                                               VkCommandBuffer commands,
+                                               VkBuffer buffer,
+                                               uint64_t offset,
+                                               struct GeosweepAccess after);
 
 // Reads the record that `geosweep_record_outcome_to` has copied: `GEOSWEEP_OUTCOME_BYTES` bytes.
-GeosweepStatus geosweep_outcome_from_bytes(const uint8_t *bytes, GeosweepOutcome *outcome);
+enum GeosweepStatus geosweep_outcome_from_bytes(const uint8_t *bytes,
+                                                struct GeosweepOutcome *outcome);
 
 // Writes the map to the slot's image of distances, for a reader. Waits for the reader of commands
 // before; the reader in commands after waits for this. Gives the image to `result` unless that is
 // null.
-GeosweepStatus geosweep_record_result(const GeosweepSurface *surface,
-                                      VkCommandBuffer commands,
-                                      uint32_t slot,
-                                      GeosweepReader reader,
-                                      float unreached,
-                                      GeosweepImage *result);
+enum GeosweepStatus geosweep_record_result(const struct GeosweepSurface *surface,
+                                           VkCommandBuffer commands,
+                                           uint32_t slot,
+                                           struct GeosweepReader reader,
+                                           float unreached,
+                                           struct GeosweepImage *result);
 
 // Looks distances up, with the surface's lookup of this number: bilinear between grid points,
 // `unreached` where nothing was reached or there is no grid. Waits for what you have written in
 // `before`; `after` is how you read the distances.
-GeosweepStatus geosweep_record_lookup(const GeosweepSurface *surface,
-                                      VkCommandBuffer commands,
-                                      uint32_t number,
-                                      float unreached,
-                                      GeosweepAccess before,
-                                      GeosweepAccess after);
+enum GeosweepStatus geosweep_record_lookup(const struct GeosweepSurface *surface,
+                                           VkCommandBuffer commands,
+                                           uint32_t number,
+                                           float unreached,
+                                           struct GeosweepAccess before,
+                                           struct GeosweepAccess after);
 
 // Lets you read the packed distances, or overwrite points and sources, in the stages of `after`.
-GeosweepStatus geosweep_record_end(const GeosweepSurface *surface,
-                                   VkCommandBuffer commands,
-                                   GeosweepAccess after);
+enum GeosweepStatus geosweep_record_end(const struct GeosweepSurface *surface,
+                                        VkCommandBuffer commands,
+                                        struct GeosweepAccess after);
 
 // Reads the record of a curve that you have copied from the buffer: `GEOSWEEP_CURVE_RECORD_BYTES`
 // bytes.
-GeosweepStatus geosweep_curve_record_from_bytes(const uint8_t *bytes, GeosweepCurveRecord *record);
+enum GeosweepStatus geosweep_curve_record_from_bytes(const uint8_t *bytes,
+                                                     struct GeosweepCurveRecord *record);
 
 // Says how many bytes of device memory contours will take, before they are made: 24 a vertex, and
 // 260 a row of the grid.
-GeosweepStatus geosweep_contours_bytes_for(const GeosweepSolver *solver,
-                                           uint32_t rows,
-                                           uint32_t cols,
-                                           uint32_t vertices,
-                                           uint64_t *bytes);
+enum GeosweepStatus geosweep_contours_bytes_for(const struct GeosweepSolver *solver,
+                                                uint32_t rows,
+                                                uint32_t cols,
+                                                uint32_t vertices,
+                                                uint64_t *bytes);
 
 // Makes room for contours of a surface, of so many vertices, two for each piece between grid lines;
 // `geosweep_contours_destroy` destroys it. Takes device memory and compiles passes.
-GeosweepStatus geosweep_contours_create(const GeosweepSurface *surface,
-                                        uint32_t vertices,
-                                        GeosweepContours **contours);
+enum GeosweepStatus geosweep_contours_create(const struct GeosweepSurface *surface,
+                                             uint32_t vertices,
+                                             struct GeosweepContours **contours);
 
 // Says how many bytes of device memory contours take.
-GeosweepStatus geosweep_contours_bytes(const GeosweepContours *contours, uint64_t *bytes);
+enum GeosweepStatus geosweep_contours_bytes(const struct GeosweepContours *contours,
+                                            uint64_t *bytes);
 
 // Says where contours are, also before any are recorded: one curve, drawn as a list of lines.
-GeosweepStatus geosweep_contours_curves(const GeosweepContours *contours, GeosweepCurves *curves);
+enum GeosweepStatus geosweep_contours_curves(const struct GeosweepContours *contours,
+                                             struct GeosweepCurves *curves);
 
 // Finds the contours of the map, lifts them to the surface and leaves them for you to draw, the same
 // in the same order whenever the map is the same. To be recorded after the map, in the same command
 // buffer or after `geosweep_record_begin`. If there are more than there is room for, the southern
 // ones are left out, and their record says how many vertices there are. Gives where they are to
 // `result` unless that is null.
-GeosweepStatus geosweep_record_contours(const GeosweepSurface *surface,
-                                        VkCommandBuffer commands,
-                                        const GeosweepContours *contours,
-                                        const GeosweepContourFrame *frame,
-                                        GeosweepCurves *result);
+enum GeosweepStatus geosweep_record_contours(const struct GeosweepSurface *surface,
+                                             VkCommandBuffer commands,
+                                             const struct GeosweepContours *contours,
+                                             const struct GeosweepContourFrame *frame,
+                                             struct GeosweepCurves *result);
 
 // Destroys contours, before or after their surface. No submitted work may still use them. Null is
 // fine.
-GeosweepStatus geosweep_contours_destroy(GeosweepContours *contours);
+enum GeosweepStatus geosweep_contours_destroy(struct GeosweepContours *contours);
 
 // Says how many bytes of device memory paths will take, before they are made: 24 a vertex of each,
 // and 104 a path.
-GeosweepStatus geosweep_paths_bytes_for(const GeosweepSolver *solver,
-                                        uint32_t path_count,
-                                        uint32_t vertices,
-                                        uint64_t *bytes);
+enum GeosweepStatus geosweep_paths_bytes_for(const struct GeosweepSolver *solver,
+                                             uint32_t path_count,
+                                             uint32_t vertices,
+                                             uint64_t *bytes);
 
 // Makes room for paths on a surface: so many at once, at most 65535, of so many vertices each. A
 // straight way has one at each grid line that it crosses, so that rows + cols + 8 are enough where
 // nothing is in the way. `geosweep_paths_destroy` destroys it. Takes device memory and compiles
 // passes.
-GeosweepStatus geosweep_paths_create(const GeosweepSurface *surface,
-                                     uint32_t path_count,
-                                     uint32_t vertices,
-                                     GeosweepPaths **paths);
+enum GeosweepStatus geosweep_paths_create(const struct GeosweepSurface *surface,
+                                          uint32_t path_count,
+                                          uint32_t vertices,
+                                          struct GeosweepPaths **paths);
 
 // Says how many bytes of device memory paths take.
-GeosweepStatus geosweep_paths_bytes(const GeosweepPaths *paths, uint64_t *bytes);
+enum GeosweepStatus geosweep_paths_bytes(const struct GeosweepPaths *paths, uint64_t *bytes);
 
 // Says where paths are, also before any are recorded: a curve each, drawn as a strip of lines.
-GeosweepStatus geosweep_paths_curves(const GeosweepPaths *paths, GeosweepCurves *curves);
+enum GeosweepStatus geosweep_paths_curves(const struct GeosweepPaths *paths,
+                                          struct GeosweepCurves *curves);
 
 // Traces the paths from some places back to the source, lifts them to the surface and leaves them
 // for you to draw. To be recorded after the map, in the same command buffer or after
 // `geosweep_record_begin`. If there is none to draw, its record says why. Gives where they are to
 // `result` unless that is null.
-GeosweepStatus geosweep_record_paths(const GeosweepSurface *surface,
-                                     VkCommandBuffer commands,
-                                     const GeosweepPaths *paths,
-                                     const GeosweepPathFrame *frame,
-                                     GeosweepCurves *result);
+enum GeosweepStatus geosweep_record_paths(const struct GeosweepSurface *surface,
+                                          VkCommandBuffer commands,
+                                          const struct GeosweepPaths *paths,
+                                          const struct GeosweepPathFrame *frame,
+                                          struct GeosweepCurves *result);
 
 // Destroys paths, before or after their surface. No submitted work may still use them. Null is fine.
-GeosweepStatus geosweep_paths_destroy(GeosweepPaths *paths);
+enum GeosweepStatus geosweep_paths_destroy(struct GeosweepPaths *paths);
+
+// Says how many bytes of device memory regions will take, before they are made: 24 a grid point.
+enum GeosweepStatus geosweep_regions_bytes_for(const struct GeosweepSolver *solver,
+                                               uint32_t rows,
+                                               uint32_t cols,
+                                               uint64_t *bytes);
+
+// Makes room for the regions of a surface's maps with one wavefront; `geosweep_regions_destroy` destroys it.
+// Takes device memory and compiles passes.
+enum GeosweepStatus geosweep_regions_create(const struct GeosweepSurface *surface,
+                                            GeosweepWavefront wavefront,
+                                            struct GeosweepRegions **regions);
+
+// Says how many bytes of device memory regions take.
+enum GeosweepStatus geosweep_regions_bytes(const struct GeosweepRegions *regions, uint64_t *bytes);
+
+// Says where labels are, also before any are recorded.
+enum GeosweepStatus geosweep_regions_labels(const struct GeosweepRegions *regions,
+                                            struct GeosweepLabels *labels);
+
+// Finds which source is the nearest to each grid point and leaves the labels for you to read: a source's place in
+// the list, or `GEOSWEEP_NO_REGION`. To be recorded after the map, in the same command buffer or after
+// `geosweep_record_begin`. Gives where they are to `result` unless that is null.
+enum GeosweepStatus geosweep_record_regions(const struct GeosweepSurface *surface,
+                                            VkCommandBuffer commands,
+                                            const struct GeosweepRegions *regions,
+                                            const struct GeosweepRegionFrame *frame,
+                                            struct GeosweepLabels *result);
+
+// Destroys regions, before or after their surface. No submitted work may still use them. Null is fine.
+enum GeosweepStatus geosweep_regions_destroy(struct GeosweepRegions *regions);
 
 #ifdef __cplusplus
 }  // extern "C"

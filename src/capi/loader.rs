@@ -88,3 +88,27 @@ pub(super) unsafe fn device(
     let fourth = ash::DeviceFnV1_3::load(|name| finder.any(name));
     Ok(ash::Device::from_parts_1_3(device, first, second, third, fourth))
 }
+
+/// Whether the program has enabled `VK_EXT_debug_utils`, so that passes can have labels and objects names.
+///
+/// # Safety
+/// As of [`instance`] and [`device`], for the function that found them.
+pub(super) unsafe fn has_labels(
+    get_instance_proc_addr: GetInstanceProcAddr,
+    instance: &ash::Instance,
+    device: &ash::Device,
+) -> bool {
+    let names = [
+        c"vkCmdBeginDebugUtilsLabelEXT",
+        c"vkCmdEndDebugUtilsLabelEXT",
+        c"vkSetDebugUtilsObjectNameEXT",
+    ];
+    let of_device = instance.fp_v1_0().get_device_proc_addr;
+    get_instance_proc_addr.is_some_and(|get| {
+        // SAFETY: required. Some loaders find device functions of extensions that are not enabled.
+        names.iter().all(|name| unsafe {
+            get(instance.handle(), name.as_ptr()).is_some()
+                && of_device(device.handle(), name.as_ptr()).is_some()
+        })
+    })
+}

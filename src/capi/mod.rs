@@ -36,10 +36,12 @@ mod contours;
 mod curves;
 mod frame;
 mod loader;
+mod objects;
 mod paths;
 mod plan;
 mod points;
 mod record;
+mod regions;
 mod requirements;
 mod solver;
 mod status;
@@ -50,13 +52,14 @@ pub use choices::{GeosweepEdgeRule, GeosweepSchedule, GeosweepWavefront};
 pub use contours::*;
 pub use curves::*;
 pub use frame::{
-    GEOSWEEP_POINTS_UNCHANGED, GeosweepAccess, GeosweepFrame, GeosweepReader, GeosweepSource,
-    GeosweepSources, geosweep_source_at,
+    GEOSWEEP_POINTS_UNCHANGED, GEOSWEEP_STRAIGHT, GeosweepAccess, GeosweepFrame, GeosweepReader,
+    GeosweepSource, GeosweepSources, geosweep_source_at,
 };
 pub use paths::*;
 pub use plan::*;
 pub use points::{GeosweepPointKind, GeosweepPoints};
 pub use record::*;
+pub use regions::*;
 pub use requirements::*;
 pub use solver::*;
 pub use status::{GeosweepStatus, geosweep_last_error};
@@ -71,4 +74,5 @@ const _: () = {
     for_any_thread::<GeosweepPlan>();
     for_any_thread::<GeosweepContours>();
     for_any_thread::<GeosweepPaths>();
+    for_any_thread::<GeosweepRegions>();
 };

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use ash::vk;
 use ash::vk::Handle;
 
-use super::arguments::{Output, hand_out, list, reference, take};
+use super::arguments::{Output, list, reference};
 use super::curves::GeosweepCurves;
 use super::frame::{GeosweepAccess, GeosweepSources, sources};
+use super::objects::{hand_out, object, take};
 use super::record::{output_unless_null, record};
 use super::solver::{GeosweepSolver, Shared};
 use super::status::{Failure, GeosweepStatus, guard};
@@ -20,7 +21,7 @@ const MOST_STARTS: usize = 8192;
 /// Room for paths on a surface, and the passes that trace them. Frames in flight on one queue share
 /// it; with readers on another queue make one for each.
 pub struct GeosweepPaths {
-    shared: Arc<Shared>,
+    pub(super) shared: Arc<Shared>,
     paths: embed::Paths,
 }
 
@@ -60,8 +61,7 @@ pub unsafe extern "C" fn geosweep_paths_bytes_for(
 ) -> GeosweepStatus {
     guard(|| {
         // SAFETY: the caller's promise.
-        let (solver, output) =
-            unsafe { (reference(solver, "solver")?, Output::new(bytes, "bytes")?) };
+        let (solver, output) = unsafe { (object(solver, "solver")?, Output::new(bytes, "bytes")?) };
         let Shared { solver, device, .. } = &**solver.shared();
         output.write(solver.bytes_for_paths(device, PathsInfo { paths: path_count, vertices })?);
         Ok(())
@@ -82,7 +82,7 @@ pub unsafe extern "C" fn geosweep_paths_create(
     guard(|| {
         // SAFETY: the caller's promise.
         let (surface, output) =
-            unsafe { (reference(surface, "surface")?, Output::new(paths, "paths")?) };
+            unsafe { (object(surface, "surface")?, Output::new(paths, "paths")?) };
         let GeosweepSurface { shared, surface, .. } = surface;
         let info = PathsInfo { paths: path_count, vertices };
         let mut allocator = shared.allocator();
@@ -100,7 +100,7 @@ pub unsafe extern "C" fn geosweep_paths_bytes(
 ) -> GeosweepStatus {
     guard(|| {
         // SAFETY: the caller's promise.
-        let (paths, output) = unsafe { (reference(paths, "paths")?, Output::new(bytes, "bytes")?) };
+        let (paths, output) = unsafe { (object(paths, "paths")?, Output::new(bytes, "bytes")?) };
         output.write(paths.paths.bytes());
         Ok(())
     })
@@ -114,8 +114,7 @@ pub unsafe extern "C" fn geosweep_paths_curves(
 ) -> GeosweepStatus {
     guard(|| {
         // SAFETY: the caller's promise.
-        let (paths, output) =
-            unsafe { (reference(paths, "paths")?, Output::new(curves, "curves")?) };
+        let (paths, output) = unsafe { (object(paths, "paths")?, Output::new(curves, "curves")?) };
         output.write(paths.paths.curves().into());
         Ok(())
     })
@@ -137,7 +136,7 @@ pub unsafe extern "C" fn geosweep_record_paths(
         // SAFETY: the caller's promise.
         let (output, paths, given, starts, sources) = unsafe {
             let output = output_unless_null(result)?;
-            let paths = reference(paths, "paths")?;
+            let paths = object(paths, "paths")?;
             let given = reference(frame, "frame")?;
             (
                 output,
@@ -188,8 +187,8 @@ unsafe fn starts<'a>(given: &GeosweepPathFrame) -> Result<StartInput<'a>, Failur
 pub unsafe extern "C" fn geosweep_paths_destroy(paths: *mut GeosweepPaths) -> GeosweepStatus {
     guard(|| {
         // SAFETY: the caller's promise.
-        let Some(paths) = (unsafe { take(paths) }) else { return Ok(()) };
-        let GeosweepPaths { shared, mut paths } = *paths;
+        let Some(paths) = unsafe { take(paths, "paths") }? else { return Ok(()) };
+        let GeosweepPaths { shared, mut paths } = paths;
         paths.destroy(&shared.device, &mut shared.allocator());
         Ok(())
     })

@@ -2,8 +2,11 @@
 
 use std::sync::Arc;
 
-use super::arguments::{Output, hand_out, reference, take};
-use super::choices::{ScheduleNumber, WavefrontNumber, schedule, wavefront, wavefront_number};
+use super::arguments::{Output, reference};
+use super::choices::{
+    ScheduleNumber, WavefrontNumber, schedule, schedule_number, wavefront, wavefront_number,
+};
+use super::objects::{hand_out, object, take};
 use super::solver::{GeosweepSolver, Shared};
 use super::status::{Failure, GeosweepStatus, guard};
 use crate::Stop;
@@ -27,7 +30,9 @@ pub struct GeosweepMethod {
     /// Iterations of a map, at most, all its recordings together; at least 1.
     pub most_iterations: u32,
     /// Iterations in a recording: from 1 to 256. Those after convergence visit nothing; if they
-    /// are too few, `geosweep_record_resume` goes on.
+    /// are too few, `geosweep_record_resume` goes on. Tiles count in rounds, of which a recording holds no
+    /// more than the grid's size says: 8 at 48 x 48 points, 16 at 120 x 120, 32 at 256 x 256, 128 at most.
+    /// `geosweep_plan_iterations` says how many it holds.
     pub iterations: u32,
 }
 
@@ -72,7 +77,7 @@ pub unsafe extern "C" fn geosweep_plan_create(
         // SAFETY: the caller's promise.
         let (solver, given, output) = unsafe {
             let output = Output::new(plan, "plan")?;
-            (reference(solver, "solver")?, reference(method, "method")?, output)
+            (object(solver, "solver")?, reference(method, "method")?, output)
         };
         let chart = chart(rows, cols)?;
         let shared = Arc::clone(solver.shared());
@@ -83,7 +88,8 @@ pub unsafe extern "C" fn geosweep_plan_create(
     })
 }
 
-/// Says how many iterations, or rounds of tiles, a recording of the plan holds.
+/// Says how many iterations, or rounds of tiles, a recording of the plan holds: as many as were asked for, or
+/// with tiles fewer. Resume as often as it takes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_plan_iterations(
     plan: *const GeosweepPlan,
@@ -92,8 +98,23 @@ pub unsafe extern "C" fn geosweep_plan_iterations(
     guard(|| {
         // SAFETY: the caller's promise.
         let (plan, output) =
-            unsafe { (reference(plan, "plan")?, Output::new(iterations, "iterations")?) };
+            unsafe { (object(plan, "plan")?, Output::new(iterations, "iterations")?) };
         output.write(plan.plan.iterations());
+        Ok(())
+    })
+}
+
+/// Says in which schedule the maps of a plan are computed: a `GeosweepSchedule`, what `GEOSWEEP_SCHEDULE_BEST` has
+/// come to.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_plan_schedule(
+    plan: *const GeosweepPlan,
+    schedule: *mut ScheduleNumber,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (plan, output) = unsafe { (object(plan, "plan")?, Output::new(schedule, "schedule")?) };
+        output.write(schedule_number(plan.plan.schedule()));
         Ok(())
     })
 }
@@ -107,7 +128,7 @@ pub unsafe extern "C" fn geosweep_plan_wavefront(
     guard(|| {
         // SAFETY: the caller's promise.
         let (plan, output) =
-            unsafe { (reference(plan, "plan")?, Output::new(wavefront, "wavefront")?) };
+            unsafe { (object(plan, "plan")?, Output::new(wavefront, "wavefront")?) };
         output.write(wavefront_number(plan.plan.wavefront()));
         Ok(())
     })
@@ -118,7 +139,7 @@ pub unsafe extern "C" fn geosweep_plan_wavefront(
 pub unsafe extern "C" fn geosweep_plan_destroy(plan: *mut GeosweepPlan) -> GeosweepStatus {
     guard(|| {
         // SAFETY: the caller's promise.
-        drop(unsafe { take(plan) });
+        drop(unsafe { take(plan, "plan") }?);
         Ok(())
     })
 }

@@ -8,13 +8,14 @@ use super::frame::{
     GEOSWEEP_POINTS_UNCHANGED, GeosweepAccess, GeosweepFrame, GeosweepReader, GeosweepSources,
     plan, reader, sources, unreached,
 };
+use super::objects::object;
 use super::plan::GeosweepPlan;
 use super::status::{Failure, GeosweepStatus, guard};
 use super::surface::{GeosweepImage, GeosweepOutcome, GeosweepSurface};
 use crate::vulkan::embed::{self, Recording, SourceInput};
 
 /// Bytes of the record that `geosweep_record_outcome_to` copies.
-pub const GEOSWEEP_OUTCOME_BYTES: u32 = 32;
+pub const GEOSWEEP_OUTCOME_BYTES: u32 = 40;
 const _: () = assert!(GEOSWEEP_OUTCOME_BYTES as usize == embed::Outcome::BYTES);
 
 /// Records for a surface.
@@ -28,7 +29,7 @@ pub(super) unsafe fn record(
 ) -> GeosweepStatus {
     guard(|| {
         // SAFETY: the caller's promise.
-        let surface = unsafe { reference(surface, "surface") }?;
+        let surface = unsafe { object(surface, "surface") }?;
         if commands.is_null() {
             return Err(Failure::argument("commands", "is the null handle"));
         }
@@ -212,17 +213,8 @@ pub unsafe extern "C" fn geosweep_record_outcome_to(
     offset: u64,
     after: GeosweepAccess,
 ) -> GeosweepStatus {
-    let append = |_: &_, recording: Recording| {
-        if buffer.is_null() {
-            return Err(Failure::argument("buffer", "is the null handle"));
-        }
-        if !offset.is_multiple_of(4) {
-            let reason = format!("is {offset}, which is no multiple of 4");
-            return Err(Failure::argument("offset", reason));
-        }
-        recording.outcome_to(buffer, offset, after.into());
-        Ok(())
-    };
+    let append =
+        |_: &_, recording: Recording| Ok(recording.outcome_to(buffer, offset, after.into())?);
     // SAFETY: the caller's promise.
     unsafe { record(surface, commands, append) }
 }

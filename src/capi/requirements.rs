@@ -6,9 +6,11 @@ use std::sync::LazyLock;
 use ash::vk;
 
 use super::arguments::Output;
+use super::choices::{ScheduleNumber, schedule_number};
 use super::loader::{self, GetInstanceProcAddr};
+use super::plan::chart;
 use super::status::{Failure, GeosweepStatus, guard};
-use crate::vulkan::requirements;
+use crate::vulkan::{Schedule, requirements};
 
 /// What instance and device must be created with, for a program to merge with its own wishes.
 #[derive(Clone, Copy, Debug)]
@@ -95,6 +97,31 @@ pub unsafe extern "C" fn geosweep_compute_queue_family(
                 Failure::unsupported("the device has no queue for compute".into())
             })?,
         );
+        Ok(())
+    })
+}
+
+/// Says which schedule `GEOSWEEP_SCHEDULE_BEST` stands for, for grids of so many rows and columns on a device: what
+/// a solver should be made for, before it is.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_best_schedule(
+    get_instance_proc_addr: GetInstanceProcAddr,
+    instance: vk::Instance,
+    physical_device: vk::PhysicalDevice,
+    rows: u32,
+    cols: u32,
+    schedule: *mut ScheduleNumber,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (output, instance) = unsafe {
+            let output = Output::new(schedule, "schedule")?;
+            (output, loader::instance(get_instance_proc_addr, instance, physical_device)?)
+        };
+        // SAFETY: the physical device is from this instance.
+        let properties = unsafe { instance.get_physical_device_properties(physical_device) };
+        let best = Schedule::best_on(properties.device_type, chart(rows, cols)?);
+        output.write(schedule_number(best));
         Ok(())
     })
 }

@@ -6,15 +6,21 @@ use ash::vk;
 use gpu_allocator::AllocationSizes;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
-use super::arguments::{Output, hand_out, list, reference, take};
+use super::arguments::{Output, list, reference};
 use super::choices::{ScheduleNumber, WavefrontNumber, schedule, wavefront};
 use super::loader::{self, GetInstanceProcAddr};
+use super::objects::{hand_out, object, take};
 use super::status::{Failure, GeosweepStatus, guard};
 use crate::vulkan::{VulkanError, embed};
 
 /// The version of this header, which `geosweep_solver_create` compares with the library's: it
 /// grows with each change that makes programs compile or run differently.
-pub const GEOSWEEP_HEADER_VERSION: u32 = 3;
+pub const GEOSWEEP_HEADER_VERSION: u32 = 4;
+
+/// For `GeosweepSolverInfo::flags`, while you develop: what costs a little is checked as well. With several slots,
+/// one that is recorded while its last recording has not run is an error, and so is destroying a surface that
+/// such a recording uses; objects are told from those destroyed before, of which a few bytes are kept.
+pub const GEOSWEEP_SOLVER_CHECKS: u32 = 1;
 
 /// Passes to make, at most; there are nine kinds.
 const MOST_PASSES: usize = 64;
@@ -57,6 +63,8 @@ pub struct GeosweepSolverInfo {
     /// it. One thread at a time uses it in the solver; if you use it meanwhile, the rules of
     /// `vkCreateComputePipelines` hold.
     pub pipeline_cache: vk::PipelineCache,
+    /// `GEOSWEEP_SOLVER_CHECKS`, or 0.
+    pub flags: u32,
 }
 
 /// The pipelines of a device, shared by all its surfaces. Any number of threads may use it at once.
@@ -67,9 +75,15 @@ pub(super) struct Shared {
     pub(super) device: ash::Device,
     pub(super) solver: embed::Solver,
     allocator: Mutex<Allocator>,
+    checks: bool,
 }
 
 impl Shared {
+    /// Whether the program has asked for `GEOSWEEP_SOLVER_CHECKS`.
+    pub(super) fn has_checks(&self) -> bool {
+        self.checks
+    }
+
     pub(super) fn allocator(&self) -> MutexGuard<'_, Allocator> {
         self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -108,7 +122,15 @@ impl GeosweepSolver {
             })?;
             passes.push((schedule, wavefront(asked.wavefront, &name("wavefront"))?));
         }
-        let (tools, cache) = (embed::Tools::default(), info.pipeline_cache);
+        if info.flags & !GEOSWEEP_SOLVER_CHECKS != 0 {
+            let reason = format!("is {:#x}, and has bits that mean nothing", info.flags);
+            return Err(Failure::argument("info->flags", reason));
+        }
+        let checks = info.flags & GEOSWEEP_SOLVER_CHECKS != 0;
+        // SAFETY: the caller's promise.
+        let labels = unsafe { loader::has_labels(info.get_instance_proc_addr, &instance, &device) };
+        let tools = embed::Tools { labels, checks, ..embed::Tools::default() };
+        let cache = info.pipeline_cache;
         let mut solver =
             embed::Solver::with_cache(&instance, physical_device, &device, &passes, tools, cache)?;
         let allocator = Allocator::new(&AllocatorCreateDesc {
@@ -121,7 +143,8 @@ impl GeosweepSolver {
         });
         match allocator {
             Ok(allocator) => {
-                Ok(Self(Arc::new(Shared { device, solver, allocator: Mutex::new(allocator) })))
+                let allocator = Mutex::new(allocator);
+                Ok(Self(Arc::new(Shared { device, solver, allocator, checks })))
             }
             Err(source) => {
                 solver.destroy(&device);
@@ -156,7 +179,7 @@ pub unsafe extern "C" fn geosweep_solver_set_pipeline_cache(
 ) -> GeosweepStatus {
     guard(|| {
         // SAFETY: the caller's promise.
-        let solver = unsafe { reference(solver, "solver") }?;
+        let solver = unsafe { object(solver, "solver") }?;
         solver.shared().solver.set_pipeline_cache(cache);
         Ok(())
     })
@@ -171,8 +194,7 @@ pub unsafe extern "C" fn geosweep_solver_bytes(
 ) -> GeosweepStatus {
     guard(|| {
         // SAFETY: the caller's promise.
-        let (solver, output) =
-            unsafe { (reference(solver, "solver")?, Output::new(bytes, "bytes")?) };
+        let (solver, output) = unsafe { (object(solver, "solver")?, Output::new(bytes, "bytes")?) };
         output.write(solver.shared().allocator().capacity());
         Ok(())
     })
@@ -187,16 +209,17 @@ pub unsafe extern "C" fn geosweep_solver_destroy(solver: *mut GeosweepSolver) ->
             return Ok(());
         }
         // SAFETY: the caller's promise.
-        let others = unsafe { Arc::strong_count(reference(solver, "solver")?.shared()) } - 1;
+        let others = unsafe { Arc::strong_count(object(solver, "solver")?.shared()) } - 1;
         if others > 0 {
             let reason = format!(
-                "still has {others} surfaces, plans, contours or paths: destroy them first"
+                "still has {others} surfaces, plans, contours, paths or regions: destroy them first"
             );
             return Err(Failure::argument("solver", reason));
         }
         // SAFETY: the caller's promise.
-        let shared = unsafe { take(solver) }.and_then(|solver| Arc::into_inner(solver.0));
-        if let Some(Shared { device, mut solver, allocator }) = shared {
+        let shared =
+            unsafe { take(solver, "solver") }?.and_then(|solver| Arc::into_inner(solver.0));
+        if let Some(Shared { device, mut solver, allocator, .. }) = shared {
             solver.destroy(&device);
             // It frees its blocks.
             drop(allocator);

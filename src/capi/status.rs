@@ -32,6 +32,8 @@ pub enum GeosweepStatus {
     /// A defect of geosweep's, which was kept from crossing into your program. What the call was
     /// about is in an unknown state: destroy it.
     InternalError = 7,
+    /// What was asked for is not there yet: ask again after the fence of its submission.
+    NotReady = 8,
 }
 
 /// Why a call fails.
@@ -58,6 +60,7 @@ impl From<VulkanError> for Failure {
         use GeosweepStatus as S;
         use VulkanError as E;
         let status = match &error {
+            E::NotRun { .. } => S::NotReady,
             E::Unusable { .. } => S::Unsupported,
             E::TooLarge { .. } | E::TooMuchMemory { .. } => S::TooLarge,
             E::Allocation { source: AllocationError::OutOfMemory, .. } => S::OutOfMemory,
@@ -72,7 +75,31 @@ impl From<VulkanError> for Failure {
             // The others are about what was asked for.
             _ => S::InvalidArgument,
         };
-        Self { status, message: error.to_string() }
+        Self { status, message: message(&error) }
+    }
+}
+
+/// What is wrong, in the words of the header.
+fn message(error: &VulkanError) -> String {
+    match error {
+        VulkanError::NoPasses { schedule, wavefront } => format!(
+            "the solver has no pipelines for the schedule {schedule} with {wavefront} fronts: name both in \
+             GeosweepSolverInfo::passes"
+        ),
+        VulkanError::NotPrepared => {
+            "the surface is not prepared: geosweep_record_prepare comes once, before \
+                                     anything else"
+                .into()
+        }
+        VulkanError::NotMeasured => "the surface was never measured: GeosweepFrame::points is a \
+                                     number of its points in the first frame"
+            .into(),
+        VulkanError::NoMap => {
+            "the surface has no map yet: geosweep_record_frame or geosweep_record_solve \
+                               comes before this, and geosweep_record_measure takes the map away"
+                .into()
+        }
+        error => error.without_other_engines(),
     }
 }
 

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::arguments::{Output, exclusive, hand_out, reference, take};
+use super::arguments::{Output, reference};
+use super::objects::{exclusive, hand_out, object, take};
 use super::points::{Arrays, Copied, Form};
 use super::solver::{GeosweepSolver, Shared};
 use super::status::{Failure, GeosweepStatus, guard};
@@ -62,14 +63,23 @@ pub struct GeosweepOutcome {
     pub residual: f64,
     /// Iterations since the start of the map, or rounds of tiles.
     pub iterations: u32,
-    /// Whether the map has converged. If not, `geosweep_record_resume` goes on.
+    /// How many grid points are holes: those with something that is not finite or too large, beyond an image
+    /// that is too small, or a slowness that is not positive. Compare it with those you have made.
+    pub holes: u32,
+    /// How many of the map's sources reach no point: off the grid, in holes, or with a time that is no number
+    /// below 1e30. Unused entries of a buffer count.
+    pub passed_over: u32,
+    /// Whether the map has converged, over edges that were measured. If not, `geosweep_record_resume` goes on.
     pub converged: bool,
+    /// Whether edges have been measured on the device: not if the recording that measures them never ran.
+    pub measured: bool,
 }
 
 impl From<embed::Outcome> for GeosweepOutcome {
     fn from(outcome: embed::Outcome) -> Self {
-        let embed::Outcome { iterations, residual, converged } = outcome;
-        Self { residual, iterations, converged }
+        let embed::Outcome { iterations, residual, converged, measured, holes, passed_over } =
+            outcome;
+        Self { residual, iterations, holes, passed_over, converged, measured }
     }
 }
 
@@ -146,7 +156,7 @@ pub unsafe extern "C" fn geosweep_surface_bytes_for(
     guard(|| {
         // SAFETY: the caller's promise.
         let (solver, wanted, output) = unsafe {
-            let (solver, info) = (reference(solver, "solver")?, reference(info, "info")?);
+            let (solver, info) = (object(solver, "solver")?, reference(info, "info")?);
             (solver, Wanted::new(info)?, Output::new(bytes, "bytes")?)
         };
         output.write(wanted.bytes(solver.shared())?);
@@ -165,7 +175,7 @@ pub unsafe extern "C" fn geosweep_surface_create(
         // SAFETY: the caller's promise.
         unsafe {
             let output = Output::new(surface, "surface")?;
-            let solver = reference(solver, "solver")?;
+            let solver = object(solver, "solver")?;
             let wanted = Wanted::new(reference(info, "info")?)?;
             hand_out(output, GeosweepSurface::new(&wanted, solver.shared())?);
         }
@@ -182,7 +192,7 @@ pub unsafe extern "C" fn geosweep_surface_bytes(
     guard(|| {
         // SAFETY: the caller's promise.
         let (surface, output) =
-            unsafe { (reference(surface, "surface")?, Output::new(bytes, "bytes")?) };
+            unsafe { (object(surface, "surface")?, Output::new(bytes, "bytes")?) };
         let copied = surface.copied.iter().flatten().map(Copied::bytes).sum::<u64>();
         output.write(surface.surface.bytes() + copied);
         Ok(())
@@ -231,7 +241,7 @@ pub unsafe extern "C" fn geosweep_surface_result(
     guard(|| {
         // SAFETY: the caller's promise.
         let (surface, output) =
-            unsafe { (reference(surface, "surface")?, Output::new(result, "result")?) };
+            unsafe { (object(surface, "surface")?, Output::new(result, "result")?) };
         output.write(surface.surface.result(slot as usize, layout)?.into());
         Ok(())
     })
@@ -247,14 +257,15 @@ pub unsafe extern "C" fn geosweep_surface_packed(
     guard(|| {
         // SAFETY: the caller's promise.
         let (surface, output) =
-            unsafe { (reference(surface, "surface")?, Output::new(packed, "packed")?) };
+            unsafe { (object(surface, "surface")?, Output::new(packed, "packed")?) };
         let embed::PackedTimes { image, layer, border } = surface.surface.packed();
         output.write(GeosweepPackedTimes { image: image.into(), layer, border });
         Ok(())
     })
 }
 
-/// Says how the iterations of the last recording for a slot went, after the fence of its submission.
+/// Says how the iterations of the last recording for a slot went, after the fence of its submission. If that
+/// recording has not run, the status is `GEOSWEEP_STATUS_NOT_READY`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_outcome(
     surface: *const GeosweepSurface,
@@ -264,19 +275,46 @@ pub unsafe extern "C" fn geosweep_surface_outcome(
     guard(|| {
         // SAFETY: the caller's promise.
         let (surface, output) =
-            unsafe { (reference(surface, "surface")?, Output::new(outcome, "outcome")?) };
+            unsafe { (object(surface, "surface")?, Output::new(outcome, "outcome")?) };
         output.write(surface.surface.outcome(slot as usize)?.into());
         Ok(())
     })
 }
 
-/// Destroys a surface with its images. No submitted work may still use it. Null is fine.
+/// Says that the last recording for a slot was thrown away and will never run, to a solver with checks.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_surface_discard(
+    surface: *const GeosweepSurface,
+    slot: u32,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let surface = unsafe { object(surface, "surface") }?;
+        Ok(surface.surface.discard(slot as usize)?)
+    })
+}
+
+/// Destroys a surface with its images. No submitted work may still use it, which a solver with checks looks
+/// at. Null is fine.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_destroy(surface: *mut GeosweepSurface) -> GeosweepStatus {
     guard(|| {
+        if surface.is_null() {
+            return Ok(());
+        }
         // SAFETY: the caller's promise.
-        let Some(surface) = (unsafe { take(surface) }) else { return Ok(()) };
-        let GeosweepSurface { shared, mut surface, mut copied, .. } = *surface;
+        let of = unsafe { object(surface, "surface") }?;
+        let waits = of.surface.in_flight().filter(|_| of.shared.has_checks());
+        if let Some(slot) = waits {
+            let reason = format!(
+                "is destroyed and its last recording for slot {slot} has not run: wait for the fence of its \
+                 submission, or say by geosweep_surface_discard that there will be none"
+            );
+            return Err(Failure::argument("surface", reason));
+        }
+        // SAFETY: the caller's promise.
+        let Some(surface) = unsafe { take(surface, "surface") }? else { return Ok(()) };
+        let GeosweepSurface { shared, mut surface, mut copied, .. } = surface;
         let mut allocator = shared.allocator();
         surface.destroy(&shared.device, &mut allocator);
         for copied in copied.iter_mut().flatten() {

@@ -12,7 +12,7 @@ use super::even_grid::EvenGrid;
 use super::measure::{LONGEST_EDGE, RowBends, SHORTEST_EDGE};
 use super::points::Row;
 use super::real::Real;
-use super::unfold::ObtuseTriangles;
+use super::unfold::{ObtuseTriangles, RowAbove};
 use super::{Surface, SurfaceError};
 
 /// Rows that are measured together, so that each row's points and bends serve the next.
@@ -187,24 +187,32 @@ impl Surface {
     }
 
     /// Measures the edges stored at the points of some rows in single precision, in parallel, and puts those
-    /// of a point side by side as the device's texels have them.
+    /// of a point side by side as the device's texels have them. Returns whether a triangle with an edge among
+    /// them is obtuse at a point that is updated from it.
     pub(crate) fn write_edges(
         &self,
         rows: Range<usize>,
         origin: DVec3,
         texels: &mut [[f32; 4]],
-    ) -> Result<(), SurfaceError> {
+    ) -> Result<bool, SurfaceError> {
         let cols = self.cols();
-        texels.par_chunks_mut(BAND * cols).enumerate().try_for_each(|(band, texels)| {
+        let band_of = |(band, texels): (usize, &mut [[f32; 4]])| {
             let first = rows.start + band * BAND;
-            let band = first..first + texels.len() / cols;
-            self.measure_rows(band, origin, |row, [east, north, north_east, north_west]| {
-                let texels = &mut texels[(row - first) * cols..][..cols];
+            let band = first.saturating_sub(1)..first + texels.len() / cols;
+            let mut row_above = RowAbove::none(cols);
+            self.measure_rows(band, origin, |row, lengths| {
+                row_above.next(lengths);
+                let Some(line) = row.checked_sub(first) else { return };
+                let [east, north, north_east, north_west] = lengths;
+                let texels = &mut texels[line * cols..][..cols];
                 for (col, texel) in texels.iter_mut().enumerate() {
                     *texel = [east[col], north[col], north_east[col], north_west[col]];
                 }
-            })
-        })
+            })?;
+            Ok(row_above.has_obtuse)
+        };
+        let bands = texels.par_chunks_mut(BAND * cols).enumerate().map(band_of);
+        bands.try_reduce(|| false, |a, b| Ok(a | b))
     }
 
     /// Measures the edges stored at the points of some rows, and gives them to `store` row by row.

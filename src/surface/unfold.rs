@@ -220,6 +220,65 @@ fn unfolded<R: Real>([u, w]: [[R; 2]; 2], base: R, [to_u, to_w]: [R; 2]) -> Opti
     Some([u[0] + foot * along[0] + height * along[1], u[1] + foot * along[1] - height * along[0]])
 }
 
+/// Looks for obtuse triangles while rows are measured one after another.
+pub(super) struct RowAbove<R> {
+    /// Its edges along the row.
+    east: Vec<R>,
+    /// Whether any triangle between rows so far may be obtuse.
+    pub(super) has_obtuse: bool,
+}
+
+impl<R: Real> RowAbove<R> {
+    /// Before the first row.
+    pub(super) fn none(cols: usize) -> Self {
+        Self { east: vec![R::FAR; cols], has_obtuse: false }
+    }
+
+    /// Given the edges stored at the points of the next row.
+    pub(super) fn next(&mut self, [east, north, north_east, north_west]: &[Vec<R>; 4]) {
+        let above = &mut self.east;
+        let found = Instructions::best().run(Cells { above, east, north, north_east, north_west });
+        self.has_obtuse |= found;
+        above.copy_from_slice(east);
+    }
+}
+
+/// The cells between two rows of points, of which the lower one stores the edges between.
+struct Cells<'a, R> {
+    above: &'a [R],
+    east: &'a [R],
+    north: &'a [R],
+    north_east: &'a [R],
+    north_west: &'a [R],
+}
+
+impl<R: Real> Loop for Cells<'_, R> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let cells = self.east.len().saturating_sub(1);
+        let (above, east) = (&self.above[..cells], &self.east[..cells]);
+        let (left, right) = (&self.north[..cells], &self.north[1..][..cells]);
+        let (rising, falling) = (&self.north_east[..cells], &self.north_west[1..][..cells]);
+        // Rather too many by rounding than too few, which shaders would find.
+        let (limit, missing) = (R::of(1.001 * OBTUSE), R::FAR * R::FAR);
+        let mut found = false;
+        for col in 0..cells {
+            let square = |edges: &[R]| edges[col] * edges[col];
+            let (above, east) = (square(above), square(east));
+            let (left, right) = (square(left), square(right));
+            // At the ends of a diagonal, of which the base joins the other end to another corner.
+            let at_end = |diagonal: R, a: R, b: R| (diagonal + a < limit * b) & (b < missing);
+            let at_ends = |d: R, a: R, b: R| at_end(d, a, b) | at_end(d, b, a);
+            let (rising, falling) = (square(rising), square(falling));
+            found |= at_ends(rising, east, right) | at_ends(rising, left, above);
+            found |= at_ends(falling, east, left) | at_ends(falling, right, above);
+        }
+        found
+    }
+}
+
 fn obtuse_triangles<R: Real>(edges: &EdgeLengths<R>) -> Option<Vec<u8>> {
     let chart = edges.chart();
     let mut triangles = vec![0; chart.bordered_points()];

@@ -150,6 +150,45 @@ pub enum VulkanError {
     /// A plan was made for a grid of another size.
     #[error("the plan was made for a grid of another size than the surface's")]
     OtherGrid,
+    /// A surface was used before it was prepared.
+    #[error("the surface is not prepared: record that once, before anything else")]
+    NotPrepared,
+    /// A map was asked for before there were edges.
+    #[error(
+        "the surface was never measured for such maps: measure its points in the first frame, and again \
+         after it is prepared anew or curved passes are added to the solver"
+    )]
+    NotMeasured,
+    /// Something of a map was asked for before there was one.
+    #[error("the surface has no map yet: solve one before this, and again after measuring")]
+    NoMap,
+    /// A map is to go on with another method than it was started with.
+    #[error(
+        "the map was started with another wavefront or schedule: go on with its own plan, add sources \
+         and find regions with its own wavefront"
+    )]
+    OtherMap,
+    /// An outcome was asked for before the recording has run.
+    #[error(
+        "the last recording for slot {slot} has not run: ask for its outcome after the fence of its \
+         submission"
+    )]
+    NotRun {
+        /// The slot.
+        slot: usize,
+    },
+    /// A slot is recorded while its last recording has not run.
+    #[error(
+        "slot {slot} is recorded again and its last recording has not run: use as many slots as frames \
+         in flight, and wait for the fence of a frame before its slot is recorded again"
+    )]
+    InFlight {
+        /// The slot.
+        slot: usize,
+    },
+    /// A surface was used after it was destroyed.
+    #[error("the surface was destroyed before")]
+    Destroyed,
     /// Contours or paths were made for another surface.
     #[error("the contours or paths were made for another surface than the recording's")]
     OtherSurface,
@@ -187,6 +226,13 @@ pub enum VulkanError {
 }
 
 impl VulkanError {
+    /// What is wrong, for a program that has no other engine.
+    pub(crate) fn without_other_engines(&self) -> String {
+        const ADVICE: [&str; 3] =
+            ["; use the CPU engine", ", or use the CPU engine", " or the CPU engine"];
+        ADVICE.iter().fold(self.to_string(), |text, advice| text.replace(advice, ""))
+    }
+
     /// Names the call that a result comes from.
     pub(crate) fn from_call(call: &'static str) -> impl Fn(vk::Result) -> Self {
         move |result| Self::Call { call, result }

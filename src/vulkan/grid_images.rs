@@ -11,7 +11,7 @@ use super::descriptors::{Contents, GridSets};
 use super::memory::{Buffer, BufferInfo, FORMAT, Image, ImageInfo, RESULT_FORMAT};
 use super::pipelines::Pipelines;
 use super::plan::Scan;
-use super::progress::{self, Outcome};
+use super::progress::{self, Record};
 use super::upload::SOURCE_BYTES;
 use super::{TexelChart, Tuning, VulkanError};
 use crate::constants::LAYERS;
@@ -109,8 +109,10 @@ impl GridImages {
         let results = images.split_off(4);
         let [edges, gaussian, fronts0, fronts1] =
             images.try_into().expect("four images come before the results");
-        let [progress, outcome, tiles, blocks, upload, download] =
+        let [progress, mut outcome, tiles, blocks, upload, download] =
             buffers.try_into().expect("six buffers were created");
+        // No recording has written a record yet.
+        outcome.mapped().fill(0);
         Ok(Self {
             chart,
             texels,
@@ -145,10 +147,13 @@ impl GridImages {
         Ok(bytes)
     }
 
-    /// How the iterations of the last recording with this number have gone.
-    pub(crate) fn outcome(&self, number: usize) -> Outcome {
-        let bytes = &self.outcome.read()[number * size_of::<Outcome>()..];
-        *bytemuck::from_bytes(&bytes[..size_of::<Outcome>()])
+    /// What the last recording with this number has written that has run.
+    pub(crate) fn record(&self, number: usize) -> Record {
+        let bytes = &self.outcome.read()[number * size_of::<Record>()..];
+        let record: *const Record = bytemuck::from_bytes(&bytes[..size_of::<Record>()]);
+        // SAFETY: the record is there. The device may be writing it, of which whoever asks too early learns
+        // by its serial.
+        unsafe { record.read_volatile() }
     }
 
     /// Where edges and sources of a headless surface are written.
@@ -236,7 +241,7 @@ fn buffer_infos(
     let upload = upload_bytes(chart, most) + anchors;
     [
         ("progress", progress::BYTES as usize, GpuOnly),
-        ("outcome", outcomes * size_of::<Outcome>(), GpuToCpu),
+        ("outcome", outcomes * size_of::<Record>(), GpuToCpu),
         ("tiles", tiles_bytes(texels, tuning.tile), GpuOnly),
         ("blocks", blocks_bytes(texels, tuning.scan_lines), GpuOnly),
         ("upload", upload, upload_location),

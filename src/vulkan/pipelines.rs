@@ -113,6 +113,11 @@ impl Pipelines {
         self.layouts[0] = pipeline_layout(device, &of_map)?;
         let of_host = [self.surface_set_layout, self.host_set_layout];
         self.layouts[1] = pipeline_layout(device, &of_host)?;
+        self.name("a surface's own", self.surface_set_layout);
+        self.name("what the host gives", self.host_set_layout);
+        self.name("a map's own", self.map_set_layout);
+        self.name("passes over a surface", self.layouts[0]);
+        self.name("passes that see the host's", self.layouts[1]);
         Ok(())
     }
 
@@ -142,7 +147,7 @@ impl Pipelines {
         &self,
         device: &ash::Device,
         pass: Pass<P>,
-        wavefront: Wavefront,
+        variant: impl Into<Variant>,
     ) -> Result<Pipeline<P>, VulkanError> {
         Ok(self.with_handle(pass, self.make_one(device, pass.number(), variant.into())?))
     }
@@ -151,7 +156,7 @@ impl Pipelines {
         &self,
         device: &ash::Device,
         number: usize,
-        wavefront: Wavefront,
+        variant: Variant,
     ) -> Result<vk::Pipeline, VulkanError> {
         let place = self.place(number, variant);
         if let Some(&made) = place.get() {
@@ -183,7 +188,7 @@ impl Pipelines {
         let found = match place {
             Some(place) => sized.remove(place),
             None => {
-                let of = Specialization { tuning: self.tuning, variant, map };
+                let of = Specialization { tuning: self.tuning, variant: wavefront.into(), map };
                 let handle = self.create(device, pass.row(), &of, *lock(&self.cache))?;
                 let (number, users) = (pass.number(), InUse::default());
                 Sized { number, wavefront, map, handle, users }
@@ -204,13 +209,17 @@ impl Pipelines {
         Pipeline { handle, layout: self.layout(pass.row().shader), constants: PhantomData }
     }
 
-    /// Whether the pipelines of passes were made for a wavefront.
-    pub(crate) fn have(&self, numbers: &[usize], wavefront: Wavefront) -> bool {
+    /// Whether the pipelines of passes were made for a variant.
+    pub(crate) fn have(&self, numbers: &[usize], variant: Variant) -> bool {
         numbers.iter().all(|&number| self.place(number, variant).get().is_some())
     }
 
-    /// The pipeline of a pass for a wavefront, if it was made.
-    pub(crate) fn made<P: Pod>(&self, pass: Pass<P>, wavefront: Wavefront) -> Option<Pipeline<P>> {
+    /// The pipeline of a pass for a variant, if it was made.
+    pub(crate) fn made<P: Pod>(
+        &self,
+        pass: Pass<P>,
+        variant: impl Into<Variant>,
+    ) -> Option<Pipeline<P>> {
         let handle = *self.place(pass.number(), variant.into()).get()?;
         Some(self.with_handle(pass, handle))
     }
@@ -219,7 +228,7 @@ impl Pipelines {
     pub(crate) fn numbered(
         &self,
         number: usize,
-        wavefront: Wavefront,
+        variant: Variant,
     ) -> Option<(vk::Pipeline, vk::PipelineLayout)> {
         Some((*self.place(number, variant).get()?, self.layout(TABLE[number].shader)))
     }
@@ -233,20 +242,21 @@ impl Pipelines {
     /// All that were made, with their names.
     pub(crate) fn named(&self) -> impl Iterator<Item = (String, vk::Pipeline)> {
         let made = TABLE.iter().zip(&self.made).flat_map(|(row, made)| {
-            Wavefront::EVERY.into_iter().zip(made).filter_map(|(wavefront, made)| {
+            Variant::all().zip(made).filter_map(|(variant, made)| {
                 let made = *made.get()?;
-                Some((row.name(wavefront), made))
+                Some((row.name(variant), made))
             })
         });
         let sized = lock(&self.sized);
-        let sized = sized.iter().map(|of| (TABLE[of.number].name(of.wavefront), of.handle));
+        let sized = sized.iter().map(|of| (TABLE[of.number].name(of.wavefront.into()), of.handle));
         made.chain(sized.collect::<Vec<_>>())
     }
 
     /// Names an object for tools, if they look on.
     pub(crate) fn name(&self, name: &str, object: impl vk::Handle) {
         if let Some(labels) = &self.labels {
-            labels.name(object, name);
+            // In captures they stand among the host's.
+            labels.name(object, &format!("geosweep: {name}"));
         }
     }
 
@@ -271,7 +281,7 @@ impl Pipelines {
         let layout = self.layout(row.shader);
         let constants = row.constants(of);
         let made = compute_pipeline(device, row.shader, (layout, self.flags, cache), &constants)?;
-        self.name(&row.name(of.wavefront), made);
+        self.name(&row.name(of.variant), made);
         Ok(made)
     }
 

@@ -9,7 +9,7 @@ pub(crate) use super::shaders::progress::Progress;
 use crate::Stop;
 use crate::constants::VISIT_WORDS;
 
-/// What the host reads: the first part of [`Progress`].
+/// What is known of a map's iterations: the first part of [`Progress`].
 #[derive(Clone, Copy, Debug, AnyBitPattern, NoUninit)]
 #[repr(C)]
 pub(crate) struct Outcome {
@@ -57,6 +57,18 @@ impl Outcome {
     }
 }
 
+/// What a renderer reads of a slot.
+#[derive(Clone, Copy, Debug, AnyBitPattern, NoUninit)]
+#[repr(C)]
+pub(crate) struct Record {
+    pub(crate) outcome: Outcome,
+    pub(crate) holes: u32,
+    pub(crate) passed_over: u32,
+    /// Of the recording that has written it, last of all; 0 if none has.
+    pub(crate) serial: u32,
+    unused: u32,
+}
+
 /// Dispatches of scans in a recording of which profiles learn whether they have visited something.
 pub(crate) const VISITS: u32 = 32 * VISIT_WORDS;
 /// Bytes of all the progress.
@@ -81,8 +93,17 @@ pub(crate) mod offset {
     /// The texels that were brought back to one image.
     pub(crate) const SETTLED: u64 = offset_of!(Progress, settled) as u64;
 
-    /// A bit for each dispatch of a scan. It is the last part, which only profiles use.
+    /// A bit for each dispatch of a scan, which only profiles use.
     pub(crate) const VISITS: u64 = offset_of!(Progress, visits) as u64;
+
+    /// What is known of a renderer's input: the last part, which no start of a map touches.
+    pub(crate) const INPUT: u64 = offset_of!(Progress, holes) as u64;
+    pub(crate) const HOLES: u64 = INPUT;
+    pub(crate) const PASSED_OVER: u64 = offset_of!(Progress, passed_over) as u64;
+    pub(crate) const INPUT_BYTES: u64 = BYTES - INPUT;
+    pub(crate) const INPUT_IN_RECORD: u64 = offset_of!(Record, holes) as u64;
+    pub(crate) const SERIAL_IN_RECORD: u64 = offset_of!(Record, serial) as u64;
+    const _: () = assert!(INPUT_IN_RECORD + INPUT_BYTES == SERIAL_IN_RECORD);
 }
 
 /// Before the first iteration; the whole grid takes so many groups, and has so many tiles. Visits need no

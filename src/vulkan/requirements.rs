@@ -110,6 +110,14 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
     unmet
 }
 
+/// Whether a device knows no function of Vulkan 1.1: its instance was created for 1.0, and so is the device
+/// whatever the driver can.
+pub(crate) fn is_for_vulkan_1_0(instance: &ash::Instance, device: &ash::Device) -> bool {
+    let name = c"vkTrimCommandPool".as_ptr();
+    // SAFETY: the device is from this instance.
+    unsafe { (instance.fp_v1_0().get_device_proc_addr)(device.handle(), name) }.is_none()
+}
+
 /// A queue family for compute, rather without graphics: on large GPUs that is the async one.
 pub fn compute_queue_family(
     instance: &ash::Instance,

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::grid_images::{GridImages, POINT_BYTES, bands, transfer_bytes};
 use super::headless::{CommandBuffer, Context, Submitter, Unwatched};
-use super::passes::COMMON;
+use super::passes::{COMMON, Variant};
 use super::plan::Reached;
 use super::profile::{Capabilities, Capability, Detail, Executable, Session, SolveProfile};
 use super::record::{Commands, Recorder};
@@ -111,6 +111,7 @@ impl Solver {
         let tools = embed::Tools {
             labels: has(|found| found.labels.is_ok()),
             executables: has(|found| found.executables.is_ok()),
+            checks: false,
         };
         let (instance, device) = (&context.instance.handle, &context.device);
         let physical_device = context.physical_device;
@@ -167,7 +168,8 @@ impl Solver {
         let origin = surface.origin();
         for rows in bands(chart, POINT_BYTES, transfer_bytes(chart)) {
             let bytes = &mut images.staging()[..rows.len() * chart.cols * POINT_BYTES];
-            surface.write_edges(rows.clone(), origin, bytemuck::cast_slice_mut(bytes))?;
+            let texels = bytemuck::cast_slice_mut(bytes);
+            on_device.splits |= surface.write_edges(rows.clone(), origin, texels)?;
             self.run(&mut Unwatched, images, |recorder| recorder.upload_edges(rows))?;
         }
         self.run(&mut Unwatched, images, |recorder| recorder.bend(surface.edge_rule(), is_floor))?;
@@ -263,7 +265,8 @@ impl Solver {
         let stop = method.stop;
         let (wavefront, carried) = surface.begin(method.wavefront, seeds, start)?;
         let schedule = self.schedule(&surface.images, method);
-        self.make_passes(&surface.images, schedule, wavefront)?;
+        let variant = Variant { wavefront, splits: surface.splits };
+        self.make_passes(&surface.images, schedule, variant)?;
         let SurfaceOnDevice { images, first, further, goes_on, .. } = surface;
         let (texels, portions) = (images.texels, self.tuning().portions(wavefront, images.texels));
 
@@ -295,12 +298,12 @@ impl Solver {
                 begin_map(&recorder);
             }
             recorder.seed(count, schedule.follows());
-            recorder.steps(wavefront, &steps);
+            recorder.steps(variant, &steps);
             recorder.outcome(0);
             recorder.end_portion();
         })?;
         submitter.submit(first)?;
-        let mut outcome = images.outcome(0);
+        let mut outcome = images.record(0).outcome;
         while !outcome.is_done() {
             // One recording serves all but the last iterations, of which fewer may be left.
             let left = stop.iterations - outcome.iterations;
@@ -308,14 +311,14 @@ impl Solver {
             if goes_on.as_ref() != Some(&wanted) {
                 self.record(submitter, further, images, |recorder| {
                     recorder.go_on(schedule, &wanted.1);
-                    recorder.steps(wavefront, &wanted.1);
+                    recorder.steps(variant, &wanted.1);
                     recorder.outcome(0);
                     recorder.end_portion();
                 })?;
                 *goes_on = Some(wanted);
             }
             submitter.submit(further)?;
-            outcome = images.outcome(0);
+            outcome = images.record(0).outcome;
         }
         let time = begin.elapsed();
 
@@ -325,18 +328,18 @@ impl Solver {
         Ok(Solution { distances, wavefront, schedule, iterations, residual, time })
     }
 
-    /// Makes the passes of a schedule and a wavefront unless they are there.
+    /// Makes the passes of a schedule and a variant unless they are there.
     fn make_passes(
         &mut self,
         images: &GridImages,
         schedule: Schedule,
-        wavefront: Wavefront,
+        variant: Variant,
     ) -> Result<(), VulkanError> {
-        if self.for_device.has_passes(schedule, wavefront) {
+        if self.for_device.has_passes(schedule, variant) {
             return Ok(());
         }
-        self.for_device.make_passes(&self.context.device, schedule, wavefront)?;
-        self.run(&mut Unwatched, images, |recorder| recorder.warm_up_map(schedule, wavefront))
+        self.for_device.make_passes(&self.context.device, schedule, variant)?;
+        self.run(&mut Unwatched, images, |recorder| recorder.warm_up_map(schedule, variant))
     }
 
     /// Records a command buffer.

@@ -20,6 +20,8 @@ pub struct SurfaceOnDevice {
     pub(super) images: GridImages,
     /// Over floor plans.
     pub(super) anchors: Option<Anchors>,
+    /// Whether it has obtuse triangles, as its edges have told.
+    pub(super) splits: bool,
     /// Whether the last map's fronts have anchors.
     is_anchored: bool,
     /// Starts a map.
@@ -58,6 +60,7 @@ impl SurfaceOnDevice {
         Ok(Self {
             images,
             anchors: Anchors::of(surface, texels),
+            splits: false,
             is_anchored: false,
             first,
             further,

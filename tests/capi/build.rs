@@ -1,7 +1,7 @@
 //! The library built as its documentation says, and programs in C compiled against it and run under
 //! the validation layers.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
@@ -29,14 +29,34 @@ pub fn library() -> &'static Path {
         let mut cargo = Command::new(env!("CARGO"));
         cargo.current_dir(ROOT).args(["rustc", "--lib", "--features", "capi", "--offline"]);
         cargo.args(["--crate-type", "cdylib,staticlib"]).arg("--target-dir").arg(target);
-        // The profile of this test lies in target/PROFILE/deps; that of dev in target/debug.
-        let test = env::current_exe().unwrap();
-        let folder = test.ancestors().nth(2).and_then(Path::file_name).unwrap();
-        let profile = if folder == "debug" { OsStr::new("dev") } else { folder };
-        cargo.arg("--profile").arg(profile);
+        let profile = profile();
+        cargo.arg("--profile").arg(&profile);
+        // As CMakeLists.txt has it, so that both build the same.
+        if cfg!(target_os = "linux") {
+            cargo.arg("--").arg(format!("-Clink-arg=-Wl,-soname,{}", soname()));
+        }
         run(&mut cargo, "build the library");
-        target.join(folder)
+        let folder = target.join(if profile == "dev" { "debug".into() } else { profile });
+        // Under which programs look for it.
+        let by_soname = folder.join(soname());
+        if !by_soname.exists() {
+            std::os::unix::fs::symlink("libgeosweep.so", by_soname).unwrap();
+        }
+        folder
     })
+}
+
+/// Under which programs look for the shared library.
+fn soname() -> String {
+    let [major, minor] = [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR")];
+    format!("libgeosweep.so.{major}.{minor}")
+}
+
+/// The profile of this test, which lies in target/PROFILE/deps; that of dev in target/debug.
+pub fn profile() -> OsString {
+    let test = env::current_exe().unwrap();
+    let folder = test.ancestors().nth(2).and_then(Path::file_name).unwrap();
+    if folder == "debug" { "dev".into() } else { folder.to_owned() }
 }
 
 /// A C compiler (`CC`, else `cc`) or a C++ compiler (`CXX`, else `c++`), for what includes our
@@ -110,6 +130,11 @@ pub struct Run {
 
 /// Runs a program on the tests' device, under the validation layers with synchronization validation.
 pub fn validated(program: &Path) -> Run {
+    validated_with(program, &[])
+}
+
+/// The same, with more arguments after the device.
+pub fn validated_with(program: &Path, arguments: &[&OsStr]) -> Run {
     let folder = program.with_extension("layers");
     fs::create_dir_all(&folder).unwrap();
     let log = folder.join("log.txt");
@@ -128,6 +153,7 @@ pub fn validated(program: &Path) -> Run {
     let mut command = Command::new(program);
     command
         .arg(env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default())
+        .args(arguments)
         .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
         .env("VK_LAYER_SETTINGS_PATH", &folder);
     let printed = run(&mut command, "run");
@@ -140,7 +166,7 @@ pub fn validated(program: &Path) -> Run {
 }
 
 /// Runs a command that is to succeed; its standard output.
-fn run(command: &mut Command, what: &str) -> String {
+pub fn run(command: &mut Command, what: &str) -> String {
     let output = command.output().unwrap_or_else(|error| panic!("{what}: {command:?}: {error}"));
     let [printed, said] =
         [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());

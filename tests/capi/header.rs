@@ -7,7 +7,7 @@ const HEADER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi/geosweep.h")
 const SOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi");
 
 /// In the order in which one reads the header.
-const FILES: [&str; 13] = [
+const FILES: [&str; 14] = [
     "status",
     "requirements",
     "choices",
@@ -21,9 +21,10 @@ const FILES: [&str; 13] = [
     "curves",
     "contours",
     "paths",
+    "regions",
 ];
 /// What C does not see.
-const INTERNAL: [&str; 3] = ["arguments", "loader", "mod"];
+const INTERNAL: [&str; 4] = ["arguments", "loader", "mod", "objects"];
 
 fn generated() -> String {
     let config = cbindgen::Config::from_file(format!("{SOURCES}/cbindgen.toml")).unwrap();

@@ -92,7 +92,7 @@ fn null_is_named_wherever_it_is_given() {
             geosweep_record_add(surface, commands, &sources, null()) => "plan is null",
             geosweep_record_resume(surface, commands, null()) => "plan is null",
             geosweep_record_outcome(none, commands, 0) => "surface is null",
-            geosweep_record_outcome_to(surface, commands, no_buffer, 0, access) => "buffer is the null",
+            geosweep_record_outcome_to(surface, commands, no_buffer, 0, access) => "it is the null handle",
             geosweep_record_result(none, commands, 0, COPY, 1.0, &mut image) => "surface is null",
             geosweep_record_lookup(none, commands, 0, 1.0, access, access) => "surface is null",
             geosweep_record_end(none, commands, access) => "surface is null",
@@ -125,7 +125,7 @@ fn a_solver_is_made_of_what_can_be_used() {
         status
     };
     all_wrong! {
-        create(&zero()) => "info->header_version is 0, and this library was built with header 3",
+        create(&zero()) => "info->header_version is 0, and this library was built with header 4",
         create(&GeosweepSolverInfo { get_instance_proc_addr: None, ..good }) => "is null",
         create(&GeosweepSolverInfo { instance: vk::Instance::null(), ..good }) => "instance is",
         create(&GeosweepSolverInfo { device: vk::Device::null(), ..good }) => "device is the null",
@@ -156,7 +156,7 @@ fn a_plan_is_made_of_what_can_be_used() {
         create(5, 0, &good) => "cols is 0",
         create(5, 5, &GeosweepMethod { wavefront: -1, ..good }) => "method->wavefront is -1",
         create(5, 5, &GeosweepMethod { schedule: 4, ..good }) => "method->schedule is 4",
-        create(5, 5, &GeosweepMethod { schedule: 3, ..good }) => "not made for tiles with curved",
+        create(5, 5, &GeosweepMethod { schedule: 3, ..good }) => "no pipelines for the schedule tiles with curved fronts: name both in GeosweepSolverInfo::passes",
         create(5, 5, &GeosweepMethod { tolerance: f64::NAN, ..good }) => "tolerance is NaN",
         create(5, 5, &GeosweepMethod { tolerance: -1e-5, ..good }) => "tolerance is -0.00001",
         create(5, 5, &GeosweepMethod { most_iterations: 0, ..good }) => "most_iterations is 0",

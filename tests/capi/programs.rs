@@ -26,10 +26,15 @@ fn the_header_compiles_in_c_and_cpp() {
     let folder = scratch("header");
     let twice = "#include \"geosweep.h\"\n#include \"geosweep.h\"\n";
     let guide = read("docs/embedding.md");
-    let [deleters] = blocks(&guide, "cpp")[..] else { panic!("one block of C++ is in the guide") };
+    let [objects] = blocks(&guide, "cpp")[..] else { panic!("one block of C++ is in the guide") };
     let in_c = blocks(&guide, "c");
     let [frame, curves] = in_c[..] else { panic!("a frame and its curves are in the guide, in C") };
-    let with_deleters = format!("#include <memory>\n{twice}{deleters}");
+    let with_objects = format!("#include \"geosweep.hpp\"\n#include \"geosweep.hpp\"\n{objects}");
+    // Headers of a program's own need no header of ours.
+    let forward = format!(
+        "struct GeosweepSurface;\nstruct GeosweepFrame;\n\
+         void draw(GeosweepSurface *surface, const GeosweepFrame &frame);\n{twice}"
+    );
     let with_curves = format!(
         "{twice}void record(GeosweepSurface *surface, VkCommandBuffer commands, \
          GeosweepFrame frame);\n\
@@ -45,7 +50,8 @@ fn the_header_compiles_in_c_and_cpp() {
     for (name, standard, source) in [
         ("twice.c", "c99", twice),
         ("twice.cpp", "c++11", twice),
-        ("deleters.cpp", "c++11", &with_deleters),
+        ("objects.cpp", "c++11", &with_objects),
+        ("forward.cpp", "c++11", &forward),
         ("frame.c", "c99", &with_frame),
         ("frame.cpp", "c++20", &with_frame),
         ("curves.c", "c99", &with_curves),

@@ -71,6 +71,7 @@ pub fn solver_info(host: &Host) -> GeosweepSolverInfo {
         passes: RASTER.as_ptr(),
         pass_count: RASTER.len() as u32,
         pipeline_cache: vk::PipelineCache::null(),
+        flags: 0,
     }
 }
 

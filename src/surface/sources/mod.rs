@@ -118,6 +118,18 @@ pub enum SourceError {
         /// Column of that point.
         col: usize,
     },
+    /// The curvature of a front at its source is none.
+    #[error(
+        "the curvature {curvature} of source {row},{col} is negative, infinite or no number: give 0 for a point"
+    )]
+    Curvature {
+        /// Row of the source.
+        row: f64,
+        /// Column of the source.
+        col: f64,
+        /// The curvature given.
+        curvature: f64,
+    },
     /// An initial value is NaN, infinite or too large for single precision.
     #[error(
         "the initial value {initial} of source {row},{col} is not a finite number below {LARGEST_INITIAL:e} in size; subtract the smallest initial value from all, or choose a larger unit"

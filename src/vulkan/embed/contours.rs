@@ -110,7 +110,7 @@ impl Contours {
         let pipelines = [make(CONTOUR_COUNTS)?, make(CONTOUR_OFFSETS)?, make(CONTOUR_SEGMENTS)?];
         let info = CurvesInfo { layout, buffers: &buffers };
         let curves = Curves::new(device, allocator, (solver, surface), info, |buffers| {
-            let counts = curves::whole(limits, buffers[1].buffer, counts)?;
+            let counts = curves::whole((device, limits), buffers[1].buffer, counts)?;
             Ok(vec![Content::Input(counts)])
         })?;
         Ok(Self { curves, pipelines })
@@ -253,8 +253,8 @@ impl Recording<'_> {
     /// [`super::CurveRecord::vertices`] says how much room there should be.
     ///
     /// # Errors
-    /// If the contours were made for another surface, its points are a metric, or the levels are not
-    /// finite, not ascending or too many.
+    /// If the contours were made for another surface, there is no map, its points are a metric, or the levels
+    /// are not finite, not ascending or too many.
     pub fn contours(
         &self,
         contours: &Contours,
@@ -264,6 +264,7 @@ impl Recording<'_> {
         curves.check(self, frame.points)?;
         let (levels, count) = frame.levels.read()?;
         let (recorder, chart) = (&self.recorder, self.surface.grid.chart);
+        let _group = recorder.group(c"geosweep: contours");
         let (stages, access) = frame.reader.side();
         let ours = (CLEAR.0 | SHADER.0, CLEAR.1 | SHADER.1);
         recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);

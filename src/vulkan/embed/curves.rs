@@ -259,11 +259,11 @@ impl Curves {
         tracing: impl FnOnce(&[Buffer]) -> Result<Vec<Content>, VulkanError>,
     ) -> Result<(), VulkanError> {
         let limits = &solver.limits;
-        let output = whole(limits, self.buffers[0].buffer, self.layout.bytes())?;
+        let output = whole((device, limits), self.buffers[0].buffer, self.layout.bytes())?;
         let mut contents = tracing(&self.buffers)?;
         let traced = contents.len();
         for points in &surface.points {
-            contents.push(host_sets::points_content(limits, points, surface.grid.chart)?);
+            contents.push(host_sets::points_content((device, limits), points, surface.grid.chart)?);
         }
         let contents: Vec<_> = contents.into_iter().map(|input| input.and_output(output)).collect();
         let (pool, mut sets) = host_sets::describe(device, &solver.pipelines, &contents)?;
@@ -304,7 +304,7 @@ impl Curves {
             let reason = "a metric has no positions to lift them to".into();
             return Err(VulkanError::Curves { what: "contours or paths", reason });
         }
-        Ok(())
+        recording.surface.state.check_map()
     }
 
     /// Lifts all curves to the surface's points with this number, and lets the reader read.
@@ -339,8 +339,12 @@ impl Curves {
 }
 
 /// A buffer of ours, all of it.
-pub(super) fn whole(limits: &Limits, buffer: vk::Buffer, bytes: u64) -> Result<Part, VulkanError> {
-    Part::new(limits, "curves", buffer, 0, bytes)
+pub(super) fn whole(
+    on: (&ash::Device, &Limits),
+    buffer: vk::Buffer,
+    bytes: u64,
+) -> Result<Part, VulkanError> {
+    Part::new(on, "curves", buffer, 0, bytes)
 }
 
 /// What buffers of these sizes take from the allocator.

@@ -30,19 +30,13 @@ pub(super) struct Part {
 
 impl Part {
     pub(super) fn new(
-        limits: &Limits,
+        (device, limits): (&ash::Device, &Limits),
         what: &'static str,
         buffer: vk::Buffer,
         offset: u64,
         bytes: u64,
     ) -> Result<Self, VulkanError> {
         let refuse = |reason: String| VulkanError::HostBuffer { what, reason };
-        if buffer == vk::Buffer::null() {
-            return Err(refuse("it is the null handle".into()));
-        }
-        if !offset.is_multiple_of(WORD) {
-            return Err(refuse(format!("its offset {offset} is no multiple of 4 bytes")));
-        }
         if bytes == 0 {
             return Err(refuse("it holds nothing".into()));
         }
@@ -52,12 +46,49 @@ impl Part {
         if range > most {
             return Err(refuse(format!("it spans {bytes} bytes, and shaders see {most} at most")));
         }
+        check_copied(device, what, (buffer, offset), bytes)?;
         Ok(Self { buffer, start, range, first_word: ((offset - start) / WORD) as i32 })
     }
 
     fn info(&self) -> vk::DescriptorBufferInfo {
         vk::DescriptorBufferInfo { buffer: self.buffer, offset: self.start, range: self.range }
     }
+}
+
+/// Refuses a part that goes beyond a buffer. How large that is, nothing tells but the memory it needs, which
+/// is the size, rounded up by some drivers.
+pub(super) fn check_extent(
+    device: &ash::Device,
+    what: &'static str,
+    buffer: vk::Buffer,
+    offset: u64,
+    bytes: u64,
+) -> Result<(), VulkanError> {
+    // SAFETY: the buffer is alive, by the host's promise.
+    let holds = unsafe { device.get_buffer_memory_requirements(buffer) }.size;
+    let end = offset.saturating_add(bytes);
+    if end > holds {
+        let reason = format!("it ends at byte {end}, and the buffer holds {holds} at most");
+        return Err(VulkanError::HostBuffer { what, reason });
+    }
+    Ok(())
+}
+
+/// Refuses a part of a host's buffer that cannot be copied from or to.
+pub(super) fn check_copied(
+    device: &ash::Device,
+    what: &'static str,
+    (buffer, offset): (vk::Buffer, u64),
+    bytes: u64,
+) -> Result<(), VulkanError> {
+    let refuse = |reason: String| Err(VulkanError::HostBuffer { what, reason });
+    if buffer == vk::Buffer::null() {
+        return refuse("it is the null handle".into());
+    }
+    if !offset.is_multiple_of(WORD) {
+        return refuse(format!("its offset {offset} is no multiple of 4 bytes"));
+    }
+    check_extent(device, what, buffer, offset, bytes)
 }
 
 /// A set, and where in its buffers the first word is.
@@ -90,6 +121,17 @@ pub(super) enum Content {
 }
 
 impl Content {
+    /// What tools call its set.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Result(_) => "writes distances",
+            Self::Texture(..) => "reads an image of the host's",
+            Self::TextureAndOutput(..) => "reads an image of the host's, writes what it draws",
+            Self::Input(_) => "reads a buffer",
+            Self::InputAndOutput(..) => "reads a buffer, writes another",
+        }
+    }
+
     /// With something that the pass writes.
     pub(super) fn and_output(self, output: Part) -> Self {
         match self {
@@ -110,9 +152,10 @@ impl HostSets {
     ) -> Result<Self, VulkanError> {
         let mut contents: Vec<_> =
             grid.results.iter().map(|image| Content::Result(image.view)).collect();
-        contents.push(inline_sources_content(limits, grid)?);
+        let on = (device, limits);
+        contents.push(inline_sources_content(on, grid)?);
         for points in points {
-            contents.push(points_content(limits, points, grid.chart)?);
+            contents.push(points_content(on, points, grid.chart)?);
         }
         for (what, count) in sources
             .iter()
@@ -125,14 +168,14 @@ impl HostSets {
             }
         }
         for sources in sources {
-            contents.push(sources_content(limits, sources)?);
+            contents.push(sources_content(on, sources)?);
         }
         for lookup in lookups {
             let count = u64::from(lookup.count);
             let Lookup { places, places_offset, distances, distances_offset, .. } = *lookup;
             contents.push(Content::InputAndOutput(
-                Part::new(limits, "places", places, places_offset, 2 * WORD * count)?,
-                Part::new(limits, "distances", distances, distances_offset, WORD * count)?,
+                Part::new(on, "places", places, places_offset, 2 * WORD * count)?,
+                Part::new(on, "distances", distances, distances_offset, WORD * count)?,
             ));
         }
         let (pool, sets) = describe(device, pipelines, &contents)?;
@@ -166,8 +209,11 @@ pub(super) fn describe(
     // SAFETY: the pool has room for these sets.
     match unsafe { device.allocate_descriptor_sets(&info) } {
         Ok(sets) => {
-            let filled = sets.into_iter().zip(contents);
-            Ok((pool, filled.map(|(set, &content)| fill(device, set, content)).collect()))
+            let filled = sets.into_iter().zip(contents).map(|(set, &content)| {
+                pipelines.name(content.name(), set);
+                fill(device, set, content)
+            });
+            Ok((pool, filled.collect()))
         }
         Err(result) => {
             // SAFETY: nothing uses the pool.
@@ -179,24 +225,24 @@ pub(super) fn describe(
 
 /// The sources that a recording brings with it.
 pub(super) fn inline_sources_content(
-    limits: &Limits,
+    on: (&ash::Device, &Limits),
     grid: &GridImages,
 ) -> Result<Content, VulkanError> {
     let bytes = (INLINE_SOURCES * SOURCE_BYTES) as u64;
-    Ok(Content::Input(Part::new(limits, "the inline sources", grid.download.buffer, 0, bytes)?))
+    Ok(Content::Input(Part::new(on, "the inline sources", grid.download.buffer, 0, bytes)?))
 }
 
 pub(super) fn sources_content(
-    limits: &Limits,
+    on: (&ash::Device, &Limits),
     sources: &SourceBuffer,
 ) -> Result<Content, VulkanError> {
     let bytes = u64::from(sources.count) * SOURCE_BYTES as u64;
     let SourceBuffer { buffer, offset, .. } = *sources;
-    Ok(Content::Input(Part::new(limits, "sources", buffer, offset, bytes)?))
+    Ok(Content::Input(Part::new(on, "sources", buffer, offset, bytes)?))
 }
 
 pub(super) fn points_content(
-    limits: &Limits,
+    on: (&ash::Device, &Limits),
     points: &Points,
     chart: Chart,
 ) -> Result<Content, VulkanError> {
@@ -215,7 +261,7 @@ pub(super) fn points_content(
                 return refuse(format!("a stride of {stride} bytes is no positive multiple of 4"));
             }
             let bytes = (chart.points() as u64 - 1).saturating_mul(stride).saturating_add(bytes);
-            Ok(Content::Input(Part::new(limits, "points", buffer, offset, bytes)?))
+            Ok(Content::Input(Part::new(on, "points", buffer, offset, bytes)?))
         }
     }
 }

@@ -71,7 +71,7 @@ impl Points {
 /// In a buffer that the host's shaders write, this is a `vec4`, or four floats. An entry that is not
 /// on the grid, in a hole, or has a time that is NaN or not below 1e30 is passed over, so a shader
 /// that has fewer sources than the buffer has room for writes NaN for the rest.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct PointSource {
     /// Row, from 0 to M - 1, fractional between grid points.
@@ -80,13 +80,17 @@ pub struct PointSource {
     pub col: f32,
     /// Distance, or time, at the source.
     pub time: f32,
-    /// Curvature of the front there, for a source at a grid point and the curved wavefront:
-    /// [`Seed::AT_SOURCE`] if the source is a point, 0 if the grid point is one of many on a straight
-    /// line. Between grid points sources are points.
+    /// Curvature of the front there, for a source at a grid point and the curved wavefront: 0 or
+    /// [`Seed::AT_SOURCE`] if the source is a point, [`PointSource::STRAIGHT`] if the grid point is one of
+    /// many on a straight line. Between grid points sources are points. What a shader writes that is
+    /// negative, infinite or no number stands for a point as well.
     pub curvature: f32,
 }
 
 impl PointSource {
+    /// The curvature of a straight front.
+    pub const STRAIGHT: f32 = crate::constants::FLAT as f32;
+
     /// A point source.
     pub fn at(row: f32, col: f32) -> Self {
         Self { row, col, time: 0.0, curvature: Seed::AT_SOURCE as f32 }
@@ -101,7 +105,12 @@ impl PointSource {
             return Err(SourceError::Outside { row, col, last_row, last_col });
         }
         let usable = time.is_finite() && time < crate::surface::FAR;
-        if usable { Ok(()) } else { Err(SourceError::Initial { row, col, initial: time }) }
+        if !usable {
+            return Err(SourceError::Initial { row, col, initial: time });
+        }
+        let curvature = self.curvature.into();
+        let usable = (0.0..=f64::from(f32::MAX)).contains(&curvature);
+        if usable { Ok(()) } else { Err(SourceError::Curvature { row, col, curvature }) }
     }
 }
 

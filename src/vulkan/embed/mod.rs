@@ -64,6 +64,7 @@ mod plan;
 mod recording;
 mod regions;
 mod solver;
+mod state;
 mod surface;
 
 pub use super::point_kind::PointKind;

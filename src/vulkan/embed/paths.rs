@@ -137,9 +137,10 @@ impl Paths {
         let pipelines = [make(PATH_STARTS)?, make(PATHS)?];
         let info = CurvesInfo { layout, buffers: &buffers };
         let curves = Curves::new(device, allocator, (solver, surface), info, |_| {
-            let mut sets = vec![host_sets::inline_sources_content(limits, &surface.grid)?];
+            let mut sets =
+                vec![host_sets::inline_sources_content((device, limits), &surface.grid)?];
             for sources in &surface.sources {
-                sets.push(host_sets::sources_content(limits, sources)?);
+                sets.push(host_sets::sources_content((device, limits), sources)?);
             }
             Ok(sets)
         })?;
@@ -236,15 +237,16 @@ impl Recording<'_> {
     /// once, and again where one may lie in its cell.
     ///
     /// # Errors
-    /// If the paths were made for another surface, its points are a metric, or starts or sources are
-    /// too many.
+    /// If the paths were made for another surface, there is no map, its points are a metric, or starts or
+    /// sources are too many, or beyond their buffer.
     pub fn paths(&self, paths: &Paths, frame: &PathFrame) -> Result<CurveBuffer, VulkanError> {
         let (curves, layout) = (&paths.curves, paths.curves.layout);
         curves.check(self, frame.points)?;
         self.check_sources(frame.sources)?;
         let count = frame.starts.count();
-        check_starts(frame.starts, layout.curves as usize)?;
+        check_starts(self.recorder.device, frame.starts, layout.curves as usize)?;
         let recorder = &self.recorder;
+        let _group = recorder.group(c"geosweep: paths");
         let (stages, access) = frame.reader.and(frame.before).side();
         let ours = (TRANSFER.0 | SHADER.0, TRANSFER.1 | SHADER.1);
         recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);
@@ -326,7 +328,7 @@ fn passes_that_go_on(layout: CurveLayout, traces: u32) -> u32 {
     traces * layout.capacity.div_ceil(STEPS_TOGETHER)
 }
 
-fn check_starts(starts: StartInput, room: usize) -> Result<(), VulkanError> {
+fn check_starts(device: &ash::Device, starts: StartInput, room: usize) -> Result<(), VulkanError> {
     let refuse = |reason| Err(VulkanError::Curves { what: "paths", reason });
     let count = starts.count();
     if count > room {
@@ -336,12 +338,10 @@ fn check_starts(starts: StartInput, room: usize) -> Result<(), VulkanError> {
         StartInput::Inline(_) if count > INLINE_STARTS => refuse(format!(
             "{count} starts are more than the {INLINE_STARTS} that a command holds: use a buffer"
         )),
-        StartInput::Buffer { buffer, .. } if buffer == vk::Buffer::null() => {
-            refuse("the buffer of starts is the null handle".into())
+        StartInput::Buffer { buffer, offset, .. } => {
+            let bytes = (START_BYTES * count) as u64;
+            host_sets::check_copied(device, "starts", (buffer, offset), bytes)
         }
-        StartInput::Buffer { offset, .. } if !offset.is_multiple_of(4) => {
-            refuse(format!("the offset {offset} of the starts is no multiple of 4 bytes"))
-        }
-        _ => Ok(()),
+        StartInput::Inline(_) => Ok(()),
     }
 }

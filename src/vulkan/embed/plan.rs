@@ -14,6 +14,7 @@ pub struct Plan {
     pub(super) wavefront: Wavefront,
     pub(super) stop: Stop,
     steps: Vec<Step>,
+    asked: u32,
     iterations: u32,
 }
 
@@ -38,7 +39,7 @@ impl Plan {
                 break;
             }
         }
-        Self { texels, schedule, wavefront, stop, steps, iterations: planned }
+        Self { texels, schedule, wavefront, stop, steps, asked: iterations, iterations: planned }
     }
 
     /// Most records of a recording of the steps, with those of copies of what the device decides.
@@ -62,7 +63,13 @@ impl Plan {
         self.schedule
     }
 
-    /// Iterations, or rounds of tiles, in a recording: those beyond convergence visit nothing.
+    /// Iterations, or rounds of tiles, that were asked for, no more than a map may take.
+    pub fn asked(&self) -> u32 {
+        self.asked
+    }
+
+    /// Iterations, or rounds of tiles, in a recording: those beyond convergence visit nothing. Of tiles there
+    /// may be fewer than were [asked](Plan::asked) for, and of raster scans a few more.
     pub fn iterations(&self) -> u32 {
         self.iterations
     }

@@ -3,21 +3,21 @@
 use ash::vk;
 
 use super::access::{Access, Reader};
-use super::host_sets::HostSet;
+use super::host_sets::{self, HostSet};
 use super::inputs::{PointMemory, PointSource, SourceInput};
 use super::plan::Plan;
 use super::solver::Solver;
-use super::surface::{ResultImage, Surface};
-use crate::constants::{SOURCES_TOGETHER, SURROUNDINGS_TEXELS, WORKGROUP};
+use super::surface::{Outcome, ResultImage, Surface};
+use crate::constants::{NEVER_MEASURED, SOURCES_TOGETHER, SURROUNDINGS_TEXELS, WORKGROUP};
 use crate::surface::{Chart, EdgeRule};
-use crate::update::Wavefront;
 use crate::vulkan::VulkanError;
 use crate::vulkan::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands, frame_bytes, rows_around};
 use crate::vulkan::passes::{
-    CommonPass, LOOKUP, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, RESULT, SOURCES, SURROUNDINGS,
+    CommonPass, LOOKUP, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, RESULT, SOURCES,
 };
 use crate::vulkan::profile::{Grain, PassKind, PassRecord, Profile, Work};
+use crate::vulkan::progress::offset;
 use crate::vulkan::record::{Commands, Recorder, dispatched};
 use crate::vulkan::shaders::{lookup, points_from_buffer, result, sources, surroundings};
 use crate::vulkan::upload::SEED_BYTES;
@@ -59,6 +59,8 @@ pub struct Frame<'a> {
 /// is what it saves.
 const POINTS_FOR_SURROUNDINGS: usize = 4000;
 
+const RECORD_BYTES: u64 = Outcome::BYTES as u64;
+
 impl<'a> Recording<'a> {
     pub(super) fn new(
         device: &'a ash::Device,
@@ -81,33 +83,11 @@ impl<'a> Recording<'a> {
     }
 
     /// Brings the new surface's images into their layouts. To be recorded once, before anything
-    /// else. It also dispatches nothing of every pass, since drivers may compile a pipeline at its
-    /// first dispatch. Recorded again, after [`Solver::add_passes`] for example, it forgets the edge
-    /// lengths: [`Recording::measure`] has to follow.
+    /// else. Recorded again, it forgets the edge lengths: [`Recording::measure`] has to follow.
     pub fn prepare(&self) {
-        let Self { recorder, solver, surface } = self;
-        recorder.prepare();
-        for (schedule, wavefront) in solver.all_passes() {
-            recorder.warm_up_map(schedule, wavefront);
-        }
-        let sets = &surface.sets;
-        let warm_up = |number: usize, wavefront, set: &HostSet| {
-            let made = solver.pipelines.numbered(number, wavefront);
-            if let Some((pipeline, layout)) = made {
-                recorder.warm_up(pipeline, layout, recorder.with_host(set.set));
-            }
-        };
-        for (points, set) in surface.points.iter().zip(&sets.points) {
-            warm_up(points_pass(points.memory).number(), Wavefront::Planar, set);
-        }
-        for set in &sets.lookups {
-            warm_up(LOOKUP.number(), Wavefront::Planar, set);
-        }
-        warm_up(SOURCES.number(), Wavefront::Planar, &sets.inline_sources);
-        for wavefront in Wavefront::EVERY {
-            warm_up(SURROUNDINGS.number(), wavefront, &sets.inline_sources);
-        }
-        recorder.barrier(PASS, PASS);
+        self.recorder.prepare();
+        self.recorder.set_known(offset::HOLES, NEVER_MEASURED);
+        self.surface.state.prepare();
     }
 
     /// All of a usual frame: [`Recording::begin`], [`Recording::measure`] if there are new points,
@@ -122,6 +102,12 @@ impl<'a> Recording<'a> {
         self.check(frame.plan)?;
         self.check_sources(frame.sources)?;
         let result = self.surface.result(frame.slot, frame.reader.layout)?;
+        match frame.points {
+            Some(_) => self.surface.state.check_prepared()?,
+            None => self.surface.state.check_measured(frame.plan)?,
+        }
+        self.check_slot(frame.slot, true)?;
+        let _group = self.recorder.group(c"geosweep: frame");
         self.begin(frame.before);
         if let Some(points) = frame.points {
             self.measure(points)?;
@@ -150,20 +136,24 @@ impl<'a> Recording<'a> {
     /// Edges must be shorter than 1e12 units, and those between distinct points longer than 1e-12.
     ///
     /// # Errors
-    /// If the surface has no such points.
+    /// If the surface has no such points, or is not prepared.
     pub fn measure(&self, points: usize) -> Result<(), VulkanError> {
         let (set, info) = self.points(points)?;
+        self.surface.state.check_prepared()?;
         let Self { recorder, surface, solver } = self;
         let chart = surface.grid.chart;
         let kind = info.kind;
         // Without positions there are no other edges than straight ones.
         let rule = if kind.has_positions() { surface.edge_rule } else { EdgeRule::Chord };
+        recorder.set_known(offset::HOLES, 0);
         for rows in bands(chart, POINT_BYTES, frame_bytes(chart)) {
             let around = rows_around(&rows, chart);
             let band = points_from_buffer::Push {
                 grid: grid_size(chart),
                 first_row: around.start as i32,
                 band_rows: around.len() as i32,
+                first_own: (rows.start - around.start) as i32,
+                own_rows: rows.len() as i32,
                 heights: kind.spacing().is_some().into(),
                 slowness: info.slowness.map_or(-1, |index| index as i32),
                 first_word: set.first_word,
@@ -182,16 +172,19 @@ impl<'a> Recording<'a> {
         if solver.is_curved() {
             recorder.bend(rule, false);
         }
+        surface.state.measure(solver.is_curved());
         Ok(())
     }
 
     /// Computes a map: as many iterations as the plan holds, less those after convergence.
     ///
     /// # Errors
-    /// If the plan or the sources do not fit the surface.
+    /// If the plan or the sources do not fit the surface, or its edges were never measured.
     pub fn solve(&self, sources: SourceInput, plan: &Plan) -> Result<(), VulkanError> {
         self.check(plan)?;
         self.check_sources(sources)?;
+        self.surface.state.check_measured(plan)?;
+        self.surface.state.solve(plan);
         self.recorder.forget();
         self.start(sources, plan, false)
     }
@@ -199,10 +192,12 @@ impl<'a> Recording<'a> {
     /// Adds sources to the map, which has converged with the same wavefront.
     ///
     /// # Errors
-    /// If the plan or the sources do not fit the surface.
+    /// If the plan or the sources do not fit the surface, or there is no map of that wavefront.
     pub fn add(&self, sources: SourceInput, plan: &Plan) -> Result<(), VulkanError> {
         self.check(plan)?;
         self.check_sources(sources)?;
+        self.surface.state.check_wavefront(plan.wavefront)?;
+        self.surface.state.solve(plan);
         self.start(sources, plan, true)
     }
 
@@ -211,9 +206,10 @@ impl<'a> Recording<'a> {
     /// the map has converged.
     ///
     /// # Errors
-    /// If the plan does not fit the surface.
+    /// If the plan does not fit the surface, or there is no map of that plan's wavefront and schedule.
     pub fn resume(&self, plan: &Plan) -> Result<(), VulkanError> {
         self.check(plan)?;
+        self.surface.state.check_plan(plan)?;
         self.recorder.go_on(plan.schedule, plan.steps());
         self.recorder.steps(plan.wavefront, plan.steps());
         self.recorder.end_portion();
@@ -223,10 +219,15 @@ impl<'a> Recording<'a> {
     /// Copies how the iterations have gone to the slot's record, for [`Surface::outcome`].
     ///
     /// # Errors
-    /// If there is no such slot.
+    /// If there is no such slot, or no map; with [`super::Tools::checks`] also if the slot's last recording
+    /// has not run.
     pub fn outcome(&self, slot: usize) -> Result<(), VulkanError> {
-        self.surface.check_slot(slot)?;
-        self.recorder.outcome(slot);
+        let Self { recorder, surface, .. } = self;
+        surface.check_slot(slot)?;
+        surface.state.check_map()?;
+        self.check_slot(slot, false)?;
+        let serial = surface.state.next_serial(slot, recorder.buffer);
+        recorder.outcome_with_serial(slot, serial);
         Ok(())
     }
 
@@ -234,16 +235,32 @@ impl<'a> Recording<'a> {
     /// [`super::Outcome::from_bytes`], into a buffer of the host's with usage `TRANSFER_DST`;
     /// `offset` is a multiple of 4. Shaders find the number of iterations in the third 32-bit
     /// number.
-    pub fn outcome_to(&self, buffer: vk::Buffer, offset: u64, after: Access) {
+    ///
+    /// # Errors
+    /// If there is no map, or the record does not lie in the buffer.
+    pub fn outcome_to(
+        &self,
+        buffer: vk::Buffer,
+        offset: u64,
+        after: Access,
+    ) -> Result<(), VulkanError> {
+        host_sets::check_copied(
+            self.recorder.device,
+            "the outcome",
+            (buffer, offset),
+            RECORD_BYTES,
+        )?;
+        self.surface.state.check_map()?;
         self.recorder.outcome_to(buffer, offset);
         self.recorder.barrier(CLEAR, after.side());
+        Ok(())
     }
 
     /// Unpacks the map into the slot's image of distances. The commands wait until the `reader` of
     /// commands before has done with that image, and the reader of commands after waits for them.
     ///
     /// # Errors
-    /// If there is no such slot.
+    /// If there is no such slot, or no map.
     pub fn result(
         &self,
         slot: usize,
@@ -251,6 +268,7 @@ impl<'a> Recording<'a> {
         unreached: f32,
     ) -> Result<ResultImage, VulkanError> {
         let result = self.surface.result(slot, reader.layout)?;
+        self.surface.state.check_map()?;
         let Self { recorder, surface, .. } = self;
         let texels = surface.grid.texels.inner();
         let points = size_of::<f32>() as u64 * surface.grid.chart.points() as u64;
@@ -277,7 +295,7 @@ impl<'a> Recording<'a> {
     /// has written.
     ///
     /// # Errors
-    /// If the surface has no such lookup.
+    /// If the surface has no such lookup, or no map.
     pub fn lookup(
         &self,
         number: usize,
@@ -287,6 +305,7 @@ impl<'a> Recording<'a> {
     ) -> Result<(), VulkanError> {
         let Self { recorder, surface, .. } = self;
         let set = nth(&surface.sets.lookups, "lookups", number)?;
+        surface.state.check_map()?;
         let count = surface.lookup_counts[number];
         // A place and the points around it.
         let _pass = recorder.pass_of_each(PassKind::Lookup, [count, 1], [2 * 4 + 4 * 4, 4]);
@@ -301,6 +320,16 @@ impl<'a> Recording<'a> {
         recorder.host_pass(recorder.pipelines.of(LOOKUP), set.set, &places, [count, 1]);
         recorder.barrier(SHADER_WRITE, after.side());
         Ok(())
+    }
+
+    /// Whether another map may go to a slot, if the host wants to know.
+    fn check_slot(&self, slot: usize, starts_map: bool) -> Result<(), VulkanError> {
+        let Self { recorder, surface, solver } = self;
+        if !solver.checks {
+            return Ok(());
+        }
+        let serial = surface.grid.record(slot).serial;
+        surface.state.check_slot(slot, serial, recorder.buffer, starts_map)
     }
 
     fn check(&self, plan: &Plan) -> Result<(), VulkanError> {

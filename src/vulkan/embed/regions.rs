@@ -138,10 +138,11 @@ impl Regions {
         bytes: u64,
     ) -> Result<(), VulkanError> {
         let limits = &solver.limits;
-        let output = Part::new(limits, "regions", self.labels().buffer, 0, bytes)?;
-        let mut contents = vec![host_sets::inline_sources_content(limits, &surface.grid)?];
+        let output = Part::new((device, limits), "regions", self.labels().buffer, 0, bytes)?;
+        let mut contents =
+            vec![host_sets::inline_sources_content((device, limits), &surface.grid)?];
         for sources in &surface.sources {
-            contents.push(host_sets::sources_content(limits, sources)?);
+            contents.push(host_sets::sources_content((device, limits), sources)?);
         }
         let contents: Vec<_> = contents.into_iter().map(|input| input.and_output(output)).collect();
         (self.pool, self.sets) = host_sets::describe(device, &solver.pipelines, &contents)?;
@@ -253,7 +254,8 @@ impl Recording<'_> {
     /// list has as many labels: shaders can look up in a table of the host's which curve one is of.
     ///
     /// # Errors
-    /// If the regions were made for another surface, or the sources are too many.
+    /// If the regions were made for another surface or wavefront, there is no map, or the sources are too
+    /// many.
     pub fn regions(
         &self,
         regions: &Regions,
@@ -263,7 +265,9 @@ impl Recording<'_> {
             return Err(VulkanError::OtherSurface);
         }
         self.check_sources(frame.sources)?;
+        self.surface.state.check_wavefront(regions.wavefront)?;
         let (recorder, labels, chart) = (&self.recorder, regions.labels(), regions.chart);
+        let _group = recorder.group(c"geosweep: regions");
         let (stages, access) = frame.reader.and(frame.before).side();
         let ours = (CLEAR.0 | SHADER.0, CLEAR.1 | SHADER.1);
         recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);

@@ -6,7 +6,7 @@ use super::plan::Plan;
 use crate::surface::Chart;
 use crate::update::{Setting, Wavefront};
 use crate::vulkan::limits::Limits;
-use crate::vulkan::passes::{COMMON, SURROUNDINGS};
+use crate::vulkan::passes::{COMMON, SURROUNDINGS, Variant};
 use crate::vulkan::pipelines::{Pipeline, Pipelines};
 use crate::vulkan::profile::{self, Labels};
 use crate::vulkan::shaders::surroundings;
@@ -21,6 +21,8 @@ use crate::vulkan::{Method, Schedule, Tuning, VulkanError, requirements};
 pub struct Solver {
     pub(crate) pipelines: Pipelines,
     pub(crate) limits: Limits,
+    /// See [`Tools::checks`].
+    pub(super) checks: bool,
 }
 
 /// What the host has enabled on its instance and device for tools that look on.
@@ -31,6 +33,10 @@ pub struct Tools {
     /// `VK_KHR_pipeline_executable_properties` with the feature `pipelineExecutableInfo`: drivers
     /// tell what they have made of pipelines, by [`Solver::executables`].
     pub executables: bool,
+    /// Recordings are checked for what costs a look at mapped memory: with several slots, a slot that is
+    /// recorded while its last recording has not run is an error. While you develop; a recording that is
+    /// thrown away counts, unless its command buffer is recorded anew.
+    pub checks: bool,
 }
 
 impl Solver {
@@ -80,7 +86,14 @@ impl Solver {
     ) -> Result<Self, VulkanError> {
         // SAFETY: the physical device is from this instance.
         let properties = unsafe { instance.get_physical_device_properties(physical_device) };
-        let unmet = requirements::unmet(instance, physical_device);
+        let mut unmet = requirements::unmet(instance, physical_device);
+        if requirements::is_for_vulkan_1_0(instance, device) {
+            unmet.push(
+                "its instance was created for Vulkan 1.0, and 1.1 is needed: say so in \
+                        VkApplicationInfo::apiVersion"
+                    .into(),
+            );
+        }
         if !unmet.is_empty() {
             let name = properties.device_name_as_c_str().unwrap_or(c"unnamed");
             let device = name.to_string_lossy().into_owned();
@@ -90,7 +103,8 @@ impl Solver {
         let tuning = Tuning::of(&properties);
         let pipelines = Pipelines::new(device, tuning, labels, tools.executables)?;
         pipelines.set_cache(cache);
-        let mut new = Self { pipelines, limits: Limits::of(instance, physical_device) };
+        let limits = Limits::of(instance, physical_device);
+        let mut new = Self { pipelines, limits, checks: tools.checks };
         let made = new.pipelines.make_all(device, COMMON, Wavefront::Planar).and_then(|()| {
             let mut passes = passes.iter();
             passes
@@ -140,9 +154,9 @@ impl Solver {
         &mut self,
         device: &ash::Device,
         schedule: Schedule,
-        wavefront: Wavefront,
+        variant: impl Into<Variant>,
     ) -> Result<(), VulkanError> {
-        self.pipelines.make_all(device, schedule.passes(), wavefront)
+        self.pipelines.make_all(device, schedule.passes(), variant)
     }
 
     /// What the driver has made of the pipelines; [`Tools::executables`] must be set.
@@ -158,9 +172,9 @@ impl Solver {
         profile::executables(&loader, &self.pipelines.named().collect::<Vec<_>>())
     }
 
-    /// Whether the pipelines of a schedule and a wavefront are there.
-    pub(crate) fn has_passes(&self, schedule: Schedule, wavefront: Wavefront) -> bool {
-        self.pipelines.have(schedule.passes(), wavefront)
+    /// Whether the pipelines of a schedule and a variant are there.
+    pub(crate) fn has_passes(&self, schedule: Schedule, variant: impl Into<Variant>) -> bool {
+        self.pipelines.have(schedule.passes(), variant.into())
     }
 
     /// The pass that solves a source's surroundings, if maps gain by it.
@@ -186,9 +200,12 @@ impl Solver {
     }
 
     /// The passes of a map on a grid of this size, with this many iterations (or rounds of tiles) a
-    /// recording: at most 128 for tiles, and no more than [`Method::stop`] allows in all. More
-    /// than one recording goes on where the last has left off: [`super::Recording::resume`]. Without a
-    /// schedule it is [`Schedule::best_on`] the device if the solver was made for it, else another.
+    /// recording, and no more than [`Method::stop`] allows in all. Of tiles a recording holds as many rounds
+    /// at most as there are tiles along both sides of the grid together, and 8 to 128: 8 at 48 x 48 points,
+    /// 16 at 120 x 120, 32 at 256 x 256. [`Plan::iterations`] says how many it holds, of those
+    /// [`Plan::asked`] for. More than one recording goes on where the last has left off:
+    /// [`super::Recording::resume`]. Without a schedule it is [`Schedule::best_on`] the device if the solver
+    /// was made for it, else another.
     ///
     /// # Errors
     /// If the solver was not made for the method's schedule and wavefront, or the grid is too large.

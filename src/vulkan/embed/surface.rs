@@ -6,13 +6,15 @@ use gpu_allocator::vulkan::Allocator;
 use super::host_sets::HostSets;
 use super::inputs::{Lookup, Points, SourceBuffer};
 use super::solver::Solver;
-use crate::constants::{BORDER, SOURCES_TOGETHER, TIME};
+use super::state::State;
+use crate::constants::{BORDER, NEVER_MEASURED, SOURCES_TOGETHER, TIME};
 use crate::surface::{Chart, EdgeRule, SurfaceError};
 use crate::vulkan::VulkanError;
 use crate::vulkan::grid_images::{
     GridImages, INLINE_SOURCES, POINT_BYTES, Purpose, bands, frame_bytes,
 };
 use crate::vulkan::memory::{FORMAT, RESULT_FORMAT};
+use crate::vulkan::progress::{Record, offset};
 
 /// What a surface is made for. The host's images and buffers stay the host's: they must be alive
 /// whenever a recording that reads them runs, and their contents may change from frame to frame.
@@ -80,6 +82,7 @@ pub struct Surface {
     pub(super) points: Vec<Points>,
     pub(super) sources: Vec<SourceBuffer>,
     pub(super) lookup_counts: Vec<u32>,
+    pub(super) state: State,
     pub(super) edge_rule: EdgeRule,
 }
 
@@ -120,8 +123,18 @@ pub struct Outcome {
     pub iterations: u32,
     /// Largest relative change of a front in the last of them.
     pub residual: f64,
-    /// Whether the map has converged. If it has not, it takes [`super::Recording::resume`].
+    /// Whether the map has converged, over edges that were measured. If it has not, it takes
+    /// [`super::Recording::resume`].
     pub converged: bool,
+    /// Whether the surface's edges have been measured on the device: not if the recording that measures them
+    /// has never run.
+    pub measured: bool,
+    /// How many grid points are holes: those with something that is not finite, too large, beyond an image
+    /// that is too small, or a slowness that is not positive.
+    pub holes: u32,
+    /// How many of the map's sources reach no point: those off the grid, in holes, or with a time that is no
+    /// number below 1e30. Unused entries of a buffer count.
+    pub passed_over: u32,
 }
 
 impl Surface {
@@ -145,6 +158,7 @@ impl Surface {
                 sources: info.sources.to_vec(),
                 lookup_counts: info.lookups.iter().map(|lookup| lookup.count).collect(),
                 edge_rule: info.edge_rule,
+                state: State::new(info.slots.max(1)),
             }),
             Err(error) => {
                 grid.destroy(device, allocator);
@@ -210,9 +224,33 @@ impl Surface {
 
     /// How the iterations of the last recording for a slot went. To be called after the fence of
     /// its submission.
+    ///
+    /// # Errors
+    /// If there is no such slot, or its last recording has not run: then [`VulkanError::NotRun`]. Of a
+    /// command buffer that is submitted again and again, the last run that has ended counts.
     pub fn outcome(&self, slot: usize) -> Result<Outcome, VulkanError> {
         self.check_slot(slot)?;
-        Ok(Outcome::of(self.grid.outcome(slot)))
+        let record = self.grid.record(slot);
+        match self.state.has_run(slot, record.serial) {
+            true => Ok(Outcome::of(&record)),
+            false => Err(VulkanError::NotRun { slot }),
+        }
+    }
+
+    /// A slot of which the last recording has not run, if there is one: nothing that it uses may be destroyed
+    /// yet, unless it was never submitted.
+    pub fn in_flight(&self) -> Option<usize> {
+        (0..self.slots()).find(|&slot| self.state.is_in_flight(slot, self.grid.record(slot).serial))
+    }
+
+    /// Says that the last recording for a slot was thrown away and will never run: it is not waited for.
+    ///
+    /// # Errors
+    /// If there is no such slot.
+    pub fn discard(&self, slot: usize) -> Result<(), VulkanError> {
+        self.check_slot(slot)?;
+        self.state.discard(slot);
+        Ok(())
     }
 
     /// Most passes of a frame beside those of its plan.
@@ -235,6 +273,7 @@ impl Surface {
     /// may still use the surface: in a renderer, wait for the fences of the frames in flight, or put
     /// it on the list of what is freed so many frames later. A second call does nothing.
     pub fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+        self.state.destroy();
         self.sets.destroy(device);
         self.grid.destroy(device, allocator);
     }
@@ -265,17 +304,24 @@ impl Solver {
 impl Outcome {
     /// From what [`super::Recording::outcome_to`] copies.
     pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
-        Self::of(bytemuck::pod_read_unaligned(bytes))
+        let mut record = [0; size_of::<Record>()];
+        record[..Self::BYTES].copy_from_slice(bytes);
+        Self::of(&bytemuck::pod_read_unaligned(&record))
     }
 
     /// Bytes of the record that [`super::Recording::outcome_to`] copies.
-    pub const BYTES: usize = size_of::<crate::vulkan::progress::Outcome>();
+    pub const BYTES: usize = offset::SERIAL_IN_RECORD as usize;
 
-    fn of(outcome: crate::vulkan::progress::Outcome) -> Self {
+    fn of(record: &Record) -> Self {
+        let Record { outcome, holes, passed_over, .. } = *record;
+        let measured = holes != NEVER_MEASURED;
         Self {
             iterations: outcome.iterations,
             residual: outcome.residual(),
-            converged: outcome.has_converged(),
+            converged: outcome.has_converged() && measured,
+            measured,
+            holes: if measured { holes } else { 0 },
+            passed_over,
         }
     }
 }

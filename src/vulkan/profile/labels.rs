@@ -32,6 +32,12 @@ impl Labels {
         unsafe { self.0.cmd_end_debug_utils_label(commands) };
     }
 
+    /// A label over several passes, until what this returns is dropped.
+    pub(crate) fn group<'a>(&'a self, commands: vk::CommandBuffer, label: &CStr) -> Group<'a> {
+        self.open(commands, label);
+        Group { labels: self, commands }
+    }
+
     /// Names an object. Names are for people: one that cannot be given is no error.
     pub(crate) fn name(&self, object: impl vk::Handle, name: &str) {
         let text: Vec<u8> = name.bytes().chain([0]).collect();
@@ -40,5 +46,18 @@ impl Labels {
             vk::DebugUtilsObjectNameInfoEXT::default().object_handle(object).object_name(text);
         // SAFETY: the object is of this device.
         let _ = unsafe { self.0.set_debug_utils_object_name(&info) };
+    }
+}
+
+/// Passes with a label in common.
+#[must_use]
+pub(crate) struct Group<'a> {
+    labels: &'a Labels,
+    commands: vk::CommandBuffer,
+}
+
+impl Drop for Group<'_> {
+    fn drop(&mut self) {
+        self.labels.close(self.commands);
     }
 }

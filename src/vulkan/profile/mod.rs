@@ -62,7 +62,7 @@ pub use clock::Clock;
 pub(crate) use decisions::BEFORE as BEFORE_BYTES;
 pub(crate) use executables::executables;
 pub use executables::{Executable, Statistic};
-pub(crate) use labels::Labels;
+pub(crate) use labels::{Group, Labels};
 pub use pass::{Area, Grain, PassKind, PassRecord};
 #[cfg(test)]
 pub(crate) use presence::{Decisions, decided};

@@ -1,5 +1,7 @@
 //! The commands that all recordings are made of.
 
+use std::ffi::CStr;
+
 use ash::vk;
 use bytemuck::{Pod, bytes_of};
 
@@ -8,7 +10,7 @@ use crate::vulkan::barrier;
 use crate::vulkan::descriptors::Sets;
 use crate::vulkan::passes::PUSH_CONSTANT_BYTES;
 use crate::vulkan::pipelines::{Pipeline, Pipelines};
-use crate::vulkan::profile::{PassKind, PassRecord, Presence, Profile, Scope, Watch, Work};
+use crate::vulkan::profile::{Group, PassKind, PassRecord, Presence, Profile, Scope, Watch, Work};
 
 /// A command buffer that is being recorded.
 #[derive(Clone, Copy)]
@@ -76,6 +78,11 @@ impl<'a> Commands<'a> {
     pub(crate) fn pass_of_copy(&self, kind: PassKind, bytes: u64) -> Option<Scope<'a>> {
         let work = Work::of_bytes(bytes, bytes);
         self.pass_with(PassRecord { work, ..PassRecord::new(kind) })
+    }
+
+    /// To be kept while several passes are recorded that have a label in common.
+    pub(crate) fn group(&self, label: &CStr) -> Option<Group<'a>> {
+        self.pipelines.labels.as_ref().map(|labels| labels.group(self.buffer, label))
     }
 
     pub(crate) fn watch(&self) -> Watch<'a> {
@@ -160,8 +167,13 @@ impl<'a> Commands<'a> {
 
     /// Zeroes part of a buffer.
     pub(crate) fn fill(&self, buffer: vk::Buffer, offset: u64, size: u64) {
+        self.fill_with(buffer, offset, size, 0);
+    }
+
+    /// Fills part of a buffer with a number.
+    pub(crate) fn fill_with(&self, buffer: vk::Buffer, offset: u64, size: u64, number: u32) {
         // SAFETY: the part lies in the buffer, which nothing else uses until the next barrier.
-        unsafe { self.device.cmd_fill_buffer(self.buffer, buffer, offset, size, 0) };
+        unsafe { self.device.cmd_fill_buffer(self.buffer, buffer, offset, size, number) };
     }
 
     /// Writes part of a buffer, which has room for it; no more than 65 536 bytes, a multiple of 4.
@@ -172,9 +184,14 @@ impl<'a> Commands<'a> {
 
     /// Copies part of a buffer to one that has room for it there, and does not overlap it.
     pub(crate) fn copy(&self, from: (vk::Buffer, u64), to: (vk::Buffer, u64), size: u64) {
-        let copy = [vk::BufferCopy::default().src_offset(from.1).dst_offset(to.1).size(size)];
+        let part = vk::BufferCopy::default().src_offset(from.1).dst_offset(to.1).size(size);
+        self.copy_parts(from.0, to.0, &[part]);
+    }
+
+    /// The same of several parts.
+    pub(crate) fn copy_parts(&self, from: vk::Buffer, to: vk::Buffer, parts: &[vk::BufferCopy]) {
         // SAFETY: both buffers hold so many bytes there, of the host's as the host has promised.
-        unsafe { self.device.cmd_copy_buffer(self.buffer, from.0, to.0, &copy) };
+        unsafe { self.device.cmd_copy_buffer(self.buffer, from, to, parts) };
     }
 
     /// Copies the start of a buffer, row after row, to a part of an image's first layer.

@@ -9,9 +9,13 @@ use crate::constants::{CARRIED, FAR, LAYERS, TIME};
 use crate::vulkan::barrier::{CLEAR, COPY, HOST_READ, PASS, SHADER, SHADER_WRITE};
 use crate::vulkan::passes::{SEED, UNPACK};
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
-use crate::vulkan::progress::Outcome;
+use crate::vulkan::progress::{Outcome, Record, offset};
 use crate::vulkan::shaders::{seed, unpack};
 use crate::vulkan::upload::SEED_BYTES;
+
+fn record_offset(number: usize) -> u64 {
+    (number * size_of::<Record>()) as u64
+}
 
 impl Recorder<'_> {
     /// Forgets the map: no point is reached in either image.
@@ -57,17 +61,41 @@ impl Recorder<'_> {
 
     /// Copies how the iterations have gone to one of the records that the host reads.
     pub(crate) fn outcome(&self, number: usize) {
-        let offset = (number * size_of::<Outcome>()) as u64;
-        self.outcome_to(self.grid.outcome.buffer, offset);
+        self.outcome_to(self.grid.outcome.buffer, record_offset(number));
         self.barrier(CLEAR, HOST_READ);
     }
 
-    /// Copies how the iterations have gone to a buffer that has room for it there.
-    pub(crate) fn outcome_to(&self, to: vk::Buffer, offset: u64) {
+    /// The same, and marks the record with a serial, so that the host sees whether it is there.
+    pub(crate) fn outcome_with_serial(&self, number: usize, serial: u32) {
+        let (buffer, at) = (self.grid.outcome.buffer, record_offset(number));
+        self.outcome_to(buffer, at);
+        self.barrier(CLEAR, CLEAR);
+        self.fill_with(buffer, at + offset::SERIAL_IN_RECORD, size_of::<u32>() as u64, serial);
+        self.barrier(CLEAR, HOST_READ);
+    }
+
+    /// Copies how the iterations have gone, and what is known of the input, to a buffer that has room for it
+    /// there.
+    pub(crate) fn outcome_to(&self, to: vk::Buffer, at: u64) {
         let size = size_of::<Outcome>() as u64;
-        let _pass = self.pass_of_copy(PassKind::Outcome, size);
+        let parts = [
+            vk::BufferCopy::default().dst_offset(at).size(size),
+            vk::BufferCopy::default()
+                .src_offset(offset::INPUT)
+                .dst_offset(at + offset::INPUT_IN_RECORD)
+                .size(offset::INPUT_BYTES),
+        ];
+        let _pass = self.pass_of_copy(PassKind::Outcome, size + offset::INPUT_BYTES);
         self.barrier(PASS, COPY);
-        self.copy((self.grid.progress.buffer, 0), (to, offset), size);
+        self.copy_parts(self.grid.progress.buffer, to, &parts);
+    }
+
+    /// Sets what is known of a renderer's input, between passes: how many holes its points have, or how many
+    /// sources are passed over.
+    pub(crate) fn set_known(&self, at: u64, number: u32) {
+        self.barrier(PASS, CLEAR);
+        self.fill_with(self.grid.progress.buffer, at, size_of::<u32>() as u64, number);
+        self.barrier(CLEAR, SHADER);
     }
 
     /// Unpacks the arrival times in image 0, a band of rows, into the read-back buffer.

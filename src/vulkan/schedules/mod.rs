@@ -9,7 +9,7 @@ mod tiles;
 use ash::vk;
 
 use super::barrier::{CLEAR, COPY, PASS, PASS_AND_HOST, TRANSFER};
-use super::passes::{COUNT, SEED, SETTLE};
+use super::passes::{COUNT, SEED, SETTLE, Variant};
 use super::plan::{Portions, Reached, Step};
 use super::profile::{
     self, Grain, PassKind, PassRecord, Presence, Profile, Scope, StepCounter, Work,
@@ -105,6 +105,10 @@ impl Recorder<'_> {
         self.barrier(COPY, CLEAR);
         self.barrier(PASS, CLEAR);
         self.write_progress(&progress::start(stop, grid, self.tiles()), 0);
+        if !is_added {
+            let size = size_of::<u32>() as u64;
+            self.fill(self.grid.progress.buffer, offset::PASSED_OVER, size);
+        }
         self.fill(self.grid.tiles.buffer, 0, vk::WHOLE_SIZE);
         order.start(self, is_added);
         self.barrier(CLEAR, PASS);
@@ -112,12 +116,12 @@ impl Recorder<'_> {
 
     /// Dispatches no group of any pass of a map, since drivers may compile a pipeline at its first
     /// dispatch.
-    pub(crate) fn warm_up_map(&self, schedule: Schedule, wavefront: Wavefront) {
+    pub(crate) fn warm_up_map(&self, schedule: Schedule, variant: Variant) {
         let of_schedule = schedule.passes().iter().copied();
         let passes = of_schedule.chain([SEED.number(), COUNT.number(), SETTLE.number()]);
         for number in passes {
             let sets = self.grid.sets.writing[0];
-            if let Some((pipeline, layout)) = self.pipelines.numbered(number, wavefront) {
+            if let Some((pipeline, layout)) = self.pipelines.numbered(number, variant) {
                 self.warm_up(pipeline, layout, sets);
             }
             self.barrier(PASS, PASS);
@@ -129,15 +133,17 @@ impl Recorder<'_> {
         schedule.order().go_on(self, steps);
     }
 
-    /// Runs the steps of a plan, whose pipelines were made for a wavefront.
-    pub(crate) fn steps(&self, wavefront: Wavefront, steps: &[Step]) {
+    /// Runs the steps of a plan, whose pipelines were made for a variant.
+    pub(crate) fn steps(&self, variant: impl Into<Variant>, steps: &[Step]) {
+        let variant = variant.into();
         let mut open: Option<Scope> = None;
         let (texels, tuning) = (self.grid.texels, self.pipelines.tuning);
-        let mut counter = StepCounter::new(texels, tuning, wavefront.has_two_layers());
+        let carries = variant.wavefront.has_two_layers();
+        let mut counter = StepCounter::new(texels, tuning, carries);
         let notes = self.visits_noted(steps);
         let visits = u64::from(notes.div_ceil(32)) * size_of::<u32>() as u64;
         self.decided_before(visits);
-        let mut recording = Steps { recorder: self, wavefront, bound: None, notes, scans: 0 };
+        let mut recording = Steps { recorder: self, variant, bound: None, notes, scans: 0 };
         for step in steps {
             Scope::go_on(&mut open, self.watch(), || account(&mut counter, step));
             match order_of(step) {

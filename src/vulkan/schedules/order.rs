@@ -3,10 +3,9 @@
 use ash::vk;
 use bytemuck::{Pod, bytes_of};
 
-use crate::update::Wavefront;
 use crate::vulkan::TexelChart;
 use crate::vulkan::barrier::{COPY, PASS, PASS_AND_HOST, TRANSFER};
-use crate::vulkan::passes::Pass;
+use crate::vulkan::passes::{Pass, Variant};
 use crate::vulkan::plan::{Portions, Reached, Step};
 use crate::vulkan::profile::{PassRecord, Presence, StepCounter};
 use crate::vulkan::progress::{Progress, offset};
@@ -59,7 +58,7 @@ pub(super) trait Order: Sync {
 /// A recording of steps.
 pub(super) struct Steps<'r, 'a> {
     pub(super) recorder: &'r Recorder<'a>,
-    pub(super) wavefront: Wavefront,
+    pub(super) variant: Variant,
     pub(super) bound: Option<(vk::Pipeline, usize)>,
     /// How many dispatches of scans, the first ones, note whether they have visited something.
     pub(super) notes: u32,
@@ -76,7 +75,7 @@ impl Steps<'_, '_> {
         constants: &P,
         groups: Groups,
     ) {
-        let pipeline = self.recorder.pipelines.made(pass, self.wavefront);
+        let pipeline = self.recorder.pipelines.made(pass, self.variant);
         let pipeline = pipeline.expect("plans are only recorded once their pipelines are made");
         if self.bound != Some((pipeline.handle, writes)) {
             self.recorder.bind_writing(pipeline, writes);

@@ -36,6 +36,17 @@ impl Host {
 
     /// Renders nothing on a clear target.
     pub fn clear(&self, commands: vk::CommandBuffer, target: &Target, value: f32) {
+        self.in_pass(commands, target, value, || ());
+    }
+
+    /// Inside a render pass over a clear target.
+    pub fn in_pass<T>(
+        &self,
+        commands: vk::CommandBuffer,
+        target: &Target,
+        value: f32,
+        inside: impl FnOnce() -> T,
+    ) -> T {
         let clear = [vk::ClearValue { color: vk::ClearColorValue { float32: [value; 4] } }];
         let info = vk::RenderPassBeginInfo::default()
             .render_pass(target.pass)
@@ -44,8 +55,10 @@ impl Host {
             .clear_values(&clear);
         unsafe {
             self.device.cmd_begin_render_pass(commands, &info, vk::SubpassContents::INLINE);
-            self.device.cmd_end_render_pass(commands);
         }
+        let result = inside();
+        unsafe { self.device.cmd_end_render_pass(commands) };
+        result
     }
 
     pub fn free_target(&self, target: Target) {

@@ -429,7 +429,7 @@ fn the_map_can_be_read_in_other_ways() {
             unreached: -5.0,
         });
         recording.lookup(0, -7.0, Access::NONE, Access::HOST_READ).unwrap();
-        recording.outcome_to(record.handle, 16, Access::HOST_READ);
+        recording.outcome_to(record.handle, 16, Access::HOST_READ).unwrap();
         result
     });
     let map = stage.read();

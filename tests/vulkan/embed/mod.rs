@@ -1,5 +1,6 @@
 //! The embedding interface, used by a renderer of the tests' own.
 
+mod capture;
 mod curves;
 mod edges;
 #[path = "../../../examples/embed.rs"]
@@ -8,6 +9,7 @@ mod families;
 mod faults;
 mod frames;
 mod inputs;
+mod misuse;
 mod pipelines;
 mod queues;
 mod readme;

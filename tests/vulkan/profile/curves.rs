@@ -14,7 +14,7 @@ use crate::profile::renderer::{CHART, Renderer};
 /// have unlike initial values, so that paths are traced again.
 #[test]
 fn a_host_can_size_its_queries_for_contours_and_paths() {
-    let tools = Tools { labels: true, executables: false };
+    let tools = Tools { labels: true, ..Tools::default() };
     let mut renderer = Renderer::new(Host::new(), Schedule::Raster, tools);
     let device = renderer.host.device.clone();
     let (solver, surface) = (&renderer.solver, &renderer.surface);

@@ -34,7 +34,7 @@ fn the_passes_of_a_frame_add_up_to_its_total() {
 #[test]
 fn a_frame_is_taken_down_pass_by_pass() {
     for schedule in Schedule::ALL {
-        let tools = Tools { labels: true, executables: false };
+        let tools = Tools { labels: true, ..Tools::default() };
         let renderer = Renderer::new(Host::new(), schedule, tools);
         for _ in 0..2 {
             let (_, passes) = renderer.timed_frame();

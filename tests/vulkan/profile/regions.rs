@@ -11,7 +11,7 @@ use crate::profile::renderer::{CHART, Renderer};
 /// A host that makes room for what it is told has room for all, and no more than that.
 #[test]
 fn a_host_can_size_its_queries_for_regions() {
-    let tools = Tools { labels: true, executables: false };
+    let tools = Tools { labels: true, ..Tools::default() };
     let mut renderer = Renderer::new(Host::new(), Schedule::Raster, tools);
     let device = renderer.host.device.clone();
     let (solver, surface) = (&renderer.solver, &renderer.surface);

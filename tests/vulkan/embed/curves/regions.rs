@@ -143,8 +143,8 @@ fn of_twin(surface: &Surface, sources: &[PointSource], wavefront: Wavefront) -> 
     let seeds = |(source, label): (&PointSource, u32)| {
         let seeds = on_cpu(&[*source]).seeds(surface).unwrap();
         let is_point = seeds.len() == 1;
-        let curvature =
-            |seed: Seed| if is_point { source.curvature.into() } else { seed.curvature };
+        let given = if source.curvature == PointSource::STRAIGHT { 0.0 } else { Seed::AT_SOURCE };
+        let curvature = |seed: Seed| if is_point { given } else { seed.curvature };
         seeds
             .into_iter()
             .map(move |seed| (Seed { curvature: curvature(seed), ..seed }, label))
@@ -327,8 +327,8 @@ fn curves_of_many_sources_have_the_regions_of_curves() {
         for step in 0..=steps {
             let share = step as f32 / steps as f32;
             let [row, col] = [0, 1].map(|k: usize| from[k] + share * (to[k] - from[k]));
-            let curvature =
-                if step == 0 || step == steps { PointSource::at(0.0, 0.0).curvature } else { 0.0 };
+            let is_end = step == 0 || step == steps;
+            let curvature = if is_end { 0.0 } else { PointSource::STRAIGHT };
             sources.push(PointSource { curvature, ..PointSource::at(row.round(), col.round()) });
             whose.push(number);
         }

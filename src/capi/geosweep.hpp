@@ -1,0 +1,228 @@
+/*
+ * geosweep.h for C++11 and later: objects that destroy themselves, and exceptions for statuses.
+ * What the functions do is told in geosweep.h; docs/embedding.md has the rest.
+ *
+ * Each object keeps its solver alive, so that they may go in any order; all of them go before your
+ * device. No submitted work may still use what goes.
+ */
+#ifndef GEOSWEEP_HPP
+#define GEOSWEEP_HPP
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include "geosweep.h"
+
+namespace geosweep {
+
+/* A call that has failed: what() is geosweep_last_error. */
+class Error : public std::runtime_error {
+public:
+    explicit Error(GeosweepStatus status) : std::runtime_error(geosweep_last_error()), status(status) {}
+
+    const GeosweepStatus status;
+};
+
+inline void check(GeosweepStatus status) {
+    if (status != GEOSWEEP_STATUS_SUCCESS) throw Error(status);
+}
+
+/* An access, as one side of a barrier. */
+inline GeosweepAccess access(VkPipelineStageFlags stages, VkAccessFlags access) {
+    GeosweepAccess made = {stages, access};
+    return made;
+}
+
+/* Sampled in these stages. */
+inline GeosweepReader sampled(VkPipelineStageFlags stages) {
+    GeosweepReader made = {access(stages, VK_ACCESS_SHADER_READ_BIT), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+    return made;
+}
+
+/* A solver's info with the header's version in it, and nothing else. */
+inline GeosweepSolverInfo solver_info() {
+    GeosweepSolverInfo info = GeosweepSolverInfo();
+    info.header_version = GEOSWEEP_HEADER_VERSION;
+    return info;
+}
+
+class Solver {
+public:
+    explicit Solver(const GeosweepSolverInfo &info) {
+        GeosweepSolver *solver = nullptr;
+        check(geosweep_solver_create(&info, &solver));
+        solver_.reset(solver, [](GeosweepSolver *solver) { geosweep_solver_destroy(solver); });
+    }
+
+    GeosweepSolver *get() const { return solver_.get(); }
+
+    /* Of device memory, for surfaces and the like. */
+    uint64_t bytes() const {
+        uint64_t bytes = 0;
+        check(geosweep_solver_bytes(get(), &bytes));
+        return bytes;
+    }
+
+    void set_pipeline_cache(VkPipelineCache cache) const {
+        check(geosweep_solver_set_pipeline_cache(get(), cache));
+    }
+
+private:
+    std::shared_ptr<GeosweepSolver> solver_;
+};
+
+/* Something of a solver's, which is destroyed before it. */
+template <class T, GeosweepStatus (*destroy)(T *)>
+class Owned {
+public:
+    T *get() const { return object_.get(); }
+    const Solver &solver() const { return solver_; }
+
+protected:
+    explicit Owned(const Solver &solver) : solver_(solver) {}
+
+    void own(T *object) { object_.reset(object); }
+
+private:
+    struct Destroy {
+        void operator()(T *object) const { destroy(object); }
+    };
+    Solver solver_;
+    std::unique_ptr<T, Destroy> object_;
+};
+
+class Plan : public Owned<GeosweepPlan, geosweep_plan_destroy> {
+public:
+    Plan(const Solver &solver, uint32_t rows, uint32_t cols, const GeosweepMethod &method) : Owned(solver) {
+        GeosweepPlan *plan = nullptr;
+        check(geosweep_plan_create(solver.get(), rows, cols, &method, &plan));
+        own(plan);
+    }
+
+    /* That a recording holds: with tiles it may be fewer than were asked for. */
+    uint32_t iterations() const {
+        uint32_t iterations = 0;
+        check(geosweep_plan_iterations(get(), &iterations));
+        return iterations;
+    }
+};
+
+class Surface : public Owned<GeosweepSurface, geosweep_surface_destroy> {
+public:
+    Surface(const Solver &solver, const GeosweepSurfaceInfo &info) : Owned(solver) {
+        GeosweepSurface *surface = nullptr;
+        check(geosweep_surface_create(solver.get(), &info, &surface));
+        own(surface);
+    }
+
+    void write_points(uint32_t number, const float *data, const uint8_t *mask = nullptr) {
+        check(geosweep_surface_write_points(get(), number, data, mask));
+    }
+
+    void prepare(VkCommandBuffer commands) const { check(geosweep_record_prepare(get(), commands)); }
+
+    GeosweepImage frame(VkCommandBuffer commands, const GeosweepFrame &frame) const {
+        GeosweepImage image = GeosweepImage();
+        check(geosweep_record_frame(get(), commands, &frame, &image));
+        return image;
+    }
+
+    void begin(VkCommandBuffer commands, GeosweepAccess before) const {
+        check(geosweep_record_begin(get(), commands, before));
+    }
+
+    void measure(VkCommandBuffer commands, uint32_t points) const {
+        check(geosweep_record_measure(get(), commands, points));
+    }
+
+    void solve(VkCommandBuffer commands, const GeosweepSources &sources, const Plan &plan) const {
+        check(geosweep_record_solve(get(), commands, &sources, plan.get()));
+    }
+
+    void add(VkCommandBuffer commands, const GeosweepSources &sources, const Plan &plan) const {
+        check(geosweep_record_add(get(), commands, &sources, plan.get()));
+    }
+
+    void resume(VkCommandBuffer commands, const Plan &plan) const {
+        check(geosweep_record_resume(get(), commands, plan.get()));
+    }
+
+    void record_outcome(VkCommandBuffer commands, uint32_t slot) const {
+        check(geosweep_record_outcome(get(), commands, slot));
+    }
+
+    GeosweepImage result(VkCommandBuffer commands, uint32_t slot, GeosweepReader reader, float unreached) const {
+        GeosweepImage image = GeosweepImage();
+        check(geosweep_record_result(get(), commands, slot, reader, unreached, &image));
+        return image;
+    }
+
+    void lookup(VkCommandBuffer commands, uint32_t number, float unreached, GeosweepAccess before,
+                GeosweepAccess after) const {
+        check(geosweep_record_lookup(get(), commands, number, unreached, before, after));
+    }
+
+    void end(VkCommandBuffer commands, GeosweepAccess after) const {
+        check(geosweep_record_end(get(), commands, after));
+    }
+
+    /* Whether the slot's last recording has run, and if so how it went. */
+    bool outcome(uint32_t slot, GeosweepOutcome &outcome) const {
+        GeosweepStatus status = geosweep_surface_outcome(get(), slot, &outcome);
+        if (status == GEOSWEEP_STATUS_NOT_READY) return false;
+        check(status);
+        return true;
+    }
+};
+
+class Contours : public Owned<GeosweepContours, geosweep_contours_destroy> {
+public:
+    Contours(const Surface &surface, uint32_t vertices) : Owned(surface.solver()) {
+        GeosweepContours *contours = nullptr;
+        check(geosweep_contours_create(surface.get(), vertices, &contours));
+        own(contours);
+    }
+
+    GeosweepCurves record(const Surface &surface, VkCommandBuffer commands, const GeosweepContourFrame &frame) const {
+        GeosweepCurves curves = GeosweepCurves();
+        check(geosweep_record_contours(surface.get(), commands, get(), &frame, &curves));
+        return curves;
+    }
+};
+
+class Paths : public Owned<GeosweepPaths, geosweep_paths_destroy> {
+public:
+    Paths(const Surface &surface, uint32_t paths, uint32_t vertices) : Owned(surface.solver()) {
+        GeosweepPaths *made = nullptr;
+        check(geosweep_paths_create(surface.get(), paths, vertices, &made));
+        own(made);
+    }
+
+    GeosweepCurves record(const Surface &surface, VkCommandBuffer commands, const GeosweepPathFrame &frame) const {
+        GeosweepCurves curves = GeosweepCurves();
+        check(geosweep_record_paths(surface.get(), commands, get(), &frame, &curves));
+        return curves;
+    }
+};
+
+class Regions : public Owned<GeosweepRegions, geosweep_regions_destroy> {
+public:
+    Regions(const Surface &surface, GeosweepWavefront wavefront) : Owned(surface.solver()) {
+        GeosweepRegions *regions = nullptr;
+        check(geosweep_regions_create(surface.get(), wavefront, &regions));
+        own(regions);
+    }
+
+    GeosweepLabels record(const Surface &surface, VkCommandBuffer commands, const GeosweepRegionFrame &frame) const {
+        GeosweepLabels labels = GeosweepLabels();
+        check(geosweep_record_regions(surface.get(), commands, get(), &frame, &labels));
+        return labels;
+    }
+};
+
+}  // namespace geosweep
+
+#endif  /* GEOSWEEP_HPP */

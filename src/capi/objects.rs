@@ -1,0 +1,127 @@
+//! The objects that the program holds, and what is left of those it has destroyed.
+
+use std::mem::MaybeUninit;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use super::arguments::{Output, usable};
+use super::contours::GeosweepContours;
+use super::paths::GeosweepPaths;
+use super::plan::GeosweepPlan;
+use super::regions::GeosweepRegions;
+use super::solver::{GeosweepSolver, Shared};
+use super::status::Failure;
+use super::surface::GeosweepSurface;
+
+/// What a pointer of the program's really points to: the object behind a mark.
+#[repr(C)]
+struct Handed<T> {
+    /// [`Object::MARK`], or [`DESTROYED`].
+    mark: AtomicU32,
+    object: MaybeUninit<T>,
+}
+
+const DESTROYED: u32 = 0xDEAD_6753;
+
+/// A kind of objects.
+pub(super) trait Object {
+    /// Its name in the header.
+    const NAME: &'static str;
+    /// No other kind has it, and memory that holds anything else hardly ever.
+    const MARK: u32;
+
+    /// Of the solver that it belongs to.
+    fn shared(&self) -> &Shared;
+}
+
+macro_rules! objects {
+    ($($kind:ident: $mark:literal, $shared:expr;)*) => {$(
+        impl Object for $kind {
+            const NAME: &'static str = stringify!($kind);
+            const MARK: u32 = $mark;
+
+            fn shared(&self) -> &Shared {
+                let shared: fn(&Self) -> &Shared = $shared;
+                shared(self)
+            }
+        }
+    )*};
+}
+
+objects! {
+    GeosweepSolver: 0x6753_0001, |solver| solver.shared();
+    GeosweepSurface: 0x6753_0002, |surface| &surface.shared;
+    GeosweepPlan: 0x6753_0003, |plan| &plan.shared;
+    GeosweepContours: 0x6753_0004, |contours| &contours.shared;
+    GeosweepPaths: 0x6753_0005, |paths| &paths.shared;
+    GeosweepRegions: 0x6753_0006, |regions| &regions.shared;
+}
+
+/// Gives an object to the program, until [`take`] gets it back.
+pub(super) fn hand_out<T: Object>(to: Output<*mut T>, object: T) {
+    let handed = Handed { mark: T::MARK.into(), object: MaybeUninit::new(object) };
+    to.write(Box::into_raw(Box::new(handed)).cast());
+}
+
+/// The mark is read, and says whether the object is there.
+///
+/// # Safety
+/// The pointer is null, badly aligned, or from [`hand_out`], if for another kind; and what it points to was not
+/// freed: solvers with checks keep the place of what was destroyed.
+unsafe fn handed<T: Object>(pointer: *const T, name: &str) -> Result<*const Handed<T>, Failure> {
+    let pointer = pointer.cast::<Handed<T>>();
+    usable(pointer, name)?;
+    // SAFETY: all kinds begin with a mark.
+    match unsafe { (*pointer).mark.load(Ordering::Relaxed) } {
+        mark if mark == T::MARK => Ok(pointer),
+        DESTROYED => Err(Failure::argument(name, "was destroyed before")),
+        _ => Err(Failure::argument(name, format!("is no {}", T::NAME))),
+    }
+}
+
+/// An object.
+///
+/// # Safety
+/// As of [`handed`], and nothing changes it during the call.
+pub(super) unsafe fn object<'a, T: Object>(
+    pointer: *const T,
+    name: &str,
+) -> Result<&'a T, Failure> {
+    // SAFETY: required; the mark says that the object is there.
+    Ok(unsafe { (*handed(pointer, name)?).object.assume_init_ref() })
+}
+
+/// An object, to be changed.
+///
+/// # Safety
+/// As of [`object`], and nothing else reads it either.
+pub(super) unsafe fn exclusive<'a, T: Object>(
+    pointer: *mut T,
+    name: &str,
+) -> Result<&'a mut T, Failure> {
+    // SAFETY: required; the mark says that the object is there.
+    unsafe {
+        let handed = handed(pointer, name)?.cast_mut();
+        Ok((*handed).object.assume_init_mut())
+    }
+}
+
+/// An object back from the program; `None` for null. With checks its place is kept, so that whoever uses it once
+/// more is told.
+///
+/// # Safety
+/// As of [`exclusive`].
+pub(super) unsafe fn take<T: Object>(pointer: *mut T, name: &str) -> Result<Option<T>, Failure> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: required. The object is moved out once, since the mark then says that it is gone.
+    unsafe {
+        let handed = handed(pointer, name)?.cast_mut();
+        (*handed).mark.store(DESTROYED, Ordering::Relaxed);
+        let object = (*handed).object.assume_init_read();
+        if !object.shared().has_checks() {
+            drop(Box::from_raw(handed));
+        }
+        Ok(Some(object))
+    }
+}

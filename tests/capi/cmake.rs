@@ -1,0 +1,120 @@
+//! The package that CMake installs, and a renderer in C++ that is built against it.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use geosweep::glam::DVec3;
+use geosweep::{Sources, Surface, Wavefront};
+
+use crate::build::{ROOT, library, profile, run, scratch, validated_with};
+use crate::common::{CONVERGED, difference, on_cpu};
+
+fn cmake() -> Command {
+    let mut cmake = Command::new("cmake");
+    // Nothing of the package's that is tested may come from elsewhere.
+    cmake.env_remove("CMAKE_PREFIX_PATH");
+    cmake
+}
+
+/// The package in a folder of its own, by the library that the other tests use.
+fn install() -> PathBuf {
+    let (build, prefix) = (scratch("cmake/build"), scratch("cmake").join("prefix"));
+    let _ = fs::remove_dir_all(&prefix);
+    let target = library().parent().unwrap();
+    run(
+        cmake().args(["-S", ROOT, "-B"]).arg(&build).args([
+            format!("-DGEOSWEEP_CARGO={}", env!("CARGO")),
+            format!("-DGEOSWEEP_CARGO_PROFILE={}", profile().display()),
+            format!("-DGEOSWEEP_CARGO_TARGET_DIR={}", target.display()),
+            "-DGEOSWEEP_OFFLINE=ON".to_owned(),
+            "-DCMAKE_INSTALL_LIBDIR=lib".to_owned(),
+        ]),
+        "configure the package (cmake comes with the package of that name)",
+    );
+    run(cmake().arg("--build").arg(&build), "build the package");
+    run(cmake().arg("--install").arg(&build).arg("--prefix").arg(&prefix), "install the package");
+    prefix
+}
+
+fn floats(file: &Path) -> Vec<f32> {
+    let bytes = fs::read(file).unwrap();
+    bytes.chunks_exact(4).map(|four| f32::from_ne_bytes(four.try_into().unwrap())).collect()
+}
+
+/// `examples/cpp` finds the package, runs in frames in flight without a word of the validation layers, and has the
+/// map that the CPU engine has of its vertices. The package is found after it was moved, by pkg-config too.
+#[test]
+fn a_renderer_in_cpp_finds_the_package_and_has_the_map() {
+    let prefix = install();
+    let moved = prefix.with_file_name("moved");
+    let _ = fs::remove_dir_all(&moved);
+    fs::rename(&prefix, &moved).unwrap();
+    let in_package = |file: &str| assert!(moved.join(file).exists(), "{file} is not installed");
+    for file in [
+        "include/geosweep.h",
+        "include/geosweep.hpp",
+        "lib/libgeosweep.so",
+        "lib/libgeosweep.a",
+        "lib/pkgconfig/geosweep.pc",
+        "share/doc/geosweep/embedding.md",
+        "share/doc/geosweep/LICENSE-MIT",
+    ] {
+        in_package(file);
+    }
+    let version = env!("CARGO_PKG_VERSION");
+    in_package(&format!("lib/libgeosweep.so.{version}"));
+
+    let build = scratch("cmake/example");
+    let _ = fs::remove_dir_all(&build);
+    run(
+        cmake()
+            .args(["-S", &format!("{ROOT}/examples/cpp"), "-B"])
+            .arg(&build)
+            .arg(format!("-DCMAKE_PREFIX_PATH={}", moved.display()))
+            .args([
+                "-DCMAKE_BUILD_TYPE=Release",
+                "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Wpedantic -Werror",
+            ]),
+        "configure the example",
+    );
+    run(cmake().arg("--build").arg(&build), "build the example");
+    let found = validated_with(&build.join("frame_graph"), &[build.as_os_str()]);
+    assert_eq!(found.findings, Vec::<String>::new(), "{}", found.printed);
+
+    let (rows, cols) = (60, 72);
+    let vertices = floats(&build.join("vertices.bin"));
+    let position = |v: &[f32]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
+    let positions = vertices.chunks(6).map(position).collect();
+    let surface = Surface::from_positions(rows, cols, positions).unwrap();
+    // The source of the last of eight frames.
+    let seeds = Sources::point(19.0, 20.5).seeds(&surface).unwrap();
+    let exact = on_cpu(&surface, &seeds, Wavefront::Curved, CONVERGED);
+    let difference = difference(&floats(&build.join("distances.bin")), &exact);
+    assert!(difference < 1e-5, "{difference}");
+
+    let asked = |options: &[&str]| {
+        let mut command = Command::new("pkg-config");
+        command.env("PKG_CONFIG_PATH", moved.join("lib/pkgconfig")).args(options).arg("geosweep");
+        run(&mut command, "ask pkg-config")
+    };
+    assert_eq!(asked(&["--modversion"]).trim(), version);
+    let include = format!("-I{}", moved.join("lib/pkgconfig/../../include").display());
+    assert!(asked(&["--cflags"]).contains(&include));
+    let flags = asked(&["--libs", "--static"]);
+    for flag in ["-lgeosweep", "-lpthread", "-ldl", "-lm"] {
+        assert!(flags.split_whitespace().any(|word| word == flag), "{flag}: {flags}");
+    }
+}
+
+/// The library's own name is that under which programs look for it.
+#[test]
+#[cfg(target_os = "linux")]
+fn the_library_has_a_soname() {
+    let library = fs::read(library().join("libgeosweep.so")).unwrap();
+    let [major, minor] = [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR")];
+    let soname = format!("\0libgeosweep.so.{major}.{minor}\0");
+    let holds = library.windows(soname.len()).any(|bytes| bytes == soname.as_bytes());
+    assert!(holds, "{:?}", OsStr::new(&soname));
+}

@@ -1,0 +1,285 @@
+//! What is wrong with a call at its time: a surface without edges or a map, a slot in flight, an object that is
+//! gone. Each is an error, or stands in the outcome. `tests/vulkan/embed/misuse.rs` has the same in Rust.
+
+use std::ptr::null_mut;
+
+use geosweep::ash::vk;
+use geosweep::capi::*;
+
+use crate::host::Host;
+use crate::session::{
+    COPY, Session, all_wrong, frame, get_instance_proc_addr, method, ok, refused, solver_info,
+    surface_info, wrong, zero,
+};
+
+const ROWS: u32 = 12;
+const COLS: u32 = 17;
+
+fn heights(data: &[f32]) -> GeosweepPoints {
+    let kind = GeosweepPointKind::Heights as i32;
+    GeosweepPoints { kind, dx: 1.0, dy: 1.0, data: data.as_ptr(), stride: 4, ..zero() }
+}
+
+fn with_checks(host: Host) -> Session {
+    let info = GeosweepSolverInfo { flags: GEOSWEEP_SOLVER_CHECKS, ..solver_info(&host) };
+    let mut solver = null_mut();
+    ok(unsafe { geosweep_solver_create(&info, &mut solver) });
+    Session { host, solver }
+}
+
+#[test]
+fn what_comes_before_what_it_needs_is_refused() {
+    let session = Session::new(Host::new());
+    let data = [0.5f32; (ROWS * COLS) as usize];
+    let points = [heights(&data)];
+    let info = surface_info(ROWS, COLS, &points);
+    let mut surface = null_mut();
+    ok(unsafe { geosweep_surface_create(session.solver, &info, &mut surface) });
+    let plan = session.plan(ROWS, COLS, &method(GeosweepWavefront::Curved, 6));
+    let planar = session.plan(ROWS, COLS, &method(GeosweepWavefront::Planar, 6));
+    let (mut contours, mut paths, mut regions) = (null_mut(), null_mut(), null_mut());
+    unsafe {
+        ok(geosweep_contours_create(surface, 100, &mut contours));
+        ok(geosweep_paths_create(surface, 1, 60, &mut paths));
+        let curved = GeosweepWavefront::Curved as i32;
+        ok(geosweep_regions_create(surface, curved, &mut regions));
+        wrong(geosweep_regions_create(surface, 9, &mut regions), "wavefront is 9");
+    }
+    let sources = [geosweep_source_at(3.0, 4.0)];
+    let good = frame(plan, &sources);
+    let unchanged = GeosweepFrame { points: GEOSWEEP_POINTS_UNCHANGED, ..good };
+    let commands = session.host.commands();
+    session.host.begin(commands);
+    let record = |frame: &GeosweepFrame| unsafe {
+        geosweep_record_frame(surface, commands, frame, null_mut())
+    };
+    let contour_frame = GeosweepContourFrame { level_count: 3, step: 1.0, ..zero() };
+    let starts = [7.0, 8.0];
+    let (starts, start_count) = (starts.as_ptr(), 1);
+    let path_frame = GeosweepPathFrame { starts, start_count, sources: good.sources, ..zero() };
+    let region_frame = GeosweepRegionFrame { sources: good.sources, ..zero() };
+    let no_map = |words: &str| unsafe {
+        for status in [
+            geosweep_record_add(surface, commands, &good.sources, plan),
+            geosweep_record_resume(surface, commands, plan),
+            geosweep_record_outcome(surface, commands, 0),
+            geosweep_record_result(surface, commands, 0, COPY, -1.0, null_mut()),
+            geosweep_record_contours(surface, commands, contours, &contour_frame, null_mut()),
+            geosweep_record_paths(surface, commands, paths, &path_frame, null_mut()),
+            geosweep_record_regions(surface, commands, regions, &region_frame, null_mut()),
+        ] {
+            wrong(status, words);
+        }
+    };
+    let not_prepared = "geosweep_record_prepare comes once, before anything else";
+    no_map(not_prepared);
+    all_wrong! {
+        record(&good) => "geosweep_record_prepare",
+        record(&unchanged) => "geosweep_record_prepare",
+        unsafe { geosweep_record_measure(surface, commands, 0) } => "geosweep_record_prepare",
+    }
+    ok(unsafe { geosweep_record_prepare(surface, commands) });
+    no_map("geosweep_record_frame or geosweep_record_solve comes before this");
+    all_wrong! {
+        record(&unchanged) => "GeosweepFrame::points is a number of its points in the first frame",
+        unsafe { geosweep_record_solve(surface, commands, &good.sources, plan) } => "never measured",
+    }
+    let bad = [f32::INFINITY, f32::NAN, -1.0]
+        .map(|curvature| [GeosweepSource { curvature, ..sources[0] }]);
+    for bad in &bad {
+        wrong(record(&frame(plan, bad)), "give 0 for a point");
+    }
+    // All of it is fine, once there is a map; another wavefront's is not.
+    ok(record(&good));
+    ok(record(&unchanged));
+    all_wrong! {
+        unsafe { geosweep_record_add(surface, commands, &good.sources, planar) } => "another wavefront",
+        unsafe { geosweep_record_resume(surface, commands, planar) } => "another wavefront",
+    }
+    unsafe {
+        ok(geosweep_record_contours(surface, commands, contours, &contour_frame, null_mut()));
+        ok(geosweep_record_paths(surface, commands, paths, &path_frame, null_mut()));
+        ok(geosweep_record_regions(surface, commands, regions, &region_frame, null_mut()));
+    }
+    session.host.end(commands);
+    let early = unsafe { geosweep_surface_outcome(surface, 0, &mut zero()) };
+    refused(early, GeosweepStatus::NotReady, "slot 0 has not run");
+    session.host.submit(commands, vk::Fence::null());
+    unsafe { session.host.device.device_wait_idle() }.unwrap();
+    let outcome = session.outcome(surface);
+    assert!(outcome.converged && outcome.measured, "{outcome:?}");
+    assert_eq!((outcome.holes, outcome.passed_over), (0, 0));
+    unsafe {
+        ok(geosweep_contours_destroy(contours));
+        ok(geosweep_paths_destroy(paths));
+        ok(geosweep_regions_destroy(regions));
+        ok(geosweep_surface_destroy(surface));
+        ok(geosweep_plan_destroy(plan));
+        ok(geosweep_plan_destroy(planar));
+    }
+    session.end([]);
+}
+
+#[test]
+fn what_lies_beyond_a_buffer_is_refused() {
+    let mut session = Session::new(Host::new());
+    let buffer = session.host.buffer_of(&[0.0; 3 * (ROWS * COLS) as usize]);
+    let handle = buffer.handle;
+    let points = [GeosweepPoints { buffer: handle, stride: 12, ..zero() }];
+    let good = surface_info(ROWS, COLS, &points);
+    let create = |info: &GeosweepSurfaceInfo| {
+        let mut surface = null_mut();
+        unsafe { geosweep_surface_create(session.solver, info, &mut surface) }
+    };
+    let wide = [GeosweepPoints { stride: 4096, ..points[0] }];
+    let many = [GeosweepSourceBuffer { buffer: handle, count: 10_000, ..zero() }];
+    let sources = GeosweepSurfaceInfo { sources: many.as_ptr(), source_count: 1, ..good };
+    all_wrong! {
+        create(&surface_info(ROWS, COLS, &wide)) => "points cannot be used: it ends at byte",
+        create(&sources) => "sources cannot be used: it ends at byte",
+    }
+    session.end([buffer]);
+}
+
+/// The kind of an object is known in any case, and whether it is there with checks.
+#[test]
+fn objects_that_are_gone_or_others_are_named() {
+    let session = with_checks(Host::new());
+    let data = [0.5f32; (ROWS * COLS) as usize];
+    let points = [heights(&data)];
+    let surface = session.surface(&surface_info(ROWS, COLS, &points));
+    let plan = session.plan(ROWS, COLS, &method(GeosweepWavefront::Curved, 6));
+    let commands = session.host.commands();
+    unsafe {
+        wrong(geosweep_plan_destroy(surface.cast()), "plan is no GeosweepPlan");
+        wrong(geosweep_record_prepare(plan.cast(), commands), "surface is no GeosweepSurface");
+        ok(geosweep_surface_destroy(surface));
+        ok(geosweep_plan_destroy(plan));
+        let mut iterations = 0;
+        all_wrong! {
+            geosweep_surface_destroy(surface) => "surface was destroyed before",
+            geosweep_plan_destroy(plan) => "plan was destroyed before",
+            geosweep_plan_iterations(plan, &mut iterations) => "plan was destroyed before",
+            geosweep_record_prepare(surface, commands) => "surface was destroyed before",
+        }
+        let solver = session.solver;
+        let bad = GeosweepSolverInfo { flags: 6, ..solver_info(&session.host) };
+        wrong(geosweep_solver_create(&bad, &mut null_mut()), "info->flags is 0x6");
+        session.end([]);
+        wrong(geosweep_solver_destroy(solver), "solver was destroyed before");
+    }
+}
+
+#[test]
+fn checks_look_at_slots_in_flight() {
+    let session = with_checks(Host::new());
+    let data = [0.5f32; (ROWS * COLS) as usize];
+    let points = [heights(&data)];
+    let info = GeosweepSurfaceInfo { slots: 2, ..surface_info(ROWS, COLS, &points) };
+    let surface = session.surface(&info);
+    let plan = session.plan(ROWS, COLS, &method(GeosweepWavefront::Planar, 6));
+    let sources = [geosweep_source_at(3.0, 4.0)];
+    let good = frame(plan, &sources);
+    let [first, second] = [(); 2].map(|()| session.host.commands());
+    let record = |commands, frame: &GeosweepFrame| {
+        session.host.begin(commands);
+        let status = unsafe { geosweep_record_frame(surface, commands, frame, null_mut()) };
+        session.host.end(commands);
+        status
+    };
+    ok(record(first, &good));
+    wrong(record(second, &good), "slot 0 is recorded again");
+    ok(record(second, &GeosweepFrame { slot: 1, ..good }));
+    session.host.submit(first, vk::Fence::null());
+    unsafe { session.host.device.device_wait_idle() }.unwrap();
+    unsafe {
+        wrong(geosweep_surface_destroy(surface), "its last recording for slot 1 has not run");
+        wrong(geosweep_surface_discard(surface, 2), "number 2");
+        ok(geosweep_surface_discard(surface, 1));
+        ok(geosweep_surface_destroy(surface));
+        ok(geosweep_plan_destroy(plan));
+    }
+    session.end([]);
+}
+
+/// What a solver should be made for, for plans that say `GEOSWEEP_SCHEDULE_BEST`.
+#[test]
+fn the_best_schedule_is_known_before_the_solver() {
+    let host = Host::without_validation();
+    let (get, instance) = (get_instance_proc_addr(), host.instance.handle());
+    for (rows, cols) in [(9, 9), (200, 300)] {
+        let mut schedule = -1;
+        let device = host.physical_device;
+        ok(unsafe { geosweep_best_schedule(get, instance, device, rows, cols, &mut schedule) });
+        let wavefront = GeosweepWavefront::Planar as i32;
+        let passes = [GeosweepPasses { schedule, wavefront }];
+        let info =
+            GeosweepSolverInfo { passes: passes.as_ptr(), pass_count: 1, ..solver_info(&host) };
+        let mut solver = null_mut();
+        ok(unsafe { geosweep_solver_create(&info, &mut solver) });
+        let mut plan = null_mut();
+        let method = method(GeosweepWavefront::Planar, 4);
+        ok(unsafe { geosweep_plan_create(solver, rows, cols, &method, &mut plan) });
+        let mut of_plan = -1;
+        ok(unsafe { geosweep_plan_schedule(plan, &mut of_plan) });
+        assert_eq!(of_plan, schedule);
+        ok(unsafe { geosweep_plan_destroy(plan) });
+        ok(unsafe { geosweep_solver_destroy(solver) });
+    }
+    let mut schedule = -1;
+    let device = host.physical_device;
+    wrong(
+        unsafe { geosweep_best_schedule(get, instance, device, 0, 9, &mut schedule) },
+        "rows is 0",
+    );
+}
+
+/// On a plane the nearest of two sources is the nearest.
+#[test]
+fn regions_are_those_of_the_nearest_source() {
+    let mut session = Session::new(Host::new());
+    let data = [0.5f32; (ROWS * COLS) as usize];
+    let points = [heights(&data)];
+    let surface = session.surface(&surface_info(ROWS, COLS, &points));
+    let plan = session.plan(ROWS, COLS, &method(GeosweepWavefront::Curved, 12));
+    let sources = [geosweep_source_at(2.0, 3.0), geosweep_source_at(9.0, 13.0)];
+    let mut regions = null_mut();
+    let curved = GeosweepWavefront::Curved as i32;
+    ok(unsafe { geosweep_regions_create(surface, curved, &mut regions) });
+    let (mut labels, mut stated, mut taken) = (zero::<GeosweepLabels>(), 0, 0);
+    unsafe {
+        ok(geosweep_regions_labels(regions, &mut labels));
+        ok(geosweep_regions_bytes_for(session.solver, ROWS, COLS, &mut stated));
+        ok(geosweep_regions_bytes(regions, &mut taken));
+    }
+    assert_eq!((labels.bytes, stated), (u64::from(4 * ROWS * COLS), taken));
+    let to = session.host.buffer(labels.bytes, true);
+    let frame = frame(plan, &sources);
+    let device = session.host.device.clone();
+    session.read(|commands, image| unsafe {
+        ok(geosweep_record_frame(surface, commands, &frame, image));
+        let reader = COPY.access;
+        let of = GeosweepRegionFrame { sources: frame.sources, reader, ..zero() };
+        let mut found = zero::<GeosweepLabels>();
+        ok(geosweep_record_regions(surface, commands, regions, &of, &mut found));
+        assert_eq!((found.buffer, found.bytes), (labels.buffer, labels.bytes));
+        let copy = vk::BufferCopy::default().size(found.bytes);
+        device.cmd_copy_buffer(commands, found.buffer, to.handle, &[copy]);
+        GeosweepStatus::Success
+    });
+    for (index, label) in to.bytes()[..labels.bytes as usize].chunks(4).enumerate() {
+        let label = u32::from_ne_bytes(label.try_into().unwrap());
+        let (row, col) = ((index as u32 / COLS) as f32, (index as u32 % COLS) as f32);
+        let [near, far] = [0, 1].map(|k| f32::hypot(sources[k].row - row, sources[k].col - col));
+        // The border is not looked at.
+        if (near - far).abs() > 1.0 {
+            assert_eq!(label, u32::from(far < near), "{row},{col}");
+        }
+    }
+    unsafe {
+        ok(geosweep_regions_destroy(regions));
+        ok(geosweep_surface_destroy(surface));
+        ok(geosweep_plan_destroy(plan));
+    }
+    session.end([to]);
+}

@@ -1,0 +1,547 @@
+//! What a renderer can get wrong: each is an error, or stands in the outcome; none is a map that looks right.
+//! `tests/capi/misuse.rs` and `states.rs` have the same through the functions of C.
+
+use geosweep::ash::{self, vk};
+use geosweep::surface::{Chart, SourceError};
+use geosweep::vulkan::embed::{
+    self, Access, ContourFrame, Frame, LevelInput, Lookup, Outcome, PathFrame, PathsInfo,
+    PointKind, PointMemory, PointSource, Points, Reader, Recording, RegionFrame, SourceBuffer,
+    SourceInput, StartInput, SurfaceInfo, Tools,
+};
+use geosweep::vulkan::{Schedule, VulkanError};
+use geosweep::{Spacing, Wavefront};
+
+use crate::embed::stage::{Kept, RASTER, Stage, source, vertices};
+use crate::host::{Host, HostBuffer};
+
+const CHART: Chart = Chart { rows: 17, cols: 21 };
+
+/// A frame of this plan for slot 0, from points 0.
+fn frame<'a>(plan: &'a embed::Plan, sources: &'a [PointSource]) -> Frame<'a> {
+    Frame {
+        before: Access::NONE,
+        points: Some(0),
+        sources: SourceInput::Inline(sources),
+        plan,
+        slot: 0,
+        reader: Reader::COPY,
+        unreached: f32::INFINITY,
+    }
+}
+
+/// On a surface of vertices, with so many slots.
+fn stage(slots: usize) -> (Stage, HostBuffer) {
+    let mut host = Kept::watched();
+    let points = host.buffer_of(&vertices(CHART, 0.3));
+    let inputs = [Points::positions(points.handle, 32)];
+    let info = SurfaceInfo { slots, points: &inputs, ..SurfaceInfo::new(CHART) };
+    (Stage::new(host, &RASTER, &info), points)
+}
+
+impl Stage {
+    /// What a recording comes to that is thrown away.
+    fn attempt<T>(&self, record: impl FnOnce(Recording) -> T) -> T {
+        let commands = self.host.commands();
+        self.host.begin(commands);
+        let result = record(self.solver.record(&self.host.device, commands, &self.surface));
+        self.host.end(commands);
+        result
+    }
+
+    /// Records, submits and waits.
+    fn submit(&self, record: impl FnOnce(Recording)) {
+        let device = &self.host.device;
+        self.host.run(|commands| record(self.solver.record(device, commands, &self.surface)));
+    }
+}
+
+macro_rules! assert_all {
+    ($error:pat, $($call:expr),* $(,)?) => {
+        $(match $call {
+            Err($error) => {}
+            other => panic!("{}: {other:?}", stringify!($call)),
+        })*
+    };
+}
+
+#[test]
+fn an_unprepared_surface_takes_nothing() {
+    let (mut stage, points) = stage(1);
+    let device = stage.host.device.clone();
+    let inputs = [Points::positions(points.handle, 32)];
+    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+    let new = stage.solver.surface(&device, stage.host.allocator(), &info).unwrap();
+    let prepared = std::mem::replace(&mut stage.surface, new);
+    let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 4);
+    let sources = source(3.0, 4.0);
+    stage.attempt(|r| {
+        assert_all!(
+            VulkanError::NotPrepared,
+            r.frame(&frame(&plan, &sources)),
+            r.frame(&Frame { points: None, ..frame(&plan, &sources) }),
+            r.measure(0),
+            r.solve(SourceInput::Inline(&sources), &plan),
+            r.result(0, Reader::COPY, 1.0),
+            r.outcome(0),
+        );
+    });
+    let mut destroyed = std::mem::replace(&mut stage.surface, prepared);
+    destroyed.destroy(&device, stage.host.allocator());
+    let kept = std::mem::replace(&mut stage.surface, destroyed);
+    stage.attempt(|r| {
+        assert_all!(VulkanError::Destroyed, r.frame(&frame(&plan, &sources)), r.measure(0));
+    });
+    stage.surface = kept;
+    stage.end([points]);
+}
+
+/// Points that have not changed, of which there are none yet; and curvatures that a solver without curved fronts
+/// has not measured.
+#[test]
+fn maps_come_of_what_was_measured() {
+    let mut host = Host::new();
+    let points = host.buffer_of(&vertices(CHART, 0.3));
+    let inputs = [Points::positions(points.handle, 32)];
+    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+    let mut stage = Stage::new(host, &RASTER[..1], &info);
+    let planar = stage.plan(Schedule::Raster, Wavefront::Planar, 4);
+    let sources = source(3.0, 4.0);
+    let unchanged = |plan| Frame { points: None, ..frame(plan, &sources) };
+    stage.attempt(|r| {
+        assert_all!(
+            VulkanError::NotMeasured,
+            r.frame(&unchanged(&planar)),
+            r.solve(SourceInput::Inline(&sources), &planar),
+        );
+        r.measure(0).unwrap();
+        r.frame(&unchanged(&planar)).unwrap();
+        r.prepare();
+        assert_all!(VulkanError::NotMeasured, r.frame(&unchanged(&planar)));
+        r.measure(0).unwrap();
+    });
+    let device = stage.host.device.clone();
+    stage.solver.add_passes(&device, Schedule::Raster, Wavefront::Curved).unwrap();
+    let curved = stage.plan(Schedule::Raster, Wavefront::Curved, 4);
+    stage.attempt(|r| {
+        r.frame(&unchanged(&planar)).unwrap();
+        assert_all!(VulkanError::NotMeasured, r.frame(&unchanged(&curved)));
+        r.frame(&frame(&curved, &sources)).unwrap();
+        r.frame(&unchanged(&curved)).unwrap();
+    });
+    stage.end([points]);
+}
+
+#[test]
+fn nothing_is_read_of_a_map_that_is_not_there_or_another() {
+    let mut host = Kept::watched();
+    let points = host.buffer_of(&vertices(CHART, 0.3));
+    let (places, to) = (host.buffer_of(&[1.0, 2.0]), host.buffer(64, true));
+    let inputs = [Points::positions(points.handle, 32)];
+    let lookup = Lookup {
+        places: places.handle,
+        places_offset: 0,
+        distances: to.handle,
+        distances_offset: 0,
+        count: 1,
+    };
+    let info = SurfaceInfo { points: &inputs, lookups: &[lookup], ..SurfaceInfo::new(CHART) };
+    let mut stage = Stage::new(host, &RASTER, &info);
+    let device = stage.host.device.clone();
+    stage.solver.add_passes(&device, Schedule::Tiles, Wavefront::Planar).unwrap();
+    let (solver, surface) = (&stage.solver, &stage.surface);
+    let allocator = stage.host.allocator();
+    let mut contours = solver.contours(&device, allocator, surface, 100).unwrap();
+    let room = PathsInfo { paths: 1, vertices: 50 };
+    let mut paths = solver.paths(&device, allocator, surface, room).unwrap();
+    let mut regions = solver.regions(&device, allocator, surface, Wavefront::Curved).unwrap();
+    let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 4);
+    let planar = stage.plan(Schedule::Raster, Wavefront::Planar, 4);
+    let tiles = stage.plan(Schedule::Tiles, Wavefront::Planar, 4);
+    let sources = source(3.0, 4.0);
+    let inline = SourceInput::Inline(&sources);
+    let (none, read) = (Access::NONE, Access::DRAW);
+    let levels = LevelInput::Spacing { step: 1.0, count: 3 };
+    let contour_frame = ContourFrame { levels, start: 0.0, points: 0, reader: read };
+    let starts = StartInput::Inline(&[[9.0, 9.0]]);
+    let path_frame = PathFrame { before: none, starts, sources: inline, points: 0, reader: read };
+    let region_frame = RegionFrame { before: none, sources: inline, reader: read };
+    stage.attempt(|r| {
+        for _ in 0..2 {
+            assert_all!(
+                VulkanError::NoMap,
+                r.add(inline, &plan),
+                r.resume(&plan),
+                r.outcome(0),
+                r.outcome_to(to.handle, 0, read),
+                r.result(0, Reader::COPY, 1.0),
+                r.lookup(0, 1.0, none, none),
+                r.contours(&contours, &contour_frame),
+                r.paths(&paths, &path_frame),
+                r.regions(&regions, &region_frame),
+            );
+            // What was measured anew has none either.
+            r.measure(0).unwrap();
+            r.solve(inline, &plan).unwrap();
+            r.measure(0).unwrap();
+        }
+        r.solve(inline, &planar).unwrap();
+        assert_all!(
+            VulkanError::OtherMap,
+            r.add(inline, &plan),
+            r.resume(&plan),
+            r.resume(&tiles),
+            r.regions(&regions, &region_frame),
+        );
+        r.resume(&planar).unwrap();
+        r.add(inline, &tiles).unwrap();
+        r.resume(&tiles).unwrap();
+    });
+    let allocator = stage.host.allocator();
+    contours.destroy(&device, allocator);
+    paths.destroy(&device, allocator);
+    regions.destroy(&device, allocator);
+    stage.end([points, places, to]);
+}
+
+#[test]
+fn what_lies_beyond_a_buffer_is_refused() {
+    let (mut stage, points) = stage(1);
+    let device = stage.host.device.clone();
+    // 96 bytes, which drivers may round up.
+    let (small, count) = (stage.host.buffer_of(&[0.0; 24]), CHART.points() as u64);
+    let handle = small.handle;
+    let beyond = |result: Result<(), VulkanError>, what: &str| {
+        let error = result.unwrap_err();
+        let VulkanError::HostBuffer { what: of, ref reason } = error else { panic!("{error}") };
+        assert!(of == what && reason.contains("the buffer holds"), "{error}");
+    };
+    let stride = 64 * 1024;
+    let positions = [Points::positions(points.handle, stride)];
+    let memory = PointMemory::Buffer { buffer: points.handle, offset: 32 * count, stride: 32 };
+    let behind = [Points { memory, ..Points::positions(points.handle, 32) }];
+    let sources = [SourceBuffer { buffer: handle, offset: 4, count: 65_536 / 16 }];
+    let mut lookup = Lookup {
+        places: handle,
+        places_offset: 0,
+        distances: handle,
+        distances_offset: 0,
+        count: 65_536 / 8,
+    };
+    let none = SurfaceInfo::new(CHART);
+    let mut surface =
+        |info: &SurfaceInfo| stage.solver.surface(&device, stage.host.allocator(), info).map(drop);
+    beyond(surface(&SurfaceInfo { points: &positions, ..none }), "points");
+    beyond(surface(&SurfaceInfo { points: &behind, ..none }), "points");
+    beyond(surface(&SurfaceInfo { sources: &sources, ..none }), "sources");
+    beyond(surface(&SurfaceInfo { lookups: &[lookup], ..none }), "places");
+    lookup.places = points.handle;
+    lookup.count = 1000;
+    lookup.distances_offset = 65_536;
+    beyond(surface(&SurfaceInfo { lookups: &[lookup], ..none }), "distances");
+
+    let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 2);
+    let room = PathsInfo { paths: 10_000, vertices: 2 };
+    let allocator = stage.host.allocator();
+    let mut paths = stage.solver.paths(&device, allocator, &stage.surface, room).unwrap();
+    let sources = source(3.0, 4.0);
+    stage.attempt(|r| {
+        r.frame(&frame(&plan, &sources)).unwrap();
+        beyond(r.outcome_to(handle, 65_536, Access::NONE), "the outcome");
+        let null = r.outcome_to(vk::Buffer::null(), 0, Access::NONE).unwrap_err();
+        assert!(null.to_string().contains("null handle"), "{null}");
+        let starts = StartInput::Buffer { buffer: handle, offset: 0, count: 10_000 };
+        let sources = SourceInput::Inline(&sources);
+        let (before, reader) = (Access::NONE, Access::DRAW);
+        let traced = PathFrame { before, starts, sources, points: 0, reader };
+        beyond(r.paths(&paths, &traced).map(drop), "starts");
+    });
+    paths.destroy(&device, stage.host.allocator());
+    stage.end([points, small]);
+}
+
+/// Its device knows no function of 1.1, whatever the driver can.
+#[test]
+fn an_instance_for_vulkan_1_0_is_refused() {
+    let entry = unsafe { ash::Entry::load() }.unwrap();
+    let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_0);
+    let info = vk::InstanceCreateInfo::default().application_info(&application);
+    let instance = unsafe { entry.create_instance(&info, None) }.unwrap();
+    let physical = unsafe { instance.enumerate_physical_devices() }.unwrap();
+    let wanted = std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default().to_lowercase();
+    let named = |&device: &vk::PhysicalDevice| {
+        let properties = unsafe { instance.get_physical_device_properties(device) };
+        let name = properties.device_name_as_c_str().unwrap().to_string_lossy();
+        name.to_lowercase().contains(&wanted)
+    };
+    let physical = physical.into_iter().find(named).unwrap();
+    let priorities = [1.0];
+    let queues = [vk::DeviceQueueCreateInfo::default().queue_priorities(&priorities)];
+    let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
+    let device = unsafe { instance.create_device(physical, &info, None) }.unwrap();
+    let error = embed::Solver::new(&instance, physical, &device, &RASTER).unwrap_err();
+    assert!(error.to_string().contains("was created for Vulkan 1.0, and 1.1 is needed"), "{error}");
+    unsafe {
+        device.destroy_device(None);
+        instance.destroy_instance(None);
+    }
+}
+
+/// Refused where the program gives it; clamped where a shader may have written it.
+#[test]
+fn a_curvature_that_is_none_gives_no_other_map() {
+    let mut host = Kept::watched();
+    let points = host.buffer_of(&vertices(CHART, 0.3));
+    let bad = [f32::INFINITY, f32::NAN, -1.0, f32::NEG_INFINITY, -0.0];
+    let entries: Vec<f32> =
+        [0.0, 1e18, 1e30].into_iter().chain(bad).flat_map(|k| [8.0, 9.0, 0.0, k]).collect();
+    let entries = host.buffer_of(&entries);
+    let inputs = [Points::positions(points.handle, 32)];
+    let each = |at: u64| SourceBuffer { buffer: entries.handle, offset: 16 * at, count: 1 };
+    let sources: Vec<_> = (0..3 + bad.len() as u64).map(each).collect();
+    let info = SurfaceInfo { points: &inputs, sources: &sources, ..SurfaceInfo::new(CHART) };
+    let stage = Stage::new(host, &RASTER, &info);
+    let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 8);
+    let right = stage.map(0, SourceInput::Inline(&source(8.0, 9.0)), &plan);
+    let zero = PointSource { row: 8.0, col: 9.0, ..PointSource::default() };
+    assert!(
+        stage.map(0, SourceInput::Inline(&[zero]), &plan) == right,
+        "a struct that starts from zero"
+    );
+    for (number, _) in sources.iter().enumerate() {
+        let map = stage.map(0, SourceInput::Buffer(number), &plan);
+        assert!(map == right, "entry {number}");
+    }
+    for curvature in &bad[..4] {
+        let bad = [PointSource { curvature: *curvature, ..zero }];
+        let refused = stage.attempt(|r| r.frame(&frame(&plan, &bad)).unwrap_err());
+        assert!(
+            matches!(refused, VulkanError::Source(SourceError::Curvature { .. })),
+            "{curvature}: {refused}"
+        );
+    }
+    let straight = [PointSource { curvature: PointSource::STRAIGHT, ..zero }];
+    assert!(stage.map(0, SourceInput::Inline(&straight), &plan) != right, "that it counts");
+    stage.end([points, entries]);
+}
+
+#[test]
+fn an_outcome_before_the_fence_is_none() {
+    let (stage, points) = stage(2);
+    let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 8);
+    let sources = source(3.0, 4.0);
+    let not_run = |slot| {
+        let asked = stage.surface.outcome(slot);
+        assert!(matches!(asked, Err(VulkanError::NotRun { slot: of }) if of == slot), "{asked:?}");
+    };
+    not_run(0);
+    for _ in 0..2 {
+        // Recorded, and not submitted yet: the frame before it says nothing of this one.
+        let commands = stage.host.commands();
+        stage.host.begin(commands);
+        let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);
+        recording.frame(&frame(&plan, &sources)).unwrap();
+        stage.host.end(commands);
+        not_run(0);
+        not_run(1);
+        assert_eq!(stage.surface.in_flight(), Some(0));
+        stage.host.submit(commands, vk::Fence::null());
+        unsafe { stage.host.device.device_wait_idle() }.unwrap();
+        assert_eq!(stage.surface.in_flight(), None);
+        let outcome = stage.surface.outcome(0).unwrap();
+        assert!(outcome.converged && outcome.measured, "{outcome:?}");
+        assert_eq!((outcome.holes, outcome.passed_over), (0, 0));
+    }
+    // One that is thrown away.
+    stage.attempt(|r| r.frame(&Frame { slot: 1, ..frame(&plan, &sources) }).map(drop)).unwrap();
+    assert_eq!(stage.surface.in_flight(), Some(1));
+    stage.surface.discard(1).unwrap();
+    assert_eq!(stage.surface.in_flight(), None);
+    assert!(stage.surface.discard(2).is_err());
+    stage.end([points]);
+}
+
+/// With checks, and with several slots; with one the device waits for the reader before.
+#[test]
+fn a_slot_in_flight_is_not_recorded_again() {
+    let mut host = Host::new();
+    let device = host.device.clone();
+    let points = host.buffer_of(&vertices(CHART, 0.3));
+    let inputs = [Points::positions(points.handle, 32)];
+    let (instance, physical) = (host.instance.clone(), host.physical_device);
+    for (checks, slots) in [(true, 2), (true, 1), (false, 2)] {
+        let tools = Tools { checks, ..Tools::default() };
+        let mut solver =
+            embed::Solver::with_tools(&instance, physical, &device, &RASTER[..1], tools).unwrap();
+        let info = SurfaceInfo { slots, points: &inputs, ..SurfaceInfo::new(CHART) };
+        let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
+        let method = geosweep::vulkan::Method {
+            wavefront: Wavefront::Planar,
+            schedule: None,
+            stop: crate::embed::stage::STOP,
+        };
+        let plan = solver.plan(CHART, method, 4).unwrap();
+        let sources = source(3.0, 4.0);
+        let frame = frame(&plan, &sources);
+        let buffers = [(); 2].map(|()| host.commands());
+        let record = |commands, do_it: &dyn Fn(Recording) -> Result<(), VulkanError>| {
+            host.begin(commands);
+            let done = do_it(solver.record(&device, commands, &surface));
+            host.end(commands);
+            done
+        };
+        record(buffers[0], &|r| {
+            r.prepare();
+            r.frame(&frame).map(drop)
+        })
+        .unwrap();
+        // What goes on with the same map may go to the same slot.
+        record(buffers[1], &|r| {
+            r.begin(Access::NONE);
+            r.resume(&plan).and(r.outcome(0))
+        })
+        .unwrap();
+        host.submit(buffers[0], vk::Fence::null());
+        host.submit(buffers[1], vk::Fence::null());
+        unsafe { device.device_wait_idle() }.unwrap();
+        record(buffers[0], &|r| r.frame(&frame).map(drop)).unwrap();
+        let again = record(buffers[1], &|r| r.frame(&frame).map(drop));
+        match checks && slots > 1 {
+            true => assert!(matches!(again, Err(VulkanError::InFlight { slot: 0 })), "{again:?}"),
+            false => again.unwrap(),
+        }
+        if slots > 1 {
+            record(buffers[1], &|r| r.frame(&Frame { slot: 1, ..frame }).map(drop)).unwrap();
+        }
+        surface.destroy(&device, host.allocator());
+        solver.destroy(&device);
+    }
+    host.free(points);
+    assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
+}
+
+/// Sources that start nothing and points that are none are counted by the device, from buffers and images.
+#[test]
+fn what_only_the_device_knows_is_in_the_outcome() {
+    let mut host = Kept::watched();
+    let mut given = vertices(CHART, 0.3);
+    for (hole, value) in [(8 * 40, f32::NAN), (8 * 41 + 2, f32::INFINITY), (8 * 300 + 1, -2e12)] {
+        given[hole] = value;
+    }
+    let points = host.buffer_of(&given);
+    let [hole_row, hole_col] = [40 / CHART.cols, 40 % CHART.cols].map(|at| at as f32);
+    let entries = host.buffer_of(
+        &[
+            [5.0, 5.5, 0.0, 0.0],           // starts something
+            [f32::NAN, 5.0, 0.0, 0.0],      // unused
+            [17.0, 5.0, 0.0, 0.0],          // off the grid
+            [hole_row, hole_col, 0.0, 0.0], // in a hole
+            [5.0, 6.0, f32::INFINITY, 0.0], // never
+            [5.0, 6.0, 1e30, 0.0],          // not before 1e30
+            [16.0, 20.0, 0.0, 0.0],         // starts something, in the corner
+            [15.5, 19.5, 0.0, 0.0],         // the same, in the last cell
+        ]
+        .concat(),
+    );
+    // Two columns and a row too few.
+    let texels: Vec<f32> = (0..19 * 16).flat_map(|_| [1.0; 4]).collect();
+    let image = host.image_of(19, 16, 4, &texels);
+    let memory = PointMemory::Image { view: image.view, layout: vk::ImageLayout::GENERAL };
+    let kind = PointKind::Heights(Spacing::square(1.0));
+    let inputs = [Points::positions(points.handle, 32), Points { memory, kind, slowness: None }];
+    let sources = [SourceBuffer { buffer: entries.handle, offset: 0, count: 8 }];
+    let info = SurfaceInfo { points: &inputs, sources: &sources, ..SurfaceInfo::new(CHART) };
+    let mut stage = Stage::new(host, &RASTER, &info);
+    let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 12);
+    stage.map(0, SourceInput::Buffer(0), &plan);
+    let outcome = stage.surface.outcome(0).unwrap();
+    assert_eq!((outcome.holes, outcome.passed_over, outcome.measured), (3, 5, true));
+    // What is added to a map counts with the others; a map that starts anew counts anew.
+    let in_hole = source(hole_row, hole_col);
+    let record = stage.host.buffer(64, true);
+    stage.submit(|r| {
+        r.begin(Access::NONE);
+        r.add(SourceInput::Inline(&in_hole), &plan).unwrap();
+        r.outcome(0).unwrap();
+        r.outcome_to(record.handle, 4, Access::HOST_READ).unwrap();
+    });
+    let outcome = stage.surface.outcome(0).unwrap();
+    assert_eq!((outcome.holes, outcome.passed_over), (3, 6));
+    let bytes = record.bytes()[4..][..Outcome::BYTES].try_into().unwrap();
+    assert_eq!(Outcome::from_bytes(bytes), outcome);
+    stage.map(1, SourceInput::Inline(&source(5.0, 5.0)), &plan);
+    let outcome = stage.surface.outcome(0).unwrap();
+    assert_eq!((outcome.holes, outcome.passed_over), (2 * 16 + 21, 0));
+    stage.host.free_image(image);
+    stage.end([points, entries, record]);
+}
+
+/// Of a surface that is measured in bands each point counts once.
+#[test]
+fn holes_of_bands_count_once() {
+    let chart = Chart { rows: 700, cols: 500 };
+    let mut host = Kept::unwatched();
+    let holes =
+        [0, 499, 500 * 233, 500 * 234 + 3, 500 * 235, 500 * 466 + 1, 500 * 467, 500 * 700 - 1];
+    let mut heights = vec![1.0f32; chart.points()];
+    holes.iter().for_each(|&hole| heights[hole] = f32::NAN);
+    let points = host.buffer_of(&heights);
+    let memory = PointMemory::Buffer { buffer: points.handle, offset: 0, stride: 4 };
+    let kind = PointKind::Heights(Spacing::square(1.0));
+    let inputs = [Points { memory, kind, slowness: None }];
+    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(chart) };
+    let stage = Stage::new(host, &RASTER[..1], &info);
+    let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 1);
+    let sources = source(3.0, 4.0);
+    stage.submit(|r| {
+        r.frame(&frame(&plan, &sources)).unwrap();
+    });
+    assert_eq!(stage.surface.outcome(0).unwrap().holes, holes.len() as u32);
+    stage.end([points]);
+}
+
+/// The recording that measures is thrown away, and what comes after it is not.
+#[test]
+fn edges_that_were_never_measured_on_the_device_show() {
+    let (stage, points) = stage(1);
+    let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 4);
+    let sources = source(3.0, 4.0);
+    stage.attempt(|r| r.measure(0)).unwrap();
+    stage.submit(|r| {
+        r.frame(&Frame { points: None, ..frame(&plan, &sources) }).unwrap();
+    });
+    let outcome = stage.surface.outcome(0).unwrap();
+    assert!(!outcome.measured && !outcome.converged, "{outcome:?}");
+    stage.end([points]);
+}
+
+/// No call of Vulkan's tells the state of a command buffer. The layers do; and what was recorded into one that
+/// was not begun never runs, which its outcome tells.
+#[test]
+fn a_recording_at_the_wrong_place_is_reported_by_the_layers() {
+    let mut host = Host::new();
+    let image = host.image_of(8, 8, 1, &[0.0; 64]);
+    let target = host.target(&image, 8, 8);
+    let points = host.buffer_of(&vertices(CHART, 0.3));
+    let inputs = [Points::positions(points.handle, 32)];
+    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+    let mut stage = Stage::new(host, &RASTER[..1], &info);
+    let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 2);
+    let sources = source(3.0, 4.0);
+    let said = |commands| {
+        let before = stage.host.messages().len();
+        let recording = stage.solver.record(&stage.host.device, commands, &stage.surface);
+        recording.frame(&frame(&plan, &sources)).unwrap();
+        stage.host.messages().split_off(before)
+    };
+    let never_begun = said(stage.host.commands());
+    assert!(never_begun.iter().any(|m| m.contains("vkBeginCommandBuffer")), "{never_begun:?}");
+    assert!(matches!(stage.surface.outcome(0), Err(VulkanError::NotRun { slot: 0 })));
+    let commands = stage.host.commands();
+    stage.host.begin(commands);
+    let inside = stage.host.in_pass(commands, &target, 0.0, || said(commands));
+    assert!(inside.iter().any(|m| m.contains("renderpass")), "{inside:?}");
+    stage.host.end(commands);
+    stage.host.free_target(target);
+    stage.host.free_image(image);
+    stage.take_down([points]);
+}
