@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -56,14 +57,19 @@ impl<R: Real> EdgeLengths<R> {
         lengths.iter_mut().for_each(|plane| chart.fill_border_rows(plane, R::FAR));
         let [east, north, north_east, north_west] = &mut lengths;
         let rows = |plane| chart.bordered_rows_mut(plane);
+        let has_obtuse = AtomicBool::new(false);
         (rows(east), rows(north), rows(north_east), rows(north_west))
             .into_par_iter()
             .chunks(BAND)
             .enumerate()
             .try_for_each(|(band, mut lines)| {
                 let first = band * BAND;
-                surface.measure_rows(first..first + lines.len(), origin, |row, lengths| {
-                    let (east, north, north_east, north_west) = &mut lines[row - first];
+                let mut row_above = RowAbove::none(chart.cols);
+                let band = first.saturating_sub(1)..first + lines.len();
+                surface.measure_rows(band, origin, |row, lengths| {
+                    row_above.next(lengths);
+                    let Some(row) = row.checked_sub(first) else { return };
+                    let (east, north, north_east, north_west) = &mut lines[row];
                     for (line, lengths) in
                         [east, north, north_east, north_west].into_iter().zip(lengths)
                     {
@@ -71,17 +77,16 @@ impl<R: Real> EdgeLengths<R> {
                         (*before, *after) = (R::FAR, R::FAR);
                         line.copy_from_slice(lengths);
                     }
-                })
+                })?;
+                has_obtuse.fetch_or(row_above.has_obtuse, Relaxed);
+                Ok(())
             })?;
+        let obtuse = match has_obtuse.into_inner() {
+            true => ObtuseTriangles::default(),
+            false => ObtuseTriangles::none(),
+        };
         let (rule, floor) = (surface.edge_rule(), surface.floor());
-        Ok(Self {
-            chart,
-            lengths,
-            rule,
-            floor,
-            gaussian_curvature: OnceLock::new(),
-            obtuse: Default::default(),
-        })
+        Ok(Self { chart, lengths, rule, floor, gaussian_curvature: OnceLock::new(), obtuse })
     }
 
     /// The edges between the points of a part of the grid.

@@ -8,6 +8,7 @@
 //! both edges. That splits the triangle in two, of which at most one is obtuse, and is split again. What a hole
 //! or the border keeps from being split has its face: it is rare, and no front comes before the later end.
 
+use std::ops::Range;
 use std::sync::OnceLock;
 
 use rayon::prelude::*;
@@ -25,15 +26,57 @@ pub(crate) fn is_obtuse<R: Real>(side_squared: R, other_squared: R) -> bool {
     side_squared + other_squared < R::of(OBTUSE)
 }
 
-/// The triangles of each point that are obtuse there, as bits: bit q is for that between the neighbours in
-/// directions q and q + 1 of [`Direction::ALL`]. Unknown until it is asked for; nothing if no triangle is obtuse.
+/// Which triangles are obtuse. Unknown until it is asked for; nothing if none is.
 #[derive(Clone, Debug, Default)]
-pub(super) struct ObtuseTriangles(OnceLock<Option<Vec<u8>>>);
+pub(super) struct ObtuseTriangles(OnceLock<Option<Found>>);
+
+#[derive(Clone, Debug)]
+struct Found {
+    /// Those of each point of the bordered array: bit q is for that between the neighbours in directions q and
+    /// q + 1 of [`Direction::ALL`].
+    bits: Vec<u8>,
+    /// The points that have some, by row and by column.
+    lines: [Lines; 2],
+}
+
+/// Points, line by line: for each the place in its line.
+#[derive(Clone, Debug)]
+struct Lines {
+    /// Where each line's begin.
+    starts: Vec<u32>,
+    places: Vec<u32>,
+}
+
+impl Lines {
+    /// Those of lines of such a length which are marked, given where the point at a place in a line is.
+    fn of(bits: &[u8], lines: usize, length: usize, at: impl Fn(usize, usize) -> usize) -> Self {
+        let (mut starts, mut places) = (vec![0], Vec::new());
+        for line in 0..lines {
+            places.extend((0..length as u32).filter(|&place| bits[at(line, place as usize)] != 0));
+            starts.push(places.len() as u32);
+        }
+        Self { starts, places }
+    }
+
+    fn within(&self, line: usize, range: Range<usize>) -> &[u32] {
+        let places = &self.places[self.starts[line] as usize..self.starts[line + 1] as usize];
+        let before = |end: usize| places.partition_point(|&place| (place as usize) < end);
+        &places[before(range.start)..before(range.end)]
+    }
+}
 
 impl ObtuseTriangles {
+    pub(super) fn none() -> Self {
+        Self(OnceLock::from(None))
+    }
+
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        self.0.get().and_then(Option::as_ref).map_or(0, Vec::len)
+        self.0.get().and_then(Option::as_ref).map_or(0, |found| {
+            let numbers: usize =
+                found.lines.iter().map(|lines| lines.starts.len() + lines.places.len()).sum();
+            found.bits.len() + numbers * size_of::<u32>()
+        })
     }
 }
 
@@ -41,7 +84,17 @@ impl<R: Real> EdgeLengths<R> {
     /// The obtuse triangles of each point of the bordered array, as bits in the order of [`Direction::ALL`]; none
     /// if the surface has no such triangle, as is the rule.
     pub(crate) fn obtuse_triangles(&self) -> Option<&[u8]> {
-        self.obtuse.0.get_or_init(|| obtuse_triangles(self)).as_deref()
+        self.found().map(|found| &*found.bits)
+    }
+
+    fn found(&self) -> Option<&Found> {
+        self.obtuse.0.get_or_init(|| obtuse_triangles(self)).as_ref()
+    }
+
+    /// The points of part of a row, or column, of the bordered array that have obtuse triangles, by their
+    /// places in it.
+    pub(crate) fn obtuse_points(&self, by_rows: bool, line: usize, range: Range<usize>) -> &[u32] {
+        self.found().map_or(&[], |found| found.lines[usize::from(!by_rows)].within(line, range))
     }
 
     /// Whether the surface has triangles that are obtuse at the point that is updated from them: where it is steep,
@@ -159,7 +212,7 @@ impl<R: Real> EdgeLengths<R> {
             let around = sides[0] + sides[1];
             let is_better = best.is_none_or(|(was_inside, other_around, other)| {
                 let (squared, other) = (apex.squared(), other.squared());
-                let as_near = !(squared < other * clearly) & !(other < squared * clearly);
+                let as_near = (squared >= other * clearly) & (other >= squared * clearly);
                 let nearer =
                     if as_near { around < other_around * clearly } else { squared < other };
                 if inside == was_inside { nearer } else { inside }
@@ -279,14 +332,20 @@ impl<R: Real> Loop for Cells<'_, R> {
     }
 }
 
-fn obtuse_triangles<R: Real>(edges: &EdgeLengths<R>) -> Option<Vec<u8>> {
+fn obtuse_triangles<R: Real>(edges: &EdgeLengths<R>) -> Option<Found> {
     let chart = edges.chart();
     let mut triangles = vec![0; chart.bordered_points()];
     chart
         .rows_mut(&mut triangles)
         .enumerate()
         .for_each(|(row, line)| Instructions::best().run(RowOfTriangles { edges, row, line }));
-    triangles.par_iter().any(|&bits| bits != 0).then_some(triangles)
+    triangles.par_iter().any(|&bits| bits != 0).then(|| {
+        let stride = chart.stride();
+        let rows = triangles.len() / stride;
+        let by_row = Lines::of(&triangles, rows, stride, |row, col| row * stride + col);
+        let by_col = Lines::of(&triangles, stride, rows, |col, row| row * stride + col);
+        Found { bits: triangles, lines: [by_row, by_col] }
+    })
 }
 
 /// The obtuse triangles of a row of points.

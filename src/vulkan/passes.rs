@@ -311,7 +311,10 @@ mod tests {
             for wanted in [(0, x), (1, y), (2, Wavefront::Curved as i32), (3, 64), (4, 4)] {
                 assert!(constants.contains(&wanted), "{constants:?}");
             }
-            assert_eq!(pass.row().name(Wavefront::Curved.into()), format!("scan {}, curved", scan.name()));
+            assert_eq!(
+                pass.row().name(Wavefront::Curved.into()),
+                format!("scan {}, curved", scan.name())
+            );
         }
     }
 

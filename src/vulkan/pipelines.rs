@@ -9,7 +9,9 @@ use ash::vk;
 use bytemuck::Pod;
 
 use super::memory::Image;
-use super::passes::{Variant, CommonPass, MapSize, PUSH_CONSTANT_BYTES, Pass, Row, Specialization, TABLE};
+use super::passes::{
+    CommonPass, MapSize, PUSH_CONSTANT_BYTES, Pass, Row, Specialization, TABLE, Variant,
+};
 use super::profile::Labels;
 use super::shaders::{Shader, set_0, set_1, set_2};
 use super::{Tuning, VulkanError};

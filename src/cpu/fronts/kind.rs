@@ -155,17 +155,23 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         let Some(obtuse) = edges.obtuse_triangles() else { return found };
         let chart = edges.chart();
         let behind = Behind::of(chart, scan);
-        for place in points.clone() {
-            let [row, col] = lines.position(line, place, scan);
-            let point = chart.entry_index(row, col);
+        let [row, col] = lines.position(line, points.start, scan);
+        let by_rows = scan.by_rows();
+        let (of_line, first) = if by_rows { (row, col) } else { (col, row) };
+        for &at in edges.obtuse_points(by_rows, of_line, first..first + points.len()) {
+            let at = at as usize;
+            let point = match by_rows {
+                true => chart.entry_index(row, at),
+                false => chart.entry_index(at, col),
+            };
             let of_point =
                 behind.triangles().iter().filter(|slots| obtuse[point] & slots.bit() != 0);
-            let first = of_point
+            let arrival = of_point
                 .filter_map(|slots| {
                     self.through_parts(edges, point, slots.directions(), |x| lines.front(x))
                 })
                 .reduce(Self::earlier);
-            found.extend(first.map(|arrival| (place - points.start, arrival)));
+            found.extend(arrival.map(|arrival| (at - first, arrival)));
         }
         found
     }

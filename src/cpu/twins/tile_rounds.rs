@@ -67,6 +67,8 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
 struct Tiles<'a, R: Real, K: FrontKind<'a, R>> {
     chart: Chart,
     tiling: Tiling,
+    /// How far from a point others may see it.
+    reach: usize,
     rounds: Rounds,
     behind: [Behind; 4],
     /// Before the round.
@@ -95,9 +97,11 @@ struct Visit<B> {
 impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
     fn new(fronts: PointFronts<'a, R, K>, seeds: &[Seed], stop: Stop, rounds: Rounds) -> Self {
         let chart = fronts.edges.chart();
+        let is_split = fronts.edges.has_obtuse_triangles();
         let mut tiles = Self {
             chart,
             tiling: Tiling::new(chart, rounds.tile),
+            reach: if is_split { SPLIT_REACH as usize } else { 1 },
             rounds,
             behind: behind(chart),
             copies: std::array::from_fn(|_| fronts.clone()),
@@ -187,7 +191,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
             if by <= self.tolerance {
                 continue;
             }
-            for beside in self.tiling.beside((row, col), SPLIT_REACH as usize) {
+            for beside in self.tiling.beside((row, col), self.reach) {
                 self.enlist(beside);
                 border_change = border_change.max(by);
             }
