@@ -14,7 +14,7 @@
 // Most lines of texels in a block.
 layout(constant_id = 4) const int LINES = 1;
 
-layout(set = 2, binding = 3) restrict buffer Blocks {
+layout(set = 2, binding = 2) restrict buffer Blocks {
     // For each scan, in the order of an iteration, and each block what its dispatch reads: groups of
     // a line, 1 if the block is due or 0, and 1. A block that is due again has 2 or 4 in place of that
     // 1, or their sum: the groups that this makes too many do nothing. A scan has a block more on each

@@ -12,7 +12,7 @@ struct Map {
     uint done;          // 1 once the map has converged, or iterations have run out
 };
 
-layout(set = 2, binding = 1) restrict buffer Progress {
+layout(set = 0, binding = 4) restrict buffer Progress {
     uint pending;       // maps that are not done
     uint tolerance;     // residual at which a map has converged
     uint most;          // iterations, at most

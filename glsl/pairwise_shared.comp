@@ -26,10 +26,10 @@ layout(constant_id = 9) const int PITCH = 1;
 layout(set = 0, binding = 3) readonly restrict buffer Fans {
     float fans[];
 };
-layout(set = 2, binding = 3) writeonly restrict buffer Distances {
+layout(set = 2, binding = 2) writeonly restrict buffer Distances {
     uint distances[]; // as in distance.glsl, a row for each map
 };
-layout(set = 2, binding = 2) restrict buffer Kept {
+layout(set = 2, binding = 1) restrict buffer Kept {
     float kept[]; // the fronts of maps that are not done
 };
 

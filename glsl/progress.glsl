@@ -1,6 +1,6 @@
 // How a map's iterations go, kept on the device so that no readback steers them.
 
-layout(set = 2, binding = 1) restrict buffer Progress {
+layout(set = 0, binding = 4) restrict buffer Progress {
     uint residual;      // largest change of a front in this iteration, in units of the last place
     uint renews;        // 1 while curved fronts may be renewed
     uint iterations;    // done so far: of four scans, of updates of all points, or rounds of tiles

@@ -4,7 +4,7 @@
 // Points on a side of a tile.
 layout(constant_id = 5) const int TILE = 16;
 
-layout(set = 2, binding = 2) restrict buffer Tiles {
+layout(set = 2, binding = 1) restrict buffer Tiles {
     uint tiles[]; // for each tile its state, then the round it waits for, then two lists of tiles
 };
 

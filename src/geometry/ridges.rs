@@ -16,8 +16,8 @@ use crate::surface::{Chart, Direction, Edge, EdgeLengths, Real, ring, triangles}
 pub struct Ridge {
     /// The line, from end to end or junction to junction; its direction means nothing.
     pub curve: Curve,
-    /// The angle between the fronts' directions at each vertex, in degrees, up to 180, where they meet
-    /// head-on. It is at least `least_angle` at both ends, and two thirds of that between them.
+    /// The angle between the fronts' directions at each vertex, in degrees, from `least_angle` to
+    /// 180, where they meet head-on.
     pub angles: Vec<f64>,
 }
 
@@ -38,9 +38,6 @@ struct Kink {
 /// another, or at least not apart, where the ridge runs along the edge; it lies where both fronts,
 /// straight on from either end, arrive at once. Ridges run through triangles from edge to edge with a
 /// kink; where all three edges have one they meet at the middle of the three places.
-///
-/// A ridge ends where it last reaches the least angle. Between its ends it may fall to two thirds of that, so
-/// that it stays in one piece where the angle is about the least.
 ///
 /// Rays are those of circular fronts: beside a curve, at some cells' distance from it, they are off
 /// by up to half a cell over that distance.
@@ -74,8 +71,7 @@ pub fn ridges(
     let chart = edges.chart();
     let times = bordered(chart, distances)?;
     let rays = ArrivingRays::new(edges, times);
-    let least = least_angle.to_radians();
-    let cosine = (STAYS * least).cos();
+    let cosine = least_angle.to_radians().cos();
     let rows = chart.rows_of_cells().into_par_iter();
     let found: Vec<([u64; 2], [Kink; 2])> =
         rows.flat_map_iter(|row| rays.march(row, cosine)).collect();
@@ -88,7 +84,6 @@ pub fn ridges(
     // Between two grid points there is a triangle on either side.
     segments.sort_unstable();
     segments.dedup();
-    let segments = between(&ways(&segments), |node| kinks[node].angle >= least);
     let ridge = |way: Vec<u64>| {
         let closed = way.len() > 3 && way[0] == way[way.len() - 1];
         let way = if closed { &way[1..] } else { &way[..] };
@@ -97,21 +92,6 @@ pub fn ridges(
         Ridge { curve: Curve { vertices, closed }, angles }
     };
     Ok(ways(&segments).into_iter().map(ridge).collect())
-}
-
-/// The parts of ways from their first to their last node of some sort, as segments.
-fn between(ways: &[Vec<u64>], is_end: impl Fn(&u64) -> bool) -> Vec<[u64; 2]> {
-    let part = |way: &Vec<u64>| {
-        let ends = way.iter().position(&is_end).zip(way.iter().rposition(&is_end));
-        ends.map_or(Vec::new(), |(first, last)| {
-            let segments = way[first..=last].windows(2);
-            segments.map(|ends| [ends[0].min(ends[1]), ends[0].max(ends[1])]).collect()
-        })
-    };
-    let mut segments: Vec<_> = ways.iter().flat_map(part).collect();
-    segments.sort_unstable();
-    segments.dedup();
-    segments
 }
 
 /// How the first front arrives at a point.
@@ -124,8 +104,6 @@ struct Ray {
     metric: Vec3,
 }
 
-/// The share of the least angle down to which a ridge stays one.
-const STAYS: f64 = 2.0 / 3.0;
 /// A kink nearer than this to a grid point, in shares of the edge, lies at it.
 const AT_POINT: f64 = 1e-4;
 /// Directions that part by this much of what they could, over an edge of that length, may as well

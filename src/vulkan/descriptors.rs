@@ -1,7 +1,7 @@
 //! Descriptor sets of a surface and of what its maps are solved in.
 //!
 //! Every device binds four storage images and four storage buffers to a pass. So a pass sees the set of its
-//! surface, with the fronts that it reads, and beside it either that of a map, with the fronts that it writes, or
+//! surface, with the fronts that it reads and how its map goes on, and beside it either that of a map, with the fronts that it writes, or
 //! one of the host's.
 
 use ash::vk;
@@ -115,9 +115,12 @@ impl GridSets {
         for writes in 0..2 {
             let (surface, map) = (sets[writes], sets[2 + writes]);
             new.writing[writes] = Sets { surface, other: (MAP, map) };
+            pipelines.name(["reads fronts 1", "reads fronts 0"][writes], surface);
+            pipelines.name(["writes fronts 0", "writes fronts 1"][writes], map);
             fill(device, (surface, map), writes, contents);
         }
         new.read_back = sets[4];
+        pipelines.name("distances", new.read_back);
         write_buffer(device, new.read_back, set_1::OUTPUT, contents.distances);
         Ok(new)
     }
@@ -157,7 +160,7 @@ fn fill(
     let Contents { edges, gaussian, fronts, points, progress, tiles, blocks, .. } = contents;
     write_image(device, surface, set_0::EDGES, edges);
     write_image(device, surface, set_0::GAUSSIANS, gaussian);
-    write_buffer(device, map, set_2::PROGRESS, progress);
+    write_buffer(device, surface, set_0::PROGRESS, progress);
     write_buffer(device, map, set_2::BLOCKS, blocks);
     if let Some(fronts) = fronts {
         write_image(device, surface, set_0::OLD_FRONTS, fronts[1 - writes]);

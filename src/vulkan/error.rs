@@ -226,6 +226,7 @@ pub enum VulkanError {
 }
 
 impl VulkanError {
+    #[cfg(feature = "capi")]
     /// What is wrong, for a program that has no other engine.
     pub(crate) fn without_other_engines(&self) -> String {
         const ADVICE: [&str; 3] =

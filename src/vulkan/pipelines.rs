@@ -118,6 +118,7 @@ impl Pipelines {
         self.name("a surface's own", self.surface_set_layout);
         self.name("what the host gives", self.host_set_layout);
         self.name("a map's own", self.map_set_layout);
+        self.name("nothing", self.no_set_layout);
         self.name("passes over a surface", self.layouts[0]);
         self.name("passes that see the host's", self.layouts[1]);
         Ok(())

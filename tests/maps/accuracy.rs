@@ -210,21 +210,22 @@ const SIZES: [usize; 7] = [17, 33, 65, 129, 257, 513, 1025];
 
 /// Mean relative errors after one iteration from a source that lies on every grid of [`SIZES`],
 /// with exact values given within a radius of it.
-fn errors_after_one_iteration(engine: &Engine, builtin: Builtin, radius: f64) -> Vec<f64> {
-    let is_split = matches!(builtin, Builtin::ShearedPlane { .. });
-    // A scan of the device sees the points that split obtuse triangles as they were before its block, which
-    // takes more iterations, and lavapipe half a minute for each of the largest two.
-    let sizes = if is_split && engine.name == "vulkan" { &SIZES[..5] } else { &SIZES };
-    let error = |&points: &usize| {
+fn errors_after_one_iteration(
+    engine: &Engine,
+    builtin: Builtin,
+    radius: f64,
+) -> [f64; SIZES.len()] {
+    SIZES.map(|points| {
         let surface = builtin.surface(points, points).unwrap();
         let last = (points - 1) as f64;
         let exact = builtin.exact_distances(points, points, [last / 4.0, last * 0.375]).unwrap();
         let sources = exact_disc(surface.chart(), &exact, radius);
+        // A scan of the device sees the points that split obtuse triangles as they were before its block.
+        let is_split = matches!(builtin, Builtin::ShearedPlane { .. });
         let stop = if is_split { CONVERGED } else { Stop::after(1) };
         let map = (engine.solve)(&surface, &sources, Wavefront::Planar, stop);
         Errors::of(&map, &exact).mean_relative
-    };
-    sizes.iter().map(error).collect()
+    })
 }
 
 /// Slope of the straight line through log size and log error, by least squares.
@@ -266,7 +267,7 @@ fn planar_fronts_from_a_point_are_of_first_order_but_for_a_logarithm() {
                 let cells = (SIZES[k] - 1) as f64;
                 errors[k] * cells / cells.log2()
             };
-            let constants: Vec<_> = (2..errors.len()).map(constant).collect();
+            let constants: Vec<_> = (2..SIZES.len()).map(constant).collect();
             println!("    error / (h log2(1/h)): {constants:.3?}");
             let (low, high) = constants
                 .iter()
