@@ -469,7 +469,7 @@ mod tests {
         let (method, seeds) = (method(Wavefront::Planar, Schedule::Raster), seeds(&surface));
         let result = without(is_between_passes, || solver.solve(&mut on_device, &seeds, method));
         let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
-        assert!(messages.iter().any(|m| m.contains("[scan ")), "{messages:?}");
+        assert!(messages.iter().any(|m| m.contains("[geosweep: scan ")), "{messages:?}");
     }
 
     #[test]

@@ -288,7 +288,10 @@ fn what_cannot_be_used_is_named() {
         ok(geosweep_surface_destroy(surface));
         ok(geosweep_surface_destroy(other));
         ok(geosweep_plan_destroy(plan));
-        wrong(geosweep_solver_destroy(solver), "still has 2 surfaces, plans, contours or paths");
+        wrong(
+            geosweep_solver_destroy(solver),
+            "still has 2 surfaces, plans, contours, paths or regions",
+        );
         ok(geosweep_contours_destroy(contours));
         ok(geosweep_paths_destroy(paths));
     }

@@ -418,7 +418,10 @@ mod tests {
         });
         let Err(VulkanError::Validation(messages)) = result else { panic!("{result:?}") };
         let named = |name: &str| messages.iter().any(|message| message.contains(name));
-        assert!(named("[pairwise_scan") && named("[batch of fronts"), "{messages:?}");
+        assert!(
+            named("[geosweep: pairwise_scan") && named("[geosweep: batch of fronts"),
+            "{messages:?}"
+        );
     }
 
     #[test]
