@@ -62,9 +62,7 @@ impl<R: Real> TransposedEdges<R> {
 
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        // Before they are written they are room that no memory stands behind.
-        let held = self.edges.iter().map(|edges| std::mem::size_of_val(edges.as_slice())).sum();
-        if self.is_filled { held } else { 0 }
+        self.edges.iter().map(|edges| std::mem::size_of_val(edges.as_slice())).sum()
     }
 }
 
