@@ -210,22 +210,36 @@ const SIZES: [usize; 7] = [17, 33, 65, 129, 257, 513, 1025];
 
 /// Mean relative errors after one iteration from a source that lies on every grid of [`SIZES`],
 /// with exact values given within a radius of it.
-fn errors_after_one_iteration(
-    engine: &Engine,
-    builtin: Builtin,
-    radius: f64,
-) -> [f64; SIZES.len()] {
-    SIZES.map(|points| {
+fn errors_after_one_iteration(engine: &Engine, builtin: Builtin, radius: f64) -> Vec<f64> {
+    let is_split = matches!(builtin, Builtin::ShearedPlane { .. });
+    let error = |&points: &usize| {
         let surface = builtin.surface(points, points).unwrap();
         let last = (points - 1) as f64;
         let exact = builtin.exact_distances(points, points, [last / 4.0, last * 0.375]).unwrap();
         let sources = exact_disc(surface.chart(), &exact, radius);
         // A scan of the device sees the points that split obtuse triangles as they were before its block.
-        let is_split = matches!(builtin, Builtin::ShearedPlane { .. });
         let stop = if is_split { CONVERGED } else { Stop::after(1) };
         let map = (engine.solve)(&surface, &sources, Wavefront::Planar, stop);
         Errors::of(&map, &exact).mean_relative
-    })
+    };
+    sizes_of(engine, builtin).iter().map(error).collect()
+}
+
+/// Lavapipe takes half a minute for each of the largest two where triangles are split.
+fn sizes_of(engine: &Engine, builtin: Builtin) -> &'static [usize] {
+    let is_split = matches!(builtin, Builtin::ShearedPlane { .. });
+    if is_split && engine.name == "vulkan" { &SIZES[..5] } else { &SIZES }
+}
+
+/// The CPU's errors at all sizes, after holding the device's against them.
+fn errors_of_engines(builtin: Builtin, radius: f64) -> Vec<f64> {
+    let [of_cpu, of_device] =
+        ENGINES.each_ref().map(|engine| errors_after_one_iteration(engine, builtin, radius));
+    for (k, (a, b)) in of_cpu.iter().zip(&of_device).enumerate() {
+        // Measured: up to 4 %, at 17 points.
+        assert!((a - b).abs() < 0.05 * a, "{builtin}, {}: {a} {b}", SIZES[k]);
+    }
+    of_cpu
 }
 
 /// Slope of the straight line through log size and log error, by least squares.
@@ -243,37 +257,33 @@ fn slope(errors: &[f64]) -> f64 {
 /// values in a disc around it, the slope is -1.02 (plane), -1.09 (sheared), -1.02 (sphere).
 #[test]
 fn planar_fronts_are_of_first_order() {
-    for engine in &ENGINES {
-        for builtin in FIGURE_5 {
-            let errors = errors_after_one_iteration(engine, builtin, 0.15);
-            println!("{} {builtin}: slope {:.3}, {errors:.5?}", engine.name, slope(&errors));
-            assert!(slope(&errors) < -0.95, "{} {builtin}", engine.name);
-        }
+    for builtin in FIGURE_5 {
+        let errors = errors_of_engines(builtin, 0.15);
+        println!("{builtin}: slope {:.3}, {errors:.5?}", slope(&errors));
+        assert!(slope(&errors) < -0.95, "{builtin}");
     }
 }
 
 /// From a bare point, where the front is most curved, each octave of distance adds an error
 /// proportional to the grid spacing h, so that the error is h log(1/h): first order but for the
-/// logarithm. Over these sizes that is a slope of -0.65 to -0.67, and from 65 points on the error
+/// logarithm. Over these sizes that is a slope of -0.63 to -0.67, and from 65 points on the error
 /// divided by h log2(1/h) stays the same within a third.
 #[test]
 fn planar_fronts_from_a_point_are_of_first_order_but_for_a_logarithm() {
-    for engine in &ENGINES {
-        for builtin in FIGURE_5 {
-            let errors = errors_after_one_iteration(engine, builtin, 0.0);
-            println!("{} {builtin}: slope {:.3}, {errors:.5?}", engine.name, slope(&errors));
-            assert!(slope(&errors) < -0.62, "{} {builtin}", engine.name);
-            let constant = |k: usize| {
-                let cells = (SIZES[k] - 1) as f64;
-                errors[k] * cells / cells.log2()
-            };
-            let constants: Vec<_> = (2..SIZES.len()).map(constant).collect();
-            println!("    error / (h log2(1/h)): {constants:.3?}");
-            let (low, high) = constants
-                .iter()
-                .fold((f64::INFINITY, 0.0f64), |(low, high), &c| (low.min(c), high.max(c)));
-            assert!(high < 1.5 * low, "{} {builtin}: {constants:?}", engine.name);
-        }
+    for builtin in FIGURE_5 {
+        let errors = errors_of_engines(builtin, 0.0);
+        println!("{builtin}: slope {:.3}, {errors:.5?}", slope(&errors));
+        assert!(slope(&errors) < -0.62, "{builtin}");
+        let constant = |k: usize| {
+            let cells = (SIZES[k] - 1) as f64;
+            errors[k] * cells / cells.log2()
+        };
+        let constants: Vec<_> = (2..SIZES.len()).map(constant).collect();
+        println!("    error / (h log2(1/h)): {constants:.3?}");
+        let (low, high) = constants
+            .iter()
+            .fold((f64::INFINITY, 0.0f64), |(low, high), &c| (low.min(c), high.max(c)));
+        assert!(high < 1.5 * low, "{builtin}: {constants:?}");
     }
 }
 

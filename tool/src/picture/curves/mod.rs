@@ -11,7 +11,7 @@ use geosweep::surface::Source;
 use geosweep::{Sources, Surface};
 
 use super::canvas::{Canvas, Color, mix};
-use super::colors::{INK, Scale, ink_over};
+use super::colors::{Scale, ink_over};
 use super::legend::{Legend, Lines};
 use super::raster::Paint;
 use super::swatches::Swatches;
@@ -183,7 +183,10 @@ impl CurvePicture<'_> {
                 let (right, gap) = (at.x + 10.0 * thickness, 10.0 * thickness);
                 let fits = right + width < canvas.width as f32;
                 let left = if fits { right } else { at.x - gap - width };
-                pen.write(canvas, left, at.y, text, INK);
+                let pixel = |at: f32, pixels: usize| (at.max(0.0) as usize).min(pixels - 1);
+                let middle = pixel(left + 0.5 * width, canvas.width);
+                let ground = canvas.pixels[pixel(at.y, canvas.height) * canvas.width + middle];
+                pen.write(canvas, left, at.y, text, ink_over(ground));
             }
         }
     }
