@@ -233,7 +233,9 @@ fn assert_schedule_twins(
             let difference = difference(&twin.distances(), &vulkan.distances);
             let what = format!("{iterations} iterations, {schedule}, {wavefront}");
             assert!(difference < TWINS, "{what}: {difference}");
-            assert_eq!(twin.iterations, vulkan.iterations, "{what}");
+            // Whether a round more changes a last digit hangs on how a device rounds: GPUs fuse products.
+            let apart = twin.iterations.abs_diff(vulkan.iterations);
+            assert!(apart <= 1, "{what}: {} and {}", twin.iterations, vulkan.iterations);
         }
     }
 }

@@ -39,8 +39,13 @@ unsafe extern "system" fn little(
         let properties = &mut *properties;
         properties.api_version = vk::API_VERSION_1_0;
         properties.limits.max_compute_work_group_invocations = 32;
-        properties.limits.max_per_stage_descriptor_storage_images = 4;
-        properties.limits.max_per_stage_descriptor_storage_buffers = 4;
+        // Each one less than Vulkan guarantees.
+        properties.limits.max_per_stage_descriptor_storage_images = 3;
+        properties.limits.max_per_stage_descriptor_storage_buffers = 3;
+        properties.limits.max_compute_work_group_count[1] = 65_534;
+        properties.limits.max_compute_work_group_size[0] = 127;
+        properties.limits.max_compute_shared_memory_size = 16_383;
+        properties.limits.max_bound_descriptor_sets = 2;
     }
 }
 
@@ -70,15 +75,19 @@ fn all_that_a_device_lacks_is_named() {
     for (word, needed) in [
         ("Vulkan 1.0", "1.1"),
         ("32 invocations", "128"),
-        ("4 storage images", "7"),
-        ("4 storage buffers", "7"),
+        ("127 invocations wide", "128"),
+        ("16383 bytes", "16384"),
+        ("65534 workgroups", "65535"),
+        ("2 descriptor sets", "3"),
+        ("3 storage images", "4"),
+        ("3 storage buffers", "4"),
         ("four 32-bit floats", ""),
         ("one 32-bit float", ""),
     ] {
         let named = |entry: &String| entry.contains(word) && entry.contains(needed);
         assert_eq!(unmet.iter().filter(|entry| named(entry)).count(), 1, "{word}: {unmet:?}");
     }
-    assert_eq!(unmet.len(), 6, "{unmet:?}");
+    assert_eq!(unmet.len(), 10, "{unmet:?}");
     let error = embed::Solver::new(&lesser, host.physical_device, &host.device, &RASTER);
     let error = error.unwrap_err();
     assert!(matches!(&error, VulkanError::Unusable { .. }), "{error}");

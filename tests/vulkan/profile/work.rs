@@ -228,7 +228,7 @@ fn counts_and_starts_agree_with_a_count_by_hand() {
             assert_eq!(moved(pass), Some(by_hand), "{schedule}: {pass:?}");
         }
         let start = of_kind(&profile, PassKind::Start).next().unwrap();
-        let progress = 4 * (8 + 3 * (1 + 128 + 1) + 128 + 2);
+        let progress = 4 * (8 + 3 + 4 * (128 + 1) + 128 + 2);
         let lines = u64::from(bench.solver.tuning().scan_lines);
         let blocks = if schedule == Schedule::Raster { 4 * (45u64.div_ceil(lines) + 2) } else { 0 };
         assert_eq!(moved(start), Some((0, progress + 4 * 4 * tiles + 4 * 3 * blocks)));
@@ -238,8 +238,8 @@ fn counts_and_starts_agree_with_a_count_by_hand() {
 
 /// A tile lies in the other image once it is visited an odd number of times, by the lists of rounds;
 /// its texels on the grid are brought back, eight numbers each, after a look at the state of every
-/// tile. Before further rounds the number of tiles on the next list is copied, the numbers of the
-/// other 128 lists and all that follow them are written, and what tiles wait for.
+/// tile. Before further rounds the four numbers of the next list are copied, those of the other 128 lists and
+/// all that follow them are written, and what tiles wait for.
 #[test]
 fn what_settles_is_what_lies_in_the_other_image() {
     let mut bench = Bench::new(100, 131, &[]);
@@ -271,8 +271,8 @@ fn what_settles_is_what_lies_in_the_other_image() {
             match pass.kind {
                 PassKind::Settle => assert_eq!(moved(pass), Some((by_hand, by_hand))),
                 PassKind::Resume => {
-                    let written = 4 * (1 + 3 * 128 + 128 + 2 + down * across) as u64;
-                    assert_eq!(moved(pass), Some((4, written)));
+                    let written = 4 * (4 * (1 + 128) + 128 + 2 + down * across) as u64;
+                    assert_eq!(moved(pass), Some((4 * 4, written)));
                 }
                 _ => {}
             }

@@ -125,8 +125,9 @@ fn spaced(step: f32, count: usize) -> Vec<f32> {
     (1..=count).map(|k| step * k as f32).collect()
 }
 
-/// 7e-6 cells were measured: single precision holds rows and columns as exactly as that.
-pub const SAME: f64 = 3e-5;
+/// 7e-6 cells were measured on lavapipe: single precision holds rows and columns as exactly as that. Where
+/// divisions and roots are a unit off in the last place, as on GPUs, 3.3e-5.
+pub const SAME: f64 = 1e-4;
 
 #[test]
 fn contours_are_those_of_the_cpu() {
