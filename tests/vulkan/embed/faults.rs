@@ -219,7 +219,10 @@ fn memory_is_as_stated_and_shows_until_it_is_freed() {
         let taken: u64 = report.allocations.iter().map(|allocation| allocation.size).sum();
         assert_eq!(stated, surface.bytes());
         // The allocator rounds each up to what may lie beside it.
-        assert!((stated..stated + 256 * report.allocations.len() as u64).contains(&taken));
+        let properties =
+            unsafe { host.instance.get_physical_device_properties(host.physical_device) };
+        let each = properties.limits.buffer_image_granularity.max(256);
+        assert!((stated..stated + each * report.allocations.len() as u64).contains(&taken));
         let distances = report.allocations.iter().filter(|a| a.name == "distances").count();
         assert_eq!(distances, slots);
         surface.destroy(&device, host.allocator());
@@ -227,7 +230,8 @@ fn memory_is_as_stated_and_shows_until_it_is_freed() {
         assert_eq!(host.allocations(), 0);
     }
     // With the map that the host reads.
-    for side in [900, 1200, 4096] {
+    // The last is the largest that every device takes.
+    for side in [900, 1200, 4092] {
         let chart = Chart { rows: side, cols: side };
         let stated = solver.bytes_for(&device, &SurfaceInfo::new(chart)).unwrap();
         assert!(stated <= 48 * chart.points() as u64, "{side}: {stated}");
