@@ -8,7 +8,7 @@ use super::recorder::{Recorder, dispatched};
 use crate::constants::{FAR, LAYERS};
 use crate::surface::{EdgeRule, Spacing};
 use crate::vulkan::TexelChart;
-use crate::vulkan::barrier::{CLEAR, NOTHING, SHADER, SHADER_WRITE};
+use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE};
 use crate::vulkan::grid_images::rows_around;
 use crate::vulkan::passes::{FAN_CURVATURE, GAUSSIAN_CURVATURE};
 use crate::vulkan::point_kind::PointKind;
@@ -24,7 +24,8 @@ impl Recorder<'_> {
         let grid = self.grid;
         let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL);
         for image in [&grid.edges, &grid.gaussian, &grid.fronts[0], &grid.fronts[1]] {
-            self.image_barrier(image.image, NOTHING, CLEAR, layouts);
+            // Passes of a map before, if the surface is prepared again.
+            self.image_barrier(image.image, SHADER, CLEAR, layouts);
         }
         self.clear(grid.edges.image, 0, FAR);
         self.clear(grid.gaussian.image, 0, 0.0);
