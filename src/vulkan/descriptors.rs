@@ -1,8 +1,8 @@
 //! Descriptor sets of a surface and of what its maps are solved in.
 //!
 //! Every device binds four storage images and four storage buffers to a pass. So a pass sees the set of its
-//! surface, with the fronts that it reads and how its map goes on, and beside it either that of a map, with the fronts that it writes, or
-//! one of the host's.
+//! surface, with the fronts that it reads and how its map goes on, and beside it either that of a map, with
+//! the fronts that it writes, or one of the host's.
 
 use ash::vk;
 
