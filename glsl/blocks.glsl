@@ -4,7 +4,7 @@
 // nothing: what a scan brings to a block depends on that line and the block alone, and it has brought
 // it.
 // But with anchors a scan looks at corners further behind as well, and in obtuse triangles at points beyond them;
-// and at those in the block as they were before. So if one of these has changed the block is due again in the
+// and at some of those in the block as they were before. So if one of these has changed the block is due again in the
 // next iteration.
 // Skipped blocks leave both images of fronts as they are, which are alike there: a scan that changes a
 // texel writes one image, the next scan reads that image and writes the other, and the texel's block

@@ -30,8 +30,13 @@ layout(constant_id = 1) const int AHEAD_Y = 1;
 #include "surface_image.glsl"
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray old_fronts;
-// Read on the line behind the block, which an earlier dispatch has written.
+// Read on the line behind the block, which an earlier dispatch has written, and by the parts of obtuse triangles
+// on lines of the block that this workgroup has written.
+#ifdef WITH_FURTHER_POINTS
+layout(set = 2, binding = 0, rgba32f) uniform restrict coherent image2DArray new_fronts;
+#else
 layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray new_fronts;
+#endif
 
 layout(push_constant) uniform Block {
     int line;  // the first row or column of texels in the order of the scan
@@ -98,10 +103,32 @@ struct Lines {
 };
 
 #ifdef WITH_FURTHER_POINTS
-// Behind the block lines are as this scan has left them, in it and ahead as they were before.
+// The first line of points of the line of texels being updated, likewise.
+shared vec4 begun[gl_WorkGroupSize.x];
+// How many lines of texels of the block are done, and whether the first points of the next one are.
+int lines_done = 0;
+bool has_begun = false;
+
+// The texel in a line that a lane updates first of all.
+int first_of_workgroup() {
+    return first + int(gl_WorkGroupID.x) * (int(gl_WorkGroupSize.x) - 2 * HALO) - HALO;
+}
+
+// Behind the block lines are as this scan has left them, and so are those in it that are done, where this workgroup
+// writes them; the others are as they were before.
 vec2 front_at(ivec2 point) {
     ivec2 texel = texel_of(point);
-    bool is_behind = lines_ahead(texel, ahead) < line * (AHEAD_X + AHEAD_Y);
+    int lines_on = lines_ahead(texel, ahead) - line * (AHEAD_X + AHEAD_Y);
+    int place = lines_ahead(texel, along);
+    int other = place - first_of_workgroup();
+    bool is_own = other >= HALO && other < int(gl_WorkGroupSize.x) - HALO && place < first + count;
+    ivec2 in_texel = abs(point - first_point_of_line(texel, ahead));
+    if (has_begun && is_own && lines_on == lines_done && in_texel * abs(ahead) == ivec2(0)) {
+        vec4 fronts = begun[other];
+        bool is_second = in_texel != ivec2(0);
+        return is_second ? fronts.yw : fronts.xz;
+    }
+    bool is_behind = lines_on < (is_own ? lines_done : 0);
     ivec3 time_at = place_of(texel, TIME);
     ivec3 carried_at = place_of(texel, CARRIED);
     vec4 times = is_behind ? imageLoad(new_fronts, time_at) : imageLoad(old_fronts, time_at);
@@ -158,6 +185,13 @@ bool pass_triangles(ivec2 point, Sight behind, vec4 base_left, vec4 base_right, 
 #endif
         accept(fronts, SCAN, may_renew, own.first.time, own.first.carried);
     }
+#ifdef WITH_FURTHER_POINTS
+    if (SPLITS != 0) {
+        begun[gl_LocalInvocationID.x] = vec4(own.first.time.yz, own.first.carried.yz);
+        has_begun = true;
+        barrier();
+    }
+#endif
     if (passes(point + ahead, ahead)) {
         vec4 base = vec4(edge_length(point - along, along), edge_length(point, along),
                          edge_length(point, along), edge_length(point + along, along));
@@ -194,6 +228,11 @@ void scan_block() {
         if (k >= lines) break;
         int number = line + k * (AHEAD_X + AHEAD_Y);
         ivec2 texel = in_line(number, place, ahead, along);
+#ifdef WITH_FURTHER_POINTS
+        lines_done = k;
+        has_begun = false;
+        if (SPLITS != 0) memoryBarrierImage();
+#endif
         if (k == 0) {
             times = layer_behind(texel, TIME);
             if (CARRIES) carried = layer_behind(texel, CARRIED);
