@@ -108,7 +108,7 @@ impl State {
     /// The next serial, for a slot whose outcome is recorded into a command buffer.
     pub(super) fn next_serial(&self, slot: usize, commands: vk::CommandBuffer) -> u32 {
         // 0 is no serial, 2^32 - 1 recordings later either.
-        let serial = (self.serial.fetch_add(1, Relaxed) + 1).max(1);
+        let serial = self.serial.fetch_add(1, Relaxed).wrapping_add(1).max(1);
         let of = &self.slots[slot];
         of.serial.store(serial, Relaxed);
         of.map.store(self.maps.load(Relaxed), Relaxed);
