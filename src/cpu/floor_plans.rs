@@ -309,14 +309,13 @@ fn anchored_fronts_over_floor_plans_are_exact_in_all_schedules() {
     let rounds = |edges: &EdgeLengths<f32>, seeds: &[Seed], wavefront, stop| {
         tile_rounds(edges, seeds, wavefront, stop, Rounds { tile: 16, inner: 4, recorded: 8 })
     };
-    // All points at once take twenty times as long as the others.
-    let schedules: [(&str, usize, Scan<f32>); 3] =
-        [("raster", 12, scan_in_turn), ("all points", 2, all_points), ("tiles", 12, rounds)];
-    for ((name, plans, schedule), kind) in
+    let schedules: [(&str, Scan<f32>); 3] =
+        [("raster", scan_in_turn), ("all points", all_points), ("tiles", rounds)];
+    for ((name, schedule), kind) in
         schedules.into_iter().flat_map(|schedule| Kind::ALL.map(|kind| (schedule, kind)))
     {
         let mut largest = 0.0f64;
-        for case in Case::all(kind).take(plans).chain(Case::all_between(kind).take(plans)) {
+        for case in Case::all(kind).chain(Case::all_between(kind)) {
             let map = case.solve::<f32>(Wavefront::Anchored, 1e-6, schedule);
             let errors = Errors::of(&map, &case.exact);
             assert_eq!(errors.reached_by_one, 0, "{name}, {kind:?}");
@@ -426,7 +425,7 @@ fn anchors_among_crowds_are_nearly_exact() {
         ("small boxes", 100, DVec2::splat(1.0), DVec2::splat(8.0)),
         ("walls", 40, DVec2::new(1.0, 0.7), DVec2::new(50.0, 0.7)),
     ] {
-        for seed in 1..=2 {
+        for seed in 1..=3 {
             let case = crowded(boxes, [shortest, longest], seed);
             let single = case.solve::<f32>(Wavefront::Anchored, 1e-6, rotated_scan);
             let [marched, scanned] = [marched(&case.surface, &case.sources), single].map(|map| {

@@ -373,3 +373,56 @@ impl<R: Real> Loop for RowOfTriangles<'_, R> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::builtin::Builtin;
+    use crate::surface::{Spacing, Surface};
+
+    /// Steps up and down by so much, with a hole.
+    fn steps(height: f64) -> Surface {
+        let (rows, cols) = (40, 7);
+        let heights = (0..rows * cols).map(|k| height * f64::from((k * k / 3 % 5) as u8)).collect();
+        let mut mask = vec![true; rows * cols];
+        mask[3 * cols + 2] = false;
+        let surface = Surface::from_heights(rows, cols, heights, Spacing::square(1.0)).unwrap();
+        surface.with_mask(&mask).unwrap()
+    }
+
+    #[test]
+    fn obtuse_triangles_are_found_while_edges_are_measured() {
+        let sheared = |degrees| Builtin::ShearedPlane { degrees }.surface(35, 9).unwrap();
+        let flat = Builtin::Plane.surface(40, 9).unwrap();
+        for (surface, expected) in
+            [(flat, false), (steps(0.0), false), (sheared(30.0), true), (steps(3.0), true)]
+        {
+            let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+            let mut texels = vec![[0.0; 4]; surface.rows() * surface.cols()];
+            let told =
+                surface.write_edges(0..surface.rows(), surface.origin(), &mut texels).unwrap();
+            assert_eq!((edges.has_obtuse_triangles(), told), (expected, expected));
+            // The same whatever was found before.
+            assert_eq!(obtuse_triangles(&edges).is_some(), expected);
+        }
+    }
+
+    #[test]
+    fn points_with_obtuse_triangles_are_listed_by_row_and_column() {
+        let edges = EdgeLengths::<f64>::new(&steps(3.0)).unwrap();
+        let (chart, bits) = (edges.chart(), edges.obtuse_triangles().unwrap());
+        let lines =
+            [(true, chart.rows + 2, chart.cols + 2), (false, chart.cols + 2, chart.rows + 2)];
+        for (by_rows, count, length) in lines {
+            for line in 0..count {
+                let is_listed = |&at: &usize| {
+                    let at = if by_rows { (line, at) } else { (at, line) };
+                    bits[chart.entry_index(at.0, at.1)] != 0
+                };
+                let expected: Vec<_> = (2..length - 1).filter(is_listed).collect();
+                let listed = edges.obtuse_points(by_rows, line, 2..length - 1);
+                assert_eq!(listed.iter().map(|&at| at as usize).collect::<Vec<_>>(), expected);
+            }
+        }
+    }
+}

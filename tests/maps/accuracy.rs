@@ -217,18 +217,12 @@ fn errors_after_one_iteration(engine: &Engine, builtin: Builtin, radius: f64) ->
         let last = (points - 1) as f64;
         let exact = builtin.exact_distances(points, points, [last / 4.0, last * 0.375]).unwrap();
         let sources = exact_disc(surface.chart(), &exact, radius);
-        // A scan of the device sees the points that split obtuse triangles as they were before its block.
+        // A scan of the device sees points that split obtuse triangles beyond its workgroup as they were before.
         let stop = if is_split { CONVERGED } else { Stop::after(1) };
         let map = (engine.solve)(&surface, &sources, Wavefront::Planar, stop);
         Errors::of(&map, &exact).mean_relative
     };
-    sizes_of(engine, builtin).iter().map(error).collect()
-}
-
-/// Lavapipe takes half a minute for each of the largest two where triangles are split.
-fn sizes_of(engine: &Engine, builtin: Builtin) -> &'static [usize] {
-    let is_split = matches!(builtin, Builtin::ShearedPlane { .. });
-    if is_split && engine.name == "vulkan" { &SIZES[..5] } else { &SIZES }
+    SIZES.iter().map(error).collect()
 }
 
 /// The CPU's errors at all sizes, after holding the device's against them.

@@ -43,8 +43,7 @@ fn solve(solver: &mut Solver, case: &Case) -> (Vec<String>, Vec<String>) {
 #[test]
 fn maps_keep_their_bounds_on_any_surface() {
     let mut solver = vulkan_solver();
-    // Lavapipe takes a second for each; GEOSWEEP_CASES asks for more.
-    let cases = cases(16);
+    let cases = cases(40);
     let count = (cases.end - cases.start) as usize;
     let (failures, apart): (Vec<_>, Vec<_>) =
         cases.map(|number| solve(&mut solver, &Case::new(number))).unzip();
