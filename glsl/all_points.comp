@@ -57,6 +57,7 @@ void main() {
     if (is_beyond(inner, texels)) return;
     ivec2 texel = with_border(inner);
     bool may_renew = renews != 0u;
+    causal = is_causal != 0u;
 
     vec4 nine[9];
     for (int i = 0; i < 9; i++) {

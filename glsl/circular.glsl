@@ -26,5 +26,6 @@ vec4 circular(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
     bvec4 upwind = both(both(shape.whole, in_front), both(after_x1, before_x2));
     vec4 n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * 2.0;
     vec4 inside = t + c * (n / (1.0 + sqrt(max(1.0 + kappa * n, 0.0))));
+    inside = mix(inside, max(inside, t), bvec4(causal));
     return min(along_edge, mix(along_edge, inside, upwind));
 }

@@ -56,6 +56,8 @@
 #define ABOUT_STRAIGHT 0.25
 // Fronts whose times differ by no more than so many times their rounding arrive together.
 #define TOGETHER 1.0
+// Units of rounding by which a front arrives after the later end of a base where it may not arrive before it.
+#define CLEARLY_LATER 2.0
 // A front that comes again, together with itself, is the same if its curvature differs by no more than
 // so many times its rounding: a tag takes 16.
 #define BENT_AGAIN 1024.0
@@ -74,6 +76,9 @@
 #define SOURCES_INSIDE 4096
 // Texels around the grid's own in every image, so that no neighbour needs a bounds test.
 #define BORDER 1
+// Iterations after the last in which a point was reached, from which on curved fronts are causal: they take turns
+// somewhere.
+#define RESTLESS 20
 // Iterations after the last in which a point was reached, from which on curved fronts are no
 // longer renewed; see progress.rs.
 #define PATIENCE 50

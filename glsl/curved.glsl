@@ -36,11 +36,13 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     bvec4 after_x1 = greaterThanEqual(crossing, vec4(0.0));
     vec4 n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * 2.0;
     vec4 root = sqrt(max(1.0 + kappa * n, 0.0));
-    vec4 least = mix(vec4(0.0), d, are_upright(shape));
+    vec4 least = mix(vec4(0.0), d, both(are_upright(shape), bvec4(!causal)));
     vec4 rise = max(n / (1.0 + root), least);
     vec4 by_far = t + l;
     vec4 by_near = near_t + near_l;
+    vec4 later = t + t * (CLEARLY_LATER * PRECISION);
     vec4 time = t + c * rise;
+    time = mix(time, max(time, later), bvec4(causal));
     bvec4 crosses = both(both(is_front, after_x1), lessThanEqual(crossing, width));
     bvec4 inside = both(crosses, lessThanEqual(time, min(by_far, by_near)));
     vec4 far_spread = max(1.0 + far_kappa * rise, FOCUS);
@@ -53,7 +55,9 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     vec4 edge = mix(near_l, l, from_far);
     vec4 edge_g = mix(near_g, g, from_far);
     bvec4 reaches_far = both(from_far, greaterThanEqual(crossing, -grazing));
-    bvec4 reaches_near = both(not(from_far), lessThanEqual(crossing, width + grazing));
+    bvec4 is_known = either(bvec4(!causal), lessThan(later, by_near));
+    bvec4 past_near = both(lessThanEqual(crossing, width + grazing), is_known);
+    bvec4 reaches_near = both(not(from_far), past_near);
     bvec4 ahead = both(is_front, either(reaches_far, reaches_near));
     bvec4 turns = both(either(shape.whole, alone), not(ahead));
     bvec4 corner = equal(tags_of(edge_g), uvec4(DIFFRACTS));

@@ -51,6 +51,7 @@ void note_moved(uint moved, uint further, ivec2 texel) {
 
 void main() {
     if (gl_WorkGroupID.y > 0u) return;
+    causal = is_causal != 0u;
     // What the dispatch was made by has been read.
     if (gl_GlobalInvocationID.x == 0u) {
         int at = due_at(int(SCAN) - 1, without_border(line) / LINES, pitch);

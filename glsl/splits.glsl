@@ -1,5 +1,5 @@
 // Fronts through the parts of obtuse triangles, which have no face themselves: grid points beyond their bases
-// split them. What cannot be split has its face.
+// split them. What cannot be split has none either.
 // Include after wavefront.glsl and edge_image.glsl.
 // Twin: src/surface/unfold.rs, where it is explained.
 //
@@ -116,22 +116,20 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
     Unfolded w = left;
     int turn = base.x * a.y - base.y * a.x > 0 ? 1 : -1;
     Unfolded apex = right;
-    for (int i = 0; i <= SPLIT_STEPS; i++) {
-        // At last what is left, as one part.
-        bool found = i < SPLIT_STEPS && find_beyond(x0, u, w, turn, right.place, left.place, apex);
-        if (!found) apex = left;
-        if (found && !follows(apex.place, right.place)) {
+    for (int i = 0; i < SPLIT_STEPS; i++) {
+        if (!find_beyond(x0, u, w, turn, right.place, left.place, apex)) break;
+        if (!follows(apex.place, right.place)) {
             u = apex;
             continue;
         }
-        if (found && !follows(left.place, apex.place)) {
+        if (!follows(left.place, apex.place)) {
             w = apex;
             continue;
         }
-        if (found) apex.front = known_at(x0 + apex.step);
+        apex.front = known_at(x0 + apex.step);
         // The part to the right of the point in x, that to its left in y; there is nothing in one that is obtuse.
-        bool right_obtuse = found && is_obtuse(right.place, apex.place);
-        bool left_obtuse = !found || is_obtuse(apex.place, left.place);
+        bool right_obtuse = is_obtuse(right.place, apex.place);
+        bool left_obtuse = is_obtuse(apex.place, left.place);
         vec2 ends = vec2(right_obtuse ? FAR : 0.0, left_obtuse ? FAR : 0.0);
         vec4 far = ends.xyxy;
         vec3 l = sqrt(vec3(dot(right.place, right.place), dot(apex.place, apex.place), dot(left.place, left.place)));
@@ -146,7 +144,6 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
                               bvec4(false));
         Fronts others = Fronts(parts.time.yxyx, parts.carried.yxyx, parts.whole.yxyx);
         first = earlier(first, earlier(parts, others));
-        if (!found) break;
         if (right_obtuse) {
             left = apex;
             w = apex;

@@ -225,6 +225,7 @@ void main() {
     ivec2 tile = from_row_major(int(number), tile_grid.x);
     uint state = atomicOr(tiles[number], 0u);
     bool may_renew = renews != 0u;
+    causal = is_causal != 0u;
     if (gl_LocalInvocationIndex == 0u) {
         woken = 0u;
         border_change = 0u;

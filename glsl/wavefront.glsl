@@ -6,6 +6,9 @@
 // One of PLANAR, CIRCULAR, CURVED and ANCHORED.
 layout(constant_id = 2) const int WAVEFRONT = PLANAR;
 
+// Whether fronts hang on nothing that arrives later, as where several may meet. Shaders of maps set it.
+bool causal = false;
+
 #include "tag.glsl"
 #include "triangle.glsl"
 #include "planar.glsl"

@@ -1,5 +1,6 @@
 //! The fronts at all points of a bordered array, updated one by one.
 
+use super::Progress;
 use super::behind::Behind;
 use super::fronts::{FrontKind, KeptBy};
 use super::solution::Solution;
@@ -23,11 +24,34 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
         let points = edges.chart().bordered_points();
         let (times, carried) = (vec![R::FAR; points], vec![K::Carried::default(); points]);
         let mut fronts = Self { edges, kind, times, carried };
-        for seed in seeds {
-            let arrival = fronts.kind.arrival_of_seed(seed);
-            fronts.lower(edges.chart().bordered(seed.row, seed.col), arrival);
-        }
+        fronts.seed(seeds);
         fronts
+    }
+
+    fn seed(&mut self, seeds: &[Seed]) {
+        for seed in seeds {
+            let arrival = self.kind.arrival_of_seed(seed);
+            self.lower(self.edges.chart().bordered(seed.row, seed.col), arrival);
+        }
+    }
+
+    /// Before another iteration; returns whether it renews curved fronts.
+    pub(super) fn begin(&mut self, progress: &Progress) -> bool {
+        if progress.is_restless() {
+            self.kind.be_causal();
+        }
+        progress.renews()
+    }
+
+    /// Starts again from seeds that are lost ([`Seed::is_lost`]); returns whether there were any.
+    pub(super) fn restore(&mut self, seeds: &[Seed]) -> bool {
+        let chart = self.edges.chart();
+        let is_lost = |seed: &Seed| seed.is_lost(self.time(chart.bordered(seed.row, seed.col)));
+        let any = K::TAKES_BACK && seeds.iter().any(is_lost);
+        if any {
+            self.seed(seeds);
+        }
+        any
     }
 
     /// Arrival time at a point.

@@ -85,18 +85,29 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
     pub(super) fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         self.seed(seeds);
         // Into the pool of threads once, and not for each pair of scans.
-        rayon::scope(|_| self.converge(stop))
+        rayon::scope(|_| self.converge(seeds, stop))
     }
 
-    fn converge(&mut self, stop: Stop) -> Convergence {
+    fn converge(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         let mut progress = Progress::new(stop);
         loop {
+            if progress.is_restless() {
+                self.kind.be_causal();
+            }
             let vertical = self.scan([Scan::DOWN, Scan::UP], progress.renews());
             let horizontal = self.scan([Scan::RIGHT, Scan::LEFT], progress.renews());
-            if progress.is_done::<R>(vertical.max(horizontal)) {
+            if !progress.is_done::<R>(vertical.max(horizontal)) {
+                continue;
+            }
+            let chart = self.edges.chart();
+            let is_lost =
+                |seed: &Seed| seed.is_lost(self.times()[chart.bordered(seed.row, seed.col)]);
+            let goes_on = K::TAKES_BACK && !progress.is_last() && seeds.iter().any(is_lost);
+            if !goes_on {
                 let Progress { iterations, residual, .. } = progress;
                 return Convergence { iterations, residual };
             }
+            self.seed(seeds);
         }
     }
 

@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn no_settled_point_is_reached_earlier_by_a_circular_front() {
-        assert_settles(0.3, point_source, from_point_source);
+        assert_settles(0.3, |triangle| point_source(triangle, false), from_point_source);
     }
 
     #[test]
@@ -156,7 +156,8 @@ mod tests {
         for curvatures in
             [[0.3, 0.2], [0.01, 0.7], [0.0; 2], [-0.2, 0.05], [-0.5, -1.0], [1e18, 2.0]]
         {
-            let bends = Bends { fronts: curvatures, surface: [0.0; 3], alone: false };
+            let bends =
+                Bends { fronts: curvatures, surface: [0.0; 3], alone: false, causal: false };
             let share = if curvatures[0] > 1.0 { -1.0 } else { 0.15 };
             assert_settles(
                 share,

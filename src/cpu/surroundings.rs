@@ -156,10 +156,11 @@ mod tests {
     }
 
     /// Holds the map with surroundings to the one from the sources' cells alone; returns how many seeds
-    /// there are. Of one source they differ by what `STOP` leaves open. Where curved fronts of two meet, they
-    /// are early by what either takes from the other, which depends on which is there first.
+    /// there are. Of one source they differ by what `STOP` leaves open. Those of several are causal
+    /// ([`crate::surface::Origins`]) but for their surroundings, which have one source each: without them the first
+    /// fronts in stretched cells are late by up to a tenth of a cell.
     fn assert_same_map(surface: &Surface, wavefront: Wavefront, sources: &Sources) -> usize {
-        let tolerance = if sources.iter().count() > 1 { 1e-6 } else { 1e-8 };
+        let tolerance = if sources.iter().count() > 1 { 1e-3 } else { 1e-8 };
         let own = sources.seeds(surface).unwrap();
         let seeds = wavefront.seeds(surface, own.clone());
         let [alone, with] = [&own, &seeds].map(|seeds| map(surface, wavefront, seeds));

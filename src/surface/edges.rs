@@ -85,8 +85,14 @@ impl<R: Real> EdgeLengths<R> {
             true => ObtuseTriangles::default(),
             false => ObtuseTriangles::none(),
         };
-        let (rule, floor) = (surface.edge_rule(), surface.floor());
-        Ok(Self { chart, lengths, rule, floor, gaussian_curvature: OnceLock::new(), obtuse })
+        Ok(Self {
+            chart,
+            lengths,
+            rule: surface.edge_rule(),
+            floor: surface.floor(),
+            gaussian_curvature: OnceLock::new(),
+            obtuse,
+        })
     }
 
     /// The edges between the points of a part of the grid.
@@ -108,12 +114,11 @@ impl<R: Real> EdgeLengths<R> {
                 }
             }
         }
-        let (rule, floor) = (self.rule, self.floor);
         Self {
             chart,
             lengths,
-            rule,
-            floor,
+            rule: self.rule,
+            floor: self.floor,
             gaussian_curvature: OnceLock::new(),
             obtuse: Default::default(),
         }

@@ -43,6 +43,7 @@ pub use real::{FAR, Real};
 pub(crate) use real::{max, min, relative_change};
 pub use resolution::Resolution;
 pub use seams::{GridSide, Seam};
+pub(crate) use sources::Origins;
 pub(crate) use sources::with_diagonals;
 pub use sources::{Seed, Source, SourceError, Sources};
 pub(crate) use tag::{TAG, Tagged};

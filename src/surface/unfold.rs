@@ -5,8 +5,8 @@
 //! depend on one another in a circle: what comes out hangs on the order of updates, and where fronts meet,
 //! they pass each other on too early. So an obtuse triangle has no face, only its edges. In its place the triangles
 //! beyond its base are unfolded into its plane, one after another, until a grid point comes to lie between
-//! both edges. That splits the triangle in two, of which at most one is obtuse, and is split again. What a hole
-//! or the border keeps from being split has its face: it is rare, and no front comes before the later end.
+//! both edges. That splits the triangle in two, of which at most one is obtuse, and is split again. Where a hole or
+//! the border ends this first, no way from any grid point comes through the rest, and it has no face either.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -153,7 +153,7 @@ impl<R: Real> EdgeLengths<R> {
         // Which way an edge is turned by a right angle to lead away from x0.
         let turn = if base.1 * a.step().0 - base.0 * a.step().1 > 0 { 1 } else { -1 };
         for _ in 0..SPLIT_STEPS {
-            let Some(apex) = self.beyond(edge, turn, wedge, point_at) else { break };
+            let Some(apex) = self.beyond(edge, turn, wedge, point_at) else { return };
             if !apex.follows(&wedge[0]) {
                 edge[0] = apex;
                 continue;
@@ -176,7 +176,6 @@ impl<R: Real> EdgeLengths<R> {
                 _ => return,
             }
         }
-        tell(wedge);
     }
 
     /// The point beyond an edge of the grid that is next in x0's plane. Beyond an edge along an axis there are

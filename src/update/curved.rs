@@ -2,7 +2,7 @@
 
 use super::{Shape, Triangle};
 use crate::constants::{
-    ABOUT_STRAIGHT, BENT_AGAIN, BENT_APART, FOCUS, FROM_SOURCE, GRAZING, TOGETHER,
+    ABOUT_STRAIGHT, BENT_AGAIN, BENT_APART, CLEARLY_LATER, FOCUS, FROM_SOURCE, GRAZING, TOGETHER,
 };
 use crate::surface::{DIFFRACTS, Real, Seed, TAG, Tagged, max, min};
 
@@ -80,6 +80,9 @@ pub struct Bends<R> {
     /// comes along that edge alone is taken to have come around the hole's corner, as most fronts there
     /// have, until another scan tells: else all behind the corner would have to be renewed.
     pub alone: bool,
+    /// Whether x0 is to hang on nothing that arrives later, as where several fronts meet: they would settle in
+    /// more than one way, or never.
+    pub causal: bool,
 }
 
 /// The front at x0, from fronts at x1 and x2.
@@ -92,7 +95,7 @@ pub struct Bends<R> {
 #[inline(always)]
 pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let Triangle { t1, t2, l1, l2, c } = triangle;
-    let Bends { fronts: [k1, k2], surface: [g0, g1, g2], alone } = bends;
+    let Bends { fronts: [k1, k2], surface: [g0, g1, g2], alone, causal } = bends;
     let (zero, one, half, focus) = (R::zero(), R::one(), R::of(0.5), R::of(FOCUS));
     let at_source = R::of(Seed::AT_SOURCE);
 
@@ -123,12 +126,15 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let is_front = whole & (d > -one) & (cos_a <= one) & (width > zero);
     let n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * R::of(2.0);
     let root = max(one + kappa * n, zero).sqrt();
-    // Nothing arrives before the later end of the base, so that each point hangs on earlier ones alone; but before
-    // the earlier one where cells are not sheared: from within a stretched cell a point may be nearer than an end of
-    // its base. Nor after what runs along an edge.
-    let rise = max(n / (one + root), if shape.is_upright() { d } else { zero });
+    // Nothing arrives before the later end of the base, so that each point hangs on earlier ones alone; but of a single
+    // front nothing before the earlier one where cells are not sheared: from within a stretched cell a point may be
+    // nearer than an end of its base. Nor after what runs along an edge.
+    let rise = max(n / (one + root), if shape.is_upright() & !causal { d } else { zero });
     let (by_far, by_near) = (t + l, near_t + near_l);
+    // Later by more than makes fronts arrive together.
+    let later = t + t * (R::of(CLEARLY_LATER) * R::epsilon());
     let time = t + c * rise;
+    let time = if causal { max(time, later) } else { time };
     let is_first = time <= min(by_far, by_near);
     let inside = is_front & (crossing >= zero) & (crossing <= width) & is_first;
     let far_spread = max(one + far_kappa * rise, focus);
@@ -140,7 +146,10 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let from_far = by_far <= by_near;
     let (edge_time, edge) = if from_far { (by_far, l) } else { (by_near, near_l) };
     let (edge_k, edge_g) = if from_far { (k, g) } else { (near_k, near_g) };
-    let ahead = if from_far { crossing >= -grazing } else { crossing <= width + grazing };
+    // Of the far end nothing is known yet if that is reached after x0.
+    let is_known = !causal | (later < by_near);
+    let past_near = (crossing <= width + grazing) & is_known;
+    let ahead = if from_far { crossing >= -grazing } else { past_near };
     let turns = (whole | alone) & !(is_front & ahead);
     let diffracted = turns & edge_g.tag_has(TAG, DIFFRACTS);
     let edge_k = if diffracted { at_source } else { edge_k };
@@ -172,7 +181,7 @@ mod tests {
     use glam::DVec2;
 
     fn flat(k1: f64, k2: f64) -> Bends<f64> {
-        Bends { fronts: [k1, k2], surface: [0.0; 3], alone: false }
+        Bends { fronts: [k1, k2], surface: [0.0; 3], alone: false, causal: false }
     }
 
     #[test]
@@ -198,8 +207,10 @@ mod tests {
         // A circle of radius r around a pole has geodesic curvature cot r.
         let (r, s) = (0.7f64, 0.01);
         let edge = Triangle { t1: r, t2: f64::FAR, l1: s, l2: f64::FAR, c: f64::FAR };
-        let after =
-            |k| curved(edge, Bends { fronts: [k, 0.0], surface: [1.0; 3], alone: false }).curvature;
+        let after = |k| {
+            curved(edge, Bends { fronts: [k, 0.0], surface: [1.0; 3], alone: false, causal: false })
+                .curvature
+        };
         approx::assert_abs_diff_eq!(after(1.0 / r.tan()), 1.0 / (r + s).tan(), epsilon = 1e-6);
         approx::assert_abs_diff_eq!(after(Seed::AT_SOURCE), 1.0 / s.tan(), epsilon = 1e-5);
     }
@@ -262,7 +273,7 @@ mod tests {
     #[test]
     fn a_missing_edge_or_time_leaves_the_other() {
         let far = f32::FAR;
-        let bends = Bends { fronts: [1.0, 0.0], surface: [0.0; 3], alone: false };
+        let bends = Bends { fronts: [1.0, 0.0], surface: [0.0; 3], alone: false, causal: false };
         let whole = Triangle { t1: 1.0, t2: 1.2, l1: 1.0, l2: 1.0, c: 1.0f32 };
         assert_eq!(curved(Triangle { t2: far, ..whole }, bends).time, 2.0);
         assert_eq!(curved(Triangle { l2: far, c: far, ..whole }, bends).time, 2.0);

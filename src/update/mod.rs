@@ -171,9 +171,10 @@ mod tests {
             for (t1, t2) in [(2.0, 2.0), (2.0, 3.5), (4.5, 2.0)] {
                 let triangle = Triangle { t1, t2, l1, l2, c };
                 let edge_step = f64::min(t1 + l1, t2 + l2);
-                let bends = Bends { fronts: [0.5; 2], surface: [0.0; 3], alone: false };
+                let bends =
+                    Bends { fronts: [0.5; 2], surface: [0.0; 3], alone: false, causal: false };
                 let curved = curved(triangle, bends).time;
-                for time in [planar(triangle), point_source(triangle), curved] {
+                for time in [planar(triangle), point_source(triangle, false), curved] {
                     assert_eq!(time, edge_step, "{triangle:?}");
                 }
             }

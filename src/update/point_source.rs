@@ -3,7 +3,8 @@
 use super::{Shape, Triangle};
 use crate::surface::{Real, max, min};
 
-/// The arrival time at x0 of a circular front that reaches x1 and x2 at t1 and t2.
+/// The arrival time at x0 of a circular front that reaches x1 and x2 at t1 and t2; not before either if fronts are
+/// `causal`, see [`super::Bends`].
 ///
 /// The front's virtual source lies at distances t1 and t2 from x1 and x2, on the other side of
 /// the base than x0; t0 is its distance from x0 if the straight ray crosses the base, else the
@@ -13,7 +14,7 @@ use crate::surface::{Real, max, min};
 /// no digits for flat fronts. Measuring from the farther end keeps kappa below 2 and the result
 /// symmetric.
 #[inline(always)]
-pub fn point_source<R: Real>(triangle: Triangle<R>) -> R {
+pub fn point_source<R: Real>(triangle: Triangle<R>, causal: bool) -> R {
     let Triangle { t1, t2, l1, l2, c } = triangle;
     let along_edge = triangle.edge_step();
     let (zero, one, half) = (R::zero(), R::one(), R::of(0.5));
@@ -34,6 +35,7 @@ pub fn point_source<R: Real>(triangle: Triangle<R>) -> R {
     let upwind = is_front & (crossing >= zero) & (crossing <= width);
     let n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * R::of(2.0);
     let inside = t + c * (n / (one + max(one + kappa * n, zero).sqrt()));
+    let inside = if causal { max(inside, t) } else { inside };
     min(along_edge, if upwind { inside } else { along_edge })
 }
 
@@ -60,7 +62,7 @@ mod tests {
                 for back in [0.01, 0.5, 3.0, 1e4] {
                     let crossing = x1.lerp(x2, s);
                     let source = crossing + back * (crossing - x0).normalize();
-                    let t0 = point_source(from_source(source, x0, x1, x2));
+                    let t0 = point_source(from_source(source, x0, x1, x2), false);
                     approx::assert_relative_eq!(t0, source.distance(x0), max_relative = 1e-11);
                 }
             }
@@ -70,7 +72,7 @@ mod tests {
     #[test]
     fn tends_to_the_planar_front_far_from_the_source() {
         let triangle = Triangle { t1: 1e9, t2: 1e9 + 0.2, l1: 0.9, l2: 1.1, c: 1.0 };
-        let difference = point_source(triangle) - super::super::planar(triangle);
+        let difference = point_source(triangle, false) - super::super::planar(triangle);
         approx::assert_abs_diff_eq!(difference, 0.0, epsilon = 1e-6);
     }
 
@@ -79,23 +81,23 @@ mod tests {
         let triangle = Triangle { t1: 3.3f32, t2: 3.1, l1: 0.9, l2: 1.3, c: 1.1 };
         let Triangle { t1, t2, l1, l2, c } = triangle;
         let mirrored = Triangle { t1: t2, t2: t1, l1: l2, l2: l1, c };
-        assert_eq!(point_source(triangle), point_source(mirrored));
+        assert_eq!(point_source(triangle, false), point_source(mirrored, false));
     }
 
     #[test]
     fn two_sources_at_the_ends_give_the_edge_step() {
         let triangle = Triangle { t1: 0.0f32, t2: 0.0, l1: 1.0, l2: 1.2, c: 1.0 };
-        assert_eq!(point_source(triangle), 1.0);
+        assert_eq!(point_source(triangle, false), 1.0);
         let triangle = Triangle { t1: 0.3f32, t2: 0.4, ..triangle };
-        assert_eq!(point_source(triangle), 1.3);
+        assert_eq!(point_source(triangle, false), 1.3);
     }
 
     #[test]
     fn a_missing_edge_or_time_leaves_the_other() {
         let far = f32::FAR;
         let whole = Triangle { t1: 1.0, t2: 1.2, l1: 1.0, l2: 1.0, c: 1.0f32 };
-        assert_eq!(point_source(Triangle { t1: far, ..whole }), 2.2);
-        assert_eq!(point_source(Triangle { l1: far, c: far, ..whole }), 2.2);
-        assert!(point_source(Triangle { t1: far, t2: far, ..whole }) >= far);
+        assert_eq!(point_source(Triangle { t1: far, ..whole }, false), 2.2);
+        assert_eq!(point_source(Triangle { l1: far, c: far, ..whole }, false), 2.2);
+        assert!(point_source(Triangle { t1: far, t2: far, ..whole }, false) >= far);
     }
 }

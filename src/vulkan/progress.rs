@@ -106,11 +106,12 @@ pub(crate) mod offset {
     const _: () = assert!(INPUT_IN_RECORD + INPUT_BYTES == SERIAL_IN_RECORD);
 }
 
-/// Before the first iteration; the whole grid takes so many groups, and has so many tiles. Visits need no
-/// beginning.
-pub(crate) fn start(stop: Stop, grid: [u32; 2], tiles: u32) -> Progress {
+/// Before the first iteration of a map whose fronts are causal or not ([`crate::surface::Origins`]); the whole grid
+/// takes so many groups, and has so many tiles. Visits need no beginning.
+pub(crate) fn start(stop: Stop, causal: bool, grid: [u32; 2], tiles: u32) -> Progress {
     Progress {
         renews: 1,
+        is_causal: causal.into(),
         last_residual: u32::MAX,
         tolerance: (stop.tolerance / f64::from(f32::EPSILON)) as u32,
         most: stop.iterations,

@@ -184,7 +184,8 @@ impl Solver {
         seeds: &[Seed],
         method: Method,
     ) -> Result<Solution, VulkanError> {
-        self.solve_watched(surface, seeds, method, Start::Fresh, &mut Unwatched)
+        let solution = self.solve_watched(surface, seeds, method, Start::Fresh, &mut Unwatched)?;
+        self.restore(surface, seeds, method, solution)
     }
 
     /// Adds seeds to the last map of the surface, which has converged with the same wavefront.
@@ -198,7 +199,39 @@ impl Solver {
         seeds: &[Seed],
         method: Method,
     ) -> Result<Solution, VulkanError> {
-        self.solve_watched(surface, seeds, method, Start::FromLast, &mut Unwatched)
+        let solution =
+            self.solve_watched(surface, seeds, method, Start::FromLast, &mut Unwatched)?;
+        self.restore(surface, seeds, method, solution)
+    }
+
+    /// Starts again from seeds that are lost ([`Seed::is_lost`]), until none is.
+    fn restore(
+        &mut self,
+        surface: &mut SurfaceOnDevice,
+        seeds: &[Seed],
+        method: Method,
+        mut solution: Solution,
+    ) -> Result<Solution, VulkanError> {
+        let chart = surface.images.chart;
+        let is_lost = |seed: &Seed, distances: &[f32]| {
+            seed.is_lost(distances[chart.index(seed.row, seed.col)])
+        };
+        // Only curved fronts are ever taken back.
+        while solution.wavefront.is_curved()
+            && solution.iterations < method.stop.iterations
+            && seeds.iter().any(|seed| is_lost(seed, &solution.distances))
+        {
+            let left = method.stop.iterations - solution.iterations;
+            let method = Method { stop: Stop { iterations: left, ..method.stop }, ..method };
+            let further =
+                self.solve_watched(surface, seeds, method, Start::FromLast, &mut Unwatched)?;
+            solution = Solution {
+                iterations: solution.iterations + further.iterations,
+                time: solution.time + further.time,
+                ..further
+            };
+        }
+        Ok(solution)
     }
 
     /// What the device offers for profiling; `None` unless the solver was made by
@@ -267,6 +300,7 @@ impl Solver {
         let schedule = self.schedule(&surface.images, method);
         let variant = Variant { wavefront, splits: surface.splits };
         self.make_passes(&surface.images, schedule, variant)?;
+        let causal = surface.origins.are_causal();
         let SurfaceOnDevice { images, first, further, goes_on, .. } = surface;
         let (texels, portions) = (images.texels, self.tuning().portions(wavefront, images.texels));
 
@@ -277,7 +311,7 @@ impl Solver {
             if start == Start::Fresh {
                 recorder.forget();
             }
-            recorder.start(stop, schedule, start == Start::FromLast);
+            recorder.start(stop, schedule, causal, start == Start::FromLast);
         };
         // Those that the upload buffer does not hold beside the last go ahead.
         let most = images.staging().len() / size_of::<SeedTexel>();

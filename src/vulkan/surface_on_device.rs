@@ -10,7 +10,7 @@ use super::plan::Step;
 use super::upload::curvatures;
 use super::{TexelChart, VulkanError};
 use crate::constants::SOURCES_INSIDE;
-use crate::surface::{Seed, Surface};
+use crate::surface::{Origins, Seed, Surface};
 use crate::update::{Setting, Wavefront};
 
 /// A surface's edge lengths on a device, ready for any number of maps.
@@ -24,6 +24,8 @@ pub struct SurfaceOnDevice {
     pub(super) splits: bool,
     /// Whether the last map's fronts have anchors.
     is_anchored: bool,
+    /// Of the last map's fronts.
+    pub(super) origins: Origins,
     /// Starts a map.
     pub(super) first: CommandBuffer,
     /// Goes on with one, as recorded for this wavefront and these steps.
@@ -62,6 +64,7 @@ impl SurfaceOnDevice {
             anchors: Anchors::of(surface, texels),
             splits: false,
             is_anchored: false,
+            origins: Origins::default(),
             first,
             further,
             goes_on: None,
@@ -77,6 +80,10 @@ impl SurfaceOnDevice {
         start: Start,
     ) -> Result<(Wavefront, Vec<f32>), VulkanError> {
         let goes_on = start == Start::FromLast;
+        if !goes_on {
+            self.origins = Origins::default();
+        }
+        seeds.iter().for_each(|seed| self.origins.add(seed));
         // A map goes on as it has begun.
         let has_anchors = self.anchors.is_some() && (!goes_on || self.is_anchored);
         let wavefront = wavefront.or_curved(Setting::of_engine(has_anchors));

@@ -49,8 +49,6 @@ impl Case {
         let relief = if flat { 0.0 } else { 10f64.powf(between(-2.0, 2.0)) };
         let shear = if sheared { between(-3.0, 3.0) } else { 0.0 };
         let stretch = if stretched { between(1.0, 10.0) } else { 1.0 };
-        // Of several sources inside long cells fronts are known to be wrong: docs/limits.md.
-        let inside = inside && stretch < 2.0;
         let mut heights: Vec<f64> = (0..rows * cols).map(|_| between(-1.7, 1.7)).collect();
         let rounds = between(0.0, 10.0) as usize;
         (0..rounds).for_each(|_| smooth(rows, cols, &mut heights));

@@ -345,7 +345,11 @@ proptest! {
         }
         let passed = plain.distance(b.0, b.1) + 0.01;
         let both = sources(a).and_point(b.0 as f64, b.1 as f64, passed.into());
-        prop_assert_eq!(distance_map(&surface, &both, &options).unwrap().distances, plain.distances);
+        let both = distance_map(&surface, &both, &options).unwrap();
+        // Of several sources fronts are causal, which in right-angled cells rounds in another way.
+        for (both, plain) in both.distances.iter().zip(&plain.distances) {
+            prop_assert!((both - plain).abs() <= 1e-6 * plain, "{both} {plain}");
+        }
     }
 
     /// In single precision, each way rounds its edge lengths apart.

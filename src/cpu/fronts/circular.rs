@@ -2,24 +2,30 @@
 
 use super::straight::Straight;
 use crate::cpu::settled::from_point_source;
-use crate::surface::Real;
+use crate::surface::{Origins, Real};
 use crate::update::{Triangle, point_source};
 
 /// [`crate::Wavefront::PointSource`].
-#[derive(Clone, Copy, Debug)]
-pub(in crate::cpu) struct Circular;
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::cpu) struct Circular {
+    origins: Origins,
+}
 
 impl Straight for Circular {
+    fn origins(&mut self) -> Option<&mut Origins> {
+        Some(&mut self.origins)
+    }
+
     #[inline(always)]
-    fn time<R: Real>(triangle: Triangle<R>) -> R {
-        point_source(triangle)
+    fn time<R: Real>(self, triangle: Triangle<R>) -> R {
+        point_source(triangle, self.origins.are_causal())
     }
 
     /// By more than rounding: a last digit would be passed on from point to point, and all of them
     /// visited anew.
     #[inline(always)]
-    fn earlier<R: Real>(now: R, triangle: Triangle<R>) -> R {
-        Self::first(now, point_source(triangle))
+    fn earlier<R: Real>(self, now: R, triangle: Triangle<R>) -> R {
+        Self::first(now, point_source(triangle, self.origins.are_causal()))
     }
 
     #[inline(always)]

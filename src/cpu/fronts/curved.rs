@@ -11,7 +11,7 @@ use crate::cpu::line_update::{How, LineUpdate, Stretches, Updated};
 use crate::cpu::settled::{Visited, from_curved};
 use crate::cpu::stretch::Stretch;
 use crate::cpu::tiles::TILE;
-use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
+use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed, min};
 use crate::update::{Bends, Carried, Curvature, Front, Kept, Triangle, curved};
 
 /// [`crate::Wavefront::Curved`].
@@ -19,6 +19,7 @@ use crate::update::{Bends, Carried, Curvature, Front, Kept, Triangle, curved};
 pub(in crate::cpu) struct Curved<'a, R> {
     /// The surface's Gaussian curvature, tagged where waves diffract.
     gaussian: &'a [R],
+    origins: Origins,
 }
 
 /// The front that a point keeps.
@@ -26,7 +27,7 @@ type KeptCurved<R> = Kept<R, Curvature<R>>;
 
 impl<'a, R: Real> Curved<'a, R> {
     pub(in crate::cpu) fn new(edges: &'a EdgeLengths<R>) -> Self {
-        Self { gaussian: edges.gaussian_curvature() }
+        Self { gaussian: edges.gaussian_curvature(), origins: Origins::default() }
     }
 }
 
@@ -34,9 +35,19 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
     type Carried = Curvature<R>;
     type Arrival = Front<R>;
     type Ground = R;
+    const TAKES_BACK: bool = true;
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> Front<R> {
+        self.origins.add(seed);
         Front { time: R::of(seed.time), curvature: R::of(seed.curvature), whole: true }
+    }
+
+    fn forget(&mut self) {
+        self.origins = Origins::default();
+    }
+
+    fn be_causal(&mut self) {
+        self.origins.be_causal();
     }
 
     #[inline]
@@ -87,7 +98,8 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
         let parts = self.through_parts_of_line(lines, line, points, how.scan);
-        let line = CurvedLine { line: lines.line(line, points, how.scan), parts: &parts };
+        let line = lines.line(line, points, how.scan);
+        let line = CurvedLine { line, parts: &parts, causal: self.origins.are_causal() };
         how.instructions.run(LineUpdate { line, how, changed })
     }
 
@@ -115,7 +127,7 @@ impl<'a, R: Real> TriangleKind<'a, R> for Curved<'a, R> {
     ) -> Front<R> {
         let fronts = carried.map(Curvature::value);
         let surface = corners.map(|corner| self.gaussian[corner]);
-        curved(triangle, Bends { fronts, surface, alone })
+        curved(triangle, Bends { fronts, surface, alone, causal: self.origins.are_causal() })
     }
 
     fn time(arrival: Front<R>) -> R {
@@ -193,6 +205,8 @@ struct CurvedLine<'a, R> {
     line: ScanLine<'a, R, Curvature<R>, R>,
     /// What comes through parts of obtuse triangles, by the point's place in the line.
     parts: &'a [(usize, Front<R>)],
+    /// See [`Bends::causal`].
+    causal: bool,
 }
 
 /// The largest changes by their place in the stretch.
@@ -238,7 +252,8 @@ impl<R: Real> Stretches for CurvedLine<'_, R> {
         if parts.is_empty() && leaves(&stretch, points, how) {
             return None;
         }
-        let bent = Bent { stretch, gaussian_behind: self.line.ground_behind(start, points) };
+        let gaussian_behind = self.line.ground_behind(start, points);
+        let bent = Bent { stretch, gaussian_behind, causal: self.causal };
         let mut first = if stretch.comes_from_left(points) {
             first_fronts::<R, true, false>(&bent, points, how)
         } else {
@@ -278,6 +293,7 @@ impl<R: Real> Stretches for CurvedLine<'_, R> {
 struct Bent<'a, R> {
     stretch: Stretch<'a, R, Curvature<R>, R>,
     gaussian_behind: [&'a [R]; 3],
+    causal: bool,
 }
 
 impl<R: Real> Bent<'_, R> {
@@ -296,7 +312,8 @@ impl<R: Real> Bent<'_, R> {
         let gaussian = &self.gaussian_behind;
         let surface = [stretch.ground[i], gaussian[x1][i], gaussian[x1 + 1][i]];
         let (fronts, alone) = (self.fronts::<LEFT>(i), stretch.is_alone(i));
-        curved(stretch.triangle::<LEFT>(i), Bends { fronts, surface, alone })
+        let bends = Bends { fronts, surface, alone, causal: self.causal };
+        curved(stretch.triangle::<LEFT>(i), bends)
     }
 }
 

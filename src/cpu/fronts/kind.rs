@@ -37,11 +37,18 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
     /// What comes to a point.
     type Arrival: Copy;
 
+    /// Whether fronts that have been accepted may be taken back for later ones, and seeds that were later be lost with
+    /// them ([`Seed::is_lost`]).
+    const TAKES_BACK: bool = false;
+
     /// What comes from a seed.
     fn arrival_of_seed(&mut self, seed: &Seed) -> Self::Arrival;
 
     /// Forgets the seeds of the last map.
     fn forget(&mut self) {}
+
+    /// Has fronts hang on nothing that arrives later from here on; see [`crate::surface::Origins`].
+    fn be_causal(&mut self) {}
 
     /// The first that comes to a point through the triangles behind it, with the fronts at other points
     /// seen through `seen`.

@@ -11,12 +11,12 @@ pub(in crate::cpu) struct Planar;
 
 impl Straight for Planar {
     #[inline(always)]
-    fn time<R: Real>(triangle: Triangle<R>) -> R {
+    fn time<R: Real>(self, triangle: Triangle<R>) -> R {
         planar(triangle)
     }
 
     #[inline(always)]
-    fn earlier<R: Real>(now: R, triangle: Triangle<R>) -> R {
+    fn earlier<R: Real>(self, now: R, triangle: Triangle<R>) -> R {
         min(now, planar(triangle))
     }
 

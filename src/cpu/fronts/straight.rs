@@ -1,7 +1,6 @@
 //! Fronts that carry nothing beside their arrival time.
 
 use std::borrow::Cow;
-use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, StretchOf, TriangleKind, in_stretch};
@@ -11,18 +10,23 @@ use crate::cpu::line_update::{How, LineUpdate, Stretches, Updated};
 use crate::cpu::settled::Visited;
 use crate::cpu::stretch::Stretch;
 use crate::cpu::tiles::TILE;
-use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
+use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed, min};
 use crate::update::{Kept, Triangle};
 
 /// What such fronts differ in.
 pub(in crate::cpu) trait Straight:
     Copy + std::fmt::Debug + Send + Sync + 'static
 {
+    /// Where the map's fronts come from, if that makes a difference.
+    fn origins(&mut self) -> Option<&mut Origins> {
+        None
+    }
+
     /// The arrival time through a triangle.
-    fn time<R: Real>(triangle: Triangle<R>) -> R;
+    fn time<R: Real>(self, triangle: Triangle<R>) -> R;
 
     /// The earlier of the arrival time at a point and that through a triangle, as scans in lanes take it.
-    fn earlier<R: Real>(now: R, triangle: Triangle<R>) -> R;
+    fn earlier<R: Real>(self, now: R, triangle: Triangle<R>) -> R;
 
     /// The earlier of the arrival time at a point and another, likewise.
     fn first<R: Real>(now: R, time: R) -> R;
@@ -42,7 +46,16 @@ impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
     type Ground = ();
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> R {
+        if let Some(origins) = self.origins() {
+            origins.add(seed);
+        }
         R::of(seed.time)
+    }
+
+    fn forget(&mut self) {
+        if let Some(origins) = self.origins() {
+            *origins = Origins::default();
+        }
     }
 
     #[inline]
@@ -87,7 +100,7 @@ impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
     ) -> Updated<R::Bits> {
         let parts = self.through_parts_of_line(lines, line, points, how.scan);
         let line = lines.line(line, points, how.scan);
-        let line = StraightLine::<R, S> { line, parts: &parts, kind: PhantomData };
+        let line = StraightLine { line, parts: &parts, kind: *self };
         how.instructions.run(LineUpdate { line, how, changed })
     }
 
@@ -107,7 +120,7 @@ impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
 impl<'a, R: Real, S: Straight> TriangleKind<'a, R> for S {
     #[inline]
     fn arrival(&self, _: [usize; 3], triangle: Triangle<R>, _: [(); 2], _: bool) -> R {
-        <S as Straight>::time(triangle)
+        Straight::time(*self, triangle)
     }
 
     fn time(arrival: R) -> R {
@@ -143,7 +156,7 @@ struct StraightLine<'a, R, S> {
     line: ScanLine<'a, R, (), ()>,
     /// When something comes through parts of obtuse triangles, by the point's place in the line.
     parts: &'a [(usize, R)],
-    kind: PhantomData<S>,
+    kind: S,
 }
 
 /// The largest changes of arrival times, by their place in the stretch.
@@ -196,9 +209,9 @@ impl<R: Real, S: Straight> Stretches for StraightLine<'_, R, S> {
             now[point - start] = S::first(now[point - start], time);
         }
         let after = if stretch.comes_from_left(points) {
-            updated::<R, S, true, false>(&stretch, &now, points)
+            updated::<R, S, true, false>(self.kind, &stretch, &now, points)
         } else {
-            updated::<R, S, false, true>(&stretch, &now, points)
+            updated::<R, S, false, true>(self.kind, &stretch, &now, points)
         };
         let mut any = false;
         for (i, largest) in changes.0[..points].iter_mut().enumerate() {
@@ -220,13 +233,14 @@ impl<R: Real, S: Straight> Stretches for StraightLine<'_, R, S> {
 /// earlier. In an array of its own: compilers do not keep in registers what they write to a line.
 #[inline(always)]
 fn earlier<R: Real, S: Straight, const LEFT: bool>(
+    kind: S,
     stretch: &Stretch<R, (), ()>,
     now: &[R; TILE],
     points: usize,
 ) -> [R; TILE] {
     let mut times = [R::zero(); TILE];
     for i in 0..points {
-        times[i] = S::earlier(now[i], stretch.triangle::<LEFT>(i));
+        times[i] = kind.earlier(now[i], stretch.triangle::<LEFT>(i));
     }
     times
 }
@@ -235,14 +249,15 @@ fn earlier<R: Real, S: Straight, const LEFT: bool>(
 /// other unless nothing comes earlier through it.
 #[inline(always)]
 fn updated<R: Real, S: Straight, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
+    kind: S,
     stretch: &Stretch<R, (), ()>,
     now: &[R; TILE],
     points: usize,
 ) -> [R; TILE] {
-    let first = earlier::<R, S, FIRST_LEFT>(stretch, now, points);
+    let first = earlier::<R, S, FIRST_LEFT>(kind, stretch, now, points);
     let mut settled = true;
     for (i, &time) in first[..points].iter().enumerate() {
         settled &= S::is_settled(stretch.seen_from_beside::<SECOND_LEFT>(i), time);
     }
-    if settled { first } else { earlier::<R, S, SECOND_LEFT>(stretch, &first, points) }
+    if settled { first } else { earlier::<R, S, SECOND_LEFT>(kind, stretch, &first, points) }
 }

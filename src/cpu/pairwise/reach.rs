@@ -130,7 +130,8 @@ mod tests {
         every_fan(|fan, times| {
             let [a, b, c] = times;
             let (reach, bulge) = (Reach::new(fan), Bulge::new(fan));
-            let (t0, first) = (updates(fan, times, point_source), min(min(a, b), c));
+            let (t0, first) =
+                (updates(fan, times, |triangle| point_source(triangle, false)), min(min(a, b), c));
             for now in (0..80).map(|k| first + 0.05 * k as f32) {
                 if bulge.keeps(reach.earliest(a, b, c) - now, first) {
                     kept.set(kept.get() + 1);

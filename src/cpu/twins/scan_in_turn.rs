@@ -65,7 +65,7 @@ pub(super) fn scan<'a, R: Real, K: FrontKind<'a, R>>(
     let away = [ranges(|seed| seed.row, rows), ranges(|seed| seed.col, cols)];
     let whole = [[0..rows, 0..rows], [0..cols, 0..cols]];
     loop {
-        let (mut change, renews) = (R::Bits::default(), progress.renews());
+        let (mut change, renews) = (R::Bits::default(), fronts.begin(&progress));
         let mut update = |row: usize, col: usize, scan: u8| {
             let point = chart.bordered(row, col);
             let front = fronts.reach(point, &behind[usize::from(scan) - 1]);
@@ -77,7 +77,7 @@ pub(super) fn scan<'a, R: Real, K: FrontKind<'a, R>>(
         up.rev().for_each(|row| (0..cols).for_each(|col| update(row, col, 2)));
         right.for_each(|col| (0..rows).for_each(|row| update(row, col, 3)));
         left.rev().for_each(|col| (0..rows).for_each(|row| update(row, col, 4)));
-        if progress.is_done::<R>(change) {
+        if progress.is_done::<R>(change) && (progress.is_last() || !fronts.restore(seeds)) {
             return progress;
         }
     }

@@ -122,7 +122,7 @@ impl<'a> Continuation<'a> {
             return min(t1 + l1, t2 + l2);
         }
         match self.origins[label as usize].wavefront {
-            Wavefront::PointSource => point_source(triangle),
+            Wavefront::PointSource => point_source(triangle, false),
             _ => planar(triangle),
         }
     }

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::{FAR, Surface};
+use super::{FAR, Real, Surface};
 pub(crate) use diagonals::with_diagonals;
 use pieces::{Pieces, Vertex, bends};
 
@@ -71,9 +71,41 @@ impl Seed {
         Self { row, col, time, curvature: Self::AT_SOURCE, from: None }
     }
 
+    /// Whether a map is later here, by more than rounding: a preliminary front has taken the seed's place and has been
+    /// taken back since. Solvers then start from it again.
+    pub(crate) fn is_lost<R: Real>(&self, time: R) -> bool {
+        time > R::of(self.time) * (R::one() + R::of(8.0) * R::epsilon())
+    }
+
     /// Row and column.
     pub(crate) fn place(&self) -> DVec2 {
         DVec2::new(self.row as f64, self.col as f64)
+    }
+}
+
+/// Where the fronts of a map come from, and so whether they are to be causal: to hang on nothing that arrives later.
+/// Where several meet, they would settle in more than one way or never. The front of a single point is as well
+/// without, and more accurate in stretched cells.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Origins {
+    first: Option<DVec2>,
+    causal: bool,
+}
+
+impl Origins {
+    /// That of another seed. Those of curves are their own.
+    pub(crate) fn add(&mut self, seed: &Seed) {
+        let origin = seed.from.unwrap_or(seed.place());
+        self.causal |= *self.first.get_or_insert(origin) != origin;
+    }
+
+    /// Has fronts be causal from here on, wherever they come from.
+    pub(crate) fn be_causal(&mut self) {
+        self.causal = true;
+    }
+
+    pub(crate) fn are_causal(&self) -> bool {
+        self.causal
     }
 }
 

@@ -362,16 +362,18 @@ impl<'a> Recording<'a> {
     /// Starts a map on what is there, and runs the plan's steps.
     fn start(&self, sources: SourceInput, plan: &Plan, is_added: bool) -> Result<(), VulkanError> {
         let Self { recorder, surface, .. } = self;
-        recorder.start(plan.stop, plan.schedule, is_added);
         let (set, count) = match sources {
-            SourceInput::Inline(sources) => {
-                recorder.write_sources(bytemuck::cast_slice(sources));
-                (surface.sets.inline_sources, sources.len() as u32)
-            }
+            SourceInput::Inline(sources) => (surface.sets.inline_sources, sources.len() as u32),
             SourceInput::Buffer(number) => {
                 (surface.sets.sources[number], surface.sources[number].count)
             }
         };
+        // Which of them count the device alone knows.
+        let causal = count > 1 || is_added;
+        recorder.start(plan.stop, plan.schedule, causal, is_added);
+        if let SourceInput::Inline(sources) = sources {
+            recorder.write_sources(bytemuck::cast_slice(sources));
+        }
         for first in (0..count).step_by(SOURCES_TOGETHER as usize) {
             let together = (count - first).min(SOURCES_TOGETHER);
             let portion = sources::Push {

@@ -92,8 +92,9 @@ fn order_of(step: &Step) -> Option<&'static dyn Order> {
 }
 
 impl Recorder<'_> {
-    /// Before the seeds of a map, or of what is added to one: no iteration is done.
-    pub(crate) fn start(&self, stop: Stop, schedule: Schedule, is_added: bool) {
+    /// Before the seeds of a map whose fronts are causal or not ([`crate::surface::Origins`]), or of what is added to one: no
+    /// iteration is done.
+    pub(crate) fn start(&self, stop: Stop, schedule: Schedule, causal: bool, is_added: bool) {
         let order = schedule.order();
         // The progress, of each tile its state, the round it waits for and two lists, and what else the
         // schedule keeps.
@@ -104,7 +105,7 @@ impl Recorder<'_> {
         let grid = [texels[0].div_ceil(WORKGROUP), texels[1]];
         self.barrier(COPY, CLEAR);
         self.barrier(PASS, CLEAR);
-        self.write_progress(&progress::start(stop, grid, self.tiles()), 0);
+        self.write_progress(&progress::start(stop, causal, grid, self.tiles()), 0);
         if !is_added {
             let size = size_of::<u32>() as u64;
             self.fill(self.grid.progress.buffer, offset::PASSED_OVER, size);
