@@ -228,7 +228,7 @@ fn counts_and_starts_agree_with_a_count_by_hand() {
             assert_eq!(moved(pass), Some(by_hand), "{schedule}: {pass:?}");
         }
         let start = of_kind(&profile, PassKind::Start).next().unwrap();
-        let progress = 4 * (8 + 3 + 4 * (128 + 1) + 128 + 2);
+        let progress = 4 * (9 + 3 + 4 * (128 + 1) + 128 + 2);
         let lines = u64::from(bench.solver.tuning().scan_lines);
         let blocks = if schedule == Schedule::Raster { 4 * (45u64.div_ceil(lines) + 2) } else { 0 };
         assert_eq!(moved(start), Some((0, progress + 4 * 4 * tiles + 4 * 3 * blocks)));
