@@ -1,0 +1,97 @@
+//! Distance maps of geosweep on a device of wgpu's, for the program and the test beside this file.
+//! [`distance_map`] is what a renderer needs of it, and docs/embedding.md tells how it goes.
+
+pub mod cloth;
+pub mod distance_map;
+pub mod readback;
+
+use std::error::Error;
+
+use geosweep::vulkan::embed::PointSource;
+
+use cloth::{Cloth, PICTURE, PICTURE_FORMAT};
+use distance_map::DistanceMap;
+
+/// A device by Vulkan with a name that contains this, in upper or lower case, on which maps run.
+///
+/// # Errors
+/// If there is none.
+pub fn open(
+    flags: wgpu::InstanceFlags,
+    name: &str,
+) -> Result<(wgpu::Device, wgpu::Queue), Box<dyn Error>> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: wgpu::Backends::VULKAN,
+        flags,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
+    let wanted = |adapter: &wgpu::Adapter| {
+        adapter.get_info().name.to_lowercase().contains(&name.to_lowercase())
+            && distance_map::unmet(adapter).is_empty()
+    };
+    let adapter = adapters.into_iter().find(wanted).ok_or("there is no such device")?;
+    Ok(pollster::block_on(adapter.request_device(&Default::default()))?)
+}
+
+/// Where the front starts in a frame.
+pub fn source(frame: u32) -> PointSource {
+    PointSource::at(12.25 + 4.5 * frame as f32, 20.5 + 3.0 * frame as f32)
+}
+
+/// A renderer: a cloth, its map and a picture.
+pub struct Renderer {
+    /// wgpu's device.
+    pub device: wgpu::Device,
+    /// wgpu's queue.
+    pub queue: wgpu::Queue,
+    /// What is drawn.
+    pub cloth: Cloth,
+    /// The distances on it.
+    pub map: DistanceMap,
+    /// The last frame.
+    pub picture: wgpu::Texture,
+    colours: wgpu::BindGroup,
+}
+
+impl Renderer {
+    /// Makes everything.
+    ///
+    /// # Errors
+    /// If the device does not do.
+    pub fn new(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, Box<dyn Error>> {
+        let cloth = Cloth::new(&device);
+        let on = distance_map::MapDevice::new(&device)?;
+        let map = DistanceMap::new(&on, &queue, &cloth.vertices, cloth::STRIDE, cloth::CHART)?;
+        let colours = cloth.colours(&device, map.texture());
+        let picture = cloth::target(&device, PICTURE_FORMAT, PICTURE);
+        Ok(Self { device, queue, cloth, map, picture, colours })
+    }
+
+    /// Moves, maps and draws, without waiting for frames before.
+    ///
+    /// # Errors
+    /// If the map is not recorded.
+    pub fn frame(&self, number: u32) -> Result<(), Box<dyn Error>> {
+        self.frame_with(number, |commands| self.map.record(commands, &[source(number)]))
+    }
+
+    /// The same, with a recording of the map.
+    ///
+    /// # Errors
+    /// If the map is not recorded.
+    pub fn frame_with(
+        &self,
+        number: u32,
+        record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<(), Box<dyn Error>>,
+    ) -> Result<(), Box<dyn Error>> {
+        let encoder = || self.device.create_command_encoder(&Default::default());
+        let [mut moving, mut mapping, mut drawing] = [encoder(), encoder(), encoder()];
+        self.cloth.move_to(&self.queue, &mut moving, 0.4 * number as f32);
+        record(&mut mapping)?;
+        let view = self.picture.create_view(&Default::default());
+        self.cloth.draw(&mut drawing, &self.colours, &view);
+        self.queue.submit([moving.finish(), mapping.finish(), drawing.finish()]);
+        Ok(())
+    }
+}
