@@ -197,7 +197,10 @@ impl DistanceMap {
     /// and before those that draw.
     ///
     /// # Errors
-    /// If a source is off the grid, or the encoder has recorded commands of wgpu's own.
+    /// If a source is off the grid.
+    ///
+    /// # Panics
+    /// If the encoder has recorded commands of wgpu's own.
     pub fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -209,6 +212,9 @@ impl DistanceMap {
     /// The same, for another reader.
     ///
     /// # Errors
+    /// As [`DistanceMap::record`].
+    ///
+    /// # Panics
     /// As [`DistanceMap::record`].
     pub fn record_for(
         &self,

@@ -14,6 +14,11 @@ use wgpu_example::cloth::{self, CHART, STRIDE};
 use wgpu_example::distance_map::{DistanceMap, MapDevice, READER};
 use wgpu_example::{Renderer, open, readback, source};
 
+mod snippet {
+    // What docs/embedding.md shows.
+    include!("snippet.rs");
+}
+
 /// What the layers say reaches a program by the crate `log`.
 struct Messages(Mutex<Vec<String>>);
 
@@ -156,6 +161,14 @@ fn a_map_goes_at_any_time() {
     assert_eq!(messages(), Vec::<String>::new());
 }
 
+/// The guide's lines are those that compile here.
+fn the_guide_shows_the_snippet() {
+    let guide = include_str!("../../../docs/embedding.md");
+    let block = format!("```rust\n{}```", include_str!("snippet.rs"));
+    assert!(guide.contains(&block), "copy tests/snippet.rs into docs/embedding.md");
+    let _ = (snippet::load, snippet::frame);
+}
+
 /// A recording that does not name wgpu's shaders as readers is found out, so that silence means something.
 fn a_reader_that_is_not_waited_for_is_reported() {
     let renderer = renderer();
@@ -170,8 +183,7 @@ fn a_reader_that_is_not_waited_for_is_reported() {
     );
 }
 
-/// An encoder that has recorded commands of wgpu's own, or maps on a device that is not Vulkan's, and sources that
-/// are off the grid are errors in words.
+/// Nothing is recorded then.
 fn a_source_off_the_grid_is_an_error() {
     let renderer = renderer();
     let mut encoder = renderer.device.create_command_encoder(&Default::default());
@@ -197,7 +209,8 @@ fn main() {
     unsafe { std::env::set_var("VK_LAYER_SETTINGS_PATH", folder.path()) };
     log::set_logger(&MESSAGES).unwrap();
     log::set_max_level(LevelFilter::Warn);
-    let cases: [(&str, fn()); 4] = [
+    let cases: [(&str, fn()); 5] = [
+        ("the_guide_shows_the_snippet", the_guide_shows_the_snippet),
         ("frames_hold_the_headless_map", frames_hold_the_headless_map),
         ("a_map_goes_at_any_time", a_map_goes_at_any_time),
         (

@@ -1,6 +1,7 @@
 //! The embedding interface, used by a renderer of the tests' own.
 
 mod capture;
+mod creation;
 mod curves;
 mod edges;
 #[path = "../../../examples/embed.rs"]
