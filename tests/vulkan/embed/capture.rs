@@ -188,6 +188,28 @@ fn listing() -> String {
     text
 }
 
+/// Whether the guide's figures are of such a device.
+pub fn is_cpu(host: &Host) -> bool {
+    let properties = unsafe { host.instance.get_physical_device_properties(host.physical_device) };
+    properties.device_type == vk::PhysicalDeviceType::CPU
+}
+
+/// Compares the guide's block of this kind with what was found; with `GEOSWEEP_UPDATE_GUIDE` set it is renewed.
+pub fn compare_with_guide(kind: &str, found: &str, is_same_device: bool) {
+    // One test at a time reads and writes it.
+    static GUIDE_IS_OPEN: Mutex<()> = Mutex::new(());
+    let _open = GUIDE_IS_OPEN.lock();
+    let guide = std::fs::read_to_string(GUIDE).unwrap();
+    let fence = format!("```{kind}\n");
+    let (before, rest) = guide.split_once(&fence).expect("the guide has such a block");
+    let (listed, after) = rest.split_once("```").unwrap();
+    if std::env::var_os("GEOSWEEP_UPDATE_GUIDE").is_some() {
+        std::fs::write(GUIDE, format!("{before}{fence}{found}```{after}")).unwrap();
+    } else if is_same_device {
+        assert!(listed == found, "renew it with GEOSWEEP_UPDATE_GUIDE=1\n{listed}\n{found}");
+    }
+}
+
 /// The listing in the guide is that of a frame; with `GEOSWEEP_UPDATE_GUIDE` set the test renews it. All objects that a
 /// capture shows have names.
 #[test]
@@ -238,16 +260,8 @@ fn a_capture_of_a_frame_is_as_the_guide_lists_it() {
             .unwrap();
     });
     let found = listing();
-    let properties = unsafe { host.instance.get_physical_device_properties(physical_device) };
-    let guide = std::fs::read_to_string(GUIDE).unwrap();
-    let (before, rest) = guide.split_once("```capture\n").expect("the guide has a block capture");
-    let (listed, after) = rest.split_once("```").unwrap();
-    if std::env::var_os("GEOSWEEP_UPDATE_GUIDE").is_some() {
-        std::fs::write(GUIDE, format!("{before}```capture\n{found}```{after}")).unwrap();
-    } else if properties.device_type == vk::PhysicalDeviceType::CPU {
-        // Devices differ in how many lines a dispatch scans.
-        assert!(listed == found, "renew it with GEOSWEEP_UPDATE_GUIDE=1\n{listed}\n{found}");
-    }
+    // Devices differ in how many lines a dispatch scans.
+    compare_with_guide("capture", &found, is_cpu(&host));
     let names = NAMES.lock().unwrap().clone();
     for kind in [
         "PIPELINE ",

@@ -1,6 +1,7 @@
 //! The embedding interface, used by a renderer of the tests' own.
 
 mod capture;
+mod costs;
 mod creation;
 mod curves;
 mod edges;

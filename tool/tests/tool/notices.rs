@@ -58,9 +58,10 @@ fn all_packages(platform: &str) -> Vec<Package> {
 /// The packages in the tool and in the library for C, for a platform. What runs while they are built is in
 /// none of them.
 fn packages(platform: &str) -> Vec<Package> {
-    let edges = ["tree", "--workspace", "--all-features", "--edges", "normal,no-proc-macro"];
+    let ours = ["tree", "-p", "geosweep", "-p", "geosweep-cli", "--all-features"];
+    let edges = ["--edges", "normal,no-proc-macro"];
     let looks = ["--prefix", "none", "--format", "{p}|", "--target", platform];
-    let contained = cargo(&[&edges[..], &looks].concat()).replace(" v", " ");
+    let contained = cargo(&[&ours[..], &edges, &looks].concat()).replace(" v", " ");
     let all = all_packages(platform).into_iter();
     // Of our own, the tree names the folders too.
     let is_contained = |package: &Package| {

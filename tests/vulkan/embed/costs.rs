@@ -1,0 +1,162 @@
+//! What frames cost, by count: commands as they are recorded, and bytes as their passes have moved them.
+
+use std::ffi::CStr;
+use std::fmt::Write;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use geosweep::ash::{self, vk};
+use geosweep::surface::Chart;
+use geosweep::vulkan::embed::{
+    self, Access, Frame, PointSource, Points, Reader, Recording, SourceInput, SurfaceInfo,
+};
+use geosweep::vulkan::profile::{Decided, Grain, Profile, Slots};
+use geosweep::vulkan::{Method, Schedule, VulkanError};
+use geosweep::{Stop, Wavefront};
+
+use crate::embed::capture::{compare_with_guide, is_cpu};
+use crate::embed::stage::vertices;
+use crate::host::Host;
+
+static DISPATCHES: AtomicU32 = AtomicU32::new(0);
+static BARRIERS: AtomicU32 = AtomicU32::new(0);
+static CLEARS_AND_COPIES: AtomicU32 = AtomicU32::new(0);
+static OTHERS: AtomicU32 = AtomicU32::new(0);
+
+fn count(counter: &AtomicU32) -> vk::Result {
+    counter.fetch_add(1, Ordering::Relaxed);
+    vk::Result::SUCCESS
+}
+
+extern "system" fn dispatch() -> vk::Result {
+    count(&DISPATCHES)
+}
+
+extern "system" fn barrier() -> vk::Result {
+    count(&BARRIERS)
+}
+
+extern "system" fn clear_or_copy() -> vk::Result {
+    count(&CLEARS_AND_COPIES)
+}
+
+/// Binding and pushing, which cost next to nothing, go with these too.
+extern "system" fn other() -> vk::Result {
+    count(&OTHERS)
+}
+
+/// In place of a command, which goes nowhere.
+fn counting(name: &CStr) -> Option<extern "system" fn() -> vk::Result> {
+    Some(match name.to_bytes() {
+        b"vkCmdDispatch" | b"vkCmdDispatchIndirect" => dispatch,
+        b"vkCmdPipelineBarrier" => barrier,
+        b"vkCmdFillBuffer"
+        | b"vkCmdUpdateBuffer"
+        | b"vkCmdCopyBuffer"
+        | b"vkCmdClearColorImage" => clear_or_copy,
+        b"vkCmdBindPipeline" | b"vkCmdBindDescriptorSets" | b"vkCmdPushConstants" => other,
+        name if name.starts_with(b"vkCmd") => unknown,
+        _ => return None,
+    })
+}
+
+extern "system" fn unknown() -> vk::Result {
+    panic!("a command that the guide's table has no column for");
+}
+
+fn taken(counter: &AtomicU32) -> u32 {
+    counter.swap(0, Ordering::Relaxed)
+}
+
+/// A row of the table: of a frame with new points and a source between grid points.
+fn row(host: &mut Host, solver: &embed::Solver, schedule: Schedule, side: usize) -> String {
+    let device = host.device.clone();
+    let chart = Chart { rows: side, cols: side };
+    let points = host.buffer_of(&vertices(chart, 0.4));
+    let inputs = [Points::positions(points.handle, 32)];
+    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(chart) };
+    let memory = solver.bytes_for(&device, &info).unwrap();
+    let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
+    let stop = Stop { tolerance: 1e-4, iterations: 1000 };
+    let method = Method { wavefront: Wavefront::Curved, schedule: Some(schedule), stop };
+    let asked = if schedule == Schedule::Tiles { 64 } else { 4 };
+    let plan = solver.plan(chart, method, asked).unwrap();
+    let source = [PointSource::at(0.32 * side as f32, 0.48 * side as f32)];
+    let frame = |recording: Recording<'_>| -> Result<(), VulkanError> {
+        recording.frame(&Frame {
+            before: Access::NONE,
+            points: Some(0),
+            sources: SourceInput::Inline(&source),
+            plan: &plan,
+            slot: 0,
+            reader: Reader::FRAGMENT,
+            unreached: -1.0,
+        })?;
+        Ok(())
+    };
+    host.run(|commands| solver.record(&device, commands, &surface).prepare());
+
+    let decisions = host.buffer(Slots::DECISION_BYTES, true);
+    let decided = Decided { buffer: decisions.handle, offset: 0, portions: 1 };
+    let slots = Slots { decisions: Some(decided), ..Slots::default() };
+    let passes = solver.passes_of_frame(&surface, &plan, Grain::Blocks);
+    let profile = Profile::new(passes, Grain::Blocks, slots);
+    host.run(|commands| {
+        frame(solver.record(&device, commands, &surface).profiled(&profile)).unwrap();
+    });
+    let outcome = surface.outcome(0).unwrap();
+    let resolved = profile.resolve(&device, None, Some(decisions.bytes())).unwrap().unwrap();
+    assert_eq!(resolved.left_out, 0);
+    let moved: Option<u64> = resolved.passes.iter().map(|pass| pass.work.bytes()).sum();
+    let moved = moved.expect("all passes of a frame are counted");
+
+    let counted: ash::Device = host.device_with(counting);
+    frame(solver.record(&counted, vk::CommandBuffer::null(), &surface)).unwrap();
+    let [dispatches, barriers, others, _] =
+        [&DISPATCHES, &BARRIERS, &CLEARS_AND_COPIES, &OTHERS].map(taken);
+    surface.destroy(&device, host.allocator());
+    host.free(points);
+    host.free(decisions);
+    let megabytes = |bytes: u64| bytes as f64 / 1e6;
+    format!(
+        "{:11} {:8} {dispatches:>10} {barriers:>8} {others:>6} {:>10} {:>4} {:>8.1} {:>9.1}\n",
+        format!("{side} x {side}"),
+        schedule.to_string(),
+        outcome.iterations,
+        if outcome.converged { "yes" } else { "no" },
+        megabytes(moved),
+        megabytes(memory),
+    )
+}
+
+/// The guide's table of costs is that of frames as they are; with `GEOSWEEP_UPDATE_GUIDE` set the test renews it.
+#[test]
+fn frames_cost_what_the_guide_says() {
+    let mut host = Host::without_validation();
+    let passes = [Schedule::Raster, Schedule::Tiles].map(|of| (of, Wavefront::Curved));
+    let device = host.device.clone();
+    let (instance, physical_device) = (host.instance.clone(), host.physical_device);
+    let mut solver = embed::Solver::new(&instance, physical_device, &device, &passes).unwrap();
+    let mut table = String::new();
+    writeln!(
+        table,
+        "{:11} {:8} {:>10} {:>8} {:>6} {:>10} {:>4} {:>8} {:>9}",
+        "points",
+        "schedule",
+        "dispatches",
+        "barriers",
+        "others",
+        "iterations",
+        "done",
+        "MB moved",
+        "MB in all"
+    )
+    .unwrap();
+    for side in [64, 256, 1024] {
+        for schedule in [Schedule::Raster, Schedule::Tiles] {
+            table += &row(&mut host, &solver, schedule, side);
+        }
+    }
+    compare_with_guide("costs", &table, is_cpu(&host));
+    solver.destroy(&device);
+    assert_eq!(host.allocations(), 0);
+}
