@@ -102,6 +102,13 @@ public:
         own(plan);
     }
 
+    /* What GEOSWEEP_SCHEDULE_BEST has come to. */
+    GeosweepSchedule schedule() const {
+        GeosweepSchedule schedule = GEOSWEEP_SCHEDULE_BEST;
+        check(geosweep_plan_schedule(get(), &schedule));
+        return schedule;
+    }
+
     /* That a recording holds: with tiles it may be fewer than were asked for. */
     uint32_t iterations() const {
         uint32_t iterations = 0;
@@ -116,6 +123,13 @@ public:
         GeosweepSurface *surface = nullptr;
         check(geosweep_surface_create(solver.get(), &info, &surface));
         own(surface);
+    }
+
+    /* Of a slot, also before anything is recorded: for descriptor sets. */
+    GeosweepImage image(uint32_t slot, VkImageLayout layout) const {
+        GeosweepImage image = GeosweepImage();
+        check(geosweep_surface_result(get(), slot, layout, &image));
+        return image;
     }
 
     void write_points(uint32_t number, const float *data, const uint8_t *mask = nullptr) {
@@ -186,6 +200,13 @@ public:
         own(contours);
     }
 
+    /* Where they are, also before any are recorded. */
+    GeosweepCurves curves() const {
+        GeosweepCurves curves = GeosweepCurves();
+        check(geosweep_contours_curves(get(), &curves));
+        return curves;
+    }
+
     GeosweepCurves record(const Surface &surface, VkCommandBuffer commands, const GeosweepContourFrame &frame) const {
         GeosweepCurves curves = GeosweepCurves();
         check(geosweep_record_contours(surface.get(), commands, get(), &frame, &curves));
@@ -201,6 +222,13 @@ public:
         own(made);
     }
 
+    /* Where they are, also before any are recorded. */
+    GeosweepCurves curves() const {
+        GeosweepCurves curves = GeosweepCurves();
+        check(geosweep_paths_curves(get(), &curves));
+        return curves;
+    }
+
     GeosweepCurves record(const Surface &surface, VkCommandBuffer commands, const GeosweepPathFrame &frame) const {
         GeosweepCurves curves = GeosweepCurves();
         check(geosweep_record_paths(surface.get(), commands, get(), &frame, &curves));
@@ -214,6 +242,13 @@ public:
         GeosweepRegions *regions = nullptr;
         check(geosweep_regions_create(surface.get(), wavefront, &regions));
         own(regions);
+    }
+
+    /* Where they are, also before any are recorded. */
+    GeosweepLabels labels() const {
+        GeosweepLabels labels = GeosweepLabels();
+        check(geosweep_regions_labels(get(), &labels));
+        return labels;
     }
 
     GeosweepLabels record(const Surface &surface, VkCommandBuffer commands, const GeosweepRegionFrame &frame) const {

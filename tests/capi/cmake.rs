@@ -60,17 +60,24 @@ fn a_renderer_in_cpp_finds_the_package_and_has_the_map() {
         "lib/pkgconfig/geosweep.pc",
         "share/doc/geosweep/embedding.md",
         "share/doc/geosweep/LICENSE-MIT",
+        "share/doc/geosweep/THIRD-PARTY.txt",
+        "share/doc/geosweep/examples/embed.c",
     ] {
         in_package(file);
     }
     let version = env!("CARGO_PKG_VERSION");
     in_package(&format!("lib/libgeosweep.so.{version}"));
 
+    let guide = fs::read_to_string(moved.join("share/doc/geosweep/embedding.md")).unwrap();
+    assert!(guide.contains("(examples/embed.c)") && !guide.contains("(../examples/"), "{guide}");
+
     let build = scratch("cmake/example");
     let _ = fs::remove_dir_all(&build);
     run(
         cmake()
-            .args(["-S", &format!("{ROOT}/examples/cpp"), "-B"])
+            .arg("-S")
+            .arg(moved.join("share/doc/geosweep/examples/cpp"))
+            .arg("-B")
             .arg(&build)
             .arg(format!("-DCMAKE_PREFIX_PATH={}", moved.display()))
             .args([
