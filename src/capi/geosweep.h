@@ -20,8 +20,8 @@
  *
  * Ownership. Your Vulkan objects stay yours and must outlive what was made from them. Arrays and
  * structs are not needed after the call that takes them. Device memory is taken when surfaces,
- * contours, paths and regions are created, never else, from the solver's own blocks, never from an allocator
- * of yours: geosweep_surface_bytes_for and the like say beforehand how much. No call submits, waits
+ * contours, paths and regions are created, never else, from the solver's own blocks, or from a
+ * GeosweepAllocator of yours; geosweep_surface_bytes_for and the like say beforehand how much. No call submits, waits
  * or maps your memory, and recording allocates nothing.
  *
  * Threads. Calls that take a pointer to a const object may run at once on one object: several
@@ -45,7 +45,7 @@
 
 // The version of this header, which `geosweep_solver_create` compares with the library's: it
 // grows with each change that makes programs compile or run differently.
-#define GEOSWEEP_HEADER_VERSION 4
+#define GEOSWEEP_HEADER_VERSION 5
 
 // For `GeosweepSolverInfo::flags`, while you develop: what costs a little is checked as well. With several slots,
 // one that is recorded while its last recording has not run is an error, and so is destroying a surface that
@@ -200,6 +200,46 @@ typedef struct GeosweepPasses {
     GeosweepWavefront wavefront;
 } GeosweepPasses;
 
+// What an image or a buffer needs.
+typedef struct GeosweepMemoryRequest {
+    // Size, alignment and types of memory.
+    VkMemoryRequirements requirements;
+    // What the type has to have: device-local, or host-visible and host-coherent.
+    VkMemoryPropertyFlags required;
+    // What it should have beside these.
+    VkMemoryPropertyFlags preferred;
+    // Whether it is for a buffer; else it is for an image with optimal tiling.
+    bool is_buffer;
+    // What it is for, such as "edge lengths"; not needed after the call.
+    const char *name;
+} GeosweepMemoryRequest;
+
+// A block of device memory.
+typedef struct GeosweepMemory {
+    // The memory.
+    VkDeviceMemory memory;
+    // Where the block begins in it, a multiple of the alignment.
+    uint64_t offset;
+    // Where the block is mapped, and stays so until it is freed, if it has to be host-visible; else it may be
+    // null.
+    void *mapped;
+    // By what you know it: a `VmaAllocation`, say.
+    void *handle;
+} GeosweepMemory;
+
+// An allocator of yours, for surfaces, contours, paths and regions. Its functions are called by one thread at a
+// time, in calls that create and destroy these, and call nothing of geosweep's.
+typedef struct GeosweepAllocator {
+    // Given to both functions.
+    void *user;
+    // Finds memory and says where it is; what `memory` points to is all zero before. `VK_SUCCESS` if it has.
+    VkResult (*allocate)(void *user,
+                         const struct GeosweepMemoryRequest *request,
+                         struct GeosweepMemory *memory);
+    // Takes a block back, as `allocate` has given it.
+    void (*free)(void *user, const struct GeosweepMemory *memory);
+} GeosweepAllocator;
+
 // What a solver is made of. All handles stay yours, and must outlive the solver.
 typedef struct GeosweepSolverInfo {
     // `GEOSWEEP_HEADER_VERSION`.
@@ -226,6 +266,8 @@ typedef struct GeosweepSolverInfo {
     VkPipelineCache pipeline_cache;
     // `GEOSWEEP_SOLVER_CHECKS`, or 0.
     uint32_t flags;
+    // An allocator of yours; null for blocks of the solver's own. The struct is not needed after the call.
+    const struct GeosweepAllocator *allocator;
 } GeosweepSolverInfo;
 
 // The points of a surface, one a grid point, row by row: in a buffer or an image of yours on the

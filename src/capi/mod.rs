@@ -36,6 +36,7 @@ mod contours;
 mod curves;
 mod frame;
 mod loader;
+mod memory;
 mod objects;
 mod paths;
 mod plan;
@@ -55,6 +56,7 @@ pub use frame::{
     GEOSWEEP_POINTS_UNCHANGED, GEOSWEEP_STRAIGHT, GeosweepAccess, GeosweepFrame, GeosweepReader,
     GeosweepSource, GeosweepSources, geosweep_source_at,
 };
+pub use memory::{GeosweepAllocator, GeosweepMemory, GeosweepMemoryRequest};
 pub use paths::*;
 pub use plan::*;
 pub use points::{GeosweepPointKind, GeosweepPoints};

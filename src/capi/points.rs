@@ -1,11 +1,11 @@
 //! Where the points of a surface come from.
 
+use crate::vulkan::embed::DeviceMemory;
 use ash::vk;
 use ash::vk::Handle;
 use bytemuck::{NoUninit, bytes_of};
 use glam::DVec3;
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::Allocator;
 
 use super::arguments::list;
 use super::choices::choose;
@@ -254,7 +254,7 @@ pub(super) struct Copied {
 impl Copied {
     pub(super) fn new(
         shared: &Shared,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         layout: Layout,
         surface: &Surface,
     ) -> Result<Self, Failure> {
@@ -291,7 +291,7 @@ impl Copied {
         embed::Points { memory, kind: self.layout.kind, slowness: Some(floats as u32 - 1) }
     }
 
-    pub(super) fn destroy(&mut self, shared: &Shared, allocator: &mut Allocator) {
+    pub(super) fn destroy(&mut self, shared: &Shared, allocator: &mut dyn DeviceMemory) {
         self.buffer.destroy(&shared.device, allocator);
     }
 }

@@ -9,13 +9,14 @@ use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use super::arguments::{Output, list, reference};
 use super::choices::{ScheduleNumber, WavefrontNumber, schedule, wavefront};
 use super::loader::{self, GetInstanceProcAddr};
+use super::memory::{GeosweepAllocator, HostsMemory, Memory};
 use super::objects::{hand_out, object, take};
 use super::status::{Failure, GeosweepStatus, guard};
 use crate::vulkan::{VulkanError, embed};
 
 /// The version of this header, which `geosweep_solver_create` compares with the library's: it
 /// grows with each change that makes programs compile or run differently.
-pub const GEOSWEEP_HEADER_VERSION: u32 = 4;
+pub const GEOSWEEP_HEADER_VERSION: u32 = 5;
 
 /// For `GeosweepSolverInfo::flags`, while you develop: what costs a little is checked as well. With several slots,
 /// one that is recorded while its last recording has not run is an error, and so is destroying a surface that
@@ -65,6 +66,8 @@ pub struct GeosweepSolverInfo {
     pub pipeline_cache: vk::PipelineCache,
     /// `GEOSWEEP_SOLVER_CHECKS`, or 0.
     pub flags: u32,
+    /// An allocator of yours; null for blocks of the solver's own. The struct is not needed after the call.
+    pub allocator: *const GeosweepAllocator,
 }
 
 /// The pipelines of a device, shared by all its surfaces. Any number of threads may use it at once.
@@ -74,7 +77,7 @@ pub struct GeosweepSolver(Arc<Shared>);
 pub(super) struct Shared {
     pub(super) device: ash::Device,
     pub(super) solver: embed::Solver,
-    allocator: Mutex<Allocator>,
+    allocator: Mutex<Memory>,
     checks: bool,
 }
 
@@ -84,7 +87,7 @@ impl Shared {
         self.checks
     }
 
-    pub(super) fn allocator(&self) -> MutexGuard<'_, Allocator> {
+    pub(super) fn allocator(&self) -> MutexGuard<'_, Memory> {
         self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -127,12 +130,22 @@ impl GeosweepSolver {
             return Err(Failure::argument("info->flags", reason));
         }
         let checks = info.flags & GEOSWEEP_SOLVER_CHECKS != 0;
+        let of_host = match info.allocator.is_null() {
+            true => None,
+            // SAFETY: the caller's promise.
+            false => Some(unsafe { reference(info.allocator, "info->allocator") }?),
+        };
+        let of_host = of_host.map(|&allocator| HostsMemory::new(allocator)).transpose()?;
         // SAFETY: the caller's promise.
         let labels = unsafe { loader::has_labels(info.get_instance_proc_addr, &instance, &device) };
         let tools = embed::Tools { labels, checks, ..embed::Tools::default() };
         let cache = info.pipeline_cache;
         let mut solver =
             embed::Solver::with_cache(&instance, physical_device, &device, &passes, tools, cache)?;
+        if let Some(memory) = of_host {
+            let allocator = Mutex::new(Memory::Hosts(memory));
+            return Ok(Self(Arc::new(Shared { device, solver, allocator, checks })));
+        }
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance,
             device: device.clone(),
@@ -143,7 +156,7 @@ impl GeosweepSolver {
         });
         match allocator {
             Ok(allocator) => {
-                let allocator = Mutex::new(allocator);
+                let allocator = Mutex::new(Memory::Own(Box::new(allocator)));
                 Ok(Self(Arc::new(Shared { device, solver, allocator, checks })))
             }
             Err(source) => {
@@ -195,7 +208,7 @@ pub unsafe extern "C" fn geosweep_solver_bytes(
     guard(|| {
         // SAFETY: the caller's promise.
         let (solver, output) = unsafe { (object(solver, "solver")?, Output::new(bytes, "bytes")?) };
-        output.write(solver.shared().allocator().capacity());
+        output.write(solver.shared().allocator().bytes());
         Ok(())
     })
 }
@@ -221,7 +234,7 @@ pub unsafe extern "C" fn geosweep_solver_destroy(solver: *mut GeosweepSolver) ->
             unsafe { take(solver, "solver") }?.and_then(|solver| Arc::into_inner(solver.0));
         if let Some(Shared { device, mut solver, allocator, .. }) = shared {
             solver.destroy(&device);
-            // It frees its blocks.
+            // It frees blocks of its own.
             drop(allocator);
         }
         Ok(())

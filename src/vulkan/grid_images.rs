@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
+use crate::vulkan::device_memory::DeviceMemory;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::Allocator;
 
 use super::anchors::ANCHOR_BYTES;
 use super::descriptors::{Contents, GridSets};
@@ -65,7 +65,7 @@ impl GridImages {
     /// [`GridImages::destroy`] must be called before device or allocator go.
     pub(crate) fn new(
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         pipelines: &Pipelines,
         (chart, texels): (Chart, TexelChart),
         purpose: Purpose,
@@ -179,7 +179,7 @@ impl GridImages {
     }
 
     /// Frees everything. No submitted work may still use it.
-    pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+    pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         self.sets.destroy(device);
         let [fronts0, fronts1] = &mut self.fronts;
         let images = [&mut self.edges, &mut self.gaussian, fronts0, fronts1];

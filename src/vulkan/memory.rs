@@ -2,8 +2,8 @@
 
 use ash::vk;
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator};
 
+use super::device_memory::{DeviceMemory, MemoryBlock, MemoryRequest};
 use super::{VulkanError, barrier};
 
 /// The format of a grid's images: 2 x 2 points, or the four edges of one point, a texel.
@@ -42,24 +42,24 @@ pub(crate) struct BufferInfo {
 pub(crate) struct Image {
     pub(crate) image: vk::Image,
     pub(crate) view: vk::ImageView,
-    allocation: Option<Allocation>,
+    block: Option<MemoryBlock>,
 }
 
 /// A storage buffer.
 #[derive(Debug)]
 pub(crate) struct Buffer {
     pub(crate) buffer: vk::Buffer,
-    allocation: Option<Allocation>,
+    block: Option<MemoryBlock>,
 }
 
 impl Image {
     pub(crate) fn new(
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         info: ImageInfo,
     ) -> Result<Self, VulkanError> {
         let image = info.create(device)?;
-        let mut new = Self { image, view: vk::ImageView::null(), allocation: None };
+        let mut new = Self { image, view: vk::ImageView::null(), block: None };
         match new.back(device, allocator, info) {
             Ok(()) => Ok(new),
             Err(error) => {
@@ -72,18 +72,17 @@ impl Image {
     fn back(
         &mut self,
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         ImageInfo { name, format, layers, .. }: ImageInfo,
     ) -> Result<(), VulkanError> {
         // SAFETY: the image is from this device.
         let requirements = unsafe { device.get_image_memory_requirements(self.image) };
         let location = MemoryLocation::GpuOnly;
-        let allocation = allocate(allocator, name, requirements, location, false)?;
-        // SAFETY: the allocation was made for this image's requirements.
-        let bound = unsafe {
-            device.bind_image_memory(self.image, allocation.memory(), allocation.offset())
-        };
-        self.allocation = Some(allocation);
+        let block = allocate(allocator, name, requirements, location, false)?;
+        let (memory, offset) = block.place();
+        // SAFETY: the block was made for this image's requirements.
+        let bound = unsafe { device.bind_image_memory(self.image, memory, offset) };
+        self.block = Some(block);
         bound.map_err(VulkanError::from_call("vkBindImageMemory"))?;
         let kind =
             if layers > 1 { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
@@ -99,10 +98,10 @@ impl Image {
     }
 
     pub(crate) fn bytes(&self) -> u64 {
-        self.allocation.as_ref().map_or(0, Allocation::size)
+        self.block.as_ref().map_or(0, MemoryBlock::size)
     }
 
-    pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+    pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         // SAFETY: the caller has made sure that no submitted work uses the image; null handles
         // are allowed.
         unsafe {
@@ -110,7 +109,9 @@ impl Image {
             device.destroy_image(self.image, None);
         }
         (self.view, self.image) = (vk::ImageView::null(), vk::Image::null());
-        free(allocator, self.allocation.take());
+        if let Some(block) = self.block.take() {
+            allocator.free(block);
+        }
     }
 }
 
@@ -173,10 +174,10 @@ impl BufferInfo {
 impl Buffer {
     pub(crate) fn new(
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         info: BufferInfo,
     ) -> Result<Self, VulkanError> {
-        let mut new = Self { buffer: info.create(device)?, allocation: None };
+        let mut new = Self { buffer: info.create(device)?, block: None };
         match new.back(device, allocator, info) {
             Ok(()) => Ok(new),
             Err(error) => {
@@ -189,66 +190,52 @@ impl Buffer {
     fn back(
         &mut self,
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         BufferInfo { name, location, .. }: BufferInfo,
     ) -> Result<(), VulkanError> {
         // SAFETY: the buffer is from this device.
         let requirements = unsafe { device.get_buffer_memory_requirements(self.buffer) };
-        let allocation = allocate(allocator, name, requirements, location, true)?;
-        // SAFETY: the allocation was made for this buffer's requirements.
-        let bound = unsafe {
-            device.bind_buffer_memory(self.buffer, allocation.memory(), allocation.offset())
-        };
-        self.allocation = Some(allocation);
+        let block = allocate(allocator, name, requirements, location, true)?;
+        let (memory, offset) = block.place();
+        // SAFETY: the block was made for this buffer's requirements.
+        let bound = unsafe { device.bind_buffer_memory(self.buffer, memory, offset) };
+        self.block = Some(block);
         bound.map_err(VulkanError::from_call("vkBindBufferMemory"))
     }
 
     pub(crate) fn bytes(&self) -> u64 {
-        self.allocation.as_ref().map_or(0, Allocation::size)
+        self.block.as_ref().map_or(0, MemoryBlock::size)
     }
 
     /// The buffer's memory, to read; it must be host-visible.
     pub(crate) fn read(&self) -> &[u8] {
-        let allocation = self.allocation.as_ref().and_then(Allocation::mapped_slice);
-        allocation.expect("only buffers made host-visible are mapped")
+        let bytes = self.block.as_ref().and_then(MemoryBlock::bytes);
+        bytes.expect("only buffers made host-visible are mapped")
     }
 
     /// The buffer's memory; it must be host-visible.
     pub(crate) fn mapped(&mut self) -> &mut [u8] {
-        let allocation = self.allocation.as_mut().and_then(Allocation::mapped_slice_mut);
-        allocation.expect("only buffers made host-visible are mapped")
+        let bytes = self.block.as_mut().and_then(MemoryBlock::bytes_mut);
+        bytes.expect("only buffers made host-visible are mapped")
     }
 
-    pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+    pub(crate) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         // SAFETY: the caller has made sure that no submitted work uses the buffer.
         unsafe { device.destroy_buffer(self.buffer, None) };
         self.buffer = vk::Buffer::null();
-        free(allocator, self.allocation.take());
+        if let Some(block) = self.block.take() {
+            allocator.free(block);
+        }
     }
 }
 
 fn allocate(
-    allocator: &mut Allocator,
+    allocator: &mut dyn DeviceMemory,
     name: &'static str,
     requirements: vk::MemoryRequirements,
     location: MemoryLocation,
-    linear: bool,
-) -> Result<Allocation, VulkanError> {
-    allocator
-        .allocate(&AllocationCreateDesc {
-            name,
-            requirements,
-            location,
-            linear,
-            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
-        })
-        .map_err(|source| VulkanError::Allocation { what: name, source })
-}
-
-fn free(allocator: &mut Allocator, allocation: Option<Allocation>) {
-    if let Some(allocation) = allocation {
-        // An allocation of another allocator is the only reason to fail.
-        let freed = allocator.free(allocation);
-        debug_assert!(freed.is_ok(), "{freed:?}");
-    }
+    is_buffer: bool,
+) -> Result<MemoryBlock, VulkanError> {
+    let wanted = MemoryRequest { name, requirements, location, is_buffer };
+    allocator.allocate(&wanted).map_err(|source| VulkanError::Allocation { what: name, source })
 }

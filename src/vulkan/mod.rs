@@ -16,6 +16,7 @@ mod anchors;
 mod barrier;
 mod ceilings;
 mod descriptors;
+mod device_memory;
 mod devices;
 pub mod embed;
 mod error;

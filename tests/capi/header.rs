@@ -7,10 +7,11 @@ const HEADER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi/geosweep.h")
 const SOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi");
 
 /// In the order in which one reads the header.
-const FILES: [&str; 14] = [
+const FILES: [&str; 15] = [
     "status",
     "requirements",
     "choices",
+    "memory",
     "solver",
     "points",
     "surface_info",

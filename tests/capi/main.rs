@@ -16,6 +16,7 @@ mod curves;
 mod faults;
 mod header;
 mod maps;
+mod memory;
 mod misuse;
 mod programs;
 mod session;

@@ -72,6 +72,7 @@ pub fn solver_info(host: &Host) -> GeosweepSolverInfo {
         pass_count: RASTER.len() as u32,
         pipeline_cache: vk::PipelineCache::null(),
         flags: 0,
+        allocator: std::ptr::null(),
     }
 }
 

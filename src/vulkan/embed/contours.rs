@@ -1,7 +1,7 @@
 //! Contours on the device, for drawing in the same frame.
 
+use crate::vulkan::device_memory::DeviceMemory;
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::Allocator;
 
 use super::access::Access;
 use super::curves::{self, CurveBuffer, CurveLayout, Curves, CurvesInfo};
@@ -99,7 +99,7 @@ const ROW_WORDS: usize = 1 + WORKGROUP as usize;
 impl Contours {
     pub(super) fn new(
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         (solver, surface): (&Solver, &Surface),
         vertices: u32,
     ) -> Result<Self, VulkanError> {
@@ -143,7 +143,7 @@ impl Contours {
     }
 
     /// Frees everything. No submitted work may still use the contours. A second call does nothing.
-    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         self.curves.destroy(device, allocator);
     }
 }
@@ -173,7 +173,7 @@ impl Solver {
     pub fn contours(
         &self,
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         surface: &Surface,
         vertices: u32,
     ) -> Result<Contours, VulkanError> {

@@ -1,9 +1,9 @@
 //! Curves on the device: their buffer, its layout, and the passes that lift them to the surface.
 
+use crate::vulkan::device_memory::DeviceMemory;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::Allocator;
 
 use super::access::Access;
 use super::host_sets::{self, Content, HostSet, Part};
@@ -212,7 +212,7 @@ impl Curves {
     /// `tracing` says what the sets of the passes that trace read, given the buffers made.
     pub(super) fn new(
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         (solver, surface): (&Solver, &Surface),
         info: CurvesInfo,
         tracing: impl FnOnce(&[Buffer]) -> Result<Vec<Content>, VulkanError>,
@@ -240,7 +240,7 @@ impl Curves {
     fn allocate(
         &mut self,
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         pipelines: &Pipelines,
         infos: &[BufferInfo],
     ) -> Result<(), VulkanError> {
@@ -330,7 +330,7 @@ impl Curves {
         recorder.barrier(SHADER_WRITE, reader.side());
     }
 
-    pub(super) fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+    pub(super) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
         unsafe { device.destroy_descriptor_pool(self.pool, None) };
         self.pool = vk::DescriptorPool::null();

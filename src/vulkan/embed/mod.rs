@@ -67,6 +67,7 @@ mod solver;
 mod state;
 mod surface;
 
+pub use super::device_memory::{DeviceMemory, MemoryBlock, MemoryRequest};
 pub use super::point_kind::PointKind;
 pub use access::{Access, Reader};
 pub use contours::{ContourFrame, Contours, LevelInput};

@@ -1,7 +1,7 @@
 //! Geodesic paths on the device, for drawing in the same frame.
 
+use crate::vulkan::device_memory::DeviceMemory;
 use ash::vk;
-use gpu_allocator::vulkan::Allocator;
 
 use super::access::Access;
 use super::curves::{self, CurveBuffer, CurveLayout, CurveRecord, Curves, CurvesInfo};
@@ -127,7 +127,7 @@ impl StartInput<'_> {
 impl Paths {
     pub(super) fn new(
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         (solver, surface): (&Solver, &Surface),
         info: PathsInfo,
     ) -> Result<Self, VulkanError> {
@@ -173,7 +173,7 @@ impl Paths {
     }
 
     /// Frees everything. No submitted work may still use the paths. A second call does nothing.
-    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         self.curves.destroy(device, allocator);
     }
 }
@@ -201,7 +201,7 @@ impl Solver {
     pub fn paths(
         &self,
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         surface: &Surface,
         info: PathsInfo,
     ) -> Result<Paths, VulkanError> {

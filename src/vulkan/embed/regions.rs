@@ -1,8 +1,8 @@
 //! Regions of the points nearest to each source, on the device.
 
+use crate::vulkan::device_memory::DeviceMemory;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::Allocator;
 
 use super::access::Access;
 use super::curves;
@@ -102,7 +102,7 @@ const WORD: u64 = size_of::<u32>() as u64;
 impl Regions {
     pub(super) fn new(
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         (solver, surface): (&Solver, &Surface),
         wavefront: Wavefront,
     ) -> Result<Self, VulkanError> {
@@ -178,7 +178,7 @@ impl Regions {
     }
 
     /// Frees everything. No submitted work may still use the regions. A second call does nothing.
-    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
         unsafe { device.destroy_descriptor_pool(self.pool, None) };
         self.pool = vk::DescriptorPool::null();
@@ -211,7 +211,7 @@ impl Solver {
     pub fn regions(
         &self,
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         surface: &Surface,
         wavefront: Wavefront,
     ) -> Result<Regions, VulkanError> {

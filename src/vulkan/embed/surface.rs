@@ -1,7 +1,7 @@
 //! A surface in a renderer: its images, and the host's memory that it reads.
 
+use crate::vulkan::device_memory::DeviceMemory;
 use ash::vk;
-use gpu_allocator::vulkan::Allocator;
 
 use super::host_sets::HostSets;
 use super::inputs::{Lookup, Points, SourceBuffer};
@@ -140,7 +140,7 @@ pub struct Outcome {
 impl Surface {
     pub(super) fn new(
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         solver: &Solver,
         info: &SurfaceInfo,
     ) -> Result<Self, VulkanError> {
@@ -272,7 +272,7 @@ impl Surface {
     /// Frees everything, with the device and the allocator that it was made with. No submitted work
     /// may still use the surface: in a renderer, wait for the fences of the frames in flight, or put
     /// it on the list of what is freed so many frames later. A second call does nothing.
-    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+    pub fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         self.state.destroy();
         self.sets.destroy(device);
         self.grid.destroy(device, allocator);
@@ -294,7 +294,7 @@ impl Solver {
     pub fn surface(
         &self,
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         info: &SurfaceInfo,
     ) -> Result<Surface, VulkanError> {
         Surface::new(device, allocator, self, info)

@@ -1,7 +1,7 @@
 //! What a batch of maps occupies on the device.
 
+use crate::vulkan::device_memory::DeviceMemory;
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::Allocator;
 
 use super::layout::BatchLayout;
 use super::progress;
@@ -34,7 +34,7 @@ enum Kind {
 impl Resources {
     pub(super) fn new(
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         pipelines: &Pipelines,
         grid: &GridImages,
         layout: &BatchLayout,
@@ -52,7 +52,7 @@ impl Resources {
     fn create(
         &mut self,
         device: &ash::Device,
-        allocator: &mut Allocator,
+        allocator: &mut dyn DeviceMemory,
         pipelines: &Pipelines,
         grid: &GridImages,
         layout: &BatchLayout,
@@ -134,7 +134,7 @@ impl Resources {
     }
 
     /// Frees everything. No submitted work may still use it.
-    pub(super) fn destroy(&mut self, device: &ash::Device, allocator: &mut Allocator) {
+    pub(super) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         self.sets.destroy(device);
         self.fronts.iter_mut().for_each(|image| image.destroy(device, allocator));
         self.buffers.iter_mut().for_each(|buffer| buffer.destroy(device, allocator));

@@ -1,0 +1,188 @@
+//! Device memory: from blocks of the solver's own, or from an allocator of the program's.
+
+use std::ffi::{CString, c_char, c_void};
+use std::ptr::{NonNull, null_mut};
+
+use ash::vk;
+use gpu_allocator::AllocationError;
+use gpu_allocator::vulkan::Allocator;
+
+use super::status::Failure;
+use crate::vulkan::embed::{DeviceMemory, MemoryBlock, MemoryRequest};
+
+/// What an image or a buffer needs.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepMemoryRequest {
+    /// Size, alignment and types of memory.
+    pub requirements: vk::MemoryRequirements,
+    /// What the type has to have: device-local, or host-visible and host-coherent.
+    pub required: vk::MemoryPropertyFlags,
+    /// What it should have beside these.
+    pub preferred: vk::MemoryPropertyFlags,
+    /// Whether it is for a buffer; else it is for an image with optimal tiling.
+    pub is_buffer: bool,
+    /// What it is for, such as "edge lengths"; not needed after the call.
+    pub name: *const c_char,
+}
+
+/// A block of device memory.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepMemory {
+    /// The memory.
+    pub memory: vk::DeviceMemory,
+    /// Where the block begins in it, a multiple of the alignment.
+    pub offset: u64,
+    /// Where the block is mapped, and stays so until it is freed, if it has to be host-visible; else it may be
+    /// null.
+    pub mapped: *mut c_void,
+    /// By what you know it: a `VmaAllocation`, say.
+    pub handle: *mut c_void,
+}
+
+/// An allocator of yours, for surfaces, contours, paths and regions. Its functions are called by one thread at a
+/// time, in calls that create and destroy these, and call nothing of geosweep's.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepAllocator {
+    /// Given to both functions.
+    pub user: *mut c_void,
+    /// Finds memory and says where it is; what `memory` points to is all zero before. `VK_SUCCESS` if it has.
+    pub allocate: Option<
+        unsafe extern "C" fn(
+            user: *mut c_void,
+            request: *const GeosweepMemoryRequest,
+            memory: *mut GeosweepMemory,
+        ) -> vk::Result,
+    >,
+    /// Takes a block back, as `allocate` has given it.
+    pub free: Option<unsafe extern "C" fn(user: *mut c_void, memory: *const GeosweepMemory)>,
+}
+
+/// Where the memory of a solver's surfaces comes from.
+pub(super) enum Memory {
+    /// Blocks of the solver's own.
+    Own(Box<Allocator>),
+    Hosts(HostsMemory),
+}
+
+/// An allocator of the program's, and how much it has given.
+pub(super) struct HostsMemory {
+    allocator: GeosweepAllocator,
+    /// What was given and not taken back, each at the place that its block has as a number.
+    given: Vec<Option<GeosweepMemory>>,
+    bytes: u64,
+}
+
+// SAFETY: the program promises that any thread may call its functions, one at a time.
+unsafe impl Send for HostsMemory {}
+
+impl HostsMemory {
+    pub(super) fn new(allocator: GeosweepAllocator) -> Result<Self, Failure> {
+        for (function, is_there) in
+            [("allocate", allocator.allocate.is_some()), ("free", allocator.free.is_some())]
+        {
+            if !is_there {
+                return Err(Failure::argument(&format!("info->allocator->{function}"), "is null"));
+            }
+        }
+        Ok(Self { allocator, given: Vec::new(), bytes: 0 })
+    }
+}
+
+impl DeviceMemory for HostsMemory {
+    fn allocate(&mut self, wanted: &MemoryRequest) -> Result<MemoryBlock, AllocationError> {
+        let name = CString::new(wanted.name).expect("names of ours hold no zero");
+        let [required, preferred] = wanted.properties();
+        let requirements = wanted.requirements;
+        let (is_buffer, name) = (wanted.is_buffer, name.as_ptr());
+        let request = GeosweepMemoryRequest { requirements, required, preferred, is_buffer, name };
+        let mut memory = GeosweepMemory {
+            memory: vk::DeviceMemory::null(),
+            offset: 0,
+            mapped: null_mut(),
+            handle: null_mut(),
+        };
+        let allocate = self.allocator.allocate.expect("it was looked for when the solver was made");
+        // SAFETY: the program's promise; both structs are alive.
+        match unsafe { allocate(self.allocator.user, &request, &mut memory) } {
+            vk::Result::SUCCESS => {}
+            vk::Result::ERROR_OUT_OF_HOST_MEMORY | vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {
+                return Err(AllocationError::OutOfMemory);
+            }
+            result => {
+                let text = format!("your allocator has returned {result}");
+                return Err(AllocationError::Internal(text));
+            }
+        }
+        if memory.memory == vk::DeviceMemory::null() {
+            return Err(AllocationError::Internal("your allocator has given no memory".into()));
+        }
+        let mapped = NonNull::new(memory.mapped.cast());
+        let must_be_mapped = required.contains(vk::MemoryPropertyFlags::HOST_VISIBLE);
+        let reason = if !memory.offset.is_multiple_of(requirements.alignment) {
+            Some(
+                "your allocator has given memory at an offset that is no multiple of the alignment",
+            )
+        } else if must_be_mapped && mapped.is_none() {
+            Some(
+                "your allocator has given memory that is not mapped, where the program reads or writes",
+            )
+        } else {
+            None
+        };
+        let number = self.given.iter().position(Option::is_none).unwrap_or(self.given.len());
+        if number == self.given.len() {
+            self.given.push(None);
+        }
+        self.given[number] = Some(memory);
+        self.bytes += requirements.size;
+        let place = (memory.offset, requirements.size);
+        let mapped = mapped.filter(|_| must_be_mapped);
+        // SAFETY: the program's promise.
+        let block = unsafe { MemoryBlock::new(memory.memory, place, mapped, number as u64) };
+        match reason {
+            None => Ok(block),
+            Some(reason) => {
+                self.free(block);
+                Err(AllocationError::Internal(reason.into()))
+            }
+        }
+    }
+
+    fn free(&mut self, block: MemoryBlock) {
+        let place = block.number().and_then(|number| self.given.get_mut(number as usize));
+        let Some(memory) = place.and_then(Option::take) else { return };
+        self.bytes -= block.size();
+        let free = self.allocator.free.expect("it was looked for when the solver was made");
+        // SAFETY: the program's promise; the struct is alive.
+        unsafe { free(self.allocator.user, &memory) };
+    }
+}
+
+impl Memory {
+    /// Bytes that are held for the solver.
+    pub(super) fn bytes(&self) -> u64 {
+        match self {
+            Self::Own(allocator) => allocator.capacity(),
+            Self::Hosts(memory) => memory.bytes,
+        }
+    }
+}
+
+impl DeviceMemory for Memory {
+    fn allocate(&mut self, wanted: &MemoryRequest) -> Result<MemoryBlock, AllocationError> {
+        match self {
+            Self::Own(allocator) => DeviceMemory::allocate(&mut **allocator, wanted),
+            Self::Hosts(memory) => memory.allocate(wanted),
+        }
+    }
+
+    fn free(&mut self, block: MemoryBlock) {
+        match self {
+            Self::Own(allocator) => DeviceMemory::free(&mut **allocator, block),
+            Self::Hosts(memory) => memory.free(block),
+        }
+    }
+}
