@@ -6,6 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use super::arguments::list;
 use super::objects::object;
 use super::plan::GeosweepPlan;
+use super::profile::GeosweepProfile;
 use super::status::Failure;
 use super::surface::GeosweepSurface;
 use crate::vulkan::embed::{self, Access, PointSource, Reader, SourceInput};
@@ -89,6 +90,9 @@ pub struct GeosweepFrame {
     /// What stands in it where nothing was reached: `INFINITY`, which filters turn to NaN beside
     /// such points, or a negative number. Neither 0, which is the distance of sources, nor NaN.
     pub unreached: f32,
+    /// Where the passes of this frame are taken down, or null. One frame at a time: that of the same profile before
+    /// has run.
+    pub profile: *const GeosweepProfile,
 }
 
 impl From<GeosweepAccess> for Access {

@@ -10,8 +10,8 @@
  *              your device and instance go.
  *
  * Contours, shortest paths and regions for the same frame, if wanted: geosweep_contours_create and the
- * like once a surface, geosweep_record_contours and the like after the map. Profiles of single passes
- * are for programs in Rust; names and labels of passes for tools are there wherever you have enabled
+ * like once a surface, geosweep_record_contours and the like after the map. What each pass of a frame takes
+ * is for a GeosweepProfile to say; names and labels of passes for tools are there wherever you have enabled
  * VK_EXT_debug_utils.
  *
  * Errors. Calls return a GeosweepStatus, and geosweep_last_error says in words what was wrong.
@@ -71,6 +71,9 @@
 // For a label: no source is the nearest, since the point is a hole or no front arrives there.
 #define GEOSWEEP_NO_REGION 4294967295
 
+// For a number of a `GeosweepPass`: it is not known.
+#define GEOSWEEP_UNKNOWN UINT64_MAX
+
 // What a call has come to. `geosweep_last_error` says the rest in words.
 typedef enum GeosweepStatus {
     // Done.
@@ -117,6 +120,18 @@ typedef enum GeosweepEdgeRule {
     // The straight line: the surface is a polyhedron.
     GEOSWEEP_EDGE_RULE_CHORD = 1,
 } GeosweepEdgeRule;
+
+// What is timed by itself. Timestamps take time: the finer the grain, the longer the frame.
+typedef enum GeosweepGrain {
+    // Scans and rounds of tiles, and the passes around them.
+    GEOSWEEP_GRAIN_SCANS = 0,
+    // The blocks of lines of each scan.
+    GEOSWEEP_GRAIN_BLOCKS = 1,
+    // Iterations, and the passes around them.
+    GEOSWEEP_GRAIN_ITERATIONS = 2,
+    // All of a map from its sources to how it went, and the passes before and after.
+    GEOSWEEP_GRAIN_PORTIONS = 3,
+} GeosweepGrain;
 
 // What the floats of a grid point are.
 typedef enum GeosweepPointKind {
@@ -166,6 +181,10 @@ typedef struct GeosweepPaths GeosweepPaths;
 // The passes of a recording, for any surface of one size. It may be used by many recordings at
 // once, on any thread.
 typedef struct GeosweepPlan GeosweepPlan;
+
+// Room for the passes of a frame, with queries and a buffer of its own: one for each frame in flight that is
+// profiled.
+typedef struct GeosweepProfile GeosweepProfile;
 
 // Room for the regions of a surface's maps, and the passes that find them. Frames in flight on one queue share
 // it; with readers on another queue make one for each.
@@ -489,6 +508,9 @@ typedef struct GeosweepFrame {
     // What stands in it where nothing was reached: `INFINITY`, which filters turn to NaN beside
     // such points, or a negative number. Neither 0, which is the distance of sources, nor NaN.
     float unreached;
+    // Where the passes of this frame are taken down, or null. One frame at a time: that of the same profile before
+    // has run.
+    const struct GeosweepProfile *profile;
 } GeosweepFrame;
 
 // What is known of a curve. In the buffer it starts with a `VkDrawIndirectCommand`;
@@ -589,6 +611,27 @@ typedef struct GeosweepRegionFrame {
     // How you read the labels, this frame and the frame before.
     struct GeosweepAccess reader;
 } GeosweepRegionFrame;
+
+// A pass of a frame, or several that are timed together. What is not known is `GEOSWEEP_UNKNOWN`.
+typedef struct GeosweepPass {
+    // What it does, as captures name it: "scan down". It is never freed.
+    const char *name;
+    // The iteration that it belongs to, or the round of tiles, from 0; `UINT32_MAX` outside of iterations.
+    uint32_t iteration;
+    // Dispatches; none for copies and clears.
+    uint32_t dispatches;
+    // On the device, from the end of the pass before to the end of this one: the barrier between them counts to
+    // this one.
+    uint64_t nanoseconds;
+    // Bytes that it had to read, each once.
+    uint64_t bytes_read;
+    // Bytes that it had to write.
+    uint64_t bytes_written;
+    // Texels of 2 x 2 points that it has visited.
+    uint64_t texels;
+    // Whether it was dispatched and visited nothing, since the map had converged or nothing could change there.
+    bool is_idle;
+} GeosweepPass;
 
 // A vertex of a contour or path in the buffer: three attributes of a pipeline, with the formats
 // `VK_FORMAT_R32G32B32_SFLOAT`, `VK_FORMAT_R32_SFLOAT` and `VK_FORMAT_R32G32_SFLOAT` at the
@@ -925,6 +968,26 @@ enum GeosweepStatus geosweep_record_regions(const struct GeosweepSurface *surfac
 
 // Destroys regions, before or after their surface. No submitted work may still use them. Null is fine.
 enum GeosweepStatus geosweep_regions_destroy(struct GeosweepRegions *regions);
+
+// Makes room for the passes of frames of a surface with this plan, which go to a queue of this family;
+// `geosweep_profile_destroy` destroys it. The family's queues must write timestamps, else the status is
+// `GEOSWEEP_STATUS_UNSUPPORTED`.
+enum GeosweepStatus geosweep_profile_create(const struct GeosweepSurface *surface,
+                                            const struct GeosweepPlan *plan,
+                                            GeosweepGrain grain,
+                                            uint32_t queue_family,
+                                            struct GeosweepProfile **profile);
+
+// Reads back what the passes of the last frame that was recorded with this profile have taken, after its fence:
+// `count` says how many there are, of which as many as `capacity` are written to `passes`. If that frame has
+// not run, the status is `GEOSWEEP_STATUS_NOT_READY`.
+enum GeosweepStatus geosweep_profile_passes(const struct GeosweepProfile *profile,
+                                            struct GeosweepPass *passes,
+                                            uint32_t capacity,
+                                            uint32_t *count);
+
+// Destroys a profile. No submitted work may still use it. Null is fine.
+enum GeosweepStatus geosweep_profile_destroy(struct GeosweepProfile *profile);
 
 #ifdef __cplusplus
 }  // extern "C"

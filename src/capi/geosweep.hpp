@@ -13,6 +13,7 @@
 #include <memory>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "geosweep.h"
 
@@ -189,6 +190,29 @@ public:
         if (status == GEOSWEEP_STATUS_NOT_READY) return false;
         check(status);
         return true;
+    }
+};
+
+/* What each pass of a frame takes: GeosweepFrame::profile is its get(). */
+class Profile : public Owned<GeosweepProfile, geosweep_profile_destroy> {
+public:
+    Profile(const Surface &surface, const Plan &plan, GeosweepGrain grain, uint32_t queue_family)
+        : Owned(surface.solver()) {
+        GeosweepProfile *profile = nullptr;
+        check(geosweep_profile_create(surface.get(), plan.get(), grain, queue_family, &profile));
+        own(profile);
+    }
+
+    /* Of the last frame; none if it has not run. */
+    std::vector<GeosweepPass> passes() const {
+        std::vector<GeosweepPass> passes;
+        uint32_t count = 0;
+        GeosweepStatus status = geosweep_profile_passes(get(), nullptr, 0, &count);
+        if (status == GEOSWEEP_STATUS_NOT_READY) return passes;
+        check(status);
+        passes.resize(count);
+        check(geosweep_profile_passes(get(), passes.data(), count, &count));
+        return passes;
     }
 };
 

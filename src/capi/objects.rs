@@ -7,6 +7,7 @@ use super::arguments::{Output, usable};
 use super::contours::GeosweepContours;
 use super::paths::GeosweepPaths;
 use super::plan::GeosweepPlan;
+use super::profile::GeosweepProfile;
 use super::regions::GeosweepRegions;
 use super::solver::{GeosweepSolver, Shared};
 use super::status::Failure;
@@ -54,6 +55,7 @@ objects! {
     GeosweepContours: 0x6753_0004, |contours| &contours.shared;
     GeosweepPaths: 0x6753_0005, |paths| &paths.shared;
     GeosweepRegions: 0x6753_0006, |regions| &regions.shared;
+    GeosweepProfile: 0x6753_0007, |profile| &profile.shared;
 }
 
 /// Gives an object to the program, until [`take`] gets it back.

@@ -1,5 +1,7 @@
 //! Recording into the host's command buffer.
 
+use std::sync::Arc;
+
 use ash::vk;
 use ash::vk::Handle;
 
@@ -70,7 +72,7 @@ pub unsafe extern "C" fn geosweep_record_frame(
             (output, given, plan, sources(&given.sources, "frame->sources.sources")?)
         };
         let points = (given.points != GEOSWEEP_POINTS_UNCHANGED).then_some(given.points as usize);
-        let image = recording.frame(&embed::Frame {
+        let frame = embed::Frame {
             before: given.before.into(),
             points,
             sources,
@@ -78,7 +80,22 @@ pub unsafe extern "C" fn geosweep_record_frame(
             slot: given.slot as usize,
             reader: reader(given.reader, "frame->reader.")?,
             unreached: unreached(given.unreached, "frame->unreached")?,
-        })?;
+        };
+        let recording = match given.profile.is_null() {
+            true => recording,
+            false => {
+                // SAFETY: the caller's promise.
+                let profile = unsafe { object(given.profile, "frame->profile") }?;
+                if !Arc::ptr_eq(&profile.shared, &surface.shared) {
+                    return Err(Failure::argument("frame->profile", "is of another solver"));
+                }
+                // Nothing is recorded, no query either, of a frame that is refused.
+                recording.check_frame(&frame)?;
+                profile.note_recording();
+                recording.profiled(&profile.profile)
+            }
+        };
+        let image = recording.frame(&frame)?;
         if let Some(output) = output {
             output.write(image.into());
         }

@@ -75,6 +75,8 @@ pub struct GeosweepSolver(Arc<Shared>);
 
 /// What a solver shares with all that is made by it.
 pub(super) struct Shared {
+    pub(super) instance: ash::Instance,
+    pub(super) physical_device: vk::PhysicalDevice,
     pub(super) device: ash::Device,
     pub(super) solver: embed::Solver,
     allocator: Mutex<Memory>,
@@ -93,6 +95,10 @@ impl Shared {
 }
 
 impl GeosweepSolver {
+    fn of(shared: Shared) -> Self {
+        Self(Arc::new(shared))
+    }
+
     pub(super) fn shared(&self) -> &Arc<Shared> {
         &self.0
     }
@@ -144,10 +150,17 @@ impl GeosweepSolver {
             embed::Solver::with_cache(&instance, physical_device, &device, &passes, tools, cache)?;
         if let Some(memory) = of_host {
             let allocator = Mutex::new(Memory::Hosts(memory));
-            return Ok(Self(Arc::new(Shared { device, solver, allocator, checks })));
+            return Ok(Self::of(Shared {
+                instance,
+                physical_device,
+                device,
+                solver,
+                allocator,
+                checks,
+            }));
         }
         let allocator = Allocator::new(&AllocatorCreateDesc {
-            instance,
+            instance: instance.clone(),
             device: device.clone(),
             physical_device,
             debug_settings: Default::default(),
@@ -157,7 +170,14 @@ impl GeosweepSolver {
         match allocator {
             Ok(allocator) => {
                 let allocator = Mutex::new(Memory::Own(Box::new(allocator)));
-                Ok(Self(Arc::new(Shared { device, solver, allocator, checks })))
+                Ok(Self::of(Shared {
+                    instance,
+                    physical_device,
+                    device,
+                    solver,
+                    allocator,
+                    checks,
+                }))
             }
             Err(source) => {
                 solver.destroy(&device);
@@ -225,7 +245,7 @@ pub unsafe extern "C" fn geosweep_solver_destroy(solver: *mut GeosweepSolver) ->
         let others = unsafe { Arc::strong_count(object(solver, "solver")?.shared()) } - 1;
         if others > 0 {
             let reason = format!(
-                "still has {others} surfaces, plans, contours, paths or regions: destroy them first"
+                "still has {others} surfaces, plans, contours, paths, regions or profiles: destroy them first"
             );
             return Err(Failure::argument("solver", reason));
         }

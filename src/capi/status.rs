@@ -50,6 +50,10 @@ impl Failure {
         Self { status: GeosweepStatus::InvalidArgument, message }
     }
 
+    pub(super) fn not_ready(message: &str) -> Self {
+        Self { status: GeosweepStatus::NotReady, message: message.into() }
+    }
+
     pub(super) fn unsupported(message: String) -> Self {
         Self { status: GeosweepStatus::Unsupported, message }
     }

@@ -7,7 +7,7 @@ const HEADER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi/geosweep.h")
 const SOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/capi");
 
 /// In the order in which one reads the header.
-const FILES: [&str; 15] = [
+const FILES: [&str; 16] = [
     "status",
     "requirements",
     "choices",
@@ -23,6 +23,7 @@ const FILES: [&str; 15] = [
     "contours",
     "paths",
     "regions",
+    "profile",
 ];
 /// What C does not see.
 const INTERNAL: [&str; 4] = ["arguments", "loader", "mod", "objects"];

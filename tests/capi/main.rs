@@ -18,6 +18,7 @@ mod header;
 mod maps;
 mod memory;
 mod misuse;
+mod profile;
 mod programs;
 mod session;
 mod states;

@@ -96,6 +96,20 @@ impl<'a> Recording<'a> {
     /// # Errors
     /// As these, and then nothing is recorded.
     pub fn frame(&self, frame: &Frame) -> Result<ResultImage, VulkanError> {
+        let result = self.check_frame(frame)?;
+        let _group = self.recorder.group(c"geosweep: frame");
+        self.begin(frame.before);
+        if let Some(points) = frame.points {
+            self.measure(points)?;
+        }
+        self.solve(frame.sources, frame.plan)?;
+        self.outcome(frame.slot)?;
+        self.result(frame.slot, frame.reader, frame.unreached)?;
+        Ok(result)
+    }
+
+    /// Whether a frame can be recorded; records nothing. The image that it will write.
+    pub(crate) fn check_frame(&self, frame: &Frame) -> Result<ResultImage, VulkanError> {
         if let Some(points) = frame.points {
             self.points(points)?;
         }
@@ -107,14 +121,6 @@ impl<'a> Recording<'a> {
             None => self.surface.state.check_measured(frame.plan)?,
         }
         self.check_slot(frame.slot, true)?;
-        let _group = self.recorder.group(c"geosweep: frame");
-        self.begin(frame.before);
-        if let Some(points) = frame.points {
-            self.measure(points)?;
-        }
-        self.solve(frame.sources, frame.plan)?;
-        self.outcome(frame.slot)?;
-        self.result(frame.slot, frame.reader, frame.unreached)?;
         Ok(result)
     }
 

@@ -1,0 +1,212 @@
+//! What each pass of a frame takes.
+
+use std::ffi::c_char;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+
+use super::arguments::Output;
+use super::choices::choose;
+use super::frame::plan;
+use super::objects::{hand_out, object, take};
+use super::solver::Shared;
+use super::status::{Failure, GeosweepStatus, guard};
+use super::surface::GeosweepSurface;
+use crate::vulkan::VulkanError;
+use crate::vulkan::memory::{Buffer, BufferInfo};
+use crate::vulkan::profile::{
+    Clock, Decided, Grain, PassRecord, Profile, QueryRange, Resolved, Slots,
+};
+
+/// For a number of a `GeosweepPass`: it is not known.
+pub const GEOSWEEP_UNKNOWN: u64 = u64::MAX;
+
+/// What is timed by itself. Timestamps take time: the finer the grain, the longer the frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub enum GeosweepGrain {
+    /// Scans and rounds of tiles, and the passes around them.
+    Scans = 0,
+    /// The blocks of lines of each scan.
+    Blocks = 1,
+    /// Iterations, and the passes around them.
+    Iterations = 2,
+    /// All of a map from its sources to how it went, and the passes before and after.
+    Portions = 3,
+}
+
+/// A `GeosweepGrain`, or so the program says.
+type GrainNumber = i32;
+
+/// Room for the passes of a frame, with queries and a buffer of its own: one for each frame in flight that is
+/// profiled.
+pub struct GeosweepProfile {
+    pub(super) shared: Arc<Shared>,
+    pub(super) profile: Profile,
+    clock: Clock,
+    pool: vk::QueryPool,
+    decisions: Buffer,
+    is_recorded: AtomicBool,
+}
+
+/// A pass of a frame, or several that are timed together. What is not known is `GEOSWEEP_UNKNOWN`.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepPass {
+    /// What it does, as captures name it: "scan down". It is never freed.
+    pub name: *const c_char,
+    /// The iteration that it belongs to, or the round of tiles, from 0; `UINT32_MAX` outside of iterations.
+    pub iteration: u32,
+    /// Dispatches; none for copies and clears.
+    pub dispatches: u32,
+    /// On the device, from the end of the pass before to the end of this one: the barrier between them counts to
+    /// this one.
+    pub nanoseconds: u64,
+    /// Bytes that it had to read, each once.
+    pub bytes_read: u64,
+    /// Bytes that it had to write.
+    pub bytes_written: u64,
+    /// Texels of 2 x 2 points that it has visited.
+    pub texels: u64,
+    /// Whether it was dispatched and visited nothing, since the map had converged or nothing could change there.
+    pub is_idle: bool,
+}
+
+impl GeosweepProfile {
+    /// Just before a frame is recorded.
+    pub(super) fn note_recording(&self) {
+        self.is_recorded.store(true, Ordering::Relaxed);
+    }
+
+    /// # Errors
+    /// If the driver fails, or the last recording has not run.
+    fn resolve(&self) -> Result<Resolved, Failure> {
+        let not_ready =
+            || Failure::not_ready("the profile's frame has not run: ask after its fence");
+        if !self.is_recorded.load(Ordering::Relaxed) {
+            return Err(not_ready());
+        }
+        let decisions = Some(self.decisions.read());
+        let resolved = self.profile.resolve(&self.shared.device, Some(self.clock), decisions)?;
+        resolved.ok_or_else(not_ready)
+    }
+
+    fn destroy(&mut self) {
+        let Self { shared, pool, decisions, .. } = self;
+        // SAFETY: the program has made sure that no submitted work uses it.
+        unsafe { shared.device.destroy_query_pool(*pool, None) };
+        decisions.destroy(&shared.device, &mut shared.allocator());
+    }
+}
+
+impl From<&PassRecord> for GeosweepPass {
+    fn from(record: &PassRecord) -> Self {
+        let known = |number: Option<u64>| number.unwrap_or(GEOSWEEP_UNKNOWN);
+        Self {
+            name: record.kind.label().as_ptr(),
+            iteration: record.iteration.unwrap_or(u32::MAX),
+            dispatches: record.dispatches,
+            nanoseconds: known(record.nanoseconds),
+            bytes_read: known(record.work.bytes_read),
+            bytes_written: known(record.work.bytes_written),
+            texels: known(record.work.texels),
+            is_idle: record.is_idle(),
+        }
+    }
+}
+
+/// Makes room for the passes of frames of a surface with this plan, which go to a queue of this family;
+/// `geosweep_profile_destroy` destroys it. The family's queues must write timestamps, else the status is
+/// `GEOSWEEP_STATUS_UNSUPPORTED`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_profile_create(
+    surface: *const GeosweepSurface,
+    plan: *const super::plan::GeosweepPlan,
+    grain: GrainNumber,
+    queue_family: u32,
+    profile: *mut *mut GeosweepProfile,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (surface, plan, output) = unsafe {
+            let surface = object(surface, "surface")?;
+            (surface, self::plan(plan, surface, "plan")?, Output::new(profile, "profile")?)
+        };
+        use GeosweepGrain as G;
+        let choices = [
+            (G::Scans as i32, Grain::Scans),
+            (G::Blocks as i32, Grain::Blocks),
+            (G::Iterations as i32, Grain::Iterations),
+            (G::Portions as i32, Grain::Portions),
+        ];
+        let grain = choose(grain, "grain", "GeosweepGrain", &choices)?;
+        let GeosweepSurface { shared, surface, .. } = surface;
+        let Shared { device, instance, physical_device, .. } = &**shared;
+        let clock = Clock::of(instance, *physical_device, queue_family).ok_or_else(|| {
+            Failure::unsupported(format!("queues of the family {queue_family} write no timestamps"))
+        })?;
+        let passes = shared.solver.passes_of_frame(surface, plan, grain);
+        let location = MemoryLocation::GpuToCpu;
+        let info = BufferInfo { name: "decisions", size: Slots::DECISION_BYTES, location };
+        let mut decisions = Buffer::new(device, &mut shared.allocator(), info)?;
+        let info = vk::QueryPoolCreateInfo::default()
+            .query_type(vk::QueryType::TIMESTAMP)
+            .query_count(passes + 1);
+        // SAFETY: the device is alive.
+        let pool = unsafe { device.create_query_pool(&info, None) };
+        let pool = pool.map_err(|result| {
+            decisions.destroy(device, &mut shared.allocator());
+            VulkanError::Call { call: "vkCreateQueryPool", result }
+        })?;
+        let slots = Slots {
+            timestamps: Some(QueryRange { pool, first: 0, count: passes + 1 }),
+            decisions: Some(Decided { buffer: decisions.buffer, offset: 0, portions: 1 }),
+            ..Slots::default()
+        };
+        let profile = Profile::new(passes, grain, slots);
+        let (shared, is_recorded) = (Arc::clone(shared), AtomicBool::new(false));
+        hand_out(output, GeosweepProfile { shared, profile, clock, pool, decisions, is_recorded });
+        Ok(())
+    })
+}
+
+/// Reads back what the passes of the last frame that was recorded with this profile have taken, after its fence:
+/// `count` says how many there are, of which as many as `capacity` are written to `passes`. If that frame has
+/// not run, the status is `GEOSWEEP_STATUS_NOT_READY`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_profile_passes(
+    profile: *const GeosweepProfile,
+    passes: *mut GeosweepPass,
+    capacity: u32,
+    count: *mut u32,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (profile, output) =
+            unsafe { (object(profile, "profile")?, Output::new(count, "count")?) };
+        let resolved = profile.resolve()?;
+        if capacity > 0 {
+            // SAFETY: the caller's promise: the array is that long.
+            unsafe { Output::new(passes, "passes") }?;
+            for (index, pass) in resolved.passes.iter().take(capacity as usize).enumerate() {
+                // SAFETY: the same.
+                unsafe { passes.add(index).write(pass.into()) };
+            }
+        }
+        output.write(resolved.passes.len() as u32);
+        Ok(())
+    })
+}
+
+/// Destroys a profile. No submitted work may still use it. Null is fine.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_profile_destroy(profile: *mut GeosweepProfile) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let Some(mut profile) = unsafe { take(profile, "profile") }? else { return Ok(()) };
+        profile.destroy();
+        Ok(())
+    })
+}
