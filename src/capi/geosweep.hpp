@@ -50,6 +50,44 @@ inline GeosweepSolverInfo solver_info() {
     return info;
 }
 
+/*
+ * Gives images of distances and buffers from a queue family to another: recorded last on the queue that gives, with how
+ * they were written, and first on the other, with how they are read. The pointer is your vkCmdPipelineBarrier.
+ */
+inline void hand_over(PFN_vkCmdPipelineBarrier barrier, VkCommandBuffer commands, bool gives, GeosweepAccess access,
+                      uint32_t from, uint32_t to, const std::vector<GeosweepImage> &images,
+                      const std::vector<VkBuffer> &buffers) {
+    std::vector<VkImageMemoryBarrier> of_images;
+    for (const GeosweepImage &image : images) {
+        VkImageMemoryBarrier made = VkImageMemoryBarrier();
+        made.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER;
+        (gives ? made.srcAccessMask : made.dstAccessMask) = access.access;
+        made.oldLayout = made.newLayout = image.layout;
+        made.srcQueueFamilyIndex = from;
+        made.dstQueueFamilyIndex = to;
+        made.image = image.image;
+        made.subresourceRange.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT;
+        made.subresourceRange.levelCount = made.subresourceRange.layerCount = 1;
+        of_images.push_back(made);
+    }
+    std::vector<VkBufferMemoryBarrier> of_buffers;
+    for (VkBuffer buffer : buffers) {
+        VkBufferMemoryBarrier made = VkBufferMemoryBarrier();
+        made.sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER;
+        (gives ? made.srcAccessMask : made.dstAccessMask) = access.access;
+        made.srcQueueFamilyIndex = from;
+        made.dstQueueFamilyIndex = to;
+        made.buffer = buffer;
+        made.size = VK_WHOLE_SIZE;
+        of_buffers.push_back(made);
+    }
+    /* The other queue's semaphore names the stages in which they are read. */
+    VkPipelineStageFlags after = access.stages;
+    if (gives) after = VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT;
+    barrier(commands, access.stages, after, 0, 0, nullptr, static_cast<uint32_t>(of_buffers.size()), of_buffers.data(),
+            static_cast<uint32_t>(of_images.size()), of_images.data());
+}
+
 class Solver {
 public:
     explicit Solver(const GeosweepSolverInfo &info) {

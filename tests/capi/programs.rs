@@ -62,6 +62,18 @@ fn the_header_compiles_in_c_and_cpp() {
     }
 }
 
+/// The shader for hosts in C++ is one.
+#[test]
+fn the_shader_of_contours_compiles() {
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+    let mut parser = naga::front::glsl::Frontend::default();
+    let options = naga::front::glsl::Options::from(naga::ShaderStage::Fragment);
+    let module = parser.parse(&options, &read("examples/cpp/contours.frag")).unwrap();
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
+    let info = validator.validate(&module).unwrap();
+    assert!(naga::back::spv::write_vec(&module, &info, &Default::default(), None).is_ok());
+}
+
 /// It compares with distances on a plane itself, and fails if they differ. With the shared and the
 /// static library.
 #[test]

@@ -33,10 +33,12 @@ impl Log for Messages {
     }
 
     fn log(&self, record: &Record<'_>) {
-        let message = format!("{}: {}", record.target(), record.args());
-        // Lines that begin with a tab name the objects of the message before.
-        let is_message = self.enabled(record.metadata()) && !message.contains(": \t");
-        if is_message && !message.contains(IS_IN_WGSL) {
+        let message = record.args().to_string();
+        // Loaders and drivers say other things, and the layers something of their own set-up.
+        let is_finding = self.enabled(record.metadata())
+            && message.starts_with("VALIDATION [")
+            && ![IS_IN_WGSL, "VALIDATION-SETTINGS"].iter().any(|known| message.contains(known));
+        if is_finding {
             eprintln!("{message}");
             self.0.lock().unwrap().push(message);
         }
