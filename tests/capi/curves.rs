@@ -290,7 +290,7 @@ fn what_cannot_be_used_is_named() {
         ok(geosweep_plan_destroy(plan));
         wrong(
             geosweep_solver_destroy(solver),
-            "still has 2 surfaces, plans, contours, paths or regions",
+            "still has 2 surfaces, plans, contours, paths, regions or profiles",
         );
         ok(geosweep_contours_destroy(contours));
         ok(geosweep_paths_destroy(paths));
