@@ -1,6 +1,6 @@
 //! Where fronts meet: the map's kinks, the cut locus of its sources.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DMat2, DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -16,8 +16,8 @@ use crate::surface::{Chart, Direction, Edge, EdgeLengths, Real, ring, triangles}
 pub struct Ridge {
     /// The line, from end to end or junction to junction; its direction means nothing.
     pub curve: Curve,
-    /// The angle between the fronts' directions at each vertex, in degrees, from `least_angle` to
-    /// 180, where they meet head-on.
+    /// The angle between the fronts' directions at each vertex, in degrees, up to 180, where they meet
+    /// head-on. From `least_angle` on at free ends, in between also somewhat less.
     pub angles: Vec<f64>,
 }
 
@@ -28,6 +28,13 @@ struct Kink {
     angle: f64,
 }
 
+/// Where a line goes on with at least the least angle, it may have less by this factor: the grid lets
+/// angles that are nearly constant along a ridge vary so that it would be in pieces. As in Canny's
+/// detector of edges in images, which has two thresholds.
+const WEAK: f64 = 0.6;
+/// Lines that are shorter, in cells, and stand alone or branch off, are the grid's.
+const SHORT: f64 = 4.0;
+
 /// The lines on which a converged map has a kink since fronts meet there at an angle of at least
 /// `least_angle` degrees: borders between sources as well as the cut locus of each, behind holes
 /// and hills and between the parts of a curve. The `edges` are the surface's.
@@ -37,7 +44,9 @@ struct Kink {
 /// at its ends, in the metric between them, include at least the least angle and run towards one
 /// another, or at least not apart, where the ridge runs along the edge; it lies where both fronts,
 /// straight on from either end, arrive at once. Ridges run through triangles from edge to edge with a
-/// kink; where all three edges have one they meet at the middle of the three places.
+/// kink; where all three edges have one they meet at the middle of the three places. Between places
+/// with the least angle a ridge goes on where there is three fifths of it. Lines of less than four cells
+/// are left out.
 ///
 /// Rays are those of circular fronts: beside a curve, at some cells' distance from it, they are off
 /// by up to half a cell over that distance.
@@ -71,27 +80,124 @@ pub fn ridges(
     let chart = edges.chart();
     let times = bordered(chart, distances)?;
     let rays = ArrivingRays::new(edges, times);
-    let cosine = least_angle.to_radians().cos();
+    let cosine = (WEAK * least_angle).to_radians().cos();
     let rows = chart.rows_of_cells().into_par_iter();
     let found: Vec<([u64; 2], [Kink; 2])> =
         rows.flat_map_iter(|row| rays.march(row, cosine)).collect();
     let mut kinks: BTreeMap<u64, Kink> = BTreeMap::new();
-    for (nodes, ends) in &found {
-        kinks.extend(nodes.iter().copied().zip(ends.iter().copied()));
+    for (node, kink) in found.iter().flat_map(|(nodes, ends)| nodes.iter().zip(ends)) {
+        // A grid point has those of all its edges.
+        let known = kinks.entry(*node).or_insert(*kink);
+        known.angle = known.angle.max(kink.angle);
     }
-    let sorted = |(nodes, _): &([u64; 2], _)| [nodes[0].min(nodes[1]), nodes[0].max(nodes[1])];
-    let mut segments: Vec<[u64; 2]> = found.iter().map(sorted).collect();
+    let segments = found.iter().map(|(nodes, _)| [nodes[0].min(nodes[1]), nodes[0].max(nodes[1])]);
     // Between two grid points there is a triangle on either side.
-    segments.sort_unstable();
-    segments.dedup();
+    let segments: BTreeSet<[u64; 2]> = segments.collect();
+
+    let least = least_angle.to_radians();
+    let segments = without_weak_ends(segments, |node| kinks[&node].angle >= least);
+    let ways = without_short_ways(segments, |node| kinks[&node].place);
     let ridge = |way: Vec<u64>| {
         let closed = way.len() > 3 && way[0] == way[way.len() - 1];
         let way = if closed { &way[1..] } else { &way[..] };
-        let vertices = way.iter().map(|node| kinks[node].place.to_array()).collect();
-        let angles = way.iter().map(|node| kinks[node].angle.to_degrees()).collect();
+        let (first, last) = (way[0], way[way.len() - 1]);
+        // Where three ways would have met, and one has gone, the others go straight on.
+        let is_vertex = |node: u64| node == first || node == last || !is_of_triangle(chart, node);
+        let way = || way.iter().filter(|node| is_vertex(**node)).map(|node| kinks[node]);
+        let vertices = way().map(|kink| kink.place.to_array()).collect();
+        let angles = way().map(|kink| kink.angle.to_degrees()).collect();
         Ridge { curve: Curve { vertices, closed }, angles }
     };
-    Ok(ways(&segments).into_iter().map(ridge).collect())
+    Ok(ways.into_iter().map(ridge).collect())
+}
+
+/// The nodes at the other ends of the segments at each node.
+type Neighbours = BTreeMap<u64, BTreeSet<u64>>;
+
+fn neighbours(segments: &BTreeSet<[u64; 2]>) -> Neighbours {
+    let mut neighbours = Neighbours::new();
+    for &[a, b] in segments {
+        neighbours.entry(a).or_default().insert(b);
+        neighbours.entry(b).or_default().insert(a);
+    }
+    neighbours
+}
+
+/// Leaves out segments from free ends on until a node is strong, and what has no strong node.
+fn without_weak_ends(
+    mut segments: BTreeSet<[u64; 2]>,
+    is_strong: impl Fn(u64) -> bool,
+) -> BTreeSet<[u64; 2]> {
+    let mut beside = neighbours(&segments);
+    let is_weak_end = |beside: &Neighbours, node| beside[&node].len() == 1 && !is_strong(node);
+    let mut ends: Vec<u64> =
+        beside.keys().copied().filter(|&node| is_weak_end(&beside, node)).collect();
+    while let Some(end) = ends.pop() {
+        // Both ends of a segment may be weak, of which one was first.
+        let Some(inward) = beside.get_mut(&end).and_then(BTreeSet::pop_first) else { continue };
+        segments.remove(&[end.min(inward), end.max(inward)]);
+        beside.get_mut(&inward).expect("segments have two ends").remove(&end);
+        if is_weak_end(&beside, inward) {
+            ends.push(inward);
+        }
+    }
+    let mut reached: BTreeSet<u64> = BTreeSet::new();
+    let mut open: Vec<u64> = beside.keys().copied().filter(|&node| is_strong(node)).collect();
+    while let Some(node) = open.pop() {
+        if reached.insert(node) {
+            open.extend(&beside[&node]);
+        }
+    }
+    segments.retain(|[node, _]| reached.contains(node));
+    segments
+}
+
+/// The ways that segments make, without what is short: ways with a free end, loops, and of two ways
+/// between the same nodes the longer one. What is left goes straight on.
+fn without_short_ways(
+    mut segments: BTreeSet<[u64; 2]>,
+    place: impl Fn(u64) -> DVec2,
+) -> Vec<Vec<u64>> {
+    let length = |way: &[u64]| -> f64 {
+        way.windows(2).map(|pair| place(pair[0]).distance(place(pair[1]))).sum()
+    };
+    loop {
+        let beside = neighbours(&segments);
+        let mut found: Vec<_> = ways(&segments.iter().copied().collect::<Vec<_>>())
+            .into_iter()
+            .map(|way| (length(&way), way))
+            .collect();
+        found.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        // The nodes that short ways lead between, shortest first.
+        let mut connected = BTreeSet::new();
+        // One at a node and time, since two others may become one that is long.
+        let mut changed = BTreeSet::new();
+        let count = segments.len();
+        for (length, way) in &found {
+            let (first, last) = (way[0], way[way.len() - 1]);
+            let is_free = [first, last].iter().any(|end| beside[end].len() == 1);
+            let is_short = if first == last {
+                *length < 2.0 * SHORT
+            } else {
+                *length < SHORT
+                    && (is_free || !connected.insert([first.min(last), first.max(last)]))
+            };
+            if is_short && !changed.contains(&first) && !changed.contains(&last) {
+                changed.extend([first, last]);
+                for pair in way.windows(2) {
+                    segments.remove(&[pair[0].min(pair[1]), pair[0].max(pair[1])]);
+                }
+            }
+        }
+        if segments.len() == count {
+            return ways(&segments.into_iter().collect::<Vec<_>>());
+        }
+    }
+}
+
+/// Whether a node is the middle of a triangle, not on an edge or at a grid point.
+fn is_of_triangle(chart: Chart, node: u64) -> bool {
+    node.checked_sub(Edge::end(chart)).is_some_and(|number| number % 3 > 0)
 }
 
 /// How the first front arrives at a point.
