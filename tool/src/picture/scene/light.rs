@@ -7,9 +7,11 @@ use super::super::canvas::{Color, mix};
 /// Where the light comes from, beside the viewer: from the upper left.
 const LIGHT: Vec3 = Vec3::new(-0.48, 0.60, 0.64);
 /// Light from all around; more of it from above.
-const AMBIENT: f32 = 0.46;
-const SKY: f32 = 0.12;
-const DIFFUSE: f32 = 0.58;
+const AMBIENT: f32 = 0.54;
+const SKY: f32 = 0.06;
+/// Light from one side, which reaches around the surface: what turns away has its shape too, and colours
+/// of a dark scale do not become black there.
+const DIFFUSE: f32 = 0.44;
 /// A soft highlight: its strength, and how sharp it is.
 const HIGHLIGHT: f32 = 0.22;
 const SHARPNESS: f32 = 28.0;
@@ -19,7 +21,7 @@ const SHARPNESS: f32 = 28.0;
 pub fn lit(color: Color, normal: Vec3) -> Color {
     let normal = normal.normalize_or(Vec3::Z);
     let light = LIGHT.normalize();
-    let brightness = AMBIENT + SKY * normal.y + DIFFUSE * normal.dot(light).max(0.0);
+    let brightness = AMBIENT + SKY * normal.y + DIFFUSE * 0.5 * (1.0 + normal.dot(light));
     let halfway = (light + Vec3::Z).normalize();
     let highlight = HIGHLIGHT * normal.dot(halfway).max(0.0).powf(SHARPNESS);
     mix(color.map(|channel| (channel * brightness).min(1.0)), [1.0; 3], highlight)
