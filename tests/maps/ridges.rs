@@ -114,3 +114,14 @@ fn no_fronts_meet_in_a_convex_patch() {
     let error = ridges(&EdgeLengths::new(&flat(3, 3)).unwrap(), &[0.0; 4], 30.0).unwrap_err();
     assert_eq!(error.to_string(), "4 distances do not fill a grid of 3 x 3 points");
 }
+
+/// Along them angles vary about the least one, which used to cut them into dashes.
+#[test]
+fn ridges_behind_hills_are_in_one_piece_each() {
+    let surface = Builtin::Peaks.surface(257, 257).unwrap();
+    let found: Vec<_> = of(&surface, &Sources::point(60.0, 60.0))
+        .iter()
+        .map(|ridge| ridge.curve.vertices.len())
+        .collect();
+    assert!((1..=6).contains(&found.len()) && found.iter().all(|&many| many > 30), "{found:?}");
+}
