@@ -17,11 +17,12 @@ pub fn raster_scan<R: Real>(
     wavefront: Wavefront,
     stop: Stop,
 ) -> Solution<R> {
-    for_kind!(edges, wavefront, kind => solve(PointFronts::start(edges, kind, seeds), stop))
+    for_kind!(edges, wavefront, kind => solve(PointFronts::start(edges, kind, seeds), seeds, stop))
 }
 
 fn solve<'a, R: Real, K: FrontKind<'a, R>>(
     mut fronts: PointFronts<'a, R, K>,
+    seeds: &[Seed],
     stop: Stop,
 ) -> Solution<R> {
     use Direction::*;
@@ -51,7 +52,7 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
             (0..chart.cols).for_each(|col| update(row, col, right_up));
             (0..chart.cols).rev().for_each(|col| update(row, col, left_up));
         }
-        if progress.is_done::<R>(change) {
+        if progress.is_done::<R>(change) && (progress.is_last() || !fronts.restore(seeds)) {
             return fronts.finish(progress.iterations, progress.residual);
         }
     }
