@@ -74,7 +74,8 @@ impl Seed {
     /// Whether a map is later here, by more than rounding: a preliminary front has taken the seed's place and has been
     /// taken back since. Solvers then start from it again.
     pub(crate) fn is_lost<R: Real>(&self, time: R) -> bool {
-        time > R::of(self.time) * (R::one() + R::of(8.0) * R::epsilon())
+        let start = R::of(self.time);
+        time - start > start.abs() * (R::of(8.0) * R::epsilon())
     }
 
     /// Row and column.
@@ -311,6 +312,30 @@ mod tests {
 
     fn flat(rows: usize, cols: usize) -> Surface {
         Surface::from_heights(rows, cols, vec![0.0; rows * cols], Spacing::square(1.0)).unwrap()
+    }
+
+    #[test]
+    fn seeds_are_lost_where_the_map_is_later_by_more_than_rounding() {
+        for time in [-5.0, 0.0, 3.0] {
+            let seed = Seed::at_source(0, 0, time);
+            let (rounded, later) = (time + time.abs() * 2e-7, time + 1e-5);
+            for map in [time, rounded, time - 1.0] {
+                assert!(!seed.is_lost(map as f32), "{time} {map}");
+            }
+            assert!(seed.is_lost(later as f32) && seed.is_lost(later), "{time}");
+        }
+    }
+
+    #[test]
+    fn points_have_one_origin_and_curves_several() {
+        let origins = |sources: Sources| {
+            let mut origins = Origins::default();
+            sources.seeds(&flat(9, 9)).unwrap().iter().for_each(|seed| origins.add(seed));
+            origins.are_causal()
+        };
+        assert!(!origins(Sources::point(3.0, 4.0)) && !origins(Sources::point(3.25, 4.5)));
+        assert!(origins(Sources::point(3.25, 4.5).and_point(3.5, 4.5, 0.0)));
+        assert!(origins(Sources::curve([[1.0, 3.5], [4.0, 3.5]])));
     }
 
     #[test]

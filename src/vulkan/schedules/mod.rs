@@ -92,8 +92,8 @@ fn order_of(step: &Step) -> Option<&'static dyn Order> {
 }
 
 impl Recorder<'_> {
-    /// Before the seeds of a map whose fronts are causal or not ([`crate::surface::Origins`]), or of what is added to one: no
-    /// iteration is done.
+    /// Before the seeds of a map whose fronts are causal or not ([`crate::surface::Origins`]), or of what is added to
+    /// one: no iteration is done.
     pub(crate) fn start(&self, stop: Stop, schedule: Schedule, causal: bool, is_added: bool) {
         let order = schedule.order();
         // The progress, of each tile its state, the round it waits for and two lists, and what else the
