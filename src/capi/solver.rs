@@ -148,28 +148,23 @@ impl GeosweepSolver {
         let cache = info.pipeline_cache;
         let mut solver =
             embed::Solver::with_cache(&instance, physical_device, &device, &passes, tools, cache)?;
-        if let Some(memory) = of_host {
-            let allocator = Mutex::new(Memory::Hosts(memory));
-            return Ok(Self::of(Shared {
-                instance,
+        let of_its_own = || {
+            Allocator::new(&AllocatorCreateDesc {
+                instance: instance.clone(),
+                device: device.clone(),
                 physical_device,
-                device,
-                solver,
-                allocator,
-                checks,
-            }));
-        }
-        let allocator = Allocator::new(&AllocatorCreateDesc {
-            instance: instance.clone(),
-            device: device.clone(),
-            physical_device,
-            debug_settings: Default::default(),
-            buffer_device_address: false,
-            allocation_sizes: AllocationSizes::new(BLOCK_BYTES, BLOCK_BYTES),
-        });
-        match allocator {
-            Ok(allocator) => {
-                let allocator = Mutex::new(Memory::Own(Box::new(allocator)));
+                debug_settings: Default::default(),
+                buffer_device_address: false,
+                allocation_sizes: AllocationSizes::new(BLOCK_BYTES, BLOCK_BYTES),
+            })
+        };
+        let memory = match of_host {
+            Some(memory) => Ok(Memory::Hosts(memory)),
+            None => of_its_own().map(|allocator| Memory::Own(Box::new(allocator))),
+        };
+        match memory {
+            Ok(memory) => {
+                let allocator = Mutex::new(memory);
                 Ok(Self::of(Shared {
                     instance,
                     physical_device,
