@@ -130,11 +130,20 @@ impl Options {
         surface: &Surface,
         sources: &Sources,
     ) -> Result<Wavefront, Error> {
+        self.wavefront_of(surface, SourceKind::of(sources))
+    }
+
+    /// The wavefront of a map, from sources of which the kind is known.
+    pub(crate) fn wavefront_of(
+        &self,
+        surface: &Surface,
+        sources: SourceKind,
+    ) -> Result<Wavefront, Error> {
         let engine = match self.engine {
             Engine::FastMarching => EngineKind::FastMarching,
             Engine::Auto | Engine::Vulkan(_) | Engine::Cpu => EngineKind::Map,
         };
-        let setting = Setting::new(surface, SourceKind::of(sources), engine);
+        let setting = Setting::new(surface, sources, engine);
         Ok(Wavefront::resolve(self.wavefront, setting)?)
     }
 

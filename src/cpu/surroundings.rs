@@ -11,11 +11,12 @@
 use std::collections::BTreeMap;
 
 use glam::DVec2;
+use rayon::prelude::*;
 
 use super::fronts::{TriangleKind, for_triangle_kind};
 use super::scanner::Scanner;
 use crate::Stop;
-use crate::surface::{Block, EdgeLengths, Real, Seed, Surface, with_diagonals};
+use crate::surface::{Block, Direction, EdgeLengths, Real, Seed, Surface, with_diagonals};
 use crate::update::{Setting, Wavefront};
 
 /// How many rows and columns around a source's cell are its surroundings, at most: with 8 maps from inside
@@ -26,6 +27,11 @@ const LEAST_REACH: usize = 4;
 /// All surroundings together are no more than one in so many points of the grid, since solving one of them
 /// takes about as long as what is saved at so many.
 const SHARE: usize = 40;
+/// But up to so many sources in long cells have the least of surroundings on any grid: the maps of several differ there
+/// from those of one ([`crate::surface::Origins`]), and are up to ten times as far off without.
+const MOST_IN_LONG_CELLS: usize = 8;
+/// A cell is long if one of its edges, or of its diagonals, is so many times the other.
+const LONG: f64 = 1.5;
 /// Rows and columns around, as far as edges and curvatures of the surroundings depend on points.
 const MARGIN: usize = 5;
 /// Near enough: what is left the scans of the whole grid find, which start from it.
@@ -60,10 +66,11 @@ impl Wavefront {
 /// where several meet.
 fn with_surroundings(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
     let by_source = by_source(&seeds);
-    let Some(reach) = reach(surface, by_source.len()) else { return seeds };
-    let around = by_source.into_iter().flat_map(|(source, own)| {
+    let Some(reach) = reach(surface, &by_source) else { return seeds };
+    let around = by_source.into_par_iter().flat_map_iter(|(source, own)| {
         Surroundings::new(surface, source, reach).seeds(wavefront, surface, &own)
     });
+    let around: Vec<_> = around.collect();
     let mut earliest = BTreeMap::new();
     for seed in seeds.iter().copied().chain(around) {
         let first = earliest.entry((seed.row, seed.col)).or_insert(seed);
@@ -85,11 +92,30 @@ fn by_source(seeds: &[Seed]) -> Vec<(DVec2, Vec<Seed>)> {
     found.into_values().collect()
 }
 
-/// How far the surroundings of so many sources go, if there are any and few enough.
-fn reach(surface: &Surface, sources: usize) -> Option<usize> {
-    let points = surface.chart().points().checked_div(SHARE * sources)?;
+/// How far the surroundings of these sources go, if there are any and few enough.
+fn reach(surface: &Surface, by_source: &[(DVec2, Vec<Seed>)]) -> Option<usize> {
+    let points = surface.chart().points().checked_div(SHARE * by_source.len())?;
     let reach = (points.isqrt() / 2).saturating_sub(1).min(REACH);
-    (reach >= LEAST_REACH).then_some(reach)
+    let are_few = (2..=MOST_IN_LONG_CELLS).contains(&by_source.len());
+    let in_long_cells = || by_source.iter().any(|(at, _)| is_in_long_cell(surface, *at));
+    match reach {
+        LEAST_REACH.. => Some(reach),
+        _ => (are_few && in_long_cells()).then_some(LEAST_REACH),
+    }
+}
+
+fn is_in_long_cell(surface: &Surface, source: DVec2) -> bool {
+    let cell = surface.chart().around_place(source, 0);
+    let cell = surface.window(cell.rows, cell.cols);
+    let Ok(edges) = EdgeLengths::<f64>::new(&cell) else { return false };
+    if cell.chart().rows < 2 || cell.chart().cols < 2 {
+        return false;
+    }
+    let pairs = [
+        [edges.length(0, 0, Direction::East), edges.length(1, 0, Direction::North)],
+        [edges.length(1, 0, Direction::NorthEast), edges.length(1, 1, Direction::NorthWest)],
+    ];
+    pairs.iter().any(|[a, b]| a.max(*b) > LONG * a.min(*b))
 }
 
 /// The points around a source inside a cell.
@@ -112,6 +138,7 @@ impl Surroundings {
         let window = surface.window(self.window.rows.clone(), self.window.cols.clone());
         // Edges that are too long or too short are the engine's to report, with those of the whole surface.
         let Ok(edges) = EdgeLengths::<f64>::new(&window) else { return Vec::new() };
+        let edges = edges.beside_a_source();
         let inside = |seed: &Seed| {
             let (row, col) = self.window.local((seed.row, seed.col));
             Seed { row, col, ..*seed }

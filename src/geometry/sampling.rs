@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::Stop;
 use crate::cpu::RotatedScan;
 use crate::surface::{Chart, EdgeLengths, Real, Seed};
+use crate::update::SourceKind;
 use crate::{Error, Options, Sources, Surface};
 
 /// A grid point that lies farthest from all sources.
@@ -111,7 +112,8 @@ impl<'a> FarthestPoints<'a> {
         seeds.iter_mut().for_each(|seed| seed.time -= start);
         let options = Options::default();
         let stop = options.stop::<f32>(surface)?;
-        let wavefront = options.wavefront(surface, first)?;
+        // There will be more than the first.
+        let wavefront = options.wavefront_of(surface, SourceKind::several(first))?;
         let seeds = wavefront.seeds(surface, seeds);
         let mut solver = RotatedScan::new(edges, wavefront);
         solver.solve(&seeds, stop);

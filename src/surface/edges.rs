@@ -32,6 +32,8 @@ pub struct EdgeLengths<R> {
     /// One array for each of [`STORED`], so that neighbours' lengths lie side by side.
     lengths: [Vec<R>; 4],
     rule: EdgeRule,
+    /// See [`Self::front_meets_itself`].
+    front_meets_itself: bool,
     /// Of floor plans.
     floor: Option<EvenGrid>,
     /// See `gaussian_curvature.rs`; empty until it is asked for.
@@ -89,6 +91,7 @@ impl<R: Real> EdgeLengths<R> {
             chart,
             lengths,
             rule: surface.edge_rule(),
+            front_meets_itself: surface.slowness().is_some(),
             floor: surface.floor(),
             gaussian_curvature: OnceLock::new(),
             obtuse,
@@ -118,10 +121,23 @@ impl<R: Real> EdgeLengths<R> {
             chart,
             lengths,
             rule: self.rule,
+            front_meets_itself: self.front_meets_itself,
             floor: self.floor,
             gaussian_curvature: OnceLock::new(),
             obtuse: Default::default(),
         }
+    }
+
+    /// Whether a single source's front may meet itself, as those of several do, from cell to cell: where the surface has
+    /// a slowness.
+    pub(crate) fn front_meets_itself(&self) -> bool {
+        self.front_meets_itself
+    }
+
+    /// The same edges, where a single source's front has not gone far enough to meet itself.
+    pub(crate) fn beside_a_source(mut self) -> Self {
+        self.front_meets_itself = false;
+        self
     }
 
     /// The grid's size.

@@ -15,7 +15,8 @@ pub enum Wavefront {
     /// A straight front (paper, section 3): first-order accurate, for extended sources too.
     Planar = constants::PLANAR as i32,
     /// A circular front around a virtual point source: exact on developable surfaces but for
-    /// the sampling, second-order elsewhere, for point sources.
+    /// the sampling, second-order elsewhere, for one point. Maps of several sources are solved with
+    /// [`Self::Curved`] in its place, and say so: circular fronts do not tell whose they are where they meet.
     PointSource = constants::CIRCULAR as i32,
     /// A front that carries its curvature beside the arrival time: second-order on curved
     /// surfaces, around holes and for extended sources too.
@@ -63,13 +64,20 @@ impl Wavefront {
         match asked {
             Some(Self::Anchored) => setting.has_anchors().map(|()| Self::Anchored),
             Some(Self::PointSource) if from_curves => Err(Unsuited::PointSourceFromCurves),
+            // Circular fronts do not tell from which source they come: where those of several meet, what arrives would
+            // hang on the order of updates. Marching has but one order.
+            Some(Self::PointSource)
+                if sources.are_several() && engine != EngineKind::FastMarching =>
+            {
+                Ok(Self::Curved)
+            }
             Some(wavefront) => Ok(wavefront),
             None if engine == EngineKind::FastMarching => Ok(Self::Planar),
             None if engine == EngineKind::Map && setting.has_anchors().is_ok() => {
                 Ok(Self::Anchored)
             }
             None if is_rough => Ok(Self::Planar),
-            None if has_slowness && sources.start_together() => Ok(Self::PointSource),
+            None if has_slowness && !sources.are_several() => Ok(Self::PointSource),
             None => Ok(Self::Curved),
         }
     }
@@ -120,25 +128,33 @@ pub(crate) struct Setting {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SourceKind {
     /// Points, some of them maybe inside cells.
-    Points { start_together: bool, inside_cells: usize },
+    Points { single: bool, inside_cells: usize },
     /// Curves, and maybe points.
     Curves,
 }
 
 impl SourceKind {
     /// A single grid point.
-    pub(crate) const POINT: Self = Self::Points { start_together: true, inside_cells: 0 };
+    pub(crate) const POINT: Self = Self::Points { single: true, inside_cells: 0 };
 
     pub(crate) fn of(sources: &Sources) -> Self {
         if !sources.are_points() {
             return Self::Curves;
         }
-        let (start_together, inside_cells) = (sources.start_together(), sources.inside_cells());
-        Self::Points { start_together, inside_cells }
+        let (single, inside_cells) = (sources.iter().count() == 1, sources.inside_cells());
+        Self::Points { single, inside_cells }
     }
 
-    fn start_together(self) -> bool {
-        matches!(self, Self::Points { start_together: true, .. })
+    /// That of sources to which others will be added.
+    pub(crate) fn several(sources: &Sources) -> Self {
+        match Self::of(sources) {
+            Self::Points { inside_cells, .. } => Self::Points { single: false, inside_cells },
+            Self::Curves => Self::Curves,
+        }
+    }
+
+    fn are_several(self) -> bool {
+        !matches!(self, Self::Points { single: true, .. })
     }
 }
 
@@ -235,7 +251,7 @@ mod tests {
     #[test]
     fn the_best_wavefront_is_chosen_where_none_is_asked_for() {
         let any = Setting::of_engine(false);
-        let apart = SourceKind::Points { start_together: false, inside_cells: 0 };
+        let apart = SourceKind::Points { single: false, inside_cells: 0 };
         let slow = Setting { has_slowness: true, ..any };
         assert_eq!(resolved(None, any), Ok(Curved));
         assert_eq!(resolved(None, slow), Ok(PointSource));
@@ -264,7 +280,7 @@ mod tests {
                 assert_eq!(resolved(wavefront, Setting { engine, ..floor }), Ok(wavefront));
             }
         }
-        let inside = |inside_cells| SourceKind::Points { start_together: true, inside_cells };
+        let inside = |inside_cells| SourceKind::Points { single: true, inside_cells };
         let most = SOURCES_INSIDE as usize;
         assert_eq!(resolved(Anchored, Setting { sources: inside(most), ..floor }), Ok(Anchored));
         for (refused, setting) in [
@@ -282,5 +298,9 @@ mod tests {
         let curves = Setting { sources: CURVES, ..floor };
         assert_eq!(resolved(PointSource, curves), Err(Unsuited::PointSourceFromCurves));
         assert_eq!(resolved(Planar, curves), Ok(Planar));
+        let several = SourceKind::Points { single: false, inside_cells: 0 };
+        let with = |engine| Setting { sources: several, engine, ..floor };
+        assert_eq!(resolved(PointSource, with(EngineKind::Map)), Ok(Curved));
+        assert_eq!(resolved(PointSource, with(EngineKind::FastMarching)), Ok(PointSource));
     }
 }

@@ -64,7 +64,7 @@ impl SurfaceOnDevice {
             anchors: Anchors::of(surface, texels),
             splits: false,
             is_anchored: false,
-            origins: Origins::default(),
+            origins: Origins::none(surface.slowness().is_some()),
             first,
             further,
             goes_on: None,
@@ -81,7 +81,7 @@ impl SurfaceOnDevice {
     ) -> Result<(Wavefront, Vec<f32>), VulkanError> {
         let goes_on = start == Start::FromLast;
         if !goes_on {
-            self.origins = Origins::default();
+            self.origins.forget();
         }
         seeds.iter().for_each(|seed| self.origins.add(seed));
         // A map goes on as it has begun.

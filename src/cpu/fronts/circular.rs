@@ -2,13 +2,19 @@
 
 use super::straight::Straight;
 use crate::cpu::settled::from_point_source;
-use crate::surface::{Origins, Real};
+use crate::surface::{EdgeLengths, Origins, Real};
 use crate::update::{Triangle, point_source};
 
 /// [`crate::Wavefront::PointSource`].
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(in crate::cpu) struct Circular {
     origins: Origins,
+}
+
+impl Circular {
+    pub(in crate::cpu) fn new<R: Real>(edges: &EdgeLengths<R>) -> Self {
+        Self { origins: Origins::none(edges.front_meets_itself()) }
+    }
 }
 
 impl Straight for Circular {

@@ -27,7 +27,10 @@ type KeptCurved<R> = Kept<R, Curvature<R>>;
 
 impl<'a, R: Real> Curved<'a, R> {
     pub(in crate::cpu) fn new(edges: &'a EdgeLengths<R>) -> Self {
-        Self { gaussian: edges.gaussian_curvature(), origins: Origins::default() }
+        Self {
+            gaussian: edges.gaussian_curvature(),
+            origins: Origins::none(edges.front_meets_itself()),
+        }
     }
 }
 
@@ -43,7 +46,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
     }
 
     fn forget(&mut self) {
-        self.origins = Origins::default();
+        self.origins.forget();
     }
 
     fn be_causal(&mut self) {

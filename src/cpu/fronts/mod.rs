@@ -34,7 +34,7 @@ impl<'a, R: Real> FrontOver<'a, R> {
         let floor = edges.floor();
         match (wavefront.or_curved(Setting::of_engine(floor.is_some())), floor) {
             (Wavefront::Planar, _) => Self::Planar(Planar),
-            (Wavefront::PointSource, _) => Self::Circular(Circular::default()),
+            (Wavefront::PointSource, _) => Self::Circular(Circular::new(edges)),
             (Wavefront::Anchored, Some(grid)) => Self::Anchored(Anchored::new(edges, grid)),
             (Wavefront::Anchored | Wavefront::Curved, _) => Self::Curved(Curved::new(edges)),
         }
@@ -63,7 +63,7 @@ macro_rules! for_triangle_kind {
                 $solve
             }
             $crate::update::Wavefront::PointSource => {
-                let $kind = $crate::cpu::fronts::Circular::default();
+                let $kind = $crate::cpu::fronts::Circular::new($edges);
                 $solve
             }
             $crate::update::Wavefront::Curved | $crate::update::Wavefront::Anchored => {

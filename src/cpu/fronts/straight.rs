@@ -54,7 +54,7 @@ impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
 
     fn forget(&mut self) {
         if let Some(origins) = self.origins() {
-            *origins = Origins::default();
+            origins.forget();
         }
     }
 

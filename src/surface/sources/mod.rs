@@ -85,15 +85,27 @@ impl Seed {
 }
 
 /// Where the fronts of a map come from, and so whether they are to be causal: to hang on nothing that arrives later.
-/// Where several meet, they would settle in more than one way or never. The front of a single point is as well
-/// without, and more accurate in stretched cells.
+/// Where several meet, they would settle in more than one way or never; so would one that a slowness bends, where it
+/// meets itself. The front of a single point is else as well without, and more accurate in stretched cells.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Origins {
+    /// Whether the front of one origin may meet itself.
+    meets_itself: bool,
     first: Option<DVec2>,
     causal: bool,
 }
 
 impl Origins {
+    /// None yet, on a surface where a front may meet itself or not ([`super::EdgeLengths::front_meets_itself`]).
+    pub(crate) fn none(meets_itself: bool) -> Self {
+        Self { meets_itself, first: None, causal: false }
+    }
+
+    /// Before another map.
+    pub(crate) fn forget(&mut self) {
+        *self = Self::none(self.meets_itself);
+    }
+
     /// That of another seed. Those of curves are their own.
     pub(crate) fn add(&mut self, seed: &Seed) {
         let origin = seed.from.unwrap_or(seed.place());
@@ -106,7 +118,7 @@ impl Origins {
     }
 
     pub(crate) fn are_causal(&self) -> bool {
-        self.causal
+        self.causal || self.meets_itself
     }
 }
 
@@ -241,12 +253,6 @@ impl Sources {
             }
         };
         self.iter().filter(is_inside).count()
-    }
-
-    /// Whether all sources have the same initial value.
-    pub(crate) fn start_together(&self) -> bool {
-        let start = self.start();
-        self.iter().all(|source| source.initial() == start)
     }
 
     /// The smallest initial value.

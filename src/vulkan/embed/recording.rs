@@ -375,7 +375,8 @@ impl<'a> Recording<'a> {
             }
         };
         // Which of them count the device alone knows.
-        let causal = count > 1 || is_added;
+        let is_slowed = surface.points.iter().any(|points| points.slowness.is_some());
+        let causal = count > 1 || is_added || is_slowed;
         recorder.start(plan.stop, plan.schedule, causal, is_added);
         if let SourceInput::Inline(sources) = sources {
             recorder.write_sources(bytemuck::cast_slice(sources));
