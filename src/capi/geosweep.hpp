@@ -3,13 +3,16 @@
  * What the functions do is told in geosweep.h; docs/embedding.md has the rest.
  *
  * Each object keeps its solver alive, so that they may go in any order; all of them go before your
- * device. No submitted work may still use what goes.
+ * device. No submitted work may still use what goes. What a solver with GEOSWEEP_SOLVER_CHECKS refuses to destroy,
+ * a surface with a recording that was never submitted say, stays and is told by GEOSWEEP_NOT_DESTROYED, which you
+ * may define first: a destructor cannot throw.
  */
 #ifndef GEOSWEEP_HPP
 #define GEOSWEEP_HPP
 
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -17,12 +20,16 @@
 
 #include "geosweep.h"
 
+#ifndef GEOSWEEP_NOT_DESTROYED
+#define GEOSWEEP_NOT_DESTROYED(why) std::fprintf(stderr, "geosweep: not destroyed: %s\n", why)
+#endif
+
 namespace geosweep {
 
 /* A call that has failed: what() is geosweep_last_error. */
 class Error : public std::runtime_error {
 public:
-    explicit Error(GeosweepStatus status) : std::runtime_error(geosweep_last_error()), status(status) {}
+    explicit Error(GeosweepStatus of) : std::runtime_error(geosweep_last_error()), status(of) {}
 
     const GeosweepStatus status;
 };
@@ -31,9 +38,13 @@ inline void check(GeosweepStatus status) {
     if (status != GEOSWEEP_STATUS_SUCCESS) throw Error(status);
 }
 
+inline void check_destroyed(GeosweepStatus status) {
+    if (status != GEOSWEEP_STATUS_SUCCESS) GEOSWEEP_NOT_DESTROYED(geosweep_last_error());
+}
+
 /* An access, as one side of a barrier. */
-inline GeosweepAccess access(VkPipelineStageFlags stages, VkAccessFlags access) {
-    GeosweepAccess made = {stages, access};
+inline GeosweepAccess access(VkPipelineStageFlags stages, VkAccessFlags accesses) {
+    GeosweepAccess made = {stages, accesses};
     return made;
 }
 
@@ -54,14 +65,14 @@ inline GeosweepSolverInfo solver_info() {
  * Gives images of distances and buffers from a queue family to another: recorded last on the queue that gives, with how
  * they were written, and first on the other, with how they are read. The pointer is your vkCmdPipelineBarrier.
  */
-inline void hand_over(PFN_vkCmdPipelineBarrier barrier, VkCommandBuffer commands, bool gives, GeosweepAccess access,
+inline void hand_over(PFN_vkCmdPipelineBarrier barrier, VkCommandBuffer commands, bool gives, GeosweepAccess whose,
                       uint32_t from, uint32_t to, const std::vector<GeosweepImage> &images,
                       const std::vector<VkBuffer> &buffers) {
     std::vector<VkImageMemoryBarrier> of_images;
     for (const GeosweepImage &image : images) {
         VkImageMemoryBarrier made = VkImageMemoryBarrier();
         made.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER;
-        (gives ? made.srcAccessMask : made.dstAccessMask) = access.access;
+        (gives ? made.srcAccessMask : made.dstAccessMask) = whose.access;
         made.oldLayout = made.newLayout = image.layout;
         made.srcQueueFamilyIndex = from;
         made.dstQueueFamilyIndex = to;
@@ -74,7 +85,7 @@ inline void hand_over(PFN_vkCmdPipelineBarrier barrier, VkCommandBuffer commands
     for (VkBuffer buffer : buffers) {
         VkBufferMemoryBarrier made = VkBufferMemoryBarrier();
         made.sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER;
-        (gives ? made.srcAccessMask : made.dstAccessMask) = access.access;
+        (gives ? made.srcAccessMask : made.dstAccessMask) = whose.access;
         made.srcQueueFamilyIndex = from;
         made.dstQueueFamilyIndex = to;
         made.buffer = buffer;
@@ -82,9 +93,9 @@ inline void hand_over(PFN_vkCmdPipelineBarrier barrier, VkCommandBuffer commands
         of_buffers.push_back(made);
     }
     /* The other queue's semaphore names the stages in which they are read. */
-    VkPipelineStageFlags after = access.stages;
+    VkPipelineStageFlags after = whose.stages;
     if (gives) after = VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT;
-    barrier(commands, access.stages, after, 0, 0, nullptr, static_cast<uint32_t>(of_buffers.size()), of_buffers.data(),
+    barrier(commands, whose.stages, after, 0, 0, nullptr, static_cast<uint32_t>(of_buffers.size()), of_buffers.data(),
             static_cast<uint32_t>(of_images.size()), of_images.data());
 }
 
@@ -93,7 +104,7 @@ public:
     explicit Solver(const GeosweepSolverInfo &info) {
         GeosweepSolver *solver = nullptr;
         check(geosweep_solver_create(&info, &solver));
-        solver_.reset(solver, [](GeosweepSolver *solver) { geosweep_solver_destroy(solver); });
+        solver_.reset(solver, [](GeosweepSolver *made) { check_destroyed(geosweep_solver_destroy(made)); });
     }
 
     GeosweepSolver *get() const { return solver_.get(); }
@@ -127,7 +138,7 @@ protected:
 
 private:
     struct Destroy {
-        void operator()(T *object) const { destroy(object); }
+        void operator()(T *object) const { check_destroyed(destroy(object)); }
     };
     Solver solver_;
     std::unique_ptr<T, Destroy> object_;
@@ -222,9 +233,12 @@ public:
         check(geosweep_record_end(get(), commands, after));
     }
 
+    /* There will be no submission of the slot's last recording. */
+    void discard(uint32_t slot) const { check(geosweep_surface_discard(get(), slot)); }
+
     /* Whether the slot's last recording has run, and if so how it went. */
-    bool outcome(uint32_t slot, GeosweepOutcome &outcome) const {
-        GeosweepStatus status = geosweep_surface_outcome(get(), slot, &outcome);
+    bool outcome(uint32_t slot, GeosweepOutcome &how) const {
+        GeosweepStatus status = geosweep_surface_outcome(get(), slot, &how);
         if (status == GEOSWEEP_STATUS_NOT_READY) return false;
         check(status);
         return true;

@@ -127,7 +127,7 @@ pub enum VulkanError {
         wavefront: Wavefront,
     },
     /// A buffer or image of the host's cannot be used as described.
-    #[error("the host's memory for {what} cannot be used: {reason}")]
+    #[error("your buffer or image of {what} cannot be used: {reason}")]
     HostBuffer {
         /// What it holds.
         what: &'static str,

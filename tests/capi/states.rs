@@ -135,8 +135,8 @@ fn what_lies_beyond_a_buffer_is_refused() {
     let many = [GeosweepSourceBuffer { buffer: handle, count: 10_000, ..zero() }];
     let sources = GeosweepSurfaceInfo { sources: many.as_ptr(), source_count: 1, ..good };
     all_wrong! {
-        create(&surface_info(ROWS, COLS, &wide)) => "points cannot be used: it ends at byte",
-        create(&sources) => "sources cannot be used: it ends at byte",
+        create(&surface_info(ROWS, COLS, &wide)) => "points cannot be used: it is read up to byte",
+        create(&sources) => "sources cannot be used: it is read up to byte",
     }
     session.end([buffer]);
 }

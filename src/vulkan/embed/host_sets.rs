@@ -68,7 +68,7 @@ pub(super) fn check_extent(
     let holds = unsafe { device.get_buffer_memory_requirements(buffer) }.size;
     let end = offset.saturating_add(bytes);
     if end > holds {
-        let reason = format!("it ends at byte {end}, and the buffer holds {holds} at most");
+        let reason = format!("it is read up to byte {end}, and holds {holds} at most");
         return Err(VulkanError::HostBuffer { what, reason });
     }
     Ok(())
