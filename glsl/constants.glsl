@@ -105,6 +105,11 @@
 // Longest length of an edge: squares and sums of such lengths stay within single precision and below
 // FAR. A coordinate beyond it in memory of a renderer's marks a hole, as NaN does.
 #define LONGEST_EDGE 1e12
+// How sharply a surface turns is looked at from so many points to each side of the grid, at most; where unit normals'
+// cosine is below that of 30 degrees it turns sharply; sums of squares are kept in so many parts of 1.
+#define LOOKS 48
+#define SHARP_COSINE 0.8660254
+#define TURN_UNITS 1024
 // How many points a renderer's surface lacks, before they have been looked at.
 #define NEVER_MEASURED 4294967295
 // Levels of the contours of one recording, at most.

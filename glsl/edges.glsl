@@ -7,8 +7,10 @@
 //     Point load(ivec2 at)                              the point of the band's buffer
 // and defines
 //     float separation(ivec2 at, ivec2 step)            to a neighbour, without slowness
+//     void look_at_turns(ivec2 at)                      how far the surface turns at a point
 
 float separation(ivec2 at, ivec2 step);
+void look_at_turns(ivec2 at);
 
 layout(set = 0, binding = 0, rgba32f) uniform writeonly restrict image2D edges;
 
@@ -33,6 +35,7 @@ void main() {
         for (int i = 0; i < 4; i++) {
             lengths[i] = edge_length(at, STORED[i]);
         }
+        look_at_turns(at);
     }
     imageStore(edges, point_at(at), lengths);
 }

@@ -29,3 +29,4 @@ vec3 difference(Point a, Point b, ivec2 step) {
 }
 
 #include "arc.glsl"
+#include "turns.glsl"

@@ -30,6 +30,8 @@ float step_length(vec3 metric, ivec2 step) {
 
 #include "edges.glsl"
 
+void look_at_turns(ivec2 at) {} // Nobody knows.
+
 float separation(ivec2 at, ivec2 step) {
     return 0.5 * (step_length(load(at).metric, step) + step_length(load(at + step).metric, step));
 }

@@ -18,6 +18,11 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     uint settled;           // texels that settle.comp has copied, for profiles
     uint visits[VISIT_WORDS]; // a bit for each dispatch of a scan that has visited its block, for profiles
     // What a renderer is to know of its input, which no iteration changes.
-    uint holes;       // points that cannot be used; NEVER_MEASURED before there are any edges
     uint passed_over; // sources of the map that reach no point
+    uint holes;       // points that cannot be used; NEVER_MEASURED before there are any edges
+    // Of some of the edges, see turns.glsl.
+    uint sharp;       // those at whose ends normals differ by much
+    uint compared;    // all
+    uint continued;   // those beyond which the normal is known too
+    uint turns[2];    // of these the sums of squared differences of normals, one and two steps apart
 };

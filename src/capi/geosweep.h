@@ -45,7 +45,7 @@
 
 // The version of this header, which `geosweep_solver_create` compares with the library's: it
 // grows with each change that makes programs compile or run differently.
-#define GEOSWEEP_HEADER_VERSION 5
+#define GEOSWEEP_HEADER_VERSION 6
 
 // For `GeosweepSolverInfo::flags`, while you develop: what costs a little is checked as well. With several slots,
 // one that is recorded while its last recording has not run is an error, and so is destroying a surface that
@@ -59,7 +59,7 @@
 #define GEOSWEEP_STRAIGHT 1e-30
 
 // Bytes of the record that `geosweep_record_outcome_to` copies.
-#define GEOSWEEP_OUTCOME_BYTES 40
+#define GEOSWEEP_OUTCOME_BYTES 60
 
 // Bytes of a curve's record in a `GeosweepCurves`: from draw to draw, and what
 // `geosweep_curve_record_from_bytes` reads.
@@ -423,6 +423,13 @@ typedef struct GeosweepOutcome {
     // How many of the map's sources reach no point: off the grid, in holes, or with a time that is no number
     // below 1e30. Unused entries of a buffer count.
     uint32_t passed_over;
+    // The share of edges at whose ends the surface's normals differ by more than 30 degrees, of some thousand edges
+    // looked at; 0 of a metric. Where it is above a tenth, the grid does not resolve the surface, and the map
+    // is that of some polyhedron.
+    float sharp_edges;
+    // Whether the surface turns at random from point to point, as noise does: planar fronts err least there, and
+    // curved ones may be early by some hundredths.
+    bool is_rough;
     // Whether the map has converged, over edges that were measured. If not, `geosweep_record_resume` goes on.
     bool converged;
     // Whether edges have been measured on the device: not if the recording that measures them never ran.

@@ -17,7 +17,7 @@ use super::surface::{GeosweepImage, GeosweepOutcome, GeosweepSurface};
 use crate::vulkan::embed::{self, Recording, SourceInput};
 
 /// Bytes of the record that `geosweep_record_outcome_to` copies.
-pub const GEOSWEEP_OUTCOME_BYTES: u32 = 40;
+pub const GEOSWEEP_OUTCOME_BYTES: u32 = 60;
 const _: () = assert!(GEOSWEEP_OUTCOME_BYTES as usize == embed::Outcome::BYTES);
 
 /// Records for a surface.

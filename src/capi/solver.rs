@@ -16,7 +16,7 @@ use crate::vulkan::{VulkanError, embed};
 
 /// The version of this header, which `geosweep_solver_create` compares with the library's: it
 /// grows with each change that makes programs compile or run differently.
-pub const GEOSWEEP_HEADER_VERSION: u32 = 5;
+pub const GEOSWEEP_HEADER_VERSION: u32 = 6;
 
 /// For `GeosweepSolverInfo::flags`, while you develop: what costs a little is checked as well. With several slots,
 /// one that is recorded while its last recording has not run is an error, and so is destroying a surface that

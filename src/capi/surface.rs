@@ -69,6 +69,13 @@ pub struct GeosweepOutcome {
     /// How many of the map's sources reach no point: off the grid, in holes, or with a time that is no number
     /// below 1e30. Unused entries of a buffer count.
     pub passed_over: u32,
+    /// The share of edges at whose ends the surface's normals differ by more than 30 degrees, of some thousand edges
+    /// looked at; 0 of a metric. Where it is above a tenth, the grid does not resolve the surface, and the map
+    /// is that of some polyhedron.
+    pub sharp_edges: f32,
+    /// Whether the surface turns at random from point to point, as noise does: planar fronts err least there, and
+    /// curved ones may be early by some hundredths.
+    pub is_rough: bool,
     /// Whether the map has converged, over edges that were measured. If not, `geosweep_record_resume` goes on.
     pub converged: bool,
     /// Whether edges have been measured on the device: not if the recording that measures them never ran.
@@ -77,9 +84,27 @@ pub struct GeosweepOutcome {
 
 impl From<embed::Outcome> for GeosweepOutcome {
     fn from(outcome: embed::Outcome) -> Self {
-        let embed::Outcome { iterations, residual, converged, measured, holes, passed_over } =
-            outcome;
-        Self { residual, iterations, holes, passed_over, converged, measured }
+        let embed::Outcome {
+            iterations,
+            residual,
+            converged,
+            measured,
+            holes,
+            passed_over,
+            resolution,
+        } = outcome;
+        let sharp_edges = resolution.map_or(0.0, |resolution| resolution.sharp_edges as f32);
+        let is_rough = resolution.is_some_and(|resolution| resolution.is_rough());
+        Self {
+            residual,
+            iterations,
+            holes,
+            passed_over,
+            sharp_edges,
+            is_rough,
+            converged,
+            measured,
+        }
     }
 }
 

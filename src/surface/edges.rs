@@ -91,7 +91,7 @@ impl<R: Real> EdgeLengths<R> {
             chart,
             lengths,
             rule: surface.edge_rule(),
-            front_meets_itself: surface.slowness().is_some(),
+            front_meets_itself: surface.is_slowed_unevenly(),
             floor: surface.floor(),
             gaussian_curvature: OnceLock::new(),
             obtuse,

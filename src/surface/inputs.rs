@@ -60,6 +60,11 @@ impl Surface {
         self.inputs.slowness.as_deref()
     }
 
+    /// Whether its slowness differs from point to point, so that a front may meet itself.
+    pub(crate) fn is_slowed_unevenly(&self) -> bool {
+        self.slowness().is_some_and(|slowness| slowness.iter().any(|here| *here != slowness[0]))
+    }
+
     /// Whether lengths are weighted, and not those on the surface.
     pub(super) fn is_weighted(&self) -> bool {
         self.inputs.slowness.is_some()

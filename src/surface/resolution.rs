@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::Surface;
+use crate::constants::{LOOKS, SHARP_COSINE, TURN_UNITS};
 
 /// How well a grid resolves a surface, as far as some thousands of its points tell.
 ///
@@ -18,6 +19,20 @@ pub struct Resolution {
 }
 
 impl Resolution {
+    /// From what is counted on a device, in `glsl/turns.glsl`; `None` if it has looked at nothing.
+    pub(crate) fn counted(
+        sharp: u32,
+        compared: u32,
+        continued: u32,
+        turns: [u32; 2],
+    ) -> Option<Self> {
+        let units = f64::from(continued) * f64::from(TURN_UNITS);
+        (continued > 0).then(|| Self {
+            sharp_edges: f64::from(sharp) / f64::from(compared),
+            turns: turns.map(|sum| f64::from(sum) / units),
+        })
+    }
+
     /// Whether the surface turns at random: by more than 12 degrees a step, and not much further in two steps
     /// than in one, as it would where it bends. Measured on white noise and on the same smoothed (30 x 30 points,
     /// against exact polyhedral distances): on noise with a relief of 0.3 times the spacing and more planar fronts
@@ -29,21 +44,20 @@ impl Resolution {
     }
 }
 
-/// Points to each side of the grid that are looked at, at most.
-const SAMPLES: usize = 48;
-
 impl Surface {
     /// How well the grid resolves the surface; `None` if it has no positions, but a metric, or is too small to
     /// tell.
     pub fn resolution(&self) -> Option<Resolution> {
         let (rows, cols) = (self.rows(), self.cols());
         let (mut sharp, mut edges, mut turns, mut counted) = (0, 0, [0.0; 2], 0);
-        let step = |points: usize| points.div_ceil(SAMPLES).max(1);
+        let step = |points: usize| points.div_ceil(LOOKS as usize).max(1);
         for row in (1..rows.saturating_sub(1)).step_by(step(rows)) {
             for col in (1..cols.saturating_sub(1)).step_by(step(cols)) {
                 let Some(here) = self.normal_at(row, col) else { continue };
-                for (down, right) in [(0usize, 1usize), (1, 0)] {
-                    let ahead = |steps| self.normal_at(row + steps * down, col + steps * right);
+                for (up, right) in [(0, 1), (1, 0)] {
+                    let ahead = |steps: usize| {
+                        self.normal_at(row.checked_sub(steps * up)?, col + steps * right)
+                    };
                     let Some(next) = ahead(1) else { continue };
                     edges += 1;
                     sharp += usize::from(here.dot(next) < SHARP_COSINE);
@@ -77,8 +91,6 @@ impl Surface {
 /// so many times that in one. Where it bends evenly it is four times as much.
 const ROUGH_TURN: f64 = 0.2;
 const ROUGH_TURNS: f64 = 2.0;
-/// Of 30 degrees.
-const SHARP_COSINE: f64 = 0.866_025_403_784_438_6;
 
 #[cfg(test)]
 mod tests {

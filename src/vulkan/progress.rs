@@ -1,6 +1,7 @@
 //! How a map's iterations go, as the device keeps it. The twin of `glsl/progress.glsl`.
 
 use std::mem::offset_of;
+use std::ops::Range;
 
 use bytemuck::{AnyBitPattern, NoUninit, Zeroable};
 
@@ -62,11 +63,14 @@ impl Outcome {
 #[repr(C)]
 pub(crate) struct Record {
     pub(crate) outcome: Outcome,
-    pub(crate) holes: u32,
     pub(crate) passed_over: u32,
+    pub(crate) holes: u32,
+    pub(crate) sharp: u32,
+    pub(crate) compared: u32,
+    pub(crate) continued: u32,
+    pub(crate) turns: [u32; 2],
     /// Of the recording that has written it, last of all; 0 if none has.
     pub(crate) serial: u32,
-    unused: u32,
 }
 
 /// Dispatches of scans in a recording of which profiles learn whether they have visited something.
@@ -97,11 +101,12 @@ pub(crate) mod offset {
     pub(crate) const VISITS: u64 = offset_of!(Progress, visits) as u64;
 
     /// What is known of a renderer's input: the last part, which no start of a map touches.
-    pub(crate) const INPUT: u64 = offset_of!(Progress, holes) as u64;
-    pub(crate) const HOLES: u64 = INPUT;
-    pub(crate) const PASSED_OVER: u64 = offset_of!(Progress, passed_over) as u64;
+    pub(crate) const INPUT: u64 = offset_of!(Progress, passed_over) as u64;
+    pub(crate) const PASSED_OVER: Range<u64> = INPUT..POINTS.start;
+    /// What is known of its points.
+    pub(crate) const POINTS: Range<u64> = offset_of!(Progress, holes) as u64..BYTES;
     pub(crate) const INPUT_BYTES: u64 = BYTES - INPUT;
-    pub(crate) const INPUT_IN_RECORD: u64 = offset_of!(Record, holes) as u64;
+    pub(crate) const INPUT_IN_RECORD: u64 = offset_of!(Record, passed_over) as u64;
     pub(crate) const SERIAL_IN_RECORD: u64 = offset_of!(Record, serial) as u64;
     const _: () = assert!(INPUT_IN_RECORD + INPUT_BYTES == SERIAL_IN_RECORD);
 }

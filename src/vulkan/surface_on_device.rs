@@ -64,7 +64,7 @@ impl SurfaceOnDevice {
             anchors: Anchors::of(surface, texels),
             splits: false,
             is_anchored: false,
-            origins: Origins::none(surface.slowness().is_some()),
+            origins: Origins::none(surface.is_slowed_unevenly()),
             first,
             further,
             goes_on: None,

@@ -330,25 +330,27 @@ proptest! {
     #[test]
     fn initial_values_delay(surface in smooth(), a in place(), b in place(), later in 0.0..50.0) {
         let (a, b) = (point(&surface, a), point(&surface, b));
-        // One wavefront for all: the default one is another where sources start apart.
-        let options = Options {
-            engine: Engine::Cpu,
-            wavefront: Some(Wavefront::PointSource),
-            ..Options::default()
+        let map = |sources: &Sources, wavefront| {
+            let options =
+                Options { engine: Engine::Cpu, wavefront: Some(wavefront), ..Options::default() };
+            distance_map(&surface, sources, &options).unwrap()
         };
-        let plain = distance_map(&surface, &sources(a), &options).unwrap();
-        let delayed = Sources::default().and_point(a.0 as f64, a.1 as f64, later);
-        let delayed = distance_map(&surface, &delayed, &options).unwrap();
-        for (delayed, plain) in delayed.distances.iter().zip(&plain.distances) {
-            let expected = plain + later as f32;
-            prop_assert!((delayed - expected).abs() <= 1e-6 * expected, "{delayed} {expected}");
-        }
-        let passed = plain.distance(b.0, b.1) + 0.01;
-        let both = sources(a).and_point(b.0 as f64, b.1 as f64, passed.into());
-        let both = distance_map(&surface, &both, &options).unwrap();
-        // Of several sources fronts are causal, which in right-angled cells rounds in another way.
-        for (both, plain) in both.distances.iter().zip(&plain.distances) {
-            prop_assert!((both - plain).abs() <= 1e-6 * plain, "{both} {plain}");
+        for wavefront in Wavefront::ALL {
+            let plain = map(&sources(a), wavefront);
+            let delayed = map(&Sources::default().and_point(a.0 as f64, a.1 as f64, later), wavefront);
+            for (delayed, plain) in delayed.distances.iter().zip(&plain.distances) {
+                let expected = plain + later as f32;
+                prop_assert!((delayed - expected).abs() <= 1e-6 * expected, "{delayed} {expected}");
+            }
+            let passed = plain.distance(b.0, b.1) + 0.01;
+            let both = map(&sources(a).and_point(b.0 as f64, b.1 as f64, passed.into()), wavefront);
+            // Other fronts than planar ones are causal where there are several sources, and so as good as without in
+            // square cells, but not in all of these.
+            let tolerance = if wavefront == Wavefront::Planar { 0.0 } else { 1e-2 };
+            let largest = plain.distances.iter().fold(0.0, |most: f32, &here| most.max(here));
+            for (both, plain) in both.distances.iter().zip(&plain.distances) {
+                prop_assert!((both - plain).abs() <= tolerance * largest, "{both} {plain}");
+            }
         }
     }
 

@@ -6,7 +6,7 @@ use crate::vulkan::plan::{self, Portions, Step};
 use crate::vulkan::profile::Grain;
 use crate::vulkan::{Method, Schedule, TexelChart, schedules};
 
-/// The passes of a recording, for any surface with a grid of one size.
+/// The passes of a recording, for any surface with a grid of one size, in texels of 2 x 2 points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     pub(super) texels: TexelChart,

@@ -86,7 +86,7 @@ impl<'a> Recording<'a> {
     /// else. Recorded again, it forgets the edge lengths: [`Recording::measure`] has to follow.
     pub fn prepare(&self) {
         self.recorder.prepare();
-        self.recorder.set_known(offset::HOLES, NEVER_MEASURED);
+        self.recorder.set_known(offset::POINTS, NEVER_MEASURED);
         self.surface.state.prepare();
     }
 
@@ -151,7 +151,7 @@ impl<'a> Recording<'a> {
         let kind = info.kind;
         // Without positions there are no other edges than straight ones.
         let rule = if kind.has_positions() { surface.edge_rule } else { EdgeRule::Chord };
-        recorder.set_known(offset::HOLES, 0);
+        recorder.set_known(offset::POINTS, 0);
         for rows in bands(chart, POINT_BYTES, frame_bytes(chart)) {
             let around = rows_around(&rows, chart);
             let band = points_from_buffer::Push {

@@ -8,7 +8,7 @@ use super::inputs::{Lookup, Points, SourceBuffer};
 use super::solver::Solver;
 use super::state::State;
 use crate::constants::{BORDER, NEVER_MEASURED, SOURCES_TOGETHER, TIME};
-use crate::surface::{Chart, EdgeRule, SurfaceError};
+use crate::surface::{Chart, EdgeRule, Resolution, SurfaceError};
 use crate::vulkan::VulkanError;
 use crate::vulkan::grid_images::{
     GridImages, INLINE_SOURCES, POINT_BYTES, Purpose, bands, frame_bytes,
@@ -135,6 +135,9 @@ pub struct Outcome {
     /// How many of the map's sources reach no point: those off the grid, in holes, or with a time that is no
     /// number below 1e30. Unused entries of a buffer count.
     pub passed_over: u32,
+    /// How well the grid resolves the surface, by the points measured last, as
+    /// [`crate::Surface::resolution`] tells of others: `None` of a metric, or if the grid is too small to tell.
+    pub resolution: Option<Resolution>,
 }
 
 impl Surface {
@@ -313,8 +316,9 @@ impl Outcome {
     pub const BYTES: usize = offset::SERIAL_IN_RECORD as usize;
 
     fn of(record: &Record) -> Self {
-        let Record { outcome, holes, passed_over, .. } = *record;
+        let Record { outcome, holes, passed_over, sharp, compared, continued, turns, .. } = *record;
         let measured = holes != NEVER_MEASURED;
+        let resolution = Resolution::counted(sharp, compared, continued, turns);
         Self {
             iterations: outcome.iterations,
             residual: outcome.residual(),
@@ -322,6 +326,7 @@ impl Outcome {
             measured,
             holes: if measured { holes } else { 0 },
             passed_over,
+            resolution: resolution.filter(|_| measured),
         }
     }
 }

@@ -90,11 +90,12 @@ impl Recorder<'_> {
         self.copy_parts(self.grid.progress.buffer, to, &parts);
     }
 
-    /// Sets what is known of a renderer's input, between passes: how many holes its points have, or how many
+    /// Sets what is known of a renderer's input, between passes: what its points are like, or how many
     /// sources are passed over.
-    pub(crate) fn set_known(&self, at: u64, number: u32) {
+    pub(crate) fn set_known(&self, bytes: Range<u64>, number: u32) {
         self.barrier(PASS, CLEAR);
-        self.fill_with(self.grid.progress.buffer, at, size_of::<u32>() as u64, number);
+        let count = bytes.end - bytes.start;
+        self.fill_with(self.grid.progress.buffer, bytes.start, count, number);
         self.barrier(CLEAR, SHADER);
     }
 

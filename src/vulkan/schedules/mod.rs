@@ -108,7 +108,7 @@ impl Recorder<'_> {
         self.write_progress(&progress::start(stop, causal, grid, self.tiles()), 0);
         if !is_added {
             let size = size_of::<u32>() as u64;
-            self.fill(self.grid.progress.buffer, offset::PASSED_OVER, size);
+            self.fill(self.grid.progress.buffer, offset::PASSED_OVER.start, size);
         }
         self.fill(self.grid.tiles.buffer, 0, vk::WHOLE_SIZE);
         order.start(self, is_added);

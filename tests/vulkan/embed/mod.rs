@@ -19,6 +19,7 @@ mod readme;
 #[allow(dead_code, clippy::duplicate_mod)] // its main is not called here, and its host is ours
 #[path = "../../../examples/render.rs"]
 mod render;
+mod resolution;
 mod stage;
 mod surroundings;
 

@@ -1,0 +1,78 @@
+//! How well a grid resolves a surface, as the device counts it while it measures a host's points, against what
+//! `Surface::resolution` tells of the same surface.
+
+use geosweep::surface::builtin::Builtin;
+use geosweep::surface::{EdgeRule, Geometry};
+use geosweep::vulkan::Schedule;
+use geosweep::vulkan::embed::{
+    Access, PointKind, PointMemory, Points, Reader, SourceInput, SurfaceInfo,
+};
+use geosweep::{Spacing, Surface, Wavefront};
+
+use crate::common::rough;
+use crate::embed::stage::{Kept, RASTER, Stage, source};
+
+/// Heights that turn at random by as much, in units of the spacing.
+fn noise(rows: usize, cols: usize, relief: f64) -> Surface {
+    let heights = (0..rows * cols).map(|index| {
+        let mixed = (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        relief
+            * (((mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 40) as f64
+                / (1 << 24) as f64)
+    });
+    Surface::from_heights(rows, cols, heights.collect(), Spacing::square(1.0)).unwrap()
+}
+
+#[test]
+fn outcomes_tell_whether_the_grid_resolves_the_surface() {
+    let torus = Builtin::Torus.surface(61, 70).unwrap();
+    let holed = rough(60, 50, 7);
+    // The last is measured in bands.
+    let surfaces = [torus, holed, noise(20, 90, 8.0), noise(700, 500, 2.0)];
+    let (mut rough, mut sharp) = (0, 0);
+    for surface in surfaces {
+        let chart = surface.chart();
+        let present =
+            |(index, at): (usize, f32)| if surface.present()[index] { at } else { f32::NAN };
+        let (kind, numbers): (_, Vec<f32>) = match surface.geometry() {
+            Geometry::Heights { heights, spacing } => {
+                let heights = heights.iter().map(|&height| height as f32).enumerate();
+                (PointKind::Heights(*spacing), heights.map(present).collect())
+            }
+            Geometry::Positions(positions) => {
+                let floats = positions.iter().flat_map(|at| at.as_vec3().to_array());
+                (PointKind::Positions, floats.collect())
+            }
+            Geometry::Metric(_) => unreachable!("no surface here has one"),
+        };
+        let mut host = Kept::unwatched();
+        let buffer = host.buffer_of(&numbers);
+        let stride = 4 * (numbers.len() / chart.points()) as u64;
+        let memory = PointMemory::Buffer { buffer: buffer.handle, offset: 0, stride };
+        let points = [Points { memory, kind, slowness: None }];
+        let edge_rule = EdgeRule::Chord;
+        let info = SurfaceInfo { points: &points, edge_rule, ..SurfaceInfo::new(chart) };
+        let stage = Stage::new(host, &RASTER[..1], &info);
+        let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 1);
+        // Twice: each measuring counts anew.
+        for _ in 0..2 {
+            stage.run(|recording| {
+                recording.begin(Access::NONE);
+                recording.measure(0).unwrap();
+                recording.solve(SourceInput::Inline(&source(3.0, 4.0)), &plan).unwrap();
+                recording.outcome(0).unwrap();
+                recording.result(0, Reader::COPY, f32::INFINITY)
+            });
+        }
+        let found = stage.surface.outcome(0).unwrap().resolution.expect("something was looked at");
+        let expected = surface.resolution().unwrap();
+        // One edge more or less that turns by 30 degrees but for rounding.
+        let (found_share, share) = (found.sharp_edges, expected.sharp_edges);
+        assert!((found_share - share).abs() < 1e-3, "{chart:?}: {found_share} {share}");
+        assert_eq!(found.is_rough(), expected.is_rough(), "{chart:?}: {found:?} {expected:?}");
+        rough += usize::from(found.is_rough());
+        sharp += usize::from(found.sharp_edges > 0.1);
+        stage.end([buffer]);
+    }
+    assert!((1..4).contains(&rough) && (1..4).contains(&sharp), "{rough} rough, {sharp} sharp");
+}
