@@ -174,7 +174,7 @@ impl Study {
         };
         let subtitle = match self.deviation {
             None => "its canonical form".into(),
-            Some(deviation) => format!("its form, {:.3} % away", 100.0 * deviation),
+            Some(deviation) => format!("its form, {deviation:.0e} of its size away"),
         };
         Exhibit {
             title: self.title.into(),
