@@ -2,9 +2,11 @@
 //! Rust what the SPIR-V says of each shader's bindings, constants and blocks.
 //!
 //! With the feature `shaderc` the shaders are compiled here; without it the SPIR-V committed in
-//! glsl/spirv serves, as long as it was compiled from the same sources. To renew it after a
+//! glsl/spirv serves, as long as it is what was compiled from the same sources in the same way. To renew it after a
 //! change of a shader: `GEOSWEEP_UPDATE_SPIRV=1 cargo build --features shaderc`.
 
+#[path = "build/compile.rs"]
+mod compile;
 #[path = "build/interface.rs"]
 mod interface;
 #[path = "build/names.rs"]
@@ -19,8 +21,10 @@ use interface::Interface;
 
 const GLSL: &str = "glsl";
 const COMMITTED: &str = "glsl/spirv";
-/// Holds the fingerprint of the sources that the committed SPIR-V was compiled from.
-const FINGERPRINT: &str = "glsl/spirv/sources.fnv";
+/// Holds the fingerprint of what the committed SPIR-V was compiled from, and how.
+const OF_SOURCES: &str = "glsl/spirv/sources.fnv";
+/// Holds that of the committed SPIR-V itself.
+const OF_MODULES: &str = "glsl/spirv/modules.fnv";
 
 fn main() {
     println!("cargo:rerun-if-changed={GLSL}");
@@ -30,20 +34,36 @@ fn main() {
     let sources = sources();
     write(&out.join("constants.rs"), constants(&read(Path::new("glsl/constants.glsl"))).as_bytes());
 
-    let fingerprint = fingerprint(&sources);
-    let mut shaders = Vec::new();
+    let of_sources = fingerprint(compiled_from(&sources));
+    if !cfg!(feature = "shaderc") {
+        let cure = "build with --features shaderc (ci/setup prepares for it)";
+        check(
+            OF_SOURCES,
+            &of_sources,
+            &format!("{GLSL}, or how it is compiled, has changed since {COMMITTED}: {cure}"),
+        );
+    }
+    let (mut shaders, mut modules) = (Vec::new(), Vec::new());
     for source in sources.iter().filter(|path| path.extension().is_some_and(|e| e == "comp")) {
         let stem = source.file_stem().expect("a source is a file").to_string_lossy().into_owned();
         let name = format!("{stem}.spv");
-        let spirv = spirv(source, &Path::new(COMMITTED).join(&name), &fingerprint);
+        let spirv = spirv(source, &Path::new(COMMITTED).join(&name));
         let interface =
             Interface::of(&spirv).unwrap_or_else(|reason| panic!("{}: {reason}", source.display()));
         write(&out.join(&name), &spirv);
         shaders.push((stem, interface));
+        modules.push((name, spirv));
+    }
+    let of_modules = fingerprint(modules);
+    if !cfg!(feature = "shaderc") {
+        let what =
+            "is not what was compiled: a module is damaged or from elsewhere; check it out anew";
+        check(OF_MODULES, &of_modules, &format!("{COMMITTED} {what}"));
     }
     write(&out.join("shaders.rs"), rust::shaders(&shaders).as_bytes());
     if env::var_os("GEOSWEEP_UPDATE_SPIRV").is_some() {
-        write(Path::new(FINGERPRINT), fingerprint.as_bytes());
+        write(Path::new(OF_SOURCES), of_sources.as_bytes());
+        write(Path::new(OF_MODULES), of_modules.as_bytes());
     }
 }
 
@@ -58,18 +78,32 @@ fn sources() -> Vec<PathBuf> {
     sources
 }
 
-/// FNV-1a over all sources' names and texts: tells whether committed SPIR-V is stale, and is no
-/// protection against anything else.
-fn fingerprint(sources: &[PathBuf]) -> String {
-    let mut hash = 0xcbf2_9ce4_8422_2325u64;
-    for source in sources {
-        let name = source.file_name().expect("a source is a file").to_string_lossy();
+/// Names and contents of all that decides what SPIR-V comes out, but for the compiler.
+fn compiled_from(sources: &[PathBuf]) -> Vec<(String, Vec<u8>)> {
+    let how = ["build/compile.rs", "build/names.rs"].map(PathBuf::from);
+    let text = |path: &PathBuf| {
+        let name = path.file_name().expect("a source is a file").to_string_lossy().into_owned();
         // A checkout may have changed the line ends.
-        for byte in name.bytes().chain(read(source).replace('\r', "").bytes()) {
-            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
+        (name, read(path).replace('\r', "").into_bytes())
+    };
+    sources.iter().chain(&how).map(text).collect()
+}
+
+/// FNV-1a over names and contents: tells whether committed SPIR-V is stale or damaged, and is no
+/// protection against anything else.
+fn fingerprint(files: Vec<(String, Vec<u8>)>) -> String {
+    let mut hash = 0xcbf2_9ce4_8422_2325u64;
+    for byte in
+        files.into_iter().flat_map(|(name, content)| name.into_bytes().into_iter().chain(content))
+    {
+        hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     }
     format!("{hash:016x}\n")
+}
+
+fn check(path: &str, fingerprint: &str, otherwise: &str) {
+    let is_that = fs::read_to_string(path).is_ok_and(|old| old.trim() == fingerprint.trim());
+    assert!(is_that, "{otherwise}");
 }
 
 /// `#define NAME value` as Rust: values with a point or an exponent are f64, others u32.
@@ -93,28 +127,8 @@ fn constants(glsl: &str) -> String {
 }
 
 #[cfg(feature = "shaderc")]
-fn spirv(source: &Path, committed: &Path, _fingerprint: &str) -> Vec<u8> {
-    use shaderc::{CompileOptions, Compiler, EnvVersion, OptimizationLevel, ShaderKind, TargetEnv};
-
-    let compiler = Compiler::new().expect("glslang starts");
-    let mut options = CompileOptions::new().expect("glslang starts");
-    // Vulkan 1.1 is the oldest version that the engine runs on.
-    options.set_target_env(TargetEnv::Vulkan, EnvVersion::Vulkan1_1 as u32);
-    options.set_optimization_level(OptimizationLevel::Performance);
-    options.set_warnings_as_errors();
-    // Without it the optimizer takes all names out.
-    options.set_generate_debug_info();
-    options.set_include_callback(|name, _, _, _| {
-        let resolved_name = format!("{GLSL}/{name}");
-        let content = fs::read_to_string(&resolved_name)
-            .map_err(|error| format!("cannot read {resolved_name}: {error}"))?;
-        Ok(shaderc::ResolvedInclude { resolved_name, content })
-    });
-    let name = source.to_string_lossy();
-    let artifact = compiler
-        .compile_into_spirv(&read(source), ShaderKind::Compute, &name, "main", Some(&options))
-        .unwrap_or_else(|error| panic!("{error}"));
-    let spirv = names::keep_those_of_interfaces(artifact.as_binary());
+fn spirv(source: &Path, committed: &Path) -> Vec<u8> {
+    let spirv = compile::spirv(&read(source), &source.to_string_lossy(), GLSL);
     if env::var_os("GEOSWEEP_UPDATE_SPIRV").is_some() {
         fs::create_dir_all(COMMITTED).expect("the source folder can be written");
         write(committed, &spirv);
@@ -123,12 +137,7 @@ fn spirv(source: &Path, committed: &Path, _fingerprint: &str) -> Vec<u8> {
 }
 
 #[cfg(not(feature = "shaderc"))]
-fn spirv(_source: &Path, committed: &Path, fingerprint: &str) -> Vec<u8> {
-    assert!(
-        fs::read_to_string(FINGERPRINT).is_ok_and(|compiled| compiled.trim() == fingerprint.trim()),
-        "the shaders in {GLSL} have changed since {COMMITTED} was compiled: \
-         build with --features shaderc (ci/setup prepares for it)"
-    );
+fn spirv(_source: &Path, committed: &Path) -> Vec<u8> {
     fs::read(committed)
         .unwrap_or_else(|error| panic!("cannot read {}: {error}", committed.display()))
 }

@@ -27,6 +27,9 @@ pub fn planar<R: Real>(triangle: Triangle<R>) -> R {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
     use super::*;
 
     /// The minimum over the edge of t plus distance, by brute force.
@@ -63,6 +66,58 @@ mod tests {
         let t0 = planar(triangle);
         let residual = t0 * t0 * one.dot(q * one) - 2.0 * t0 * one.dot(q * t) + t.dot(q * t) - 1.0;
         approx::assert_abs_diff_eq!(residual, 0.0, epsilon = 1e-12);
+    }
+
+    /// Triangles of any shape, obtuse and needle-like ones too, with times that a front can have:
+    /// they differ by at most the base's length.
+    fn triangles() -> impl Strategy<Value = Triangle<f64>> {
+        let corner = (-2.0..3.0, 1e-3..2.0);
+        (corner, 0.0..10.0, -1.0..=1.0).prop_map(|((p, h), t1, d): ((f64, f64), f64, f64)| {
+            let (l1, l2) = (f64::hypot(p, h), f64::hypot(p - 1.0, h));
+            Triangle { t1, t2: t1 + d, l1, l2, c: 1.0 }
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None,
+            rng_seed: RngSeed::Fixed(18), ..ProptestConfig::with_cases(4000) })]
+
+        /// The paper's demands on an update (section 3): later neighbours make no earlier point.
+        #[test]
+        fn is_monotone(triangle in triangles(), later in (0.0..1.0, 0.0..1.0)) {
+            let Triangle { t1, t2, .. } = triangle;
+            let after = Triangle { t1: t1 + later.0, t2: t2 + later.1, ..triangle };
+            prop_assert!(planar(after) >= planar(triangle) - 1e-12);
+        }
+
+        /// Eqs. 17 and 18: a perturbation of the times reaches the point at most as large as it is.
+        #[test]
+        fn is_stable(
+            triangle in triangles(),
+            errors in (-1.0..1.0, -1.0..1.0),
+            size in prop::sample::select(vec![1e-9, 1e-6, 1e-3, 0.1]),
+        ) {
+            let errors: [f64; 2] = [size * errors.0, size * errors.1];
+            let Triangle { t1, t2, .. } = triangle;
+            let perturbed = Triangle { t1: t1 + errors[0], t2: t2 + errors[1], ..triangle };
+            let change = planar(perturbed) - planar(triangle);
+            let bound = errors[0].abs().max(errors[1].abs());
+            prop_assert!(change.abs() <= bound + 1e-12, "{change} by {errors:?}");
+        }
+
+        /// Through an acute triangle a point comes after both that it is updated from, where the
+        /// front comes from between them.
+        #[test]
+        fn is_causal_in_acute_triangles(
+            (p, h) in (0.05..0.95, 0.6..2.0),
+            d in -1.0..=1.0,
+        ) {
+            let (p, h, d): (f64, f64, f64) = (p, h, d);
+            let (l1, l2) = (f64::hypot(p, h), f64::hypot(p - 1.0, h));
+            let t0 = planar(Triangle { t1: 4.0, t2: 4.0 + d, l1, l2, c: 1.0 });
+            let comes_between = d * l1 <= p && d * l2 >= p - 1.0;
+            prop_assert!(!comes_between || t0 > 4.0 + d.max(0.0), "{t0}");
+        }
     }
 
     #[test]

@@ -20,7 +20,8 @@ use crate::terminal::{Outcome, Spinner, print_json, say};
 #[command(after_help = examples())]
 pub struct Args {
     /// Where to write the map: .npy (M, N), .tif or .exr, float32, +infinity at holes and where no
-    /// source reaches; .npy or .tif, float64, in double precision
+    /// source reaches; .npy or .tif, float64, in double precision. May be left out beside --picture,
+    /// --error or --json
     #[arg(short, long, value_name = "MAP")]
     #[arg(required_unless_present_any = ["error", "picture", "json"])]
     output: Option<PathBuf>,

@@ -1,5 +1,7 @@
 //! From distances to colours.
 
+use std::collections::BTreeSet;
+
 use colorous::{TABLEAU10, VIRIDIS};
 
 use super::canvas::{Color, mix};
@@ -62,16 +64,33 @@ pub fn region_colors(regions: usize, neighbours: &[[u32; 2]]) -> Vec<Color> {
         beside[b as usize].push(a as usize);
     }
     let mut uses = [0; TABLEAU10.len()];
-    let mut chosen: Vec<usize> = Vec::with_capacity(regions);
-    for others in &beside {
-        let taken =
-            |color| others.iter().any(|&other| chosen.get(other).is_some_and(|&of| of == color));
+    let mut chosen = vec![None; regions];
+    for region in fewest_first(&beside).into_iter().rev() {
+        let taken = |color| beside[region].iter().any(|&other| chosen[other] == Some(color));
         let best = (0..palette.len()).min_by_key(|&color| (taken(color), uses[color]));
         let best = best.unwrap_or_default();
         uses[best] += 1;
-        chosen.push(best);
+        chosen[region] = Some(best);
     }
-    chosen.into_iter().map(|color| palette[color]).collect()
+    chosen.into_iter().flatten().map(|color| palette[color]).collect()
+}
+
+/// Regions in an order in which each has few neighbours among those that follow it: on a map at most
+/// five. So if the last is coloured first, each finds a colour that its neighbours leave.
+fn fewest_first(beside: &[Vec<usize>]) -> Vec<usize> {
+    let mut degree: Vec<_> = beside.iter().map(Vec::len).collect();
+    let mut left: BTreeSet<_> = degree.iter().copied().zip(0..).collect();
+    let mut order = Vec::with_capacity(beside.len());
+    while let Some((_, region)) = left.pop_first() {
+        order.push(region);
+        for &other in &beside[region] {
+            if left.remove(&(degree[other], other)) {
+                degree[other] -= 1;
+                left.insert((degree[other], other));
+            }
+        }
+    }
+    order
 }
 
 /// How bright a colour looks, from 0 to 1.
@@ -82,4 +101,54 @@ pub fn luma([r, g, b]: Color) -> f32 {
 /// What lines are drawn in over a ground: light over dark, dark over light.
 pub fn ink_over(ground: Color) -> Color {
     if luma(ground) < 0.5 { [1.0, 1.0, 1.0] } else { [0.05, 0.05, 0.1] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(regions: usize, neighbours: &[[u32; 2]]) {
+        let colors = region_colors(regions, neighbours);
+        assert_eq!(colors.len(), regions);
+        for &[a, b] in neighbours {
+            assert_ne!(colors[a as usize], colors[b as usize], "{a} and {b}");
+        }
+    }
+
+    /// A region beside more others than there are colours, in any place of the order.
+    #[test]
+    fn neighbours_differ_around_a_hub() {
+        let ring = 24;
+        for hub in [0, 7, ring] {
+            let name = |k: u32| if k % ring < hub { k % ring } else { k % ring + 1 };
+            let neighbours: Vec<_> =
+                (0..ring).flat_map(|k| [[name(k), name(k + 1)], [hub, name(k)]]).collect();
+            check(ring as usize + 1, &neighbours);
+        }
+    }
+
+    #[test]
+    fn neighbours_differ_in_a_honeycomb_and_no_color_is_rare() {
+        let (rows, cols) = (9, 11);
+        let name = |row: u32, col: u32| row * cols + col;
+        let mut neighbours = Vec::new();
+        for row in 0..rows {
+            for col in 0..cols {
+                let there = [(0, 1), (1, 0), (1, 1)].map(|(down, right)| (row + down, col + right));
+                let inside = there.into_iter().filter(|&(row, col)| row < rows && col < cols);
+                neighbours.extend(inside.map(|(r, c)| [name(row, col), name(r, c)]));
+            }
+        }
+        check(99, &neighbours);
+        let colors = region_colors(99, &neighbours);
+        for color in &colors {
+            assert!(colors.iter().filter(|other| *other == color).count() >= 5);
+        }
+    }
+
+    #[test]
+    fn what_touches_nothing_has_a_color() {
+        check(3, &[]);
+        check(0, &[]);
+    }
 }

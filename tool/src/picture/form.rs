@@ -1,5 +1,7 @@
 //! Pictures of canonical forms.
 
+use std::borrow::Cow;
+
 use geosweep::glam::DVec3;
 use geosweep::surface::Chart;
 
@@ -10,7 +12,7 @@ use super::scene::{Mesh, Scene, Stroke, View};
 /// A grid or single points, seen in space.
 pub struct FormPicture<'a> {
     /// NaN where a point is missing.
-    pub positions: &'a [DVec3],
+    pub positions: Cow<'a, [DVec3]>,
     /// The grid that the points are of, if they are.
     pub chart: Option<Chart>,
     /// The direction towards the viewer, and what is upwards.
@@ -28,14 +30,43 @@ const LINE: f32 = 0.8;
 const POINT: f32 = 4.0;
 
 impl<'a> FormPicture<'a> {
-    /// A form along its principal axes: from above its widest one, or as flat as it is.
+    /// A form of a grid as its rows and columns lie, else along its principal axes: from above its
+    /// widest one, or as flat as it is.
     pub fn new(positions: &'a [DVec3], chart: Option<Chart>) -> Self {
-        let flat = positions.iter().all(|at| !at.is_finite() || at.z == 0.0);
-        let (toward, up) = match flat {
+        if let Some(picture) = chart.and_then(|chart| Self::upright(positions, chart)) {
+            return picture;
+        }
+        let (toward, up) = match is_flat(positions) {
             true => (DVec3::Z, DVec3::Y),
             false => (DVec3::new(0.35, -1.0, 0.9), DVec3::Z),
         };
-        Self { positions, chart, toward, up, size: SIZE }
+        Self { positions: positions.into(), chart, toward, up, size: SIZE }
+    }
+
+    /// With rows downwards and columns rightwards, unless these have no direction on the whole. Of
+    /// a form and its mirror image, which have the same distances, the one that bulges towards the
+    /// viewer.
+    fn upright(positions: &'a [DVec3], chart: Chart) -> Option<Self> {
+        let right = mean_step(positions, chart, [0, 1]);
+        let up = -mean_step(positions, chart, [1, 0]);
+        let toward = right.cross(up);
+        if toward.length() < 0.1 * right.length() * up.length() {
+            return None;
+        }
+        let (toward, up) = (toward.try_normalize()?, up.normalize());
+        let tilt = 0.3 * right.normalize() + 0.35 * up;
+        let mut picture = Self {
+            positions: positions.into(),
+            chart: Some(chart),
+            toward: if is_flat(positions) { toward } else { toward + tilt },
+            up,
+            size: SIZE,
+        };
+        if !bulges(positions, toward) {
+            let mirrored = |at: &DVec3| *at - 2.0 * at.dot(toward) * toward;
+            picture.positions = positions.iter().map(mirrored).collect();
+        }
+        Some(picture)
     }
 
     pub fn draw(&self) -> Canvas {
@@ -43,7 +74,7 @@ impl<'a> FormPicture<'a> {
         let [width, height] = self.size;
         let view = View::fit(self.toward, self.up, mesh.present(), width, height);
         let strokes = match self.chart {
-            Some(chart) => grid_lines(chart, self.positions),
+            Some(chart) => grid_lines(chart, &self.positions),
             None => self.discs(&mesh, &view),
         };
         Scene { view, mesh: &mesh, strokes: &strokes, background: PAPER }.draw()
@@ -83,6 +114,36 @@ impl<'a> FormPicture<'a> {
     }
 }
 
+fn is_flat(positions: &[DVec3]) -> bool {
+    positions.iter().all(|at| !at.is_finite() || at.z == 0.0)
+}
+
+/// The mean way from a point to the one so many rows and columns further on.
+fn mean_step(positions: &[DVec3], chart: Chart, [down, right]: [usize; 2]) -> DVec3 {
+    let step = |index: usize| {
+        let (row, col) = chart.position(index);
+        let there = (row + down < chart.rows && col + right < chart.cols)
+            .then(|| positions[chart.index(row + down, col + right)])?;
+        let step = there - positions[index];
+        step.is_finite().then_some(step)
+    };
+    let (sum, count) = (0..chart.points())
+        .filter_map(step)
+        .fold((DVec3::ZERO, 0u32), |(sum, count), step| (sum + step, count + 1));
+    sum / f64::from(count.max(1))
+}
+
+/// Whether points are the nearer to the viewer the nearer they are to the middle, by and large.
+fn bulges(positions: &[DVec3], toward: DVec3) -> bool {
+    let present = || positions.iter().filter(|at| at.is_finite());
+    let count = present().count().max(1) as f64;
+    let middle = present().sum::<DVec3>() / count;
+    let aside = |at: &DVec3| (at - middle).reject_from_normalized(toward).length_squared();
+    let mean = present().map(aside).sum::<f64>() / count;
+    let slope = |at: &DVec3| (at - middle).dot(toward) * (aside(at) - mean);
+    present().map(slope).sum::<f64>() <= 0.0
+}
+
 /// Some rows and columns of the grid, the outermost among them, as far as no point is missing.
 fn grid_lines(chart: Chart, positions: &[DVec3]) -> Vec<Stroke> {
     let some = |count: usize| {
@@ -100,4 +161,41 @@ fn grid_lines(chart: Chart, positions: &[DVec3]) -> Vec<Stroke> {
     };
     let stroke = |vertices| Stroke { vertices, radius: LINE, color: INK };
     lines.into_iter().flat_map(pieces).map(stroke).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A shell over a grid, in any pose.
+    fn shell(chart: Chart, pose: impl Fn(DVec3) -> DVec3) -> Vec<DVec3> {
+        let place = |index| {
+            let (row, col) = chart.position(index);
+            let (x, y) = (col as f64 - 4.0, row as f64 - 6.0);
+            pose(DVec3::new(x, y, -0.05 * (x * x + y * y)))
+        };
+        (0..chart.points()).map(place).collect()
+    }
+
+    #[test]
+    fn a_form_is_seen_upright_whatever_its_pose() {
+        let chart = Chart { rows: 13, cols: 9 };
+        let turned = geosweep::glam::DQuat::from_rotation_arc(
+            DVec3::Z,
+            DVec3::new(0.4, -0.7, 0.2).normalize(),
+        );
+        for mirror in [1.0, -1.0] {
+            let positions = shell(chart, |at| turned * DVec3::new(mirror * at.x, at.y, at.z));
+            let picture = FormPicture::new(&positions, Some(chart));
+            let view =
+                View::fit(picture.toward, picture.up, picture.positions.iter().copied(), 400, 300);
+            let pixel = |row, col| view.pixel(picture.positions[chart.index(row, col)]);
+            let (middle, below, right) = (pixel(6, 4), pixel(12, 4), pixel(6, 8));
+            assert!(below.y > middle.y + 50.0 && right.x > middle.x + 50.0, "{mirror}");
+            // The rim lies behind the middle: on the whole, since the view is from aside.
+            let corners = [pixel(0, 0), pixel(0, 8), pixel(12, 0), pixel(12, 8)];
+            let rim = corners.iter().map(|corner| corner.z).sum::<f32>() / 4.0;
+            assert!(rim < middle.z - 20.0, "{mirror}: {corners:?}, {middle}");
+        }
+    }
 }

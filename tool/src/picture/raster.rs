@@ -92,29 +92,47 @@ struct Around {
     nearest: (usize, usize),
 }
 
+/// Change of the value per row and per column at each grid point, if known beforehand.
+type Slopes = Option<Vec<DVec2>>;
+
 impl Raster<'_> {
     pub fn draw(&self) -> Canvas {
         let View { width, height, .. } = self.view;
         let steps = self.view.steps().max_element();
         // Several samples a pixel smooth the borders of holes, and average what is reduced.
         let samples = (steps.ceil() as usize).clamp(2, 3);
-        let pixel = |index: usize| self.pixel(index % width, index / width, samples);
+        let slopes = self.slopes();
+        let pixel = |index: usize| self.pixel(index % width, index / width, samples, &slopes);
         let pixels = (0..width * height).into_par_iter().map(pixel).collect();
         Canvas { width, height, pixels }
     }
 
-    fn pixel(&self, x: usize, y: usize, samples: usize) -> Color {
+    /// The slopes at all grid points, where lines are drawn and pixels are more than points: most
+    /// points are asked for many times.
+    fn slopes(&self) -> Slopes {
+        let View { chart, width, height } = self.view;
+        if !matches!(self.paint, Paint::Values(_, Some(_))) || chart.points() > width * height {
+            return None;
+        }
+        let slope = |index| {
+            let (row, col) = chart.position(index);
+            self.larger_slope(row, col)
+        };
+        Some((0..chart.points()).into_par_iter().map(slope).collect())
+    }
+
+    fn pixel(&self, x: usize, y: usize, samples: usize, slopes: &Slopes) -> Color {
         let offset = |k: usize| (k as f64 + 0.5) / samples as f64 - 0.5;
         let mut sum = [0.0; 3];
         for k in 0..samples * samples {
             let (x, y) = (x as f64 + offset(k % samples), y as f64 + offset(k / samples));
-            let color = self.sample(x, y);
+            let color = self.sample(x, y, slopes);
             sum = std::array::from_fn(|channel| sum[channel] + color[channel]);
         }
         sum.map(|channel| channel / (samples * samples) as f32)
     }
 
-    fn sample(&self, x: f64, y: f64) -> Color {
+    fn sample(&self, x: f64, y: f64, slopes: &Slopes) -> Color {
         let place = self.view.place(x, y);
         let around = self.around(place);
         let index = self.view.chart.index(around.nearest.0, around.nearest.1);
@@ -132,7 +150,7 @@ impl Raster<'_> {
                 let value = self.value(&around);
                 let ground = shade(scale.color(value as f32), brightness);
                 let Some(isolines) = isolines else { return ground };
-                let (line, coverage) = isolines.coverage(value, self.slope(&around));
+                let (line, coverage) = isolines.coverage(value, self.slope(&around, slopes));
                 line.over(ground, scale, coverage)
             }
         }
@@ -204,21 +222,30 @@ impl Raster<'_> {
         })
     }
 
-    /// Change of the value per pixel. On a ridge, where fronts meet, the mean of both sides
-    /// would vanish and lines would swell, hence the larger side.
-    fn slope(&self, around: &Around) -> f64 {
-        let larger = |row, col, down, right| {
-            let sides = self.differences(row, col, down, right).into_iter().flatten();
-            sides.map(f64::abs).fold(0.0, f64::max)
-        };
+    /// Change of the value per pixel.
+    fn slope(&self, around: &Around, slopes: &Slopes) -> f64 {
         let (mut slope, mut weights) = (DVec2::ZERO, 0.0);
         for &(row, col, weight) in &around.corners {
             if weight > 0.0 && self.at(row, col).is_some() {
-                slope += weight * DVec2::new(larger(row, col, 1, 0), larger(row, col, 0, 1));
+                let here = match slopes {
+                    Some(slopes) => slopes[self.view.chart.index(row, col)],
+                    None => self.larger_slope(row, col),
+                };
+                slope += weight * here;
                 weights += weight;
             }
         }
         (slope / weights * self.view.steps()).length()
+    }
+
+    /// Change of the value per row and per column at a grid point. On a ridge, where fronts meet,
+    /// the mean of both sides would vanish and lines would swell, hence the larger side.
+    fn larger_slope(&self, row: usize, col: usize) -> DVec2 {
+        let larger = |down, right| {
+            let sides = self.differences(row, col, down, right).into_iter().flatten();
+            sides.map(f64::abs).fold(0.0, f64::max)
+        };
+        DVec2::new(larger(1, 0), larger(0, 1))
     }
 
     fn brightness(&self, around: &Around) -> f32 {

@@ -44,9 +44,10 @@ fn pictures_come_in_both_views() {
 fn figures_are_drawn() {
     let bench = Workbench::new();
     done(&bench, "figure scans -o scans.png");
+    done(&bench, "figure update -o update.png");
     done(&bench, "figure face -o face.png");
-    assert_eq!(bench.outputs(), ["face.png", "scans.png"]);
-    for name in ["scans.png", "face.png"] {
+    assert_eq!(bench.outputs(), ["face.png", "scans.png", "update.png"]);
+    for name in ["scans.png", "update.png", "face.png"] {
         let picture = png::Decoder::new(Cursor::new(read(&bench, name))).read_info().unwrap();
         assert!(picture.info().width >= 1500, "{name}");
     }

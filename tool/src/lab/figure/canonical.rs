@@ -165,10 +165,16 @@ impl Study {
         let Self { toward, up, .. } = *self;
         let [surface, form] = toward;
         let chart = Some(self.surface.chart());
-        let picture = |positions, toward| FormPicture { positions, chart, toward, up, size: PANEL };
+        let picture = |positions: &'_ [DVec3], toward| FormPicture {
+            positions: positions.to_vec().into(),
+            chart,
+            toward,
+            up,
+            size: PANEL,
+        };
         let subtitle = match self.deviation {
             None => "its canonical form".into(),
-            Some(deviation) => format!("its form, {:.3} % away", 100.0 * deviation),
+            Some(deviation) => format!("its form, {deviation:.0e} of its size away"),
         };
         Exhibit {
             title: self.title.into(),

@@ -8,6 +8,7 @@ mod scans;
 mod table;
 mod table_1;
 mod table_2;
+mod update;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -32,12 +33,15 @@ Examples:
   geosweep figure maze -o maze.png
   geosweep figure table-1 -o table-1.md
   geosweep figure table-2 -o table-2.md
+  geosweep figure update -o update.png
   geosweep figure all -o figures";
 
 #[derive(Subcommand)]
 enum Figure {
-    /// Figures 3 to 8 and both tables, each as below without options
+    /// All figures and both tables, each as below without options
     All(AllArgs),
+    /// Figures 1 and 2: a grid on a surface, and the update of a point from a triangle
+    Update(update::Args),
     /// Figures 3 and 4: what a point is updated from in each scan, and in which order
     Scans(scans::Args),
     /// Figure 8: surfaces, bendings of one, and their canonical forms
@@ -59,8 +63,8 @@ enum Figure {
 /// The arguments of `geosweep figure all`.
 #[derive(clap::Args)]
 struct AllArgs {
-    /// The folder for scans.png, convergence.png, maze.png, face.png, canonical.png, table-1.md and
-    /// table-2.md
+    /// The folder for update.png, scans.png, convergence.png, maze.png, face.png, canonical.png,
+    /// table-1.md and table-2.md
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
     /// What the tables say about the machine that their times come from
@@ -69,7 +73,8 @@ struct AllArgs {
 }
 
 /// All figures in the paper's order.
-const ALL: [(&str, &str); 7] = [
+const ALL: [(&str, &str); 8] = [
+    ("update", "png"),
     ("scans", "png"),
     ("convergence", "png"),
     ("maze", "png"),
@@ -94,6 +99,7 @@ impl Figure {
     fn run(&self) -> Outcome {
         match self {
             Self::All(args) => args.run(),
+            Self::Update(args) => update::run(args),
             Self::Scans(args) => scans::run(args),
             Self::Canonical(args) => canonical::run(args),
             Self::Convergence(args) => convergence::run(args),

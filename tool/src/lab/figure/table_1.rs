@@ -30,15 +30,15 @@ pub struct Args {
     /// The built-in surface
     #[arg(long, value_name = "NAME", default_value = "sphere", value_parser = Builtin::parse)]
     surface: Builtin,
-    /// Runs of the raster scans, of which the median counts; fast marching runs once
+    /// Runs of each method, of which the median counts
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = runs)]
     runs: usize,
     /// What the table says about the machine that the times come from
     #[arg(long, value_name = "TEXT")]
     machine: Option<String>,
     /// Print one JSON object (docs/json.md) with sizes, an array with an object per size: vertices, distances, planar_seconds,
-    /// planar_spread, fast_marching_seconds, speed_up, planar_distances_per_second, point_seconds,
-    /// point_spread, point_distances_per_second
+    /// planar_spread, fast_marching_seconds, fast_marching_spread, speed_up,
+    /// planar_distances_per_second, point_seconds, point_spread, point_distances_per_second
     #[arg(long)]
     json: bool,
 }
@@ -86,6 +86,7 @@ struct Row {
     planar_seconds: f64,
     planar_spread: f64,
     fast_marching_seconds: f64,
+    fast_marching_spread: f64,
     speed_up: f64,
     planar_distances_per_second: f64,
     point_seconds: f64,
@@ -123,7 +124,7 @@ impl Row {
         let point = options(Engine::Cpu, Wavefront::PointSource, None);
         let (point_seconds, point_spread) = median(&surface, &point, runs)?;
         let marching = options(Engine::FastMarching, Wavefront::Planar, None);
-        let (fast_marching_seconds, _) = median(&surface, &marching, 1)?;
+        let (fast_marching_seconds, fast_marching_spread) = median(&surface, &marching, runs)?;
         let distances = (side * side).pow(2);
         Ok(Self {
             side,
@@ -132,6 +133,7 @@ impl Row {
             planar_seconds,
             planar_spread,
             fast_marching_seconds,
+            fast_marching_spread,
             speed_up: fast_marching_seconds / planar_seconds,
             planar_distances_per_second: distances as f64 / planar_seconds,
             point_seconds,
@@ -191,13 +193,14 @@ SSE2 in 2008.
             });
             writeln!(
                 f,
-                "| {} | {} | {:.4} ± {:.4} | {:.2} | {:.0} | {:.0} M | {:.4} ± {:.4} | {:.0} M | \
+                "| {} | {} | {:.4} ± {:.4} | {:.2} ± {:.2} | {:.0} | {:.0} M | {:.4} ± {:.4} | {:.0} M | \
                  {scan} | {marching} | {ratio} |",
                 row.vertices,
                 row.distances,
                 row.planar_seconds,
                 row.planar_spread,
                 row.fast_marching_seconds,
+                row.fast_marching_spread,
                 row.speed_up,
                 1e-6 * row.planar_distances_per_second,
                 row.point_seconds,
