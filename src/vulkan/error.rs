@@ -135,7 +135,10 @@ pub enum VulkanError {
         reason: String,
     },
     /// A surface has no buffer or image with this number.
-    #[error("the surface has {count} {what}, counted from 0, and number {number} was asked for")]
+    #[error(
+        "the surface has {count} {what}, counted from 0, and number {number} was asked for{}",
+        if *count == 0 { "; it is made with them, unless an array is given in their place" } else { "" }
+    )]
     NoSuch {
         /// Of which kind.
         what: &'static str,

@@ -125,7 +125,7 @@ fn a_solver_is_made_of_what_can_be_used() {
         status
     };
     all_wrong! {
-        create(&zero()) => "info->header_version is 0, and this library was built with header 5",
+        create(&zero()) => "info->header_version is 0, and this library was built with header 6",
         create(&GeosweepSolverInfo { get_instance_proc_addr: None, ..good }) => "is null",
         create(&GeosweepSolverInfo { instance: vk::Instance::null(), ..good }) => "instance is",
         create(&GeosweepSolverInfo { device: vk::Device::null(), ..good }) => "device is the null",
