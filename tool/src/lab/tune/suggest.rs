@@ -93,9 +93,8 @@ mod tests {
 
     fn row(knob: Knob, value: u32, ratio: f64, difference: f64) -> Row {
         let maps = vec![Map { task: 0, best: Duration::from_millis(1), iterations: 3, difference }];
-        let tuning = knob.set(UNTUNED, value);
         let ratio = Some(ratio);
-        Row { schedule: Schedule::Raster, knob, value, tuning, maps, refused: None, ratio }
+        Row { schedule: Schedule::Raster, knob, value, maps, refused: None, ratio }
     }
 
     #[test]

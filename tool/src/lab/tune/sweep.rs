@@ -119,7 +119,6 @@ pub struct Row {
     pub schedule: Schedule,
     pub knob: Knob,
     pub value: u32,
-    pub tuning: Tuning,
     pub maps: Vec<Map>,
     /// Why the device has no room for it.
     pub refused: Option<String>,
@@ -175,7 +174,7 @@ pub fn sweep(plan: &Plan) -> Result<Swept, Box<dyn Error>> {
     let mut rows = Vec::new();
     for schedule in SCHEDULES {
         let first = rows.len();
-        rows.push(tuner.untuned(schedule, untuned)?);
+        rows.push(tuner.untuned(schedule)?);
         for (knob, values) in knobs(schedule, plan.quick) {
             for &value in values {
                 let tuning = knob.set(untuned, value);
@@ -237,7 +236,7 @@ impl Tuner<'_> {
     }
 
     /// The untuned maps, which the others are held against.
-    fn untuned(&mut self, schedule: Schedule, tuning: Tuning) -> Result<Row, Box<dyn Error>> {
+    fn untuned(&mut self, schedule: Schedule) -> Result<Row, Box<dyn Error>> {
         self.bar.set_message(format!("{schedule}, untuned"));
         let mut solver = Solver::new(&self.plan.device)?;
         self.references[place(schedule)] = vec![None; self.tasks.len()];
@@ -262,7 +261,7 @@ impl Tuner<'_> {
         }
         self.bar.inc(1);
         let ratio = (!maps.is_empty()).then_some(1.0);
-        Ok(Row { schedule, knob: Knob::Untuned, value: 0, tuning, maps, refused: None, ratio })
+        Ok(Row { schedule, knob: Knob::Untuned, value: 0, maps, refused: None, ratio })
     }
 
     /// Maps with other portions; `None` if there is no time left.
@@ -281,8 +280,7 @@ impl Tuner<'_> {
             self.leave_out(format!("{what}: the time is used up, see --budget"));
             return Ok(None);
         }
-        let mut row =
-            Row { schedule, knob, value, tuning, maps: Vec::new(), refused: None, ratio: None };
+        let mut row = Row { schedule, knob, value, maps: Vec::new(), refused: None, ratio: None };
         let mut solver = match Solver::new(&self.plan.device)?.with_tuning(tuning) {
             Err(VulkanError::Tuning(reason)) => {
                 row.refused = Some(reason);
