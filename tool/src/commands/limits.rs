@@ -1,73 +1,56 @@
-//! What Vulkan devices say of themselves, as far as it bears on maps. Prints Markdown.
-//!
-//! `cargo run --release --example limits -- [PART_OF_A_NAME]`
+//! What Vulkan devices say of themselves, as far as it bears on maps.
 
 use std::error::Error;
 
 use geosweep::ash::{self, vk};
 use geosweep::vulkan::requirements;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let wanted = std::env::args().nth(1).unwrap_or_default().to_lowercase();
-    // SAFETY: the loader's functions are called as they are meant to be; the entry outlives the instance.
+/// A table a device, in the order of `geosweep devices`.
+pub fn of_devices() -> Result<Vec<String>, Box<dyn Error>> {
+    let application = vk::ApplicationInfo::default().api_version(requirements::API_VERSION);
+    let info = vk::InstanceCreateInfo::default().application_info(&application);
+    // SAFETY: the loader is Vulkan's; the instance goes before its entry, and after all that is asked of it.
     unsafe {
         let entry = ash::Entry::load()?;
-        let application = vk::ApplicationInfo::default().api_version(requirements::API_VERSION);
-        let info = vk::InstanceCreateInfo::default().application_info(&application);
         let instance = entry.create_instance(&info, None)?;
-        for device in instance.enumerate_physical_devices()? {
-            let text = about(&instance, device);
-            if text.lines().any(|line| line.to_lowercase().contains(&wanted)) {
-                println!("{text}");
-            }
-        }
+        let found = instance.enumerate_physical_devices();
+        let tables =
+            found.map(|found| found.into_iter().map(|one| table(&instance, one)).collect());
         instance.destroy_instance(None);
+        Ok(tables?)
     }
-    Ok(())
 }
 
-fn about(instance: &ash::Instance, device: vk::PhysicalDevice) -> String {
+fn table(instance: &ash::Instance, device: vk::PhysicalDevice) -> String {
+    let mut subgroups = vk::PhysicalDeviceSubgroupProperties::default();
     // SAFETY: the physical device is from this instance.
-    let (properties, subgroup, memory, families) = unsafe {
-        let mut subgroups = vk::PhysicalDeviceSubgroupProperties::default();
+    let (properties, memory, families) = unsafe {
         let mut all = vk::PhysicalDeviceProperties2::default().push_next(&mut subgroups);
         instance.get_physical_device_properties2(device, &mut all);
-        let properties = all.properties;
-        let memory = instance.get_physical_device_memory_properties(device);
-        let families = instance.get_physical_device_queue_family_properties(device);
-        (properties, subgroups.subgroup_size, memory, families)
+        (
+            all.properties,
+            instance.get_physical_device_memory_properties(device),
+            instance.get_physical_device_queue_family_properties(device),
+        )
     };
     let limits = properties.limits;
-    let version = |v: u32| {
-        let (major, minor) = (vk::api_version_major(v), vk::api_version_minor(v));
-        format!("{major}.{minor}.{}", vk::api_version_patch(v))
-    };
     let heap = |heap: &vk::MemoryHeap| {
         let is_own = heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL);
-        let gib = heap.size as f64 / (1u64 << 30) as f64;
+        let gib = heap.size as f64 / f64::from(1 << 30);
         format!("{gib:.1} GiB ({})", if is_own { "the device's" } else { "the host's" })
     };
     let family = |family: &vk::QueueFamilyProperties| {
         let (count, bits) = (family.queue_count, family.timestamp_valid_bits);
-        format!("{count} of {:?}, timestamps of {bits} bits", family.queue_flags)
+        format!("{count} of {:?} with timestamps of {bits} bits", family.queue_flags)
     };
-    let [heaps, queues] = [
-        memory.memory_heaps_as_slice().iter().map(heap).collect::<Vec<_>>(),
-        families.iter().map(family).collect(),
-    ];
-    let unmet = match requirements::unmet(instance, device) {
-        none if none.is_empty() => "nothing".into(),
-        some => some.join("; "),
-    };
+    let heaps: Vec<_> = memory.memory_heaps_as_slice().iter().map(heap).collect();
+    let queues: Vec<_> = families.iter().map(family).collect();
     let name = properties.device_name_as_c_str().unwrap_or(c"").to_string_lossy();
     let lines = [
         ("device", name.into_owned()),
-        ("kind", format!("{:?}", properties.device_type)),
         ("vendor, device", format!("{:#06x}, {:#06x}", properties.vendor_id, properties.device_id)),
-        ("Vulkan", version(properties.api_version)),
         ("driver's version", format!("{:#010x}", properties.driver_version)),
-        ("what it lacks", unmet),
-        ("invocations of a subgroup", subgroup.to_string()),
+        ("invocations of a subgroup", subgroups.subgroup_size.to_string()),
         ("of a workgroup", limits.max_compute_work_group_invocations.to_string()),
         ("size of a workgroup", format!("{:?}", limits.max_compute_work_group_size)),
         ("workgroups of a dispatch", format!("{:?}", limits.max_compute_work_group_count)),
