@@ -41,7 +41,9 @@ fn table(instance: &ash::Instance, device: vk::PhysicalDevice) -> String {
     };
     let family = |family: &vk::QueueFamilyProperties| {
         let (count, bits) = (family.queue_count, family.timestamp_valid_bits);
-        format!("{count} of {:?} with timestamps of {bits} bits", family.queue_flags)
+        // Bars would end the cell.
+        let flags = format!("{:?}", family.queue_flags).replace(" | ", ", ");
+        format!("{count} of {flags} with timestamps of {bits} bits")
     };
     let heaps: Vec<_> = memory.memory_heaps_as_slice().iter().map(heap).collect();
     let queues: Vec<_> = families.iter().map(family).collect();
