@@ -135,9 +135,11 @@ fn of_schedule(
     let of_frame = solver.plan(chart, method, iterations)?;
     let (mut times, mut rounds, mut converged): (Vec<Times>, Vec<u32>, usize) = Default::default();
     let begin = Instant::now();
-    for number in 0..WARM_UP + plan.frames as usize {
-        // At least one counts.
-        if begin.elapsed() > plan.limit && !times.is_empty() {
+    let mut number = 0;
+    while times.len() < plan.frames as usize {
+        // One goes before, and at least one counts.
+        let is_late = begin.elapsed() > plan.limit;
+        if is_late && !times.is_empty() {
             say(
                 "note",
                 format_args!(
@@ -163,7 +165,8 @@ fn of_schedule(
             })?;
             Ok(())
         })?;
-        if number < WARM_UP {
+        number += 1;
+        if number <= WARM_UP && !is_late {
             continue;
         }
         let outcome = surface.outcome(0)?;

@@ -50,7 +50,7 @@ pub struct Args {
     /// Print one JSON object (docs/json.md): device, wavefront, untuned and suggested (scan_width, scan_lines,
     /// tile, inner, together), rows, schedules and left_out. A row: schedule, knob, value, ratio (of its times
     /// to the untuned ones, geometric mean), refused (why the device has no room for it, or null) and maps:
-    /// surface, rows, cols, best_seconds, iterations, difference (from the untuned map, relative to its
+    /// surface, rows, cols, best_seconds, untuned_seconds, iterations, difference (from the untuned map, relative to its
     /// largest distance)
     #[arg(long)]
     json: bool,
@@ -58,7 +58,7 @@ pub struct Args {
 
 const EXAMPLES: &str = "\
 One number is changed at a time, the others stay as they are for the device's kind, and
-each map is timed and compared with the untuned one. What is suggested is the best value
+each map is timed in turn with the untuned one and compared with it. What is suggested is the best value
 of each, if it takes less than 0.97 of the time, and all of these together are timed once
 more. Times are the best of some runs by the host's clock. Exit status 1 if a map differs
 by more than 1e-5 of its largest distance.

@@ -33,6 +33,7 @@ struct MapJson {
     rows: usize,
     cols: usize,
     best_seconds: f64,
+    untuned_seconds: f64,
     iterations: u32,
     /// `None` where one reaches a point and the other does not.
     difference: Option<f64>,
@@ -88,6 +89,7 @@ impl<'a> Summary<'a> {
                         rows: task.surface.rows(),
                         cols: task.surface.cols(),
                         best_seconds: map.best.as_secs_f64(),
+                        untuned_seconds: map.untuned.as_secs_f64(),
                         iterations: map.iterations,
                         difference: Some(map.difference).filter(|found| found.is_finite()),
                     }

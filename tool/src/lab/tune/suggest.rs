@@ -92,7 +92,8 @@ mod tests {
         Tuning { scan_width: 128, scan_lines: 8, tile: 16, inner: 4, together: None };
 
     fn row(knob: Knob, value: u32, ratio: f64, difference: f64) -> Row {
-        let maps = vec![Map { task: 0, best: Duration::from_millis(1), iterations: 3, difference }];
+        let [best, untuned] = [Duration::from_millis(1); 2];
+        let maps = vec![Map { task: 0, best, untuned, iterations: 3, difference }];
         let ratio = Some(ratio);
         Row { schedule: Schedule::Raster, knob, value, maps, refused: None, ratio }
     }

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::time::{Duration, Instant};
 
 use geosweep::surface::Seed;
-use geosweep::vulkan::{Method, Schedule, Solver, Tuning, VulkanError};
+use geosweep::vulkan::{Method, Schedule, Solution, Solver, SurfaceOnDevice, Tuning, VulkanError};
 use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Sources, Stop, Surface, Wavefront};
 use indicatif::ProgressBar;
 
@@ -108,6 +108,8 @@ pub struct Map {
     /// Of [`Swept::tasks`].
     pub task: usize,
     pub best: Duration,
+    /// Of the untuned map, timed in turn with it: devices and what else they do change from minute to minute.
+    pub untuned: Duration,
     pub iterations: u32,
     /// From the untuned map, relative to its largest distance; infinite where one reaches a point and the
     /// other does not.
@@ -168,13 +170,12 @@ pub fn sweep(plan: &Plan) -> Result<Swept, Box<dyn Error>> {
         left_out: Vec::new(),
         references: SCHEDULES.map(|_| Vec::new()),
     };
-    let solver = Solver::new(&plan.device)?;
-    let (device, untuned) = (solver.device_name().to_owned(), solver.tuning());
-    drop(solver);
+    let mut plain = Solver::new(&plan.device)?;
+    let (device, untuned) = (plain.device_name().to_owned(), plain.tuning());
     let mut rows = Vec::new();
     for schedule in SCHEDULES {
         let first = rows.len();
-        rows.push(tuner.untuned(schedule)?);
+        rows.push(tuner.untuned(&mut plain, schedule)?);
         for (knob, values) in knobs(schedule, plan.quick) {
             for &value in values {
                 let tuning = knob.set(untuned, value);
@@ -182,7 +183,7 @@ pub fn sweep(plan: &Plan) -> Result<Swept, Box<dyn Error>> {
                     tuner.bar.inc(1);
                     continue;
                 }
-                let row = tuner.row(schedule, knob, value, tuning, &rows[first])?;
+                let row = tuner.row(&mut plain, (schedule, knob, value), tuning, &rows[first])?;
                 rows.extend(row);
             }
         }
@@ -192,7 +193,7 @@ pub fn sweep(plan: &Plan) -> Result<Swept, Box<dyn Error>> {
         let is_of = |row: &&Row| row.schedule == schedule && row.knob == Knob::Untuned;
         let before = rows.iter().find(is_of).expect("each schedule has its untuned row");
         if suggested != untuned {
-            let row = tuner.row(schedule, Knob::Suggested, 0, suggested, before)?;
+            let row = tuner.row(&mut plain, (schedule, Knob::Suggested, 0), suggested, before)?;
             rows.extend(row);
         }
     }
@@ -236,9 +237,8 @@ impl Tuner<'_> {
     }
 
     /// The untuned maps, which the others are held against.
-    fn untuned(&mut self, schedule: Schedule) -> Result<Row, Box<dyn Error>> {
+    fn untuned(&mut self, plain: &mut Solver, schedule: Schedule) -> Result<Row, Box<dyn Error>> {
         self.bar.set_message(format!("{schedule}, untuned"));
-        let mut solver = Solver::new(&self.plan.device)?;
         self.references[place(schedule)] = vec![None; self.tasks.len()];
         let mut maps = Vec::new();
         for task in 0..self.tasks.len() {
@@ -248,7 +248,7 @@ impl Tuner<'_> {
                 self.leave_out(format!("{what}: the time is used up, see --budget"));
                 continue;
             }
-            match self.map(&mut solver, schedule, task, true)? {
+            match self.untuned_map(plain, schedule, task)? {
                 Some((map, distances)) => {
                     self.references[place(schedule)][task] = Some(distances);
                     maps.push(map);
@@ -267,9 +267,8 @@ impl Tuner<'_> {
     /// Maps with other portions; `None` if there is no time left.
     fn row(
         &mut self,
-        schedule: Schedule,
-        knob: Knob,
-        value: u32,
+        plain: &mut Solver,
+        (schedule, knob, value): (Schedule, Knob, u32),
         tuning: Tuning,
         untuned: &Row,
     ) -> Result<Option<Row>, Box<dyn Error>> {
@@ -292,67 +291,102 @@ impl Tuner<'_> {
             if Instant::now() > self.end {
                 break;
             }
-            let found = self.map(&mut solver, schedule, before.task, false)?;
-            row.maps.extend(found.map(|(map, _)| map));
+            row.maps.push(self.map(&mut solver, plain, schedule, before.task)?);
         }
-        row.ratio = ratio(&row.maps, &untuned.maps);
+        row.ratio = ratio(&row.maps);
         if row.maps.len() < untuned.maps.len() {
             self.leave_out(format!("{what}: some maps, the time is used up, see --budget"));
         }
         Ok(Some(row))
     }
 
-    /// A map, and how long it takes; `None` if that is more than the limit, which is only asked of untuned ones.
-    fn map(
+    /// The map that others are held against; `None` if it takes more than the limit.
+    fn untuned_map(
         &self,
         solver: &mut Solver,
         schedule: Schedule,
         task: usize,
-        is_limited: bool,
     ) -> Result<Option<(Map, Vec<f32>)>, VulkanError> {
-        let Task { surface, seeds, .. } = &self.tasks[task];
-        let mut on_device = solver.upload(surface)?;
-        let most = u32::try_from(10 * (surface.rows() + surface.cols())).unwrap_or(u32::MAX);
-        let method = |iterations| Method {
-            wavefront: self.plan.wavefront,
-            schedule: Some(schedule),
-            stop: Stop { tolerance: DEFAULT_TOLERANCE, iterations },
-        };
-        if is_limited {
-            // A few iterations tell whether the whole is out of reach, and compile the shaders.
-            solver.solve(&mut on_device, seeds, method(1))?;
-            let few = solver.solve(&mut on_device, seeds, method(4))?;
-            if few.time > self.plan.limit {
-                return Ok(None);
-            }
-        }
-        let found = solver.solve(&mut on_device, seeds, method(most))?;
-        let mut best = found.time;
-        if is_limited && best > self.plan.limit {
+        let mut run = Run::new(self, solver, schedule, task)?;
+        // A few iterations tell whether the whole is out of reach; the first compile the shaders.
+        run.solve(1)?;
+        if run.solve(4)?.time > self.plan.limit {
             return Ok(None);
         }
-        for _ in 0..self.plan.runs {
-            best = best.min(solver.solve(&mut on_device, seeds, method(most))?.time);
+        let found = run.solve(run.most)?;
+        if found.time > self.plan.limit {
+            return Ok(None);
         }
-        let difference = match self.references[place(schedule)][task].as_deref() {
-            Some(reference) => difference(&found.distances, reference),
-            None => 0.0,
-        };
-        Ok(Some((Map { task, best, iterations: found.iterations, difference }, found.distances)))
+        let mut best = found.time;
+        for _ in 0..self.plan.runs {
+            best = best.min(run.solve(run.most)?.time);
+        }
+        let iterations = found.iterations;
+        let map = Map { task, best, untuned: best, iterations, difference: 0.0 };
+        Ok(Some((map, found.distances)))
+    }
+
+    /// A map by each of two solvers in turn.
+    fn map(
+        &self,
+        solver: &mut Solver,
+        plain: &mut Solver,
+        schedule: Schedule,
+        task: usize,
+    ) -> Result<Map, VulkanError> {
+        let mut tuned = Run::new(self, solver, schedule, task)?;
+        let mut untuned = Run::new(self, plain, schedule, task)?;
+        let found = tuned.solve(tuned.most)?;
+        untuned.solve(untuned.most)?;
+        let [mut best, mut best_untuned] = [Duration::MAX; 2];
+        for _ in 0..self.plan.runs {
+            best = best.min(tuned.solve(tuned.most)?.time);
+            best_untuned = best_untuned.min(untuned.solve(untuned.most)?.time);
+        }
+        let reference = self.references[place(schedule)][task].as_deref();
+        let difference =
+            difference(&found.distances, reference.expect("its untuned map was timed"));
+        Ok(Map { task, best, untuned: best_untuned, iterations: found.iterations, difference })
     }
 }
 
-/// The geometric mean of times to those of the same maps before.
-fn ratio(maps: &[Map], before: &[Map]) -> Option<f64> {
-    let logarithms: Vec<f64> = maps
-        .iter()
-        .filter_map(|map| {
-            let before = before.iter().find(|before| before.task == map.task)?;
-            Some((map.best.as_secs_f64() / before.best.as_secs_f64()).ln())
-        })
-        .collect();
-    let count = logarithms.len();
-    (count > 0).then(|| (logarithms.iter().sum::<f64>() / count as f64).exp())
+/// A surface on the device of a solver.
+struct Run<'a> {
+    solver: &'a mut Solver,
+    on_device: SurfaceOnDevice,
+    seeds: &'a [Seed],
+    wavefront: Wavefront,
+    schedule: Schedule,
+    /// Iterations that any map converges in.
+    most: u32,
+}
+
+impl<'a> Run<'a> {
+    fn new(
+        tuner: &'a Tuner,
+        solver: &'a mut Solver,
+        schedule: Schedule,
+        task: usize,
+    ) -> Result<Self, VulkanError> {
+        let Task { surface, seeds, .. } = &tuner.tasks[task];
+        let on_device = solver.upload(surface)?;
+        let most = u32::try_from(10 * (surface.rows() + surface.cols())).unwrap_or(u32::MAX);
+        let wavefront = tuner.plan.wavefront;
+        Ok(Self { solver, on_device, seeds, wavefront, schedule, most })
+    }
+
+    fn solve(&mut self, iterations: u32) -> Result<Solution, VulkanError> {
+        let stop = Stop { tolerance: DEFAULT_TOLERANCE, iterations };
+        let method = Method { wavefront: self.wavefront, schedule: Some(self.schedule), stop };
+        self.solver.solve(&mut self.on_device, self.seeds, method)
+    }
+}
+
+/// The geometric mean of times to those of the untuned maps beside them.
+fn ratio(maps: &[Map]) -> Option<f64> {
+    let of = |map: &Map| (map.best.as_secs_f64() / map.untuned.as_secs_f64()).ln();
+    let mean = maps.iter().map(of).sum::<f64>() / maps.len() as f64;
+    (!maps.is_empty()).then(|| mean.exp())
 }
 
 /// Relative to the largest distance of the reference.
@@ -371,19 +405,17 @@ fn difference(found: &[f32], reference: &[f32]) -> f64 {
 mod tests {
     use super::*;
 
-    fn map(task: usize, milliseconds: u64) -> Map {
-        let best = Duration::from_millis(milliseconds);
-        Map { task, best, iterations: 1, difference: 0.0 }
-    }
-
     #[test]
-    fn ratios_are_those_of_the_same_maps() {
-        let before = [map(0, 10), map(1, 100), map(2, 7)];
+    fn ratios_are_means_of_those_of_maps() {
+        let map = |best, untuned| {
+            let [best, untuned] = [best, untuned].map(Duration::from_millis);
+            Map { task: 0, best, untuned, iterations: 1, difference: 0.0 }
+        };
         // Half and twice the time.
-        let found = ratio(&[map(1, 200), map(0, 5)], &before).unwrap();
+        let found = ratio(&[map(200, 100), map(5, 10)]).unwrap();
         approx::assert_relative_eq!(found, 1.0, max_relative = 1e-12);
-        approx::assert_relative_eq!(ratio(&[map(2, 14)], &before).unwrap(), 2.0);
-        assert_eq!(ratio(&[], &before), None);
+        approx::assert_relative_eq!(ratio(&[map(14, 7)]).unwrap(), 2.0);
+        assert_eq!(ratio(&[]), None);
     }
 
     #[test]
