@@ -129,7 +129,8 @@ impl Display for Report<'_> {
         writeln!(
             f,
             "# Tuning\n\n{}, {} fronts. Untuned: {scan_lines} lines a block, {scan_width} invocations \
-             a group, tiles of {tile} points a side, {inner} iterations in a tile.",
+             a group, tiles of {tile} points a side, {inner} iterations in a tile. Times of the \
+             column `time` are relative to the untuned maps that were timed in turn, not to the first line.",
             swept.device,
             label(swept.wavefront)
         )?;
