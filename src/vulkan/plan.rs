@@ -129,6 +129,8 @@ pub struct Portions {
     pub iterations: u32,
     /// Points on a side of a tile.
     pub tile: u32,
+    /// Rounds of tiles in a recording, at most; by default by the number of tiles.
+    pub rounds: Option<u32>,
 }
 
 /// Number of iterations, or rounds of tiles, that the steps make.

@@ -82,6 +82,9 @@ pub struct Tuning {
     pub tile: u32,
     /// Iterations of four scans inside a tile in one round, at most.
     pub inner: u32,
+    /// Iterations of raster scans, or rounds of tiles, in a submission, at most; by default by the size of
+    /// the grid. On large grids there are fewer iterations than asked for.
+    pub together: Option<u32>,
 }
 
 impl Tuning {
@@ -102,13 +105,14 @@ impl Tuning {
     /// Measured on lavapipe (Mesa 22.3, two cores, 1200 x 1200 points): blocks of four lines take
     /// 0.8 times as long as single lines with planar fronts and 0.65 times with curved ones; of
     /// eight, 0.8 and 0.75.
-    const ON_CPU: Self = Self { scan_width: 64, scan_lines: 4, tile: 16, inner: 4 };
+    const ON_CPU: Self = Self { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None };
     /// Not measured: fewer dispatches for an eighth more updates, and a warp for each tile.
-    const ON_GPU: Self = Self { scan_width: 128, scan_lines: 8, tile: 16, inner: 4 };
+    const ON_GPU: Self =
+        Self { scan_width: 128, scan_lines: 8, tile: 16, inner: 4, together: None };
 
     /// Whether a device has room for them.
     pub(crate) fn check(&self, limits: &vk::PhysicalDeviceLimits) -> Result<(), VulkanError> {
-        let Self { scan_width, scan_lines, tile, inner } = *self;
+        let Self { scan_width, scan_lines, tile, inner, together } = *self;
         let refuse = |reason: String| Err(VulkanError::Tuning(reason));
         let most =
             limits.max_compute_work_group_invocations.min(limits.max_compute_work_group_size[0]);
@@ -131,6 +135,9 @@ impl Tuning {
         if inner == 0 {
             return refuse("no iteration in a tile solves nothing".into());
         }
+        if together == Some(0) {
+            return refuse("no iteration in a submission solves nothing".into());
+        }
         Ok(())
     }
 
@@ -144,8 +151,8 @@ impl Tuning {
     pub fn portions(&self, wavefront: Wavefront, texels: TexelChart) -> Portions {
         let small = texels.rows.max(texels.cols) <= SMALL_SIDE;
         let iterations = if small && wavefront != Wavefront::Planar { 5 } else { 4 };
-        let iterations = iterations_together(texels, iterations);
-        Portions { lines: self.scan_lines, iterations, tile: self.tile }
+        let iterations = iterations_together(texels, self.together.unwrap_or(iterations));
+        Portions { lines: self.scan_lines, iterations, tile: self.tile, rounds: self.together }
     }
 
     /// Texels of a line that a workgroup of a raster scan writes.

@@ -24,7 +24,7 @@ use commands::{
     builtin, canonical, compare, contours, devices, distance, notices, offset, pairwise, path,
     profile, ridges, sample, voronoi,
 };
-use lab::{accuracy, bench, figure};
+use lab::{accuracy, bench, figure, frames, tune};
 use terminal::say;
 
 /// Geodesic distance maps on parametric surfaces: on a GPU through Vulkan, or on the CPU.
@@ -43,8 +43,8 @@ Arrays are NumPy .npy files, row first; NaN in a surface marks a hole. Rows coun
 downwards from 0 and columns rightwards from 0, as in a picture. Output files
 appear whole or not at all.
 
-Exit status: 0 if everything asked for was written; 1 if `compare` finds a
-difference; 2 on an error.
+Exit status: 0 if everything asked for was written; 1 if `compare` or
+`tune` finds a difference; 2 on an error.
 
 Examples:
   geosweep distance dem.tif --spacing 30 --source 120,85 -o map.npy --picture map.png
@@ -83,13 +83,17 @@ enum Command {
     Bench(bench::Args),
     /// Profile a map on a Vulkan device: every pass, its cost and what bounds it
     Profile(Box<profile::Args>),
+    /// Find out which portions and which schedule suit a Vulkan device
+    Tune(tune::Args),
+    /// Time maps in frames, of a surface that moves, on a Vulkan device
+    Frames(frames::Args),
     /// Redraw a figure of the paper
     Figure(figure::Args),
     /// Print the notices and licences of the packages that the tool contains
     Notices,
 }
 
-/// Status for errors; 1 is left to `compare` for "they differ", as in diff.
+/// Status for errors; 1 is left to `compare` and `tune` for "they differ", as in diff.
 const TROUBLE: u8 = 2;
 
 fn main() -> ExitCode {
@@ -116,6 +120,8 @@ fn main() -> ExitCode {
         Command::Accuracy(args) => accuracy::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Profile(args) => profile::run(&args),
+        Command::Tune(args) => tune::run(&args),
+        Command::Frames(args) => frames::run(&args),
         Command::Figure(args) => figure::run(&args),
         Command::Notices => notices::run(),
     };

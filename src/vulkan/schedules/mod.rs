@@ -44,7 +44,7 @@ impl Schedule {
     /// use geosweep::vulkan::{Schedule, TexelChart, plan};
     /// let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
     /// let source = plan::Reached { rows: 1..2, cols: 1..2 };
-    /// let portions = plan::Portions { lines: 1, iterations: 4, tile: 16 };
+    /// let portions = plan::Portions { lines: 1, iterations: 4, tile: 16, rounds: None };
     /// let steps = Schedule::Raster.plan(texels, portions, Some(source), 100);
     /// // From a corner, the first scan visits about half of the texels.
     /// assert!(plan::texels_scanned(&steps[..32]) < 32 * 32 * 6 / 10);
@@ -231,7 +231,7 @@ pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
 /// use geosweep::surface::Chart;
 /// use geosweep::vulkan::{Schedule, TexelChart, Tuning, planned};
 /// let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
-/// let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4 };
+/// let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None };
 /// let portions = tuning.portions(Wavefront::Planar, texels);
 /// let steps = Schedule::Raster.plan(texels, portions, None, 1);
 /// let passes = planned(&steps, texels, tuning, Wavefront::Planar);
@@ -258,7 +258,8 @@ mod tests {
     use crate::surface::Chart;
     use crate::vulkan::profile::{Decisions, decided};
 
-    const TUNING: Tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4 };
+    const TUNING: Tuning =
+        Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None };
 
     fn passes(schedule: Schedule, wavefront: Wavefront) -> Vec<(PassRecord, Presence)> {
         let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();

@@ -207,7 +207,7 @@ mod tests {
         TexelChart::new(Chart { rows, cols }).unwrap()
     }
 
-    const POINTS: Portions = Portions { lines: 1, iterations: 4, tile: 16 };
+    const POINTS: Portions = Portions { lines: 1, iterations: 4, tile: 16, rounds: None };
 
     fn scans(steps: &[Step]) -> impl Iterator<Item = &ScanPass> {
         steps.iter().filter_map(|step| if let Step::Scan(pass) = step { Some(pass) } else { None })

@@ -35,7 +35,8 @@ impl Order for Tiles {
         most: u32,
     ) -> Vec<Step> {
         let across: u32 = texels.tiles(portions.tile).iter().sum();
-        let rounds = across.clamp(8, ROUNDS).next_multiple_of(2).min(most);
+        let wanted = portions.rounds.unwrap_or(across.max(8));
+        let rounds = wanted.min(ROUNDS).next_multiple_of(2).min(most);
         let all = (0..rounds).map(|round| Step::Tiles { round });
         all.chain([Step::Settle { rounds }]).collect()
     }

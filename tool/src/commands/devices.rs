@@ -6,6 +6,7 @@ use geosweep::vulkan::{self, DeviceInfo};
 use geosweep::{DeviceChoice, cpu};
 use serde::Serialize;
 
+use super::limits;
 use crate::ceilings::{CpuCeilings, DeviceCeilings};
 use crate::terminal::{List, Outcome, Spinner, print, print_json, say};
 
@@ -16,6 +17,9 @@ pub struct Args {
     /// Measure what each usable device and the processor can do at best, in some seconds
     #[arg(long)]
     measure: bool,
+    /// Print, as Markdown, what each device says of itself that bears on maps: its limits, queues and memory
+    #[arg(long, conflicts_with_all = ["measure", "json"])]
+    limits: bool,
     /// Print one JSON object (docs/json.md): devices, an array of index, name, kind, api_version,
     /// driver, unmet (requirements). With --measure each usable device has its ceilings too, and cpu is
     /// an array of ceilings by number of threads. Rates are per second, times in seconds
@@ -58,6 +62,10 @@ struct Measured<'a> {
 }
 
 pub fn run(args: &Args) -> Outcome {
+    if args.limits {
+        print(limits::of_devices()?.join("\n").trim_end())?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let found = match vulkan::devices() {
         Err(error) if args.measure => {
             say("note", format_args!("no Vulkan device: {error}"));

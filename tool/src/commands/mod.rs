@@ -11,6 +11,7 @@ pub mod devices;
 pub mod distance;
 mod labels;
 mod level_curves;
+mod limits;
 pub mod notices;
 pub mod offset;
 mod over_map;

@@ -46,6 +46,18 @@ fn a_schedule_is_for_vulkan_alone() {
 }
 
 #[test]
+fn devices_tell_their_limits() {
+    let bench = Workbench::new();
+    let output = run(&bench, "devices --limits");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let devices = geosweep::vulkan::devices().unwrap();
+    for device in &devices {
+        assert!(text.contains(&format!("| device | {} |", device.name)), "{text}");
+    }
+    assert_eq!(text.matches("| shared memory | ").count(), devices.len(), "{text}");
+}
+
+#[test]
 fn devices_are_measured() {
     let bench = Workbench::new();
     let measured = json(&run(&bench, "devices --measure --json"));

@@ -20,4 +20,5 @@ mod refusals;
 mod regions;
 mod ridges;
 mod samples;
+mod tuning;
 mod workbench;

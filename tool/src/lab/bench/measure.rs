@@ -56,6 +56,8 @@ pub struct Plan {
     pub iterations: Option<u32>,
     /// A method whose map takes longer is stopped, and left out at this size and larger ones.
     pub limit: Duration,
+    /// What has not begun after so long is left out, smaller sizes first.
+    pub budget: Option<Duration>,
     /// Runs go on for so long.
     pub long_enough: Duration,
 }
@@ -138,12 +140,18 @@ pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
         cpu: cpu::Ceilings::measure(rayon::current_num_threads().min(MOST_THREADS)),
         device: if on_device { Some(vulkan::Ceilings::measure(&plan.device)?) } else { None },
         too_slow: Vec::new(),
+        begin: Instant::now(),
         timings: Vec::new(),
     };
-    for surface in &plan.surfaces {
-        bench.too_slow.clear();
-        for size in sizes(surface) {
-            bench.measure(surface, size)?;
+    // The small ones first, of all surfaces: what a budget cuts off is the large ones.
+    let mut too_slow = vec![Vec::new(); plan.surfaces.len()];
+    for place in 0..plan.surfaces.iter().map(|surface| sizes(surface).len()).max().unwrap_or(0) {
+        for (surface, too_slow) in plan.surfaces.iter().zip(&mut too_slow) {
+            if let Some(&size) = sizes(surface).get(place) {
+                std::mem::swap(&mut bench.too_slow, too_slow);
+                bench.measure(surface, size)?;
+                std::mem::swap(&mut bench.too_slow, too_slow);
+            }
         }
     }
     let Bench { bar, mut timings, solver, cpu, device, .. } = bench;
@@ -168,6 +176,7 @@ struct Bench<'a> {
     device: Option<vulkan::Ceilings>,
     /// On the surface at hand.
     too_slow: Vec<(Wavefront, Method)>,
+    begin: Instant,
     timings: Vec<Timing>,
 }
 
@@ -192,6 +201,15 @@ impl Bench<'_> {
     fn measure(&mut self, name: &BenchSurface, size: Option<usize>) -> Result<(), Box<dyn Error>> {
         let plan = self.plan;
         let rounds = plan.wavefronts.len() * plan.methods.len();
+        if plan.budget.is_some_and(|budget| self.begin.elapsed() > budget) {
+            let size = size.map_or(String::new(), |side| format!(" of {side} x {side} points"));
+            say(
+                "note",
+                format_args!("{name}{size} is left out: the time is used up, see --budget"),
+            );
+            self.bar.inc(rounds as u64);
+            return Ok(());
+        }
         if let Some(side) = size.filter(|&side| !fits(side * side)) {
             say("note", format_args!("{name}: {side} x {side} points do not fit the memory left"));
             self.bar.inc(rounds as u64);

@@ -51,13 +51,17 @@ pub struct Args {
     #[arg(long, value_name = "NAME|INDEX")]
     device: Option<DeviceChoice>,
     /// The Vulkan device's portions in place of those for its kind: invocations and lines of a block of a scan,
-    /// points on a side of a tile and iterations inside it, to find out which are best
-    #[arg(long, value_name = "WIDTH,LINES,TILE,INNER", value_parser = tuning)]
+    /// points on a side of a tile and iterations inside it, and iterations or rounds in a submission;
+    /// `geosweep tune` finds out which are best
+    #[arg(long, value_name = "WIDTH,LINES,TILE,INNER[,TOGETHER]", value_parser = tuning)]
     tuning: Option<Tuning>,
     /// Stop a map that takes more than this, and leave its engine or schedule out at this size and
     /// larger ones (default: 3; with --quick 0.3)
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     limit: Option<f64>,
+    /// Leave out what has not begun after so long, smaller sizes first, and say so
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    budget: Option<f64>,
     /// Fewer sizes, surfaces and runs, and a lower limit: some ten seconds
     #[arg(long)]
     quick: bool,
@@ -114,7 +118,8 @@ const ENGINES: [(Engine, &str); 3] = [
 
 const TABLE_2: [usize; 9] = [150, 200, 400, 600, 800, 1000, 1200, 2048, 4096];
 
-fn seconds(text: &str) -> Result<f64, String> {
+/// A duration, as an argument.
+pub fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(seconds) if (0.0..=1e6).contains(&seconds) => Ok(seconds),
         _ => Err("a limit is a number of seconds from 0 on".into()),
@@ -124,10 +129,11 @@ fn seconds(text: &str) -> Result<f64, String> {
 fn tuning(text: &str) -> Result<Tuning, String> {
     let numbers: Result<Vec<u32>, _> = text.split(',').map(str::parse).collect();
     match numbers.as_deref() {
-        Ok(&[scan_width, scan_lines, tile, inner]) => {
-            Ok(Tuning { scan_width, scan_lines, tile, inner })
+        Ok(&[scan_width, scan_lines, tile, inner, ref together @ ..]) if together.len() < 2 => {
+            let together = together.first().copied();
+            Ok(Tuning { scan_width, scan_lines, tile, inner, together })
         }
-        _ => Err("four numbers are wanted, such as 128,8,16,4".into()),
+        _ => Err("four numbers are wanted, or five, such as 128,8,16,4".into()),
     }
 }
 
@@ -176,6 +182,7 @@ impl Args {
             } else {
                 3.0
             })),
+            budget: self.budget.map(Duration::from_secs_f64),
             long_enough: Duration::from_millis(if self.quick { 100 } else { 500 }),
         }
     }

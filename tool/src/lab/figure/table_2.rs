@@ -98,6 +98,7 @@ pub fn run(args: &Args) -> Outcome {
             tuning: None,
             iterations,
             limit: Duration::from_secs(600),
+            budget: None,
             long_enough: Duration::from_secs(1),
         })
     };

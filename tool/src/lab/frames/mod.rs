@@ -1,0 +1,93 @@
+//! `geosweep frames`: what a map costs in a renderer's frame.
+
+mod host;
+mod measure;
+mod report;
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use geosweep::vulkan::Schedule;
+use geosweep::{DeviceChoice, Wavefront};
+
+use super::bench::seconds;
+use super::lists;
+use super::publication::Publication;
+use crate::choices::one_of;
+use crate::output::wanted_file;
+use crate::terminal::Outcome;
+use measure::{Plan, measure};
+use report::{Report, Summary};
+
+/// The arguments of `geosweep frames`.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Points a side
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = lists::size)]
+    #[arg(default_values = ["64", "256", "1024"])]
+    sizes: Vec<usize>,
+    /// Schedules
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    #[arg(value_parser = one_of(&Schedule::ALL.map(|schedule| (schedule, ""))))]
+    #[arg(default_values = ["raster", "tiles"])]
+    schedules: Vec<Schedule>,
+    /// Wavefront
+    #[arg(long, value_name = "NAME", default_value = "curved")]
+    wavefront: Wavefront,
+    /// The Vulkan device: its index in `geosweep devices`, or a part of its name
+    #[arg(long, value_name = "NAME|INDEX")]
+    device: Option<DeviceChoice>,
+    /// Frames of each size and schedule, after three to warm up
+    #[arg(long, value_name = "N", default_value_t = 60)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    frames: u32,
+    /// Iterations of scans in a frame, at most; rounds of tiles are as many as the size allows
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
+    iterations: u32,
+    /// No further frames of a size and schedule after so long
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
+    limit: f64,
+    /// Where to write the table, as Markdown (default: standard output, unless --json)
+    #[arg(short, long, value_name = "REPORT.md")]
+    output: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md): device and frames, an array of rows, cols, schedule, wavefront,
+    /// frames, converged (how many of them), iterations (median), device_seconds and host_seconds (median;
+    /// of the device null without timestamps), worst_seconds (on the host's clock), record_seconds (median)
+    /// and bytes (of the surface)
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+A sheet moves from frame to frame; its vertices lie in the device's memory, eight phases
+of its motion. In each frame its edges are measured anew, the map is solved from a source
+that moves too, and its distances are left for a renderer to sample. Time on the device is
+that between two timestamps around all this; on the host from the submission until its
+fence is signalled.
+
+Examples:
+  geosweep frames
+  geosweep frames --sizes 512 --schedules tiles --frames 300 --json";
+
+pub fn run(args: &Args) -> Outcome {
+    let output = wanted_file(args.output.as_ref(), "a report is", "md")?;
+    let measured = measure(&Plan {
+        sizes: lists::ascending(&args.sizes),
+        schedules: lists::or_else(&args.schedules, Vec::new),
+        wavefront: args.wavefront,
+        device: args.device.clone().unwrap_or_default(),
+        frames: args.frames,
+        iterations: args.iterations,
+        limit: Duration::from_secs_f64(args.limit),
+    })?;
+    Publication {
+        command: "frames",
+        markdown: Report(&measured).to_string(),
+        output,
+        pictures: Vec::new(),
+        rows: &Summary::new(&measured),
+    }
+    .publish(args.json)
+}

@@ -1,0 +1,92 @@
+//! The measurements as Markdown, which is also what a terminal shows, and as JSON.
+
+use std::fmt::{self, Display, Formatter};
+use std::time::Duration;
+
+use serde::Serialize;
+
+use super::measure::{Measured, Timing};
+use crate::choices::label;
+use crate::columns::{Columns, digits};
+
+#[derive(Serialize)]
+struct Row {
+    rows: usize,
+    cols: usize,
+    schedule: &'static str,
+    wavefront: &'static str,
+    frames: usize,
+    converged: usize,
+    iterations: u32,
+    device_seconds: Option<f64>,
+    host_seconds: f64,
+    worst_seconds: f64,
+    record_seconds: f64,
+    bytes: u64,
+}
+
+/// All of it as JSON.
+#[derive(Serialize)]
+pub struct Summary<'a> {
+    device: &'a str,
+    frames: Vec<Row>,
+}
+
+impl<'a> Summary<'a> {
+    pub fn new(measured: &'a Measured) -> Self {
+        let row = |timing: &Timing| Row {
+            rows: timing.chart.rows,
+            cols: timing.chart.cols,
+            schedule: timing.schedule.name(),
+            wavefront: timing.wavefront.name(),
+            frames: timing.frames,
+            converged: timing.converged,
+            iterations: timing.iterations,
+            device_seconds: timing.device.map(|time| time.as_secs_f64()),
+            host_seconds: timing.host.as_secs_f64(),
+            worst_seconds: timing.worst.as_secs_f64(),
+            record_seconds: timing.record.as_secs_f64(),
+            bytes: timing.bytes,
+        };
+        Self { device: &measured.device, frames: measured.timings.iter().map(row).collect() }
+    }
+}
+
+/// What to say.
+pub struct Report<'a>(pub &'a Measured);
+
+impl Display for Report<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Measured { device, timings } = self.0;
+        let front = timings.first().map_or("", |timing| label(timing.wavefront));
+        writeln!(f, "# Frames\n\n{device}, {front} fronts; medians in milliseconds.\n")?;
+        let heads = [
+            "points",
+            "schedule",
+            "frames",
+            "converged",
+            "iter.",
+            "device ms",
+            "host ms",
+            "worst ms",
+            "record ms",
+            "MB",
+        ];
+        let ms = |time: Duration| digits(1e3 * time.as_secs_f64());
+        let line = |timing: &Timing| {
+            [
+                format!("{} x {}", timing.chart.rows, timing.chart.cols),
+                timing.schedule.name().into(),
+                timing.frames.to_string(),
+                timing.converged.to_string(),
+                timing.iterations.to_string(),
+                timing.device.map_or(String::new(), ms),
+                ms(timing.host),
+                ms(timing.worst),
+                ms(timing.record),
+                digits(1e-6 * timing.bytes as f64),
+            ]
+        };
+        write!(f, "{}", Columns { heads, texts: &[1], lines: timings.iter().map(line).collect() })
+    }
+}

@@ -1,0 +1,101 @@
+//! `geosweep tune`: which portions and which schedule suit a Vulkan device.
+
+mod report;
+mod suggest;
+mod sweep;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use geosweep::{DeviceChoice, Wavefront};
+
+use super::bench::{BenchSurface, seconds};
+use super::lists;
+use super::publication::Publication;
+use crate::output::wanted_file;
+use crate::terminal::{Outcome, say};
+use report::{Report, Summary};
+use sweep::{Plan, sweep};
+
+/// The arguments of `geosweep tune`.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Points a side (default: 64, 256, 1024; with --quick 64, 256)
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = lists::size)]
+    sizes: Vec<usize>,
+    /// Built-in surfaces, terrain, or files of surfaces, as `geosweep bench` takes them (default: sphere, maze)
+    #[arg(long, value_name = "NAME|FILE,...", value_delimiter = ',')]
+    #[arg(value_parser = BenchSurface::parse)]
+    surfaces: Vec<BenchSurface>,
+    /// Wavefront
+    #[arg(long, value_name = "NAME", default_value = "curved")]
+    wavefront: Wavefront,
+    /// The Vulkan device: its index in `geosweep devices`, or a part of its name
+    #[arg(long, value_name = "NAME|INDEX")]
+    device: Option<DeviceChoice>,
+    /// Leave a map out that takes more than this with the device's own portions (default: 2; with --quick 0.5)
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    limit: Option<f64>,
+    /// Leave out what has not begun after so long, and say so (default: 300; with --quick 60)
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    budget: Option<f64>,
+    /// Fewer sizes, values and runs
+    #[arg(long)]
+    quick: bool,
+    /// Where to write the tables, as Markdown (default: standard output, unless --json)
+    #[arg(short, long, value_name = "REPORT.md")]
+    output: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md): device, wavefront, untuned and suggested (scan_width, scan_lines,
+    /// tile, inner, together), rows, schedules and left_out. A row: schedule, knob, value, ratio (of its times
+    /// to the untuned ones, geometric mean), refused (why the device has no room for it, or null) and maps:
+    /// surface, rows, cols, best_seconds, untuned_seconds, iterations, difference (from the untuned map, relative to its
+    /// largest distance)
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+One number is changed at a time, the others stay as they are for the device's kind, and
+each map is timed in turn with the untuned one and compared with it. What is suggested is the best value
+of each, if it takes less than 0.97 of the time, and all of these together are timed once
+more. Times are the best of some runs by the host's clock. Exit status 1 if a map differs
+by more than 1e-5 of its largest distance.
+
+Examples:
+  geosweep tune --quick
+  geosweep tune --sizes 512,2048 --surfaces terrain --device NVIDIA -o tuning.md
+  geosweep bench --tuning 64,4,16,4 --schedules raster,tiles --engines vulkan";
+
+pub fn run(args: &Args) -> Outcome {
+    let output = wanted_file(args.output.as_ref(), "a report is", "md")?;
+    let quick = |quick: f64, whole: f64| if args.quick { quick } else { whole };
+    let sizes: &[usize] = if args.quick { &[64, 256] } else { &[64, 256, 1024] };
+    let plan = Plan {
+        surfaces: lists::or_else(&args.surfaces, BenchSurface::quick_set),
+        sizes: lists::ascending(if args.sizes.is_empty() { sizes } else { &args.sizes }),
+        wavefront: args.wavefront,
+        device: args.device.clone().unwrap_or_default(),
+        limit: Duration::from_secs_f64(args.limit.unwrap_or(quick(0.5, 2.0))),
+        budget: Duration::from_secs_f64(args.budget.unwrap_or(quick(60.0, 300.0))),
+        runs: if args.quick { 3 } else { 5 },
+        quick: args.quick,
+    };
+    let swept = sweep(&plan)?;
+    let differing = swept.differing();
+    for row in &differing {
+        let (knob, value) = (row.knob.name(), row.value);
+        say("warning", format_args!("{knob} {value}: maps differ from the untuned ones"));
+    }
+    let status = if differing.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
+    Publication {
+        command: "tune",
+        markdown: Report(&swept).to_string(),
+        output,
+        pictures: Vec::new(),
+        rows: &Summary::new(&swept),
+    }
+    .publish(args.json)?;
+    Ok(status)
+}
