@@ -114,7 +114,7 @@ mod tests {
 
     #[test]
     fn parts_are_not_kept_where_all_triangles_are_obtuse() {
-        let surface = Builtin::ShearedPlane { degrees: 60 }.surface(33, 33).unwrap();
+        let surface = Builtin::ShearedPlane { degrees: 60.0 }.surface(33, 33).unwrap();
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
         assert!(!told(&edges).is_empty());
         assert!(edges.parts.get().unwrap().is_none());
