@@ -403,7 +403,7 @@ fn the_map_can_be_read_in_other_ways() {
     let places = host.buffer_of(&[&[0.0; 3], asked.as_flattened()].concat());
     let looked_up = host.buffer(4 * 16, true);
     let texels = host.buffer(16 * 64 * 64, true);
-    let record = host.buffer(64, true);
+    let record = host.buffer(16 + Outcome::BYTES as u64, true);
     let lookup = Lookup {
         places: places.handle,
         places_offset: 12,
