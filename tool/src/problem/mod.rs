@@ -59,6 +59,13 @@ pub fn comment(report: &Report, options: &Options) {
     if let Some(reason) = &report.fallback {
         say("warning", format_args!("computed on the CPU, since the GPU failed: {reason}"));
     }
+    if let Some(asked) = options.wavefront.filter(|&asked| asked != report.wavefront) {
+        let solved = report.wavefront;
+        say(
+            "note",
+            format_args!("solved with {solved} fronts, since {asked} ones are for a single source"),
+        );
+    }
     if !report.converged {
         warn_of_no_convergence(options, report.iterations, report.residual, report.tolerance);
     }

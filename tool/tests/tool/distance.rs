@@ -120,6 +120,17 @@ fn engines_and_fronts_can_be_chosen() {
     }
 }
 
+#[test]
+fn circular_fronts_are_for_one_source_which_is_said() {
+    let bench = Workbench::new();
+    let words = "distance builtin:sphere:33x33 -s 3,4 -s 20,20 --json -o map.npy --wavefront point";
+    let output = bench.run(words.split_whitespace());
+    let said =
+        "geosweep: note: solved with curved fronts, since point ones are for a single source";
+    assert!(stderr(&output).contains(said), "{}", stderr(&output));
+    assert_eq!(json(&output)["wavefront"], "curved");
+}
+
 /// Along chords the way around a cylinder is short by a 24th of the squared angle between points.
 #[test]
 fn edges_can_be_arcs_or_chords() {
