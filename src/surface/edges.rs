@@ -11,7 +11,6 @@ use super::arc::EdgeRule;
 use super::chart::{Block, Chart, Direction, EdgeSlot, STORED};
 use super::even_grid::EvenGrid;
 use super::measure::{LONGEST_EDGE, RowBends, SHORTEST_EDGE};
-use super::parts::Parts;
 use super::points::Row;
 use super::real::Real;
 use super::unfold::{ObtuseTriangles, RowAbove};
@@ -41,8 +40,6 @@ pub struct EdgeLengths<R> {
     pub(super) gaussian_curvature: OnceLock<Vec<R>>,
     /// See `unfold.rs`.
     pub(super) obtuse: ObtuseTriangles,
-    /// See `parts.rs`; empty until they are asked for.
-    pub(super) parts: OnceLock<Option<Parts<R>>>,
 }
 
 impl<R: Real> EdgeLengths<R> {
@@ -98,7 +95,6 @@ impl<R: Real> EdgeLengths<R> {
             floor: surface.floor(),
             gaussian_curvature: OnceLock::new(),
             obtuse,
-            parts: OnceLock::new(),
         })
     }
 
@@ -129,7 +125,6 @@ impl<R: Real> EdgeLengths<R> {
             floor: self.floor,
             gaussian_curvature: OnceLock::new(),
             obtuse: Default::default(),
-            parts: OnceLock::new(),
         }
     }
 
@@ -173,8 +168,7 @@ impl<R: Real> EdgeLengths<R> {
     pub fn bytes(&self) -> usize {
         let curvature = self.gaussian_curvature.get().map(Vec::as_slice);
         let planes = self.lengths.iter().map(Vec::as_slice).chain(curvature);
-        let parts = self.parts.get().and_then(Option::as_ref).map_or(0, Parts::bytes);
-        planes.map(std::mem::size_of_val).sum::<usize>() + self.obtuse.bytes() + parts
+        planes.map(std::mem::size_of_val).sum::<usize>() + self.obtuse.bytes()
     }
 
     #[inline]

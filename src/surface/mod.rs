@@ -16,7 +16,6 @@ mod geometry;
 mod inputs;
 mod iteration_bound;
 mod measure;
-mod parts;
 mod points;
 mod real;
 mod refine;

@@ -15,7 +15,6 @@ use rayon::prelude::*;
 
 use super::chart::{Direction, EdgeSlot, ring};
 use super::edges::EdgeLengths;
-use super::parts::Parts;
 use super::real::{Real, max};
 use crate::constants::{OBTUSE, SPLIT_MARGIN, SPLIT_REACH, SPLIT_STEPS};
 use crate::lanes::{Instructions, Loop};
@@ -59,18 +58,8 @@ impl Lines {
         Self { starts, places }
     }
 
-    fn of_line(&self, line: usize) -> &[u32] {
-        &self.places[self.starts[line] as usize..self.starts[line + 1] as usize]
-    }
-
-    /// How many come before a place in a line.
-    fn before(&self, line: usize, place: usize) -> usize {
-        let within = self.of_line(line).partition_point(|&other| (other as usize) < place);
-        self.starts[line] as usize + within
-    }
-
     fn within(&self, line: usize, range: Range<usize>) -> &[u32] {
-        let places = self.of_line(line);
+        let places = &self.places[self.starts[line] as usize..self.starts[line + 1] as usize];
         let before = |end: usize| places.partition_point(|&place| (place as usize) < end);
         &places[before(range.start)..before(range.end)]
     }
@@ -121,45 +110,19 @@ impl<R: Real> EdgeLengths<R> {
         to.map_or(R::FAR, |to| self.at(point, EdgeSlot::new(self.chart(), 0, to)))
     }
 
-    /// Tells of the parts of a point's triangle between two neighbours in directions that follow one another, if it
-    /// is obtuse: by the two other corners' indices in the bordered array and the lengths of x0 x1, x0 x2 and
-    /// x1 x2 in the plane.
-    pub(crate) fn for_parts(
+    /// Splits a point's triangle between two neighbours in directions that follow one another, if it is obtuse:
+    /// tells of its parts, by the two other corners' indices in the bordered array and the lengths
+    /// of x0 x1, x0 x2 and x1 x2 in the plane.
+    pub(crate) fn split(
         &self,
         x0: usize,
         directions: [Direction; 2],
         mut part: impl FnMut([usize; 2], [R; 3]),
     ) {
-        let stride = self.chart().stride();
-        let point_at = |(down, right): Step| x0.wrapping_add_signed(down * stride as isize + right);
+        let chart = self.chart();
         // Whichever scan asks, from the same end.
         let [first, second] = directions;
-        let of = if first.next() == second { first } else { second };
-        let Some(found) = self.found() else { return };
-        let kept = self.parts.get_or_init(|| {
-            let rows = (0..found.bits.len() / stride).flat_map(|row| {
-                found.lines[0].of_line(row).iter().map(move |&col| row * stride + col as usize)
-            });
-            Parts::of(self, &found.bits, &rows.collect::<Vec<_>>())
-        });
-        match kept {
-            // Of what is obtuse by rounding alone there are none.
-            Some(parts) if found.bits[x0] >> of as u8 & 1 != 0 => {
-                let rank = found.lines[0].before(x0 / stride, x0 % stride);
-                for kept in parts.of_triangle(rank, of) {
-                    let corner = |[down, right]: [i8; 2]| point_at((down.into(), right.into()));
-                    part(kept.steps.map(corner), kept.lengths);
-                }
-            }
-            _ => self.split(x0, of, |steps, lengths| part(steps.map(point_at), lengths)),
-        }
-    }
-
-    /// The same, of the triangle between the neighbours in a direction and the next: finds its parts anew, with
-    /// the other corners by their steps from x0.
-    pub(super) fn split(&self, x0: usize, of: Direction, mut part: impl FnMut([Step; 2], [R; 3])) {
-        let chart = self.chart();
-        let [a, b] = [of, of.next()];
+        let [a, b] = if first.next() == second { directions } else { [second, first] };
         let base = (b.step().0 - a.step().0, b.step().1 - a.step().1);
         let point_at =
             |(down, right): Step| x0.wrapping_add_signed(down * chart.stride() as isize + right);
@@ -183,7 +146,7 @@ impl<R: Real> EdgeLengths<R> {
         ];
         let mut tell = |[a, b]: [Unfolded<R>; 2]| {
             let squares = [a.squared(), b.squared(), a.squared_to(&b)];
-            part([a, b].map(|end| end.step), squares.map(|square| square.sqrt()));
+            part([a, b].map(|end| point_at(end.step)), squares.map(|square| square.sqrt()));
         };
         // The edge beyond which the next point is looked for, seen from x0 the first end to the right.
         let mut edge = wedge;

@@ -131,7 +131,7 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
     fn earlier(a: Self::Arrival, b: Self::Arrival) -> Self::Arrival;
 
     /// What comes to a point through the parts of its triangle between two neighbours, if that is obtuse
-    /// ([`EdgeLengths::for_parts`]).
+    /// ([`EdgeLengths::split`]).
     fn through_parts(
         &self,
         edges: &EdgeLengths<R>,
@@ -140,7 +140,7 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         seen: impl Fn(usize) -> KeptBy<'a, R, Self>,
     ) -> Option<Self::Arrival> {
         let mut first: Option<Self::Arrival> = None;
-        edges.for_parts(point, directions, |[x1, x2], [l1, l2, c]| {
+        edges.split(point, directions, |[x1, x2], [l1, l2, c]| {
             let [a, b] = [x1, x2].map(&seen);
             let triangle = Triangle { t1: a.time, t2: b.time, l1, l2, c };
             let arrival = self.arrival([point, x1, x2], triangle, [a.carried, b.carried], false);
