@@ -129,7 +129,7 @@ impl<R: Real> EdgeLengths<R> {
     }
 
     /// Whether a single source's front may meet itself, as those of several do, from cell to cell: where the surface has
-    /// a slowness.
+    /// a slowness that is not the same everywhere.
     pub(crate) fn front_meets_itself(&self) -> bool {
         self.front_meets_itself
     }
