@@ -20,10 +20,10 @@ vec4 circular(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
     vec4 sin_a = sqrt(max((1.0 - cos_a) * (1.0 + cos_a), 0.0));
     vec4 crossing = cos_a * h + sin_a * p;
     vec4 width = sin_a + kappa * h;
-    bvec4 in_front = both(greaterThanEqual(d, vec4(-1.0)), lessThanEqual(cos_a, vec4(1.0)));
+    bvec4 of_one = lessThanEqual(kappa * (1.0 - d), vec4(STRADDLING));
     bvec4 after_x1 = greaterThanEqual(crossing, vec4(0.0));
     bvec4 before_x2 = lessThanEqual(crossing, width);
-    bvec4 upwind = both(both(shape.whole, in_front), both(after_x1, before_x2));
+    bvec4 upwind = both(both(shape.whole, of_one), both(after_x1, before_x2));
     vec4 n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * 2.0;
     vec4 inside = t + c * (n / (1.0 + sqrt(max(1.0 + kappa * n, 0.0))));
     inside = mix(inside, max(inside, t), bvec4(causal));

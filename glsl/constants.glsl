@@ -51,6 +51,10 @@
 // grid points, which often turn by such a ratio, turn by more.
 #define GRAZING 0.0973
 #define FOCUS 0.1
+// The curvature of a front over a base, in units of it, times 1 less the difference of its ends' times is 2 where the
+// source lies on the base, and more where the ends are reached from two. With a margin, so that rounding does not tell
+// of two where there is one.
+#define STRADDLING 2.0002
 #define BENT_APART 0.005
 #define FROM_SOURCE 0.99
 #define ABOUT_STRAIGHT 0.25

@@ -33,7 +33,8 @@ pub struct EdgeLengths<R> {
     lengths: [Vec<R>; 4],
     rule: EdgeRule,
     /// See [`Self::front_meets_itself`].
-    front_meets_itself: bool,
+    slowed_unevenly: bool,
+    beside_a_source: bool,
     /// Of floor plans.
     floor: Option<EvenGrid>,
     /// See `gaussian_curvature.rs`; empty until it is asked for.
@@ -91,7 +92,8 @@ impl<R: Real> EdgeLengths<R> {
             chart,
             lengths,
             rule: surface.edge_rule(),
-            front_meets_itself: surface.is_slowed_unevenly(),
+            slowed_unevenly: surface.is_slowed_unevenly(),
+            beside_a_source: false,
             floor: surface.floor(),
             gaussian_curvature: OnceLock::new(),
             obtuse,
@@ -121,7 +123,8 @@ impl<R: Real> EdgeLengths<R> {
             chart,
             lengths,
             rule: self.rule,
-            front_meets_itself: self.front_meets_itself,
+            slowed_unevenly: self.slowed_unevenly,
+            beside_a_source: self.beside_a_source,
             floor: self.floor,
             gaussian_curvature: OnceLock::new(),
             obtuse: Default::default(),
@@ -129,14 +132,14 @@ impl<R: Real> EdgeLengths<R> {
     }
 
     /// Whether a single source's front may meet itself, as those of several do, from cell to cell: where the surface has
-    /// a slowness that is not the same everywhere.
+    /// a slowness that is not the same everywhere, or obtuse triangles, as where it is steep.
     pub(crate) fn front_meets_itself(&self) -> bool {
-        self.front_meets_itself
+        !self.beside_a_source && (self.slowed_unevenly || self.has_obtuse_triangles())
     }
 
     /// The same edges, where a single source's front has not gone far enough to meet itself.
     pub(crate) fn beside_a_source(mut self) -> Self {
-        self.front_meets_itself = false;
+        self.beside_a_source = true;
         self
     }
 

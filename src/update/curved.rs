@@ -2,7 +2,8 @@
 
 use super::{Shape, Triangle};
 use crate::constants::{
-    ABOUT_STRAIGHT, BENT_AGAIN, BENT_APART, CLEARLY_LATER, FOCUS, FROM_SOURCE, GRAZING, TOGETHER,
+    ABOUT_STRAIGHT, BENT_AGAIN, BENT_APART, CLEARLY_LATER, FOCUS, FROM_SOURCE, GRAZING, STRADDLING,
+    TOGETHER,
 };
 use crate::surface::{DIFFRACTS, Real, Seed, TAG, Tagged, max, min};
 
@@ -123,7 +124,8 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let sin_a = max((one - cos_a) * (one + cos_a), zero).sqrt();
     let crossing = cos_a * h + sin_a * p;
     let width = sin_a + kappa * h;
-    let is_front = whole & (d > -one) & (cos_a <= one) & (width > zero);
+    let of_one = kappa * (one - d) <= R::of(STRADDLING);
+    let is_front = whole & of_one & (width > zero);
     let n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * R::of(2.0);
     let root = max(one + kappa * n, zero).sqrt();
     // Nothing arrives before the later end of the base, so that each point hangs on earlier ones alone; but of a single
@@ -134,8 +136,7 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     // Later by more than makes fronts arrive together.
     let later = t + t * (R::of(CLEARLY_LATER) * R::epsilon());
     let time = t + c * rise;
-    let time = if causal { max(time, later) } else { time };
-    let is_first = time <= min(by_far, by_near);
+    let is_first = (time <= min(by_far, by_near)) & (!causal | (time >= later));
     let inside = is_front & (crossing >= zero) & (crossing <= width) & is_first;
     let far_spread = max(one + far_kappa * rise, focus);
     let near_spread = max(one + near_kappa * (rise - d), focus);

@@ -1,6 +1,7 @@
 //! The point-source wavefront: a circular front, unfolded into the triangle's plane.
 
 use super::{Shape, Triangle};
+use crate::constants::STRADDLING;
 use crate::surface::{Real, max, min};
 
 /// The arrival time at x0 of a circular front that reaches x1 and x2 at t1 and t2; not before either if fronts are
@@ -25,14 +26,14 @@ pub fn point_source<R: Real>(triangle: Triangle<R>, causal: bool) -> R {
     let p = shape.foot;
     let h = max(shape.height_squared, zero).sqrt();
     let d = (near - t) * shape.per_base;
-    // The ends of a base that straddles two sources come out with cos a > 1.
     let kappa = c / max(t, R::of(0.25) * c);
     let cos_a = half * kappa * ((one - d) * (one + d)) - d;
     let sin_a = max((one - cos_a) * (one + cos_a), zero).sqrt();
     let crossing = cos_a * h + sin_a * p;
     let width = sin_a + kappa * h;
-    let is_front = shape.whole & (d >= -one) & (cos_a <= one);
-    let upwind = is_front & (crossing >= zero) & (crossing <= width);
+    // The ends of a base that straddles two sources tell of none between.
+    let of_one = kappa * (one - d) <= R::of(STRADDLING);
+    let upwind = shape.whole & of_one & (crossing >= zero) & (crossing <= width);
     let n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * R::of(2.0);
     let inside = t + c * (n / (one + max(one + kappa * n, zero).sqrt()));
     let inside = if causal { max(inside, t) } else { inside };

@@ -15,8 +15,8 @@ pub enum Wavefront {
     /// A straight front (paper, section 3): first-order accurate, for extended sources too.
     Planar = constants::PLANAR as i32,
     /// A circular front around a virtual point source: exact on developable surfaces but for
-    /// the sampling, second-order elsewhere, for one point. Maps of several sources are solved with
-    /// [`Self::Curved`] in its place, and say so: circular fronts do not tell whose they are where they meet.
+    /// the sampling, second-order elsewhere, for one point. Maps of several sources, or over an uneven slowness, are
+    /// solved with [`Self::Curved`] in its place, and say so: circular fronts do not tell whose they are where they meet.
     PointSource = constants::CIRCULAR as i32,
     /// A front that carries its curvature beside the arrival time: second-order on curved
     /// surfaces, around holes and for extended sources too.
@@ -59,15 +59,17 @@ impl Wavefront {
     /// # Errors
     /// If the one that is asked for does not suit the setting.
     pub(crate) fn resolve(asked: Option<Self>, setting: Setting) -> Result<Self, Unsuited> {
-        let Setting { is_rough, has_slowness, sources, engine, .. } = setting;
+        let Setting { is_rough, is_slowed_unevenly, sources, engine, .. } = setting;
         let from_curves = sources == SourceKind::Curves;
         match asked {
             Some(Self::Anchored) => setting.has_anchors().map(|()| Self::Anchored),
             Some(Self::PointSource) if from_curves => Err(Unsuited::PointSourceFromCurves),
-            // Circular fronts do not tell from which source they come: where those of several meet, what arrives would
-            // hang on the order of updates. Marching has but one order.
+            // Circular fronts do not tell from which source they come: where those of several meet, or one that a
+            // slowness bends meets itself, what arrives would hang on the order of updates. Marching has but one order.
+            // Matrices keep them for their speed.
             Some(Self::PointSource)
-                if sources.are_several() && engine != EngineKind::FastMarching =>
+                if sources.are_several() && engine != EngineKind::FastMarching
+                    || is_slowed_unevenly && engine == EngineKind::Map =>
             {
                 Ok(Self::Curved)
             }
@@ -77,7 +79,6 @@ impl Wavefront {
                 Ok(Self::Anchored)
             }
             None if is_rough => Ok(Self::Planar),
-            None if has_slowness && !sources.are_several() => Ok(Self::PointSource),
             None => Ok(Self::Curved),
         }
     }
@@ -119,7 +120,8 @@ pub(crate) struct Setting {
     pub is_floor_plan: bool,
     /// Whether the surface turns at random from point to point ([`crate::surface::Resolution::is_rough`]).
     pub is_rough: bool,
-    pub has_slowness: bool,
+    /// Whether it has a slowness that is not the same everywhere.
+    pub is_slowed_unevenly: bool,
     pub sources: SourceKind,
     pub engine: EngineKind,
 }
@@ -179,7 +181,7 @@ impl Setting {
         Self {
             is_floor_plan,
             is_rough,
-            has_slowness: surface.slowness().is_some(),
+            is_slowed_unevenly: surface.is_slowed_unevenly(),
             sources,
             engine,
         }
@@ -188,7 +190,7 @@ impl Setting {
     /// An engine that is given edges and seeds, and knows of the surface at most that it is a floor plan.
     pub(crate) fn of_engine(is_floor_plan: bool) -> Self {
         let (sources, engine) = (SourceKind::POINT, EngineKind::Map);
-        Self { is_floor_plan, is_rough: false, has_slowness: false, sources, engine }
+        Self { is_floor_plan, is_rough: false, is_slowed_unevenly: false, sources, engine }
     }
 
     /// Refuses surfaces, sources and engines for which fronts have no anchors.
@@ -252,7 +254,7 @@ mod tests {
     fn the_best_wavefront_is_chosen_where_none_is_asked_for() {
         let any = Setting::of_engine(false);
         let apart = SourceKind::Points { single: false, inside_cells: 0 };
-        let slow = Setting { has_slowness: true, ..any };
+        let slow = Setting { is_slowed_unevenly: true, ..any };
         assert_eq!(resolved(None, any), Ok(Curved));
         assert_eq!(resolved(None, slow), Ok(PointSource));
         assert_eq!(resolved(None, Setting { sources: apart, ..slow }), Ok(Curved));

@@ -300,7 +300,7 @@ impl Solver {
         let schedule = self.schedule(&surface.images, method);
         let variant = Variant { wavefront, splits: surface.splits };
         self.make_passes(&surface.images, schedule, variant)?;
-        let causal = surface.origins.are_causal();
+        let causal = surface.origins.are_causal() || surface.splits;
         let SurfaceOnDevice { images, first, further, goes_on, .. } = surface;
         let (texels, portions) = (images.texels, self.tuning().portions(wavefront, images.texels));
 
