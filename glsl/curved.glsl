@@ -42,9 +42,9 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     vec4 by_near = near_t + near_l;
     vec4 later = t + t * (CLEARLY_LATER * PRECISION);
     vec4 time = t + c * rise;
-    time = mix(time, max(time, later), bvec4(causal));
     bvec4 crosses = both(both(is_front, after_x1), lessThanEqual(crossing, width));
-    bvec4 inside = both(crosses, lessThanEqual(time, min(by_far, by_near)));
+    bvec4 is_first = both(lessThanEqual(time, min(by_far, by_near)), either(bvec4(!causal), greaterThanEqual(time, later)));
+    bvec4 inside = both(crosses, is_first);
     vec4 far_spread = max(1.0 + far_kappa * rise, FOCUS);
     vec4 near_spread = max(1.0 + near_kappa * (rise - d), FOCUS);
     vec4 spread = far_spread * near_spread;

@@ -10,6 +10,6 @@ vec4 planar(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
     bvec4 before_x2 = greaterThanEqual(d * shape.other, p - 1.0);
     bvec4 upwind = both(shape.whole, both(after_x1, before_x2));
     vec4 across = max(shape.height_squared * ((1.0 - d) * (1.0 + d)), 0.0);
-    vec4 inside = t1 + c * (p * d + sqrt(across));
+    vec4 inside = max(t1 + c * (p * d + sqrt(across)), max(t1, t2));
     return min(along_edge, mix(along_edge, inside, upwind));
 }

@@ -10,7 +10,8 @@ use crate::surface::{Real, max, min};
 /// eq. 10. The upwind condition (15) is the interval of d for which the ray to x0 crosses the
 /// base between x1 and x2: d |x0 x1| <= p and d |x0 x2| >= p - 1. Outside it the ray runs along
 /// an edge (16). This is the minimum over the base of t plus distance (the Hopf-Lax form):
-/// monotone for every triangle, obtuse ones included.
+/// monotone for every triangle, obtuse ones included. There, though, nothing arrives before the later end: two points
+/// that each come through the other's triangle would else make one another earlier for ever.
 #[inline(always)]
 pub fn planar<R: Real>(triangle: Triangle<R>) -> R {
     let Triangle { t1, t2, l1, l2, c } = triangle;
@@ -21,7 +22,7 @@ pub fn planar<R: Real>(triangle: Triangle<R>) -> R {
     let d = (t2 - t1) * shape.per_base;
     let upwind = shape.whole & (d * shape.side <= p) & (d * shape.other >= p - one);
     let across = max(shape.height_squared * ((one - d) * (one + d)), R::zero());
-    let inside = t1 + c * (p * d + across.sqrt());
+    let inside = max(t1 + c * (p * d + across.sqrt()), max(t1, t2));
     min(along_edge, if upwind { inside } else { along_edge })
 }
 
@@ -41,6 +42,8 @@ mod tests {
             .map(|k| k as f64 / 100_000.0)
             .map(|s| t1 + s * (t2 - t1) + (p - s * c).hypot(h))
             .fold(f64::INFINITY, f64::min)
+            .max(t1.max(t2))
+            .min((t1 + l1).min(t2 + l2))
     }
 
     #[test]
