@@ -35,8 +35,12 @@
 #define TAG 15
 // Tag of a front that came from a whole triangle, beside that of its scan.
 #define WHOLE 8
-// Tag of the surface where waves diffract, at points that lack an edge.
+// Tags of the surface: where waves diffract, and at points that lack an edge, of which they are some.
 #define DIFFRACTS 1
+#define LACKING 2
+// Waves diffract where the angle that is open to them is more than a half turn by 22.5 degrees, of which this is the
+// tangent: at corners of holes, and not along their sides and the border.
+#define REFLEX 0.41421357
 // A triangle is obtuse at x0 if the squares of its sides there are together less than so much of the base's: by
 // three degrees, so that rounding makes no right angle obtuse. How many points are looked for to split it, and how
 // many rows and columns away.

@@ -30,18 +30,18 @@ bool is_corner(uint there) {
 
 const uint CORNER = 1u << 12;
 
-// As small as a zero with a tag.
-float with_corner(uint there) {
+// As small as a zero with this tag.
+float with_corner(uint there, uint tag) {
     uint held = floatBitsToUint(FLAT) & 0x7f800000u;
-    return uintBitsToFloat(held | (is_corner(there) ? CORNER : 0u) | open_eighths(there) << 4 | DIFFRACTS);
+    return uintBitsToFloat(held | (is_corner(there) ? CORNER : 0u) | open_eighths(there) << 4 | tag);
 }
 
 // At which of four points paths can bend.
 bvec4 are_corners(vec4 surface) {
-    return equal(floatBitsToUint(surface) & (CORNER | TAG), uvec4(CORNER | DIFFRACTS));
+    return equal(floatBitsToUint(surface) & (CORNER | LACKING), uvec4(CORNER | LACKING));
 }
 
 // The eighths around a point that lead into a hole.
 uint blocked_eighths(float surface) {
-    return tag_of(surface) == DIFFRACTS ? ~(floatBitsToUint(surface) >> 4) & 255u : 0u;
+    return (tag_of(surface) & LACKING) != 0u ? ~(floatBitsToUint(surface) >> 4) & 255u : 0u;
 }

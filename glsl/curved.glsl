@@ -60,7 +60,7 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     bvec4 reaches_near = both(not(from_far), past_near);
     bvec4 ahead = both(is_front, either(reaches_far, reaches_near));
     bvec4 turns = both(either(shape.whole, alone), not(ahead));
-    bvec4 corner = equal(tags_of(edge_g), uvec4(DIFFRACTS));
+    bvec4 corner = notEqual(tags_of(edge_g) & DIFFRACTS, uvec4(0u));
     vec4 edge_k = mix(mix(near_k, k, from_far), vec4(SOURCE_CURVATURE), both(turns, corner));
 
     // One division serves the ray's place, its length and the curvature, whichever way it runs.

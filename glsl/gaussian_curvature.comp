@@ -26,7 +26,7 @@ float fan_curvature(ivec2 point) {
 }
 
 bool is_whole(float curvature) {
-    return tag_of(curvature) != DIFFRACTS;
+    return tag_of(curvature) == 0u;
 }
 
 uint neighbours_of(ivec2 point) {
@@ -37,17 +37,17 @@ uint neighbours_of(ivec2 point) {
 
 float settled(ivec2 point) {
     float own = fan_curvature(point);
-    if (is_floor != 0u && !is_whole(own)) return with_corner(neighbours_of(point));
+    if (is_floor != 0u && !is_whole(own)) return with_corner(neighbours_of(point), tag_of(own));
     float curvatures[9];
     curvatures[8] = own;
     float largest = is_whole(own) ? abs(own) : 0.0;
     for (int i = 0; i < 8; i++) {
         bool exists = edge_length(point, NEIGHBOURS[i]) < FAR;
         // The border of the image is not written, and no edge leads there.
-        curvatures[i] = exists ? fan_curvature(point + NEIGHBOURS[i]) : with_tag(0.0, DIFFRACTS);
+        curvatures[i] = exists ? fan_curvature(point + NEIGHBOURS[i]) : with_tag(0.0, LACKING);
         if (is_whole(curvatures[i])) largest = max(largest, abs(curvatures[i]));
     }
-    if (largest <= 0.0) return with_tag(0.0, DIFFRACTS);
+    if (largest <= 0.0) return with_tag(0.0, tag_of(own));
     float sum = 0.0;
     float squares = 0.0;
     float count = 0.0;
@@ -62,8 +62,8 @@ float settled(ivec2 point) {
     float mean = sum / count;
     float mean_square = squares / count;
     float agreement = max(2.0 * (mean * mean) - mean_square, 0.0) / mean_square;
-    return is_whole(own) ? with_tag(own * agreement, 0u)
-                         : with_tag(largest * mean * agreement, DIFFRACTS);
+    float curvature = is_whole(own) ? own : largest * mean;
+    return with_tag(curvature * agreement, tag_of(own));
 }
 
 void main() {

@@ -283,7 +283,7 @@ void scan_block() {
         own.second = second_line(old, ahead).xyxy;
         own.second_carried = second_line(old_carried, ahead).xyxy;
 
-        bool sees_further = any(equal(tags_of(own_surface), uvec4(DIFFRACTS)));
+        bool sees_further = any(notEqual(tags_of(own_surface) & LACKING, uvec4(0u)));
 #ifdef WITH_FURTHER_POINTS
         if (HAS_ANCHORS) {
             follow_ways(point, behind, l1, l2, may_renew, own);

@@ -1,7 +1,7 @@
 // Tags: the last binary digits of what a front carries and of what the surface brings.
 //
 // The tag of a front is the scan that has brought it, from 1 to 4, or 0 for a source, plus WHOLE if it came
-// through a whole triangle. The surface's is DIFFRACTS at points that lack an edge.
+// through a whole triangle. The surface's is LACKING at points that lack an edge, and DIFFRACTS beside it where waves diffract.
 
 const uint SCAN_OF_TAG = TAG & ~WHOLE;
 

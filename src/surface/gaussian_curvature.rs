@@ -8,7 +8,7 @@ use super::chart::{Direction, EdgeSlot, ring};
 use super::edges::EdgeLengths;
 use super::real::{Real, max, min};
 use super::tag::Tagged;
-use crate::constants::{DEFECT_NOISE, LARGEST_DEFECT};
+use crate::constants::{DEFECT_NOISE, LARGEST_DEFECT, REFLEX};
 use crate::lanes::{Instructions, Loop};
 
 /// Tag ([`Tagged::with_tag`]) of the Gaussian curvature at points where waves diffract.
@@ -30,17 +30,18 @@ impl<R: Real> EdgeLengths<R> {
 /// zero, or a flat surface would seem bent the same way everywhere; and they are kept below
 /// `LARGEST_DEFECT` radians, where the series for the arc tangent ends.
 ///
-/// Points whose fan is not whole, at a border or hole, carry the tag `DIFFRACTS` and
-/// the mean of their neighbours' curvature: waves diffract there.
+/// Points whose fan is not whole, at a border or hole, have the mean of their neighbours' curvature. Where what is left
+/// of the fan is clearly more than a half turn, at the corners of holes, they carry the tag `DIFFRACTS`: waves
+/// diffract there.
 fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
     let chart = edges.chart();
-    // Where a triangle of the fan is missing, so is the curvature: FAR.
+    // Where a triangle of the fan is missing, so is the curvature: FAR, and more where waves diffract.
     let mut fans = vec![R::FAR; chart.bordered_points()];
     chart
         .rows_mut(&mut fans)
         .enumerate()
         .for_each(|(row, line)| Instructions::best().run(Fans { edges, row, line }));
-    let mut curvature = vec![R::zero().with_tag(DIFFRACTS); chart.bordered_points()];
+    let mut curvature = vec![R::zero().with_tag(0); chart.bordered_points()];
     chart.rows_mut(&mut curvature).enumerate().for_each(|(row, line)| {
         Instructions::best().run(Settled { edges, row, fans: &fans, line })
     });
@@ -107,12 +108,12 @@ fn settled<R: Real>(own: R, around: [R; 8]) -> R {
     }
     let (mean, mean_square) = (sum / count, squares / count);
     let agreement = max(R::of(2.0) * (mean * mean) - mean_square, R::zero()) / mean_square;
-    let beside = (largest * mean * agreement).with_tag(DIFFRACTS);
-    let settled = if own < R::FAR { (own * agreement).with_tag(0) } else { beside };
-    if largest > R::zero() { settled } else { R::zero().with_tag(DIFFRACTS) }
+    let beside = if largest > R::zero() { largest * mean * agreement } else { R::zero() };
+    let settled = if own < R::FAR { own * agreement } else { beside };
+    if own > R::FAR { settled.with_tag(DIFFRACTS) } else { settled.with_tag(0) }
 }
 
-/// The curvature of the fans of a row of points, FAR where a triangle is missing.
+/// The curvature of the fans of a row of points, see [`defect_density`].
 struct Fans<'a, R> {
     edges: &'a EdgeLengths<R>,
     row: usize,
@@ -138,19 +139,22 @@ impl<R: Real> Loop for Fans<'_, R> {
 }
 
 /// The angle defect of a fan over its share of the fan's area, given its edges and the bases between one
-/// and the next; FAR if a triangle is.
+/// and the next; FAR if a triangle is missing, and twice that if what is left is a corner of a hole.
 #[inline(always)]
 fn defect_density<R: Real>(edges: [R; 8], bases: [R; 8], share_of_fan: R) -> R {
     let (zero, one, half) = (R::zero(), R::one(), R::of(0.5));
     // The angles are added up as the product of complex numbers with these arguments: all of
     // them make a full turn less the defect.
-    let (mut re, mut im, mut area, mut whole) = (one, zero, zero, true);
+    let (mut re, mut im, mut area, mut whole, mut lacks) = (one, zero, zero, true, false);
     for index in 0..8 {
         let (a, b, c) = (edges[index], edges[ring::next(index)], bases[index]);
         let longest = max(max(a, b), c);
-        whole &= (longest < R::FAR) & (longest + longest < a + b + c);
+        let is_there = longest < R::FAR;
+        lacks |= !is_there;
+        whole &= is_there & (longest + longest < a + b + c);
         let x = half * ((a * a + b * b) - c * c) / (a * b);
         let y = max((one - x) * (one + x), zero).sqrt();
+        let (x, y) = if is_there { (x, y) } else { (one, zero) };
         (re, im) = (re * x - im * y, re * y + im * x);
         area = area + half * (a * b) * y;
     }
@@ -166,7 +170,9 @@ fn defect_density<R: Real>(edges: [R; 8], bases: [R; 8], share_of_fan: R) -> R {
     let noise = R::of(DEFECT_NOISE / f64::from(f32::EPSILON)) * R::epsilon();
     let signal = defect * defect / (defect * defect + noise * noise);
     let curvature = defect * signal / (share_of_fan * area);
-    if whole { curvature.with_tag(0) } else { R::FAR }
+    let is_reflex = (im < zero) & (im < R::of(REFLEX) * re);
+    let missing = if lacks & is_reflex { R::FAR + R::FAR } else { R::FAR };
+    if whole { curvature.with_tag(0) } else { missing }
 }
 
 #[cfg(test)]
@@ -207,26 +213,28 @@ mod tests {
         approx::assert_relative_eq!(largest, 1e24, max_relative = 0.02);
         let far = f32::FAR;
         let alone = settled::<f32>(far, [far; 8]);
-        assert!(alone.tag_has(TAG, DIFFRACTS) && alone < 1e-29);
-        let beside = settled(far, [2.0f32, 2.0, far, far, far, far, far, far]);
+        assert!(alone.tag_has(TAG, 0) && alone < 1e-29);
+        let beside = settled(2.0 * far, [2.0f32, 2.0, far, far, far, far, far, far]);
         approx::assert_relative_eq!(beside, 2.0, max_relative = 1e-5);
         assert!(beside.tag_has(TAG, DIFFRACTS));
     }
 
     #[test]
-    fn points_beside_a_hole_or_the_border_are_flagged() {
-        let mut mask = vec![true; 81];
-        mask[4 * 9 + 4] = false;
-        let surface = Builtin::Plane.surface(9, 9).unwrap().with_mask(&mask).unwrap();
+    fn corners_of_holes_are_flagged() {
+        let size = 11;
+        let in_hole = |row: usize, col: usize| row.abs_diff(5) <= 1 && col.abs_diff(5) <= 1;
+        let mask: Vec<_> = (0..size * size).map(|k| !in_hole(k / size, k % size)).collect();
+        let surface = Builtin::Plane.surface(size, size).unwrap().with_mask(&mask).unwrap();
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
-        for row in 0..9usize {
-            for col in 0..9usize {
-                let beside_the_hole = row.abs_diff(4) <= 1 && col.abs_diff(4) <= 1;
-                let at_the_border = row % 8 == 0 || col % 8 == 0;
-                let curvature = edges.gaussian_curvature()[edges.chart().bordered(row, col)];
-                let diffracts = curvature.tag_has(TAG, DIFFRACTS);
-                assert_eq!(diffracts, beside_the_hole || at_the_border, "{row},{col}");
-            }
+        for (row, col) in (0..size * size).map(|k| (k / size, k % size)) {
+            let beside_the_hole = row.abs_diff(5).max(col.abs_diff(5)) == 2;
+            // Not in the middle of its sides, nor at the border.
+            let expected = beside_the_hole && row != 5 && col != 5;
+            let curvature = edges.gaussian_curvature()[edges.chart().bordered(row, col)];
+            assert!(
+                in_hole(row, col) || curvature.tag_has(TAG, DIFFRACTS) == expected,
+                "{row},{col}"
+            );
         }
     }
 }

@@ -75,7 +75,7 @@ pub struct Bends<R> {
     /// Curvature of the front at x1 and x2.
     pub fronts: [R; 2],
     /// Gaussian curvature of the surface at x0, x1 and x2; the last of its four lowest binary digits
-    /// marks points beside a hole or the border, where waves diffract.
+    /// marks the corners of holes, where waves diffract.
     pub surface: [R; 3],
     /// Whether of x1 and x2 only the neighbour across the grid's diagonal is there, beside a hole. What
     /// comes along that edge alone is taken to have come around the hole's corner, as most fronts there
