@@ -11,7 +11,9 @@ use super::tag::Tagged;
 use crate::constants::{DEFECT_NOISE, LARGEST_DEFECT, REFLEX};
 use crate::lanes::{Instructions, Loop};
 
-/// Tag ([`Tagged::with_tag`]) of the Gaussian curvature at points where waves diffract.
+/// Tag ([`Tagged::with_tag`]) of the Gaussian curvature at points that lack a triangle, beside a hole or the border.
+pub(crate) const LACKING: u8 = crate::constants::LACKING as u8;
+/// And beside it, at the corners of holes.
 pub(crate) const DIFFRACTS: u8 = crate::constants::DIFFRACTS as u8;
 
 impl<R: Real> EdgeLengths<R> {
@@ -30,9 +32,9 @@ impl<R: Real> EdgeLengths<R> {
 /// zero, or a flat surface would seem bent the same way everywhere; and they are kept below
 /// `LARGEST_DEFECT` radians, where the series for the arc tangent ends.
 ///
-/// Points whose fan is not whole, at a border or hole, have the mean of their neighbours' curvature. Where what is left
-/// of the fan is clearly more than a half turn, at the corners of holes, they carry the tag `DIFFRACTS`: waves
-/// diffract there.
+/// Points whose fan is not whole, at a border or hole, carry the tag `LACKING` and have the mean of their neighbours'
+/// curvature. Where what is left of the fan is clearly more than a half turn, at the corners of holes, they carry
+/// `DIFFRACTS` too: what passes them mostly turns.
 fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
     let chart = edges.chart();
     // Where a triangle of the fan is missing, so is the curvature: FAR, and more where waves diffract.
@@ -41,7 +43,7 @@ fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
         .rows_mut(&mut fans)
         .enumerate()
         .for_each(|(row, line)| Instructions::best().run(Fans { edges, row, line }));
-    let mut curvature = vec![R::zero().with_tag(0); chart.bordered_points()];
+    let mut curvature = vec![R::zero().with_tag(LACKING); chart.bordered_points()];
     chart.rows_mut(&mut curvature).enumerate().for_each(|(row, line)| {
         Instructions::best().run(Settled { edges, row, fans: &fans, line })
     });
@@ -109,8 +111,9 @@ fn settled<R: Real>(own: R, around: [R; 8]) -> R {
     let (mean, mean_square) = (sum / count, squares / count);
     let agreement = max(R::of(2.0) * (mean * mean) - mean_square, R::zero()) / mean_square;
     let beside = if largest > R::zero() { largest * mean * agreement } else { R::zero() };
-    let settled = if own < R::FAR { own * agreement } else { beside };
-    if own > R::FAR { settled.with_tag(DIFFRACTS) } else { settled.with_tag(0) }
+    let lacking =
+        if own > R::FAR { beside.with_tag(LACKING | DIFFRACTS) } else { beside.with_tag(LACKING) };
+    if own < R::FAR { (own * agreement).with_tag(0) } else { lacking }
 }
 
 /// The curvature of the fans of a row of points, see [`defect_density`].
@@ -213,14 +216,14 @@ mod tests {
         approx::assert_relative_eq!(largest, 1e24, max_relative = 0.02);
         let far = f32::FAR;
         let alone = settled::<f32>(far, [far; 8]);
-        assert!(alone.tag_has(TAG, 0) && alone < 1e-29);
+        assert!(alone.tag_has(TAG, LACKING) && alone < 1e-29);
         let beside = settled(2.0 * far, [2.0f32, 2.0, far, far, far, far, far, far]);
         approx::assert_relative_eq!(beside, 2.0, max_relative = 1e-5);
-        assert!(beside.tag_has(TAG, DIFFRACTS));
+        assert!(beside.tag_has(TAG, LACKING | DIFFRACTS));
     }
 
     #[test]
-    fn corners_of_holes_are_flagged() {
+    fn points_beside_a_hole_or_the_border_and_corners_of_holes_are_flagged() {
         let size = 11;
         let in_hole = |row: usize, col: usize| row.abs_diff(5) <= 1 && col.abs_diff(5) <= 1;
         let mask: Vec<_> = (0..size * size).map(|k| !in_hole(k / size, k % size)).collect();
@@ -229,12 +232,12 @@ mod tests {
         for (row, col) in (0..size * size).map(|k| (k / size, k % size)) {
             let beside_the_hole = row.abs_diff(5).max(col.abs_diff(5)) == 2;
             // Not in the middle of its sides, nor at the border.
-            let expected = beside_the_hole && row != 5 && col != 5;
+            let is_corner = beside_the_hole && row != 5 && col != 5;
+            let at_the_border = row % 10 == 0 || col % 10 == 0;
+            let lacking = if beside_the_hole || at_the_border { LACKING } else { 0 };
+            let expected = lacking | if is_corner { DIFFRACTS } else { 0 };
             let curvature = edges.gaussian_curvature()[edges.chart().bordered(row, col)];
-            assert!(
-                in_hole(row, col) || curvature.tag_has(TAG, DIFFRACTS) == expected,
-                "{row},{col}"
-            );
+            assert!(in_hole(row, col) || curvature.tag_has(TAG, expected), "{row},{col}");
         }
     }
 }

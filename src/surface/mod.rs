@@ -35,7 +35,7 @@ pub use coarsen::Coarsened;
 pub(crate) use corner::{is_corner, is_open};
 pub use edges::EdgeLengths;
 pub(crate) use even_grid::EvenGrid;
-pub(crate) use gaussian_curvature::DIFFRACTS;
+pub(crate) use gaussian_curvature::{DIFFRACTS, LACKING};
 pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing};
 pub use measure::{LONGEST_EDGE, SHORTEST_EDGE};

@@ -5,7 +5,7 @@ use crate::constants::{
     ABOUT_STRAIGHT, BENT_AGAIN, BENT_APART, CLEARLY_LATER, FOCUS, FROM_SOURCE, GRAZING, STRADDLING,
     TOGETHER,
 };
-use crate::surface::{DIFFRACTS, Real, Seed, TAG, Tagged, max, min};
+use crate::surface::{DIFFRACTS, LACKING, Real, Seed, Tagged, max, min};
 
 /// An arriving front: when, and how curved it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,8 +74,8 @@ impl<R: Real> Front<R> {
 pub struct Bends<R> {
     /// Curvature of the front at x1 and x2.
     pub fronts: [R; 2],
-    /// Gaussian curvature of the surface at x0, x1 and x2; the last of its four lowest binary digits
-    /// marks the corners of holes, where waves diffract.
+    /// Gaussian curvature of the surface at x0, x1 and x2; its four lowest binary digits
+    /// mark points beside a hole or the border, and which of them are corners of holes, where waves diffract.
     pub surface: [R; 3],
     /// Whether of x1 and x2 only the neighbour across the grid's diagonal is there, beside a hole. What
     /// comes along that edge alone is taken to have come around the hole's corner, as most fronts there
@@ -152,7 +152,9 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let past_near = (crossing <= width + grazing) & is_known;
     let ahead = if from_far { crossing >= -grazing } else { past_near };
     let turns = (whole | alone) & !(is_front & ahead);
-    let diffracted = turns & edge_g.tag_has(TAG, DIFFRACTS);
+    // What is not known to turn does so at corners of holes alone, which is what it mostly does there.
+    let is_corner = edge_g.tag_has(DIFFRACTS, DIFFRACTS);
+    let diffracted = turns & edge_g.tag_has(LACKING, LACKING) & (from_far | is_known | is_corner);
     let edge_k = if diffracted { at_source } else { edge_k };
 
     // One division serves the ray's place, its length and the curvature, whichever way it runs.
@@ -220,7 +222,7 @@ mod tests {
     fn diffraction_starts_again_as_from_a_source() {
         // The ray comes from the far left and turns around x1 by a right angle.
         let triangle = Triangle { t1: 5.0, t2: 5.0 + 0.98, l1: 1.0, l2: 2f64.sqrt(), c: 1.0 };
-        let beside_a_hole = 0.0.with_tag(DIFFRACTS);
+        let beside_a_hole = 0.0.with_tag(LACKING);
         let bends = |g1| Bends { surface: [0.0, g1, 0.0], ..flat(0.2, 0.2) };
         let at = |g1| curved(triangle, bends(g1));
         assert_eq!((at(0.0).time, at(beside_a_hole).time), (6.0, 6.0));
@@ -235,7 +237,7 @@ mod tests {
         let at = |g1: f64, alone| {
             curved(edge, Bends { surface: [0.0, g1, 0.0], alone, ..flat(0.2, 0.0) }).curvature
         };
-        let beside_a_hole = 0.0.with_tag(DIFFRACTS);
+        let beside_a_hole = 0.0.with_tag(LACKING);
         approx::assert_relative_eq!(at(beside_a_hole, true), 1.0 / 1.4, max_relative = 1e-12);
         for straight in [at(beside_a_hole, false), at(0.0, true)] {
             approx::assert_relative_eq!(straight, 0.2 / 1.28, max_relative = 1e-12);

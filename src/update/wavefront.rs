@@ -256,7 +256,7 @@ mod tests {
         let apart = SourceKind::Points { single: false, inside_cells: 0 };
         let slow = Setting { is_slowed_unevenly: true, ..any };
         assert_eq!(resolved(None, any), Ok(Curved));
-        assert_eq!(resolved(None, slow), Ok(PointSource));
+        assert_eq!(resolved(None, slow), Ok(Curved));
         assert_eq!(resolved(None, Setting { sources: apart, ..slow }), Ok(Curved));
         assert_eq!(resolved(None, Setting { sources: CURVES, ..slow }), Ok(Curved));
         let rough = Setting { is_rough: true, ..slow };
@@ -304,5 +304,9 @@ mod tests {
         let with = |engine| Setting { sources: several, engine, ..floor };
         assert_eq!(resolved(PointSource, with(EngineKind::Map)), Ok(Curved));
         assert_eq!(resolved(PointSource, with(EngineKind::FastMarching)), Ok(PointSource));
+        let slow =
+            |engine| Setting { is_slowed_unevenly: true, engine, ..Setting::of_engine(false) };
+        assert_eq!(resolved(PointSource, slow(EngineKind::Map)), Ok(Curved));
+        assert_eq!(resolved(PointSource, slow(EngineKind::Matrix)), Ok(PointSource));
     }
 }

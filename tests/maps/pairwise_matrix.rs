@@ -167,7 +167,7 @@ fn the_report_names_the_wavefront_of_all_rows() {
     for (surface, engine, wanted, found) in [
         (&plan, Engine::Auto, None, Wavefront::Curved),
         (&plan, Engine::Cpu, None, Wavefront::Curved),
-        (&slow, Engine::Cpu, None, Wavefront::PointSource),
+        (&slow, Engine::Cpu, None, Wavefront::Curved),
         (&plan, Engine::FastMarching, None, Wavefront::Planar),
         (&slow, Engine::FastMarching, None, Wavefront::Planar),
         (&plan, Engine::Cpu, Some(Wavefront::Anchored), Wavefront::Anchored),
