@@ -15,7 +15,7 @@ float base_crossing(vec2 times, vec2 carried, vec2 sides, float base) {
     float sin_a = sqrt(max((1.0 - cos_a) * (1.0 + cos_a), 0.0));
     float crossing = cos_a * h + sin_a * shape.foot.x;
     float width = sin_a + kappa * h;
-    bool of_one = kappa * (1.0 - d) <= STRADDLING;
+    bool of_one = d > -ALONG_BASE && kappa * (1.0 - d) <= STRADDLING;
     bool is_front = shape.whole.x && of_one && width > 0.0;
     float along_edge = t + l <= near_t + near_l ? 0.0 : 1.0;
     float from_far = is_front ? clamp(crossing / width, 0.0, 1.0) : along_edge;

@@ -59,6 +59,8 @@
 // source lies on the base, and more where the ends are reached from two. With a margin, so that rounding does not tell
 // of two where there is one.
 #define STRADDLING 2.0002
+// A front whose times at the ends of a base differ by more of its length has come along it, but for rounding.
+#define ALONG_BASE 0.9999
 #define BENT_APART 0.005
 #define FROM_SOURCE 0.99
 #define ABOUT_STRAIGHT 0.25

@@ -31,7 +31,7 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     vec4 sin_a = sqrt(max((1.0 - cos_a) * (1.0 + cos_a), 0.0));
     vec4 crossing = cos_a * h + sin_a * p;
     vec4 width = sin_a + kappa * h;
-    bvec4 of_one = lessThanEqual(kappa * (1.0 - d), vec4(STRADDLING));
+    bvec4 of_one = both(greaterThan(d, vec4(-ALONG_BASE)), lessThanEqual(kappa * (1.0 - d), vec4(STRADDLING)));
     bvec4 is_front = both(both(shape.whole, of_one), greaterThan(width, vec4(0.0)));
     bvec4 after_x1 = greaterThanEqual(crossing, vec4(0.0));
     vec4 n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * 2.0;

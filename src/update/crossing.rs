@@ -1,7 +1,7 @@
 //! Where the way of a front to x0 crosses the base of its triangle.
 
 use super::{Shape, Triangle, Wavefront};
-use crate::constants::{ABOUT_STRAIGHT, FOCUS, FROM_SOURCE, STRADDLING};
+use crate::constants::{ABOUT_STRAIGHT, ALONG_BASE, FOCUS, FROM_SOURCE, STRADDLING};
 use crate::surface::{Real, Seed, max, min};
 
 /// Where the straight line on which the front arrives at x0 crosses the base, from 0 at x1 to 1 at
@@ -40,7 +40,7 @@ pub(crate) fn base_crossing<R: Real>(
     let sin_a = max((one - cos_a) * (one + cos_a), zero).sqrt();
     let crossing = cos_a * h + sin_a * shape.foot;
     let width = sin_a + kappa * h;
-    let of_one = kappa * (one - d) <= R::of(STRADDLING);
+    let of_one = (d > R::of(-ALONG_BASE)) & (kappa * (one - d) <= R::of(STRADDLING));
     let is_front = shape.whole & of_one & (width > zero);
     let along_edge = if t + l <= near_t + near_l { zero } else { one };
     let from_far = if is_front { max(min(crossing / width, one), zero) } else { along_edge };

@@ -2,8 +2,8 @@
 
 use super::{Shape, Triangle};
 use crate::constants::{
-    ABOUT_STRAIGHT, BENT_AGAIN, BENT_APART, CLEARLY_LATER, FOCUS, FROM_SOURCE, GRAZING, STRADDLING,
-    TOGETHER,
+    ABOUT_STRAIGHT, ALONG_BASE, BENT_AGAIN, BENT_APART, CLEARLY_LATER, FOCUS, FROM_SOURCE, GRAZING,
+    STRADDLING, TOGETHER,
 };
 use crate::surface::{DIFFRACTS, LACKING, Real, Seed, Tagged, max, min};
 
@@ -124,7 +124,8 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let sin_a = max((one - cos_a) * (one + cos_a), zero).sqrt();
     let crossing = cos_a * h + sin_a * p;
     let width = sin_a + kappa * h;
-    let of_one = kappa * (one - d) <= R::of(STRADDLING);
+    // What has come along the base to its later end has passed x0 by, or turns around the nearer one.
+    let of_one = (d > R::of(-ALONG_BASE)) & (kappa * (one - d) <= R::of(STRADDLING));
     let is_front = whole & of_one & (width > zero);
     let n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * R::of(2.0);
     let root = max(one + kappa * n, zero).sqrt();
