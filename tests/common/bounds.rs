@@ -31,7 +31,7 @@ pub struct Case {
     pub surface: Surface,
     pub sources: Sources,
     /// Whether distances in space bound those along the surface.
-    has_positions: bool,
+    pub(super) has_positions: bool,
 }
 
 impl Case {
@@ -113,14 +113,13 @@ impl Case {
         Self { name, surface, sources, has_positions: !slow && !inside && !curved }
     }
 
-    /// The fronts that keep the bounds here. Point-source ones have no curvature of their own to tell fronts that meet in
-    /// obtuse triangles, or that start apart.
-    pub fn wavefronts<R: Real>(&self, edges: &EdgeLengths<R>) -> Vec<Wavefront> {
-        let start = self.sources.start();
-        let together = self.sources.iter().all(|source| source.initial() == start);
-        let by_point = self.sources.are_points() && together && !edges.has_obtuse_triangles();
+    /// The fronts for this case: circular ones are for one source and an even slowness, see [`Wavefront::PointSource`].
+    pub fn wavefronts(&self) -> Vec<Wavefront> {
+        let is_circular = self.sources.are_points()
+            && self.sources.iter().count() == 1
+            && self.surface.slowness().is_none();
         let all = Wavefront::ALL.into_iter();
-        all.filter(|&wavefront| wavefront != Wavefront::PointSource || by_point).collect()
+        all.filter(|&wavefront| wavefront != Wavefront::PointSource || is_circular).collect()
     }
 
     pub fn seeds(&self) -> Vec<Seed> {

@@ -5,6 +5,7 @@
 pub mod bounds;
 mod cases;
 mod devices;
+mod irregular;
 
 use geosweep::Stop;
 use geosweep::accuracy::Errors;

@@ -20,7 +20,7 @@ fn solve(case: &Case) -> (Vec<String>, Vec<String>) {
     let seeds = case.seeds();
     let edges = EdgeLengths::<f32>::new(&case.surface).unwrap();
     let (mut failures, mut apart) = (Vec::new(), Vec::new());
-    for wavefront in case.wavefronts(&edges) {
+    for wavefront in case.wavefronts() {
         let rotated = cpu::rotated_scan(&edges, &seeds, wavefront, SETTLED);
         let in_turn = twins::scan_in_turn(&edges, &seeds, wavefront, SETTLED);
         let maps = [("rotated scans", rotated), ("scans in turn", in_turn)]
@@ -36,17 +36,25 @@ fn solve(case: &Case) -> (Vec<String>, Vec<String>) {
     (failures, apart)
 }
 
-/// Bounds hold always. Fronts other than planar ones may settle in two ways: of 4,000 cases three curved ones did, and
-/// five point-source ones.
-#[test]
-fn maps_keep_their_bounds_on_any_surface() {
+/// Bounds hold always; few curved fronts settle in two ways.
+fn check(case: impl Fn(u64) -> Case, most_apart: impl Fn(usize) -> usize) {
     let cases = cases(400);
     let count = (cases.end - cases.start) as usize;
-    let (failures, apart): (Vec<_>, Vec<_>) = cases.map(|number| solve(&Case::new(number))).unzip();
+    let (failures, apart): (Vec<_>, Vec<_>) = cases.map(|number| solve(&case(number))).unzip();
     let [failures, apart] = [failures, apart].map(|of| of.concat());
     for line in failures.iter().chain(&apart) {
         println!("{line}");
     }
     assert!(failures.is_empty(), "{} failures in {count} cases", failures.len());
-    assert!(apart.len() <= 1 + count / 400, "{} maps apart in {count} cases", apart.len());
+    assert!(apart.len() <= most_apart(count), "{} maps apart in {count} cases", apart.len());
+}
+
+#[test]
+fn maps_keep_their_bounds_on_any_surface() {
+    check(Case::new, |count| 1 + count / 1000);
+}
+
+#[test]
+fn maps_keep_their_bounds_on_irregular_grids() {
+    check(Case::irregular, |count| 1 + count / 1000);
 }
