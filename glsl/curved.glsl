@@ -60,7 +60,8 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     bvec4 reaches_near = both(not(from_far), past_near);
     bvec4 ahead = both(is_front, either(reaches_far, reaches_near));
     bvec4 turns = both(either(shape.whole, alone), not(ahead));
-    bvec4 starts_anew = notEqual(tags_of(edge_g) & uint(causal ? DIFFRACTS : LACKING), uvec4(0u));
+    bvec4 is_corner = notEqual(tags_of(edge_g) & DIFFRACTS, uvec4(0u));
+    bvec4 starts_anew = both(notEqual(tags_of(edge_g) & LACKING, uvec4(0u)), either(either(from_far, is_known), is_corner));
     vec4 edge_k = mix(mix(near_k, k, from_far), vec4(SOURCE_CURVATURE), both(turns, starts_anew));
 
     // One division serves the ray's place, its length and the curvature, whichever way it runs.

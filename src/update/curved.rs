@@ -153,13 +153,9 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let past_near = (crossing <= width + grazing) & is_known;
     let ahead = if from_far { crossing >= -grazing } else { past_near };
     let turns = (whole | alone) & !(is_front & ahead);
-    // Where the far end may be unknown, only at corners of holes, around which most fronts have come.
-    let corner = if causal {
-        edge_g.tag_has(DIFFRACTS, DIFFRACTS)
-    } else {
-        edge_g.tag_has(LACKING, LACKING)
-    };
-    let diffracted = turns & corner;
+    // What is not known to turn does so at corners of holes alone, which is what it mostly does there.
+    let is_corner = edge_g.tag_has(DIFFRACTS, DIFFRACTS);
+    let diffracted = turns & edge_g.tag_has(LACKING, LACKING) & (from_far | is_known | is_corner);
     let edge_k = if diffracted { at_source } else { edge_k };
 
     // One division serves the ray's place, its length and the curvature, whichever way it runs.
