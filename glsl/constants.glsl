@@ -86,9 +86,6 @@
 #define SOURCES_INSIDE 4096
 // Texels around the grid's own in every image, so that no neighbour needs a bounds test.
 #define BORDER 1
-// Iterations after the last in which a point was reached, from which on curved fronts are causal: they take turns
-// somewhere.
-#define RESTLESS 20
 // Iterations after the last in which a point was reached, from which on curved fronts are no
 // longer renewed; see progress.rs.
 #define PATIENCE 50

@@ -18,6 +18,5 @@ void main() {
         grid_groups[0] = 0u;
         for (int i = 1; i < blocks.length(); i += 3) blocks[i] = 0u;
     }
-    if (since_reached >= RESTLESS) is_causal = 1u;
     residual = 0u;
 }

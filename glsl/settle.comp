@@ -29,7 +29,6 @@ void count_rounds() {
     iterations += visited;
     if (visited > 0u) last_residual = unsettled[visited - 1u];
     since_reached = reached != 0u ? 0u : since_reached + visited;
-    if (since_reached >= RESTLESS) is_causal = 1u;
     if (since_reached >= PATIENCE) renews = 0u;
     if (visited < count || rounds[4 * count] == 0u) done = 1u;
     if (iterations >= most) done = 1u;

@@ -1,6 +1,5 @@
 //! The fronts at all points of a bordered array, updated one by one.
 
-use super::Progress;
 use super::behind::Behind;
 use super::fronts::{FrontKind, KeptBy};
 use super::solution::Solution;
@@ -33,14 +32,6 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
             let arrival = self.kind.arrival_of_seed(seed);
             self.lower(self.edges.chart().bordered(seed.row, seed.col), arrival);
         }
-    }
-
-    /// Before another iteration; returns whether it renews curved fronts.
-    pub(super) fn begin(&mut self, progress: &Progress) -> bool {
-        if progress.is_restless() {
-            self.kind.be_causal();
-        }
-        progress.renews()
     }
 
     /// Starts again from seeds that are lost ([`Seed::is_lost`]); returns whether there were any.

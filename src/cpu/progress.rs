@@ -6,7 +6,7 @@
 //! around corners their fronts can then take turns for ever: three of 48 random surfaces did.
 
 use crate::Stop;
-use crate::constants::{CURVATURE_COUNTS, FIRST_REACHED, PATIENCE, RESTLESS};
+use crate::constants::{CURVATURE_COUNTS, FIRST_REACHED, PATIENCE};
 use crate::surface::{Real, min, relative_change};
 
 /// What a change of curvature counts, in units of the arrival time: `bend` is its size times that
@@ -46,11 +46,6 @@ impl Progress {
     /// Whether there may be no further iteration.
     pub(crate) fn is_last(&self) -> bool {
         self.iterations >= self.stop.iterations
-    }
-
-    /// Whether fronts are to be causal from the next iteration on, since somewhere they take turns.
-    pub(crate) fn is_restless(&self) -> bool {
-        self.since_reached >= RESTLESS
     }
 
     /// Whether the next iteration renews curved fronts.

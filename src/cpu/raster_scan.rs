@@ -38,7 +38,7 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
 
     let mut progress = Progress::new(stop);
     loop {
-        let (mut change, renews) = (R::Bits::default(), fronts.begin(&progress));
+        let (mut change, renews) = (R::Bits::default(), progress.renews());
         let mut update = |row: usize, col: usize, scan: u8| {
             let point = chart.bordered(row, col);
             let front = fronts.reach(point, &behind[usize::from(scan) - 1]);

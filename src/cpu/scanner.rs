@@ -91,9 +91,6 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
     fn converge(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
         let mut progress = Progress::new(stop);
         loop {
-            if progress.is_restless() {
-                self.kind.be_causal();
-            }
             let vertical = self.scan([Scan::DOWN, Scan::UP], progress.renews());
             let horizontal = self.scan([Scan::RIGHT, Scan::LEFT], progress.renews());
             if !progress.is_done::<R>(vertical.max(horizontal)) {

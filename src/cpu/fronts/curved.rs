@@ -49,10 +49,6 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
         self.origins.forget();
     }
 
-    fn be_causal(&mut self) {
-        self.origins.be_causal();
-    }
-
     #[inline]
     fn reach(
         &self,

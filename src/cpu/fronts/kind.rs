@@ -47,9 +47,6 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
     /// Forgets the seeds of the last map.
     fn forget(&mut self) {}
 
-    /// Has fronts hang on nothing that arrives later from here on; see [`crate::surface::Origins`].
-    fn be_causal(&mut self) {}
-
     /// The first that comes to a point through the triangles behind it, with the fronts at other points
     /// seen through `seen`.
     fn reach(

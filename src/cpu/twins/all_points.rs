@@ -29,7 +29,7 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
     let mut new = old.clone();
     let mut progress = Progress::new(stop);
     loop {
-        let (mut change, renews) = (R::Bits::default(), old.begin(&progress));
+        let (mut change, renews) = (R::Bits::default(), progress.renews());
         for _ in 0..2 {
             for (row, col) in chart.places() {
                 let point = chart.bordered(row, col);

@@ -45,7 +45,7 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
     }
     let mut visits = Vec::new();
     loop {
-        let (mut change, renews) = (R::Bits::default(), fronts.begin(&progress));
+        let (mut change, renews) = (R::Bits::default(), progress.renews());
         let mut visited: Visits = due.blocks.each_ref().map(|blocks| vec![false; blocks.len()]);
         for scan in 0..4 {
             let order = Scan::ALL[scan];

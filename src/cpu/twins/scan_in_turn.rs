@@ -65,7 +65,7 @@ pub(super) fn scan<'a, R: Real, K: FrontKind<'a, R>>(
     let away = [ranges(|seed| seed.row, rows), ranges(|seed| seed.col, cols)];
     let whole = [[0..rows, 0..rows], [0..cols, 0..cols]];
     loop {
-        let (mut change, renews) = (R::Bits::default(), fronts.begin(&progress));
+        let (mut change, renews) = (R::Bits::default(), progress.renews());
         let mut update = |row: usize, col: usize, scan: u8| {
             let point = chart.bordered(row, col);
             let front = fronts.reach(point, &behind[usize::from(scan) - 1]);

@@ -2,7 +2,7 @@
 
 use super::behind;
 use crate::Stop;
-use crate::constants::{PATIENCE, RESTLESS, SPLIT_REACH};
+use crate::constants::{PATIENCE, SPLIT_REACH};
 use crate::cpu::Solution;
 use crate::cpu::behind::Behind;
 use crate::cpu::fronts::{FrontKind, for_kind};
@@ -218,10 +218,6 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
         self.iterations += visited;
         self.last_residual = unsettled.last().copied().unwrap_or(self.last_residual);
         self.since_reached = if reached { 0 } else { self.since_reached + visited };
-        if self.since_reached >= RESTLESS {
-            let kinds = self.copies.iter_mut().chain([&mut self.fronts]);
-            kinds.for_each(|fronts| fronts.kind.be_causal());
-        }
         if self.since_reached >= PATIENCE {
             self.renews = false;
         }

@@ -112,11 +112,6 @@ impl Origins {
         self.causal |= *self.first.get_or_insert(origin) != origin;
     }
 
-    /// Has fronts be causal from here on, wherever they come from.
-    pub(crate) fn be_causal(&mut self) {
-        self.causal = true;
-    }
-
     pub(crate) fn are_causal(&self) -> bool {
         self.causal || self.meets_itself
     }
