@@ -85,6 +85,11 @@ pub struct Tuning {
     /// Iterations of raster scans, or rounds of tiles, in a submission, at most; by default by the size of
     /// the grid. On large grids there are fewer iterations than asked for.
     pub together: Option<u32>,
+    /// Texels that are visited in a submission, at most, as far as single dispatches allow: systems take a
+    /// device that is busy for seconds for hung, and nothing else is drawn meanwhile. By default 4 million. An
+    /// iteration that visits more is cut into several submissions, but for recordings into a renderer's
+    /// command buffer.
+    pub visits: Option<u64>,
 }
 
 impl Tuning {
@@ -105,14 +110,15 @@ impl Tuning {
     /// Measured on lavapipe (Mesa 22.3, two cores, 1200 x 1200 points): blocks of four lines take
     /// 0.8 times as long as single lines with planar fronts and 0.65 times with curved ones; of
     /// eight, 0.8 and 0.75.
-    const ON_CPU: Self = Self { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None };
+    const ON_CPU: Self =
+        Self { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None, visits: None };
     /// Not measured: fewer dispatches for an eighth more updates, and a warp for each tile.
     const ON_GPU: Self =
-        Self { scan_width: 128, scan_lines: 8, tile: 16, inner: 4, together: None };
+        Self { scan_width: 128, scan_lines: 8, tile: 16, inner: 4, together: None, visits: None };
 
     /// Whether a device has room for them.
     pub(crate) fn check(&self, limits: &vk::PhysicalDeviceLimits) -> Result<(), VulkanError> {
-        let Self { scan_width, scan_lines, tile, inner, together } = *self;
+        let Self { scan_width, scan_lines, tile, inner, together, visits } = *self;
         let refuse = |reason: String| Err(VulkanError::Tuning(reason));
         let most =
             limits.max_compute_work_group_invocations.min(limits.max_compute_work_group_size[0]);
@@ -138,6 +144,9 @@ impl Tuning {
         if together == Some(0) {
             return refuse("no iteration in a submission solves nothing".into());
         }
+        if visits == Some(0) {
+            return refuse("no texel visited in a submission solves nothing".into());
+        }
         Ok(())
     }
 
@@ -151,8 +160,13 @@ impl Tuning {
     pub fn portions(&self, wavefront: Wavefront, texels: TexelChart) -> Portions {
         let small = texels.rows.max(texels.cols) <= SMALL_SIDE;
         let iterations = if small && wavefront != Wavefront::Planar { 5 } else { 4 };
-        let iterations = iterations_together(texels, self.together.unwrap_or(iterations));
-        Portions { lines: self.scan_lines, iterations, tile: self.tile, rounds: self.together }
+        Portions {
+            lines: self.scan_lines,
+            iterations: self.together.unwrap_or(iterations),
+            tile: self.tile,
+            rounds: self.together,
+            visits: self.visits.unwrap_or(VISITS_TOGETHER),
+        }
     }
 
     /// Texels of a line that a workgroup of a raster scan writes.
@@ -164,17 +178,10 @@ impl Tuning {
 /// Lines of a block, at most: shaders note in the bits of a word which of them have changed.
 const MOST_LINES: u32 = 32;
 
-/// So many iterations in a submission, or fewer on large grids: systems take a device that is busy for seconds for
-/// hung, and nothing else is drawn meanwhile.
-pub(crate) fn iterations_together(texels: TexelChart, wanted: u32) -> u32 {
-    let [cols, rows] = texels.inner().map(u64::from);
-    (TEXELS_TOGETHER / (cols * rows)).clamp(1, wanted.into()) as u32
-}
-
-/// Texels of the iterations of a submission, at most, unless a single iteration has more. It reads and writes 96
-/// bytes of each in each scan with planar fronts, and 144 with curved ones: 2.4 GB at most, 50 milliseconds on an
-/// integrated GPU that moves 50 GB a second.
-const TEXELS_TOGETHER: u64 = 1 << 22;
+/// Of each visited texel 96 bytes are read and written with planar fronts, and 144 with curved ones: 0.6 GB at
+/// most, 12 milliseconds on an integrated GPU that moves 50 GB a second. A map of 1024 x 1024 points still has four
+/// iterations in a submission, and one of 8192 x 8192 points a quarter of a scan.
+const VISITS_TOGETHER: u64 = 1 << 22;
 
 /// Up to so many texels a side, circular and curved fronts on smooth surfaces settle in five
 /// iterations (measured: sphere, peaks, cone and torus of 33 to 129 points); beyond, and planar

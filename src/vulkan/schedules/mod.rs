@@ -44,7 +44,8 @@ impl Schedule {
     /// use geosweep::vulkan::{Schedule, TexelChart, plan};
     /// let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
     /// let source = plan::Reached { rows: 1..2, cols: 1..2 };
-    /// let portions = plan::Portions { lines: 1, iterations: 4, tile: 16, rounds: None };
+    /// let portions =
+    ///     plan::Portions { lines: 1, iterations: 4, tile: 16, rounds: None, visits: 1 << 22 };
     /// let steps = Schedule::Raster.plan(texels, portions, Some(source), 100);
     /// // From a corner, the first scan visits about half of the texels.
     /// assert!(plan::texels_scanned(&steps[..32]) < 32 * 32 * 6 / 10);
@@ -73,6 +74,11 @@ impl Schedule {
     /// whole grid.
     pub fn has_rounds(self) -> bool {
         self.order().has_rounds()
+    }
+
+    /// See [`Order::together`].
+    pub(crate) fn together(self, texels: TexelChart, portions: Portions) -> u32 {
+        self.order().together(texels, portions)
     }
 
     /// See [`Order::gains_by_surroundings`].
@@ -136,11 +142,24 @@ impl Recorder<'_> {
 
     /// Runs the steps of a plan, whose pipelines were made for a variant.
     pub(crate) fn steps(&self, variant: impl Into<Variant>, steps: &[Step]) {
+        self.steps_after(None, variant, steps);
+    }
+
+    /// The same of a part of the plan, after the last step of another recording.
+    pub(crate) fn steps_after(
+        &self,
+        before: Option<&Step>,
+        variant: impl Into<Variant>,
+        steps: &[Step],
+    ) {
         let variant = variant.into();
         let mut open: Option<Scope> = None;
         let (texels, tuning) = (self.grid.texels, self.pipelines.tuning);
         let carries = variant.wavefront.has_two_layers();
         let mut counter = StepCounter::new(texels, tuning, carries);
+        if let Some(Step::Scan(pass)) = before {
+            counter.last = Some((counter.iteration, pass.scan));
+        }
         let notes = self.visits_noted(steps);
         let visits = u64::from(notes.div_ceil(32)) * size_of::<u32>() as u64;
         self.decided_before(visits);
@@ -231,7 +250,7 @@ pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
 /// use geosweep::surface::Chart;
 /// use geosweep::vulkan::{Schedule, TexelChart, Tuning, planned};
 /// let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
-/// let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None };
+/// let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None, visits: None };
 /// let portions = tuning.portions(Wavefront::Planar, texels);
 /// let steps = Schedule::Raster.plan(texels, portions, None, 1);
 /// let passes = planned(&steps, texels, tuning, Wavefront::Planar);
@@ -259,7 +278,7 @@ mod tests {
     use crate::vulkan::profile::{Decisions, decided};
 
     const TUNING: Tuning =
-        Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None };
+        Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None, visits: None };
 
     fn passes(schedule: Schedule, wavefront: Wavefront) -> Vec<(PassRecord, Presence)> {
         let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();

@@ -44,7 +44,8 @@ impl Order for Raster {
         let mut steps = Vec::new();
         let mut always = reached.is_some();
         let mut reached = reached.unwrap_or_else(|| Reached::everywhere(texels));
-        for _ in 0..most.min(portions.iterations) {
+        let visits = Scan::ALL.len() as u64;
+        for _ in 0..most.min(portions.iterations_of(visits, texels, portions.iterations)) {
             for (index, scan) in Scan::ALL.into_iter().enumerate() {
                 let passes = scan_passes(texels, scan, portions.lines, &mut reached);
                 let writes = 1 - index % 2;
@@ -93,7 +94,7 @@ impl Order for Raster {
         let groups = if pass.always {
             Groups::line((pass.texels.len() as u32).div_ceil(tuning.scan_texels()))
         } else {
-            let number = 1 + (pass.line - BORDER) / tuning.scan_lines;
+            let number = 1 + block_number(pass, tuning.scan_lines);
             let number = pass.scan as u32 * texels.block_pitch(tuning.scan_lines) + number;
             let offset = u64::from(number) * size_of::<[u32; 3]>() as u64;
             Groups::From(recorder.grid.blocks.buffer, offset)
@@ -141,14 +142,22 @@ impl Order for Raster {
             ..PassRecord::new(PassKind::Scan(pass.scan))
         };
         let (texels, tuning, curved) = (counter.texels, counter.tuning, counter.curved);
-        let (iteration, first) = (counter.first_scan, counter.scans);
+        let (scan, block) = (pass.scan, block_number(pass, tuning.scan_lines));
+        let first = counter.scans;
         counter.scans += 1;
         let presence = match pass.always {
             true => Presence::Always,
-            false => Presence::Scans(Blocks { texels, tuning, curved, iteration, first, count: 1 }),
+            false => {
+                Presence::Scans(Blocks { texels, tuning, curved, scan, block, first, count: 1 })
+            }
         };
         (record, presence)
     }
+}
+
+/// Number of a pass' block of lines, from the start of the grid.
+fn block_number(pass: &ScanPass, lines: u32) -> u32 {
+    (pass.line - BORDER) / lines
 }
 
 /// What is pushed to the pass over a block, which notes nothing.
@@ -207,7 +216,8 @@ mod tests {
         TexelChart::new(Chart { rows, cols }).unwrap()
     }
 
-    const POINTS: Portions = Portions { lines: 1, iterations: 4, tile: 16, rounds: None };
+    const POINTS: Portions =
+        Portions { lines: 1, iterations: 4, tile: 16, rounds: None, visits: u64::MAX };
 
     fn scans(steps: &[Step]) -> impl Iterator<Item = &ScanPass> {
         steps.iter().filter_map(|step| if let Step::Scan(pass) = step { Some(pass) } else { None })
