@@ -150,8 +150,8 @@ impl Portions {
     }
 }
 
-/// Cuts the steps of a recording into several, none of which visits more than so many texels unless it is a single
-/// step. Rounds of tiles are not cut, since what they visit is known to the device alone: [`Portions::visits`]
+/// Cuts the steps of a recording that visits more than so many texels into several that visit half as many, at most,
+/// unless one is a single step: so a submission is a small share of the iteration too. Rounds of tiles are not cut, since what they visit is known to the device alone: [`Portions::visits`]
 /// leaves fewer of them in a recording.
 ///
 /// ```
@@ -161,20 +161,24 @@ impl Portions {
 /// let visits = 1 << 22;
 /// let portions = plan::Portions { lines: 8, iterations: 4, tile: 16, rounds: None, visits };
 /// let steps = Schedule::Raster.plan(texels, portions, None, 100);
-/// // One iteration, in quarters of scans.
+/// // One iteration, in eighths of scans.
 /// assert_eq!(plan::iterations(&steps), 1);
-/// assert_eq!(plan::parts(&steps, texels, visits).len(), 16);
+/// assert_eq!(plan::parts(&steps, texels, visits).len(), 32);
 /// ```
 pub fn parts(steps: &[Step], texels: TexelChart, visits: u64) -> Vec<&[Step]> {
+    let visits_of = |step: &Step| match step {
+        Step::Scan(pass) => pass.visits(),
+        Step::AllPoints { .. } => texels.all(),
+        Step::Tiles { .. } | Step::Settle { .. } | Step::Count => 0,
+    };
+    if steps.iter().map(visits_of).sum::<u64>() <= visits {
+        return vec![steps];
+    }
     let mut parts = Vec::new();
     let (mut start, mut visited) = (0, 0);
     for (number, step) in steps.iter().enumerate() {
-        let more = match step {
-            Step::Scan(pass) => pass.visits(),
-            Step::AllPoints { .. } => texels.all(),
-            Step::Tiles { .. } | Step::Settle { .. } | Step::Count => 0,
-        };
-        if visited > 0 && more > 0 && visited + more > visits {
+        let more = visits_of(step);
+        if visited > 0 && more > 0 && visited + more > visits / 2 {
             parts.push(&steps[start..number]);
             (start, visited) = (number, 0);
         }
@@ -213,10 +217,10 @@ mod tests {
         TexelChart::new(Chart { rows: side, cols: side }).unwrap()
     }
 
-    /// Of an iteration that visits everything, in sixteenths at 8192 points a side.
+    /// Of an iteration that visits everything a thirty-second at 8192 points a side.
     #[test]
     fn a_submission_is_a_small_share_of_a_large_map() {
-        for (side, shares) in [(1024, 1), (2048, 1), (4096, 4), (6000, 8), (8192, 16)] {
+        for (side, shares) in [(1024, 1), (2048, 1), (4096, 8), (6000, 17), (8192, 32)] {
             let texels = texels(side);
             let portions = TUNING.portions(Wavefront::Curved, texels);
             let corner = Reached::around([(1, 1)]);

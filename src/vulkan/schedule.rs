@@ -87,7 +87,7 @@ pub struct Tuning {
     pub together: Option<u32>,
     /// Texels that are visited in a submission, at most, as far as single dispatches allow: systems take a
     /// device that is busy for seconds for hung, and nothing else is drawn meanwhile. By default 4 million. An
-    /// iteration that visits more is cut into several submissions, but for recordings into a renderer's
+    /// iteration that visits more is cut into several submissions ([`parts`](super::plan::parts)), but for recordings into a renderer's
     /// command buffer.
     pub visits: Option<u64>,
 }
@@ -180,7 +180,7 @@ const MOST_LINES: u32 = 32;
 
 /// Of each visited texel 96 bytes are read and written with planar fronts, and 144 with curved ones: 0.6 GB at
 /// most, 12 milliseconds on an integrated GPU that moves 50 GB a second. A map of 1024 x 1024 points still has four
-/// iterations in a submission, and one of 8192 x 8192 points a quarter of a scan.
+/// iterations in a submission, and one of 8192 x 8192 points an eighth of a scan.
 const VISITS_TOGETHER: u64 = 1 << 22;
 
 /// Up to so many texels a side, circular and curved fronts on smooth surfaces settle in five

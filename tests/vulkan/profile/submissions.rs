@@ -7,7 +7,8 @@ use geosweep::{Stop, Wavefront};
 use crate::common::{device_choice, rough, seeds_at, some_point, vulkan_solver};
 use crate::profile::bench::{Bench, method};
 
-/// Texels that a submission may visit: a third of those of a scan over the grid of these tests.
+/// Texels that a submission may visit: a third of those of a scan over the grid of these tests, so that iterations
+/// are cut into parts of half as many.
 const VISITS: u64 = 1100;
 /// 50 x 66 texels.
 const SIZE: (usize, usize) = (100, 131);
@@ -42,7 +43,7 @@ fn profiled(bench: &mut Bench, method: Method, grain: Grain) -> (Solution, Solve
     solver.profile(on_device, seeds, method, Detail { grain, ..Detail::default() }).unwrap()
 }
 
-/// An iteration of raster scans in eleven submissions and more is still the same iteration, block by block.
+/// An iteration of raster scans in two dozen submissions is still the same iteration, block by block.
 #[test]
 fn iterations_are_cut_where_a_submission_would_visit_more_than_it_may() {
     let mut whole = Bench::new(SIZE.0, SIZE.1, &[]);
@@ -59,7 +60,7 @@ fn iterations_are_cut_where_a_submission_would_visit_more_than_it_may() {
             assert_eq!(in_parts.distances, in_one.distances);
             assert_eq!(in_parts.iterations, in_one.iterations);
             let most = found.submissions.iter().map(texels).max().unwrap();
-            assert!((VISITS / 2..=VISITS).contains(&most), "{most} of {VISITS}");
+            assert!((VISITS / 4..=VISITS / 2).contains(&most), "{most} of {VISITS}");
             let all = |profile: &SolveProfile| profile.submissions.iter().map(texels).sum::<u64>();
             // Iterations that were recorded beyond convergence visit nothing.
             assert_eq!(all(&found), all(&expected));
