@@ -7,6 +7,10 @@
 //! All other passes are dispatched indirectly, by arguments that the device sets: a scan visits the
 //! blocks in which, or on the line behind which, something has changed since its last visit
 //! (`glsl/blocks.glsl`), and nothing once the map has converged. No host reads anything for it.
+//!
+//! Where a line fits a workgroup, a dispatch takes many blocks in turn, since dispatches that wait for one
+//! another are what small grids cost: the workgroup asks of each block whether it is due, and barriers inside
+//! it stand for those between dispatches. There are no bounds then, which only save workgroups.
 
 use std::ops::Range;
 
@@ -50,7 +54,7 @@ impl Scan {
     }
 }
 
-/// A block of lines of texels of a scan, or those of its lines that lie within bounds. Blocks follow one
+/// A block of lines of texels of a scan, or those of its lines that lie within bounds; or several blocks. Blocks follow one
 /// another from the first row, or column, of the grid on, whichever way the scan goes. Rows and columns
 /// of texels count the images' border.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -68,9 +72,17 @@ pub struct ScanPass {
     /// Whether the pass is dispatched in any case, as in the first iteration, or only if something can
     /// change in the block and the map has not converged.
     pub always: bool,
+    /// Whether one workgroup takes several blocks of lines, one after the other, and passes over those that
+    /// are not due.
+    pub in_turn: bool,
 }
 
 impl ScanPass {
+    /// How many blocks of so many lines it passes.
+    pub(super) fn blocks(&self, lines: u32) -> u32 {
+        if self.in_turn { self.lines.div_ceil(lines) } else { 1 }
+    }
+
     /// Texels that it visits, if it is dispatched.
     fn visits(&self) -> u64 {
         u64::from(self.lines) * self.texels.len() as u64
@@ -132,6 +144,8 @@ impl Reached {
 pub struct Portions {
     /// Lines of texels in a dispatch of a scan.
     pub lines: u32,
+    /// Texels of a line up to which a dispatch of a scan takes many such blocks in turn; none if 0.
+    pub across: u32,
     /// Iterations of four scans in a recording, at most.
     pub iterations: u32,
     /// Points on a side of a tile.
@@ -159,7 +173,7 @@ impl Portions {
 /// use geosweep::vulkan::{Schedule, TexelChart, plan};
 /// let texels = TexelChart::new(Chart { rows: 8192, cols: 8192 }).unwrap();
 /// let visits = 1 << 22;
-/// let portions = plan::Portions { lines: 8, iterations: 4, tile: 16, rounds: None, visits };
+/// let portions = plan::Portions { lines: 8, across: 0, iterations: 4, tile: 16, rounds: None, visits };
 /// let steps = Schedule::Raster.plan(texels, portions, None, 100);
 /// // One iteration, in eighths of scans.
 /// assert_eq!(plan::iterations(&steps), 1);
@@ -242,7 +256,7 @@ mod tests {
     #[test]
     fn steps_are_not_cut() {
         let texels = texels(64);
-        let tiny = Portions { visits: 1, ..TUNING.portions(Wavefront::Planar, texels) };
+        let tiny = Portions { visits: 1, across: 0, ..TUNING.portions(Wavefront::Planar, texels) };
         let cut = |schedule: Schedule| {
             let steps = schedule.plan(texels, tiny, None, 100);
             let parts: Vec<_> = parts(&steps, texels, 1).iter().map(|part| part.len()).collect();

@@ -162,6 +162,7 @@ impl Tuning {
         let iterations = if small && wavefront != Wavefront::Planar { 5 } else { 4 };
         Portions {
             lines: self.scan_lines,
+            across: self.scan_texels(),
             iterations: self.together.unwrap_or(iterations),
             tile: self.tile,
             rounds: self.together,

@@ -1,6 +1,6 @@
 //! Which blocks of lines the scans of a recording have visited.
 
-use super::pass::PassRecord;
+use super::pass::{PassKind, PassRecord};
 use super::work::Work;
 use crate::vulkan::plan::Scan;
 use crate::vulkan::progress::VISITS;
@@ -15,6 +15,8 @@ pub(crate) struct Blocks {
     /// The scan of the first of these, and its block's number from the start of the grid.
     pub(crate) scan: Scan,
     pub(crate) block: u32,
+    /// Whether each scan among these takes blocks in turn: by one workgroup a dispatch, which is there in any case.
+    pub(crate) in_turn: [bool; 4],
     /// Number of the first in the recording.
     pub(crate) first: u32,
     pub(crate) count: u32,
@@ -24,6 +26,17 @@ impl Blocks {
     /// Takes the dispatches in that follow.
     pub(super) fn absorb(&mut self, next: Self) {
         self.count += next.count;
+        for (scan, in_turn) in self.in_turn.iter_mut().enumerate() {
+            *in_turn |= next.in_turn[scan];
+        }
+    }
+
+    /// Groups of a scan beyond convergence.
+    pub(super) fn beyond(&self, record: &PassRecord) -> u32 {
+        match record.kind {
+            PassKind::Scan(scan) if self.in_turn[scan as usize] => record.dispatches,
+            _ => 0,
+        }
     }
 
     /// The record of these as if all had visited their blocks, less those that have not; `None` if the
@@ -67,7 +80,7 @@ impl Blocks {
         before.sum::<u32>() + Self::in_order(self.scan, self.block, blocks(self.scan))
     }
 
-    /// Texels and groups of the block that comes there.
+    /// Texels and groups of the block that comes there, as far as these are not there in any case.
     fn block(&self, mut place: u32) -> (u64, u32) {
         let block = self.tuning.scan_lines;
         for scan in Scan::ALL {
@@ -75,10 +88,11 @@ impl Blocks {
             if place < blocks {
                 let number = Self::in_order(scan, place, blocks);
                 let lines = block.min(lines - number * block);
-                return (
-                    u64::from(lines) * u64::from(length),
-                    length.div_ceil(self.tuning.scan_texels()),
-                );
+                let groups = match self.in_turn[scan as usize] {
+                    true => 0,
+                    false => length.div_ceil(self.tuning.scan_texels()),
+                };
+                return (u64::from(lines) * u64::from(length), groups);
             }
             place -= blocks;
         }

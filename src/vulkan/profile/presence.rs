@@ -83,7 +83,11 @@ pub(crate) fn decided(
     let is_beyond = is_done && number >= after - before;
     let record = PassRecord { iteration: record.iteration.map(|_| before + number), ..record };
     let record = match presence {
-        Presence::Iteration | Presence::Scans(_) if is_beyond => {
+        Presence::Scans(blocks) if is_beyond => {
+            let groups = Some([blocks.beyond(&record), 1, 1]);
+            PassRecord { groups, work: record.work.none(), ..record }
+        }
+        Presence::Iteration if is_beyond => {
             PassRecord { groups: Some([0, 1, 1]), work: record.work.none(), ..record }
         }
         Presence::Count if is_beyond => PassRecord { work: record.work.none(), ..record },

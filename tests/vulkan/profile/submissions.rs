@@ -9,13 +9,18 @@ use crate::profile::bench::{Bench, method};
 
 /// Texels that a submission may visit: a third of those of a scan over the grid of these tests, so that iterations
 /// are cut into parts of half as many.
-const VISITS: u64 = 1100;
-/// 50 x 66 texels.
-const SIZE: (usize, usize) = (100, 131);
+const VISITS: u64 = 1600;
+/// 65 x 75 texels, so that no line fits a workgroup.
+const SIZE: (usize, usize) = (130, 150);
 
 fn in_parts(solver: Solver) -> Solver {
-    let tuning = Tuning { visits: Some(VISITS), ..solver.tuning() };
+    let tuning = Tuning { visits: Some(VISITS), ..whole(&solver) };
     solver.with_tuning(tuning).unwrap()
+}
+
+/// The same on every device.
+fn whole(solver: &Solver) -> Tuning {
+    Tuning { scan_width: 64, scan_lines: 4, ..solver.tuning() }
 }
 
 fn texels(submission: &SubmissionRecord) -> u64 {
@@ -46,7 +51,11 @@ fn profiled(bench: &mut Bench, method: Method, grain: Grain) -> (Solution, Solve
 /// An iteration of raster scans in two dozen submissions is still the same iteration, block by block.
 #[test]
 fn iterations_are_cut_where_a_submission_would_visit_more_than_it_may() {
-    let mut whole = Bench::new(SIZE.0, SIZE.1, &[]);
+    let Bench { surface, seeds, solver, .. } = Bench::new(SIZE.0, SIZE.1, &[]);
+    let tuning = whole(&solver);
+    let solver = solver.with_tuning(tuning).unwrap();
+    let on_device = solver.upload(&surface).unwrap();
+    let mut whole = Bench { surface, seeds, solver, on_device };
     let Bench { surface, seeds, solver, .. } = Bench::new(SIZE.0, SIZE.1, &[]);
     let solver = in_parts(solver);
     let on_device = solver.upload(&surface).unwrap();
