@@ -351,7 +351,7 @@ impl Solver {
             let is_kept = parts.len() == 1 || !submitter.is_watching();
             let is_recorded = is_kept && goes_on.as_ref() == Some(&wanted);
             while further.len() < parts.len() {
-                further.push(CommandBuffer::new(&self.context)?);
+                further.push(CommandBuffer::kept(&self.context)?);
             }
             for (number, commands) in further.iter().enumerate().take(parts.len()) {
                 if !is_recorded {
