@@ -73,7 +73,8 @@ impl fmt::Display for Schedule {
 /// Sizes of portions, which shaders take as specialization constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Tuning {
-    /// Invocations of a workgroup of a raster scan: texels of a line.
+    /// Invocations of a workgroup of a raster scan: texels of a line. Where a whole line fits (with one less than
+    /// [`scan_lines`](Tuning::scan_lines) to spare at each end), a dispatch takes many blocks of lines in turn.
     pub scan_width: u32,
     /// Lines of texels in one dispatch of a raster scan. At each end of a workgroup all but one
     /// of so many texels are computed by its neighbour too.
@@ -109,7 +110,8 @@ impl Tuning {
 
     /// Measured on lavapipe (Mesa 22.3, two cores, 1200 x 1200 points): blocks of four lines take
     /// 0.8 times as long as single lines with planar fronts and 0.65 times with curved ones; of
-    /// eight, 0.8 and 0.75.
+    /// eight, 0.8 and 0.75. Workgroups of 128, by which blocks go in turn up to 244 points a side in place of 116, take
+    /// 0.4 to 1.1 times as long there and 0.9 to 2.1 times at 320 points.
     const ON_CPU: Self =
         Self { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None, visits: None };
     /// Not measured: fewer dispatches for an eighth more updates, and a warp for each tile.
@@ -200,7 +202,7 @@ struct Choice {
 /// Which schedule where; the first entry that applies counts.
 const CHOICES: [Choice; 3] = [
     // Measured on lavapipe (Mesa 22.3, two cores), planar and curved, tiles over raster scans: 9
-    // to 25 points a side 0.3 to 0.7 of the time, but for one map 1.2; 33 points 0.4 to 1.7.
+    // to 25 points a side 0.2 to 1.0 of the time; 33 points 0.75 to 1.7.
     // A dispatch costs more than a tile's work there. All points at once took twice as long at 9
     // points, where they did best.
     Choice { on_cpu: true, side: 32, schedule: Schedule::Tiles },
@@ -209,7 +211,7 @@ const CHOICES: [Choice; 3] = [
     // 0.4 to 0.9 of the time at 129 to 257 points while scans visited all blocks of lines; since these
     // pass over what cannot change, tiles take 1.3 to 2.2 times as long (medians of 5 pairs beside other work).
     Choice { on_cpu: true, side: usize::MAX, schedule: Schedule::Raster },
-    // Reasoned, not measured, for want of a GPU. At 1200 points a side a scan is 75 dispatches of
+    // Reasoned, not measured, for want of a GPU (docs/speed.md, "A GPU on paper"). At 1200 points a side a scan is 75 dispatches of
     // eight lines each, a converged map some thousand dispatches with their barriers of a few
     // microseconds; tiles take a hundred rounds and more of up to 64 lines each, with a barrier
     // of the workgroup after each line. Neither is clearly ahead, and raster scans need no
