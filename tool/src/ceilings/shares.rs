@@ -144,9 +144,9 @@ mod tests {
 
     #[test]
     fn what_was_dispatched_is_counted() {
-        // Two recordings of two iterations: 32 lines of texels in blocks of four, four scans, a count.
+        // Two recordings of two iterations: four scans, each of which takes 32 lines of texels in turn, and a count.
         let raster = work(Schedule::Raster);
-        assert_eq!((raster.dispatches, raster.skipped_dispatches), (4 * (4 * 8 + 1) - 1, 1));
+        assert_eq!((raster.dispatches, raster.skipped_dispatches), (4 * (4 + 1) - 1, 1));
         let bytes = 2 * 2 * (4 * 32 * 32 * 96 + 28 + 20);
         assert_eq!((raster.submissions, raster.bytes), (2, Some(bytes)));
         assert_eq!(raster.triangles, Some(2 * 2 * 4 * 32 * 32 * 8));
