@@ -37,5 +37,7 @@ bool passes(ivec2 point, ivec2 ahead) {
 #include "scan.glsl"
 
 void main() {
+    block_line = line;
+    block_lines = lines;
     if (maps[gl_WorkGroupID.z].done == 0u) scan_block();
 }

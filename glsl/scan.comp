@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// A block of lines of a scan of one map; see scan.glsl.
+// Blocks of lines of a scan of one map: one, or where a line fits a workgroup many in turn; see scan.glsl.
 
 #include "constants.glsl"
 #include "chart.glsl"
@@ -49,14 +49,35 @@ void note_moved(uint moved, uint further, ivec2 texel) {
     make_both_due(by_rows ? RIGHT : DOWN, by_rows ? inner.x : inner.y, pitch);
 }
 
+shared uint is_due;
+
 void main() {
     if (gl_WorkGroupID.y > 0u) return;
     causal = is_causal != 0u;
-    // What the dispatch was made by has been read.
-    if (gl_GlobalInvocationID.x == 0u) {
-        int at = due_at(int(SCAN) - 1, without_border(line) / LINES, pitch);
-        atomicAnd(blocks[at], due_again(iterations));
-        if (note >= 0) visits[note / 32] |= 1u << (note & 31);
+    int way = AHEAD_X + AHEAD_Y;
+    int passed_lines = 0;
+    for (int number = 0; passed_lines < lines; number++) {
+        block_line = line + passed_lines * way;
+        int first_line = without_border(block_line);
+        int in_block = first_line % LINES;
+        block_lines = min(way > 0 ? LINES - in_block : in_block + 1, lines - passed_lines);
+        passed_lines += block_lines;
+        int at = due_at(int(SCAN) - 1, first_line / LINES, pitch);
+        if (in_turn != 0) {
+            // What the block before has written, to the line behind this one and to what is due.
+            memoryBarrierImage();
+            memoryBarrierBuffer();
+            barrier();
+            if (gl_LocalInvocationID.x == 0u) is_due = atomicOr(blocks[at], 0u);
+            barrier();
+            if (is_due == 0u) continue;
+        }
+        // What the block is visited by has been read.
+        if (gl_GlobalInvocationID.x == 0u) {
+            atomicAnd(blocks[at], due_again(iterations));
+            int bit = note + number;
+            if (note >= 0) visits[bit / 32] |= 1u << (bit & 31);
+        }
+        scan_block();
     }
-    scan_block();
 }

@@ -40,13 +40,18 @@ layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray new_fronts;
 
 layout(push_constant) uniform Block {
     int line;  // the first row or column of texels in the order of the scan
-    int lines; // how many
+    int lines; // how many, in one block or in turn
     int first; // the first texel visited in each
     int count; // how many
     int last;  // the last texel of a line of the grid
     int pitch; // blocks of a scan: see blocks.glsl
-    int note;  // number of the dispatch in the recording, for profiles; or negative
+    int note;  // number of the first block in the recording, for profiles; or negative
+    int in_turn; // whether one workgroup takes several blocks, those that are due
 };
+
+// The first line of the block, and how many it has.
+int block_line;
+int block_lines;
 
 const ivec2 ahead = ivec2(AHEAD_X, AHEAD_Y);
 const ivec2 along = ivec2(AHEAD_Y * AHEAD_Y, AHEAD_X * AHEAD_X);
@@ -118,7 +123,7 @@ int first_of_workgroup() {
 // writes them; the others are as they were before.
 vec2 front_at(ivec2 point) {
     ivec2 texel = texel_of(point);
-    int lines_on = lines_ahead(texel, ahead) - line * (AHEAD_X + AHEAD_Y);
+    int lines_on = lines_ahead(texel, ahead) - block_line * (AHEAD_X + AHEAD_Y);
     int place = lines_ahead(texel, along);
     int other = place - first_of_workgroup();
     bool is_own = other >= HALO && other < int(gl_WorkGroupSize.x) - HALO && place < first + count;
@@ -225,8 +230,8 @@ void scan_block() {
     uint further = 0u;
 
     for (int k = 0; k < LINES; k++) {
-        if (k >= lines) break;
-        int number = line + k * (AHEAD_X + AHEAD_Y);
+        if (k >= block_lines) break;
+        int number = block_line + k * (AHEAD_X + AHEAD_Y);
         ivec2 texel = in_line(number, place, ahead, along);
 #ifdef WITH_FURTHER_POINTS
         lines_done = k;
@@ -310,5 +315,5 @@ void scan_block() {
         }
     }
     if (change > 0u) note_change(change);
-    if (moved != 0u) note_moved(moved, further, in_line(line, place, ahead, along));
+    if (moved != 0u) note_moved(moved, further, in_line(block_line, place, ahead, along));
 }

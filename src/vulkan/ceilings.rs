@@ -14,7 +14,7 @@ use super::memory::{Buffer, BufferInfo};
 use super::passes::{CEILING_COPY, CEILING_UPDATES};
 use super::profile::Clock;
 use super::record::{Commands, Recorder};
-use super::shaders::ceiling_updates;
+use super::shaders::{ceiling_copy, ceiling_updates};
 use super::{VulkanError, embed, requirements};
 use crate::constants::{LAYERS, WORKGROUP};
 use crate::surface::Chart;
@@ -111,7 +111,7 @@ impl<'a> Probe<'a> {
             buffers: Vec::new(),
             copy: vk::Pipeline::null(),
             updates: Vec::new(),
-            commands: CommandBuffer::new(context)?,
+            commands: CommandBuffer::kept(context)?,
             timestamps: vk::QueryPool::null(),
         };
         let chart = Chart { rows: SIDE, cols: SIDE };
@@ -324,7 +324,9 @@ impl<'a> Probe<'a> {
     fn bind(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, load: Load) {
         let (device, pipelines) = (&self.context.device, &self.solver.pipelines);
         // Both passes see the same set, and the first takes the start of the other's constants.
-        let layout = pipelines.layout(&ceiling_updates::SHADER);
+        let is_copy = pipeline == self.copy;
+        let shader = if is_copy { &ceiling_copy::SHADER } else { &ceiling_updates::SHADER };
+        let layout = pipelines.layout(shader);
         let compute = vk::PipelineBindPoint::COMPUTE;
         let texels = load.texels.map(|texels| texels as i32);
         let constants = ceiling_updates::Push { texels, repeats: load.repeats };
@@ -334,7 +336,7 @@ impl<'a> Probe<'a> {
             device.cmd_bind_pipeline(commands, compute, pipeline);
             self.grid().sets.writing[1].bind(device, commands, layout);
             let stages = vk::ShaderStageFlags::COMPUTE;
-            let constants = bytemuck::bytes_of(&constants);
+            let constants = &bytemuck::bytes_of(&constants)[..shader.push_constant_bytes as usize];
             device.cmd_push_constants(commands, layout, stages, 0, constants);
         }
     }

@@ -189,14 +189,28 @@ impl Submitter for Unwatched {
     }
 }
 
-/// A command buffer that can be recorded anew and submitted many times, one submission at a time.
+/// A command buffer that can be recorded anew and submitted once each time, or many times one after another.
 pub(crate) struct CommandBuffer {
     context: Arc<Context>,
     buffer: vk::CommandBuffer,
+    usage: vk::CommandBufferUsageFlags,
 }
 
 impl CommandBuffer {
+    /// For one submission of what is recorded.
     pub(crate) fn new(context: &Arc<Context>) -> Result<Self, VulkanError> {
+        Self::with(context, vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT)
+    }
+
+    /// For any number of them.
+    pub(crate) fn kept(context: &Arc<Context>) -> Result<Self, VulkanError> {
+        Self::with(context, vk::CommandBufferUsageFlags::empty())
+    }
+
+    fn with(
+        context: &Arc<Context>,
+        usage: vk::CommandBufferUsageFlags,
+    ) -> Result<Self, VulkanError> {
         let info = vk::CommandBufferAllocateInfo::default()
             .command_pool(context.pool)
             .level(vk::CommandBufferLevel::PRIMARY)
@@ -204,7 +218,7 @@ impl CommandBuffer {
         // SAFETY: the pool is alive and used by one thread at a time, since it is not shared.
         let buffers = unsafe { context.device.allocate_command_buffers(&info) }
             .map_err(VulkanError::from_call("vkAllocateCommandBuffers"))?;
-        Ok(Self { context: Arc::clone(context), buffer: buffers[0] })
+        Ok(Self { context: Arc::clone(context), buffer: buffers[0], usage })
     }
 
     /// Records it, in place of what it held.
@@ -213,8 +227,9 @@ impl CommandBuffer {
         append: impl FnOnce(&ash::Device, vk::CommandBuffer),
     ) -> Result<(), VulkanError> {
         let device = &self.context.device;
+        let begin = vk::CommandBufferBeginInfo::default().flags(self.usage);
         // SAFETY: submissions have been waited for, and its pool lets buffers be reset.
-        unsafe { device.begin_command_buffer(self.buffer, &vk::CommandBufferBeginInfo::default()) }
+        unsafe { device.begin_command_buffer(self.buffer, &begin) }
             .map_err(VulkanError::from_call("vkBeginCommandBuffer"))?;
         append(device, self.buffer);
         // SAFETY: the buffer is being recorded.

@@ -302,7 +302,14 @@ mod tests {
 
     #[test]
     fn shaders_of_the_four_scans_differ_in_what_lies_ahead() {
-        let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None };
+        let tuning = Tuning {
+            scan_width: 64,
+            scan_lines: 4,
+            tile: 16,
+            inner: 4,
+            together: None,
+            visits: None,
+        };
         let (wavefront, map) = (Wavefront::Curved, MapSize::default());
         let of = Specialization { tuning, variant: wavefront.into(), map };
         for (pass, scan) in SCANS.into_iter().zip(Scan::ALL) {

@@ -44,7 +44,9 @@ pub(crate) struct Pipelines {
     /// In the place of the host's sets where a pass sees none.
     no_set_layout: vk::DescriptorSetLayout,
     /// Of passes that see no set of the host's, and of those that see one.
-    layouts: [vk::PipelineLayout; 2],
+    /// Of passes that see nothing of the host's and of those that do, by the words that are pushed: a layout has room
+    /// for no more, so that each dispatch sets all of it.
+    layouts: [[vk::PipelineLayout; SIZES_PUSHED]; 2],
     /// By pass and variant ([`Row::place_of`]).
     made: [[OnceLock<vk::Pipeline>; Variant::COUNT]; TABLE.len()],
     /// Of passes that depend on the size of maps too, the one used last at the end.
@@ -60,6 +62,9 @@ struct Sized {
     handle: vk::Pipeline,
     users: InUse,
 }
+
+/// Numbers of words that may be pushed.
+const SIZES_PUSHED: usize = 1 + PUSH_CONSTANT_BYTES as usize / size_of::<u32>();
 
 /// To be kept as long as a pipeline for maps of a size is used.
 pub(crate) type InUse = Arc<()>;
@@ -93,7 +98,7 @@ impl Pipelines {
             host_set_layout: vk::DescriptorSetLayout::null(),
             map_set_layout: vk::DescriptorSetLayout::null(),
             no_set_layout: vk::DescriptorSetLayout::null(),
-            layouts: [vk::PipelineLayout::null(); 2],
+            layouts: [[vk::PipelineLayout::null(); SIZES_PUSHED]; 2],
             made: [const { [const { OnceLock::new() }; Variant::COUNT] }; TABLE.len()],
             sized: Mutex::default(),
         };
@@ -112,15 +117,24 @@ impl Pipelines {
         self.map_set_layout = set_layout(device, &set_2::KINDS)?;
         self.no_set_layout = set_layout(device, &[])?;
         let of_map = [self.surface_set_layout, self.no_set_layout, self.map_set_layout];
-        self.layouts[0] = pipeline_layout(device, &of_map)?;
         let of_host = [self.surface_set_layout, self.host_set_layout];
-        self.layouts[1] = pipeline_layout(device, &of_host)?;
+        for shader in TABLE.iter().map(|row| row.shader) {
+            let bytes = shader.push_constant_bytes;
+            let (sets, name): (&[_], _) = match shader.sees_host {
+                true => (&of_host, "passes that see the host's"),
+                false => (&of_map, "passes over a surface"),
+            };
+            let layout = &mut self.layouts[usize::from(shader.sees_host)][words(bytes)];
+            if *layout == vk::PipelineLayout::null() {
+                *layout = pipeline_layout(device, sets, bytes)?;
+                let layout = *layout;
+                self.name(name, layout);
+            }
+        }
         self.name("a surface's own", self.surface_set_layout);
         self.name("what the host gives", self.host_set_layout);
         self.name("a map's own", self.map_set_layout);
         self.name("nothing", self.no_set_layout);
-        self.name("passes over a surface", self.layouts[0]);
-        self.name("passes that see the host's", self.layouts[1]);
         Ok(())
     }
 
@@ -227,13 +241,15 @@ impl Pipelines {
         Some(self.with_handle(pass, handle))
     }
 
-    /// The pipeline of a pass with this number, if it was made, and its layout.
+    /// The pipeline of a pass with this number, if it was made, and its layout with how many bytes are pushed.
     pub(crate) fn numbered(
         &self,
         number: usize,
         variant: Variant,
-    ) -> Option<(vk::Pipeline, vk::PipelineLayout)> {
-        Some((*self.place(number, variant).get()?, self.layout(TABLE[number].shader)))
+    ) -> Option<(vk::Pipeline, (vk::PipelineLayout, u32))> {
+        let shader = TABLE[number].shader;
+        let handle = *self.place(number, variant).get()?;
+        Some((handle, (self.layout(shader), shader.push_constant_bytes)))
     }
 
     /// The pipeline of a pass of every surface.
@@ -271,7 +287,7 @@ impl Pipelines {
 
     /// The layout of a shader's pipelines.
     pub(crate) fn layout(&self, shader: &Shader) -> vk::PipelineLayout {
-        self.layouts[usize::from(shader.sees_host)]
+        self.layouts[usize::from(shader.sees_host)][words(shader.push_constant_bytes)]
     }
 
     fn create(
@@ -312,7 +328,7 @@ impl Pipelines {
         self.destroy_made(device);
         // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
         unsafe {
-            for layout in &mut self.layouts {
+            for layout in self.layouts.as_flattened_mut() {
                 device.destroy_pipeline_layout(std::mem::take(layout), None);
             }
             for layout in [
@@ -325,6 +341,11 @@ impl Pipelines {
             }
         }
     }
+}
+
+/// The place of a layout with room for so many bytes of push constants.
+fn words(bytes: u32) -> usize {
+    bytes as usize / size_of::<u32>()
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -353,13 +374,14 @@ fn set_layout(
 fn pipeline_layout(
     device: &ash::Device,
     set_layouts: &[vk::DescriptorSetLayout],
+    pushed: u32,
 ) -> Result<vk::PipelineLayout, VulkanError> {
-    let ranges = [vk::PushConstantRange::default()
-        .stage_flags(vk::ShaderStageFlags::COMPUTE)
-        .size(PUSH_CONSTANT_BYTES)];
+    let ranges =
+        [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(pushed)];
+    let ranges = if pushed > 0 { &ranges[..] } else { &[] };
     let info = vk::PipelineLayoutCreateInfo::default()
         .set_layouts(set_layouts)
-        .push_constant_ranges(&ranges);
+        .push_constant_ranges(ranges);
     // SAFETY: the set layouts are alive.
     unsafe { device.create_pipeline_layout(&info, None) }
         .map_err(VulkanError::from_call("vkCreatePipelineLayout"))

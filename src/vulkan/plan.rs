@@ -7,6 +7,10 @@
 //! All other passes are dispatched indirectly, by arguments that the device sets: a scan visits the
 //! blocks in which, or on the line behind which, something has changed since its last visit
 //! (`glsl/blocks.glsl`), and nothing once the map has converged. No host reads anything for it.
+//!
+//! Where a line fits a workgroup, a dispatch takes many blocks in turn, since dispatches that wait for one
+//! another are what small grids cost: the workgroup asks of each block whether it is due, and barriers inside
+//! it stand for those between dispatches. There are no bounds then, which only save workgroups.
 
 use std::ops::Range;
 
@@ -50,7 +54,7 @@ impl Scan {
     }
 }
 
-/// A block of lines of texels of a scan, or those of its lines that lie within bounds. Blocks follow one
+/// A block of lines of texels of a scan, or those of its lines that lie within bounds; or several blocks. Blocks follow one
 /// another from the first row, or column, of the grid on, whichever way the scan goes. Rows and columns
 /// of texels count the images' border.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -68,6 +72,21 @@ pub struct ScanPass {
     /// Whether the pass is dispatched in any case, as in the first iteration, or only if something can
     /// change in the block and the map has not converged.
     pub always: bool,
+    /// Whether one workgroup takes several blocks of lines, one after the other, and passes over those that
+    /// are not due.
+    pub in_turn: bool,
+}
+
+impl ScanPass {
+    /// How many blocks of so many lines it passes.
+    pub(super) fn blocks(&self, lines: u32) -> u32 {
+        if self.in_turn { self.lines.div_ceil(lines) } else { 1 }
+    }
+
+    /// Texels that it visits, if it is dispatched.
+    fn visits(&self) -> u64 {
+        u64::from(self.lines) * self.texels.len() as u64
+    }
 }
 
 /// A step of a recording. After each, what it has written is visible to those that follow, and what it
@@ -125,12 +144,62 @@ impl Reached {
 pub struct Portions {
     /// Lines of texels in a dispatch of a scan.
     pub lines: u32,
+    /// Texels of a line up to which a dispatch of a scan takes many such blocks in turn; none if 0.
+    pub across: u32,
     /// Iterations of four scans in a recording, at most.
     pub iterations: u32,
     /// Points on a side of a tile.
     pub tile: u32,
     /// Rounds of tiles in a recording, at most; by default by the number of tiles.
     pub rounds: Option<u32>,
+    /// Texels that a submission visits, at most, as far as single steps allow. Recordings have fewer iterations
+    /// for it, but one at least: [`parts`] cuts that.
+    pub visits: u64,
+}
+
+impl Portions {
+    /// Iterations of so many visits of the whole grid in a recording, of so many that are wanted.
+    pub(super) fn iterations_of(&self, visits: u64, texels: TexelChart, wanted: u32) -> u32 {
+        (self.visits / (visits * texels.all())).clamp(1, wanted.into()) as u32
+    }
+}
+
+/// Cuts the steps of a recording that visits more than so many texels into several that visit half as many, at most,
+/// unless one is a single step: so a submission is a small share of the iteration too. Rounds of tiles are not cut, since what they visit is known to the device alone: [`Portions::visits`]
+/// leaves fewer of them in a recording.
+///
+/// ```
+/// use geosweep::surface::Chart;
+/// use geosweep::vulkan::{Schedule, TexelChart, plan};
+/// let texels = TexelChart::new(Chart { rows: 8192, cols: 8192 }).unwrap();
+/// let visits = 1 << 22;
+/// let portions = plan::Portions { lines: 8, across: 0, iterations: 4, tile: 16, rounds: None, visits };
+/// let steps = Schedule::Raster.plan(texels, portions, None, 100);
+/// // One iteration, in eighths of scans.
+/// assert_eq!(plan::iterations(&steps), 1);
+/// assert_eq!(plan::parts(&steps, texels, visits).len(), 32);
+/// ```
+pub fn parts(steps: &[Step], texels: TexelChart, visits: u64) -> Vec<&[Step]> {
+    let visits_of = |step: &Step| match step {
+        Step::Scan(pass) => pass.visits(),
+        Step::AllPoints { .. } => texels.all(),
+        Step::Tiles { .. } | Step::Settle { .. } | Step::Count => 0,
+    };
+    if steps.iter().map(visits_of).sum::<u64>() <= visits {
+        return vec![steps];
+    }
+    let mut parts = Vec::new();
+    let (mut start, mut visited) = (0, 0);
+    for (number, step) in steps.iter().enumerate() {
+        let more = visits_of(step);
+        if visited > 0 && more > 0 && visited + more > visits / 2 {
+            parts.push(&steps[start..number]);
+            (start, visited) = (number, 0);
+        }
+        visited += more;
+    }
+    parts.push(&steps[start..]);
+    parts
 }
 
 /// Number of iterations, or rounds of tiles, that the steps make.
@@ -142,8 +211,62 @@ pub fn iterations(steps: &[Step]) -> u32 {
 /// Number of texels that the scans among the steps visit, as far as they are dispatched.
 pub fn texels_scanned(steps: &[Step]) -> u64 {
     let visited = |step: &Step| match step {
-        Step::Scan(pass) => u64::from(pass.lines) * pass.texels.len() as u64,
+        Step::Scan(pass) => pass.visits(),
         _ => 0,
     };
     steps.iter().map(visited).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Wavefront;
+    use crate::surface::Chart;
+    use crate::vulkan::{Schedule, Tuning};
+
+    const TUNING: Tuning =
+        Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None, visits: None };
+
+    fn texels(side: usize) -> TexelChart {
+        TexelChart::new(Chart { rows: side, cols: side }).unwrap()
+    }
+
+    /// Of an iteration that visits everything a thirty-second at 8192 points a side.
+    #[test]
+    fn a_submission_is_a_small_share_of_a_large_map() {
+        for (side, shares) in [(1024, 1), (2048, 1), (4096, 8), (6000, 17), (8192, 32)] {
+            let texels = texels(side);
+            let portions = TUNING.portions(Wavefront::Curved, texels);
+            let corner = Reached::around([(1, 1)]);
+            for reached in [None, corner] {
+                let steps = Schedule::Raster.plan(texels, portions, reached.clone(), 100);
+                assert_eq!(iterations(&steps), if side == 1024 { 4 } else { 1 });
+                let parts = parts(&steps, texels, portions.visits);
+                assert_eq!(parts.concat(), steps);
+                let most = parts.iter().map(|part| texels_scanned(part)).max().unwrap();
+                assert!(
+                    most <= portions.visits
+                        && most * shares <= 4 * texels.all() * u64::from(iterations(&steps))
+                );
+                assert!(reached.is_some() || parts.len() as u64 >= shares, "{}", parts.len());
+            }
+        }
+    }
+
+    #[test]
+    fn steps_are_not_cut() {
+        let texels = texels(64);
+        let tiny = Portions { visits: 1, across: 0, ..TUNING.portions(Wavefront::Planar, texels) };
+        let cut = |schedule: Schedule| {
+            let steps = schedule.plan(texels, tiny, None, 100);
+            let parts: Vec<_> = parts(&steps, texels, 1).iter().map(|part| part.len()).collect();
+            parts
+        };
+        // Eight blocks in each of four scans, the last with the count; two updates.
+        let blocks = [vec![1; 31], vec![2]].concat();
+        assert_eq!(cut(Schedule::Raster), blocks);
+        assert_eq!(cut(Schedule::AllPoints), [1, 2]);
+        assert_eq!(cut(Schedule::Tiles).len(), 1);
+        assert_eq!(Schedule::Tiles.together(texels, tiny), 2);
+    }
 }

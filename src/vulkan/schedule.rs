@@ -73,7 +73,8 @@ impl fmt::Display for Schedule {
 /// Sizes of portions, which shaders take as specialization constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Tuning {
-    /// Invocations of a workgroup of a raster scan: texels of a line.
+    /// Invocations of a workgroup of a raster scan: texels of a line. Where a whole line fits (with one less than
+    /// [`scan_lines`](Tuning::scan_lines) to spare at each end), a dispatch takes many blocks of lines in turn.
     pub scan_width: u32,
     /// Lines of texels in one dispatch of a raster scan. At each end of a workgroup all but one
     /// of so many texels are computed by its neighbour too.
@@ -85,6 +86,11 @@ pub struct Tuning {
     /// Iterations of raster scans, or rounds of tiles, in a submission, at most; by default by the size of
     /// the grid. On large grids there are fewer iterations than asked for.
     pub together: Option<u32>,
+    /// Texels that are visited in a submission, at most, as far as single dispatches allow: systems take a
+    /// device that is busy for seconds for hung, and nothing else is drawn meanwhile. By default 4 million. An
+    /// iteration that visits more is cut into several submissions ([`parts`](super::plan::parts)), but for recordings into a renderer's
+    /// command buffer.
+    pub visits: Option<u64>,
 }
 
 impl Tuning {
@@ -104,15 +110,17 @@ impl Tuning {
 
     /// Measured on lavapipe (Mesa 22.3, two cores, 1200 x 1200 points): blocks of four lines take
     /// 0.8 times as long as single lines with planar fronts and 0.65 times with curved ones; of
-    /// eight, 0.8 and 0.75.
-    const ON_CPU: Self = Self { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None };
+    /// eight, 0.8 and 0.75. Workgroups of 128, by which blocks go in turn up to 244 points a side in place of 116, take
+    /// 0.4 to 1.1 times as long there and 0.9 to 2.1 times at 320 points.
+    const ON_CPU: Self =
+        Self { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None, visits: None };
     /// Not measured: fewer dispatches for an eighth more updates, and a warp for each tile.
     const ON_GPU: Self =
-        Self { scan_width: 128, scan_lines: 8, tile: 16, inner: 4, together: None };
+        Self { scan_width: 128, scan_lines: 8, tile: 16, inner: 4, together: None, visits: None };
 
     /// Whether a device has room for them.
     pub(crate) fn check(&self, limits: &vk::PhysicalDeviceLimits) -> Result<(), VulkanError> {
-        let Self { scan_width, scan_lines, tile, inner, together } = *self;
+        let Self { scan_width, scan_lines, tile, inner, together, visits } = *self;
         let refuse = |reason: String| Err(VulkanError::Tuning(reason));
         let most =
             limits.max_compute_work_group_invocations.min(limits.max_compute_work_group_size[0]);
@@ -138,6 +146,9 @@ impl Tuning {
         if together == Some(0) {
             return refuse("no iteration in a submission solves nothing".into());
         }
+        if visits == Some(0) {
+            return refuse("no texel visited in a submission solves nothing".into());
+        }
         Ok(())
     }
 
@@ -151,8 +162,14 @@ impl Tuning {
     pub fn portions(&self, wavefront: Wavefront, texels: TexelChart) -> Portions {
         let small = texels.rows.max(texels.cols) <= SMALL_SIDE;
         let iterations = if small && wavefront != Wavefront::Planar { 5 } else { 4 };
-        let iterations = iterations_together(texels, self.together.unwrap_or(iterations));
-        Portions { lines: self.scan_lines, iterations, tile: self.tile, rounds: self.together }
+        Portions {
+            lines: self.scan_lines,
+            across: self.scan_texels(),
+            iterations: self.together.unwrap_or(iterations),
+            tile: self.tile,
+            rounds: self.together,
+            visits: self.visits.unwrap_or(VISITS_TOGETHER),
+        }
     }
 
     /// Texels of a line that a workgroup of a raster scan writes.
@@ -164,17 +181,10 @@ impl Tuning {
 /// Lines of a block, at most: shaders note in the bits of a word which of them have changed.
 const MOST_LINES: u32 = 32;
 
-/// So many iterations in a submission, or fewer on large grids: systems take a device that is busy for seconds for
-/// hung, and nothing else is drawn meanwhile.
-pub(crate) fn iterations_together(texels: TexelChart, wanted: u32) -> u32 {
-    let [cols, rows] = texels.inner().map(u64::from);
-    (TEXELS_TOGETHER / (cols * rows)).clamp(1, wanted.into()) as u32
-}
-
-/// Texels of the iterations of a submission, at most, unless a single iteration has more. It reads and writes 96
-/// bytes of each in each scan with planar fronts, and 144 with curved ones: 2.4 GB at most, 50 milliseconds on an
-/// integrated GPU that moves 50 GB a second.
-const TEXELS_TOGETHER: u64 = 1 << 22;
+/// Of each visited texel 96 bytes are read and written with planar fronts, and 144 with curved ones: 0.6 GB at
+/// most, 12 milliseconds on an integrated GPU that moves 50 GB a second. A map of 1024 x 1024 points still has four
+/// iterations in a submission, and one of 8192 x 8192 points an eighth of a scan.
+const VISITS_TOGETHER: u64 = 1 << 22;
 
 /// Up to so many texels a side, circular and curved fronts on smooth surfaces settle in five
 /// iterations (measured: sphere, peaks, cone and torus of 33 to 129 points); beyond, and planar
@@ -192,7 +202,7 @@ struct Choice {
 /// Which schedule where; the first entry that applies counts.
 const CHOICES: [Choice; 3] = [
     // Measured on lavapipe (Mesa 22.3, two cores), planar and curved, tiles over raster scans: 9
-    // to 25 points a side 0.3 to 0.7 of the time, but for one map 1.2; 33 points 0.4 to 1.7.
+    // to 25 points a side 0.2 to 1.0 of the time; 33 points 0.75 to 1.7.
     // A dispatch costs more than a tile's work there. All points at once took twice as long at 9
     // points, where they did best.
     Choice { on_cpu: true, side: 32, schedule: Schedule::Tiles },
@@ -201,7 +211,7 @@ const CHOICES: [Choice; 3] = [
     // 0.4 to 0.9 of the time at 129 to 257 points while scans visited all blocks of lines; since these
     // pass over what cannot change, tiles take 1.3 to 2.2 times as long (medians of 5 pairs beside other work).
     Choice { on_cpu: true, side: usize::MAX, schedule: Schedule::Raster },
-    // Reasoned, not measured, for want of a GPU. At 1200 points a side a scan is 75 dispatches of
+    // Reasoned, not measured, for want of a GPU (docs/speed.md, "A GPU on paper"). At 1200 points a side a scan is 75 dispatches of
     // eight lines each, a converged map some thousand dispatches with their barriers of a few
     // microseconds; tiles take a hundred rounds and more of up to 64 lines each, with a barrier
     // of the workgroup after each line. Neither is clearly ahead, and raster scans need no

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use super::grid_images::{GridImages, POINT_BYTES, bands, transfer_bytes};
 use super::headless::{CommandBuffer, Context, Submitter, Unwatched};
 use super::passes::{COMMON, Variant};
-use super::plan::Reached;
+use super::plan::{self, Reached, Step};
 use super::profile::{Capabilities, Capability, Detail, Executable, Session, SolveProfile};
 use super::record::{Commands, Recorder};
 use super::schedules;
@@ -326,32 +326,46 @@ impl Solver {
         let count = write_seeds(last, images);
         let places = seeds.iter().map(|seed| (seed.texel[1] as u32, seed.texel[0] as u32));
         let reached = Reached::around(places).filter(|_| start == Start::Fresh);
-        let steps = schedule.plan(texels, portions, reached, stop.iterations);
-        self.record(submitter, first, images, |recorder| {
-            if ahead.is_empty() {
-                begin_map(&recorder);
-            }
-            recorder.seed(count, schedule.follows());
-            recorder.steps(variant, &steps);
-            recorder.outcome(0);
-            recorder.end_portion();
-        })?;
-        submitter.submit(first)?;
+        let most = |left: u32| left.min(schedule.together(texels, portions));
+        let steps = schedule.plan(texels, portions, reached, most(stop.iterations));
+        let parts = plan::parts(&steps, texels, portions.visits);
+        for number in 0..parts.len() {
+            self.record(submitter, first, images, |recorder| {
+                if number == 0 {
+                    if ahead.is_empty() {
+                        begin_map(&recorder);
+                    }
+                    recorder.seed(count, schedule.follows());
+                }
+                record_part(&recorder, variant, &parts, number);
+            })?;
+            submitter.submit(first)?;
+        }
         let mut outcome = images.record(0).outcome;
         while !outcome.is_done() {
             // One recording serves all but the last iterations, of which fewer may be left.
             let left = stop.iterations - outcome.iterations;
-            let wanted = (wavefront, schedule.plan(texels, portions, None, left));
-            if goes_on.as_ref() != Some(&wanted) {
-                self.record(submitter, further, images, |recorder| {
-                    recorder.go_on(schedule, &wanted.1);
-                    recorder.steps(variant, &wanted.1);
-                    recorder.outcome(0);
-                    recorder.end_portion();
-                })?;
-                *goes_on = Some(wanted);
+            let wanted = (wavefront, schedule.plan(texels, portions, None, most(left)));
+            let parts = plan::parts(&wanted.1, texels, portions.visits);
+            // Who looks at passes knows those of the last recording only.
+            let is_kept = parts.len() == 1 || !submitter.is_watching();
+            let is_recorded = is_kept && goes_on.as_ref() == Some(&wanted);
+            while further.len() < parts.len() {
+                further.push(CommandBuffer::kept(&self.context)?);
             }
-            submitter.submit(further)?;
+            for (number, commands) in further.iter().enumerate().take(parts.len()) {
+                if !is_recorded {
+                    *goes_on = None;
+                    self.record(submitter, commands, images, |recorder| {
+                        if number == 0 {
+                            recorder.go_on(schedule, &wanted.1);
+                        }
+                        record_part(&recorder, variant, &parts, number);
+                    })?;
+                }
+                submitter.submit(commands)?;
+            }
+            *goes_on = Some(wanted);
             outcome = images.record(0).outcome;
         }
         let time = begin.elapsed();
@@ -418,6 +432,16 @@ impl Solver {
         }
         Ok(distances)
     }
+}
+
+/// Records a part of the steps of a plan, and after the last how the iterations have gone.
+fn record_part(recorder: &Recorder, variant: Variant, parts: &[&[Step]], number: usize) {
+    let before = parts[..number].last().and_then(|part| part.last());
+    recorder.steps_after(before, variant, parts[number]);
+    if number + 1 == parts.len() {
+        recorder.outcome(0);
+    }
+    recorder.end_portion();
 }
 
 /// Puts seeds where `seed.comp` reads them; how many they are.

@@ -28,8 +28,8 @@ pub struct SurfaceOnDevice {
     pub(super) origins: Origins,
     /// Starts a map.
     pub(super) first: CommandBuffer,
-    /// Goes on with one, as recorded for this wavefront and these steps.
-    pub(super) further: CommandBuffer,
+    /// Go on with one, as recorded for this wavefront and these steps: one for each part of them.
+    pub(super) further: Vec<CommandBuffer>,
     pub(super) goes_on: Option<(Wavefront, Vec<Step>)>,
     pub(super) context: Arc<Context>,
 }
@@ -51,7 +51,7 @@ impl SurfaceOnDevice {
         surface: &Surface,
         texels: TexelChart,
     ) -> Result<Self, VulkanError> {
-        let (first, further) = (CommandBuffer::new(context)?, CommandBuffer::new(context)?);
+        let first = CommandBuffer::new(context)?;
         let images = GridImages::new(
             &context.device,
             &mut context.allocator(),
@@ -66,7 +66,7 @@ impl SurfaceOnDevice {
             is_anchored: false,
             origins: Origins::none(surface.is_slowed_unevenly()),
             first,
-            further,
+            further: Vec::new(),
             goes_on: None,
             context: Arc::clone(context),
         })

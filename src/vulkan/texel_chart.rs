@@ -51,6 +51,11 @@ impl TexelChart {
         [self.cols - 2 * BORDER, self.rows - 2 * BORDER]
     }
 
+    /// Texels with grid points in them.
+    pub(crate) fn all(self) -> u64 {
+        self.inner().map(u64::from).iter().product()
+    }
+
     /// Columns and rows of tiles with so many points on a side.
     pub(crate) fn tiles(self, points: u32) -> [u32; 2] {
         self.inner().map(|texels| (2 * texels).div_ceil(points))

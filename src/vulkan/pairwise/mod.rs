@@ -22,7 +22,7 @@ use std::time::Instant;
 use ash::vk;
 
 use super::headless::{CommandBuffer, Context, Submitter, Unwatched};
-use super::plan::{self, Reached};
+use super::plan::{self, Portions, Reached};
 use super::profile::{Detail, Grain, Session, SolveProfile};
 use super::record::Commands;
 use super::{Schedule, Solver, SurfaceOnDevice, TexelChart, Tuning, VulkanError, schedules};
@@ -300,7 +300,8 @@ impl PairwiseOnDevice {
         if self.schedule() == PairwiseSchedule::SharedMemory {
             return Vec::new();
         }
-        let portions = tuning.portions(self.wavefront, self.texels);
+        // Each map has workgroups of its own, so that there are enough.
+        let portions = Portions { across: 0, ..tuning.portions(self.wavefront, self.texels) };
         Schedule::Raster.plan(self.texels, portions, reached, most)
     }
 

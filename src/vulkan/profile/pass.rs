@@ -257,8 +257,8 @@ pub struct PassRecord {
     pub area: Option<Area>,
     /// Dispatches that it stands for; none for copies and clears.
     pub dispatches: u32,
-    /// Workgroups dispatched, in all of them together; none where the map has converged before; `None`
-    /// for copies and clears too.
+    /// Workgroups dispatched, in all of them together; none where the map has converged before, but for scans that
+    /// take blocks of lines in turn; `None` for copies and clears too.
     pub groups: Option<[u32; 3]>,
     /// What it had to move and to compute.
     pub work: Work,
@@ -327,9 +327,11 @@ impl PassRecord {
         all
     }
 
-    /// Whether the pass lies beyond convergence, or its list of tiles was empty: it was
-    /// dispatched and visited nothing.
+    /// Whether the pass lies beyond convergence, or no block of its scan was due, or its list of tiles was empty:
+    /// it was dispatched and visited nothing.
     pub fn is_idle(&self) -> bool {
-        self.groups.is_some_and(|groups| groups.contains(&0))
+        let is_scan = matches!(self.kind, PassKind::Scan(_));
+        let has_no_groups = self.groups.is_some_and(|groups| groups.contains(&0));
+        has_no_groups || is_scan && self.work.texels == Some(0)
     }
 }

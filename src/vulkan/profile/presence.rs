@@ -79,10 +79,15 @@ pub(crate) fn decided(
         };
     };
     let number = record.iteration.unwrap_or(0);
-    let is_beyond = number >= after - before;
+    // A part of an iteration has no count, and the map goes on.
+    let is_beyond = is_done && number >= after - before;
     let record = PassRecord { iteration: record.iteration.map(|_| before + number), ..record };
     let record = match presence {
-        Presence::Iteration | Presence::Scans(_) if is_beyond => {
+        Presence::Scans(blocks) if is_beyond => {
+            let groups = Some([blocks.beyond(&record), 1, 1]);
+            PassRecord { groups, work: record.work.none(), ..record }
+        }
+        Presence::Iteration if is_beyond => {
             PassRecord { groups: Some([0, 1, 1]), work: record.work.none(), ..record }
         }
         Presence::Count if is_beyond => PassRecord { work: record.work.none(), ..record },
@@ -129,15 +134,15 @@ pub(crate) struct StepCounter {
     pub(crate) tuning: Tuning,
     pub(crate) curved: bool,
     pub(crate) iteration: u32,
-    /// Dispatches of scans so far, and before this iteration.
+    /// Dispatches of scans so far.
     pub(crate) scans: u32,
-    pub(crate) first_scan: u32,
+    /// The scan of the last block of lines, and its iteration.
     pub(crate) last: Option<(u32, Scan)>,
 }
 
 impl StepCounter {
     pub(crate) fn new(texels: TexelChart, tuning: Tuning, curved: bool) -> Self {
-        Self { texels, tuning, curved, iteration: 0, scans: 0, first_scan: 0, last: None }
+        Self { texels, tuning, curved, iteration: 0, scans: 0, last: None }
     }
 
     /// A record of the iteration.
@@ -155,7 +160,6 @@ impl StepCounter {
         let record =
             PassRecord { groups: Some([1; 3]), work: COUNT, ..self.inside(PassKind::Count) };
         self.iteration += 1;
-        self.first_scan = self.scans;
         (record, Presence::Count)
     }
 }

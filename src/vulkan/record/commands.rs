@@ -126,13 +126,20 @@ impl<'a> Commands<'a> {
     }
 
     /// Dispatches no group of a pipeline, since drivers may compile it at its first dispatch.
-    pub(crate) fn warm_up(&self, pipeline: vk::Pipeline, layout: vk::PipelineLayout, sets: Sets) {
-        let constants = [0; PUSH_CONSTANT_BYTES as usize];
+    pub(crate) fn warm_up(
+        &self,
+        pipeline: vk::Pipeline,
+        (layout, pushed): (vk::PipelineLayout, u32),
+        sets: Sets,
+    ) {
+        let constants = &[0; PUSH_CONSTANT_BYTES as usize][..pushed as usize];
         let stages = vk::ShaderStageFlags::COMPUTE;
         self.bind_handle(pipeline, layout, sets);
-        // SAFETY: the layout has room for the constants.
+        // SAFETY: the layout has room for so many bytes.
         unsafe {
-            self.device.cmd_push_constants(self.buffer, layout, stages, 0, &constants);
+            if pushed > 0 {
+                self.device.cmd_push_constants(self.buffer, layout, stages, 0, constants);
+            }
             self.device.cmd_dispatch(self.buffer, 0, 1, 1);
         }
     }

@@ -8,7 +8,6 @@ use crate::vulkan::plan::{Portions, Reached, Step};
 use crate::vulkan::profile::{PassKind, PassRecord, Presence, StepCounter, Work};
 use crate::vulkan::progress::offset;
 use crate::vulkan::record::Groups;
-use crate::vulkan::schedule::iterations_together;
 use crate::vulkan::shaders::all_points::Push;
 
 pub(super) struct AllPoints;
@@ -33,9 +32,15 @@ impl Order for AllPoints {
         false
     }
 
-    fn plan(&self, texels: TexelChart, _: Portions, _: Option<Reached>, most: u32) -> Vec<Step> {
+    fn plan(
+        &self,
+        texels: TexelChart,
+        portions: Portions,
+        _: Option<Reached>,
+        most: u32,
+    ) -> Vec<Step> {
         let iteration = [Step::AllPoints { writes: 1 }, Step::AllPoints { writes: 0 }, Step::Count];
-        (0..most.min(iterations_together(texels, ITERATIONS)))
+        (0..most.min(portions.iterations_of(2, texels, ITERATIONS)))
             .flat_map(|_| iteration.clone())
             .collect()
     }

@@ -44,7 +44,9 @@ impl Schedule {
     /// use geosweep::vulkan::{Schedule, TexelChart, plan};
     /// let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
     /// let source = plan::Reached { rows: 1..2, cols: 1..2 };
-    /// let portions = plan::Portions { lines: 1, iterations: 4, tile: 16, rounds: None };
+    /// let (lines, across, iterations) = (1, 0, 4);
+    /// let (tile, rounds, visits) = (16, None, 1 << 22);
+    /// let portions = plan::Portions { lines, across, iterations, tile, rounds, visits };
     /// let steps = Schedule::Raster.plan(texels, portions, Some(source), 100);
     /// // From a corner, the first scan visits about half of the texels.
     /// assert!(plan::texels_scanned(&steps[..32]) < 32 * 32 * 6 / 10);
@@ -73,6 +75,11 @@ impl Schedule {
     /// whole grid.
     pub fn has_rounds(self) -> bool {
         self.order().has_rounds()
+    }
+
+    /// See [`Order::together`].
+    pub(crate) fn together(self, texels: TexelChart, portions: Portions) -> u32 {
+        self.order().together(texels, portions)
     }
 
     /// See [`Order::gains_by_surroundings`].
@@ -136,11 +143,24 @@ impl Recorder<'_> {
 
     /// Runs the steps of a plan, whose pipelines were made for a variant.
     pub(crate) fn steps(&self, variant: impl Into<Variant>, steps: &[Step]) {
+        self.steps_after(None, variant, steps);
+    }
+
+    /// The same of a part of the plan, after the last step of another recording.
+    pub(crate) fn steps_after(
+        &self,
+        before: Option<&Step>,
+        variant: impl Into<Variant>,
+        steps: &[Step],
+    ) {
         let variant = variant.into();
         let mut open: Option<Scope> = None;
         let (texels, tuning) = (self.grid.texels, self.pipelines.tuning);
         let carries = variant.wavefront.has_two_layers();
         let mut counter = StepCounter::new(texels, tuning, carries);
+        if let Some(Step::Scan(pass)) = before {
+            counter.last = Some((counter.iteration, pass.scan));
+        }
         let notes = self.visits_noted(steps);
         let visits = u64::from(notes.div_ceil(32)) * size_of::<u32>() as u64;
         self.decided_before(visits);
@@ -169,8 +189,12 @@ impl Recorder<'_> {
         if self.profile.and_then(Profile::decisions).is_none() {
             return 0;
         }
-        let scans = steps.iter().filter(|step| matches!(step, Step::Scan(_))).count();
-        (scans as u32).min(VISITS)
+        let lines = self.pipelines.tuning.scan_lines;
+        let blocks = steps.iter().map(|step| match step {
+            Step::Scan(pass) => pass.blocks(lines),
+            _ => 0,
+        });
+        blocks.sum::<u32>().min(VISITS)
     }
 
     /// Copies how the iterations have gone so far to where a profile finds it, and forgets so many
@@ -230,16 +254,16 @@ pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
 /// use geosweep::Wavefront;
 /// use geosweep::surface::Chart;
 /// use geosweep::vulkan::{Schedule, TexelChart, Tuning, planned};
-/// let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
-/// let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None };
+/// let texels = TexelChart::new(Chart { rows: 256, cols: 256 }).unwrap();
+/// let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None, visits: None };
 /// let portions = tuning.portions(Wavefront::Planar, texels);
 /// let steps = Schedule::Raster.plan(texels, portions, None, 1);
 /// let passes = planned(&steps, texels, tuning, Wavefront::Planar);
-/// // Four scans of eight blocks each, and the count. A texel of four points is read and written,
+/// // Four scans of 32 blocks each, and the count. A texel of four points is read and written,
 /// // and has 64 bytes of edge lengths.
-/// assert_eq!(passes.len(), 4 * 8 + 1);
-/// assert_eq!(passes[0].work.texels, Some(4 * 32));
-/// assert_eq!(passes[0].work.bytes(), Some(4 * 32 * (2 * 16 + 64)));
+/// assert_eq!(passes.len(), 4 * 32 + 1);
+/// assert_eq!(passes[0].work.texels, Some(4 * 128));
+/// assert_eq!(passes[0].work.bytes(), Some(4 * 128 * (2 * 16 + 64)));
 /// ```
 pub fn planned(
     steps: &[Step],
@@ -259,11 +283,16 @@ mod tests {
     use crate::vulkan::profile::{Decisions, decided};
 
     const TUNING: Tuning =
-        Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None };
+        Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None, visits: None };
+
+    /// A dispatch for each block of lines, as on grids of any size.
+    fn portions(wavefront: Wavefront, texels: TexelChart) -> Portions {
+        Portions { across: 0, ..TUNING.portions(wavefront, texels) }
+    }
 
     fn passes(schedule: Schedule, wavefront: Wavefront) -> Vec<(PassRecord, Presence)> {
         let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();
-        let portions = TUNING.portions(wavefront, texels);
+        let portions = portions(wavefront, texels);
         let steps = schedule.plan(texels, portions, None, 2);
         let mut counter = StepCounter::new(texels, TUNING, wavefront.is_curved());
         steps.iter().map(|step| account(&mut counter, step)).collect()
@@ -340,10 +369,44 @@ mod tests {
         }
     }
 
+    /// The same grid, on which a dispatch is a scan.
+    #[test]
+    fn blocks_in_turn_are_skipped_one_by_one() {
+        let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();
+        let steps =
+            Schedule::Raster.plan(texels, TUNING.portions(Wavefront::Planar, texels), None, 2);
+        assert_eq!(records(&steps, Grain::Blocks), 2 * (4 + 1));
+        let mut counter = StepCounter::new(texels, TUNING, false);
+        let found: Vec<_> = steps.iter().map(|step| account(&mut counter, step)).collect();
+        let mut visits = [0; VISIT_WORDS as usize];
+        for number in [2, 3, 11, 16 + 15] {
+            visits[0] |= 1 << number;
+        }
+        let decisions = Decisions { after: 2, visits: &visits, ..Decisions::default() };
+        // Down, up, right, left, and the count.
+        let visited = [34, 34, 0, 10, 0, 0, 0, 0, 40, 0];
+        let all = [170, 170, 170, 170, 0, 170, 170, 170, 170, 0];
+        for (number, &(record, presence)) in found.iter().enumerate() {
+            let after = decided(record, presence, Some(decisions));
+            if presence == Presence::Count {
+                continue;
+            }
+            assert_eq!(after.work.texels, Some(visited[number]), "{number}");
+            assert_eq!(after.work.skipped, Some(all[number] - visited[number]), "{number}");
+            assert_eq!((after.groups, after.dispatches), (Some([1, 1, 1]), 1));
+            assert_eq!(after.is_idle(), visited[number] == 0, "{number}");
+            // Once the map has converged a workgroup finds that nothing is due.
+            let beyond = Decisions { is_done: true, after: 0, ..decisions };
+            let after = decided(record, presence, Some(beyond));
+            assert_eq!((after.groups, after.work.texels), (Some([1, 1, 1]), Some(0)));
+            assert!(after.is_idle());
+        }
+    }
+
     #[test]
     fn records_of_scans_hold_all_their_blocks() {
         let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();
-        let portions = TUNING.portions(Wavefront::Planar, texels);
+        let portions = portions(Wavefront::Planar, texels);
         let steps = |schedule: Schedule| schedule.plan(texels, portions, None, 2);
         // Ten rows of texels and seventeen columns in blocks of four.
         let raster = steps(Schedule::Raster);
@@ -387,7 +450,7 @@ mod tests {
     #[test]
     fn no_more_is_recorded_than_asked_for() {
         let texels = TexelChart::new(Chart { rows: 500, cols: 600 }).unwrap();
-        let portions = TUNING.portions(Wavefront::Curved, texels);
+        let portions = portions(Wavefront::Curved, texels);
         let count = |schedule: Schedule, wanted: fn(&Step) -> bool| {
             let steps = schedule.plan(texels, portions, None, 3);
             steps.iter().filter(|step| wanted(step)).count()

@@ -6,6 +6,8 @@ use bytemuck::{Pod, bytes_of};
 use crate::vulkan::TexelChart;
 use crate::vulkan::barrier::{COPY, PASS, PASS_AND_HOST, TRANSFER};
 use crate::vulkan::passes::{Pass, Variant};
+#[cfg(doc)]
+use crate::vulkan::plan;
 use crate::vulkan::plan::{Portions, Reached, Step};
 use crate::vulkan::profile::{PassRecord, Presence, StepCounter};
 use crate::vulkan::progress::{Progress, offset};
@@ -30,6 +32,11 @@ pub(super) trait Order: Sync {
 
     /// Whether it goes by rounds over lists that the device makes. A recording holds one sequence of them.
     fn has_rounds(&self) -> bool;
+
+    /// Iterations or rounds in a submission of our own, at most, where a plan cannot be cut ([`plan::parts`]).
+    fn together(&self, _: TexelChart, _: Portions) -> u32 {
+        u32::MAX
+    }
 
     /// Whether maps from between grid points take fewer iterations if the surroundings of sources are
     /// solved first.

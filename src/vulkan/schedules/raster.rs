@@ -1,5 +1,7 @@
 //! The raster schedule: four rotated scans over the whole grid, block of lines by block of lines.
 
+use std::ops::Range;
+
 use super::order::{Order, Steps};
 use crate::constants::{BORDER, SCANS_FOLLOW};
 use crate::vulkan::TexelChart;
@@ -10,6 +12,10 @@ use crate::vulkan::record::{Groups, Recorder};
 use crate::vulkan::shaders::scan::Push;
 
 pub(super) struct Raster;
+
+/// Lines that a dispatch takes in turn, at most, but for a single block: Mesa 22.3's lavapipe ends loops of shaders
+/// after 65,535 trips, all loops of an invocation together, and parts of obtuse triangles may take 784 a line.
+const LINES_IN_TURN: u32 = 64;
 
 /// Blocks of lines that an update of a buffer starts: 3 KiB.
 const BLOCKS_TOGETHER: usize = 256;
@@ -42,13 +48,19 @@ impl Order for Raster {
         most: u32,
     ) -> Vec<Step> {
         let mut steps = Vec::new();
+        let in_turn = |scan| along(texels, scan).len() as u32 <= portions.across;
+        let reached = reached.filter(|_| !Scan::ALL.into_iter().any(in_turn));
         let mut always = reached.is_some();
         let mut reached = reached.unwrap_or_else(|| Reached::everywhere(texels));
-        for _ in 0..most.min(portions.iterations) {
+        let visits = Scan::ALL.len() as u64;
+        for _ in 0..most.min(portions.iterations_of(visits, texels, portions.iterations)) {
             for (index, scan) in Scan::ALL.into_iter().enumerate() {
-                let passes = scan_passes(texels, scan, portions.lines, &mut reached);
-                let writes = 1 - index % 2;
-                let passes = passes.into_iter().map(|pass| ScanPass { always, writes, ..pass });
+                let (in_turn, writes) = (in_turn(scan), 1 - index % 2);
+                let together = if in_turn { (LINES_IN_TURN / portions.lines).max(1) } else { 1 };
+                let lines = together * portions.lines;
+                let passes = scan_passes(texels, scan, lines, &mut reached);
+                let passes =
+                    passes.into_iter().map(|pass| ScanPass { always, writes, in_turn, ..pass });
                 steps.extend(passes.map(Step::Scan));
             }
             steps.push(Step::Count);
@@ -87,13 +99,15 @@ impl Order for Raster {
         let recorder = recording.recorder;
         let (tuning, texels) = (recorder.pipelines.tuning, recorder.grid.texels);
         let number = recording.scans;
-        recording.scans += 1;
-        let note = if number < recording.notes { number as i32 } else { -1 };
+        recording.scans += pass.blocks(tuning.scan_lines);
+        let note = if recording.scans <= recording.notes { number as i32 } else { -1 };
         let block = Push { note, ..block_of(pass, texels, tuning.scan_lines) };
-        let groups = if pass.always {
+        let groups = if pass.in_turn {
+            Groups::line(1)
+        } else if pass.always {
             Groups::line((pass.texels.len() as u32).div_ceil(tuning.scan_texels()))
         } else {
-            let number = 1 + (pass.line - BORDER) / tuning.scan_lines;
+            let number = 1 + block_number(pass, tuning.scan_lines);
             let number = pass.scan as u32 * texels.block_pitch(tuning.scan_lines) + number;
             let offset = u64::from(number) * size_of::<[u32; 3]>() as u64;
             Groups::From(recorder.grid.blocks.buffer, offset)
@@ -133,6 +147,7 @@ impl Order for Raster {
         let width = |range: &std::ops::Range<u32>| range.len() as u32;
         // Passes that are dispatched indirectly have the groups of a whole line.
         let along = if pass.always { width(&pass.texels) } else { length as u32 };
+        let count = pass.blocks(counter.tuning.scan_lines);
         let record = PassRecord {
             iteration: Some(counter.iteration),
             area: Some(area),
@@ -141,20 +156,44 @@ impl Order for Raster {
             ..PassRecord::new(PassKind::Scan(pass.scan))
         };
         let (texels, tuning, curved) = (counter.texels, counter.tuning, counter.curved);
-        let (iteration, first) = (counter.first_scan, counter.scans);
-        counter.scans += 1;
+        let (scan, block) = (pass.scan, block_number(pass, tuning.scan_lines));
+        let first = counter.scans;
+        counter.scans += count;
+        let mut in_turn = [false; 4];
+        in_turn[scan as usize] = pass.in_turn;
         let presence = match pass.always {
             true => Presence::Always,
-            false => Presence::Scans(Blocks { texels, tuning, curved, iteration, first, count: 1 }),
+            false => Presence::Scans(Blocks {
+                texels,
+                tuning,
+                curved,
+                scan,
+                block,
+                in_turn,
+                first,
+                count,
+            }),
         };
         (record, presence)
     }
 }
 
+/// The texels of a line of a scan.
+fn along(texels: TexelChart, scan: Scan) -> Range<u32> {
+    match scan {
+        Scan::Down | Scan::Up => texels.inner_cols(),
+        Scan::Right | Scan::Left => texels.inner_rows(),
+    }
+}
+
+/// Number of a pass' first block of lines, from the start of the grid.
+fn block_number(pass: &ScanPass, lines: u32) -> u32 {
+    (pass.line - BORDER) / lines
+}
+
 /// What is pushed to the pass over a block, which notes nothing.
 pub(crate) fn block_of(pass: &ScanPass, texels: TexelChart, lines: u32) -> Push {
-    let by_rows = matches!(pass.scan, Scan::Down | Scan::Up);
-    let last = if by_rows { texels.inner_cols() } else { texels.inner_rows() }.end - 1;
+    let last = along(texels, pass.scan).end - 1;
     Push {
         line: pass.line as i32,
         lines: pass.lines as i32,
@@ -163,6 +202,7 @@ pub(crate) fn block_of(pass: &ScanPass, texels: TexelChart, lines: u32) -> Push 
         last: last as i32,
         pitch: texels.block_pitch(lines) as i32,
         note: -1,
+        in_turn: pass.in_turn.into(),
     }
 }
 
@@ -189,7 +229,15 @@ fn scan_passes(texels: TexelChart, scan: Scan, block: u32, reached: &mut Reached
         along.start = along.start.saturating_sub(count).max(inner_along.start);
         along.end = (along.end + count).min(inner_along.end);
         let texels = along.clone();
-        passes.push(ScanPass { scan, line, lines: count, texels, writes: 1, always: true });
+        passes.push(ScanPass {
+            scan,
+            line,
+            lines: count,
+            texels,
+            writes: 1,
+            always: true,
+            in_turn: false,
+        });
         passed += count;
     }
     lines.start = lines.start.min(visited.start);
@@ -207,7 +255,8 @@ mod tests {
         TexelChart::new(Chart { rows, cols }).unwrap()
     }
 
-    const POINTS: Portions = Portions { lines: 1, iterations: 4, tile: 16, rounds: None };
+    const POINTS: Portions =
+        Portions { lines: 1, across: 0, iterations: 4, tile: 16, rounds: None, visits: u64::MAX };
 
     fn scans(steps: &[Step]) -> impl Iterator<Item = &ScanPass> {
         steps.iter().filter_map(|step| if let Step::Scan(pass) = step { Some(pass) } else { None })
@@ -292,6 +341,28 @@ mod tests {
             }
             assert!(points.iter().flatten().all(|&reached| reached));
         }
+    }
+
+    /// Lines of 60 texels fit a workgroup, those of 70 do not; of these there are 60.
+    #[test]
+    fn a_dispatch_takes_blocks_in_turn_where_lines_fit_a_workgroup() {
+        let texels = texels(120, 140);
+        let bounds = Reached { rows: 6..8, cols: 10..11 };
+        let portions = Portions { lines: 6, across: 60, ..POINTS };
+        let steps = Raster.plan(texels, portions, Some(bounds), 1);
+        assert!(scans(&steps).all(|pass| !pass.always));
+        let of = |scan| {
+            let passes = scans(&steps).filter(move |pass| pass.scan == scan);
+            passes.map(|pass| (pass.in_turn, pass.line, pass.lines, pass.blocks(6)))
+        };
+        assert_eq!(of(Scan::Down).count(), 10);
+        assert!(
+            of(Scan::Up).all(|(in_turn, _, lines, blocks)| !in_turn && lines == 6 && blocks == 1)
+        );
+        // Seventy lines: ten blocks, then one and a part of one.
+        assert!(of(Scan::Right).eq([(true, 1, 60, 10), (true, 61, 10, 2)]));
+        assert!(of(Scan::Left).eq([(true, 70, 10, 2), (true, 60, 60, 10)]));
+        assert_eq!(texels_scanned(&steps), 4 * 60 * 70);
     }
 
     #[test]

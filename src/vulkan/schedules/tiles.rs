@@ -13,6 +13,10 @@ use crate::vulkan::shaders::{settle, tiles};
 
 pub(super) struct Tiles;
 
+/// Tiles that a round visits on average, times those along both sides of the grid: measured 2.2 and 3.4 on spheres
+/// of 256 and 512 points a side, 1.1 in a maze of 1024 (curved fronts).
+const TILES_IN_A_ROUND: u32 = 4;
+
 impl Order for Tiles {
     fn passes(&self) -> &'static [usize] {
         const PASSES: [usize; 1] = [TILES.number()];
@@ -39,6 +43,13 @@ impl Order for Tiles {
         let rounds = wanted.min(ROUNDS).next_multiple_of(2).min(most);
         let all = (0..rounds).map(|round| Step::Tiles { round });
         all.chain([Step::Settle { rounds }]).collect()
+    }
+
+    fn together(&self, texels: TexelChart, portions: Portions) -> u32 {
+        let across: u32 = texels.tiles(portions.tile).iter().sum();
+        let of_round = u64::from(across * TILES_IN_A_ROUND) * u64::from(portions.tile / 2).pow(2);
+        let rounds = portions.visits / of_round / 2 * 2;
+        rounds.clamp(2, ROUNDS.into()) as u32
     }
 
     /// The list that the last rounds have left is the first.

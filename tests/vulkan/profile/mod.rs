@@ -9,5 +9,6 @@ mod regions;
 mod renderer;
 #[cfg(feature = "tracing")]
 mod spans;
+mod submissions;
 mod times;
 mod work;

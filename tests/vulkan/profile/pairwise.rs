@@ -3,7 +3,7 @@
 use geosweep::Stop;
 use geosweep::Wavefront;
 use geosweep::vulkan::PairwiseSchedule;
-use geosweep::vulkan::plan::{self, Reached, Step};
+use geosweep::vulkan::plan::{self, Portions, Reached, Step};
 use geosweep::vulkan::profile::{Capability, Detail, Grain, PassKind, PassRecord};
 use geosweep::vulkan::{Schedule, TexelChart};
 
@@ -39,7 +39,7 @@ fn each_iteration_visits_the_maps_that_have_not_converged() {
         pairwise.solve(solver, on_device, &sources, CONVERGED, &mut plain).unwrap();
 
         // The first recording is bounded by what lies around all sources.
-        let sizes = tuning.portions(wavefront, texels);
+        let sizes = Portions { across: 0, ..tuning.portions(wavefront, texels) };
         let places = sources.iter().flatten().map(|&source| {
             let (row, col) = chart.position(source);
             let (row, col, _) = TexelChart::texel_of(row, col);

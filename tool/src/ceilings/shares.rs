@@ -115,7 +115,14 @@ mod tests {
     /// A map of two recordings, as planned, and a submission of nothing that counts.
     fn work(schedule: Schedule) -> Work {
         let texels = TexelChart::new(Chart { rows: 64, cols: 64 }).unwrap();
-        let tuning = Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None };
+        let tuning = Tuning {
+            scan_width: 64,
+            scan_lines: 4,
+            tile: 16,
+            inner: 4,
+            together: None,
+            visits: None,
+        };
         let portions = tuning.portions(Wavefront::Planar, texels);
         let steps = schedule.plan(texels, portions, None, 2);
         let mut passes = planned(&steps, texels, tuning, Wavefront::Planar);
@@ -137,9 +144,9 @@ mod tests {
 
     #[test]
     fn what_was_dispatched_is_counted() {
-        // Two recordings of two iterations: 32 lines of texels in blocks of four, four scans, a count.
+        // Two recordings of two iterations: four scans, each of which takes 32 lines of texels in turn, and a count.
         let raster = work(Schedule::Raster);
-        assert_eq!((raster.dispatches, raster.skipped_dispatches), (4 * (4 * 8 + 1) - 1, 1));
+        assert_eq!((raster.dispatches, raster.skipped_dispatches), (4 * (4 + 1) - 1, 1));
         let bytes = 2 * 2 * (4 * 32 * 32 * 96 + 28 + 20);
         assert_eq!((raster.submissions, raster.bytes), (2, Some(bytes)));
         assert_eq!(raster.triangles, Some(2 * 2 * 4 * 32 * 32 * 8));

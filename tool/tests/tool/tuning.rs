@@ -65,13 +65,14 @@ fn a_sweep_without_time_says_what_it_leaves_out() {
     }
 }
 
-/// More dispatches with fewer lines in each, and more submissions with fewer iterations in each.
+/// More dispatches with fewer lines in each, where no line fits a workgroup, and more submissions with fewer
+/// iterations in each.
 #[test]
 fn a_bench_with_other_portions_counts_other_dispatches() {
     let bench = Workbench::new();
     let work = |tuning: &str| {
         let line = format!(
-            "bench --quick --sizes 65 --surfaces sphere --engines vulkan --schedules raster --json \
+            "bench --quick --sizes 257 --surfaces sphere --engines vulkan --schedules raster --json \
              --tuning {tuning}"
         );
         let report = json(&run(&bench, &line));

@@ -22,7 +22,7 @@ struct Portions {
 
 impl From<Tuning> for Portions {
     fn from(tuning: Tuning) -> Self {
-        let Tuning { scan_width, scan_lines, tile, inner, together } = tuning;
+        let Tuning { scan_width, scan_lines, tile, inner, together, .. } = tuning;
         Self { scan_width, scan_lines, tile, inner, together }
     }
 }

@@ -89,7 +89,7 @@ mod tests {
     use super::*;
 
     const UNTUNED: Tuning =
-        Tuning { scan_width: 128, scan_lines: 8, tile: 16, inner: 4, together: None };
+        Tuning { scan_width: 128, scan_lines: 8, tile: 16, inner: 4, together: None, visits: None };
 
     fn row(knob: Knob, value: u32, ratio: f64, difference: f64) -> Row {
         let [best, untuned] = [Duration::from_millis(1); 2];
