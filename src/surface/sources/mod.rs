@@ -85,8 +85,8 @@ impl Seed {
 }
 
 /// Where the fronts of a map come from, and so whether they are to be causal: to hang on nothing that arrives later.
-/// Where several meet, they would settle in more than one way or never; so would one that a slowness bends, where it
-/// meets itself. The front of a single point is else as well without, and more accurate in stretched cells.
+/// Where several meet, they would settle in more than one way or never; so would one that a slowness or a steep surface
+/// bends, where it meets itself. The front of a single point is else as well without, and more accurate in stretched cells.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Origins {
     /// Whether the front of one origin may meet itself.

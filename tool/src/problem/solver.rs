@@ -35,8 +35,8 @@ pub struct SolverArgs {
 }
 
 const BEST_WAVEFRONT: &str = "\
-    Curved; but anchored over floor plans from points, point on a surface with a slowness from \
-    one point, planar on a surface that turns at random, and planar for fast marching";
+    Curved; but anchored over floor plans from points, planar on a surface that turns at random, \
+    and planar for fast marching";
 const WAVEFRONTS: [(Wavefront, &str); 4] = [
     (
         Wavefront::Curved,
@@ -50,7 +50,8 @@ const WAVEFRONTS: [(Wavefront, &str); 4] = [
     ),
     (
         Wavefront::PointSource,
-        "Circular: exact on developable surfaces but for the sampling, for one point source; with several, curved",
+        "Circular: exact on developable surfaces but for the sampling, for one point source; \
+         with several, or a slowness, curved",
     ),
     (Wavefront::Planar, "Straight: first-order accurate, as in the paper"),
 ];
