@@ -1,6 +1,8 @@
 //! Devices that tests of a binary use in turn: to open one under the validation layers and to compile
-//! its pipelines takes longer than most tests.
+//! its pipelines takes longer than most tests. They are closed when the process ends: Debian 13's validation layers
+//! (1.4.309) abort it where a device outlives them.
 
+use std::ffi::c_int;
 use std::ops::{Deref, DerefMut};
 use std::sync::Mutex;
 
@@ -31,7 +33,7 @@ pub fn vulkan_solver() -> Lent<Solver> {
 /// What lies ready for the next test; as many as tests have run at a time.
 pub struct Pool<T: 'static>(Mutex<Vec<T>>);
 
-impl<T> Pool<T> {
+impl<T: Send> Pool<T> {
     pub const fn new() -> Self {
         Self(Mutex::new(Vec::new()))
     }
@@ -40,8 +42,30 @@ impl<T> Pool<T> {
     /// not come back, so that the next begins with nothing of it.
     pub fn lend(&'static self, open: impl FnOnce() -> T, check: fn(&T)) -> Lent<T> {
         let idle = self.0.lock().unwrap().pop();
-        Lent { item: Some(idle.unwrap_or_else(open)), back: Some((self, check)) }
+        let opened = || {
+            let item = open();
+            at_exit(move || self.0.lock().unwrap().clear());
+            item
+        };
+        Lent { item: Some(idle.unwrap_or_else(opened)), back: Some((self, check)) }
     }
+}
+
+/// What is left to do when the process ends.
+static LAST: Mutex<Vec<Box<dyn FnOnce() + Send>>> = Mutex::new(Vec::new());
+
+/// Does this when the process ends, before what libraries do then that are loaded by now: whatever is registered later
+/// comes first. So a device is opened before its end is registered.
+fn at_exit(last: impl FnOnce() + Send + 'static) {
+    unsafe extern "C" {
+        safe fn atexit(function: extern "C" fn()) -> c_int;
+    }
+    extern "C" fn all() {
+        let last = std::mem::take(&mut *LAST.lock().unwrap());
+        last.into_iter().for_each(|last| last());
+    }
+    LAST.lock().unwrap().push(Box::new(last));
+    assert_eq!(atexit(all), 0, "no more can be done at exit");
 }
 
 /// One of a [`Pool`], for one test; or one of the test's own.
