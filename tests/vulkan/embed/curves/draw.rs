@@ -173,12 +173,34 @@ fn curves_are_drawn_where_they_are_without_a_message() {
     assert!((230..330).contains(&drawn.paths.len()), "{}", drawn.paths.len());
 }
 
-/// Without this, a clean log would say nothing.
+/// Without this, a clean log would say nothing. Each by itself, since newer layers tell of one hazard of a draw.
 #[test]
 fn a_reader_of_curves_that_is_not_named_is_reported() {
-    let messages = draw(Access::TRANSFER_READ).messages;
-    for what in ["vertex", "indirect"] {
-        let hazard = format!("Hazard READ_AFTER_WRITE for {what}");
-        assert!(messages.iter().any(|message| message.contains(&hazard)), "{what}: {messages:?}");
+    let vertices = vk::AccessFlags::VERTEX_ATTRIBUTE_READ;
+    let indirect = vk::AccessFlags::INDIRECT_COMMAND_READ;
+    let stages = vk::PipelineStageFlags::VERTEX_INPUT | vk::PipelineStageFlags::DRAW_INDIRECT;
+    // Layers 1.3.239 look at the vertices of an indirect draw, 1.4.309 do not: they don't know how many there are.
+    let tells_of_vertices = layers_version() < vk::make_api_version(0, 1, 3, 240);
+    for (what, named, is_told) in
+        [("indirect", vertices, true), ("vertex", indirect, tells_of_vertices)]
+    {
+        let messages = draw(Access::new(stages, named)).messages;
+        let is_hazard = |message: &String| {
+            let by = [format!("for {what}"), format!("reads {what}")];
+            message.contains("READ_AFTER_WRITE") && by.iter().any(|by| message.contains(by))
+        };
+        assert!(messages.iter().all(is_hazard), "{what}: {messages:?}");
+        assert!(!is_told || !messages.is_empty(), "{what}: nothing is reported");
     }
+}
+
+fn layers_version() -> u32 {
+    // SAFETY: the loader is this process's own, as in `Host`.
+    let entry = unsafe { ash::Entry::load() }.unwrap();
+    // SAFETY: it needs nothing but the loader.
+    let layers = unsafe { entry.enumerate_instance_layer_properties() }.unwrap();
+    let is_validation = |layer: &&vk::LayerProperties| {
+        layer.layer_name_as_c_str() == Ok(c"VK_LAYER_KHRONOS_validation")
+    };
+    layers.iter().find(is_validation).expect("the validation layers are installed").spec_version
 }
