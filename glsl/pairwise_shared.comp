@@ -102,7 +102,7 @@ void start(ivec2 source) {
     if (gl_LocalInvocationIndex == 0u) {
         int place = row_major(source, PITCH);
         fronts[place] = 0.0;
-        if (CARRIES) fronts[AREA + place] = with_tag(SOURCE_CURVATURE, 0u);
+        if (CARRIES) fronts[AREA + place] = with_tag(SOURCE_CURVATURE, SOURCE_TAG);
     }
 }
 

@@ -30,7 +30,7 @@ void main() {
     imageStore(fronts_0, ivec3(texel, layer_of(map, TIME)), time);
     imageStore(fronts_1, ivec3(texel, layer_of(map, TIME)), time);
     if (CARRIES) {
-        vec4 carried = mix(vec4(0.0), vec4(with_tag(SOURCE_CURVATURE, 0u)), here);
+        vec4 carried = mix(vec4(0.0), vec4(with_tag(SOURCE_CURVATURE, SOURCE_TAG)), here);
         imageStore(fronts_0, ivec3(texel, layer_of(map, CARRIED)), carried);
         imageStore(fronts_1, ivec3(texel, layer_of(map, CARRIED)), carried);
     }

@@ -71,7 +71,7 @@ void main() {
             vec2 front = arrival(other, at_point(first_point(texel) + to_corner(j)));
             if (front.x < times[j]) {
                 times[j] = front.x;
-                curvatures[j] = with_tag(front.y, 0u);
+                curvatures[j] = with_tag(front.y, SOURCE_TAG);
             }
         }
     }

@@ -1,9 +1,12 @@
 // Tags: the last binary digits of what a front carries and of what the surface brings.
 //
 // The tag of a front is the scan that has brought it, from 1 to 4, or 0 for a source, plus WHOLE if it came
-// through a whole triangle. The surface's is LACKING at points that lack an edge, and DIFFRACTS beside it where waves diffract.
+// through a whole triangle or is a source's. The surface's is LACKING at points that lack an edge, and DIFFRACTS
+// beside it where waves diffract.
 
 const uint SCAN_OF_TAG = TAG & ~WHOLE;
+// That of a source's front, which knows where it comes from as well as one through a triangle.
+const uint SOURCE_TAG = WHOLE;
 
 // A number with a tag; zero becomes tiny.
 float with_tag(float value, uint tag) {

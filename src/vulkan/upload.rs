@@ -2,6 +2,7 @@
 
 use super::TexelChart;
 pub(crate) use super::shaders::seed::SeedTexel;
+use crate::constants::WHOLE;
 use crate::surface::{FAR, Seed, Tagged};
 use crate::update::SEED;
 
@@ -11,9 +12,9 @@ pub(crate) const SOURCE_BYTES: usize = 16;
 /// Bytes of a texel with sources that shaders read and write.
 pub(crate) const SEED_BYTES: u64 = (size_of::<SeedTexel>() - size_of::<[i32; 2]>()) as u64;
 
-/// The curvatures of the fronts at seeds, as fronts carry them.
+/// The curvatures of the fronts at seeds, as fronts carry them: as well known as through a whole triangle.
 pub(crate) fn curvatures(seeds: &[Seed]) -> Vec<f32> {
-    seeds.iter().map(|seed| (seed.curvature as f32).with_tag(SEED)).collect()
+    seeds.iter().map(|seed| (seed.curvature as f32).with_tag(SEED | WHOLE as u8)).collect()
 }
 
 /// Groups seeds by texel, since each texel is written by one invocation; with each of them what its front
