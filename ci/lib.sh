@@ -75,6 +75,7 @@ list_missing() {
         need "validation layers" vulkan-validationlayers have_json 'VkLayer_khronos_validation.json'
         need "Vulkan's headers and linker's library, for programs in C" libvulkan-dev have_library libvulkan.so
         need "CMake, for programs in C++" cmake command -v cmake >/dev/null
+        need "make, by which CMake builds" make command -v make >/dev/null
         need "pkg-config, for the same" pkg-config command -v pkg-config >/dev/null
         need "spirv-val, the SPIR-V checker" spirv-tools command -v spirv-val >/dev/null
         need "X server without a screen, for the viewer's tests" xvfb command -v Xvfb >/dev/null
