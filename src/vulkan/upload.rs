@@ -47,6 +47,18 @@ pub(crate) fn seed_texels(seeds: &[Seed], carried: &[f32]) -> Vec<SeedTexel> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::update::{Curvature, Front};
+
+    /// Else what arrives together with one would take its place on a device alone.
+    #[test]
+    fn fronts_at_seeds_are_those_of_the_cpu() {
+        for curvature in [0.0, -0.0, 0.5, Seed::AT_SOURCE] {
+            let seed = Seed { row: 1, col: 2, time: 0.25, curvature, from: None };
+            let front = Front { time: 0.25, curvature: curvature as f32, whole: true };
+            let of_cpu = Curvature::of(front, SEED).value();
+            assert_eq!(curvatures(&[seed])[0].to_bits(), of_cpu.to_bits(), "{curvature}");
+        }
+    }
 
     #[test]
     fn seeds_that_share_a_texel_are_written_together() {
