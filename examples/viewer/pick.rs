@@ -165,8 +165,17 @@ impl Pick {
         let copy =
             vk::BufferImageCopy::default().image_subresource(layers).image_extent(SIZE.into());
         let (from, to) = (self.color.handle, self.source.handle);
+        // The frame before reads the source in shaders, and copies it where a path starts.
+        let readers = vk::PipelineStageFlags::COMPUTE_SHADER
+            | vk::PipelineStageFlags::VERTEX_SHADER
+            | vk::PipelineStageFlags::FRAGMENT_SHADER
+            | vk::PipelineStageFlags::TRANSFER;
+        let (copies, none) = (vk::PipelineStageFlags::TRANSFER, vk::DependencyFlags::empty());
         // SAFETY: the commands are being recorded, outside a render pass.
-        unsafe { gpu.device.cmd_copy_image_to_buffer(commands, from, COPIED, to, &[copy]) };
+        unsafe {
+            gpu.device.cmd_pipeline_barrier(commands, readers, copies, none, &[], &[], &[]);
+            gpu.device.cmd_copy_image_to_buffer(commands, from, COPIED, to, &[copy]);
+        }
     }
 
     pub fn destroy(&mut self, gpu: &mut Gpu) {
