@@ -44,7 +44,8 @@ impl<T: Send> Pool<T> {
         let idle = self.0.lock().unwrap().pop();
         let opened = || {
             let item = open();
-            at_exit(move || self.0.lock().unwrap().clear());
+            let close = move || self.0.lock().unwrap().clear();
+            LAST.lock().unwrap().push(Box::new(close));
             item
         };
         Lent { item: Some(idle.unwrap_or_else(opened)), back: Some((self, check)) }
@@ -54,9 +55,9 @@ impl<T: Send> Pool<T> {
 /// What is left to do when the process ends.
 static LAST: Mutex<Vec<Box<dyn FnOnce() + Send>>> = Mutex::new(Vec::new());
 
-/// Does this when the process ends, before what libraries do then that are loaded by now: whatever is registered later
-/// comes first. So a device is opened before its end is registered.
-fn at_exit(last: impl FnOnce() + Send + 'static) {
+/// Has what is left done when the process ends, before all that libraries have asked for by now: what is asked for
+/// last comes first. Layers ask when they are used as well as when they are loaded, so each use of a device ends with this.
+fn close_at_exit() {
     unsafe extern "C" {
         safe fn atexit(function: extern "C" fn()) -> c_int;
     }
@@ -64,7 +65,6 @@ fn at_exit(last: impl FnOnce() + Send + 'static) {
         let last = std::mem::take(&mut *LAST.lock().unwrap());
         last.into_iter().for_each(|last| last());
     }
-    LAST.lock().unwrap().push(Box::new(last));
     assert_eq!(atexit(all), 0, "no more can be done at exit");
 }
 
@@ -104,6 +104,7 @@ impl<T> Drop for Lent<T> {
         {
             check(&item);
             pool.0.lock().unwrap().push(item);
+            close_at_exit();
         }
     }
 }
