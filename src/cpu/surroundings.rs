@@ -166,7 +166,7 @@ struct Surroundings {
     own: Block,
     /// Those with a margin.
     window: Block,
-    /// The window's. None if they are too long or too short: the engine's to report, with those of the whole surface.
+    /// Of the window. None if they are too long or too short: the engine's to report, with those of the whole surface.
     edges: Option<EdgeLengths<f64>>,
 }
 

@@ -58,6 +58,7 @@ static LAST: Mutex<Vec<Box<dyn FnOnce() + Send>>> = Mutex::new(Vec::new());
 /// Has what is left done when the process ends, before all that libraries have asked for by now: what is asked for
 /// last comes first. Layers ask when they are used as well as when they are loaded, so each use of a device ends with this.
 fn close_at_exit() {
+    // SAFETY: so C declares it, and it asks nothing of its caller.
     unsafe extern "C" {
         safe fn atexit(function: extern "C" fn()) -> c_int;
     }

@@ -51,9 +51,7 @@ fn check(case: impl Fn(u64) -> Case) {
         println!("{line}");
     }
     assert!(failures.is_empty(), "{} failures in {count} cases", failures.len());
-    // Each of three schedules counts. Measured: one case of 80, with a slowness and a curve, in all three alike: what a
-    // device rounds otherwise than a processor decides whether a front has turned around a corner.
-    assert!(apart.len() <= 3 + count / 40, "{} maps apart in {count} cases", apart.len());
+    assert!(apart.len() <= 1 + count / 200, "{} maps apart in {count} cases", apart.len());
 }
 
 #[test]
