@@ -49,18 +49,15 @@ float edge_in_tile(ivec2 at, ivec2 step) {
     return stored_length(lengths[spot(here ? at : at + step)], here ? step : -step);
 }
 
-// What front_at() is asked for: in which of the copies, while which of its lines is updated, beside a tile
-// whose first point in shared memory is `window`.
+// What front_at() is asked for: in which of the copies, beside a tile whose first point in shared memory is
+// `window`.
 int copy_here;
-ivec2 line_here;
-ivec2 axis_here;
 ivec2 window;
 
-// In and around the tile as the copy has it; beyond, and on the line that is being written, as it was before
-// the round.
+// In and around the tile as the copy has it; beyond, as it was before the round.
 vec2 front_at(ivec2 point) {
     ivec2 at = point - window;
-    if (in_grid(at, ivec2(SIDE)) && lines_ahead(at - line_here, axis_here) != 0) {
+    if (in_grid(at, ivec2(SIDE))) {
         int from = copy_here * AREA + spot(at);
         return vec2(times[from], carried[CARRIES ? from : 0]);
     }
@@ -145,8 +142,6 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
     if (CARRIES) held = vec2(carried[a], carried[b]).xyxy;
     Fronts fronts;
     copy_here = copy;
-    line_here = at;
-    axis_here = abs(ahead);
     Places pair = Places(window + at, along, ivec2(0), ahead, along);
     if (HAS_ANCHORS) {
         fronts = ways_to(sight_of_pair(ends, l1, l2), pair, 3u, uint(copy) + 1u, may_renew, time, held);
@@ -159,6 +154,8 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
         add_parts(pair, obtuse, obtuse.zwxy, fronts);
     }
     accept(fronts, uint(copy) + 1u, may_renew, time, held);
+    // Parts and anchors may be seen on the line itself.
+    if (SPLITS != 0 || HAS_ANCHORS) barrier();
     times[a] = time.x;
     times[b] = time.y;
     if (CARRIES) {

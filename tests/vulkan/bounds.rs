@@ -63,3 +63,10 @@ fn maps_keep_their_bounds_on_any_surface() {
 fn maps_keep_their_bounds_on_irregular_grids() {
     check(Case::irregular);
 }
+
+/// Where an obtuse triangle's part ends on the line that a scan of a tile is updating.
+#[test]
+fn tiles_see_what_changes_on_the_line_itself() {
+    let (failures, apart) = solve(&mut vulkan_solver(), &Case::new(7100));
+    assert_eq!([failures, apart].concat(), [""; 0]);
+}

@@ -156,19 +156,17 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
             let fronts = &self.fronts;
             for (index, copy) in self.copies.iter_mut().enumerate() {
                 let (behind, scan) = (&self.behind[index], index as u8 + 1);
-                let mut update = |row, col| {
-                    let point = chart.bordered(row, col);
-                    // Farther away, anchors are seen as they were before the round.
-                    let near = |x| chart.is_near(&block, x);
-                    let seen = |x| if near(x) { copy.at(x) } else { fronts.at(x) };
-                    let front = copy.reach_seen(point, behind, seen);
-                    copy.accept(point, front, scan, self.renews);
-                };
-                // The points of a line do not depend on one another.
+                // Farther away, fronts are seen as they were before the round.
+                let near = |x| chart.is_near(&block, x);
                 let (order, turned) = (Scan(scan), block.clone().by(Scan(scan).lines()));
                 for line in order.in_order(turned.rows) {
-                    for (row, col) in turned.cols.clone().map(|at| order.lines().place(line, at)) {
-                        update(row, col);
+                    let points = turned.cols.clone().map(|at| order.lines().place(line, at));
+                    let points = points.map(|(row, col)| chart.bordered(row, col));
+                    // All see the line as it was.
+                    let seen = |x| if near(x) { copy.at(x) } else { fronts.at(x) };
+                    let arrive = |point| (point, copy.reach_seen(point, behind, seen));
+                    for (point, front) in points.map(arrive).collect::<Vec<_>>() {
+                        copy.accept(point, front, scan, self.renews);
                     }
                 }
             }
