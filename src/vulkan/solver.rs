@@ -306,7 +306,7 @@ impl Solver {
 
         let begin = Instant::now();
         submitter.restart();
-        let seeds = seed_texels(seeds, &carried);
+        let seeds = seed_texels(seeds, &carried, wavefront);
         let begin_map = |recorder: &Recorder| {
             if start == Start::Fresh {
                 recorder.forget();

@@ -4,7 +4,7 @@ use super::TexelChart;
 pub(crate) use super::shaders::seed::SeedTexel;
 use crate::constants::WHOLE;
 use crate::surface::{FAR, Seed, Tagged};
-use crate::update::SEED;
+use crate::update::{SEED, Wavefront};
 
 /// Bytes of a source as `glsl/sources.comp` reads it.
 pub(crate) const SOURCE_BYTES: usize = 16;
@@ -19,12 +19,16 @@ pub(crate) fn curvatures(seeds: &[Seed]) -> Vec<f32> {
 
 /// Groups seeds by texel, since each texel is written by one invocation; with each of them what its front
 /// carries beside its time.
-pub(crate) fn seed_texels(seeds: &[Seed], carried: &[f32]) -> Vec<SeedTexel> {
+pub(crate) fn seed_texels(seeds: &[Seed], carried: &[f32], wavefront: Wavefront) -> Vec<SeedTexel> {
     let place = |seed: &Seed| TexelChart::texel_of(seed.row, seed.col);
+    let start = |seed: &Seed| match wavefront {
+        Wavefront::Curved => seed.start_of_curved(),
+        _ => seed.time as f32,
+    };
     let mut placed: Vec<_> = seeds
         .iter()
         .zip(carried)
-        .map(|(seed, carried)| (place(seed), seed.time, *carried))
+        .map(|(seed, carried)| (place(seed), start(seed), *carried))
         .collect();
     placed.sort_by_key(|&((row, col, _), ..)| (row, col));
     let mut texels: Vec<SeedTexel> = Vec::new();
@@ -35,7 +39,6 @@ pub(crate) fn seed_texels(seeds: &[Seed], carried: &[f32]) -> Vec<SeedTexel> {
             texels.push(SeedTexel { texel, unused: [0; 2], times, curvatures });
         }
         let last = texels.last_mut().expect("one was pushed above");
-        let time = time as f32;
         if time < last.times[component] {
             last.times[component] = time;
             last.curvatures[component] = carried;
@@ -64,7 +67,7 @@ mod tests {
     fn seeds_that_share_a_texel_are_written_together() {
         let seed = |row, col, time| Seed { row, col, time, curvature: 1.0, from: None };
         let seeds = [seed(3, 3, 1.0), seed(0, 0, 0.0), seed(2, 3, 2.0), seed(3, 3, 0.5)];
-        let texels = seed_texels(&seeds, &curvatures(&seeds));
+        let texels = seed_texels(&seeds, &curvatures(&seeds), Wavefront::Planar);
         assert_eq!(texels.len(), 2);
         assert_eq!((texels[0].texel, texels[0].times[0]), ([1, 1], 0.0));
         let far = FAR as f32;

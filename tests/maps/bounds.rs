@@ -58,3 +58,15 @@ fn maps_keep_their_bounds_on_any_surface() {
 fn maps_keep_their_bounds_on_irregular_grids() {
     check(Case::irregular, |count| 1 + count / 1000);
 }
+
+/// What leaves a curve arrives at its seeds as they do, but for rounding, and bent by the surface: white noise here.
+#[test]
+fn rounding_does_not_choose_between_a_curve_and_what_leaves_it() {
+    let case = Case::new(20187);
+    let single = EdgeLengths::<f32>::new(&case.surface).unwrap();
+    let double = EdgeLengths::<f64>::new(&case.surface).unwrap();
+    let single = cpu::rotated_scan(&single, &case.seeds(), Wavefront::Curved, SETTLED);
+    let double = cpu::rotated_scan(&double, &case.seeds(), Wavefront::Curved, SETTLED);
+    let most = case.bounds().difference(&single.distances(), &double.distances());
+    assert!(most < 1e-5, "{most:.1e} apart");
+}

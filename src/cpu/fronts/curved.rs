@@ -42,7 +42,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
 
     fn arrival_of_seed(&mut self, seed: &Seed) -> Front<R> {
         self.origins.add(seed);
-        Front { time: R::of(seed.time), curvature: R::of(seed.curvature), whole: true }
+        Front { time: seed.start_of_curved(), curvature: R::of(seed.curvature), whole: true }
     }
 
     fn forget(&mut self) {

@@ -62,6 +62,9 @@ pub struct Seed {
     pub from: Option<DVec2>,
 }
 
+/// Units in the last place of an arrival time that a curved update may be off by: a height over a base, and a sum.
+const SURELY_FIRST: f64 = 8.0;
+
 impl Seed {
     /// Curvature of a front at its point source: as good as infinite.
     pub const AT_SOURCE: f64 = crate::constants::SOURCE_CURVATURE;
@@ -69,6 +72,15 @@ impl Seed {
     /// A point source at a grid point.
     pub fn at_source(row: usize, col: usize, time: f64) -> Self {
         Self { row, col, time, curvature: Self::AT_SOURCE, from: None }
+    }
+
+    /// When a curved front starts here: beside a curve some units in the last place sooner, since what leaves the curve
+    /// comes by as late but for rounding, and with the surface's curvature. Which of the two stays would be chance,
+    /// and on rough surfaces a map would differ from another by hundredths.
+    pub(crate) fn start_of_curved<R: Real>(&self) -> R {
+        let is_of_curve = self.from.is_none() && self.curvature < Self::AT_SOURCE;
+        let rounding = self.time.abs() * SURELY_FIRST * R::epsilon().wide();
+        R::of(if is_of_curve { self.time - rounding } else { self.time })
     }
 
     /// Whether a map is later here, by more than rounding: a preliminary front has taken the seed's place and has been
