@@ -54,7 +54,10 @@ impl Instance {
         let layers = [validation::LAYER.as_ptr()];
         let settings = validation::settings();
         let mut settings = vk::LayerSettingsCreateInfoEXT::default().settings(&settings);
+        let log = Box::<ValidationLog>::default();
+        let mut messages = validation::messages_to(&log);
         if validate {
+            info = info.push_next(&mut messages);
             extensions.push(ext::validation_features::NAME.as_ptr());
             info = info.enabled_layer_names(&layers).push_next(&mut features);
             if validation::takes_settings(&entry) {
@@ -72,7 +75,7 @@ impl Instance {
         };
         let mut new = Self { _entry: entry, handle, messenger: None, debug_utils };
         if validate {
-            new.messenger = Some(Messenger::new(&new._entry, &new.handle)?);
+            new.messenger = Some(Messenger::new(&new._entry, &new.handle, log)?);
         }
         Ok(new)
     }

@@ -54,6 +54,19 @@ impl ValidationLog {
     }
 }
 
+/// Where messages go: also those of an instance's creation and destruction, if it is told of this. Else layers print
+/// them, among what a program does. The log, which keeps its address, is to outlive the instance.
+pub(crate) fn messages_to(log: &ValidationLog) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
+    vk::DebugUtilsMessengerCreateInfoEXT::default()
+        .message_severity(
+            vk::DebugUtilsMessageSeverityFlagsEXT::WARNING
+                | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,
+        )
+        .message_type(vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION)
+        .pfn_user_callback(Some(collect))
+        .user_data(std::ptr::from_ref(log).cast_mut().cast())
+}
+
 /// A debug messenger that fills a log.
 pub(crate) struct Messenger {
     loader: ext::debug_utils::Instance,
@@ -63,19 +76,15 @@ pub(crate) struct Messenger {
 }
 
 impl Messenger {
-    pub(crate) fn new(entry: &ash::Entry, instance: &ash::Instance) -> Result<Self, VulkanError> {
-        let log = Box::new(ValidationLog::default());
+    /// With a log that the instance has been told of.
+    pub(crate) fn new(
+        entry: &ash::Entry,
+        instance: &ash::Instance,
+        log: Box<ValidationLog>,
+    ) -> Result<Self, VulkanError> {
         let loader = ext::debug_utils::Instance::new(entry, instance);
-        let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
-            .message_severity(
-                vk::DebugUtilsMessageSeverityFlagsEXT::WARNING
-                    | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,
-            )
-            .message_type(vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION)
-            .pfn_user_callback(Some(collect))
-            .user_data(std::ptr::from_ref::<ValidationLog>(&log).cast_mut().cast());
         // SAFETY: the log is boxed and lives until the messenger is destroyed.
-        let messenger = unsafe { loader.create_debug_utils_messenger(&info, None) }
+        let messenger = unsafe { loader.create_debug_utils_messenger(&messages_to(&log), None) }
             .map_err(VulkanError::from_call("vkCreateDebugUtilsMessengerEXT"))?;
         Ok(Self { loader, messenger, log })
     }
