@@ -2,9 +2,10 @@
 
 use geosweep::cpu::{self, twins};
 use geosweep::surface::{EdgeLengths, Real};
-use geosweep::{Wavefront, cpu::Solution};
+use geosweep::{Sources, Spacing, Surface, Wavefront, cpu::Solution};
 
 use crate::common::bounds::{APART, Case, SETTLED, cases};
+use crate::common::rotated;
 
 fn checked<R: Real>(case: &Case, what: &str, solution: &Solution<R>) -> Result<Vec<f64>, String> {
     let distances = solution.distances();
@@ -69,4 +70,16 @@ fn rounding_does_not_choose_between_a_curve_and_what_leaves_it() {
     let double = cpu::rotated_scan(&double, &case.seeds(), Wavefront::Curved, SETTLED);
     let most = case.bounds().difference(&single.distances(), &double.distances());
     assert!(most < 1e-5, "{most:.1e} apart");
+}
+
+/// Nor is what leaves a straight curve bent around its ends, which lie on the border here.
+#[test]
+fn a_straight_curve_from_border_to_border_is_exact() {
+    let surface = Surface::from_heights(9, 9, vec![0.0; 81], Spacing::square(1.0)).unwrap();
+    let sources = Sources::curve([[0.0, 2.0], [8.0, 2.0]]);
+    let map = rotated::<f32>(&surface, &sources, Wavefront::Curved, SETTLED).distances();
+    for (index, distance) in map.into_iter().enumerate() {
+        let exact = (index as f32 % 9.0 - 2.0).abs();
+        approx::assert_abs_diff_eq!(distance, exact, epsilon = 1e-5);
+    }
 }

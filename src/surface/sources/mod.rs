@@ -76,11 +76,12 @@ impl Seed {
 
     /// When a curved front starts here: beside a curve some units in the last place sooner, since what leaves the curve
     /// comes by as late but for rounding, and with the surface's curvature. Which of the two stays would be chance,
-    /// and on rough surfaces a map would differ from another by hundredths.
+    /// and on rough surfaces a map would differ from another by hundredths. Not at a curve's ends, where what comes
+    /// from beside them is flatter and is to stay.
     pub(crate) fn start_of_curved<R: Real>(&self) -> R {
-        let is_of_curve = self.from.is_none() && self.curvature < Self::AT_SOURCE;
+        let is_beside = self.from.is_none() && (self.curvature * self.time).abs() < 0.5;
         let rounding = self.time.abs() * SURELY_FIRST * R::epsilon().wide();
-        R::of(if is_of_curve { self.time - rounding } else { self.time })
+        R::of(if is_beside { self.time - rounding } else { self.time })
     }
 
     /// Whether a map is later here, by more than rounding: a preliminary front has taken the seed's place and has been

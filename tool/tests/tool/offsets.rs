@@ -44,7 +44,7 @@ fn offsets_keep_to_their_side() {
     // Two curves that are not connected, one of them closed.
     let loops = bench.input("loop.csv", "5,50\n5,56\n11,56\n11,50\n5,50\n");
     let line = format!(
-        "offset {flat} --spacing 1 --source-curve {line} --source-curve {loops} --distances 2,4 \
+        "offset {flat} --spacing 1 --source-curve {line} --source-curve {loops} --distances 2,3.5 \
          --engine cpu --json -o two.svg --picture two.png"
     );
     let report = json(&done(&bench, &line));
