@@ -1,12 +1,11 @@
 //! What Vulkan offers on this machine.
 
-use std::ffi::CStr;
-
 use ash::vk;
 
 use super::VulkanError;
+use super::driver;
 use super::instance::Instance;
-use super::requirements::{API_VERSION, unmet, version_text};
+use super::requirements::{unmet, version_text};
 
 /// The kind of a device that computes on the processor's cores.
 const CPU: &str = "CPU";
@@ -47,7 +46,7 @@ pub struct DeviceInfo {
     pub api_version: String,
     /// Name and version of its driver, where the driver tells them.
     pub driver: String,
-    /// What it lacks for this crate; empty if it is usable.
+    /// What it lacks for this crate, or what its driver is known to do wrong; empty if it is usable.
     pub unmet: Vec<String>,
 }
 
@@ -131,6 +130,9 @@ fn describe(instance: &ash::Instance, index: usize, device: vk::PhysicalDevice) 
     // SAFETY: the physical device is from this instance.
     let properties = unsafe { instance.get_physical_device_properties(device) };
     let name = properties.device_name_as_c_str().unwrap_or(c"unnamed");
+    let driver = driver::words(instance, device, properties.api_version);
+    let mut unmet = unmet(instance, device);
+    unmet.extend(driver::known_fault(&driver).map(str::to_owned));
     DeviceInfo {
         index,
         name: name.to_string_lossy().into_owned(),
@@ -142,27 +144,9 @@ fn describe(instance: &ash::Instance, index: usize, device: vk::PhysicalDevice) 
             _ => "other",
         },
         api_version: version_text(properties.api_version),
-        driver: driver(instance, device, properties.api_version),
-        unmet: unmet(instance, device),
+        driver,
+        unmet,
     }
-}
-
-fn driver(instance: &ash::Instance, device: vk::PhysicalDevice, api_version: u32) -> String {
-    if api_version < API_VERSION {
-        return String::new();
-    }
-    let mut driver = vk::PhysicalDeviceDriverProperties::default();
-    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
-    // SAFETY: the physical device is from this instance and supports Vulkan 1.1; a driver that
-    // does not know the second structure leaves it zero.
-    unsafe { instance.get_physical_device_properties2(device, &mut properties) };
-    let text = |chars: &[std::ffi::c_char]| {
-        let bytes: Vec<u8> = chars.iter().map(|&char| char as u8).collect();
-        CStr::from_bytes_until_nul(&bytes)
-            .map_or(String::new(), |text| text.to_string_lossy().into())
-    };
-    let (name, info): (String, String) = (text(&driver.driver_name), text(&driver.driver_info));
-    format!("{name} {info}").trim().to_owned()
 }
 
 fn rank(kind: &str) -> usize {

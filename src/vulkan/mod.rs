@@ -18,6 +18,7 @@ mod ceilings;
 mod descriptors;
 mod device_memory;
 mod devices;
+mod driver;
 pub mod embed;
 mod error;
 pub(crate) mod grid_images;
