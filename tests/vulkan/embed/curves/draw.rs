@@ -10,7 +10,7 @@ use geosweep::vulkan::embed::{
 use geosweep::{Spacing, Wavefront};
 
 use crate::embed::stage::{RASTER, Stage};
-use crate::host::{Canvas, Host};
+use crate::host::{Canvas, Host, layers_version};
 
 const CHART: Chart = Chart { rows: 65, cols: 65 };
 const SIDE: u32 = 256;
@@ -195,15 +195,4 @@ fn a_reader_of_curves_that_is_not_named_is_reported() {
         assert!(messages.iter().all(is_hazard), "{what}: {messages:?}");
         assert!(!is_told || !messages.is_empty(), "{what}: nothing is reported");
     }
-}
-
-fn layers_version() -> u32 {
-    // SAFETY: the loader is this process's own, as in `Host`.
-    let entry = unsafe { ash::Entry::load() }.unwrap();
-    // SAFETY: it needs nothing but the loader.
-    let layers = unsafe { entry.enumerate_instance_layer_properties() }.unwrap();
-    let is_validation = |layer: &&vk::LayerProperties| {
-        layer.layer_name_as_c_str() == Ok(c"VK_LAYER_KHRONOS_validation")
-    };
-    layers.iter().find(is_validation).expect("the validation layers are installed").spec_version
 }
