@@ -18,6 +18,8 @@ pub(super) struct BatchLimits {
     pub(super) shared_memory: u32,
     /// Invocations of a workgroup.
     pub(super) invocations: u32,
+    /// Invocations of a subgroup.
+    pub(super) subgroup: u32,
     /// Layers of an image.
     pub(super) layers: u32,
     /// Bytes of a storage buffer.
@@ -25,7 +27,7 @@ pub(super) struct BatchLimits {
 }
 
 impl BatchLimits {
-    pub(super) fn of(properties: &vk::PhysicalDeviceProperties) -> Self {
+    pub(super) fn of(properties: &vk::PhysicalDeviceProperties, subgroup: u32) -> Self {
         let limits = &properties.limits;
         Self {
             on_cpu: properties.device_type == vk::PhysicalDeviceType::CPU,
@@ -33,6 +35,7 @@ impl BatchLimits {
             invocations: limits
                 .max_compute_work_group_invocations
                 .min(limits.max_compute_work_group_size[0]),
+            subgroup: subgroup.max(1),
             layers: limits.max_image_array_layers,
             buffer: limits.max_storage_buffer_range.into(),
         }
@@ -75,9 +78,10 @@ impl Workgroup {
         let pitch = [cols | 1, cols].into_iter().find(fits)?;
 
         let pairs = rows.max(cols).div_ceil(2);
-        let vector = if limits.on_cpu { 8 } else { 32 };
         let most = MOST_INVOCATIONS.min(limits.invocations);
-        let invocations = pairs.div_ceil(pairs.div_ceil(most)).next_multiple_of(vector).min(most);
+        // Whole subgroups: Mesa 22.3's lavapipe loses what the last one computes if it is none.
+        let pairs = pairs.div_ceil(pairs.div_ceil(most));
+        let invocations = pairs.next_multiple_of(limits.subgroup).min(most);
 
         let shares = |points: u32| 1 + points.div_ceil(2).div_ceil(invocations);
         let trips = 2 * (rows * shares(cols) + cols * shares(rows)) + 5;
@@ -204,6 +208,7 @@ mod tests {
         on_cpu: false,
         shared_memory: 16 << 10,
         invocations: 128,
+        subgroup: 32,
         layers: 256,
         buffer: 128 << 20,
     };
@@ -228,6 +233,16 @@ mod tests {
         let more = BatchLimits { shared_memory: 48 << 10, ..SMALLEST };
         let workgroup = Workgroup::fitting(square(64), Wavefront::Curved, &more).unwrap();
         assert_eq!(workgroup.pitch, 65);
+    }
+
+    #[test]
+    fn a_workgroup_has_whole_subgroups() {
+        let corridors = Chart { rows: 141, cols: 12 };
+        for (subgroup, invocations) in [(1, 71), (4, 72), (8, 72), (16, 80), (32, 96), (64, 128)] {
+            let limits = BatchLimits { subgroup, ..SMALLEST };
+            let workgroup = Workgroup::fitting(corridors, Wavefront::Planar, &limits).unwrap();
+            assert_eq!(workgroup.invocations, invocations, "{subgroup}");
+        }
     }
 
     #[test]

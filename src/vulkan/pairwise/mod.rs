@@ -86,11 +86,15 @@ impl Solver {
         let (chart, texels) = (grid.chart, grid.texels);
         let wavefront = wavefront.or_curved(Setting::of_engine(false));
         let (rows, cols, device) = (chart.rows, chart.cols, context.info.name.clone());
-        // SAFETY: the physical device is from this instance.
-        let properties = unsafe {
-            context.instance.handle.get_physical_device_properties(context.physical_device)
+        let mut subgroups = vk::PhysicalDeviceSubgroupProperties::default();
+        let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut subgroups);
+        let instance = &context.instance.handle;
+        // SAFETY: the physical device is from this instance, and supports Vulkan 1.1, as all that are used.
+        unsafe {
+            instance.get_physical_device_properties2(context.physical_device, &mut properties)
         };
-        let limits = BatchLimits::of(&properties);
+        let properties = properties.properties;
+        let limits = BatchLimits::of(&properties, subgroups.subgroup_size);
         let layout = BatchLayout::new(chart, texels, wavefront, schedule, &limits);
         let Some(layout) = layout else {
             let available = limits.shared_memory;
