@@ -26,6 +26,7 @@ fn each_iteration_visits_the_maps_that_have_not_converged() {
     let tuning = bench.solver.tuning();
     let sources = [Some(chart.index(20, 18)), None, Some(chart.index(1, 1)), Some(0)];
     let Bench { solver, on_device, .. } = &mut bench;
+    let counts = solver.capabilities().unwrap().statistics.is_ok();
     for wavefront in Wavefront::ALL {
         let images = Some(PairwiseSchedule::Images);
         let mut pairwise = solver.pairwise(on_device, wavefront, images).unwrap();
@@ -92,7 +93,8 @@ fn each_iteration_visits_the_maps_that_have_not_converged() {
             if grain == Grain::Blocks {
                 for pass in profile.passes().filter(|pass| pass.area.is_some()) {
                     let groups: u32 = pass.groups.unwrap().iter().product();
-                    assert_eq!(pass.invocations, Some(u64::from(groups * tuning.scan_width)));
+                    let invocations = u64::from(groups * tuning.scan_width);
+                    assert_eq!(pass.invocations, counts.then_some(invocations));
                 }
             }
             let kinds = [PassKind::Start, PassKind::Seed, PassKind::Unpack];
@@ -132,7 +134,7 @@ fn maps_in_shared_memory_agree_with_a_count_by_hand() {
     // Holes take a workgroup that does nothing.
     let (_, with_hole) = workgroups(&[None, Some(source), None], once);
     assert_eq!((with_hole.work, with_hole.groups), (one.work, Some([3, 1, 1])));
-    assert_eq!(with_hole.invocations.unwrap(), 3 * one.invocations.unwrap());
+    assert_eq!(with_hole.invocations, one.invocations.map(|one| 3 * one));
     // Later iterations go through all lines.
     let (iterations, all) = workgroups(&[Some(source)], CONVERGED);
     assert!(iterations > 1);
