@@ -31,7 +31,8 @@ pub(super) fn words(
 
 /// What is wrong with a driver of this name and version, and what to do; `None` of most.
 pub(super) fn known_fault(words: &str) -> Option<&'static str> {
-    // Measured with 24.0.5: whole tiles are left out, and maps of pairs end early. 22.3, 25.0 and 25.2 are right.
+    // Measured with 24.0.5: whole tiles are left out, and maps of pairs end early, since loops end after fewer trips
+    // than elsewhere. 22.3, 25.0 and 25.2 are right.
     words.starts_with("llvmpipe Mesa 24.0.").then_some(
         "lavapipe of Mesa 24.0 leaves out parts of maps: install a newer Mesa, which Ubuntu 24.04 has among its updates",
     )

@@ -79,7 +79,7 @@ impl Workgroup {
 
         let pairs = rows.max(cols).div_ceil(2);
         let most = MOST_INVOCATIONS.min(limits.invocations);
-        // Whole subgroups: Mesa 22.3's lavapipe loses what the last one computes if it is none.
+        // Whole subgroups: Mesa 22.3's lavapipe may lose what one computes that is filled in part.
         let pairs = pairs.div_ceil(pairs.div_ceil(most));
         let invocations = pairs.next_multiple_of(limits.subgroup).min(most);
 

@@ -134,6 +134,7 @@ fn maps_in_shared_memory_agree_with_a_count_by_hand() {
     // Holes take a workgroup that does nothing.
     let (_, with_hole) = workgroups(&[None, Some(source), None], once);
     assert_eq!((with_hole.work, with_hole.groups), (one.work, Some([3, 1, 1])));
+    assert_eq!(one.invocations.is_some(), solver.capabilities().unwrap().statistics.is_ok());
     assert_eq!(with_hole.invocations, one.invocations.map(|one| 3 * one));
     // Later iterations go through all lines.
     let (iterations, all) = workgroups(&[Some(source)], CONVERGED);
