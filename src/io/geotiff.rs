@@ -127,7 +127,7 @@ impl GeoTags {
         let point = self.key(geo_key::RASTER_TYPE) == Some(geo_key::PIXEL_IS_POINT);
         let half = if point { 0.0 } else { 0.5 };
         let origin = std::array::from_fn(|k| origin[k] + half * (down[k] + right[k]));
-        Ok(Georeference { origin, down, right, system })
+        Ok(Georeference { origin, down, right, system: Some(system) })
     }
 
     fn transform(&self) -> Result<Transform, String> {
@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn pixels_lie_by_their_middles_or_where_they_are_points() {
         let area = tags(&UTM).georeference().unwrap();
-        assert_eq!(area.system, CoordinateSystem::Projected(32616));
+        assert_eq!(area.system, Some(CoordinateSystem::Projected(32616)));
         // Row 2, column 1 has its upper left corner at the tie point.
         assert_eq!(area.coordinates([2.0, 1.0]), [5e5 + 15.0, 4e6 - 10.0]);
         assert_eq!(area.coordinates([3.0, 3.0]), [5e5 + 75.0, 4e6 - 30.0]);
@@ -205,7 +205,7 @@ mod tests {
         matrix[..8].copy_from_slice(&[0.0, 0.5, 0.0, 10.0, 0.25, 0.0, 0.0, 50.0]);
         tags.transformation = Some(matrix);
         let found = tags.georeference().unwrap();
-        assert_eq!(found.system, CoordinateSystem::WGS_84);
+        assert_eq!(found.system, Some(CoordinateSystem::WGS_84));
         // X grows by 0.5 a row, Y by 0.25 a column.
         assert_eq!(found.coordinates([2.0, 4.0]), [10.0 + 0.5 * 2.5, 50.0 + 0.25 * 4.5]);
     }

@@ -18,10 +18,12 @@ const METRE_DIGITS: i32 = 4;
 pub fn write(writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
     let georeference = drawing.georeference.as_ref();
     let georeference = georeference.ok_or_else(|| io::Error::other("there is no georeference"))?;
+    let system = georeference.system;
+    let system = system.ok_or_else(|| io::Error::other("the coordinate system has no name"))?;
     let collection = FeatureCollection {
         bbox: None,
         features: drawing.polylines.iter().map(|line| feature(line, georeference)).collect(),
-        foreign_members: named(georeference.system),
+        foreign_members: named(system),
     };
     writeln!(writer, "{collection}")
 }
@@ -40,8 +42,8 @@ fn object<const N: usize>(members: [(&str, JsonValue); N]) -> JsonObject {
 
 fn feature(polyline: &Polyline, georeference: &Georeference) -> Feature {
     let digits = match georeference.system {
-        CoordinateSystem::Geographic(_) => DEGREE_DIGITS,
-        CoordinateSystem::Projected(_) => METRE_DIGITS,
+        Some(CoordinateSystem::Geographic(_)) => DEGREE_DIGITS,
+        _ => METRE_DIGITS,
     };
     let place = |(vertex, at): ([f64; 2], DVec3)| {
         let [east, north] = georeference.coordinates(vertex).map(|c| rounded(c, digits));
