@@ -39,6 +39,7 @@ mod map;
 mod method;
 mod name;
 pub mod pairwise;
+pub mod shown;
 mod solve;
 mod stop;
 pub mod surface;

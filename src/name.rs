@@ -1,8 +1,10 @@
 //! Names of choices, as the tool and reports have them.
 
+use crate::shown::excerpt;
+
 /// A text that names none of the choices there are.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no {what} is called `{text}`; there are {}", names.join(", "))]
+#[error("no {what} is called `{}`; there are {}", excerpt(text), names.join(", "))]
 pub struct UnknownName {
     what: &'static str,
     text: String,

@@ -79,12 +79,11 @@ pub const DEFAULT_TOLERANCE_F64: f64 = 1e-13;
 pub struct Options {
     /// Which engine.
     pub engine: Engine,
-    /// The front assumed inside a triangle. By default curved, the most accurate on smooth
-    /// surfaces and from curves, and as good as the circular one on rough terrain; but
+    /// The front assumed inside a triangle. By default curved, over a slowness too: the most accurate
+    /// on smooth surfaces and from curves, and as good as the circular one on rough terrain. But
     /// [`Wavefront::Anchored`], which is exact, over floor plans ([`Surface::is_floor_plan`]) from
-    /// points; circular for point sources that start together on a surface with a slowness, which
-    /// may jump from point to point; and planar for fast marching. A curved map takes about twice
-    /// the time of a circular one, one with anchors less.
+    /// points; and planar on surfaces that turn at random and for fast marching. A curved map takes
+    /// about twice the time of a circular one, one with anchors less.
     pub wavefront: Option<Wavefront>,
     /// The order of updates on a Vulkan device, which makes no difference to the map; by default
     /// [`Schedule::best_on`] the device. The CPU's engines have one order each.

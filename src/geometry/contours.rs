@@ -5,6 +5,8 @@ use rayon::prelude::*;
 use super::Curve;
 use super::arrivals::Arrivals;
 use super::chains::{Segment, join};
+use super::crest;
+use crate::shown::exact;
 use crate::surface::{Edge, triangles};
 use crate::{DistanceMap, Sources};
 
@@ -27,10 +29,10 @@ pub enum LevelError {
     #[error("contour level {0} is not finite")]
     NotFinite(f64),
     /// A spacing is zero, negative or not finite.
-    #[error("contours {0} apart cannot be drawn; the spacing must be positive and finite")]
+    #[error("contours {} apart cannot be drawn; the spacing must be positive and finite", exact(*.0))]
     Spacing(f64),
     /// Too many levels.
-    #[error("{0:.0} contour levels are too many; the limit is {MOST_LEVELS}")]
+    #[error("{} contour levels are too many; the limit is {MOST_LEVELS}", exact(.0.round()))]
     TooMany(f64),
 }
 
@@ -64,7 +66,9 @@ impl Levels {
                 if !(*step > 0.0 && step.is_finite()) {
                     return Err(LevelError::Spacing(*step));
                 }
-                let (first, last) = ((low / step).floor() + 1.0, (high / step).floor());
+                // With the largest distance, if that is a multiple but for rounding.
+                let top = high + crest::rounding(low, high);
+                let (first, last) = ((low / step).floor() + 1.0, (top / step).floor());
                 too_many(last - first + 1.0)?;
                 (first as i64..=last as i64).map(|k| k as f64 * step).collect()
             }
@@ -93,7 +97,8 @@ pub struct Contour {
 /// through four points in line takes the level: exactly on circles in the plane, however near the
 /// source. Where fronts meet, the curve's corner is cut inside a triangle. A contour that passes
 /// between grid points without separating any, around a source inside a cell for example, is not
-/// found.
+/// found. Curves at the largest distance, as along a border that is equally far everywhere, join the grid
+/// points that have it, but for rounding; a single one is no curve.
 ///
 /// ```
 /// use geosweep::geometry::{Levels, contours};
@@ -125,6 +130,16 @@ pub fn contours(map: &DistanceMap, sources: &Sources, levels: &[f64]) -> Vec<Con
     let mut by_level = vec![Vec::new(); ascending.len()];
     for (level, curve) in curves {
         by_level[level as usize].push(curve);
+    }
+    let largest = map.report.max_distance;
+    let rounding = crest::rounding(sources.start(), largest);
+    for (level, found) in ascending.iter().zip(&mut by_level) {
+        if (level - largest).abs() <= rounding {
+            let crest = crest::curves(&arrivals, largest - rounding);
+            if !crest.is_empty() {
+                *found = crest;
+            }
+        }
     }
     let of_level = |&level: &f64| {
         let found = ascending.binary_search_by(|other| other.total_cmp(&level));

@@ -6,6 +6,7 @@ mod arrivals;
 pub mod canonical;
 mod chains;
 mod contours;
+mod crest;
 mod curve;
 mod map_error;
 mod offset;

@@ -19,12 +19,13 @@ mod limits;
 mod map_file;
 mod matrix_file;
 mod npy;
+mod places;
 mod ply;
 mod png;
 mod surface_file;
 mod tiff;
 
-pub use arrays::{Grid, read_curves, read_mask, read_metric, read_points, read_slowness};
+pub use arrays::{Grid, read_mask, read_metric, read_slowness};
 pub use atomic::{OutputFile, StagedFile};
 pub use curves::{Attribute, CurveFormat, Drawing, Polyline};
 pub use error::IoError;
@@ -36,6 +37,7 @@ pub use matrix_file::{
     surface_checksum,
 };
 pub use npy::write_npy;
+pub use places::{GridFrame, PlaceFile, PlacedCurve, PlacedPoint};
 pub use ply::write_ply;
 pub use surface_file::SurfaceFile;
 

@@ -8,6 +8,7 @@ use std::io::{self, Read, Write};
 use half::f16;
 
 use super::limits::check_memory;
+use crate::shown::excerpt;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
@@ -51,10 +52,14 @@ impl NpyArray {
     }
 }
 
+/// Most axes of a shape in a message.
+const MOST_AXES: usize = 8;
+
 /// `(3, 4)`, as NumPy writes it.
 pub(super) fn shape_text(shape: &[usize]) -> String {
-    let sizes: Vec<_> = shape.iter().map(usize::to_string).collect();
-    format!("({})", sizes.join(", "))
+    let sizes: Vec<_> = shape.iter().take(MOST_AXES).map(usize::to_string).collect();
+    let more = if shape.len() > MOST_AXES { ", ..." } else { "" };
+    format!("({}{more})", sizes.join(", "))
 }
 
 impl Header {
@@ -131,6 +136,7 @@ fn parse_shape(text: &str) -> Result<Vec<usize>, String> {
     }
     let size = |text: &str| text.trim().parse();
     sizes.split(',').map(size).collect::<Result<_, _>>().map_err(|_| {
+        let sizes = excerpt(sizes);
         format!("the .npy header's 'shape' ({sizes}) is no list of sizes that fit this machine")
     })
 }
@@ -141,6 +147,7 @@ impl Dtype {
         let quote = text.chars().next().filter(|c| matches!(c, '\'' | '"'));
         let inside = quote.and_then(|quote| text[1..].split_once(quote));
         let unknown = |name: &str| {
+            let name = excerpt(name);
             format!(
                 "elements of type {name} are not supported; \
                  use booleans, integers, float16, float32 or float64, e.g. array.astype('float32')"

@@ -287,18 +287,23 @@ impl Surface {
 }
 
 impl Surface {
-    /// A value that is no length of any kind, where it makes an edge too long: often it stands for
-    /// no data and nobody says so.
+    /// The value that makes an edge too long, if it is no length of any kind: often it stands for no data.
     fn cause(&self, error: SurfaceError) -> SurfaceError {
-        let SurfaceError::EdgeLength { row, col, .. } = error else { return error };
-        // The bends of an edge depend on as many points around it.
-        let around = self.chart().around((row, col), 3).places();
+        let SurfaceError::EdgeLength { row, col, length, .. } = error else { return error };
         let value = |(row, col)| {
             let index = self.chart().index(row, col);
             let value = self.geometry().beyond(index, LONGEST_EDGE);
             Some((row, col, value.filter(|_| self.has(row, col))?))
         };
-        around.filter_map(value).next().map_or(error, |(row, col, value)| SurfaceError::TooLarge {
+        // The bends of an edge depend on as many points around it.
+        let near = || self.chart().around((row, col), 3).places().find_map(value);
+        // One that moves the middle of the surface beyond single precision spoils all edges.
+        let anywhere = || {
+            let points = (0..self.chart().points()).map(|index| self.chart().position(index));
+            points.filter_map(value).reduce(|a, b| if b.2.abs() > a.2.abs() { b } else { a })
+        };
+        let found = if length.is_finite() { near() } else { anywhere() };
+        found.map_or(error, |(row, col, value)| SurfaceError::TooLarge {
             what: self.geometry().what(),
             value,
             row,
@@ -340,6 +345,36 @@ mod tests {
                 let expected = if there { whole.length(row + r, col + c, to) } else { f32::FAR };
                 assert_eq!(window.length(r, c, to), expected, "{r},{c} {to:?}");
             }
+        }
+    }
+
+    proptest::proptest! {
+        /// However large a value is, and wherever it lies, it is the one that is named.
+        #[test]
+        fn the_largest_value_is_named(
+            (rows, cols) in (1usize..20, 2usize..90),
+            at in 0.0..1.0f64,
+            exponent in 13i32..308,
+            axis in 0usize..4,
+            negative: bool,
+        ) {
+            let at = (at * (rows * cols) as f64) as usize;
+            let value = if negative { -1.0 } else { 1.0 } * 10f64.powi(exponent);
+            let chart = Chart { rows, cols };
+            let surface = if axis == 3 {
+                let mut heights = vec![0.5; rows * cols];
+                heights[at] = value;
+                Surface::from_heights(rows, cols, heights, Spacing::square(1.0)).unwrap()
+            } else {
+                let place = |(row, col)| DVec3::new(col as f64, row as f64, 1.0);
+                let mut positions: Vec<_> = chart.places().map(place).collect();
+                positions[at][axis] = value;
+                Surface::from_positions(rows, cols, positions).unwrap()
+            };
+            let error = surface.check_edges().unwrap_err();
+            let (row, col) = chart.position(at);
+            let what = surface.geometry().what();
+            proptest::prop_assert_eq!(error, SurfaceError::TooLarge { what, value, row, col });
         }
     }
 

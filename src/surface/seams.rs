@@ -17,6 +17,14 @@ pub enum Seam {
         /// Whether the first point of one is the last of the other.
         reversed: bool,
     },
+    /// Two opposite sides of the grid are neighbours one cell apart, as on a globe that is sampled at the
+    /// middles of its cells. Distances do not pass from one to the other.
+    Neighbours {
+        /// Which.
+        sides: [GridSide; 2],
+        /// Whether the first point of one is beside the last of the other.
+        reversed: bool,
+    },
     /// The two halves of a side coincide, as in geometry images. Distances do not pass.
     Fold(GridSide),
     /// A side is a single point, as at the poles of a sphere.
@@ -42,6 +50,13 @@ pub enum GridSide {
     LastColumn,
 }
 
+impl GridSide {
+    fn is_opposite(self, other: Self) -> bool {
+        use GridSide::{FirstColumn, FirstRow, LastColumn, LastRow};
+        matches!((self, other), (FirstRow, LastRow) | (FirstColumn, LastColumn))
+    }
+}
+
 impl Display for GridSide {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -62,6 +77,12 @@ impl Display for Seam {
             Self::Sides { sides: [a, b], reversed: true } => {
                 write!(f, "its {a} and its {b} coincide in reverse order")
             }
+            Self::Neighbours { sides: [a, b], reversed: false } => {
+                write!(f, "its {a} and its {b} are neighbours one cell apart")
+            }
+            Self::Neighbours { sides: [a, b], reversed: true } => {
+                write!(f, "its {a} and its {b} are neighbours one cell apart in reverse order")
+            }
             Self::Fold(side) => write!(f, "the halves of its {side} coincide"),
             Self::Pole { side, exact: true } => write!(f, "its {side} is a single point"),
             Self::Pole { side, exact: false } => write!(f, "its {side} is nearly a single point"),
@@ -73,8 +94,14 @@ impl Display for Seam {
 /// apart, and more than the rounding of half precision, in which geometry images are stored too.
 const COINCIDENT: f64 = 0.05;
 
+/// Sides are neighbours if the step from one to the other is at most so many times longer or shorter than the
+/// steps of the grid on both sides of it...
+const MOST_UNEVEN: f64 = 2.0;
+/// ... and turns from them by no more than 60 degrees, by its cosine.
+const LEAST_COSINE: f64 = 0.5;
+
 impl Surface {
-    /// Where its sides coincide, at points that are no holes. Only a surface of positions is known to be
+    /// Where its sides coincide or are neighbours, at points that are no holes. Only a surface of positions is known to be
     /// closed; others have no seams.
     ///
     /// ```
@@ -105,6 +132,11 @@ impl Surface {
                 let reversed = [false, true].into_iter().find(|&reversed| a.is_along(b, reversed));
                 let of = |reversed| Seam::Sides { sides: [a.side, b.side], reversed };
                 seams.extend(reversed.map(of));
+                if reversed.is_none() && a.side.is_opposite(b.side) {
+                    let reversed = [false, true].into_iter().find(|&way| a.is_beside(b, way));
+                    let of = |reversed| Seam::Neighbours { sides: [a.side, b.side], reversed };
+                    seams.extend(reversed.map(of));
+                }
             }
         }
         seams
@@ -120,16 +152,32 @@ struct Rim {
 struct RimPoint {
     index: usize,
     position: DVec3,
-    /// The length of the edge that leads inwards; 0 if there is none.
-    depth: f64,
+    /// The edge that leads inwards, if there is one.
+    inwards: Option<DVec3>,
 }
 
 impl RimPoint {
     /// Nothing for the very same point of the grid, which two sides share at a corner.
     fn coincides(&self, other: &Self) -> Option<bool> {
         let apart = self.position.distance(other.position);
-        let near = COINCIDENT * self.depth.max(other.depth);
+        let near = COINCIDENT * self.depth().max(other.depth());
         (self.index != other.index).then_some(apart <= near)
+    }
+
+    /// The length of the edge that leads inwards; 0 if there is none.
+    fn depth(&self) -> f64 {
+        self.inwards.map_or(0.0, DVec3::length)
+    }
+
+    /// Whether the grid goes on from another point to this one as it does before and behind.
+    fn follows(&self, other: &Self) -> Option<bool> {
+        let step = self.position - other.position;
+        let alike = |edge: DVec3| {
+            let (along, product) = (step.dot(edge), step.length() * edge.length());
+            let ratio = step.length() / edge.length();
+            along >= LEAST_COSINE * product && (1.0 / MOST_UNEVEN..=MOST_UNEVEN).contains(&ratio)
+        };
+        Some(alike(self.inwards?) && alike(-other.inwards?))
     }
 }
 
@@ -149,8 +197,8 @@ impl Rim {
         let point = |k| {
             let [at, behind] = places(k);
             let position = place(at)?;
-            let depth = place(behind).map_or(0.0, |behind| behind.distance(position));
-            Some(RimPoint { index: chart.index(at.0, at.1), position, depth })
+            let inwards = place(behind).map(|behind| behind - position);
+            Some(RimPoint { index: chart.index(at.0, at.1), position, inwards })
         };
         let length = match side {
             GridSide::FirstRow | GridSide::LastRow => cols,
@@ -178,6 +226,15 @@ impl Rim {
         coincide(self.points.iter().zip(self.points.iter().rev()).take(half))
     }
 
+    /// Whether the grid goes on from another side to this one.
+    fn is_beside(&self, other: &Self, reversed: bool) -> bool {
+        let follows = |(a, b): Pair| a.as_ref()?.follows(b.as_ref()?);
+        match reversed {
+            false => all_known(self.points.iter().zip(&other.points).map(follows)),
+            true => all_known(self.points.iter().zip(other.points.iter().rev()).map(follows)),
+        }
+    }
+
     fn is_along(&self, other: &Self, reversed: bool) -> bool {
         self.points.len() == other.points.len()
             && match reversed {
@@ -187,16 +244,25 @@ impl Rim {
     }
 }
 
+/// Two points of the border, if they are no holes.
+type Pair<'a> = (&'a Option<RimPoint>, &'a Option<RimPoint>);
+
 /// Whether two pairs and more are there, and all of them coincide.
-fn coincide<'a>(pairs: impl Iterator<Item = (&'a Option<RimPoint>, &'a Option<RimPoint>)>) -> bool {
-    let known = pairs.filter_map(|(a, b)| a.as_ref()?.coincides(b.as_ref()?));
+fn coincide<'a>(pairs: impl Iterator<Item = Pair<'a>>) -> bool {
+    all_known(pairs.map(|(a, b)| a.as_ref()?.coincides(b.as_ref()?)))
+}
+
+/// Whether something holds wherever it is known, at two places and more.
+fn all_known(found: impl Iterator<Item = Option<bool>>) -> bool {
     let mut count = 0;
-    known.inspect(|_| count += 1).all(|coincides| coincides) && count >= 2
+    found.flatten().inspect(|_| count += 1).all(|holds| holds) && count >= 2
 }
 
 #[cfg(test)]
 mod tests {
     use std::f64::consts::{PI, TAU};
+
+    use proptest::prelude::*;
 
     use super::*;
     use crate::surface::Spacing;
@@ -221,8 +287,10 @@ mod tests {
     #[test]
     fn a_tube_is_closed_where_its_columns_coincide() {
         assert_eq!(names(&tube(1.0)), ["its first column and its last column coincide"]);
-        // One column more or less is a gap, or an overlap, of the surface.
-        assert!(tube(32.0 / 33.0).seams().is_empty());
+        // With a column less its last is beside its first; with two less, or one more, it is open.
+        let beside = "its first column and its last column are neighbours one cell apart";
+        assert_eq!(names(&tube(32.0 / 33.0)), [beside]);
+        assert!(tube(32.0 / 35.5).seams().is_empty());
         assert!(tube(33.0 / 32.0).seams().is_empty());
         // Rounded to half precision it is closed still.
         let half = |x: f64| (1024.0 * x).round() / 1024.0;
@@ -272,6 +340,50 @@ mod tests {
         assert_eq!(names(&ball(f64::sin)), [north, nearly, seam]);
         let exact = |x: f64| if x == PI { 0.0 } else { x.sin() };
         assert_eq!(names(&ball(exact)), [north, south, seam]);
+    }
+
+    proptest! {
+        /// Closed surfaces that are sampled at the middles of their cells: balls, tori, and Moebius strips, of
+        /// which a part of the seam may be missing. Without the last two columns they are open.
+        #[test]
+        fn sides_one_cell_apart_are_neighbours(
+            rows in 5usize..30,
+            cols in 9usize..40,
+            kind in 0usize..3,
+            stretch in 0.3..3.0f64,
+            hole in 0usize..4,
+        ) {
+            let at = |v: f64, u: f64| {
+                let (sin, cos) = (TAU * u).sin_cos();
+                match kind {
+                    0 => DVec3::new((PI * v).sin() * cos, (PI * v).sin() * sin, stretch * (PI * v).cos()),
+                    1 => {
+                        let radius = 2.0 + stretch * 0.5 * (TAU * v).cos();
+                        DVec3::new(radius * cos, radius * sin, (TAU * v).sin())
+                    }
+                    _ => {
+                        let (across, half) = (stretch * (v - 0.5), PI * u);
+                        let radius = 4.0 + across * half.cos();
+                        DVec3::new(radius * cos, radius * sin, across * half.sin())
+                    }
+                }
+            };
+            let middles = |kept: usize| {
+                let chart = Chart { rows, cols: kept };
+                let point = |(row, col)| at((row as f64 + 0.5) / rows as f64, (col as f64 + 0.5) / cols as f64);
+                let mut positions: Vec<_> = chart.places().map(point).collect();
+                (0..hole).for_each(|row| positions[chart.index(row, 0)] = DVec3::NAN);
+                Surface::from_positions(rows, kept, positions).unwrap()
+            };
+            let (columns, rows_too) = ([GridSide::FirstColumn, GridSide::LastColumn], [GridSide::FirstRow, GridSide::LastRow]);
+            let seam = Seam::Neighbours { sides: columns, reversed: kind == 2 };
+            let found = middles(cols).seams();
+            prop_assert!(found.contains(&seam), "{found:?}");
+            // Rows of a torus that are few or uneven turn too sharply.
+            let around = Seam::Neighbours { sides: rows_too, reversed: false };
+            prop_assert!(found.iter().all(|found| *found == seam || kind == 1 && *found == around), "{found:?}");
+            prop_assert!(!middles(cols - 2).seams().contains(&seam));
+        }
     }
 
     /// A square folded to a bag: a geometry image of a closed surface has such sides.

@@ -3,6 +3,9 @@
 use geosweep::geometry::{LevelError, Levels, contours};
 use geosweep::surface::builtin::Builtin;
 use geosweep::{DistanceMap, Engine, Options, Sources, Spacing, Surface, distance_map};
+use proptest::prelude::*;
+
+use crate::common::cases;
 
 fn solve(surface: &Surface, sources: &Sources) -> DistanceMap {
     let options = Options { engine: Engine::Cpu, ..Options::default() };
@@ -48,6 +51,69 @@ fn contours_lie_within_a_tenth_of_a_cell_of_the_exact_curve() {
             println!("{builtin} {source:?}: {worst:.4} cells, {vertices} places");
             assert!(vertices > 5000 && worst < 0.1, "{builtin} {source:?}: {worst} cells");
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(100))]
+
+    /// Where a whole border, or a line between two sources, is equally far, its curve is found at the exact
+    /// distance, at the map's largest one, and as the last multiple of a spacing.
+    #[test]
+    fn the_largest_distance_has_a_curve_where_points_side_by_side_have_it(
+        (rows, cols) in (2usize..40, 2usize..40),
+        spacing in (0.01..100.0f64, 0.01..100.0f64),
+        start in prop::sample::select(vec![0.0, 3.0]),
+        from_last: bool,
+        along_rows: bool,
+        both: bool,
+    ) {
+        let (dx, dy) = spacing;
+        let cols = if both { 2 * (cols / 2) + 1 } else { cols };
+        let heights = vec![0.0; rows * cols];
+        let surface = match along_rows {
+            true => Surface::from_heights(cols, rows, heights, Spacing { dx: dy, dy: dx }),
+            false => Surface::from_heights(rows, cols, heights, Spacing { dx, dy }),
+        };
+        let surface = surface.unwrap();
+        let (last_row, last_col) = ((rows - 1) as f64, (cols - 1) as f64);
+        let place = |row: f64, col: f64| if along_rows { [col, row] } else { [row, col] };
+        let line = |col: f64| [place(0.0, col), place(last_row, col)];
+        let near = if from_last { last_col } else { 0.0 };
+        let mut sources = Sources::default().and_curve(line(near), start);
+        if both {
+            sources = sources.and_curve(line(last_col - near), start);
+        }
+        let map = solve(&surface, &sources);
+        let far = if both { 0.5 * last_col } else { last_col - near };
+        let exact = start + (far - near).abs() * dx;
+        let every = Levels::Spacing(exact / 4.0).on(&map, &sources).unwrap();
+        let levels = [exact, map.report.max_distance, every[every.len() - 1]];
+        for contour in contours(&map, &sources, &levels) {
+            let [curve] = &contour.curves[..] else { panic!("{contour:?}") };
+            prop_assert!(!curve.closed);
+            let length = curve.length(&surface).unwrap();
+            prop_assert!((length - last_row * dy).abs() < 1e-9 * length, "{length}");
+            prop_assert!(curve.vertices.iter().all(|&[row, col]| [row, col][usize::from(!along_rows)] == far));
+            if !both {
+                // On the left, as rows run downwards: a step to the left of (down, right) is (-right, down).
+                let (a, b) = (curve.vertices[0], curve.vertices[1]);
+                let left = [a[0] - b[1], b[0] - a[0]];
+                let left = [left[0] + a[1], left[1]];
+                let inwards = left[usize::from(!along_rows)];
+                prop_assert!(inwards * (near - far) > 0.0, "{curve:?}");
+            }
+        }
+    }
+
+    /// The corner that is farthest is no curve.
+    #[test]
+    fn a_single_farthest_point_has_no_curve((rows, cols) in (2usize..30, 2usize..30), last: bool) {
+        let source = if last { [rows - 1, cols - 1] } else { [0, 0] };
+        let sources = Sources::point(source[0] as f64, source[1] as f64);
+        let map = solve(&flat(rows, cols), &sources);
+        let found = contours(&map, &sources, &[map.report.max_distance]);
+        prop_assert!(found[0].curves.is_empty(), "{found:?}");
     }
 }
 

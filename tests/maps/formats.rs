@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use geosweep::Spacing;
 use geosweep::io::{
-    Grid, IoError, MapFormat, SurfaceFile, read_curves, read_map, read_mask, read_metric,
+    Grid, GridFrame, IoError, MapFormat, PlaceFile, SurfaceFile, read_map, read_mask, read_metric,
     read_slowness, write_npy,
 };
-use geosweep::surface::Geometry;
+use geosweep::surface::{Chart, Geometry};
 use tempfile::TempDir;
 
 const ROWS: usize = 5;
@@ -171,15 +171,29 @@ fn every_array_finds_its_meaning() {
     let path = folder.file("s.npy", &npy(&[ROWS, COLS], &[2.0; ROWS * COLS]));
     assert_eq!(read_slowness(&path).unwrap().values, [2.0; ROWS * COLS]);
 
+    let frame =
+        GridFrame { chart: Chart { rows: ROWS, cols: COLS }, georeference: Err("none".into()) };
+    let curves = |path: &Path| {
+        let curves = PlaceFile::read(path)?.curves(&frame)?.into_iter();
+        Ok::<_, IoError>(curves.map(|curve| (curve.vertices, curve.start)).collect::<Vec<_>>())
+    };
     let path = folder.file("c.npy", &npy(&[2, 2], &[1.0, 2.0, 3.0, 4.5]));
-    assert_eq!(read_curves(&path).unwrap(), [[[1.0, 2.0], [3.0, 4.5]]]);
+    assert_eq!(curves(&path).unwrap(), [(vec![[1.0, 2.0], [3.0, 4.5]], 0.0)]);
+    let path = folder.file("s.npy", &npy(&[2, 3], &[1.0, 2.0, 6.5, 3.0, 4.5, 6.5]));
+    assert_eq!(curves(&path).unwrap(), [(vec![[1.0, 2.0], [3.0, 4.5]], 6.5)]);
     let mut table = [7.0; 15];
     (table[0], table[1], table[10], table[11]) = (1.0, 2.0, 3.0, 4.5);
     table[5..10].fill(f64::NAN);
     let path = folder.file("t.npy", &npy(&[3, 5], &table));
-    assert_eq!(read_curves(&path).unwrap(), [[[1.0, 2.0]], [[3.0, 4.5]]]);
-    let path = folder.file("w.npy", &npy(&[5, 3], &table));
-    assert!(read_curves(&path).unwrap_err().to_string().contains("(K, 2)"));
+    assert_eq!(curves(&path).unwrap(), [(vec![[1.0, 2.0]], 0.0), (vec![[3.0, 4.5]], 0.0)]);
+    let path = folder.file("w.npy", &npy(&[5, 3, 1], &table));
+    assert!(curves(&path).unwrap_err().to_string().contains("(K, 2)"));
+    let path = folder.file("n.npy", &npy(&[1, 3], &[1.0, 2.0, f64::NAN]));
+    assert!(curves(&path).unwrap_err().to_string().contains("NaN"));
+    let path = folder.file("i.npy", &npy(&[2], &[3.0, 34.0]));
+    assert!(curves(&path).unwrap_err().to_string().contains("(K, 2)"));
+    let points = PlaceFile::read(&path).unwrap().grid_points(&frame).unwrap();
+    assert_eq!(points, [(3, 0.0), (34, 0.0)]);
 
     let mut pixels = [255; ROWS * COLS];
     pixels[4] = 0;

@@ -17,8 +17,9 @@ use std::error::Error;
 use std::io;
 use std::process::ExitCode;
 
-use clap::error::ErrorKind;
+use clap::error::{ContextValue, ErrorKind};
 use clap::{Parser, Subcommand};
+use geosweep::shown::excerpt;
 
 use commands::{
     builtin, canonical, compare, contours, devices, distance, notices, offset, pairwise, path,
@@ -141,7 +142,7 @@ fn usage_exit(usage: &clap::Error) -> ExitCode {
         let _ = terminal::print(usage.render().to_string().trim_end());
         ExitCode::SUCCESS
     } else if usage.use_stderr() {
-        let text = usage.render().to_string();
+        let text = in_short(usage);
         say("error", text.strip_prefix("error: ").unwrap_or(&text).trim_end());
         ExitCode::from(TROUBLE)
     } else {
@@ -149,6 +150,17 @@ fn usage_exit(usage: &clap::Error) -> ExitCode {
         let _ = usage.print();
         ExitCode::SUCCESS
     }
+}
+
+/// What clap says, with excerpts of the arguments that it quotes.
+fn in_short(usage: &clap::Error) -> String {
+    let mut text = usage.render().to_string();
+    for (_, value) in usage.context() {
+        if let ContextValue::String(quoted) = value {
+            text = text.replace(quoted.as_str(), &excerpt(quoted));
+        }
+    }
+    text
 }
 
 /// Whether the reader of standard output has gone.

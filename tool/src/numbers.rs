@@ -1,5 +1,8 @@
 //! Numbers in one argument.
 
+use geosweep::io::GridFrame;
+use geosweep::shown::{exact, excerpt};
+
 /// A list of numbers.
 #[derive(Clone, Debug)]
 pub struct Numbers(pub Vec<f64>);
@@ -14,7 +17,7 @@ impl Numbers {
 pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
     let number = |text: &str| match text.trim().parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
-        _ => Err(format!("`{text}` is not a finite number")),
+        _ => Err(format!("`{}` is not a finite number", excerpt(text))),
     };
     text.split(',').map(number).collect()
 }
@@ -23,4 +26,15 @@ pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
 pub fn place(text: &str) -> Result<[f64; 2], String> {
     let place = numbers(text)?.try_into();
     place.map_err(|_| "a place is a row and a column: R,C".into())
+}
+
+/// A place in map coordinates.
+pub fn coordinates(text: &str) -> Result<[f64; 2], String> {
+    let place = numbers(text)?.try_into();
+    place.map_err(|_| "a place is x (easting, longitude) and y (northing, latitude): X,Y".into())
+}
+
+/// Row and column of map coordinates that an option gives.
+pub fn place_xy(option: &str, frame: &GridFrame, [x, y]: [f64; 2]) -> Result<[f64; 2], String> {
+    frame.place([x, y]).map_err(|reason| format!("{option} {},{}: {reason}", exact(x), exact(y)))
 }

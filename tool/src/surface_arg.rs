@@ -6,6 +6,7 @@ use std::str::FromStr;
 
 use geosweep::Surface;
 use geosweep::io::checked_points;
+use geosweep::shown::excerpt;
 use geosweep::surface::SurfaceError;
 use geosweep::surface::builtin::Builtin;
 
@@ -48,7 +49,9 @@ impl FromStr for SizedBuiltin {
     /// Reads `NAME:ROWSxCOLS`, with or without `builtin:` before it.
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.strip_prefix(Self::PREFIX).unwrap_or(text);
-        let form = || format!("`{text}` is not of the form NAME:ROWSxCOLS, such as plane:257x257");
+        let form = || {
+            format!("`{}` is not of the form NAME:ROWSxCOLS, such as plane:257x257", excerpt(text))
+        };
         let (name, size) = text.rsplit_once(':').ok_or_else(form)?;
         let (rows, cols) = size.split_once('x').ok_or_else(form)?;
         let number = |text: &str| text.parse().map_err(|_| form());

@@ -33,6 +33,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::Curve;
+use crate::shown::exact;
 use crate::surface::{Chart, EdgeLengths, Source, SourceError, Sources, Surface};
 use corners::Corners;
 use course::{Rests, Trace};
@@ -76,7 +77,9 @@ pub enum PathError {
     },
     /// The start lies off the grid.
     #[error(
-        "start {row},{col} lies outside the grid: rows run from 0 to {last_row}, columns from 0 to {last_col}"
+        "start {},{} lies outside the grid: rows run from 0 to {last_row}, columns from 0 to {last_col}",
+        exact(*row),
+        exact(*col)
     )]
     Outside {
         /// Row of the start.

@@ -49,6 +49,8 @@ pub struct Drawing {
     pub chart: Chart,
     /// Where it lies on the Earth.
     pub georeference: Option<Georeference>,
+    /// Names of the curves' attributes: columns of a table, of one without curves too.
+    pub attributes: Vec<&'static str>,
     /// The curves, in their order.
     pub polylines: Vec<Polyline>,
 }

@@ -23,9 +23,7 @@ pub fn write_npy(writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
 /// A line per vertex.
 pub fn write_csv(writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
     let mut table = csv::Writer::from_writer(writer);
-    let names = drawing.polylines.first().map(|first| first.attributes.as_slice());
-    let names = names.unwrap_or_default().iter().map(|(name, _)| *name);
-    let header = ["curve", "kind"].into_iter().chain(names);
+    let header = ["curve", "kind"].into_iter().chain(drawing.attributes.iter().copied());
     table.write_record(header.chain(["closed", "row", "col", "x", "y", "z"]))?;
     for (index, polyline) in drawing.polylines.iter().enumerate() {
         let attributes = polyline.attributes.iter().map(|(_, value)| value.to_string());

@@ -17,6 +17,7 @@ mod torus;
 use glam::{DVec2, DVec3};
 
 use super::{Surface, SurfaceError};
+use crate::shown::excerpt;
 pub(crate) use flat_paths::FlatPaths;
 #[cfg(test)]
 pub(crate) use flat_paths::FloorPlan;
@@ -131,11 +132,15 @@ impl Builtin {
             (Some(builtin), None) => Ok(builtin),
             (Some(Self::ShearedPlane { .. }), Some(angle)) => match angle.parse::<f64>() {
                 Ok(degrees) if degrees.abs() <= 89.0 => Ok(Self::ShearedPlane { degrees }),
-                _ => Err(format!("shear \"{angle}\" is not an angle from -89 to 89 degrees")),
+                _ => {
+                    let angle = excerpt(angle);
+                    Err(format!("shear \"{angle}\" is not an angle from -89 to 89 degrees"))
+                }
             },
             (Some(_), Some(_)) => Err(format!("{name} takes no angle; only sheared-plane does")),
             (None, _) => Err(format!(
-                "no built-in surface is called \"{text}\"; there are {}",
+                "no built-in surface is called \"{}\"; there are {}",
+                excerpt(text),
                 Self::names()
             )),
         }

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::{FAR, Real, Surface};
+use crate::shown::exact;
 pub(crate) use diagonals::with_diagonals;
 use pieces::{Pieces, Vertex, bends};
 
@@ -139,7 +140,9 @@ pub enum SourceError {
     None,
     /// The source lies off the grid.
     #[error(
-        "source {row},{col} lies outside the grid: rows run from 0 to {last_row}, columns from 0 to {last_col}"
+        "source {},{} lies outside the grid: rows run from 0 to {last_row}, columns from 0 to {last_col}",
+        exact(*row),
+        exact(*col)
     )]
     Outside {
         /// Row of the source.
@@ -185,7 +188,8 @@ pub enum SourceError {
     },
     /// An initial value is NaN, infinite or too large for single precision.
     #[error(
-        "the initial value {initial} of source {row},{col} is not a finite number below {LARGEST_INITIAL:e} in size; subtract the smallest initial value from all, or choose a larger unit"
+        "the initial value {} of source {row},{col} is not a finite number below {LARGEST_INITIAL:e} in size; subtract the smallest initial value from all, or choose a larger unit",
+        exact(*initial)
     )]
     Initial {
         /// Row of the source.

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use geosweep::io::{
-    Element, Grid, IoError, MatrixFile, MatrixLayout, OutputFile, Provenance, SurfaceFile,
-    is_distance_matrix, read_curves, read_map, read_mask, read_matrix, read_metric, read_points,
-    read_slowness,
+    CoordinateSystem, Element, Georeference, Grid, GridFrame, IoError, MatrixFile, MatrixLayout,
+    OutputFile, PlaceFile, Provenance, SurfaceFile, is_distance_matrix, read_map, read_mask,
+    read_matrix, read_metric, read_slowness,
 };
 use geosweep::surface::Chart;
 use geosweep::{Engine, Options, Sources, Surface, distance_map};
@@ -49,6 +49,7 @@ pub fn exr(data: &[u8]) {
 
 pub fn table(data: &[u8]) {
     with_file("file.csv", data, places);
+    with_file("file.geojson", data, places);
 }
 
 pub fn matrix(data: &[u8]) {
@@ -116,13 +117,31 @@ fn grid<T>(path: &Path, grid: Result<Grid<T>, IoError>) {
     }
 }
 
+/// Places are on the grid, or refused.
 fn places(path: &Path) {
-    if let Some(curves) = checked(path, read_curves(path)) {
-        assert!(!curves.is_empty() && curves.iter().all(|curve| !curve.is_empty()));
-    }
+    let Some(file) = checked(path, PlaceFile::read(path)) else { return };
     let chart = Chart { rows: 7, cols: 9 };
-    if let Some(points) = checked(path, read_points(path, chart)) {
-        assert!(points.iter().all(|&point| point < chart.points()));
+    let georeference = Georeference {
+        origin: [100.0, 50.0],
+        down: [0.0, -1.0],
+        right: [1.0, 0.0],
+        system: Some(CoordinateSystem::Projected(32616)),
+    };
+    let frame = GridFrame { chart, georeference: Ok(georeference) };
+    let is_on = |&[row, col]: &[f64; 2]| (0.0..=6.0).contains(&row) && (0.0..=8.0).contains(&col);
+    if let Some(curves) = checked(path, file.curves(&frame)) {
+        assert!(!curves.is_empty() && curves.iter().all(|curve| !curve.vertices.is_empty()));
+        assert!(curves.iter().all(|curve| curve.vertices.iter().all(is_on)));
+        assert!(curves.iter().all(|curve| curve.start.is_finite()));
+    }
+    if let Some(points) = checked(path, file.points(&frame)) {
+        assert!(points.iter().all(|point| is_on(&point.at) && point.start.is_finite()));
+    }
+    if let Some(points) = checked(path, file.grid_points(&frame)) {
+        assert!(points.iter().all(|&(point, _)| point < chart.points()));
+    }
+    for remark in file.remarks(&frame) {
+        assert!(remark.len() < 1000, "{remark}");
     }
 }
 
@@ -131,6 +150,7 @@ fn checked<T>(path: &Path, result: Result<T, IoError>) -> Option<T> {
 }
 
 fn named(path: &Path, error: &IoError) {
+    assert!(error.to_string().len() < 3000, "{error}");
     assert!(error.to_string().starts_with(&path.display().to_string()), "{error}");
 }
 

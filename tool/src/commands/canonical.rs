@@ -13,6 +13,7 @@ use geosweep::io::{
     OutputFile, SquareMatrix, is_distance_matrix, read_matrix, write_npy, write_ply,
 };
 use geosweep::pairwise::Pairwise;
+use geosweep::shown::excerpt;
 use geosweep::surface::Chart;
 use geosweep::{Options, Surface, Wavefront};
 use serde::Serialize;
@@ -92,7 +93,7 @@ Examples:
 fn points(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(points @ 2..=16384) => Ok(points),
-        _ => Err(format!("`{text}` is no number of points from 2 to 16384")),
+        _ => Err(format!("`{}` is no number of points from 2 to 16384", excerpt(text))),
     }
 }
 

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use geosweep::geometry::{Levels, contours};
+use geosweep::shown::excerpt;
 
-use super::level_curves::{LevelCurves, comment, extent};
+use super::level_curves::{LevelCurves, comment, range};
 use crate::numbers::Numbers;
 use crate::problem::{self, CurveFiles, ProblemArgs};
 use crate::terminal::{Outcome, say};
@@ -49,7 +50,7 @@ struct LevelArgs {
 fn count(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count @ 1..) => Ok(count),
-        _ => Err(format!("`{text}` is no number of distances; give 1 or more")),
+        _ => Err(format!("`{}` is no number of distances; give 1 or more", excerpt(text))),
     }
 }
 
@@ -58,7 +59,7 @@ fn examples() -> String {
         "\
 Contours are closed, or end at the surface's border or at holes. Nearer points lie
 to their left as seen on the grid with rows downwards. A level that the map does not
-have gives no curve.
+have gives no curve; at the largest distance curves join the grid points that have it.
 
 {}
 
@@ -88,8 +89,7 @@ pub fn run(args: &Args) -> Outcome {
     let found = contours(&problem.map, &problem.sources, &levels);
     comment(&found, &problem)?;
     if found.is_empty() {
-        let [low, high] = extent(&problem.map);
-        say("note", format_args!("no curve: the distances on the grid run from {low} to {high}"));
+        say("note", format_args!("no curve: {}", range(&problem.map)));
     }
     let quantity = args.problem.quantity(&problem.scene);
     LevelCurves { command: "contours", kind: "contour", side: None, problem, found }

@@ -103,7 +103,7 @@ impl InPrecision for &Args {
         let options = self.solver.options()?;
         let outputs = Outputs::new(self)?;
         let scene = self.surface.read()?;
-        let sources = self.sources.sources()?;
+        let sources = self.sources.sources(&scene.frame())?;
         let solved = {
             let _spinner = Spinner::new("computing distances");
             Solved::<R>::new(self, &scene.surface, &sources, &options)?
@@ -111,6 +111,7 @@ impl InPrecision for &Args {
         self.comment(&scene.surface, &solved, &options);
         problem::comment_on_starts::<R>(&scene.surface, &sources);
         problem::comment_on_size::<R>(&scene.surface);
+        problem::comment_on_corners(&scene.surface, &solved.map);
         let quantity = scene.quantity(self.unit.as_deref().or(scene.unit));
         let written = outputs.write(&scene, &sources, &quantity, &solved)?;
         problem::done_with_map(&scene, &solved.map.report, &written);

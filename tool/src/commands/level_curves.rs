@@ -5,13 +5,14 @@ use std::process::ExitCode;
 
 use geosweep::geometry::{Contour, CurveError, Side};
 use geosweep::io::{Attribute, Polyline};
+use geosweep::shown::{exact, seven_digits};
 use geosweep::surface::{Source, SourceError};
 use geosweep::{DistanceMap, Sources, Surface};
 use serde::Serialize;
 
 use crate::output::{commit, stage_picture};
 use crate::picture::{Canvas, Look, MapPicture, rgb, scale_of};
-use crate::problem::{CurveFiles, MapSummary, Problem, done_with_map};
+use crate::problem::{CurveFiles, MapReport, Problem, done_with_map};
 use crate::terminal::{Outcome, print_json, say};
 
 /// Contours or offset curves of a map.
@@ -30,7 +31,7 @@ impl LevelCurves {
         let lengths = self.lengths()?;
         let picture = self.problem.picture.take();
         let Problem { scene, map, .. } = &self.problem;
-        let mut staged = files.stage(scene, self.polylines(&lengths)?)?;
+        let mut staged = files.stage(scene, self.attributes(), self.polylines(&lengths)?)?;
         if let Some((output, look)) = picture {
             staged.push(stage_picture(output, || self.picture(look, quantity))?);
         }
@@ -39,7 +40,7 @@ impl LevelCurves {
         if json {
             let level = |(contour, lengths): (_, &Vec<f64>)| Level::new(contour, lengths);
             let summary = Summary {
-                map: MapSummary::new(&scene.surface, map),
+                map: self.problem.report(),
                 levels: self.found.iter().zip(&lengths).map(level).collect(),
             };
             print_json(self.command, &summary)?;
@@ -53,6 +54,12 @@ impl LevelCurves {
         let of =
             |contour: &Contour| contour.curves.iter().map(|curve| curve.length(surface)).collect();
         self.found.iter().map(of).collect()
+    }
+
+    /// Names of what polylines carry.
+    fn attributes(&self) -> &'static [&'static str] {
+        let all = &["level", "length", "side"];
+        if self.side.is_some() { all } else { &all[..2] }
     }
 
     fn polylines(&self, lengths: &[Vec<f64>]) -> Result<Vec<Polyline>, CurveError> {
@@ -94,7 +101,7 @@ impl LevelCurves {
 #[derive(Serialize)]
 struct Summary<'a> {
     #[serde(flatten)]
-    map: MapSummary<'a>,
+    map: MapReport<'a>,
     levels: Vec<Level>,
 }
 
@@ -126,15 +133,20 @@ pub fn comment(found: &[Contour], problem: &Problem) -> Result<(), SourceError> 
     let Problem { scene, sources, map, .. } = problem;
     let levels = |which: &dyn Fn(&Contour) -> bool| {
         let levels = found.iter().filter(|contour| which(contour));
-        levels.map(|contour| contour.level.to_string()).collect::<Vec<_>>().join(", ")
+        levels.map(|contour| exact(contour.level)).collect::<Vec<_>>().join(", ")
     };
-    let none = levels(&|contour| contour.curves.is_empty());
-    if !none.is_empty() {
-        let [low, high] = extent(map);
-        say(
-            "note",
-            format_args!("no curve at {none}: the distances on the grid run from {low} to {high}"),
-        );
+    let [low, high] = extent(map);
+    let is_within = |contour: &Contour| {
+        (f64::from(low)..=f64::from(high)).contains(&(contour.level as f32).into())
+    };
+    let outside = levels(&|contour| contour.curves.is_empty() && !is_within(contour));
+    if !outside.is_empty() {
+        say("note", format_args!("no curve at {outside}: {}", range(map)));
+    }
+    let within = levels(&|contour| contour.curves.is_empty() && is_within(contour));
+    if !within.is_empty() {
+        let why = why_none(found.iter().filter(|contour| is_within(contour)), problem);
+        say("note", format_args!("no curve at {within}: {why}"));
     }
     let near = sources
         .iter()
@@ -156,8 +168,42 @@ pub fn comment(found: &[Contour], problem: &Problem) -> Result<(), SourceError> 
     Ok(())
 }
 
+/// Why levels that the map has give no curve.
+fn why_none<'a>(levels: impl Iterator<Item = &'a Contour>, problem: &Problem) -> String {
+    let chart = problem.scene.surface.chart();
+    let line = match (chart.rows, chart.cols) {
+        (1, _) => "row",
+        (_, 1) => "column",
+        _ => {
+            let [_, high] = extent(&problem.map);
+            let mut empty = levels.filter(|contour| contour.curves.is_empty());
+            return match empty.all(|contour| contour.level as f32 == high) {
+                true => format!(
+                    "{} is the largest distance, which no two neighbouring points of the grid have",
+                    seven_digits(high.into())
+                ),
+                false => format!(
+                    "{}, and no triangle of three neighbouring points has points on both sides of the \
+                     level",
+                    range(&problem.map)
+                ),
+            };
+        }
+    };
+    format!(
+        "a grid of one {line} has no triangles of neighbouring points, which curves run through; `geosweep \
+         distance` has the distances along it"
+    )
+}
+
+/// Says from where to where distances run.
+pub fn range(map: &DistanceMap) -> String {
+    let [low, high] = extent(map).map(|distance| seven_digits(distance.into()));
+    format!("the distances on the grid run from {low} to {high}")
+}
+
 /// The smallest and the largest distance on the grid.
-pub fn extent(map: &DistanceMap) -> [f32; 2] {
+fn extent(map: &DistanceMap) -> [f32; 2] {
     let reached = map.distances.iter().copied().filter(|distance| distance.is_finite());
     [reached.fold(f32::INFINITY, f32::min), map.report.max_distance as f32]
 }

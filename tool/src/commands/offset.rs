@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use geosweep::geometry::{Levels, Side, contours, offset_curves};
+use geosweep::shown::exact;
 use geosweep::surface::EdgeLengths;
 
 use super::level_curves::{LevelCurves, comment};
@@ -68,7 +69,7 @@ pub fn run(args: &Args) -> Outcome {
     let problem = args.problem.solve(&files, None, None)?;
     let Problem { scene, sources, map, .. } = &problem;
     if let Some(before) = args.distances.0.iter().find(|&&distance| distance < sources.start()) {
-        let start = sources.start();
+        let (before, start) = (exact(*before), exact(sources.start()));
         return Err(format!(
             "--distances {before}: nothing is nearer than the sources, where distances start with \
              {start}; give more"

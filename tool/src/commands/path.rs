@@ -1,38 +1,44 @@
 //! `geosweep path`: shortest paths back to the sources.
 
+use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use geosweep::geometry::{CurveError, Path, PathError, Paths};
-use geosweep::io::{Attribute, IoError, Polyline, read_curves};
+use geosweep::io::{Attribute, GridFrame, PlaceFile, Polyline};
+use geosweep::shown::seven_digits;
 use geosweep::surface::EdgeLengths;
 use serde::Serialize;
 
 use super::over_map::draw_over_map;
-use crate::numbers::place;
+use crate::numbers::{coordinates, place, place_xy};
 use crate::output::{commit, stage_picture};
 use crate::picture::{path_line, rgb};
-use crate::problem::{self, CurveFiles, MapSummary, Problem, ProblemArgs, Scene};
-use crate::terminal::{Outcome, Spinner, print_json};
+use crate::problem::{self, CurveFiles, MapReport, Problem, ProblemArgs, Scene};
+use crate::terminal::{Outcome, Spinner, counted, print_json, say};
 
 /// The arguments of `geosweep path`.
 #[derive(clap::Args)]
 #[command(after_help = examples())]
 pub struct Args {
     /// Where to write the paths, repeatable: .npy float64 (k, 5) with row, column, x, y, z of each
-    /// vertex from the start to the source, and a row of NaN between paths; .csv; .svg (the
-    /// parameter domain); .geojson (from a GeoTIFF, in its coordinates); .ply or .obj (in space)
+    /// vertex from the start to the source, and a row of NaN between paths; .csv, with the distance,
+    /// length, surface_length and source of each path as --json has them; .svg (the parameter domain);
+    /// .geojson (from a GeoTIFF, in its coordinates); .ply or .obj (in space)
     #[arg(short, long, value_name = "PATHS", required_unless_present_any = ["picture", "json"])]
     output: Vec<PathBuf>,
     /// Where a path starts that leads back to its source: row and column, which may be fractional;
     /// repeatable
     #[arg(long, visible_alias = "to", value_name = "R,C", value_parser = place)]
     #[arg(allow_hyphen_values = true)]
-    #[arg(required_unless_present = "from_file")]
+    #[arg(required_unless_present_any = ["from_file", "from_xy"])]
     from: Vec<[f64; 2]>,
-    /// A file of starts, after those of --from: an .npy array (K, 2) of rows and columns or (K, 5) as
-    /// `geosweep sample` writes, or a text file with a line `row,col` for each, which may have more
-    /// columns if its first line names them
+    /// The same in map coordinates, where SURFACE is georeferenced, after those of --from; repeatable
+    #[arg(long, visible_alias = "to-xy", value_name = "X,Y", value_parser = coordinates)]
+    #[arg(allow_hyphen_values = true)]
+    from_xy: Vec<[f64; 2]>,
+    /// A file of starts, after these: a table, an .npy array or GeoJSON as for --source-points, of which
+    /// start values are not used
     #[arg(long, value_name = "FILE")]
     from_file: Option<PathBuf>,
 
@@ -40,9 +46,10 @@ pub struct Args {
     problem: ProblemArgs,
 
     /// Print one JSON object: what `distance --json` says of the map, and paths, an array of
-    /// objects with from, distance (the map's value at the start), length (the path's own; with
-    /// the source's start value it is the distance but for errors), source (its index in the order
-    /// of points, then curves) and vertices
+    /// objects with from, distance (the map's value at the start), length (the path's own, times the
+    /// slowness; with the source's start value it is the distance but for errors), time (the same as a
+    /// travel time; null without a slowness), surface_length (without any slowness), source (its
+    /// index in the order of --source, --source-xy, --source-points and --source-curve) and vertices
     #[arg(long, help_heading = "Reports")]
     json: bool,
 }
@@ -66,57 +73,101 @@ Examples:
 
 pub fn run(args: &Args) -> Outcome {
     let files = CurveFiles::new(&args.output)?;
-    let starts = args.starts()?;
-    let Problem { scene, sources, map, picture } =
-        args.problem.solve(&files, None, args.from_file.as_deref())?;
+    let file = args.from_file.as_deref().map(PlaceFile::read).transpose()?;
+    let mut problem = args.problem.solve(&files, None, args.from_file.as_deref())?;
+    let picture = problem.picture.take();
+    let Problem { scene, sources, map, .. } = &problem;
+    let starts = args.starts(file.as_ref(), &scene.frame())?;
     let paths: Vec<Path> = {
         let _spinner = Spinner::new("tracing paths");
         let edges = EdgeLengths::new(&scene.surface)?;
-        let paths = Paths::new(&scene.surface, &edges, &sources, &map.distances)?;
+        let paths = Paths::new(&scene.surface, &edges, sources, &map.distances)?;
         paths.trace_all(&starts).into_iter().collect::<Result<_, PathError>>()?
     };
+    let row = |(from, path)| Row::new(from, path, &problem);
+    let rows: Vec<Row> =
+        starts.iter().copied().zip(&paths).map(row).collect::<Result<_, CurveError>>()?;
 
-    let mut staged = files.stage(&scene, polylines(&paths, &scene)?)?;
+    let mut staged = files.stage(scene, &ATTRIBUTES, polylines(&paths, &rows, scene)?)?;
     if let Some((output, look)) = picture {
         let curves = paths.iter().map(path_line).unzip();
-        let quantity = args.problem.quantity(&scene);
-        let draw = || draw_over_map(&scene, &sources, &map, &quantity, curves, look);
+        let quantity = args.problem.quantity(scene);
+        let draw = || draw_over_map(scene, sources, map, &quantity, curves, look);
         staged.push(stage_picture(output, draw)?);
     }
     let written = commit(staged)?;
-    problem::done_with_map(&scene, &map.report, &written);
+    problem::done_with(scene, &map.report, [lengths(&rows, args.problem.unit(scene))], &written);
     if args.json {
-        let summary = Summary {
-            map: MapSummary::new(&scene.surface, &map),
-            paths: starts.iter().zip(&paths).map(|(from, path)| Row::new(*from, path)).collect(),
-        };
-        print_json("path", &summary)?;
+        print_json("path", &Summary { map: problem.report(), paths: rows })?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
 impl Args {
-    fn starts(&self) -> Result<Vec<[f64; 2]>, IoError> {
-        let file = self.from_file.as_deref().map(read_curves).transpose()?;
-        Ok(self.from.iter().copied().chain(file.unwrap_or_default().concat()).collect())
+    fn starts(
+        &self,
+        file: Option<&PlaceFile>,
+        frame: &GridFrame,
+    ) -> Result<Vec<[f64; 2]>, Box<dyn Error>> {
+        let mut starts = self.from.clone();
+        for &at in &self.from_xy {
+            starts.push(place_xy("--from-xy", frame, at)?);
+        }
+        if let Some((file, path)) = file.zip(self.from_file.as_deref()) {
+            starts.extend(file.points(frame)?.iter().map(|point| point.at));
+            problem::remark(path, file, frame);
+            if file.has_starts() {
+                let name = path.display();
+                say(
+                    "note",
+                    format_args!("{name}: its start values are not used: paths lead from there"),
+                );
+            }
+        }
+        Ok(starts)
     }
 }
 
-fn polylines(paths: &[Path], scene: &Scene) -> Result<Vec<Polyline>, CurveError> {
-    let polyline = |path: &Path| {
+/// How long the paths are, for people.
+fn lengths(rows: &[Row], unit: Option<&str>) -> String {
+    let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
+    let range = |of: fn(&Row) -> Option<f64>, unit: &str| {
+        let values = || rows.iter().filter_map(of);
+        let low = values().fold(f64::INFINITY, f64::min);
+        let high = values().fold(f64::NEG_INFINITY, f64::max);
+        match (low <= high, seven_digits(low), seven_digits(high)) {
+            (false, ..) => None,
+            (true, low, high) if low == high => Some(format!("{low}{unit}")),
+            (true, low, high) => Some(format!("{low} to {high}{unit}")),
+        }
+    };
+    let count = counted(rows.len() as u64, "path");
+    let length = range(|row| Some(row.surface_length), &unit).unwrap_or_default();
+    match range(|row| row.time, "") {
+        None => format!("{count} of length {length}"),
+        Some(time) => format!("{count} of length {length} and travel time {time}"),
+    }
+}
+
+/// Names of what a path's polyline carries.
+const ATTRIBUTES: [&str; 4] = ["distance", "length", "surface_length", "source"];
+
+fn polylines(paths: &[Path], rows: &[Row], scene: &Scene) -> Result<Vec<Polyline>, CurveError> {
+    let polyline = |(path, row): (&Path, &Row)| {
         let polyline = Polyline::new("path", path.curve.clone(), scene.shape())?
-            .with("distance", Attribute::Number(path.distance))
-            .with("length", Attribute::Number(path.length))
+            .with("distance", Attribute::Number(row.distance))
+            .with("length", Attribute::Number(row.length))
+            .with("surface_length", Attribute::Number(row.surface_length))
             .with("source", Attribute::Index(path.source));
         Ok(Polyline { color: rgb([0.75, 0.2, 0.1]), ..polyline })
     };
-    paths.iter().map(polyline).collect()
+    paths.iter().zip(rows).map(polyline).collect()
 }
 
 #[derive(Serialize)]
 struct Summary<'a> {
     #[serde(flatten)]
-    map: MapSummary<'a>,
+    map: MapReport<'a>,
     paths: Vec<Row>,
 }
 
@@ -125,19 +176,26 @@ struct Row {
     from: [f64; 2],
     distance: f64,
     length: f64,
+    time: Option<f64>,
+    surface_length: f64,
     source: usize,
     vertices: usize,
 }
 
 impl Row {
-    fn new(from: [f64; 2], path: &Path) -> Self {
+    fn new(from: [f64; 2], path: &Path, problem: &Problem) -> Result<Self, CurveError> {
         let Path { curve, distance, length, source } = path;
-        Self {
+        let surface = &problem.scene.surface;
+        let is_slowed = surface.slowness().is_some();
+        Ok(Self {
             from,
-            distance: *distance,
+            distance: problem.double_at(from).unwrap_or(*distance),
             length: *length,
+            time: is_slowed.then_some(*length),
+            // Without a slowness the path's own length is the more accurate one, along arcs.
+            surface_length: if is_slowed { curve.length(surface)? } else { *length },
             source: *source,
             vertices: curve.vertices.len(),
-        }
+        })
     }
 }

@@ -5,13 +5,14 @@ use std::process::ExitCode;
 
 use geosweep::geometry::{CurveError, Ridge, ridges};
 use geosweep::io::{Attribute, Polyline};
+use geosweep::shown::excerpt;
 use geosweep::surface::EdgeLengths;
 use serde::Serialize;
 
 use super::over_map::draw_over_map;
 use crate::output::{commit, stage_picture};
 use crate::picture::{rgb, ridge_line};
-use crate::problem::{self, CurveFiles, MapSummary, Problem, ProblemArgs, Scene};
+use crate::problem::{self, CurveFiles, MapReport, Problem, ProblemArgs, Scene};
 use crate::terminal::{Outcome, Spinner, print_json};
 
 /// The arguments of `geosweep ridges`.
@@ -41,7 +42,7 @@ pub struct Args {
 fn angle(text: &str) -> Result<f64, String> {
     match text.trim().parse() {
         Ok(angle) if angle > 0.0 && angle <= 180.0 => Ok(angle),
-        _ => Err(format!("`{text}` is no angle above 0 and up to 180 degrees")),
+        _ => Err(format!("`{}` is no angle above 0 and up to 180 degrees", excerpt(text))),
     }
 }
 
@@ -65,29 +66,34 @@ Examples:
 
 pub fn run(args: &Args) -> Outcome {
     let files = CurveFiles::new(&args.output)?;
-    let Problem { scene, sources, map, picture } = args.problem.solve(&files, None, None)?;
+    let mut problem = args.problem.solve(&files, None, None)?;
+    let picture = problem.picture.take();
+    let Problem { scene, sources, map, .. } = &problem;
     let found = {
         let _spinner = Spinner::new("finding ridges");
         ridges(&EdgeLengths::new(&scene.surface)?, &map.distances, args.least_angle)?
     };
     let rows: Vec<Row> =
-        found.iter().map(|ridge| Row::of(ridge, &scene)).collect::<Result<_, _>>()?;
+        found.iter().map(|ridge| Row::of(ridge, scene)).collect::<Result<_, _>>()?;
 
-    let mut staged = files.stage(&scene, polylines(&found, &rows, &scene)?)?;
+    let mut staged = files.stage(scene, &ATTRIBUTES, polylines(&found, &rows, scene)?)?;
     if let Some((output, look)) = picture {
         let curves = (found.iter().map(ridge_line).collect(), Vec::new());
-        let quantity = args.problem.quantity(&scene);
-        let draw = || draw_over_map(&scene, &sources, &map, &quantity, curves, look);
+        let quantity = args.problem.quantity(scene);
+        let draw = || draw_over_map(scene, sources, map, &quantity, curves, look);
         staged.push(stage_picture(output, draw)?);
     }
     let written = commit(staged)?;
-    problem::done_with_map(&scene, &map.report, &written);
+    problem::done_with_map(scene, &map.report, &written);
     if args.json {
-        let map = MapSummary::new(&scene.surface, &map);
+        let map = problem.report();
         print_json("ridges", &Summary { map, ridges: rows })?;
     }
     Ok(ExitCode::SUCCESS)
 }
+
+/// Names of what a ridge's polyline carries.
+const ATTRIBUTES: [&str; 3] = ["length", "least_angle", "largest_angle"];
 
 fn polylines(ridges: &[Ridge], rows: &[Row], scene: &Scene) -> Result<Vec<Polyline>, CurveError> {
     let polyline = |(ridge, row): (&Ridge, &Row)| {
@@ -103,7 +109,7 @@ fn polylines(ridges: &[Ridge], rows: &[Row], scene: &Scene) -> Result<Vec<Polyli
 #[derive(Serialize)]
 struct Summary<'a> {
     #[serde(flatten)]
-    map: MapSummary<'a>,
+    map: MapReport<'a>,
     ridges: Vec<Row>,
 }
 

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use geosweep::geometry::{Curve, CurveError, Voronoi};
 use geosweep::io::{Attribute, Polyline};
+use geosweep::shown::seven_digits;
 use geosweep::surface::EdgeLengths;
 use serde::Serialize;
 
@@ -98,7 +99,7 @@ pub fn run(args: &Args) -> Outcome {
     };
     let polylines: Vec<_> =
         samples.iter().enumerate().map(polyline).collect::<Result<_, CurveError>>()?;
-    let mut staged = files.stage(&scene, polylines)?;
+    let mut staged = files.stage(&scene, &["sample"], polylines)?;
     if labels.is_some() || picture.is_some() {
         let (sources, distances) = (points.sources(), points.distances());
         let voronoi = Voronoi::new(surface, &edges, sources, &distances)?;
@@ -121,7 +122,7 @@ pub fn run(args: &Args) -> Outcome {
     let written = commit(staged)?;
     let radius = points.radius();
     let covers = if radius.is_finite() {
-        format!("radius {radius}")
+        format!("radius {}", seven_digits(f64::from(radius)))
     } else {
         "some points beyond reach".into()
     };

@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::labels::{labels_output, write_labels};
 use crate::output::{commit, stage_picture};
 use crate::picture::Regions;
-use crate::problem::{self, CurveFiles, MapSummary, Problem, ProblemArgs, Scene};
+use crate::problem::{self, CurveFiles, MapReport, Problem, ProblemArgs, Scene};
 use crate::terminal::{Outcome, Spinner, print_json};
 
 /// The arguments of `geosweep voronoi`.
@@ -19,8 +19,8 @@ use crate::terminal::{Outcome, Spinner, print_json};
 #[command(after_help = examples())]
 pub struct Args {
     /// Where to write the regions: .npy int32 (M, N), at each point the index of its nearest
-    /// source, counted from 0 in the order of points, then curves; -1 at holes and where no source
-    /// reaches
+    /// source, counted from 0 in the order of --source, --source-xy, --source-points and
+    /// --source-curve; -1 at holes and where no source reaches
     #[arg(short, long, value_name = "LABELS.npy")]
     #[arg(required_unless_present_any = ["borders", "picture", "json"])]
     output: Option<PathBuf>,
@@ -59,16 +59,17 @@ Examples:
 pub fn run(args: &Args) -> Outcome {
     let labels = labels_output(args.output.as_ref())?;
     let borders = CurveFiles::new(&args.borders)?;
-    let Problem { scene, sources, map, picture } =
-        args.problem.solve(&borders, labels.as_ref(), None)?;
+    let mut problem = args.problem.solve(&borders, labels.as_ref(), None)?;
+    let picture = problem.picture.take();
+    let Problem { scene, sources, map, .. } = &problem;
     let voronoi = {
         let _spinner = Spinner::new("finding regions");
         let edges = EdgeLengths::new(&scene.surface)?;
-        Voronoi::new(&scene.surface, &edges, &sources, &map.distances)?
+        Voronoi::new(&scene.surface, &edges, sources, &map.distances)?
     };
     let areas = voronoi.areas(&scene.surface);
 
-    let mut staged = borders.stage(&scene, polylines(&voronoi, &scene)?)?;
+    let mut staged = borders.stage(scene, &ATTRIBUTES, polylines(&voronoi, scene)?)?;
     if let Some(output) = labels {
         staged.push(output.stage(|writer| write_labels(writer, map.chart, &voronoi))?);
     }
@@ -76,22 +77,22 @@ pub fn run(args: &Args) -> Outcome {
         let regions = Regions {
             surface: &scene.surface,
             shape: scene.shape(),
-            sources: &sources,
+            sources,
             values: &map.distances,
             voronoi: &voronoi,
-            areas: Some((&areas, args.problem.unit(&scene))),
+            areas: Some((&areas, args.problem.unit(scene))),
         };
         staged.push(stage_picture(output, || regions.draw(look))?);
     }
     let written = commit(staged)?;
-    problem::done_with_map(&scene, &map.report, &written);
+    problem::done_with_map(scene, &map.report, &written);
     if args.json {
         let mut points = vec![0; voronoi.regions()];
         let reached = voronoi.labels.iter().filter(|label| **label != NO_REGION);
         reached.for_each(|label| points[*label as usize] += 1);
         let region = |(source, (&points, &area))| Region { source, points, area };
         let summary = Summary {
-            map: MapSummary::new(&scene.surface, &map),
+            map: problem.report(),
             area: areas.iter().sum(),
             regions: points.iter().zip(&areas).enumerate().map(region).collect(),
             neighbours: voronoi.neighbours(),
@@ -100,6 +101,9 @@ pub fn run(args: &Args) -> Outcome {
     }
     Ok(ExitCode::SUCCESS)
 }
+
+/// Names of what a border's polyline carries.
+const ATTRIBUTES: [&str; 3] = ["left", "right", "length"];
 
 fn polylines(voronoi: &Voronoi, scene: &Scene) -> Result<Vec<Polyline>, CurveError> {
     let polyline = |border: &Border| {
@@ -116,7 +120,7 @@ fn polylines(voronoi: &Voronoi, scene: &Scene) -> Result<Vec<Polyline>, CurveErr
 #[derive(Serialize)]
 struct Summary<'a> {
     #[serde(flatten)]
-    map: MapSummary<'a>,
+    map: MapReport<'a>,
     area: f64,
     regions: Vec<Region>,
     neighbours: Vec<[u32; 2]>,

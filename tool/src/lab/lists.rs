@@ -1,12 +1,15 @@
 //! Lists in arguments: of sizes, and of whatever is compared.
 
+use geosweep::shown::excerpt;
+
 /// Points a side, as an argument.
 pub fn size(text: &str) -> Result<usize, String> {
     const RANGE: std::ops::RangeInclusive<usize> = 2..=16384;
     match text.trim().parse() {
         Ok(size) if RANGE.contains(&size) => Ok(size),
         _ => Err(format!(
-            "`{text}` is no number of points a side from {} to {}",
+            "`{}` is no number of points a side from {} to {}",
+            excerpt(text),
             RANGE.start(),
             RANGE.end()
         )),

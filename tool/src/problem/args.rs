@@ -5,11 +5,14 @@ use std::error::Error;
 use std::path::Path;
 
 use geosweep::io::OutputFile;
-use geosweep::{DistanceMap, Sources};
+use geosweep::{DistanceMap, Options, Sources};
 
-use super::{CurveFiles, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs, inputs, solve};
+use super::{
+    CurveFiles, MapReport, PictureArgs, Scene, SolverArgs, SourceArgs, SurfaceArgs, inputs, solve,
+};
 use crate::output::check_outputs;
 use crate::picture::Look;
+use crate::precision::Precision;
 
 #[derive(clap::Args)]
 pub struct ProblemArgs {
@@ -19,6 +22,10 @@ pub struct ProblemArgs {
     surface: SurfaceArgs,
     #[command(flatten)]
     solver: SolverArgs,
+    /// Compute the map in this precision; what is drawn on it is found in the map rounded to single
+    /// precision
+    #[arg(long, value_enum, default_value_t, help_heading = "Accuracy")]
+    precision: Precision,
     #[command(flatten)]
     picture: PictureArgs,
 }
@@ -27,7 +34,10 @@ pub struct ProblemArgs {
 pub struct Problem {
     pub scene: Scene,
     pub sources: Sources,
+    /// In single precision, perhaps rounded.
     pub map: DistanceMap,
+    /// In double precision, if it was computed so.
+    double: Option<DistanceMap<f64>>,
     pub picture: Option<(OutputFile, Look)>,
 }
 
@@ -47,9 +57,24 @@ impl ProblemArgs {
         let scene = self.surface.read()?;
         curves.check(&scene)?;
         let look = picture.as_ref().map(|_| self.picture.look(&scene)).transpose()?;
-        let sources = self.sources.sources()?;
-        let map = solve(&scene, &sources, &options)?;
-        Ok(Problem { scene, sources, map, picture: picture.zip(look) })
+        let sources = self.sources.sources(&scene.frame())?;
+        let (map, double) = self.maps(&scene, &sources, &options)?;
+        Ok(Problem { scene, sources, map, double, picture: picture.zip(look) })
+    }
+
+    fn maps(
+        &self,
+        scene: &Scene,
+        sources: &Sources,
+        options: &Options,
+    ) -> Result<(DistanceMap, Option<DistanceMap<f64>>), geosweep::Error> {
+        match self.precision {
+            Precision::Single => Ok((solve::<f32>(scene, sources, options)?, None)),
+            Precision::Double => {
+                let map = solve::<f64>(scene, sources, options)?;
+                Ok((map.to_single(), Some(map)))
+            }
+        }
     }
 
     /// What a map's values are, with their unit.
@@ -60,5 +85,19 @@ impl ProblemArgs {
     /// The unit of lengths, if it is known.
     pub fn unit<'a>(&'a self, scene: &Scene) -> Option<&'a str> {
         self.picture.unit(scene)
+    }
+}
+
+impl Problem {
+    /// What the JSON says of the map.
+    pub fn report(&self) -> MapReport<'_> {
+        MapReport::new(&self.scene.surface, &self.map, self.double.as_ref())
+    }
+
+    /// The map's value at a place, if that is a grid point and the map is in double precision.
+    pub fn double_at(&self, [row, col]: [f64; 2]) -> Option<f64> {
+        let map = self.double.as_ref()?;
+        let is_point = row.fract() == 0.0 && col.fract() == 0.0;
+        is_point.then(|| map.distance(row as usize, col as usize))
     }
 }

@@ -43,15 +43,17 @@ impl CurveFiles {
         Ok(())
     }
 
-    /// Writes the curves to all files, which have yet to be given their names.
+    /// Writes the curves, with attributes of these names, to all files, which have yet to be given their
+    /// names.
     pub fn stage(
         self,
         scene: &Scene,
+        attributes: &[&'static str],
         polylines: Vec<Polyline>,
     ) -> Result<Vec<StagedFile>, Box<dyn Error>> {
         let chart = scene.surface.chart();
         let georeference = scene.georeference.as_ref().ok().copied();
-        let drawing = Drawing { chart, georeference, polylines };
+        let drawing = Drawing { chart, georeference, attributes: attributes.to_vec(), polylines };
         let stage = |(file, format): (OutputFile, CurveFormat)| {
             Ok(file.stage(|writer| format.write(writer, &drawing))?)
         };

@@ -12,19 +12,21 @@ mod surface;
 use std::path::Path;
 use std::time::Duration;
 
+use geosweep::shown::{exact, seven_digits};
 use geosweep::surface::builtin::Builtin;
 use geosweep::surface::{Direction, EdgeLengths, Real};
-use geosweep::{DistanceMap, Options, Report, Sources, Surface, distance_map};
+use geosweep::{DistanceMap, Options, Report, Sources, Surface};
 
 pub use args::{Problem, ProblemArgs};
 pub use curve_files::CurveFiles;
 pub use picture::PictureArgs;
 pub use solver::SolverArgs;
-pub use sources::SourceArgs;
-pub use summary::MapSummary;
+pub use sources::{SourceArgs, remark};
+pub use summary::{MapReport, MapSummary};
 pub use surface::{Scene, SurfaceArgs};
 
 use crate::output::{Written, done};
+use crate::precision::Number;
 use crate::terminal::{Spinner, counted, say};
 
 /// A sentence on the built-in surfaces for the end of a command's help.
@@ -33,16 +35,17 @@ pub fn builtin_names() -> String {
 }
 
 /// The map from some sources, with what the user should know of it.
-pub fn solve(
+pub fn solve<R: Number>(
     scene: &Scene,
     sources: &Sources,
     options: &Options,
-) -> Result<DistanceMap, geosweep::Error> {
+) -> Result<DistanceMap<R>, geosweep::Error> {
     let _spinner = Spinner::new("computing distances");
-    let map = distance_map(&scene.surface, sources, options)?;
+    let map = R::MAP(&scene.surface, sources, options)?;
     comment(&map.report, options);
-    comment_on_starts::<f32>(&scene.surface, sources);
-    comment_on_size::<f32>(&scene.surface);
+    comment_on_starts::<R>(&scene.surface, sources);
+    comment_on_size::<R>(&scene.surface);
+    comment_on_corners(&scene.surface, &map);
     Ok(map)
 }
 
@@ -73,6 +76,16 @@ pub fn comment(report: &Report, options: &Options) {
 
 /// Says what was computed, how, and what was written.
 pub fn done_with_map(scene: &Scene, report: &Report, written: &Written) {
+    done_with(scene, report, [], written);
+}
+
+/// The same, with what was made of the map.
+pub fn done_with(
+    scene: &Scene,
+    report: &Report,
+    made: impl IntoIterator<Item = String>,
+    written: &Written,
+) {
     let Report { points, reached, max_distance, .. } = report;
     let engine = match (report.engine, &report.device) {
         (_, Some(device)) => format!("Vulkan on {device}"),
@@ -99,13 +112,8 @@ pub fn done_with_map(scene: &Scene, report: &Report, written: &Written) {
         true => format!("largest {} {}", scene.quantity(scene.unit), seven_digits(*max_distance)),
         false => "no distance".into(),
     };
-    done([engine, points, format!("{iterations} in {time}"), largest], written);
-}
-
-/// As many as single precision has.
-fn seven_digits(number: f64) -> String {
-    let before = number.abs().max(1.0).log10().floor() as usize;
-    format!("{number:.*}", 6usize.saturating_sub(before))
+    let parts = [engine, points, format!("{iterations} in {time}"), largest];
+    done(parts.into_iter().chain(made), written);
 }
 
 /// How a map has come to its end.
@@ -136,14 +144,15 @@ pub fn comment_on_starts<R: Real>(surface: &Surface, sources: &Sources) {
     if rounded(largest) > ROUNDING * edge {
         let smallest = sources.start();
         let advice = match rounded(smallest) > ROUNDING * edge {
-            true => format!("; subtract the smallest, {smallest}, from all"),
+            true => format!("; subtract the smallest, {}, from all", exact(smallest)),
             false => String::new(),
         };
         say(
             "note",
             format_args!(
-                "distances beyond a start value of {largest} are rounded by up to {:.1e}, where \
-                 neighbouring points are {edge:.1e} apart{advice}",
+                "distances beyond a start value of {} are rounded by up to {:.1e}, where neighbouring \
+                 points are {edge:.1e} apart{advice}",
+                exact(largest),
                 rounded(largest)
             ),
         );
@@ -159,6 +168,42 @@ pub fn comment_on_size<R: Real>(surface: &Surface) {
             format_args!(
                 "distances over {most} edges in a row can err by thousandths, since rounding adds up \
                  in single precision; `geosweep distance --precision double` does without"
+            ),
+        );
+    }
+}
+
+const DIAGONALS: [Direction; 4] =
+    [Direction::NorthEast, Direction::NorthWest, Direction::SouthEast, Direction::SouthWest];
+
+/// Says where points are not reached that touch reached ones by a corner alone, as on a line of a mask that a
+/// person sees as connected.
+pub fn comment_on_corners<R: Real>(surface: &Surface, map: &DistanceMap<R>) {
+    let Report { points, reached, .. } = map.report;
+    if reached == points {
+        return;
+    }
+    let is_reached = |row, col| map.distance(row, col) < R::FAR;
+    let is_cut = |(row, col): (usize, usize)| {
+        surface.has(row, col)
+            && !is_reached(row, col)
+            && DIAGONALS.into_iter().any(|to| {
+                let other = map.chart.neighbour(row, col, to);
+                other.is_some_and(|(row, col)| surface.has(row, col) && is_reached(row, col))
+            })
+    };
+    let places = (0..map.chart.points()).map(|point| map.chart.position(point));
+    let cut = places.filter(|&place| is_cut(place)).count();
+    if cut > 0 {
+        say(
+            "note",
+            format_args!(
+                "{} not reached though next to a reached one: the two touch by a corner alone, between \
+                 holes, where no path passes; widen such lines of the mask to points side by side",
+                match cut {
+                    1 => "1 point is".into(),
+                    cut => format!("{cut} points are"),
+                }
             ),
         );
     }

@@ -1,11 +1,13 @@
 //! Where distances start.
 
+use std::error::Error;
 use std::path::PathBuf;
 
 use geosweep::Sources;
-use geosweep::io::{IoError, read_curves};
+use geosweep::io::{GridFrame, PlaceFile};
 
-use crate::numbers::numbers;
+use crate::numbers::{numbers, place_xy};
+use crate::terminal::say;
 
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("sources").required(true).multiple(true))]
@@ -15,43 +17,94 @@ pub struct SourceArgs {
     #[arg(short, long, value_name = "R,C[,T0]", group = "sources", help_heading = "Sources")]
     #[arg(value_parser = point, allow_hyphen_values = true)]
     source: Vec<[f64; 3]>,
-    /// Curves, every point of which is a source: an .npy array (K, 2) of rows and columns of one
-    /// curve, or (K, 5) as this tool writes curves, which rows of NaN divide; or a text file with a
-    /// line `row,col` per vertex, which may have more columns if its first line names them, where
-    /// `curve` divides curves and 1 in `closed` closes them; repeatable
+    /// The same in map coordinates, where SURFACE is georeferenced: easting and northing, or longitude and
+    /// latitude, in its coordinate reference system; repeatable
+    #[arg(long, value_name = "X,Y[,T0]", group = "sources", help_heading = "Sources")]
+    #[arg(value_parser = point_xy, allow_hyphen_values = true)]
+    source_xy: Vec<[f64; 3]>,
+    /// Curves, every point of which is a source; repeatable. An .npy array (K, 2) of rows and columns,
+    /// (K, 3) with start values, or (K, 5) as this tool writes curves, where rows of NaN divide
+    /// curves. A text file with a line `row,col` per vertex (any separator, and decimal commas), or with
+    /// columns that its first line names: row and col, or map coordinates x and y or lon and lat;
+    /// start values t0 (or start, initial, time), equal along a curve; `curve` divides curves, and 1 in
+    /// `closed` closes them; others are not used, which a note says. GeoJSON (.geojson, .json), of
+    /// which points, lines and the rings of polygons are sources, in the coordinates of SURFACE, with a
+    /// property t0
     #[arg(long, value_name = "FILE", group = "sources", help_heading = "Sources")]
     source_curve: Vec<PathBuf>,
-    /// Point sources: rows and columns in a file as for --source-curve, of which only the vertices
-    /// count, as samples are written; repeatable
+    /// Point sources in a file as for --source-curve, of which every vertex is a source with a start value
+    /// of its own; repeatable
     #[arg(long, value_name = "FILE", group = "sources", help_heading = "Sources")]
     source_points: Vec<PathBuf>,
 }
 
 fn point(text: &str) -> Result<[f64; 3], String> {
-    match numbers(text)?[..] {
-        [row, col] => Ok([row, col, 0.0]),
-        [row, col, start] => Ok([row, col, start]),
-        _ => Err("a source is a row and a column, and perhaps a start value: R,C[,T0]".into()),
+    let form = "a source is a row and a column, and perhaps a start value: R,C[,T0]";
+    with_start(numbers(text)?).ok_or_else(|| form.into())
+}
+
+fn point_xy(text: &str) -> Result<[f64; 3], String> {
+    let form = "a source is x (easting, longitude) and y (northing, latitude), and perhaps a start \
+                value: X,Y[,T0]";
+    with_start(numbers(text)?).ok_or_else(|| form.into())
+}
+
+fn with_start(numbers: Vec<f64>) -> Option<[f64; 3]> {
+    match numbers[..] {
+        [first, second] => Some([first, second, 0.0]),
+        [first, second, start] => Some([first, second, start]),
+        _ => None,
     }
 }
 
 impl SourceArgs {
-    pub fn sources(&self) -> Result<Sources, IoError> {
-        let points = self.source.iter().fold(Sources::default(), |sources, &[row, col, start]| {
-            sources.and_point(row, col, start)
-        });
-        let points = self.source_points.iter().try_fold(points, |sources, path| {
-            let places = read_curves(path)?.into_iter().flatten();
-            Ok::<_, IoError>(places.fold(sources, |all, [row, col]| all.and_point(row, col, 0.0)))
-        })?;
-        self.source_curve.iter().try_fold(points, |sources, path| {
-            let curves = read_curves(path)?.into_iter();
-            Ok(curves.fold(sources, |sources, curve| sources.and_curve(curve, 0.0)))
-        })
+    /// The sources: points as rows and columns, points in map coordinates, points of files, then curves.
+    pub fn sources(&self, frame: &GridFrame) -> Result<Sources, Box<dyn Error>> {
+        let mut sources = Sources::default();
+        for &[row, col, start] in &self.source {
+            sources = sources.and_point(row, col, start);
+        }
+        for &[x, y, start] in &self.source_xy {
+            let [row, col] = place_xy("--source-xy", frame, [x, y])?;
+            sources = sources.and_point(row, col, start);
+        }
+        for path in &self.source_points {
+            let file = PlaceFile::read(path)?;
+            for point in file.points(frame)? {
+                let [row, col] = point.at;
+                sources = sources.and_point(row, col, point.start);
+            }
+            remark(path, &file, frame);
+            if file.holds_lines() {
+                let name = path.display();
+                say(
+                    "note",
+                    format_args!(
+                        "{name}: holds lines, of which only the vertices are sources here; with \
+                         --source-curve all their points are"
+                    ),
+                );
+            }
+        }
+        for path in &self.source_curve {
+            let file = PlaceFile::read(path)?;
+            for curve in file.curves(frame)? {
+                sources = sources.and_curve(curve.vertices, curve.start);
+            }
+            remark(path, &file, frame);
+        }
+        Ok(sources)
     }
 
     /// The files that sources are read from.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         self.source_curve.iter().chain(&self.source_points)
+    }
+}
+
+/// Says what of a file is not used, and what is assumed of it.
+pub fn remark(path: &std::path::Path, file: &PlaceFile, frame: &GridFrame) {
+    for remark in file.remarks(frame) {
+        say("note", format_args!("{}: {remark}", path.display()));
     }
 }

@@ -32,6 +32,28 @@ pub struct MapSummary<'a, R = f32> {
     sharp_edges: Option<f64>,
 }
 
+/// The same in whichever precision the map was computed.
+#[derive(Serialize)]
+#[serde(untagged)]
+pub enum MapReport<'a> {
+    Single(MapSummary<'a>),
+    Double(MapSummary<'a, f64>),
+}
+
+impl<'a> MapReport<'a> {
+    /// Of a map in single precision, or of the one in double precision that it is rounded from.
+    pub fn new(
+        surface: &Surface,
+        map: &'a DistanceMap,
+        double: Option<&'a DistanceMap<f64>>,
+    ) -> Self {
+        match double {
+            None => Self::Single(MapSummary::new(surface, map)),
+            Some(map) => Self::Double(MapSummary::new(surface, map)),
+        }
+    }
+}
+
 impl<'a, R: Number> MapSummary<'a, R> {
     pub fn new(surface: &Surface, map: &'a DistanceMap<R>) -> Self {
         let report = &map.report;

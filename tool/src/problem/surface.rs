@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use clap::builder::{OsStringValueParser, TypedValueParser};
-use geosweep::io::{self, Georeference, SurfaceFile};
+use geosweep::io::{self, Georeference, GridFrame, SurfaceFile};
 use geosweep::surface::{Geometry, Resolution, Seam};
 use geosweep::{EdgeRule, Spacing, Surface};
 
@@ -26,8 +26,9 @@ pub struct SurfaceArgs {
     #[arg(long, value_name = "DX[,DY]", help_heading = "Surface", value_parser = spacing)]
     #[arg(allow_hyphen_values = true)]
     spacing: Option<Spacing>,
-    /// Where the surface is (non-zero) and where it has holes (zero): .npy (M, N) of bool or uint8,
-    /// or an 8-bit grey .png
+    /// Where the surface is (non-zero) and where it has holes (zero): .npy (M, N) of booleans or integers,
+    /// or an 8-bit grey .png. Points that touch by a corner alone, between two holes, are not connected:
+    /// widen lines that are 8-connected, such as rasterised rivers, to 4-connected ones
     #[arg(long, value_name = "FILE", help_heading = "Surface")]
     mask: Option<PathBuf>,
     /// Weight of lengths at each point, the reciprocal of a speed, so that distances become travel
@@ -123,6 +124,11 @@ impl Scene {
         // A slowness makes times of lengths, another metric may be in another unit.
         let unit = unit.filter(|_| shape.is_none() && surface.slowness().is_none());
         Ok(Self { surface, shape, georeference, unit })
+    }
+
+    /// Where places on the surface lie in map coordinates.
+    pub fn frame(&self) -> GridFrame {
+        GridFrame { chart: self.surface.chart(), georeference: self.georeference.clone() }
     }
 
     pub fn shape(&self) -> &Surface {
@@ -231,8 +237,10 @@ fn warn_of_seams(seams: &[Seam]) {
     let mut said = format!("the surface is closed: {names}");
     if seams.iter().any(|seam| !matches!(seam, Seam::Pole { .. })) {
         said += ". No path crosses such a seam yet: roll the grid so that it lies far from the sources, or \
-                 repeat the grid side by side with a source in each copy; --mask takes out one of two \
-                 equal lines";
+                 repeat the grid side by side with a source in each copy";
+    }
+    if seams.iter().any(|seam| matches!(seam, Seam::Sides { .. } | Seam::Fold(_))) {
+        said += "; --mask takes out one of two equal lines";
     }
     if seams.iter().any(|seam| matches!(seam, Seam::Pole { exact: false, .. })) {
         said += ". Points of a pole must be equal to the last digit, or all but one of them masked";

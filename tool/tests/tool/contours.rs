@@ -4,7 +4,7 @@ use geosweep::glam::{DVec2, DVec3};
 use geosweep::surface::builtin::Builtin;
 use serde_json::Value;
 
-use crate::workbench::{Workbench, curves, done, json, notes, read, run, stderr};
+use crate::workbench::{Workbench, curves, done, json, notes, read, run, stderr, text};
 
 /// Great circles: within a tenth of a cell, which is what contours are held to.
 #[test]
@@ -60,6 +60,45 @@ fn levels_that_the_map_lacks_have_no_curves() {
         let line = format!("contours builtin:plane:17x17 -s 8,8 {levels} -o c.npy --engine cpu");
         bench.refuses(&run(&bench, &line), &[part]);
     }
+}
+
+#[test]
+fn a_table_without_curves_has_the_header_of_one_with_them() {
+    let bench = Workbench::new();
+    for (command, none, some) in [
+        ("contours builtin:plane:9x9 -s 4,4 -o", "--levels 99", "--levels 0.2"),
+        ("offset builtin:plane:9x9 -s 4,4 -o", "--distances 99", "--distances 0.2"),
+        ("voronoi builtin:plane:9x9 -s 4,1 --borders", "", "-s 4,7"),
+        ("ridges builtin:plane:9x9 -s 4,1 -o", "--least-angle 170", "-s 4,7"),
+    ] {
+        let header = |words: &str| {
+            done(&bench, &format!("{command} c.csv {words} --engine cpu"));
+            let table = text(&bench, "c.csv");
+            (table.lines().next().unwrap().to_owned(), table.lines().count())
+        };
+        let ((none, lines), (some, more)) = (header(none), header(some));
+        assert_eq!((&none, lines), (&some, 1), "{command}");
+        assert!(more > 1, "{command}");
+    }
+}
+
+#[test]
+fn levels_that_have_no_curve_are_told_why() {
+    let bench = Workbench::new();
+    let said =
+        |words: &str| notes(&done(&bench, &format!("contours {words} --engine cpu -o c.csv")));
+    for shape in [[1, 20], [20, 1]] {
+        let strip = bench.array("strip.npy", &shape, &[0.0; 20]);
+        let line = if shape[0] == 1 { "row" } else { "column" };
+        let said = said(&format!("{strip} --spacing 1 -s 0,0 --levels 4.75"));
+        assert!(said.contains(&format!("no curve at 4.75: a grid of one {line}")), "{said}");
+    }
+    let flat = bench.flat(9, 9);
+    let corner = said(&format!("{flat} --spacing 1 -s 0,0 --levels 11.31370849898476"));
+    assert!(corner.contains("11.31371 is the largest distance"), "{corner}");
+    let curve = bench.input("line.csv", "0,0\n8,0\n");
+    let border = said(&format!("{flat} --spacing 1 --source-curve {curve} --levels 8"));
+    assert_eq!(border, "");
 }
 
 #[test]

@@ -100,7 +100,7 @@ fn every_format_holds_the_same_curves() {
 }
 
 /// A flat GeoTIFF of 30 x 20 m pixels, with GeoTIFF's keys after the header.
-fn geotiff(rows: u32, cols: u32, tie_point: [f64; 6], keys: &[u16]) -> Vec<u8> {
+pub fn geotiff(rows: u32, cols: u32, tie_point: [f64; 6], keys: &[u16]) -> Vec<u8> {
     use tiff::encoder::{TiffEncoder, colortype::GrayI16};
     use tiff::tags::Tag;
     let mut file = Cursor::new(Vec::new());

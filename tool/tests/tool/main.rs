@@ -15,6 +15,7 @@ mod offsets;
 mod pairwise;
 mod paths;
 mod pictures;
+mod places;
 mod profile;
 mod refusals;
 mod regions;

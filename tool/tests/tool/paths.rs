@@ -2,7 +2,7 @@
 
 use geosweep::surface::builtin::Builtin;
 
-use crate::workbench::{Workbench, curves, done, json, read, run};
+use crate::workbench::{Workbench, curves, done, json, read, run, stderr, text};
 
 #[test]
 fn paths_run_from_their_starts_to_the_source() {
@@ -65,4 +65,71 @@ fn starts_that_cannot_be_are_refused() {
     bench.refuses(&run(&bench, &line), &["--from"]);
     let line = format!("path {cut} --spacing 1 -s 2,2 --from 1 -o p.npy");
     bench.refuses(&run(&bench, &line), &["R,C"]);
+}
+
+/// Over a slowness a path's length is a travel time, and its length on the surface is told beside it.
+#[test]
+fn paths_tell_lengths_and_travel_times() {
+    let bench = Workbench::new();
+    let flat = bench.flat(21, 31);
+    for slow in [0.5, 3.0] {
+        let slowness = bench.array("slowness.npy", &[21, 31], &[slow; 21 * 31]);
+        let line = format!(
+            "path {flat} --spacing 2 --slowness {slowness} -s 3,4,1.5 --from 15,20 --from 3,24 --engine cpu \
+             --json -o p.csv"
+        );
+        let output = done(&bench, &line);
+        let report = json(&output);
+        let table = text(&bench, "p.csv");
+        let mut rows = table.lines().skip(1).map(|line| line.split(',').collect::<Vec<_>>());
+        let exact = [20.0 * 2.0, 2.0 * 12f64.hypot(16.0)];
+        for (index, exact) in [(0, exact[1]), (1, exact[0])] {
+            let path = &report["paths"][index];
+            let number = |name: &str| path[name].as_f64().unwrap();
+            let near = |found: f64, expected: f64| (found - expected).abs() < 2e-3 * expected;
+            assert!(near(number("surface_length"), exact), "{path}");
+            assert!(near(number("length"), slow * exact), "{path}");
+            assert_eq!(number("time"), number("length"));
+            assert!(near(number("distance"), 1.5 + slow * exact), "{path}");
+            let row = rows.find(|row| row[0] == index.to_string()).unwrap();
+            let told = |column: usize| row[column].parse::<f64>().unwrap();
+            let names = ["distance", "length", "surface_length"];
+            assert_eq!([told(2), told(3), told(4)], names.map(number), "{row:?}");
+        }
+        let said = stderr(&output);
+        assert!(
+            said.contains("2 paths of length ") && said.contains(" and travel time "),
+            "{said}"
+        );
+    }
+    let report = json(&done(&bench, &format!("path {flat} --spacing 1 -s 3,4 --from 3,9 --json")));
+    let path = &report["paths"][0];
+    assert!(path["time"].is_null() && path["surface_length"] == path["length"], "{path}");
+}
+
+/// In double precision the map that paths and regions are made of has no rounding of single precision.
+#[test]
+fn maps_of_paths_and_regions_come_in_double_precision() {
+    let bench = Workbench::new();
+    for words in
+        ["path builtin:plane:30x40 -s 3,4 --from 29,39", "voronoi builtin:plane:30x40 -s 3,4"]
+    {
+        let report = |precision: &str| {
+            json(&done(&bench, &format!("{words} --engine cpu --json --precision {precision}")))
+        };
+        let (single, double) = (report("single"), report("double"));
+        assert_eq!(
+            (&single["precision"], &double["precision"]),
+            (&"single".into(), &"double".into())
+        );
+        let exact = Builtin::Plane.exact_distance(30, 40, [3.0, 4.0], [29.0, 39.0]).unwrap();
+        let error = |value: &serde_json::Value| (value.as_f64().unwrap() - exact).abs();
+        assert!(error(&double["max_distance"]) < 1e-13, "{double}");
+        if words.starts_with("path") {
+            assert!(error(&double["paths"][0]["distance"]) < 1e-13, "{double}");
+            assert!(error(&single["paths"][0]["distance"]) > 1e-13, "{single}");
+        }
+        let line = format!("{words} --precision double --engine vulkan --json");
+        assert!(!run(&bench, &line).status.success(), "shaders compute in single precision");
+    }
 }

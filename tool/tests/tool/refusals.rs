@@ -135,7 +135,7 @@ fn wrong_companions_are_refused_by_name() {
     let outside = bench.input("outside.txt", "0,0\n1,9\n");
     let blank = bench.input("blank.txt", "# nothing\n");
     for (words, parts) in [
-        (format!("--mask {doubles}"), &["doubles.npy", "bool or uint8"][..]),
+        (format!("--mask {doubles}"), &["doubles.npy", "booleans or integers"][..]),
         (format!("--mask {turned}"), &["turned.npy", "4 x 3", "3 x 4"]),
         (format!("--mask {curve}"), &["curve.txt", ".npy or .png"]),
         (format!("--slowness {small}"), &["small.npy", "2 x 4", "3 x 4"]),
@@ -143,11 +143,17 @@ fn wrong_companions_are_refused_by_name() {
         (format!("--metric {metric}"), &["metric.npy", "3 x 3", "3 x 4"]),
         (format!("--metric {doubles}"), &["doubles.npy", "(M, N, 2, 2)"]),
         (format!("--source-curve {curve}"), &["curve.txt", "line 3", "row,col"]),
-        (format!("--source-curve {outside}"), &["1,9", "outside"]),
-        (format!("--source-curve {blank}"), &["blank.txt", "no vertex"]),
+        (
+            format!("--source-curve {outside}"),
+            &["outside.txt", "line 2", "column 9", "outside the grid"],
+        ),
+        (format!("--source-curve {blank}"), &["blank.txt", "no place"]),
         (format!("--source-curve {doubles}"), &["doubles.npy", "(K, 2)"]),
         (format!("--source-points {curve}"), &["curve.txt", "line 3", "row,col"]),
-        (format!("--source-points {outside}"), &["1,9", "outside"]),
+        (
+            format!("--source-points {outside}"),
+            &["outside.txt", "line 2", "column 9", "outside the grid"],
+        ),
     ] {
         bench.refuses(&bench.distance(&flat, &format!("-s 0,0 -o map.npy {words}")), parts);
     }

@@ -12,6 +12,7 @@ use geosweep::io::{
     Element, IoError, MatrixFile, MatrixLayout, OutputFile, Provenance, surface_checksum,
 };
 use geosweep::pairwise::{Pairwise, PairwiseReport, Rows};
+use geosweep::shown::excerpt;
 use geosweep::surface::{Chart, EdgeLengths};
 use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Surface};
 use indicatif::ProgressBar;
@@ -23,7 +24,7 @@ use crate::choices::one_of;
 use crate::output::{Written, check_outputs, done, wanted_file};
 use crate::precision::Precision;
 use crate::problem::{
-    SolverArgs, SurfaceArgs, builtin_names, convergence, seconds, warn_of_no_convergence,
+    Scene, SolverArgs, SurfaceArgs, builtin_names, convergence, seconds, warn_of_no_convergence,
 };
 use crate::terminal::{Outcome, Spinner, print_json, progress_of_rows, say};
 use sources::RowsOf;
@@ -40,9 +41,8 @@ pub struct Args {
     #[arg(short, long, value_name = "D.npy", required_unless_present = "json")]
     output: Option<PathBuf>,
     /// Only the rows of these points, (k, n): a range A..B of rows of the matrix, without B; or a
-    /// file: .npy, (k,) for rows of the matrix or (k, 2) for rows and columns of the grid, as
-    /// `geosweep sample` writes, or text with a line `row,col` per point, which may have more columns
-    /// if its first line names them
+    /// file: .npy, (k,) for rows of the matrix, or points of the grid in a table, an .npy array or GeoJSON
+    /// as for --source-points of `geosweep distance`. Start values are added to a point's distances
     #[arg(long, value_name = "A..B|FILE", help_heading = "Matrix")]
     sources: Option<RowsOf>,
     /// Only the rows of k points that are far from one another, (k, n): the point next to the middle
@@ -134,7 +134,7 @@ enum Stopped {
 fn sample_size(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count @ 1..) => Ok(count),
-        _ => Err(format!("`{text}` is no number of samples; give 1 or more")),
+        _ => Err(format!("`{}` is no number of samples; give 1 or more", excerpt(text))),
     }
 }
 
@@ -143,9 +143,9 @@ pub fn run(args: &Args) -> Outcome {
     let scene = args.surface.read()?;
     let surface = &scene.surface;
     let samples = args.sample.map(|count| Samples::new(surface, count)).transpose()?;
-    let sources = match &samples {
-        Some(samples) => samples.points.clone(),
-        None => args.sources(surface)?,
+    let (sources, starts) = match &samples {
+        Some(samples) => (samples.points.clone(), vec![0.0; samples.points.len()]),
+        None => args.sources(&scene)?,
     };
     let options = args.solver.options()?;
     let mut pairwise = Pairwise::new(surface, &options)?;
@@ -169,7 +169,7 @@ pub fn run(args: &Args) -> Outcome {
         }
     })?;
     let begin = |output| {
-        let made_from = args.provenance(surface, &sources)?;
+        let made_from = args.provenance(surface, &sources, &starts)?;
         let file = if args.resume { MatrixFile::resume } else { MatrixFile::begin };
         Ok::<_, Box<dyn Error>>(file(output, layout, made_from)?)
     };
@@ -182,7 +182,12 @@ pub fn run(args: &Args) -> Outcome {
     let solved = if args.from_symmetry {
         by_symmetry(&mut pairwise, file.as_mut(), &bar)
     } else {
-        row_by_row(&mut pairwise, file.as_mut(), &sources[resumed_rows..], &bar)
+        row_by_row(
+            &mut pairwise,
+            file.as_mut(),
+            (&sources[resumed_rows..], &starts[resumed_rows..]),
+            &bar,
+        )
     };
     bar.finish_and_clear();
     let report = match solved {
@@ -247,15 +252,19 @@ impl Outputs {
 }
 
 impl Args {
-    fn sources(&self, surface: &Surface) -> Result<Vec<usize>, Box<dyn Error>> {
-        let chart = surface.chart();
-        let Some(rows) = &self.sources else { return Ok((0..chart.points()).collect()) };
-        let sources = rows.points(chart)?;
+    /// The rows' grid points, and the values that their distances start with.
+    fn sources(&self, scene: &Scene) -> Result<(Vec<usize>, Vec<f64>), Box<dyn Error>> {
+        let surface = &scene.surface;
+        let points = surface.chart().points();
+        let Some(rows) = &self.sources else {
+            return Ok(((0..points).collect(), vec![0.0; points]));
+        };
+        let (sources, starts): (Vec<_>, Vec<_>) = rows.points(&scene.frame())?.into_iter().unzip();
         let holes = sources.iter().filter(|&&source| !surface.present()[source]).count();
         if holes > 0 && rows.file().is_some() {
             say("note", format_args!("{holes} of the sources are holes; their rows are +infinity"));
         }
-        Ok(sources)
+        Ok((sources, starts))
     }
 
     /// What a matrix that is not finished ends with. What is there is good, whatever has failed
@@ -283,6 +292,7 @@ impl Args {
         &self,
         surface: &Surface,
         sources: &[usize],
+        starts: &[f64],
     ) -> Result<Provenance, Box<dyn Error>> {
         let options = self.solver.options()?;
         let wavefront = options.wavefront.map_or("auto", |wavefront| wavefront.name());
@@ -300,9 +310,14 @@ impl Args {
             }
             _ => format!("{sources:?}"),
         };
+        let starts = match starts.iter().all(|&start| start == 0.0) {
+            true => "0".into(),
+            false => format!("{starts:?}"),
+        };
         Ok(Provenance::new()
             .with("surface", surface_checksum(surface)?)
             .with("sources", sources)
+            .with("start values", starts)
             .with("wavefront", wavefront)
             .with("engine", engine)
             .with("tolerance", options.tolerance.unwrap_or(DEFAULT_TOLERANCE))
@@ -335,16 +350,31 @@ impl Samples {
 fn row_by_row(
     pairwise: &mut Pairwise,
     mut file: Option<&mut MatrixFile>,
-    sources: &[usize],
+    (sources, starts): (&[usize], &[f64]),
     bar: &ProgressBar,
 ) -> Result<PairwiseReport, Stopped> {
+    let has_starts = starts.iter().any(|&start| start != 0.0);
+    let mut starts = starts.iter();
     pairwise.rows(sources, |rows: Rows| {
         if let Some(file) = &mut file {
-            file.append(rows.distances)?;
+            if has_starts {
+                file.append(&started(&rows, &mut starts))?;
+            } else {
+                file.append(rows.distances)?;
+            }
         }
         bar.inc(rows.sources.len() as u64);
         go_on()
     })
+}
+
+/// Rows with the start value of each added to its distances.
+fn started<'a>(rows: &Rows, starts: &mut impl Iterator<Item = &'a f64>) -> Vec<f32> {
+    let row = |((_, distances), start): ((usize, &[f32]), &f64)| {
+        let later = |distance: &f32| (f64::from(*distance) + start) as f32;
+        distances.iter().map(later).collect::<Vec<_>>()
+    };
+    rows.iter().zip(starts).flat_map(row).collect()
 }
 
 fn go_on() -> Result<(), Stopped> {

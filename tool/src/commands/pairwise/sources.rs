@@ -4,8 +4,10 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use geosweep::io::read_points;
-use geosweep::surface::Chart;
+use geosweep::io::{GridFrame, PlaceFile};
+use geosweep::shown::excerpt;
+
+use crate::problem::remark;
 
 /// Rows of the matrix, as given.
 #[derive(Clone, Debug)]
@@ -29,10 +31,13 @@ impl FromStr for RowsOf {
             (Ok(first), Ok(end)) => {
                 Err(format!("{first}..{end} is an empty range; it goes from A to before B"))
             }
-            _ => Err(format!(
-                "`{text}` is no range of rows; it goes from A to before B, as in 0..100, both whole \
-                 numbers (./{text} is a file)"
-            )),
+            _ => {
+                let text = excerpt(text);
+                Err(format!(
+                    "`{text}` is no range of rows; it goes from A to before B, as in 0..100, both \
+                     whole numbers (./{text} is a file)"
+                ))
+            }
         }
     }
 }
@@ -45,15 +50,22 @@ impl RowsOf {
         }
     }
 
-    /// Their grid points, by row-major index.
-    pub fn points(&self, chart: Chart) -> Result<Vec<usize>, String> {
+    /// Their grid points, by row-major index, and the values that distances from them start with.
+    pub fn points(&self, frame: &GridFrame) -> Result<Vec<(usize, f64)>, String> {
+        let points = frame.chart.points();
         match self {
-            Self::Range(range) if range.end <= chart.points() => Ok(range.clone().collect()),
+            Self::Range(range) if range.end <= points => {
+                Ok(range.clone().map(|point| (point, 0.0)).collect())
+            }
             Self::Range(Range { start, end }) => Err(format!(
-                "--sources {start}..{end} goes beyond the grid, which has {} points",
-                chart.points()
+                "--sources {start}..{end} goes beyond the grid, which has {points} points"
             )),
-            Self::File(path) => read_points(path, chart).map_err(|error| error.to_string()),
+            Self::File(path) => {
+                let file = PlaceFile::read(path).map_err(|error| error.to_string())?;
+                let found = file.grid_points(frame).map_err(|error| error.to_string())?;
+                remark(path, &file, frame);
+                Ok(found)
+            }
         }
     }
 }

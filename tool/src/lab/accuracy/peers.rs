@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
+use geosweep::shown::exact;
 use geosweep::surface::builtin::Builtin;
 use serde::Deserialize;
 
@@ -58,7 +59,7 @@ fn peer(row: Row) -> Result<Option<Peer>, String> {
     let (Some(seconds), Some(mean)) = (seconds, mean_error) else { return Ok(None) };
     for number in [seconds, mean] {
         if !(number > 0.0 && number.is_finite()) {
-            return Err(format!("`{number}` is no positive number"));
+            return Err(format!("`{}` is no positive number", exact(number)));
         }
     }
     let solver = match solver.strip_prefix("geosweep cpu, ") {

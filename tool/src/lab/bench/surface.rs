@@ -5,6 +5,7 @@ use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 
 use geosweep::io::SurfaceFile;
+use geosweep::shown::excerpt;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{Spacing, Surface};
 
@@ -45,9 +46,11 @@ impl BenchSurface {
         match text.parse() {
             Ok(builtin) => Ok(Self::Builtin(builtin)),
             Err(_) if PathBuf::from(text).is_file() => Ok(Self::File(text.into())),
-            Err(_) => {
-                Err(format!("`{text}` is neither a file nor one of the surfaces {}", Self::names()))
-            }
+            Err(_) => Err(format!(
+                "`{}` is neither a file nor one of the surfaces {}",
+                excerpt(text),
+                Self::names()
+            )),
         }
     }
 

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use geosweep::geometry::canonical::{Distances, FormOptions, align, canonical_form};
 use geosweep::glam::DVec3;
 use geosweep::pairwise::Pairwise;
+use geosweep::shown::excerpt;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{Options, Surface, Wavefront};
 use serde::Serialize;
@@ -51,7 +52,7 @@ const BENDINGS: [(f64, &str); 3] = [(0.0, "helicoid"), (45.0, "between both"), (
 fn columns(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(size @ 9..=110) => Ok(size),
-        _ => Err(format!("`{text}` is no number of columns from 9 to 110")),
+        _ => Err(format!("`{}` is no number of columns from 9 to 110", excerpt(text))),
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use geosweep::cpu::Instructions;
 use geosweep::pairwise::{Pairwise, PairwiseReport};
+use geosweep::shown::excerpt;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{Engine, Options, Surface, Wavefront};
 use serde::Serialize;
@@ -66,14 +67,14 @@ const PAPER: Paper<6, 2> = Paper([
 fn side(text: &str) -> Result<usize, String> {
     match text.trim().parse() {
         Ok(side @ 4..=128) => Ok(side),
-        _ => Err(format!("`{text}` is no number of points a side from 4 to 128")),
+        _ => Err(format!("`{}` is no number of points a side from 4 to 128", excerpt(text))),
     }
 }
 
 fn runs(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(runs @ 1..=1000) => Ok(runs),
-        _ => Err(format!("`{text}` is no number of runs from 1 to 1000")),
+        _ => Err(format!("`{}` is no number of runs from 1 to 1000", excerpt(text))),
     }
 }
 

@@ -1,0 +1,89 @@
+//! Curves at a map's largest distance. No point is farther, so that nothing crosses that level: the curves join
+//! the points that have it.
+
+use super::Curve;
+use super::arrivals::Arrivals;
+use super::chains::ways;
+use crate::surface::Chart;
+
+/// Rounding of a largest distance in single precision, as a fraction of the way to it.
+const ROUNDING: f64 = 2e-6;
+
+/// By how much distances may lie below the largest and count as equal.
+pub(super) fn rounding(start: f64, largest: f64) -> f64 {
+    let rounding = ROUNDING * (largest - start);
+    if rounding.is_finite() { rounding.max(0.0) } else { 0.0 }
+}
+
+/// The curves along grid edges between points that are at least so far. Nearer points lie to their left, where
+/// they lie on one side only.
+pub(super) fn curves(arrivals: &Arrivals, least: f64) -> Vec<Curve> {
+    let chart = arrivals.chart;
+    let is_top = |index: usize| {
+        let time = f64::from(arrivals.time(index));
+        time.is_finite() && time >= least
+    };
+    let mut edges = Vec::new();
+    let mut join = |a: (usize, usize), b: (usize, usize)| {
+        let ends = [a, b].map(|(row, col)| chart.index(row, col));
+        if ends.into_iter().all(is_top) {
+            edges.push(ends.map(|end| end as u64));
+        }
+    };
+    for (row, col) in chart.places() {
+        let (below, right) = (row + 1 < chart.rows, col + 1 < chart.cols);
+        if right {
+            join((row, col), (row, col + 1));
+        }
+        if below {
+            join((row, col), (row + 1, col));
+        }
+        if below && right {
+            // Across a cell only where no way along its sides leads.
+            let top = |row, col| is_top(chart.index(row, col));
+            if !top(row, col + 1) && !top(row + 1, col) {
+                join((row, col), (row + 1, col + 1));
+            }
+            if !top(row, col) && !top(row + 1, col + 1) {
+                join((row, col + 1), (row + 1, col));
+            }
+        }
+    }
+    ways(&edges).into_iter().map(|way| curve(arrivals, &way)).collect()
+}
+
+fn curve(arrivals: &Arrivals, way: &[u64]) -> Curve {
+    let chart = arrivals.chart;
+    let mut points: Vec<_> = way.iter().map(|&point| chart.position(point as usize)).collect();
+    let closed = points.len() > 3 && points.first() == points.last();
+    if !is_left_nearer(arrivals, &points) {
+        points.reverse();
+    }
+    if closed {
+        points.pop();
+    }
+    let vertices = points.into_iter().map(|(row, col)| [row as f64, col as f64]).collect();
+    Curve { vertices, closed }
+}
+
+/// Whether more points on the left are nearer than on the right, as seen on the grid with rows downwards.
+fn is_left_nearer(arrivals: &Arrivals, points: &[(usize, usize)]) -> bool {
+    let Chart { rows, cols } = arrivals.chart;
+    let mut balance = 0.0;
+    for step in points.windows(2) {
+        let ((row, col), (next_row, next_col)) = (step[0], step[1]);
+        let (down, right) = (next_row as isize - row as isize, next_col as isize - col as isize);
+        let at = |down: isize, right: isize| {
+            let (row, col) = (row.checked_add_signed(down)?, col.checked_add_signed(right)?);
+            let time = f64::from(
+                (row < rows && col < cols)
+                    .then(|| arrivals.time(arrivals.chart.index(row, col)))?,
+            );
+            time.is_finite().then_some(time)
+        };
+        let here = at(0, 0).unwrap_or(0.0);
+        let nearer = |time: Option<f64>| time.map_or(0.0, |time| here - time);
+        balance += nearer(at(-right, down)) - nearer(at(right, -down));
+    }
+    balance >= 0.0
+}

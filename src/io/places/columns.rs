@@ -1,0 +1,161 @@
+//! What the columns of a table, and the properties of GeoJSON's features, mean by their names.
+
+use std::fmt;
+
+use super::Coordinates;
+use super::frame::MapCoordinates;
+use crate::shown::excerpt;
+
+/// Names of start values.
+const STARTS: [&str; 8] = [
+    "t0",
+    "start",
+    "start_value",
+    "start_time",
+    "initial",
+    "initial_value",
+    "initial_time",
+    "time",
+];
+
+/// Words of names that may be meant to change distances. A column that has one and is no start value is
+/// refused: to pass it over could give a wrong map.
+const WEIGHTY: [&str; 19] = [
+    "t0", "t", "start", "starts", "initial", "init", "time", "times", "delay", "delays", "offset",
+    "arrival", "value", "weight", "speed", "velocity", "slowness", "cost", "head",
+];
+
+/// Pairs of names for places, and what they mean.
+const PLACES: [(&[&str], &[&str], Coordinates); 4] = [
+    (&["row"], &["col", "column"], Coordinates::Grid),
+    (&["x"], &["y"], Coordinates::Map(MapCoordinates::Surface)),
+    (&["easting", "east"], &["northing", "north"], Coordinates::Map(MapCoordinates::Projected)),
+    (
+        &["lon", "lng", "long", "longitude"],
+        &["lat", "latitude"],
+        Coordinates::Map(MapCoordinates::Geographic),
+    ),
+];
+
+/// A column or property, for messages.
+pub(super) enum Named<'a> {
+    Column(&'a str),
+    Property(&'a str),
+}
+
+impl fmt::Display for Named<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Column(name) => write!(f, "in column {}", excerpt(name)),
+            Self::Property(name) => write!(f, "in property {}", excerpt(name)),
+        }
+    }
+}
+
+/// A name in its plain form: in lower case, words joined by `_`, without a unit in brackets behind it.
+fn plain(name: &str) -> String {
+    let name = name.trim().trim_matches(['"', '\'']);
+    let unit = name.find(['(', '[']).filter(|&at| at > 0 && name.ends_with([')', ']']));
+    let name = name[..unit.unwrap_or(name.len())].trim();
+    name.to_lowercase().replace([' ', '-', '.'], "_")
+}
+
+/// Whether a name is one of start values.
+pub(super) fn is_start(name: &str) -> bool {
+    STARTS.contains(&plain(name).as_str())
+}
+
+/// Refuses a name that may be meant to change distances and is none of start values.
+pub(super) fn check_unused(name: &str, what: &str) -> Result<(), String> {
+    let name_plain = plain(name);
+    match name_plain.split('_').any(|word| WEIGHTY.contains(&word)) {
+        false => Ok(()),
+        true => Err(format!(
+            "the {what} `{}` may be meant to change distances, which only start values do; name it \
+             t0 if it is one, else rename it or leave it out",
+            excerpt(name)
+        )),
+    }
+}
+
+/// The columns that count, by their places in a record.
+#[derive(Debug)]
+pub(super) struct Columns {
+    pub names: Vec<String>,
+    pub place: [usize; 2],
+    pub coordinates: Coordinates,
+    pub start: Option<usize>,
+    pub curve: Option<usize>,
+    pub closed: Option<usize>,
+}
+
+impl Columns {
+    /// Those that a first line names; `None` if it names no place.
+    pub fn new(names: Vec<String>) -> Result<Option<Self>, String> {
+        let plains: Vec<_> = names.iter().map(|name| plain(name)).collect();
+        let one_of = |wanted: &[&str]| {
+            let mut found =
+                (0..plains.len()).filter(|&index| wanted.contains(&plains[index].as_str()));
+            match (found.next(), found.next()) {
+                (Some(first), Some(second)) => Err(format!(
+                    "the columns {} and {} mean the same; leave one of them out",
+                    excerpt(&names[first]),
+                    excerpt(&names[second])
+                )),
+                (found, _) => Ok(found),
+            }
+        };
+        let mut pairs = Vec::new();
+        for (first, second, coordinates) in PLACES {
+            match (one_of(first)?, one_of(second)?) {
+                (Some(first), Some(second)) => pairs.push(([first, second], coordinates)),
+                // Rows count before all else, so that half of them is a mistake.
+                (Some(_), None) | (None, Some(_)) if coordinates == Coordinates::Grid => {
+                    return Ok(None);
+                }
+                _ => {}
+            }
+            if pairs.len() == 1 && pairs[0].1 == Coordinates::Grid {
+                break;
+            }
+        }
+        if let [(a, _), (b, _), ..] = pairs[..] {
+            let name = |index: usize| excerpt(&names[index]);
+            return Err(format!(
+                "the columns {}, {} and {}, {} both say where places are; leave one pair out",
+                name(a[0]),
+                name(a[1]),
+                name(b[0]),
+                name(b[1])
+            ));
+        }
+        let Some((place, coordinates)) = pairs.pop() else { return Ok(None) };
+        let (start, curve, closed) = (one_of(&STARTS)?, one_of(&["curve"])?, one_of(&["closed"])?);
+        Ok(Some(Self { names, place, coordinates, start, curve, closed }))
+    }
+
+    /// Those of lines without names.
+    pub fn unnamed(count: usize) -> Self {
+        let names = ["row", "col", "t0"].iter().take(count).map(|&name| name.into()).collect();
+        let start = (count == 3).then_some(2);
+        let coordinates = Coordinates::Grid;
+        Self { names, place: [0, 1], coordinates, start, curve: None, closed: None }
+    }
+
+    /// Names of columns that do not count. An index column has no name, or none of its own.
+    pub fn unused(&self) -> Result<Vec<String>, String> {
+        let used = |index: usize| {
+            self.place.contains(&index)
+                || [self.start, self.curve, self.closed].contains(&Some(index))
+        };
+        let is_named = |name: &str| {
+            let plain = plain(name);
+            !plain.is_empty() && !plain.starts_with("unnamed:")
+        };
+        let unused = self.names.iter().enumerate().filter(|(index, _)| !used(*index));
+        let unused: Vec<_> =
+            unused.map(|(_, name)| name.clone()).filter(|name| is_named(name)).collect();
+        unused.iter().try_for_each(|name| check_unused(name, "column"))?;
+        Ok(unused)
+    }
+}

@@ -1,0 +1,246 @@
+//! From map coordinates to places on a grid.
+
+use super::super::{CoordinateSystem, Georeference};
+use crate::shown::exact;
+use crate::surface::Chart;
+
+/// A grid, and where its points lie in map coordinates.
+///
+/// ```
+/// use geosweep::io::{CoordinateSystem, Georeference, GridFrame};
+/// use geosweep::surface::Chart;
+///
+/// // 30 m between points, from the upper left one southwards and eastwards.
+/// let georeference = Georeference {
+///     origin: [500_015.0, 4_000_985.0],
+///     down: [0.0, -30.0],
+///     right: [30.0, 0.0],
+///     system: Some(CoordinateSystem::Projected(32616)),
+/// };
+/// let frame = GridFrame { chart: Chart { rows: 40, cols: 60 }, georeference: Ok(georeference) };
+/// assert_eq!(frame.place([500_045.0, 4_000_955.0])?, [1.0, 1.0]);
+/// assert!(frame.place([-84.5, 36.1]).unwrap_err().contains("outside the grid"));
+/// # Ok::<(), String>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct GridFrame {
+    /// The grid's size.
+    pub chart: Chart,
+    /// Its map coordinates, or why there are none.
+    pub georeference: Result<Georeference, String>,
+}
+
+/// What map coordinates of a file are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MapCoordinates {
+    /// The surface's, which the file does not say.
+    Surface,
+    /// Easting and northing.
+    Projected,
+    /// Longitude and latitude.
+    Geographic,
+    /// Those of GeoJSON that names no system: longitude and latitude on WGS 84 by RFC 7946.
+    Unnamed,
+    /// Those of a system by its EPSG number.
+    Epsg(u32),
+}
+
+/// Cells by which a place may lie outside the grid and is taken for its border: files round coordinates.
+const BORDER: f64 = 0.01;
+/// Cells from a line of grid points within which a place is taken to be on it.
+const ON_LINE: f64 = 1e-6;
+
+/// A turn in degrees.
+const TURN: f64 = 360.0;
+
+impl GridFrame {
+    /// Returns row and column of map coordinates, eastwards first. Places within a millionth of a cell of a
+    /// line of grid points are on it; those outside by up to a hundredth of a cell are on the border.
+    /// Longitudes may differ from the grid's by a full turn.
+    ///
+    /// # Errors
+    /// If the grid has no map coordinates, or the place lies outside it.
+    pub fn place(&self, [x, y]: [f64; 2]) -> Result<[f64; 2], String> {
+        let georeference = self.georeference.as_ref().map_err(|why| not_placed(why))?;
+        let (last_row, last_col) = self.chart.last();
+        let on_axis = |at: f64, last: usize| {
+            let last = last as f64;
+            let at = if (at - at.round()).abs() <= ON_LINE { at.round() } else { at };
+            ((-BORDER)..=last + BORDER).contains(&at).then(|| at.clamp(0.0, last))
+        };
+        let on_grid = |place: [f64; 2]| {
+            let [row, col] = georeference.place(place)?;
+            Some([on_axis(row, last_row)?, on_axis(col, last_col)?])
+        };
+        let turns: &[f64] = match georeference.system {
+            Some(CoordinateSystem::Geographic(_)) => &[0.0, TURN, -TURN],
+            _ => &[0.0],
+        };
+        let found = turns.iter().find_map(|turn| on_grid([x + turn, y]));
+        found.ok_or_else(|| self.outside(georeference, [x, y], on_grid([y, x]).is_some()))
+    }
+
+    fn outside(&self, georeference: &Georeference, [x, y]: [f64; 2], swapped: bool) -> String {
+        let (last_row, last_col) = self.chart.last();
+        let corners = [(0, 0), (0, last_col), (last_row, 0), (last_row, last_col)]
+            .map(|(row, col)| georeference.coordinates([row as f64, col as f64]));
+        let from = |k: usize| corners.iter().map(|at| at[k]).fold(f64::INFINITY, f64::min);
+        let to = |k: usize| corners.iter().map(|at| at[k]).fold(f64::NEG_INFINITY, f64::max);
+        let system = georeference.system.map(|system| format!(" in EPSG:{}", system.epsg()));
+        let mut said = format!(
+            "x {}, y {} lies outside the grid, whose points run from x {} to {} and from y {} to {}{}",
+            exact(x),
+            exact(y),
+            exact(from(0)),
+            exact(to(0)),
+            exact(from(1)),
+            exact(to(1)),
+            system.unwrap_or_default()
+        );
+        let is_geographic = matches!(georeference.system, Some(CoordinateSystem::Geographic(_)));
+        if swapped {
+            said += "; it lies inside the other way round: x runs eastwards and comes first";
+        } else if !is_geographic && x.abs() <= TURN && y.abs() <= 90.0 {
+            said += "; if these are longitude and latitude, convert them first";
+            if let Some(system) = georeference.system {
+                said += &format!(" (ogr2ogr -t_srs EPSG:{})", system.epsg());
+            }
+        }
+        said
+    }
+
+    fn system(&self) -> Option<CoordinateSystem> {
+        self.georeference.as_ref().ok().and_then(|georeference| georeference.system)
+    }
+}
+
+fn not_placed(why: &str) -> String {
+    format!("map coordinates need a georeferenced surface; {why}. Give rows and columns")
+}
+
+impl MapCoordinates {
+    /// Refuses coordinates that are known to be others than the surface's.
+    pub(super) fn check(self, frame: &GridFrame) -> Result<(), String> {
+        frame.georeference.as_ref().map_err(|why| not_placed(why))?;
+        let Some(system) = frame.system() else { return Ok(()) };
+        let epsg = system.epsg();
+        let are = match (self, system) {
+            (Self::Geographic, CoordinateSystem::Projected(_)) => "longitude and latitude".into(),
+            (Self::Projected, CoordinateSystem::Geographic(_)) => "easting and northing".into(),
+            (Self::Epsg(own), _) if own != u32::from(epsg) => format!("EPSG:{own}"),
+            _ => return Ok(()),
+        };
+        Err(format!(
+            "its coordinates are {are}, the surface's are EPSG:{epsg}; convert them first (ogr2ogr \
+             -t_srs EPSG:{epsg} OUT IN)"
+        ))
+    }
+
+    /// What the coordinates are taken to be, if the file leaves a doubt.
+    pub(super) fn assumption(self, frame: &GridFrame) -> Option<String> {
+        match (self, frame.system()) {
+            (Self::Unnamed, Some(CoordinateSystem::WGS_84)) => None,
+            (Self::Unnamed, Some(system)) => Some(format!(
+                "names no coordinate system (member crs); its coordinates are taken as the surface's, \
+                 EPSG:{}",
+                system.epsg()
+            )),
+            (Self::Unnamed | Self::Epsg(_), None) => Some(
+                "its coordinates are taken as the surface's, which has no named coordinate system"
+                    .into(),
+            ),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn frame(georeference: Georeference) -> GridFrame {
+        GridFrame { chart: Chart { rows: 30, cols: 50 }, georeference: Ok(georeference) }
+    }
+
+    fn north_up(origin: [f64; 2], cell: f64, system: Option<CoordinateSystem>) -> Georeference {
+        Georeference { origin, down: [0.0, -cell], right: [cell, 0.0], system }
+    }
+
+    proptest! {
+        #[test]
+        fn places_are_found_from_their_rounded_coordinates(
+            origin in prop::array::uniform2(-5e6..5e6f64),
+            cell in 0.5..100.0f64,
+            turn in 0.0..6.2f64,
+            row in 0.0..=29.0f64,
+            col in 0.0..=49.0f64,
+            whole: bool,
+        ) {
+            let place = if whole { [row.round(), col.round()] } else { [row, col] };
+            let (sine, cosine) = turn.sin_cos();
+            let georeference = Georeference {
+                origin,
+                right: [cell * cosine, cell * sine],
+                down: [cell * sine, -cell * cosine],
+                system: None,
+            };
+            let rounded = georeference.coordinates(place).map(|c| (c * 1e3).round() / 1e3);
+            let found = frame(georeference).place(rounded).unwrap();
+            prop_assert!((0..2).all(|k| (found[k] - place[k]).abs() < 1.5e-3), "{found:?} {place:?}");
+            let exact = frame(georeference).place(georeference.coordinates(place)).unwrap();
+            prop_assert!(!whole || exact == place, "{exact:?} {place:?}");
+        }
+
+        #[test]
+        fn what_lies_outside_is_named_with_the_extent(row in -90.0..120.0f64, col in -90.0..140.0f64) {
+            let utm = north_up([5e5, 4e6], 30.0, Some(CoordinateSystem::Projected(32616)));
+            let at = utm.coordinates([row, col]);
+            let is_inside = (-0.01..=29.01).contains(&row) && (-0.01..=49.01).contains(&col);
+            let found = frame(utm).place(at);
+            prop_assert_eq!(found.is_ok(), is_inside);
+            if let Err(reason) = found {
+                for part in [exact(at[0]), exact(at[1]), "500000 to 501470".into(), "3999130 to 4000000".into()] {
+                    prop_assert!(reason.contains(&part), "{reason}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn degrees_on_a_projected_surface_are_told_apart() {
+        let utm = frame(north_up([5e5, 4e6], 30.0, Some(CoordinateSystem::Projected(32616))));
+        let reason = utm.place([-84.5, 36.1]).unwrap_err();
+        assert!(
+            reason.contains("longitude and latitude") && reason.contains("EPSG:32616"),
+            "{reason}"
+        );
+        let far = utm.place([6e5, 4e6]).unwrap_err();
+        assert!(!far.contains("longitude"), "{far}");
+        let swapped = utm.place([3_999_900.0, 500_100.0]).unwrap_err();
+        assert!(swapped.contains("other way round"), "{swapped}");
+        assert!(MapCoordinates::Geographic.check(&utm).unwrap_err().contains("EPSG:32616"));
+        assert!(MapCoordinates::Epsg(4326).check(&utm).unwrap_err().contains("EPSG:4326"));
+        assert_eq!(MapCoordinates::Epsg(32616).check(&utm), Ok(()));
+        assert!(MapCoordinates::Unnamed.assumption(&utm).unwrap().contains("EPSG:32616"));
+    }
+
+    #[test]
+    fn longitudes_are_the_same_after_a_turn() {
+        let world = frame(north_up([170.0, 20.0], 0.5, Some(CoordinateSystem::WGS_84)));
+        assert_eq!(world.place([190.0, 15.0]), Ok([10.0, 40.0]));
+        assert_eq!(world.place([-170.0, 15.0]), Ok([10.0, 40.0]));
+        assert!(MapCoordinates::Projected.check(&world).is_err());
+        assert_eq!(MapCoordinates::Unnamed.assumption(&world), None);
+    }
+
+    #[test]
+    fn a_surface_without_map_coordinates_has_no_places() {
+        let nowhere = GridFrame {
+            chart: Chart { rows: 3, cols: 3 },
+            georeference: Err("it is a plane".into()),
+        };
+        assert!(nowhere.place([1.0, 1.0]).unwrap_err().contains("it is a plane"));
+    }
+}

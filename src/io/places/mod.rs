@@ -1,0 +1,377 @@
+//! Files of places: points and curves on a grid, from tables, arrays and GeoJSON.
+
+mod array;
+mod columns;
+mod frame;
+mod geojson;
+mod records;
+mod table;
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use super::{IoError, extension, read_bytes};
+use crate::shown::{exact, excerpt};
+use crate::surface::Chart;
+use columns::Named;
+pub use frame::GridFrame;
+use frame::MapCoordinates;
+
+/// A file of points or curves on a surface, each with a start value or without.
+///
+/// | file | content |
+/// |---|---|
+/// | `.npy` | (K, 2): row, column; (K, 3): row, column, start value; (K, 5): row, column, x, y, z, as the tool writes curves. Rows of NaN divide curves. (K,): row-major indices, for [`PlaceFile::grid_points`] only |
+/// | `.geojson`, `.json`, or any text that begins with `{` | Points, MultiPoints, LineStrings, MultiLineStrings, and Polygons and MultiPolygons, whose rings are closed curves; in the surface's map coordinates |
+/// | any other text | a place on each line; the first line may name the columns |
+///
+/// Tables have commas, semicolons, tabs or blanks between their columns. Names and values may be quoted.
+/// Numbers may have a decimal comma where no comma divides columns. `#` begins a comment. Lines of two
+/// numbers without a header are rows and columns; three are row, column and start value, unless the first
+/// is a running number. In a header, in any order and in any case, count:
+///
+/// | column | what |
+/// |---|---|
+/// | `row` and `col` or `column` | the place on the grid, from 0 |
+/// | else `x` and `y` | the place in the surface's map coordinates |
+/// | else `easting` and `northing` (`east`, `north`) | the same, on a projected surface |
+/// | else `lon` and `lat` (`lng`, `long`, `longitude`, `latitude`) | the same, on a geographic surface |
+/// | `t0`, `start`, `start_value`, `start_time`, `initial`, `initial_value`, `initial_time` or `time` | start value (default 0) |
+/// | `curve` | a new value begins another curve |
+/// | `closed` | 1 where the curve returns to its first vertex |
+///
+/// Other columns are not used, and [`PlaceFile::remarks`] names them. One whose name sounds as if it
+/// changed distances (`delay`, `weight`, `start_date`) is an error. Properties of GeoJSON's features
+/// are treated like columns.
+#[derive(Clone, Debug)]
+pub struct PlaceFile {
+    path: PathBuf,
+    content: Content,
+}
+
+#[derive(Clone, Debug)]
+enum Content {
+    Curves(FileCurves),
+    /// Row-major indices of grid points.
+    Indices(Vec<f64>),
+}
+
+/// The curves of a file, in its own coordinates.
+#[derive(Clone, Debug, Default)]
+struct FileCurves {
+    curves: Vec<FileCurve>,
+    coordinates: Coordinates,
+    /// Columns or properties that are not used.
+    unused: Vec<String>,
+    /// Whether a column or property gave start values.
+    has_starts: bool,
+    /// What vertices are numbered by, such as `line`.
+    numbered: &'static str,
+    /// Features without a geometry.
+    empty: usize,
+}
+
+#[derive(Clone, Debug)]
+struct FileCurve {
+    vertices: Vec<Vertex>,
+    kind: CurveKind,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum CurveKind {
+    /// The format does not tell points from curves.
+    Any,
+    /// Like that, and the last vertex is followed by the first.
+    Closed,
+    /// Points that are no curve.
+    Points,
+    /// A line.
+    Line,
+    /// The ring of a polygon; the last vertex is followed by the first.
+    Ring,
+}
+
+impl CurveKind {
+    fn is_closed(self) -> bool {
+        matches!(self, Self::Closed | Self::Ring)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Vertex {
+    place: [f64; 2],
+    start: f64,
+    /// Of the line, feature or row of the array, from 1.
+    number: usize,
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+enum Coordinates {
+    /// Row and column.
+    #[default]
+    Grid,
+    Map(MapCoordinates),
+}
+
+/// A point on a grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlacedPoint {
+    /// Row and column, perhaps fractional.
+    pub at: [f64; 2],
+    /// Start value.
+    pub start: f64,
+}
+
+/// A curve on a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedCurve {
+    /// Rows and columns; the last is the first if the curve is closed.
+    pub vertices: Vec<[f64; 2]>,
+    /// Start value.
+    pub start: f64,
+}
+
+impl PlaceFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// If it cannot be read, is not of the forms above, or holds no place.
+    pub fn read(path: &Path) -> Result<Self, IoError> {
+        let content = |reason| IoError::content(path, reason);
+        let read = match extension(path).as_str() {
+            "npy" => array::read(path)?,
+            extension => {
+                let text = text::decode(read_bytes(path)?).map_err(content)?;
+                let is_json = matches!(extension, "geojson" | "json");
+                let curves = match text.trim_start().chars().next() {
+                    Some('{' | '[') => geojson::read(&text),
+                    _ if is_json => Err(geojson::not_json(&text)),
+                    Some('<') => Err("looks like XML or HTML; give a table of row,col or \
+                                      GeoJSON (ogr2ogr converts GPX and KML)"
+                        .into()),
+                    _ => table::read(&text),
+                };
+                Content::Curves(curves.map_err(content)?)
+            }
+        };
+        let is_empty = match &read {
+            Content::Curves(curves) => curves.curves.iter().all(|curve| curve.vertices.is_empty()),
+            Content::Indices(indices) => indices.is_empty(),
+        };
+        if is_empty {
+            return Err(content("holds no place; give at least one row,col".into()));
+        }
+        Ok(Self { path: path.to_owned(), content: read })
+    }
+
+    /// What a person should know of the file: columns that are not used, and the coordinate system that
+    /// its places are taken to be in.
+    pub fn remarks(&self, frame: &GridFrame) -> Vec<String> {
+        let Content::Curves(curves) = &self.content else { return Vec::new() };
+        let mut remarks = Vec::new();
+        let what = if curves.numbered == geojson::FEATURE { "property" } else { "column" };
+        remarks.extend(named(what, &curves.unused));
+        if curves.empty > 0 {
+            remarks.push(format!("{} features have no geometry", curves.empty));
+        }
+        if let Coordinates::Map(map) = &curves.coordinates {
+            remarks.extend(map.assumption(frame));
+        }
+        remarks
+    }
+
+    /// Whether the file gives start values.
+    pub fn has_starts(&self) -> bool {
+        matches!(&self.content, Content::Curves(FileCurves { has_starts: true, .. }))
+    }
+
+    /// Whether the file says that it holds lines or polygons.
+    pub fn holds_lines(&self) -> bool {
+        let is_line = |curve: &FileCurve| matches!(curve.kind, CurveKind::Line | CurveKind::Ring);
+        matches!(&self.content, Content::Curves(curves) if curves.curves.iter().any(is_line))
+    }
+
+    /// The places as points: every vertex once, in the order of the file.
+    ///
+    /// # Errors
+    /// If one lies outside the grid, or is in map coordinates and the surface is not, or in others; if the
+    /// file holds indices.
+    pub fn points(&self, frame: &GridFrame) -> Result<Vec<PlacedPoint>, IoError> {
+        let curves = self.file_curves()?;
+        let point = |vertex: &Vertex| {
+            let at = self.place(curves, vertex, frame)?;
+            Ok(PlacedPoint { at, start: vertex.start })
+        };
+        curves.curves.iter().flat_map(FileCurve::once).map(point).collect()
+    }
+
+    /// The places as curves. A point of GeoJSON is a curve of one vertex.
+    ///
+    /// # Errors
+    /// As [`PlaceFile::points`]; and if start values differ along a curve.
+    pub fn curves(&self, frame: &GridFrame) -> Result<Vec<PlacedCurve>, IoError> {
+        let file = self.file_curves()?;
+        let mut placed = Vec::new();
+        for curve in &file.curves {
+            if curve.kind == CurveKind::Points {
+                for vertex in &curve.vertices {
+                    let vertices = vec![self.place(file, vertex, frame)?];
+                    placed.push(PlacedCurve { vertices, start: vertex.start });
+                }
+                continue;
+            }
+            let Some(first) = curve.vertices.first() else { continue };
+            if let Some(other) = curve.vertices.iter().find(|vertex| vertex.start != first.start) {
+                return Err(self.content(format!(
+                    "start values differ along a curve: {} at {what} {}, {} at {what} {}; a curve \
+                     starts with one value, points may each have their own (--source-points)",
+                    exact(first.start),
+                    first.number,
+                    exact(other.start),
+                    other.number,
+                    what = file.numbered,
+                )));
+            }
+            let place = |vertex| self.place(file, vertex, frame);
+            let mut vertices: Vec<_> =
+                curve.vertices.iter().map(place).collect::<Result<_, _>>()?;
+            if curve.kind.is_closed() {
+                vertices.push(vertices[0]);
+            }
+            placed.push(PlacedCurve { vertices, start: first.start });
+        }
+        Ok(placed)
+    }
+
+    /// The places as points of the grid, by row-major index, with their start values.
+    ///
+    /// # Errors
+    /// As [`PlaceFile::points`]; and if a place lies between points of the grid.
+    pub fn grid_points(&self, frame: &GridFrame) -> Result<Vec<(usize, f64)>, IoError> {
+        let chart = frame.chart;
+        if let Content::Indices(indices) = &self.content {
+            let index = |&value: &f64| {
+                let fits = value.fract() == 0.0 && (0.0..chart.points() as f64).contains(&value);
+                fits.then_some((value as usize, 0.0)).ok_or_else(|| {
+                    let (last, value) = (chart.points() - 1, exact(value));
+                    self.content(format!(
+                        "point {value} is none of the grid's, which are 0 to {last}"
+                    ))
+                })
+            };
+            return indices.iter().map(index).collect();
+        }
+        let curves = self.file_curves()?;
+        let point = |vertex: &Vertex| {
+            let [row, col] = self.place(curves, vertex, frame)?;
+            if row.fract() != 0.0 || col.fract() != 0.0 {
+                let (what, number) = (curves.numbered, vertex.number);
+                let near = [row.round(), col.round()];
+                return Err(self.content(format!(
+                    "{what} {number}: {} lies between points of the grid; the nearest has row {}, \
+                     column {}",
+                    curves.shown(vertex),
+                    near[0],
+                    near[1]
+                )));
+            }
+            Ok((chart.index(row as usize, col as usize), vertex.start))
+        };
+        curves.curves.iter().flat_map(FileCurve::once).map(point).collect()
+    }
+
+    fn file_curves(&self) -> Result<&FileCurves, IoError> {
+        match &self.content {
+            Content::Curves(curves) => Ok(curves),
+            Content::Indices(indices) => Err(self.content(format!(
+                "is an array of shape ({},); places have shape (K, 2): row, column, (K, 3) with a \
+                 start value, or (K, 5) as the tool writes",
+                indices.len()
+            ))),
+        }
+    }
+
+    fn place(
+        &self,
+        curves: &FileCurves,
+        vertex: &Vertex,
+        frame: &GridFrame,
+    ) -> Result<[f64; 2], IoError> {
+        let place = match &curves.coordinates {
+            Coordinates::Grid => on_grid(vertex.place, frame.chart),
+            Coordinates::Map(map) => {
+                map.check(frame).map_err(|reason| self.content(reason))?;
+                frame.place(vertex.place)
+            }
+        };
+        let (what, number) = (curves.numbered, vertex.number);
+        place.map_err(|reason| self.content(format!("{what} {number}: {reason}")))
+    }
+
+    fn content(&self, reason: String) -> IoError {
+        IoError::content(&self.path, reason)
+    }
+}
+
+impl FileCurves {
+    /// A vertex in the file's own coordinates.
+    fn shown(&self, vertex: &Vertex) -> String {
+        let [first, second] = vertex.place.map(exact);
+        match self.coordinates {
+            Coordinates::Grid => format!("row {first}, column {second}"),
+            Coordinates::Map(_) => format!("{first},{second}"),
+        }
+    }
+}
+
+impl FileCurve {
+    /// The vertices, without the last if that is the first again.
+    fn once(&self) -> &[Vertex] {
+        match &self.vertices[..] {
+            [first, around @ .., last] if around.len() > 1 && first.place == last.place => {
+                &self.vertices[..self.vertices.len() - 1]
+            }
+            all => all,
+        }
+    }
+}
+
+/// A place given by row and column, if the grid has it.
+fn on_grid([row, col]: [f64; 2], chart: Chart) -> Result<[f64; 2], String> {
+    let (last_row, last_col) = chart.last();
+    let is_on = (0.0..=last_row as f64).contains(&row) && (0.0..=last_col as f64).contains(&col);
+    is_on.then_some([row, col]).ok_or_else(|| {
+        format!(
+            "row {}, column {} lies outside the grid: rows run from 0 to {last_row}, columns from 0 \
+             to {last_col}",
+            exact(row),
+            exact(col)
+        )
+    })
+}
+
+/// A finite number in a cell, or why it is none.
+fn finite(number: f64, text: &str, named: &Named) -> Result<f64, String> {
+    match number.is_finite() {
+        true => Ok(number),
+        false => Err(format!("`{}` {named} is no finite number", excerpt(text))),
+    }
+}
+
+/// Most names in one remark.
+const MOST_NAMES: usize = 8;
+
+/// Says that columns or properties are not used.
+fn named(what: &str, unused: &[String]) -> Option<String> {
+    let names = unused.iter().take(MOST_NAMES).map(|name| excerpt(name));
+    let mut names = names.collect::<Vec<_>>().join(", ");
+    if unused.len() > MOST_NAMES {
+        names += &format!(" and {} more", unused.len() - MOST_NAMES);
+    }
+    match (unused.len(), what) {
+        (0, _) => None,
+        (1, _) => Some(format!("the {what} {names} is not used")),
+        (_, "property") => Some(format!("the properties {names} are not used")),
+        _ => Some(format!("the {what}s {names} are not used")),
+    }
+}

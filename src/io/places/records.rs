@@ -1,0 +1,141 @@
+//! The records of a text table: fields that separators or blanks divide, quoted or not.
+
+use csv::{ReaderBuilder, StringRecord, Trim};
+
+/// Records, line by line.
+pub(super) struct Records<'a> {
+    text: &'a str,
+    separator: Option<u8>,
+    source: Source<'a>,
+}
+
+enum Source<'a> {
+    Separated(Box<csv::Reader<&'a [u8]>>),
+    Blanks(std::iter::Enumerate<std::str::Lines<'a>>),
+}
+
+/// The fields of one line.
+#[derive(Default)]
+pub(super) struct Record {
+    pub fields: Vec<String>,
+    /// Number of the line, from 1.
+    pub line: usize,
+    /// Whether the first field is quoted, as R does with names of rows.
+    pub is_named: bool,
+}
+
+impl<'a> Records<'a> {
+    /// The separator is what divides the first line of content.
+    pub fn new(text: &'a str, separator: Option<u8>) -> Self {
+        let source = match separator {
+            Some(separator) => Source::Separated(Box::new(
+                ReaderBuilder::new()
+                    .delimiter(separator)
+                    .has_headers(false)
+                    .flexible(true)
+                    .trim(Trim::All)
+                    .from_reader(text.as_bytes()),
+            )),
+            None => Source::Blanks(text.lines().enumerate()),
+        };
+        Self { text, separator, source }
+    }
+
+    /// The next record with a field in it.
+    pub fn next(&mut self) -> Result<Option<Record>, String> {
+        loop {
+            let Some(record) = self.any()? else { return Ok(None) };
+            if record.fields.iter().any(|field| !field.is_empty()) {
+                return Ok(Some(record));
+            }
+        }
+    }
+
+    fn any(&mut self) -> Result<Option<Record>, String> {
+        let reader = match &mut self.source {
+            Source::Blanks(lines) => {
+                return Ok(lines.next().map(|(index, line)| Record {
+                    fields: between_blanks(line),
+                    line: index + 1,
+                    is_named: line.trim_start().starts_with('"'),
+                }));
+            }
+            Source::Separated(reader) => reader,
+        };
+        let mut record = StringRecord::new();
+        // A text has no bytes that are none.
+        if !reader.read_record(&mut record).map_err(|error| error.to_string())? {
+            return Ok(None);
+        }
+        let (start, first_line) = record.position().map_or((0, 1), |at| (at.byte(), at.line()));
+        let raw = &self.text[start as usize..reader.position().byte() as usize];
+        // The position is that behind the record before, from where on empty lines are passed over.
+        let begin = raw.trim_start_matches(['\r', '\n']);
+        let passed = raw[..raw.len() - begin.len()].matches('\n').count();
+        let line = first_line as usize + passed;
+        if is_open(begin, self.separator) {
+            return Err(format!("line {line}: a quoted field has no end; close it by a `\"`"));
+        }
+        let fields = record.iter().map(unquoted).collect();
+        Ok(Some(Record { fields, line, is_named: begin.trim_start().starts_with('"') }))
+    }
+}
+
+/// A field without quotes that stand behind a blank.
+fn unquoted(field: &str) -> String {
+    let inside = field.strip_prefix('"').and_then(|field| field.strip_suffix('"'));
+    inside.unwrap_or(field).to_owned()
+}
+
+/// Whether the last record of a text ends inside a quoted field.
+fn is_open(record: &str, separator: Option<u8>) -> bool {
+    let separator = separator.map_or(' ', char::from);
+    let (mut is_quoted, mut at_start) = (false, true);
+    for c in record.chars() {
+        match c {
+            '"' if is_quoted => is_quoted = false,
+            // A doubled quote inside a field comes here after its first half.
+            '"' if at_start => is_quoted = true,
+            _ => {}
+        }
+        at_start = !is_quoted && (c == separator || c == '"' || c == '\n' || c == '\r');
+    }
+    is_quoted
+}
+
+/// Fields that blanks divide.
+fn between_blanks(line: &str) -> Vec<String> {
+    let mut fields = Vec::new();
+    let mut rest = line.trim_start();
+    while !rest.is_empty() {
+        let quoted = rest.strip_prefix('"').and_then(|inside| inside.split_once('"'));
+        let (field, after) = match quoted {
+            Some(found) => found,
+            None => rest.split_at(rest.find(char::is_whitespace).unwrap_or(rest.len())),
+        };
+        fields.push(field.to_owned());
+        rest = after.trim_start();
+    }
+    fields
+}
+
+/// What divides the fields of a line; `None` for blanks.
+pub(super) fn separator_of(line: &str) -> Option<u8> {
+    let mut is_quoted = false;
+    let outside: String = line
+        .chars()
+        .filter(|&c| {
+            is_quoted ^= c == '"';
+            !is_quoted
+        })
+        .collect();
+    let has = |c: char| outside.contains(c);
+    // A tab behind a comma is a blank.
+    let tabs = has('\t') && !outside.split('\t').any(|field| field.trim_end().ends_with(','));
+    match () {
+        () if has(';') => Some(b';'),
+        () if tabs && outside.trim().contains('\t') => Some(b'\t'),
+        () if has(',') => Some(b','),
+        () => None,
+    }
+}
