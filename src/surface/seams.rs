@@ -133,7 +133,10 @@ impl Surface {
                 let of = |reversed| Seam::Sides { sides: [a.side, b.side], reversed };
                 seams.extend(reversed.map(of));
                 if reversed.is_none() && a.side.is_opposite(b.side) {
-                    let reversed = [false, true].into_iter().find(|&way| a.is_beside(b, way));
+                    // Narrow strips go on in both orders, but in one the steps are shorter.
+                    let ways = [false, true].map(|way| (way, a.gap_to(b, way)));
+                    let ways = ways.into_iter().filter_map(|(way, gap)| Some((way, gap?)));
+                    let reversed = ways.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(way, _)| way);
                     let of = |reversed| Seam::Neighbours { sides: [a.side, b.side], reversed };
                     seams.extend(reversed.map(of));
                 }
@@ -226,13 +229,16 @@ impl Rim {
         coincide(self.points.iter().zip(self.points.iter().rev()).take(half))
     }
 
-    /// Whether the grid goes on from another side to this one.
-    fn is_beside(&self, other: &Self, reversed: bool) -> bool {
-        let follows = |(a, b): Pair| a.as_ref()?.follows(b.as_ref()?);
-        match reversed {
-            false => all_known(self.points.iter().zip(&other.points).map(follows)),
-            true => all_known(self.points.iter().zip(other.points.iter().rev()).map(follows)),
-        }
+    /// How far another side is from this one, all points together, if the grid goes on from there to here.
+    fn gap_to(&self, other: &Self, reversed: bool) -> Option<f64> {
+        let others: Vec<_> = match reversed {
+            false => other.points.iter().collect(),
+            true => other.points.iter().rev().collect(),
+        };
+        let pairs = || self.points.iter().zip(&others);
+        let known = || pairs().filter_map(|(a, b)| a.as_ref().zip(b.as_ref()));
+        all_known(known().map(|(a, b)| a.follows(b)))
+            .then(|| known().map(|(a, b)| a.position.distance(b.position)).sum())
     }
 
     fn is_along(&self, other: &Self, reversed: bool) -> bool {
@@ -244,11 +250,8 @@ impl Rim {
     }
 }
 
-/// Two points of the border, if they are no holes.
-type Pair<'a> = (&'a Option<RimPoint>, &'a Option<RimPoint>);
-
 /// Whether two pairs and more are there, and all of them coincide.
-fn coincide<'a>(pairs: impl Iterator<Item = Pair<'a>>) -> bool {
+fn coincide<'a>(pairs: impl Iterator<Item = (&'a Option<RimPoint>, &'a Option<RimPoint>)>) -> bool {
     all_known(pairs.map(|(a, b)| a.as_ref()?.coincides(b.as_ref()?)))
 }
 
