@@ -215,7 +215,11 @@ fn exrs(put: Put) {
 fn tables(put: Put) {
     put("table", "points.csv", b"1,2\n3;4 # a comment\n\n5\t6\n");
     put("table", "named.csv", b"curve,kind,level,closed,row,col,x\n0,contour,1,1,1,2,0.5\n0,contour,1,1,3,4,0.5\n1,contour,2,0,5,6,0.5\n");
-    put("table", "excel.csv", b"\xef\xbb\xbfsep=;\r\nrow;col;t0;name\r\n1,5;2;0,5;\"a;b\"\r\n3;4;1;\r\n");
+    put(
+        "table",
+        "excel.csv",
+        b"\xef\xbb\xbfsep=;\r\nrow;col;t0;name\r\n1,5;2;0,5;\"a;b\"\r\n3;4;1;\r\n",
+    );
     put("table", "r.csv", b"\"\",\"x\",\"y\",\"start\"\n\"1\",101.5,48,2\n\"2\",104,45.25,3\n");
     put("table", "places.geojson", br#"{"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"EPSG:32616"}},"features":[{"type":"Feature","properties":{"t0":1.5,"name":"a"},"geometry":{"type":"Point","coordinates":[102,47]}},{"type":"Feature","properties":{},"geometry":{"type":"Polygon","coordinates":[[[101,49],[105,49],[103,45],[101,49]]]}}]}"#);
     put("table", "fields.tsv", b"x\ty\tcol\trow\n\t\t2.5\t1\n8\t9\t-4\t3\n");

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use geosweep::shown::shortened;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Serialize, Serializer};
 
@@ -28,9 +29,15 @@ fn is_quiet() -> bool {
 /// Says something on standard error; nothing can be done if that is closed.
 pub fn say(kind: &str, message: impl Display) {
     if !is_quiet() || ["warning", "error"].contains(&kind) {
+        let message = message.to_string();
+        let words = message.split_inclusive(char::is_whitespace);
+        let message: String = words.map(|word| shortened(word, LONGEST_WORD)).collect();
         let _ = writeln!(io::stderr(), "geosweep: {kind}: {message}");
     }
 }
+
+/// Most characters of a word in a message: more than any name of a file that a person reads.
+const LONGEST_WORD: usize = 300;
 
 /// So many of something.
 pub fn counted(count: impl Into<u64>, what: &str) -> String {

@@ -89,7 +89,10 @@ impl SourceArgs {
         for path in &self.source_curve {
             let file = PlaceFile::read(path)?;
             for curve in file.curves(frame)? {
-                sources = sources.and_curve(curve.vertices, curve.start);
+                sources = match curve.vertices[..] {
+                    [[row, col]] => sources.and_point(row, col, curve.start),
+                    _ => sources.and_curve(curve.vertices, curve.start),
+                };
             }
             remark(path, &file, frame);
         }
