@@ -6,12 +6,14 @@ use super::arrivals::Arrivals;
 use super::chains::ways;
 use crate::surface::Chart;
 
-/// Rounding of a largest distance in single precision, as a fraction of the way to it.
-const ROUNDING: f64 = 2e-6;
+/// Rounding of a largest distance in single precision, which adds up on the way to it...
+const ON_THE_WAY: f64 = 2e-6;
+/// ... and rounding of its digits.
+const OF_DIGITS: f64 = 4.0 * f32::EPSILON as f64;
 
 /// By how much distances may lie below the largest and count as equal.
 pub(super) fn rounding(start: f64, largest: f64) -> f64 {
-    let rounding = ROUNDING * (largest - start);
+    let rounding = ON_THE_WAY * (largest - start) + OF_DIGITS * largest.abs().max(start.abs());
     if rounding.is_finite() { rounding.max(0.0) } else { 0.0 }
 }
 

@@ -98,8 +98,7 @@ proptest! {
             if !both {
                 // On the left, as rows run downwards: a step to the left of (down, right) is (-right, down).
                 let (a, b) = (curve.vertices[0], curve.vertices[1]);
-                let left = [a[0] - b[1], b[0] - a[0]];
-                let left = [left[0] + a[1], left[1]];
+                let left = [a[1] - b[1], b[0] - a[0]];
                 let inwards = left[usize::from(!along_rows)];
                 prop_assert!(inwards * (near - far) > 0.0, "{curve:?}");
             }

@@ -179,8 +179,9 @@ const DIAGONALS: [Direction; 4] =
 /// Says where points are not reached that touch reached ones by a corner alone, as on a line of a mask that a
 /// person sees as connected.
 pub fn comment_on_corners<R: Real>(surface: &Surface, map: &DistanceMap<R>) {
-    let Report { points, reached, .. } = map.report;
-    if reached == points {
+    let Report { points, reached, converged, .. } = map.report;
+    // Before the end of the iterations fronts may still be on their way.
+    if reached == points || !converged {
         return;
     }
     let is_reached = |row, col| map.distance(row, col) < R::FAR;

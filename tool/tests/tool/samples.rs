@@ -94,5 +94,8 @@ fn samples_and_curves_are_inputs_too() {
     let bench = Workbench::new();
     let named = bench.input("xy.csv", "x,y\n1,2\n");
     let refused = run(&bench, &format!("distance {plane} --source-curve {named} -o d.npy"));
-    bench.refuses(&refused, &["xy.csv", "header `x,y`", "row and col"]);
+    bench.refuses(&refused, &["xy.csv", "map coordinates", "georeferenced"]);
+    let named = bench.input("ab.csv", "a,b\n1,2\n");
+    let refused = run(&bench, &format!("distance {plane} --source-curve {named} -o d.npy"));
+    bench.refuses(&refused, &["ab.csv", "header `a,b`", "row and col"]);
 }
