@@ -25,29 +25,42 @@ pub(super) fn curves(arrivals: &Arrivals, least: f64) -> Vec<Curve> {
         let time = f64::from(arrivals.time(index));
         time.is_finite() && time >= least
     };
-    let mut edges = Vec::new();
-    let mut join = |a: (usize, usize), b: (usize, usize)| {
-        let ends = [a, b].map(|(row, col)| chart.index(row, col));
-        if ends.into_iter().all(is_top) {
-            edges.push(ends.map(|end| end as u64));
-        }
+    let top = |(row, col): (usize, usize)| is_top(chart.index(row, col));
+    // Whether a corner of a cell, given by its first one, is nearer. A plateau has its border alone.
+    let falls = |row: Option<usize>, col: Option<usize>| {
+        let (Some(row), Some(col)) = (row, col) else { return false };
+        let corners = [(row, col), (row, col + 1), (row + 1, col), (row + 1, col + 1)];
+        row + 1 < chart.rows
+            && col + 1 < chart.cols
+            && corners.into_iter().any(|at| {
+                let time = f64::from(arrivals.time(chart.index(at.0, at.1)));
+                time.is_finite() && time < least
+            })
     };
+    let mut edges = Vec::new();
+    let number = |(row, col): (usize, usize)| chart.index(row, col) as u64;
     for (row, col) in chart.places() {
         let (below, right) = (row + 1 < chart.rows, col + 1 < chart.cols);
-        if right {
-            join((row, col), (row, col + 1));
+        let (north, west) = (row.checked_sub(1), col.checked_sub(1));
+        let (here, east, south, across) =
+            ((row, col), (row, col + 1), (row + 1, col), (row + 1, col + 1));
+        let is_border = |other: (Option<usize>, Option<usize>)| {
+            falls(Some(row), Some(col)) || falls(other.0, other.1)
+        };
+        if right && top(here) && top(east) && is_border((north, Some(col))) {
+            edges.push([here, east].map(number));
         }
-        if below {
-            join((row, col), (row + 1, col));
+        if below && top(here) && top(south) && is_border((Some(row), west)) {
+            edges.push([here, south].map(number));
         }
         if below && right {
             // Across a cell only where no way along its sides leads.
-            let top = |row, col| is_top(chart.index(row, col));
-            if !top(row, col + 1) && !top(row + 1, col) {
-                join((row, col), (row + 1, col + 1));
+            let tops = [here, east, south, across].map(top);
+            if tops == [true, false, false, true] && falls(Some(row), Some(col)) {
+                edges.push([here, across].map(number));
             }
-            if !top(row, col) && !top(row + 1, col + 1) {
-                join((row, col + 1), (row + 1, col));
+            if tops == [false, true, true, false] && falls(Some(row), Some(col)) {
+                edges.push([east, south].map(number));
             }
         }
     }
