@@ -8,7 +8,7 @@ use super::{Content, Coordinates, CurveKind, FileCurve, FileCurves, Vertex};
 use crate::shown::exact;
 
 const SHAPES: &str = "places have shape (K, 2): row, column; (K, 3): row, column, start value; or \
-                      (K, 5) as the tool writes curves";
+                      (K, 5) as the tool writes curves. Rows of a matrix may have shape (K,)";
 
 /// Reads an `.npy` file.
 pub(super) fn read(path: &Path) -> Result<Content, IoError> {
