@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::npy::{Dtype, NpyArray, shape_text};
-use super::{IoError, checked_points, extension, png, read_bytes};
+use super::npy::{NpyArray, shape_text};
+use super::{Georeference, IoError, checked_points, extension, npz, png, raster, read_bytes};
 use crate::surface::{Chart, MetricTensor};
 
 /// One value per grid point, row-major.
@@ -15,9 +15,16 @@ pub struct Grid<T> {
     pub cols: usize,
     /// `rows * cols` values.
     pub values: Vec<T>,
+    /// Where the points lie, if the file says it.
+    pub georeference: Option<Georeference>,
 }
 
 impl<T> Grid<T> {
+    /// A grid of values, row-major, that lies nowhere in particular.
+    pub fn new(rows: usize, cols: usize, values: Vec<T>) -> Self {
+        Self { rows, cols, values, georeference: None }
+    }
+
     /// The values, if the grid has this size; otherwise says both sizes.
     pub fn fit(self, path: &Path, rows: usize, cols: usize) -> Result<Vec<T>, IoError> {
         if (self.rows, self.cols) == (rows, cols) {
@@ -30,19 +37,46 @@ impl<T> Grid<T> {
         Err(IoError::content(path, reason))
     }
 
+    /// The values, if the grid has this size and lies where the surface does; the latter is checked
+    /// where both files say it.
+    ///
+    /// # Errors
+    /// If the sizes differ, if a corner lies more than a tenth of a cell elsewhere, or if the
+    /// coordinate reference systems differ.
+    pub fn fit_surface(
+        self,
+        path: &Path,
+        rows: usize,
+        cols: usize,
+        surface: Option<&Georeference>,
+    ) -> Result<Vec<T>, IoError> {
+        let own = self.georeference;
+        let values = self.fit(path, rows, cols)?;
+        if let Some((own, surface)) = own.as_ref().zip(surface) {
+            own.agrees(surface, rows, cols).map_err(|reason| {
+                IoError::content(path, format!("{reason}; gdalwarp -t_srs and -te move it there"))
+            })?;
+        }
+        Ok(values)
+    }
+
     pub(super) fn map<U>(self, f: impl FnMut(T) -> U) -> Grid<U> {
-        Grid { rows: self.rows, cols: self.cols, values: self.values.into_iter().map(f).collect() }
+        let Self { rows, cols, values, georeference } = self;
+        Grid { rows, cols, values: values.into_iter().map(f).collect(), georeference }
     }
 }
 
-/// Reads a mask, true where the surface is: an `.npy` array (M, N) of booleans or integers of any
-/// size, or a grey PNG of at most 8 bits, non-zero where the surface is.
+/// Reads a mask, true where the surface is: an array (M, N) of booleans or integers (`.npy`, or
+/// `.npz` with the name `mask`), a grey PNG of at most 8 bits, a GeoTIFF or an ESRI ASCII grid.
+/// Values other than zero and no-data are true.
+///
+/// # Errors
+/// If the file cannot be read or is none of these.
 pub fn read_mask(path: &Path) -> Result<Grid<bool>, IoError> {
     let grid = match extension(path).as_str() {
-        "npy" => {
-            let array = read_npy(path)?;
-            let Dtype { kind, .. } = array.dtype;
-            if !matches!(kind, b'b' | b'i' | b'u') {
+        "npy" | "npz" => {
+            let array = read_array(path, &["mask"])?;
+            if array.dtype.kind == b'f' {
                 let reason = "a mask is an array of booleans or integers; this one holds \
                               floating-point numbers: use mask.astype(bool), if none is NaN";
                 return Err(IoError::content(path, reason));
@@ -57,35 +91,59 @@ pub fn read_mask(path: &Path) -> Result<Grid<bool>, IoError> {
             }
             picture.grid
         }
-        _ => return Err(IoError::extension(path, "a mask", ".npy or .png")),
+        "tif" | "tiff" | "asc" => raster::read_mask(path)?,
+        _ => return Err(IoError::extension(path, "a mask", ".npy, .npz, .png, .tif or .asc")),
     };
-    Ok(grid.map(|value| value != 0.0))
+    Ok(grid.map(|value| value != 0.0 && !value.is_nan()))
 }
 
-/// Reads a slowness (reciprocal speed): an `.npy` array (M, N).
+/// Reads a slowness (reciprocal speed): an array (M, N) (`.npy`, or `.npz` with the name
+/// `slowness`), a GeoTIFF or an ESRI ASCII grid. In the latter two no-data is an infinite slowness.
+///
+/// # Errors
+/// If the file cannot be read or is none of these.
 pub fn read_slowness(path: &Path) -> Result<Grid<f64>, IoError> {
     match extension(path).as_str() {
-        "npy" => matrix(path, read_npy(path)?, "a slowness"),
-        _ => Err(IoError::extension(path, "a slowness", ".npy")),
+        "npy" | "npz" => matrix(path, read_array(path, &["slowness"])?, "a slowness"),
+        "tif" | "tiff" | "asc" => {
+            let wall = |value: f64| if value.is_nan() { f64::INFINITY } else { value };
+            Ok(raster::read_values(path)?.grid.map(wall))
+        }
+        _ => Err(IoError::extension(path, "a slowness", ".npy, .npz, .tif or .asc")),
     }
 }
 
-/// Reads a metric: an `.npy` array (M, N, 2, 2) of symmetric matrices in index coordinates,
-/// axis 0 being the row. A step of `dr` rows and `dc` columns has squared length
-/// `g[0,0] dr^2 + (g[0,1] + g[1,0]) dr dc + g[1,1] dc^2`. NaN marks holes.
+/// Reads a metric: an array (M, N, 2, 2) (`.npy`, or `.npz` with the name `metric`) of symmetric
+/// matrices in index coordinates, axis 0 being the row. A step of `dr` rows and `dc` columns has
+/// squared length `g[0,0] dr^2 + (g[0,1] + g[1,0]) dr dc + g[1,1] dc^2`. NaN marks holes.
+///
+/// # Errors
+/// If the file cannot be read or is no such array.
 pub fn read_metric(path: &Path) -> Result<Grid<MetricTensor>, IoError> {
-    if extension(path) != "npy" {
-        return Err(IoError::extension(path, "a metric", ".npy"));
+    if !is_array(path) {
+        return Err(IoError::extension(path, "a metric", ".npy or .npz"));
     }
-    let array = read_npy(path)?;
+    let array = read_array(path, &["metric"])?;
     match *array.shape {
         [_, _, 2, 2] => metric(array).map_err(|reason| IoError::content(path, reason)),
         _ => Err(wrong_shape(path, &array, "a metric has shape (M, N, 2, 2)")),
     }
 }
 
-pub(super) fn read_npy(path: &Path) -> Result<NpyArray, IoError> {
-    NpyArray::decode(&read_bytes(path)?).map_err(|reason| IoError::content(path, reason))
+/// Whether a name is that of a NumPy array or an archive of such.
+pub(super) fn is_array(path: &Path) -> bool {
+    matches!(&extension(path)[..], "npy" | "npz")
+}
+
+/// The array of an `.npy` file; of an `.npz` the only one, or the one whose name comes first in
+/// `names`.
+pub(super) fn read_array(path: &Path, names: &[&str]) -> Result<NpyArray, IoError> {
+    let bytes = read_bytes(path)?;
+    let array = match &extension(path)[..] {
+        "npz" => npz::decode(&bytes, names),
+        _ => NpyArray::decode(&bytes),
+    };
+    array.map_err(|reason| IoError::content(path, reason))
 }
 
 pub(super) fn wrong_shape(path: &Path, array: &NpyArray, expected: &str) -> IoError {
@@ -99,7 +157,7 @@ pub(super) fn matrix(path: &Path, array: NpyArray, what: &str) -> Result<Grid<f6
         return Err(wrong_shape(path, &array, &format!("{what} has shape (M, N)")));
     };
     checked_points(rows, cols).map_err(|reason| IoError::content(path, reason))?;
-    Ok(Grid { rows, cols, values: array.values })
+    Ok(Grid::new(rows, cols, array.values))
 }
 
 /// An array (M, N, 2, 2) as a metric.
@@ -118,5 +176,5 @@ pub(super) fn metric(array: NpyArray) -> Result<Grid<MetricTensor>, String> {
     };
     let values =
         array.values.as_chunks().0.iter().enumerate().map(tensor).collect::<Result<_, _>>()?;
-    Ok(Grid { rows, cols, values })
+    Ok(Grid::new(rows, cols, values))
 }

@@ -56,11 +56,11 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
     for names in POSITION_CHANNELS {
         if let [Some(x), Some(y), Some(z)] = names.map(find) {
             let values = x.zip(y).zip(z).map(|((x, y), z)| DVec3::new(x, y, z)).collect();
-            return Ok(Pixels::Positions(Grid { rows, cols, values }));
+            return Ok(Pixels::Positions(Grid::new(rows, cols, values)));
         }
     }
     match &channels[..] {
-        [single] => Ok(Pixels::Single(Grid { rows, cols, values: samples(single).collect() })),
+        [single] => Ok(Pixels::Single(Grid::new(rows, cols, samples(single).collect()))),
         several => {
             let names: Vec<_> = several.iter().map(|channel| channel.name.to_string()).collect();
             Err(format!(

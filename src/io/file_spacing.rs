@@ -3,14 +3,14 @@
 use crate::surface::Spacing;
 
 /// What a file of heights says about the distance between its points.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum FileSpacing {
     /// Nothing.
     Unknown,
     /// A distance, in the unit of the heights.
     Known(Spacing, LinearUnit),
     /// Something of no use, and why.
-    Unusable(&'static str),
+    Unusable(String),
 }
 
 /// The unit of lengths in a file.

@@ -39,7 +39,36 @@ impl Georeference {
         let col = (down[0] * dy - down[1] * dx) / determinant;
         (row.is_finite() && col.is_finite()).then_some([row, col])
     }
+
+    /// Checks that a grid of this size lies where another says.
+    pub(super) fn agrees(&self, other: &Self, rows: usize, cols: usize) -> Result<(), String> {
+        if let (Some(own), Some(other)) = (self.system, other.system)
+            && own != other
+        {
+            return Err(format!(
+                "lies in the coordinate system EPSG:{}, the surface in EPSG:{}",
+                own.epsg(),
+                other.epsg()
+            ));
+        }
+        let ends = |count: usize| [0.0, count.saturating_sub(1) as f64];
+        for place in ends(rows).into_iter().flat_map(|row| ends(cols).map(|col| [row, col])) {
+            let coordinates = self.coordinates(place);
+            let [row, col] = other.place(coordinates).unwrap_or([f64::INFINITY; 2]);
+            if (row - place[0]).abs() > SAME_PLACE || (col - place[1]).abs() > SAME_PLACE {
+                let (there, [x, y]) = (other.coordinates(place), coordinates);
+                return Err(format!(
+                    "has its point at row {}, column {} at {x}, {y}, the surface at {}, {}",
+                    place[0], place[1], there[0], there[1]
+                ));
+            }
+        }
+        Ok(())
+    }
 }
+
+/// Rows or columns by which two grids may differ: transformations are often rounded as text.
+const SAME_PLACE: f64 = 0.1;
 
 impl CoordinateSystem {
     /// Longitude and latitude on WGS 84, as GPS gives them.
@@ -80,7 +109,8 @@ mod tests {
 
     #[test]
     fn maps_without_an_inverse_have_no_places() {
-        let flat = Georeference { origin: [0.0; 2], down: [1.0, 2.0], right: [2.0, 4.0], system: None };
+        let flat =
+            Georeference { origin: [0.0; 2], down: [1.0, 2.0], right: [2.0, 4.0], system: None };
         assert_eq!(flat.place([1.0, 1.0]), None);
         let map = Georeference { down: [0.0, -1.0], right: [1.0, 0.0], ..flat };
         assert_eq!(map.place([f64::NAN, 1.0]), None);

@@ -4,9 +4,12 @@ use std::fmt;
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
-use super::arrays::{matrix, read_npy};
+use ::tiff::encoder::colortype::{Gray32Float, Gray64Float, GrayI32};
+
+use super::arrays::{matrix, read_array};
 use super::npy::NpyElement;
-use super::{Grid, IoError, exr, extension, read_bytes, tiff, write_npy};
+use super::tiff::{self, GeoTags};
+use super::{Grid, IoError, exr, extension, raster, read_bytes, write_npy};
 
 /// A format that holds a map without loss: one float32 per point, or one float64 of a map in double
 /// precision; +infinity where no source reaches.
@@ -14,7 +17,7 @@ use super::{Grid, IoError, exr, extension, read_bytes, tiff, write_npy};
 pub enum MapFormat {
     /// NumPy array (M, N).
     Npy,
-    /// One grey channel, uncompressed.
+    /// One grey channel, uncompressed, with +infinity as GDAL's no-data value.
     Tiff,
     /// One channel `Y`, compressed; single precision only.
     Exr,
@@ -39,7 +42,8 @@ impl MapFormat {
         self != Self::Exr
     }
 
-    /// Writes a map of `rows` x `cols` values, row-major.
+    /// Writes a map of `rows` x `cols` values, row-major. A GeoTIFF carries `geo_tags`, those of the
+    /// surface's file ([`SurfaceFile::geo_tags`](super::SurfaceFile::geo_tags)).
     ///
     /// # Errors
     /// Those of the writer, and of formats that cannot hold so large a map or none in double
@@ -50,10 +54,11 @@ impl MapFormat {
         rows: usize,
         cols: usize,
         distances: &[T],
+        geo_tags: Option<&GeoTags>,
     ) -> io::Result<()> {
         match self {
             Self::Npy => write_npy(writer, &[rows, cols], distances),
-            Self::Tiff => T::write_tiff(writer, rows, cols, distances),
+            Self::Tiff => T::write_tiff(writer, [rows, cols], distances, geo_tags),
             Self::Exr => match T::as_single(distances) {
                 Some(distances) => exr::encode(writer, rows, cols, distances),
                 None => Err(io::Error::new(
@@ -70,9 +75,9 @@ pub trait MapValue: NpyElement {
     /// Writes a grey channel of its own type.
     fn write_tiff(
         writer: &mut (impl Write + Seek),
-        rows: usize,
-        cols: usize,
+        size: [usize; 2],
         values: &[Self],
+        geo_tags: Option<&GeoTags>,
     ) -> io::Result<()>;
 
     /// The values, if they are of single precision.
@@ -82,11 +87,11 @@ pub trait MapValue: NpyElement {
 impl MapValue for f32 {
     fn write_tiff(
         writer: &mut (impl Write + Seek),
-        rows: usize,
-        cols: usize,
+        size: [usize; 2],
         values: &[Self],
+        geo_tags: Option<&GeoTags>,
     ) -> io::Result<()> {
-        tiff::encode::<tiff::Gray32Float>(writer, rows, cols, values)
+        tiff::encode::<Gray32Float>(writer, size, values, UNREACHED, geo_tags)
     }
 
     fn as_single(values: &[Self]) -> Option<&[f32]> {
@@ -97,11 +102,11 @@ impl MapValue for f32 {
 impl MapValue for f64 {
     fn write_tiff(
         writer: &mut (impl Write + Seek),
-        rows: usize,
-        cols: usize,
+        size: [usize; 2],
         values: &[Self],
+        geo_tags: Option<&GeoTags>,
     ) -> io::Result<()> {
-        tiff::encode::<tiff::Gray64Float>(writer, rows, cols, values)
+        tiff::encode::<Gray64Float>(writer, size, values, UNREACHED, geo_tags)
     }
 
     fn as_single(_: &[Self]) -> Option<&[f32]> {
@@ -119,22 +124,44 @@ impl fmt::Display for MapFormat {
     }
 }
 
-/// Reads a map, or any other grid of numbers, in one of the formats of [`MapFormat`].
+/// GDAL's no-data value in maps: +infinity, as C writes it.
+const UNREACHED: &str = "inf";
+
+/// Writes labels, -1 where there is none, as a GeoTIFF of 32-bit integers with the no-data value -1.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_labels_tiff(
+    writer: &mut (impl Write + Seek),
+    rows: usize,
+    cols: usize,
+    labels: &[i32],
+    geo_tags: Option<&GeoTags>,
+) -> io::Result<()> {
+    tiff::encode::<GrayI32>(writer, [rows, cols], labels, "-1", geo_tags)
+}
+
+/// Reads a map, or any other grid of numbers: in one of the formats of [`MapFormat`], an array of an
+/// `.npz` (named `map` or `distances` if it holds several) or an ESRI ASCII grid.
 ///
 /// # Errors
 /// If the file cannot be read or holds no single grid of numbers.
 pub fn read_map(path: &Path) -> Result<Grid<f64>, IoError> {
     let content = |reason| IoError::content(path, reason);
-    match MapFormat::of(path)? {
-        MapFormat::Npy => matrix(path, read_npy(path)?, "a map"),
-        MapFormat::Tiff => {
-            tiff::decode(&read_bytes(path)?).map(|raster| raster.grid).map_err(content)
+    match extension(path).as_str() {
+        "npy" | "npz" => matrix(path, read_array(path, &["map", "distances"])?, "a map"),
+        "tif" | "tiff" | "asc" => {
+            let raster = raster::read_values(path)?;
+            // Our own maps mark by it what no source reaches.
+            let unreached = |value: f64| if value.is_nan() { f64::INFINITY } else { value };
+            Ok(if raster.unreached { raster.grid.map(unreached) } else { raster.grid })
         }
-        MapFormat::Exr => match exr::decode(&read_bytes(path)?).map_err(content)? {
+        "exr" => match exr::decode(&read_bytes(path)?).map_err(content)? {
             exr::Pixels::Single(grid) => Ok(grid),
             exr::Pixels::Positions(_) => {
                 Err(content("holds positions; a map is a single channel".into()))
             }
         },
+        _ => Err(IoError::extension(path, "a distance map", ".npy, .npz, .tif, .asc or .exr")),
     }
 }

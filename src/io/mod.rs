@@ -1,27 +1,30 @@
 //! Files: surfaces, masks, slowness, metrics and curves in; distance maps, matrices and curves out.
 //!
-//! Arrays are NumPy `.npy` files, row first; heights also come from grey PNG and from (Geo)TIFF,
-//! geometry images and heights from EXR. NaN means "no surface here". A format is chosen by the
-//! name's extension. Output files appear whole or not at all ([`OutputFile`]).
+//! Arrays are NumPy `.npy` and `.npz` files, row first. Grids of numbers also come from GeoTIFF, ESRI
+//! ASCII grids (`.asc`) and grey PNG, geometry images and heights from EXR. NaN means "no surface
+//! here". A format is chosen by the name's extension. Output files appear whole or not at all ([`OutputFile`]).
 //!
 //! Files are not trusted: sizes are checked against the data before anything is allocated for
 //! them (`limits.rs`), and at most [`MAX_POINTS`] points are accepted.
 
 mod arrays;
+mod ascii_grid;
 mod atomic;
+mod c_number;
 mod curves;
 mod error;
 mod exr;
 mod file_spacing;
 mod georeference;
-mod geotiff;
 mod limits;
 mod map_file;
 mod matrix_file;
 mod npy;
+mod npz;
 mod places;
 mod ply;
 mod png;
+mod raster;
 mod surface_file;
 mod tiff;
 
@@ -31,7 +34,7 @@ pub use curves::{Attribute, CurveFormat, Drawing, Polyline};
 pub use error::IoError;
 pub use georeference::{CoordinateSystem, Georeference};
 pub use limits::{MAX_POINTS, checked_points};
-pub use map_file::{MapFormat, MapValue, read_map};
+pub use map_file::{MapFormat, MapValue, read_map, write_labels_tiff};
 pub use matrix_file::{
     Element, MatrixFile, MatrixLayout, Provenance, SquareMatrix, is_distance_matrix, read_matrix,
     surface_checksum,
@@ -40,6 +43,7 @@ pub use npy::write_npy;
 pub use places::{GridFrame, PlaceFile, PlacedCurve, PlacedPoint};
 pub use ply::write_ply;
 pub use surface_file::SurfaceFile;
+pub use tiff::GeoTags;
 
 use std::fs;
 use std::path::Path;
@@ -64,6 +68,11 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
         return Err(IoError::content(path, "the file is empty"));
     }
     Ok(bytes)
+}
+
+/// The content of a file that stands beside another; `None` if there is none.
+fn read_beside(path: &Path) -> Result<Option<Vec<u8>>, IoError> {
+    if path.is_file() { read_bytes(path).map(Some) } else { Ok(None) }
 }
 
 /// A name's extension in lower case, or nothing.

@@ -45,5 +45,5 @@ pub(super) fn decode(bytes: &[u8]) -> Result<GreyPicture, String> {
         }
         _ => samples.into_iter().map(f64::from).collect(),
     };
-    Ok(GreyPicture { grid: Grid { rows, cols, values }, bits: depth as u8 })
+    Ok(GreyPicture { grid: Grid::new(rows, cols, values), bits: depth as u8 })
 }

@@ -4,9 +4,12 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use super::arrays::{matrix, metric, read_npy, wrong_shape};
+use super::arrays::{matrix, metric, read_array, wrong_shape};
 use super::file_spacing::FileSpacing;
-use super::{Georeference, Grid, IoError, checked_points, exr, extension, png, read_bytes, tiff};
+use super::{
+    CoordinateSystem, GeoTags, Georeference, Grid, IoError, checked_points, exr, extension, png,
+    raster, read_bytes,
+};
 use crate::surface::{MetricTensor, Spacing, Surface, SurfaceError};
 
 /// A surface file that has been read: positions, heights or a metric.
@@ -14,8 +17,10 @@ use crate::surface::{MetricTensor, Spacing, Surface, SurfaceError};
 /// | extension | content |
 /// |---|---|
 /// | `.npy` | positions (M, N, 3), heights (M, N) or a metric (M, N, 2, 2), any number type |
+/// | `.npz` | one such array, or among several the first named `surface`, `positions`, `heights` or `metric` |
 /// | `.png` | heights, grey, 8 or 16 bits |
-/// | `.tif`, `.tiff` | heights, one channel; GDAL's no-data value marks holes |
+/// | `.tif`, `.tiff` | heights, one band, as GDAL reads it: with scale, offset, no-data value and mask |
+/// | `.asc` | heights, an ESRI ASCII grid |
 /// | `.exr` | positions in channels X, Y, Z or R, G, B, or heights in a single channel |
 ///
 /// NaN marks holes in all of them.
@@ -24,6 +29,8 @@ pub struct SurfaceFile {
     path: PathBuf,
     content: Content,
     georeference: Result<Georeference, String>,
+    system: Result<CoordinateSystem, String>,
+    geo_tags: Option<GeoTags>,
 }
 
 #[derive(Clone, Debug)]
@@ -40,22 +47,34 @@ impl SurfaceFile {
     /// If it cannot be read, or is not one of the formats above.
     pub fn read(path: &Path) -> Result<Self, IoError> {
         let reason = |reason| IoError::content(path, reason);
-        let mut georeference = Err("only a GeoTIFF (.tif) says where it lies on the Earth".into());
+        const NOWHERE: &str =
+            "only a GeoTIFF (.tif) or an ESRI ASCII grid (.asc) says where it lies";
+        let mut georeference = Err(NOWHERE.into());
+        let mut system = Err(NOWHERE.into());
+        let mut geo_tags = None;
         let content = match extension(path).as_str() {
-            "npy" => npy(path)?,
+            "npy" | "npz" => array(path)?,
             "png" => heights(png_heights(&read_bytes(path)?).map_err(reason)?),
-            "tif" | "tiff" => {
-                let raster = tiff::decode(&read_bytes(path)?).map_err(reason)?;
+            "tif" | "tiff" | "asc" => {
+                let raster = raster::read_values(path)?;
                 georeference = raster.georeference;
+                system = raster.system;
+                geo_tags = Some(raster.geo_tags);
                 Content::Heights(raster.grid, raster.spacing)
             }
             "exr" => match exr::decode(&read_bytes(path)?).map_err(reason)? {
                 exr::Pixels::Positions(grid) => Content::Positions(grid),
                 exr::Pixels::Single(grid) => heights(grid),
             },
-            _ => return Err(IoError::extension(path, "a surface", ".npy, .png, .tif or .exr")),
+            _ => {
+                return Err(IoError::extension(
+                    path,
+                    "a surface",
+                    ".npy, .npz, .png, .tif, .asc or .exr",
+                ));
+            }
         };
-        Ok(Self { path: path.to_owned(), content, georeference })
+        Ok(Self { path: path.to_owned(), content, georeference, system, geo_tags })
     }
 
     /// Whether the file holds heights and says nothing about the distance between its points.
@@ -66,22 +85,36 @@ impl SurfaceFile {
     /// Whether the file holds heights and the distance between its points on a map, and leaves it
     /// to the reader that this is in metres.
     pub fn assumes_metres(&self) -> bool {
-        let Content::Heights(_, FileSpacing::Known(_, unit)) = self.content else { return false };
+        let Content::Heights(_, FileSpacing::Known(_, unit)) = &self.content else { return false };
         !unit.said
     }
 
-    /// Where on the Earth the grid's points lie.
+    /// Returns the map coordinates of the grid's points.
     ///
     /// # Errors
-    /// If the file does not say so, with what is missing.
+    /// If the file does not say them, with what is missing.
     pub fn georeference(&self) -> Result<Georeference, IoError> {
         self.georeference.clone().map_err(|reason| IoError::content(&self.path, reason))
+    }
+
+    /// Returns the coordinate reference system of these coordinates.
+    ///
+    /// # Errors
+    /// If the file names none by an EPSG code, with what is missing.
+    pub fn system(&self) -> Result<CoordinateSystem, IoError> {
+        self.system.clone().map_err(|reason| IoError::content(&self.path, reason))
+    }
+
+    /// Returns the fields that place a GeoTIFF, for maps of the same grid; of an ESRI ASCII grid
+    /// those that say the same.
+    pub fn geo_tags(&self) -> Option<&GeoTags> {
+        self.geo_tags.as_ref()
     }
 
     /// The unit of lengths, if the file has one: `m` for projected GeoTIFFs in metres, `ft` or `US ft`
     /// where pixel sizes and heights are in feet.
     pub fn unit(&self) -> Option<&'static str> {
-        let Content::Heights(_, FileSpacing::Known(_, unit)) = self.content else { return None };
+        let Content::Heights(_, FileSpacing::Known(_, unit)) = &self.content else { return None };
         unit.name
     }
 
@@ -105,15 +138,15 @@ impl SurfaceFile {
             result.map_err(|source| IoError::Surface { path: path.clone(), source })
         };
         match content {
-            Content::Positions(Grid { rows, cols, values }) => {
+            Content::Positions(Grid { rows, cols, values, .. }) => {
                 no_spacing_for("positions")?;
                 surface(Surface::from_positions(rows, cols, values))
             }
-            Content::Metric(Grid { rows, cols, values }) => {
+            Content::Metric(Grid { rows, cols, values, .. }) => {
                 no_spacing_for("metric tensors")?;
                 surface(Surface::from_metric(rows, cols, values))
             }
-            Content::Heights(Grid { rows, cols, values }, from_file) => {
+            Content::Heights(Grid { rows, cols, values, .. }, from_file) => {
                 let spacing = match (spacing, from_file) {
                     (Some(spacing), _) | (None, FileSpacing::Known(spacing, _)) => spacing,
                     (None, FileSpacing::Unknown) => Spacing::square(1.0),
@@ -133,15 +166,15 @@ fn heights(grid: Grid<f64>) -> Content {
     Content::Heights(grid, FileSpacing::Unknown)
 }
 
-fn npy(path: &Path) -> Result<Content, IoError> {
-    let array = read_npy(path)?;
+fn array(path: &Path) -> Result<Content, IoError> {
+    let array = read_array(path, &["surface", "positions", "heights", "metric"])?;
     let reason = |reason| IoError::content(path, reason);
     match *array.shape {
         [_, _] => Ok(heights(matrix(path, array, "a height field")?)),
         [rows, cols, 3] => {
             checked_points(rows, cols).map_err(reason)?;
             let values = array.values.as_chunks().0.iter().map(|x| DVec3::from_array(*x)).collect();
-            Ok(Content::Positions(Grid { rows, cols, values }))
+            Ok(Content::Positions(Grid::new(rows, cols, values)))
         }
         [_, _, 2, 2] => metric(array).map(Content::Metric).map_err(reason),
         _ => Err(wrong_shape(

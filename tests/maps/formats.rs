@@ -24,7 +24,7 @@ fn distances() -> Vec<f32> {
 
 fn encoded(format: MapFormat) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
-    format.write(&mut file, ROWS, COLS, &distances()).unwrap();
+    format.write(&mut file, ROWS, COLS, &distances(), None).unwrap();
     file.into_inner()
 }
 
@@ -75,7 +75,7 @@ fn maps_survive_every_format() {
         [(MapFormat::Npy, "m.npy"), (MapFormat::Tiff, "m.TIF"), (MapFormat::Exr, "m.exr")]
     {
         let path = folder.file(name, &encoded(format));
-        let Grid { rows, cols, values } = read_map(&path).unwrap();
+        let Grid { rows, cols, values, .. } = read_map(&path).unwrap();
         assert_eq!((rows, cols), (ROWS, COLS), "{name}");
         assert!(values.iter().zip(distances()).all(|(a, b)| *a == f64::from(b)), "{name}");
     }
@@ -269,4 +269,91 @@ fn asymmetric_metrics_are_refused_where_they_are() {
     let path = folder.file("g.npy", &npy(&[ROWS, COLS, 2, 2], &tensors));
     let error = read_metric(&path).unwrap_err().to_string();
     assert!(error.contains("row 2, column 3"), "{error}");
+}
+
+/// An archive that NumPy has written, by `numpy/make.py`.
+fn archive(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps/numpy").join(name)
+}
+
+#[test]
+fn archives_hold_one_array_or_one_of_the_right_name() {
+    let expected: Vec<f64> = (0..ROWS * COLS).map(|index| index as f64).collect();
+    for name in ["one.npz", "one-compressed.npz", "several.npz"] {
+        assert_eq!(heights(&archive(name)), expected, "{name}");
+        assert_eq!(read_map(&archive(name)).unwrap().values, expected, "{name}");
+    }
+    let several = archive("several.npz");
+    let mask = read_mask(&several).unwrap().values;
+    assert!(mask.iter().enumerate().all(|(index, there)| *there == (index % 3 > 0)));
+    let slowness = read_slowness(&several).unwrap().values;
+    assert!(slowness.iter().zip(&expected).all(|(slow, index)| *slow == 1.0 + index));
+    assert_eq!(read_metric(&several).unwrap().values[3].rr, 4.0);
+    let unnamed = archive("unnamed.npz");
+    for error in [
+        SurfaceFile::read(&unnamed).map(drop).unwrap_err(),
+        read_mask(&unnamed).map(drop).unwrap_err(),
+        read_map(&unnamed).map(drop).unwrap_err(),
+    ] {
+        let error = error.to_string();
+        assert!(error.contains("arr_0, arr_1") && error.contains("2 arrays"), "{error}");
+    }
+}
+
+#[test]
+fn archives_that_are_damaged_are_refused() {
+    let folder = Folder::new();
+    for name in ["one.npz", "one-compressed.npz"] {
+        let bytes = fs::read(archive(name)).unwrap();
+        for length in 0..bytes.len() {
+            let path = folder.file(name, &bytes[..length]);
+            let error = SurfaceFile::read(&path).map(drop).unwrap_err();
+            assert!(matches!(error, IoError::Content { .. }), "{name} cut to {length}: {error}");
+        }
+        // A checksum guards the values; the header's name and times may be anything.
+        let whole = heights(&archive(name));
+        for at in 0..bytes.len() {
+            let mut bytes = bytes.clone();
+            bytes[at] ^= 4;
+            let path = folder.file(name, &bytes);
+            if let Ok(surface) = SurfaceFile::read(&path).and_then(|file| file.into_surface(None)) {
+                let Geometry::Heights { heights, .. } = surface.geometry() else { panic!("{at}") };
+                assert_eq!(*heights, whole, "{name}: byte {at}");
+            }
+        }
+    }
+}
+
+#[test]
+fn ascii_grids_are_surfaces_masks_and_slowness() {
+    let folder = Folder::new();
+    let values: Vec<String> = (0..ROWS * COLS).map(|index| index.to_string()).collect();
+    let lines: Vec<String> = values.chunks(COLS).map(|row| row.join(" ")).collect();
+    let header = format!(
+        "ncols {COLS}\nnrows {ROWS}\nxllcorner 1000\nyllcorner 2000\ncellsize 25\nNODATA_value 3\n"
+    );
+    let path = folder.file("g.asc", format!("{header}{}\n", lines.join("\n")).as_bytes());
+    let file = SurfaceFile::read(&path).unwrap();
+    let georeference = file.georeference().unwrap();
+    assert_eq!(georeference.coordinates([4.0, 0.0]), [1012.5, 2012.5]);
+    assert_eq!(georeference.place([1012.5, 2012.5]), Some([4.0, 0.0]));
+    assert!(file.assumes_metres() && !file.lacks_spacing());
+    let surface = file.into_surface(None).unwrap();
+    assert_eq!(surface.position(1, 2).unwrap().to_array(), [50.0, 25.0, 9.0]);
+    assert!(!surface.has(0, 3) && surface.points() == ROWS * COLS - 1);
+    let mask = read_mask(&path).unwrap();
+    let holes: Vec<_> = (0..ROWS * COLS).filter(|index| !mask.values[*index]).collect();
+    assert_eq!(holes, [0, 3]);
+    assert_eq!(read_slowness(&path).unwrap().values[3], f64::INFINITY);
+
+    // Both lie where the surface does, or are refused.
+    let place = georeference;
+    assert!(mask.clone().fit_surface(&path, ROWS, COLS, Some(&place)).is_ok());
+    assert!(mask.clone().fit_surface(&path, COLS, ROWS, Some(&place)).is_err());
+    for shift in [[25.0, 0.0], [0.0, -25.0], [5.0, 5.0]] {
+        let mut place = place;
+        place.origin = [place.origin[0] + shift[0], place.origin[1] + shift[1]];
+        let error = mask.clone().fit_surface(&path, ROWS, COLS, Some(&place)).unwrap_err();
+        assert!(error.to_string().contains("gdalwarp"), "{error}");
+    }
 }

@@ -13,6 +13,7 @@ mod engines;
 mod estimate;
 #[cfg(feature = "formats")]
 mod formats;
+mod gdal;
 mod offset;
 mod pairwise;
 mod pairwise_matrix;

@@ -3,16 +3,16 @@
 use std::path::Path;
 
 use super::super::IoError;
-use super::super::arrays::{read_npy, wrong_shape};
+use super::super::arrays::{read_array, wrong_shape};
 use super::{Content, Coordinates, CurveKind, FileCurve, FileCurves, Vertex};
 use crate::shown::exact;
 
 const SHAPES: &str = "places have shape (K, 2): row, column; (K, 3): row, column, start value; or \
                       (K, 5) as the tool writes curves. Rows of a matrix may have shape (K,)";
 
-/// Reads an `.npy` file.
+/// Reads an array, of an `.npz` the only one or the one that is named for it.
 pub(super) fn read(path: &Path) -> Result<Content, IoError> {
-    let array = read_npy(path)?;
+    let array = read_array(path, &["sources", "points", "curves"])?;
     let width = match array.shape[..] {
         [_] => return Ok(Content::Indices(array.values)),
         [_, width @ (2 | 3 | 5)] => width,

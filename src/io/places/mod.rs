@@ -1,4 +1,4 @@
-//! Files of places: points and curves on a grid, from tables, arrays and GeoJSON.
+//! Files of places: points and curves on a grid, from tables, arrays, GeoJSON and rasters.
 
 mod array;
 mod columns;
@@ -10,7 +10,7 @@ mod text;
 
 use std::path::{Path, PathBuf};
 
-use super::{IoError, extension, read_bytes};
+use super::{Grid, IoError, extension, read_bytes, read_mask};
 use crate::shown::{exact, excerpt};
 use crate::surface::Chart;
 use columns::Named;
@@ -22,6 +22,8 @@ use frame::MapCoordinates;
 /// | file | content |
 /// |---|---|
 /// | `.npy` | (K, 2): row, column; (K, 3): row, column, start value; (K, 5): row, column, x, y, z, as the tool writes curves. Rows of NaN divide curves. (K,): row-major indices, for [`PlaceFile::grid_points`] only |
+/// | `.npz` | one such array, or among several the first named `sources`, `points` or `curves` |
+/// | `.tif`, `.asc`, `.png` | a raster of the surface's size; each cell that is neither 0 nor no-data is a point |
 /// | `.geojson`, `.json`, or any text that begins with `{` | Points, MultiPoints, LineStrings, MultiLineStrings, and Polygons and MultiPolygons, whose rings are closed curves; in the surface's map coordinates |
 /// | any other text | a place on each line; the first line may name the columns |
 ///
@@ -54,6 +56,8 @@ enum Content {
     Curves(FileCurves),
     /// Row-major indices of grid points.
     Indices(Vec<f64>),
+    /// A raster over the surface, true at each point that is meant.
+    Raster(Grid<bool>),
 }
 
 /// The curves of a file, in its own coordinates.
@@ -139,7 +143,8 @@ impl PlaceFile {
     pub fn read(path: &Path) -> Result<Self, IoError> {
         let content = |reason| IoError::content(path, reason);
         let read = match extension(path).as_str() {
-            "npy" => array::read(path)?,
+            "npy" | "npz" => array::read(path)?,
+            "tif" | "tiff" | "asc" | "png" => Content::Raster(read_mask(path)?),
             extension => {
                 let text = text::decode(read_bytes(path)?).map_err(content)?;
                 let is_json = matches!(extension, "geojson" | "json");
@@ -157,6 +162,12 @@ impl PlaceFile {
         let is_empty = match &read {
             Content::Curves(curves) => curves.curves.iter().all(|curve| curve.vertices.is_empty()),
             Content::Indices(indices) => indices.is_empty(),
+            Content::Raster(raster) => {
+                if !raster.values.contains(&true) {
+                    return Err(content("holds no source: all its cells are 0 or no-data".into()));
+                }
+                false
+            }
         };
         if is_empty {
             return Err(content("holds no place; give at least one row,col".into()));
@@ -197,6 +208,10 @@ impl PlaceFile {
     /// If one lies outside the grid, or is in map coordinates and the surface is not, or in others; if the
     /// file holds indices.
     pub fn points(&self, frame: &GridFrame) -> Result<Vec<PlacedPoint>, IoError> {
+        if let Content::Raster(raster) = &self.content {
+            let cells = self.cells(raster, frame)?.into_iter();
+            return Ok(cells.map(|at| PlacedPoint { at, start: 0.0 }).collect());
+        }
         let curves = self.file_curves()?;
         let point = |vertex: &Vertex| {
             let at = self.place(curves, vertex, frame)?;
@@ -205,11 +220,15 @@ impl PlaceFile {
         curves.curves.iter().flat_map(FileCurve::once).map(point).collect()
     }
 
-    /// The places as curves. A point of GeoJSON is a curve of one vertex.
+    /// The places as curves. A point of GeoJSON or a cell of a raster is a curve of one vertex.
     ///
     /// # Errors
     /// As [`PlaceFile::points`]; and if start values differ along a curve.
     pub fn curves(&self, frame: &GridFrame) -> Result<Vec<PlacedCurve>, IoError> {
+        if let Content::Raster(raster) = &self.content {
+            let cells = self.cells(raster, frame)?.into_iter();
+            return Ok(cells.map(|at| PlacedCurve { vertices: vec![at], start: 0.0 }).collect());
+        }
         let file = self.file_curves()?;
         let mut placed = Vec::new();
         for curve in &file.curves {
@@ -249,6 +268,12 @@ impl PlaceFile {
     /// As [`PlaceFile::points`]; and if a place lies between points of the grid.
     pub fn grid_points(&self, frame: &GridFrame) -> Result<Vec<(usize, f64)>, IoError> {
         let chart = frame.chart;
+        if let Content::Raster(raster) = &self.content {
+            let cells = self.cells(raster, frame)?.into_iter();
+            return Ok(cells
+                .map(|[row, col]| (chart.index(row as usize, col as usize), 0.0))
+                .collect());
+        }
         if let Content::Indices(indices) = &self.content {
             let index = |&value: &f64| {
                 let fits = value.fract() == 0.0 && (0.0..chart.points() as f64).contains(&value);
@@ -280,9 +305,23 @@ impl PlaceFile {
         curves.curves.iter().flat_map(FileCurve::once).map(point).collect()
     }
 
+    /// Rows and columns of the cells that a raster means, which must lie as the surface does.
+    fn cells(&self, raster: &Grid<bool>, frame: &GridFrame) -> Result<Vec<[f64; 2]>, IoError> {
+        let Chart { rows, cols } = frame.chart;
+        let place = frame.georeference.as_ref().ok();
+        let cells = raster.clone().fit_surface(&self.path, rows, cols, place)?;
+        let meant = cells.into_iter().enumerate().filter(|(_, meant)| *meant);
+        let place = |(index, _)| {
+            let (row, col) = frame.chart.position(index);
+            [row as f64, col as f64]
+        };
+        Ok(meant.map(place).collect())
+    }
+
     fn file_curves(&self) -> Result<&FileCurves, IoError> {
         match &self.content {
             Content::Curves(curves) => Ok(curves),
+            Content::Raster(_) => Err(self.content("is a raster, not a list of places".into())),
             Content::Indices(indices) => Err(self.content(format!(
                 "is an array of shape ({},); places have shape (K, 2): row, column, (K, 3) with a \
                  start value, or (K, 5) as the tool writes",

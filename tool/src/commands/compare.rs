@@ -13,7 +13,7 @@ use crate::terminal::{Outcome, print, print_json};
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// A distance map: .npy (M, N), .tif or .exr
+    /// A distance map: .npy (M, N), .npz, .tif, .asc or .exr
     a: PathBuf,
     /// The map to compare it with, of the same size
     b: PathBuf,

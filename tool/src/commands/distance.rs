@@ -20,8 +20,8 @@ use crate::terminal::{Outcome, Spinner, print_json, say};
 #[command(after_help = examples())]
 pub struct Args {
     /// Where to write the map: .npy (M, N), .tif or .exr, float32, +infinity at holes and where no
-    /// source reaches; .npy or .tif, float64, in double precision. May be left out beside --picture,
-    /// --error or --json
+    /// source reaches; .npy or .tif, float64, in double precision. A .tif lies where the surface's .tif
+    /// or .asc does. May be left out beside --picture, --error or --json
     #[arg(short, long, value_name = "MAP")]
     #[arg(required_unless_present_any = ["error", "picture", "json"])]
     output: Option<PathBuf>,
@@ -219,13 +219,17 @@ impl Outputs {
         Solved { map, estimate }: &Solved<R>,
     ) -> Result<Written, Box<dyn Error>> {
         let (rows, cols) = (map.chart.rows, map.chart.cols);
+        let geo_tags = scene.geo_tags.as_ref();
         let mut staged = Vec::new();
         if let Some((output, format)) = self.map {
-            staged.push(output.stage(|writer| format.write(writer, rows, cols, &map.distances))?);
+            staged.push(
+                output
+                    .stage(|writer| format.write(writer, rows, cols, &map.distances, geo_tags))?,
+            );
         }
         if let Some(((output, format), Estimate { errors, .. })) = self.error.zip(estimate.as_ref())
         {
-            staged.push(output.stage(|writer| format.write(writer, rows, cols, errors))?);
+            staged.push(output.stage(|writer| format.write(writer, rows, cols, errors, geo_tags))?);
         }
         if let Some(output) = self.picture {
             let (surface, shape, map) = (&scene.surface, scene.shape(), &map.to_single());

@@ -1,23 +1,44 @@
 //! Files that say of each point in which region it lies.
 
 use std::error::Error;
-use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use geosweep::geometry::{NO_REGION, Voronoi};
-use geosweep::io::{OutputFile, write_npy};
+use geosweep::io::{GeoTags, IoError, OutputFile, StagedFile, write_labels_tiff, write_npy};
 use geosweep::surface::Chart;
-
-use crate::output::wanted_file;
 
 /// A file for labels, if one is wanted.
 pub fn labels_output(path: Option<&PathBuf>) -> Result<Option<OutputFile>, Box<dyn Error>> {
-    wanted_file(path, "regions are", "npy")
+    let output = |path: &PathBuf| {
+        if !has_extension(path, &["npy", "tif", "tiff"]) {
+            let name = path.display();
+            return Err(
+                format!("{name}: regions are written as .npy or .tif; choose such a name").into()
+            );
+        }
+        Ok(OutputFile::new(path)?)
+    };
+    path.map(output).transpose()
 }
 
-/// Writes labels as int32 (M, N), -1 where there is none.
-pub fn write_labels(writer: &mut impl Write, chart: Chart, voronoi: &Voronoi) -> io::Result<()> {
+/// Writes labels as int32 (M, N), -1 where there is none; yet without the file's name.
+pub fn stage_labels(
+    output: OutputFile,
+    chart: Chart,
+    voronoi: &Voronoi,
+    geo_tags: Option<&GeoTags>,
+) -> Result<StagedFile, IoError> {
+    let Chart { rows, cols } = chart;
     let label = |&label: &u32| if label == NO_REGION { -1 } else { label as i32 };
     let labels: Vec<i32> = voronoi.labels.iter().map(label).collect();
-    write_npy(writer, &[chart.rows, chart.cols], &labels)
+    let is_array = has_extension(output.path(), &["npy"]);
+    output.stage(|writer| match is_array {
+        true => write_npy(writer, &[rows, cols], &labels),
+        false => write_labels_tiff(writer, rows, cols, &labels, geo_tags),
+    })
+}
+
+fn has_extension(path: &Path, wanted: &[&str]) -> bool {
+    let found = path.extension().unwrap_or_default();
+    wanted.iter().any(|wanted| found.eq_ignore_ascii_case(wanted))
 }

@@ -10,7 +10,7 @@ use geosweep::shown::seven_digits;
 use geosweep::surface::EdgeLengths;
 use serde::Serialize;
 
-use super::labels::{labels_output, write_labels};
+use super::labels::{labels_output, stage_labels};
 use super::samples::{Sample, farthest_points, middle};
 use crate::numbers::place;
 use crate::output::{check_outputs, commit, done, stage_picture};
@@ -34,9 +34,9 @@ pub struct Args {
     /// The first sample (default: the point next to the middle of the grid)
     #[arg(long, value_name = "R,C", value_parser = place, allow_hyphen_values = true)]
     first: Option<[f64; 2]>,
-    /// Write which sample each point is nearest to: .npy int32 (M, N), from 0 in the order of the
+    /// Write which sample each point is nearest to: .npy (M, N) or .tif, int32, from 0 in the order of the
     /// samples, -1 at holes and where none reaches
-    #[arg(long, value_name = "LABELS.npy")]
+    #[arg(long, value_name = "LABELS")]
     labels: Option<PathBuf>,
 
     #[command(flatten)]
@@ -104,7 +104,7 @@ pub fn run(args: &Args) -> Outcome {
         let (sources, distances) = (points.sources(), points.distances());
         let voronoi = Voronoi::new(surface, &edges, sources, &distances)?;
         if let Some(output) = labels {
-            staged.push(output.stage(|writer| write_labels(writer, chart, &voronoi))?);
+            staged.push(stage_labels(output, chart, &voronoi, scene.geo_tags.as_ref())?);
         }
         if let Some((output, look)) = picture.zip(look) {
             let areas = voronoi.areas(surface);

@@ -8,7 +8,7 @@ use geosweep::io::{Attribute, Polyline};
 use geosweep::surface::EdgeLengths;
 use serde::Serialize;
 
-use super::labels::{labels_output, write_labels};
+use super::labels::{labels_output, stage_labels};
 use crate::output::{commit, stage_picture};
 use crate::picture::Regions;
 use crate::problem::{self, CurveFiles, MapReport, Problem, ProblemArgs, Scene};
@@ -18,10 +18,10 @@ use crate::terminal::{Outcome, Spinner, print_json};
 #[derive(clap::Args)]
 #[command(after_help = examples())]
 pub struct Args {
-    /// Where to write the regions: .npy int32 (M, N), at each point the index of its nearest
+    /// Where to write the regions: .npy (M, N) or .tif, int32, at each point the index of its nearest
     /// source, counted from 0 in the order of --source, --source-xy, --source-points and
     /// --source-curve; -1 at holes and where no source reaches
-    #[arg(short, long, value_name = "LABELS.npy")]
+    #[arg(short, long, value_name = "LABELS")]
     #[arg(required_unless_present_any = ["borders", "picture", "json"])]
     output: Option<PathBuf>,
     /// Write the borders between regions, repeatable: .npy (K, 5), .csv, .svg, .geojson, .ply or
@@ -71,7 +71,7 @@ pub fn run(args: &Args) -> Outcome {
 
     let mut staged = borders.stage(scene, &ATTRIBUTES, polylines(&voronoi, scene)?)?;
     if let Some(output) = labels {
-        staged.push(output.stage(|writer| write_labels(writer, map.chart, &voronoi))?);
+        staged.push(stage_labels(output, map.chart, &voronoi, scene.geo_tags.as_ref())?);
     }
     if let Some((output, look)) = picture {
         let regions = Regions {

@@ -30,7 +30,8 @@ impl CurveFiles {
         let bare = matches!(scene.shape().geometry(), Geometry::Metric(_));
         for (file, format) in &self.0 {
             let name = file.path().display();
-            if let (CurveFormat::GeoJson, Err(reason)) = (format, &scene.georeference) {
+            let place = scene.georeference.as_ref().map(drop).and(scene.system.as_ref().map(drop));
+            if let (CurveFormat::GeoJson, Err(reason)) = (format, place) {
                 return Err(format!("{name}: GeoJSON needs a georeferenced surface; {reason}"));
             }
             if format.needs_positions() && bare {

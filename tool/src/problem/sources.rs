@@ -29,7 +29,8 @@ pub struct SourceArgs {
     /// start values t0 (or start, initial, time), equal along a curve; `curve` divides curves, and 1 in
     /// `closed` closes them; others are not used, which a note says. GeoJSON (.geojson, .json), of
     /// which points, lines and the rings of polygons are sources, in the coordinates of SURFACE, with a
-    /// property t0
+    /// property t0. A raster of SURFACE's size (.tif, .asc, .png), each cell of which that is neither
+    /// 0 nor no-data is a source
     #[arg(long, value_name = "FILE", group = "sources", help_heading = "Sources")]
     source_curve: Vec<PathBuf>,
     /// Point sources in a file as for --source-curve, of which every vertex is a source with a start value

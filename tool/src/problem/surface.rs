@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use clap::builder::{OsStringValueParser, TypedValueParser};
-use geosweep::io::{self, Georeference, GridFrame, SurfaceFile};
+use geosweep::io::{self, CoordinateSystem, GeoTags, Georeference, GridFrame, SurfaceFile};
 use geosweep::surface::{Geometry, Resolution, Seam};
 use geosweep::{EdgeRule, Spacing, Surface};
 
@@ -16,27 +16,30 @@ use crate::terminal::{Spinner, say};
 #[derive(clap::Args)]
 pub struct SurfaceArgs {
     /// A file, or builtin:NAME:ROWSxCOLS. Files: .npy with positions (M, N, 3), heights (M, N) or a
-    /// metric (M, N, 2, 2); .png with heights, grey, 8 or 16 bits; .tif with heights; .exr with
-    /// positions in channels X, Y, Z or R, G, B, or heights in a single channel. NaN marks holes
+    /// metric (M, N, 2, 2); .npz with one such array, or one that is named surface, positions,
+    /// heights or metric; .tif with heights in one band, as GDAL reads it; .asc with heights, an ESRI
+    /// ASCII grid; .png with heights, grey, 8 or 16 bits; .exr with positions in channels X, Y, Z or
+    /// R, G, B, or heights in a single channel. NaN and no-data mark holes
     #[arg(value_parser = OsStringValueParser::new().try_map(SurfaceArg::parse))]
     surface: SurfaceArg,
 
     /// Distance between columns and rows of heights, in the unit of the heights (default: what a
-    /// projected GeoTIFF says, else 1)
+    /// projected GeoTIFF or an ESRI ASCII grid says, else 1)
     #[arg(long, value_name = "DX[,DY]", help_heading = "Surface", value_parser = spacing)]
     #[arg(allow_hyphen_values = true)]
     spacing: Option<Spacing>,
-    /// Where the surface is (non-zero) and where it has holes (zero): .npy (M, N) of booleans or integers,
-    /// or an 8-bit grey .png. Points that touch by a corner alone, between two holes, are not connected:
-    /// widen lines that are 8-connected, such as rasterised rivers, to 4-connected ones
+    /// Where the surface is (non-zero) and where it has holes (zero or no-data): .npy (M, N) of
+    /// booleans or integers, .npz (named mask, if it holds several), an 8-bit grey .png, .tif or .asc. Points that
+    /// touch by a corner alone, between two holes, are not connected: widen lines that are 8-connected,
+    /// such as rasterised rivers, to 4-connected ones
     #[arg(long, value_name = "FILE", help_heading = "Surface")]
     mask: Option<PathBuf>,
     /// Weight of lengths at each point, the reciprocal of a speed, so that distances become travel
-    /// times: .npy (M, N), positive
+    /// times: .npy (M, N), .npz (named slowness, if it holds several), .tif or .asc, positive
     #[arg(long, value_name = "FILE", help_heading = "Surface")]
     slowness: Option<PathBuf>,
     /// Lengths from this metric in place of SURFACE's, whose positions are still used for the
-    /// picture: .npy (M, N, 2, 2), symmetric and positive definite, per step of one row (axis 0)
+    /// picture: .npy or .npz (M, N, 2, 2), symmetric and positive definite, per step of one row (axis 0)
     /// and one column (axis 1)
     #[arg(long, value_name = "FILE", help_heading = "Surface")]
     metric: Option<PathBuf>,
@@ -69,8 +72,12 @@ pub struct Scene {
     pub surface: Surface,
     /// Where lengths come from a metric of their own, the surface that has positions.
     shape: Option<Surface>,
-    /// Where it lies on the Earth, or why that is not known.
+    /// The map coordinates of its points, or why they are not known.
     pub georeference: Result<Georeference, String>,
+    /// The coordinate reference system of these, or why it is not known.
+    pub system: Result<CoordinateSystem, String>,
+    /// What places a GeoTIFF of the same grid.
+    pub geo_tags: Option<GeoTags>,
     /// The unit of lengths, if the file has one.
     pub unit: Option<&'static str>,
 }
@@ -79,15 +86,18 @@ pub struct Scene {
 struct Given {
     surface: Surface,
     georeference: Result<Georeference, String>,
+    system: Result<CoordinateSystem, String>,
+    geo_tags: Option<GeoTags>,
     unit: Option<&'static str>,
 }
 
 impl Scene {
     fn read(args: &SurfaceArgs) -> Result<Self, Box<dyn Error>> {
-        let Given { surface: given, georeference, unit } = args.read_surface()?;
+        let Given { surface: given, georeference, system, geo_tags, unit } = args.read_surface()?;
         // Lengths may come from a metric, which says nothing of seams.
         let mut seams = given.seams();
         let (rows, cols) = (given.rows(), given.cols());
+        let place = georeference.as_ref().ok();
         let (mut surface, shape) = match &args.metric {
             None => (given, None),
             Some(path) => {
@@ -99,7 +109,7 @@ impl Scene {
             }
         };
         if let Some(path) = &args.mask {
-            let mask = io::read_mask(path)?.fit(path, rows, cols)?;
+            let mask = io::read_mask(path)?.fit_surface(path, rows, cols, place)?;
             surface = surface.with_mask(&mask).map_err(|e| format!("{}: {e}", path.display()))?;
             seams = match &shape {
                 None => surface.seams(),
@@ -107,7 +117,7 @@ impl Scene {
             };
         }
         if let Some(path) = &args.slowness {
-            let slowness = io::read_slowness(path)?.fit(path, rows, cols)?;
+            let slowness = io::read_slowness(path)?.fit_surface(path, rows, cols, place)?;
             surface =
                 surface.with_slowness(slowness).map_err(|e| format!("{}: {e}", path.display()))?;
         }
@@ -123,7 +133,7 @@ impl Scene {
         let surface = surface.with_edge_rule(args.edges.unwrap_or_default());
         // A slowness makes times of lengths, another metric may be in another unit.
         let unit = unit.filter(|_| shape.is_none() && surface.slowness().is_none());
-        Ok(Self { surface, shape, georeference, unit })
+        Ok(Self { surface, shape, georeference, system, geo_tags, unit })
     }
 
     /// Where places on the surface lie in map coordinates.
@@ -170,8 +180,14 @@ impl SurfaceArgs {
                                 its own size, leave it out"
                         .into());
                 }
-                let georeference = Err("a built-in surface lies nowhere on the Earth".into());
-                Ok(Given { surface: builtin.surface()?, georeference, unit: None })
+                let nowhere = "a built-in surface lies nowhere on the Earth";
+                Ok(Given {
+                    surface: builtin.surface()?,
+                    georeference: Err(nowhere.into()),
+                    system: Err(nowhere.into()),
+                    geo_tags: None,
+                    unit: None,
+                })
             }
             SurfaceArg::File(path) => {
                 let _spinner = Spinner::new("reading");
@@ -191,15 +207,17 @@ impl SurfaceArgs {
                         "note",
                         format_args!(
                             "{name}: pixel size and heights are taken as metres, since the file \
-                             does not say its unit (GeoTIFF key ProjLinearUnits); --spacing says \
-                             otherwise"
+                             does not say its unit; --spacing says otherwise"
                         ),
                     );
                 }
                 let georeference = file.georeference().map_err(|error| error.to_string());
                 // A spacing that is given may be in any unit.
                 let unit = file.unit().filter(|_| self.spacing.is_none());
-                Ok(Given { surface: file.into_surface(self.spacing)?, georeference, unit })
+                let system = file.system().map_err(|error| error.to_string());
+                let geo_tags = file.geo_tags().cloned();
+                let surface = file.into_surface(self.spacing)?;
+                Ok(Given { surface, georeference, system, geo_tags, unit })
             }
         }
     }

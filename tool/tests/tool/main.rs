@@ -17,6 +17,7 @@ mod paths;
 mod pictures;
 mod places;
 mod profile;
+mod rasters;
 mod refusals;
 mod regions;
 mod ridges;

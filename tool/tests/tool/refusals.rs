@@ -92,7 +92,7 @@ fn wrong_surfaces_are_refused_by_name() {
     for (name, parts) in [
         ("missing.npy", &["cannot be read"][..]),
         ("folder.npy", &["is a folder"]),
-        ("unknown.obj", &["unknown extension .obj", ".npy, .png, .tif or .exr"]),
+        ("unknown.obj", &["unknown extension .obj", ".npy, .npz, .png, .tif, .asc or .exr"]),
         ("empty.npy", &["empty"]),
         ("empty.png", &["empty"]),
         ("text.npy", &["no NumPy .npy file"]),
@@ -137,7 +137,7 @@ fn wrong_companions_are_refused_by_name() {
     for (words, parts) in [
         (format!("--mask {doubles}"), &["doubles.npy", "booleans or integers"][..]),
         (format!("--mask {turned}"), &["turned.npy", "4 x 3", "3 x 4"]),
-        (format!("--mask {curve}"), &["curve.txt", ".npy or .png"]),
+        (format!("--mask {curve}"), &["curve.txt", ".npy, .npz, .png"]),
         (format!("--slowness {small}"), &["small.npy", "2 x 4", "3 x 4"]),
         (format!("--slowness {zero}"), &["zero.npy", "slowness 0 at row 1, column 2"]),
         (format!("--metric {metric}"), &["metric.npy", "3 x 3", "3 x 4"]),

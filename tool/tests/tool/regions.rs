@@ -68,7 +68,7 @@ fn what_no_source_reaches_has_no_region() {
     let report = json(&output);
     assert_eq!(report["regions"][1]["points"], 0);
     assert_eq!(report["regions"][1]["area"], 0.0);
-    let line = format!("voronoi {cut} --spacing 1 -s 4,1 -o l.tif");
+    let line = format!("voronoi {cut} --spacing 1 -s 4,1 -o l.png");
     let bench = Workbench::new();
-    bench.refuses(&run(&bench, &line), &["l.tif", ".npy"]);
+    bench.refuses(&run(&bench, &line), &["l.png", ".npy or .tif"]);
 }

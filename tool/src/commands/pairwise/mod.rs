@@ -18,7 +18,7 @@ use geosweep::{DEFAULT_TOLERANCE, DeviceChoice, Engine, Surface};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
-use super::labels::{labels_output, write_labels};
+use super::labels::{labels_output, stage_labels};
 use super::samples::{Sample, farthest_points, middle};
 use crate::choices::one_of;
 use crate::output::{Written, check_outputs, done, wanted_file};
@@ -198,7 +198,7 @@ pub fn run(args: &Args) -> Outcome {
     {
         let _spinner = Spinner::new(if args.symmetrize { "symmetrizing" } else { "writing" });
         let labels = samples.as_ref().zip(labels).map(|(samples, output)| {
-            output.stage(|writer| write_labels(writer, surface.chart(), &samples.regions))
+            stage_labels(output, surface.chart(), &samples.regions, scene.geo_tags.as_ref())
         });
         let labels = labels.transpose()?;
         let finish = |file: MatrixFile| file.finish_while(|| !is_interrupted());

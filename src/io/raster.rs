@@ -1,0 +1,47 @@
+//! Rasters of numbers with a place: GeoTIFF and ESRI ASCII grids.
+
+use std::path::{Path, PathBuf};
+
+use super::tiff::{self, Raster, Role};
+use super::{GeoTags, Grid, IoError, ascii_grid, extension, read_beside, read_bytes};
+
+/// Reads numbers, NaN where the file says "no data".
+pub(super) fn read_values(path: &Path) -> Result<Raster, IoError> {
+    read(path, Role::Values)
+}
+
+/// Reads a mask as numbers; also indices into a table of colours are zero or not.
+pub(super) fn read_mask(path: &Path) -> Result<Grid<f64>, IoError> {
+    read(path, Role::Mask).map(|raster| raster.grid)
+}
+
+fn read(path: &Path, role: Role) -> Result<Raster, IoError> {
+    let bytes = read_bytes(path)?;
+    let raster = match extension(path).as_str() {
+        "asc" => ascii_grid(&bytes, read_beside(&path.with_extension("prj"))?.as_deref()),
+        _ => {
+            // GDAL's place for a mask where it is not in the file.
+            let mut name = path.as_os_str().to_owned();
+            name.push(".msk");
+            let mask = read_beside(&PathBuf::from(name))?;
+            tiff::decode(path, &bytes, mask.as_deref(), role)
+        }
+    };
+    raster.map_err(|reason| IoError::content(path, reason))
+}
+
+fn ascii_grid(bytes: &[u8], projection: Option<&[u8]>) -> Result<Raster, String> {
+    let projection = projection.map(String::from_utf8_lossy);
+    let ascii_grid::AsciiGrid { grid, spacing, georeference } =
+        ascii_grid::decode(bytes, projection.as_deref())?;
+    let system = "is an ESRI ASCII grid, which names no coordinate system; gdal_translate -a_srs \
+                  EPSG:CODE makes a GeoTIFF with one";
+    Ok(Raster {
+        grid: Grid { georeference: georeference.as_ref().ok().copied(), ..grid },
+        spacing,
+        system: Err(system.into()),
+        geo_tags: georeference.as_ref().map(GeoTags::of_transform).unwrap_or_default(),
+        georeference,
+        unreached: false,
+    })
+}

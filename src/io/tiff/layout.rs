@@ -1,0 +1,304 @@
+//! The form of a picture: size, kind of numbers, and where its strips or tiles lie.
+
+use super::compression::Compression;
+use super::directory::Directory;
+use super::{Cure, tag};
+use crate::io::limits::checked_points;
+
+/// The form of a picture.
+pub struct Layout {
+    pub rows: usize,
+    pub cols: usize,
+    pub sample: Sample,
+    /// Numbers a pixel, the alpha channel among them.
+    pub samples: usize,
+    /// Whether each of these has chunks of its own, those of the first before those of the second.
+    pub planar: bool,
+    /// Which one is the opacity, if one is.
+    pub alpha: Option<usize>,
+    pub photometric: Photometric,
+    pub predictor: Predictor,
+    pub compression: Compression,
+    /// Whether the bits of each byte are stored in reverse.
+    pub reversed: bool,
+    /// Rows and columns of a chunk. The last strip has fewer rows; tiles are padded.
+    pub chunk: [usize; 2],
+    pub tiled: bool,
+    chunks: Vec<Chunk>,
+}
+
+/// Where a chunk's bytes lie.
+#[derive(Clone, Copy)]
+pub struct Chunk {
+    pub offset: u64,
+    pub length: u64,
+}
+
+/// The type of a picture's numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sample {
+    pub kind: Kind,
+    /// From 1 to 64.
+    pub bits: usize,
+}
+
+/// What the bits of a number mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Unsigned,
+    Signed,
+    Float,
+}
+
+/// What the numbers of a picture mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Photometric {
+    /// The numbers themselves, also where 0 is white: GDAL does not invert.
+    Grey,
+    /// Indices into a table of colours.
+    Palette,
+    /// What a mask shows of another picture.
+    Mask,
+}
+
+/// How numbers are made smaller before they are compressed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Predictor {
+    None,
+    /// Differences of neighbours in a row.
+    Horizontal,
+    /// Differences of bytes, those of most weight first.
+    FloatingPoint,
+}
+
+impl Layout {
+    pub fn read(directory: &Directory, cure: &Cure) -> Result<Self, String> {
+        let needed = |tag, name: &str| {
+            let value = directory.integer(tag)?.and_then(|value| usize::try_from(value).ok());
+            value.ok_or_else(|| format!("is no usable TIFF file: it lacks the field {name}"))
+        };
+        let or = |tag, value| Ok::<_, String>(directory.integer(tag)?.unwrap_or(value));
+        let rows = needed(tag::IMAGE_LENGTH, "ImageLength")?;
+        let cols = needed(tag::IMAGE_WIDTH, "ImageWidth")?;
+        checked_points(rows, cols)?;
+        let samples = or(tag::SAMPLES_PER_PIXEL, 1)? as usize;
+        let alpha = match directory.integers(tag::EXTRA_SAMPLES)?.unwrap_or_default()[..] {
+            // Associated or not.
+            [.., 1 | 2] if samples > 1 => Some(samples - 1),
+            _ => None,
+        };
+        let photometric = directory.integer(tag::PHOTOMETRIC)?;
+        match samples - usize::from(alpha.is_some()) {
+            0 => return Err("is no usable TIFF file: it has no band".into()),
+            1 => {}
+            bands => {
+                return Err(format!(
+                    "has {bands} bands, where one is read; choose one: {}",
+                    cure.translate("-b 1")
+                ));
+            }
+        }
+        let photometric = match photometric {
+            None | Some(0 | 1) => Photometric::Grey,
+            Some(3) => Photometric::Palette,
+            Some(4) => Photometric::Mask,
+            Some(other) => {
+                return Err(format!(
+                    "is a picture of colours (PhotometricInterpretation {other}), which are no \
+                     numbers"
+                ));
+            }
+        };
+        let compression = Compression::of(or(tag::COMPRESSION, 1)?, cure)?;
+        let sample = Sample::read(directory, cure)?;
+        let predictor = match or(tag::PREDICTOR, 1)? {
+            // Other compressions have none, whatever the field says.
+            _ if !compression.has_predictor() => Predictor::None,
+            1 => Predictor::None,
+            2 if sample.is_whole_bytes() => Predictor::Horizontal,
+            3 if sample.kind == Kind::Float => Predictor::FloatingPoint,
+            other => {
+                let Sample { bits, .. } = sample;
+                return Err(format!(
+                    "has predictor {other} for numbers of {bits} bits, which is not read; convert \
+                     it: {}",
+                    cure.translate("-co COMPRESS=DEFLATE -co PREDICTOR=1")
+                ));
+            }
+        };
+        let reversed = match or(tag::FILL_ORDER, 1)? {
+            1 => false,
+            2 => true,
+            other => {
+                return Err(format!("is no usable TIFF file: FillOrder {other} means nothing"));
+            }
+        };
+        let planar = match or(tag::PLANAR_CONFIGURATION, 1)? {
+            1 => false,
+            2 => samples > 1,
+            other => {
+                return Err(format!(
+                    "is no usable TIFF file: PlanarConfiguration {other} means nothing"
+                ));
+            }
+        };
+        let tiled = directory.has(tag::TILE_WIDTH);
+        let chunk = match tiled {
+            true => {
+                [needed(tag::TILE_LENGTH, "TileLength")?, needed(tag::TILE_WIDTH, "TileWidth")?]
+            }
+            // 2^32 - 1, the default, is all of them.
+            false => {
+                let all = u64::from(u32::MAX);
+                [(or(tag::ROWS_PER_STRIP, all)?.min(rows as u64)) as usize, cols]
+            }
+        };
+        if chunk.contains(&0) {
+            return Err("is no usable TIFF file: it has strips or tiles of no size".into());
+        }
+        let mut layout = Self {
+            rows,
+            cols,
+            sample,
+            samples,
+            planar,
+            alpha,
+            photometric,
+            predictor,
+            compression,
+            reversed,
+            chunk,
+            tiled,
+            chunks: Vec::new(),
+        };
+        layout.chunks = layout.chunks(directory)?;
+        Ok(layout)
+    }
+
+    fn chunks(&self, directory: &Directory) -> Result<Vec<Chunk>, String> {
+        let (offsets, lengths) = match self.tiled {
+            true => (tag::TILE_OFFSETS, tag::TILE_BYTE_COUNTS),
+            false => (tag::STRIP_OFFSETS, tag::STRIP_BYTE_COUNTS),
+        };
+        let lacks = |name: &str| format!("is no usable TIFF file: it lacks the {name} of its data");
+        let offsets = directory.integers(offsets)?.ok_or_else(|| lacks("offsets"))?;
+        let lengths = match directory.integers(lengths)? {
+            Some(lengths) => lengths,
+            // Old writers leave them out; they follow from the size.
+            None if self.compression == Compression::None => {
+                let per_plane = self.chunks_down() * self.chunks_across();
+                let length = |index| self.chunk_bytes((index % per_plane) / self.chunks_across());
+                (0..offsets.len()).map(|index| length(index) as u64).collect()
+            }
+            None => return Err(lacks("sizes")),
+        };
+        let planes = if self.planar { self.samples } else { 1 };
+        let needed = self.chunks_across().checked_mul(self.chunks_down());
+        let needed = needed.and_then(|needed| needed.checked_mul(planes));
+        if needed.is_none_or(|needed| needed > offsets.len().min(lengths.len())) {
+            return Err("is no usable TIFF file: it does not say where all its data lie".into());
+        }
+        let chunks = offsets.into_iter().zip(lengths);
+        Ok(chunks.map(|(offset, length)| Chunk { offset, length }).collect())
+    }
+
+    pub fn chunks_across(&self) -> usize {
+        self.cols.div_ceil(self.chunk[1])
+    }
+
+    pub fn chunks_down(&self) -> usize {
+        self.rows.div_ceil(self.chunk[0])
+    }
+
+    /// The chunk at a row and column of chunks; `None` where it is sparse.
+    pub fn chunk_at(&self, down: usize, across: usize, band: usize) -> Option<Chunk> {
+        let plane = if self.planar { band } else { 0 };
+        let index = (plane * self.chunks_down() + down) * self.chunks_across() + across;
+        let chunk = self.chunks[index];
+        (chunk.length > 0).then_some(chunk)
+    }
+
+    /// Rows that are stored of a chunk of a row of chunks.
+    pub fn stored_rows(&self, down: usize) -> usize {
+        let [rows, _] = self.chunk;
+        if self.tiled { rows } else { rows.min(self.rows - down * rows) }
+    }
+
+    /// Numbers a pixel in a chunk.
+    pub fn interleaved(&self) -> usize {
+        if self.planar { 1 } else { self.samples }
+    }
+
+    /// Bytes of a row of a chunk; very many where that is no number of this machine.
+    pub fn row_bytes(&self) -> usize {
+        let numbers = self.chunk[1].saturating_mul(self.interleaved());
+        numbers.saturating_mul(self.sample.bits).div_ceil(8)
+    }
+
+    /// Bytes of a chunk of a row of chunks, decompressed.
+    pub fn chunk_bytes(&self, down: usize) -> usize {
+        self.stored_rows(down).saturating_mul(self.row_bytes())
+    }
+}
+
+impl Sample {
+    fn read(directory: &Directory, cure: &Cure) -> Result<Self, String> {
+        let same = |tag, default, name: &str| {
+            let values = directory.integers(tag)?.unwrap_or_default();
+            let first = values.first().copied().unwrap_or(default);
+            if values.iter().any(|value| *value != first) {
+                return Err(format!(
+                    "has bands of different types ({name}); {}",
+                    cure.translate("-b 1")
+                ));
+            }
+            Ok(first)
+        };
+        let bits = same(tag::BITS_PER_SAMPLE, 1, "BitsPerSample")?;
+        let format = same(tag::SAMPLE_FORMAT, 1, "SampleFormat")?;
+        let (kind, name) = match format {
+            // 4 is "undefined", which libtiff and GDAL take as unsigned.
+            1 | 4 => (Kind::Unsigned, "unsigned"),
+            2 => (Kind::Signed, "signed"),
+            3 => (Kind::Float, "floating-point"),
+            5 | 6 => {
+                return Err(format!(
+                    "holds complex numbers; this takes their real parts: {}",
+                    cure.translate("-ot Float64")
+                ));
+            }
+            other => {
+                return Err(format!("is no usable TIFF file: SampleFormat {other} means nothing"));
+            }
+        };
+        let known = match kind {
+            // GDAL stores 24 bits in an order of its own in either order of bytes.
+            Kind::Unsigned => matches!(bits, 1..=23 | 25..=32 | 64),
+            Kind::Signed => matches!(bits, 8 | 16 | 32 | 64),
+            Kind::Float => matches!(bits, 16 | 32 | 64),
+        };
+        if !known {
+            return Err(format!(
+                "holds {name} numbers of {bits} bits, which are not read; convert them: {}",
+                cure.translate("-ot Float64")
+            ));
+        }
+        Ok(Self { kind, bits: bits as usize })
+    }
+
+    /// Whether numbers fill whole bytes, a power of two of them.
+    pub fn is_whole_bytes(self) -> bool {
+        matches!(self.bits, 8 | 16 | 32 | 64)
+    }
+
+    /// The number that some bits stand for.
+    pub fn value(self, word: u64) -> f64 {
+        match (self.kind, self.bits) {
+            (Kind::Unsigned, _) => word as f64,
+            (Kind::Signed, bits) => ((word << (64 - bits)) as i64 >> (64 - bits)) as f64,
+            (Kind::Float, 16) => half::f16::from_bits(word as u16).to_f64(),
+            (Kind::Float, 32) => f64::from(f32::from_bits(word as u32)),
+            (Kind::Float, _) => f64::from_bits(word),
+        }
+    }
+}

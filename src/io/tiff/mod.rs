@@ -1,0 +1,182 @@
+//! TIFF: rasters, with what GeoTIFF and GDAL say about them, and maps.
+//!
+//! Files are read as GDAL reads them. What changes values or places and is not read is refused, with
+//! the line that converts the file.
+
+mod band;
+mod compression;
+mod directory;
+mod epsg_units;
+mod gdal;
+mod geo_tags;
+mod layout;
+mod tag;
+mod write;
+
+use std::path::Path;
+
+use band::read_band;
+use directory::{Directory, File};
+use gdal::Metadata;
+pub use geo_tags::GeoTags;
+use layout::{Layout, Photometric};
+pub(super) use write::encode;
+
+use super::file_spacing::FileSpacing;
+use super::limits::check_memory;
+use super::{CoordinateSystem, Georeference, Grid};
+
+/// The values of a band, NaN where the file says "no data".
+pub(super) struct Raster {
+    pub grid: Grid<f64>,
+    pub spacing: FileSpacing,
+    /// Where its points lie, or what the file does not say about it.
+    pub georeference: Result<Georeference, String>,
+    /// The name of its coordinate reference system, or what is missing.
+    pub system: Result<CoordinateSystem, String>,
+    pub geo_tags: GeoTags,
+    /// Whether +infinity is its no-data value, as in our maps.
+    pub unreached: bool,
+}
+
+/// What a raster is read for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// Numbers that are measured.
+    Values,
+    /// Zero or not; indices into a table of colours will do.
+    Mask,
+}
+
+/// How a file that is not read becomes one that is.
+struct Cure<'a>(&'a Path);
+
+impl Cure<'_> {
+    /// The line of GDAL's tool with some options.
+    fn translate(&self, options: &str) -> String {
+        format!("gdal_translate {options} {} plain.tif", self.0.display())
+    }
+}
+
+/// Bits of NewSubfileType: a smaller version of another picture, and a mask of one.
+const REDUCED: u64 = 1;
+const MASK: u64 = 4;
+
+/// Decodes the first picture of a file. `mask_file` holds its mask where GDAL has put that beside
+/// it, as `FILE.msk`.
+pub(super) fn decode(
+    path: &Path,
+    bytes: &[u8],
+    mask_file: Option<&[u8]>,
+    role: Role,
+) -> Result<Raster, String> {
+    let cure = Cure(path);
+    let (file, first) = File::open(bytes)?;
+    let directories = file.directories(first)?;
+    let Some((main, others)) = directories.split_first() else {
+        return Err("is no usable TIFF file: it holds no picture".into());
+    };
+    let layout = Layout::read(main, &cure)?;
+    if layout.photometric == Photometric::Palette && role == Role::Values {
+        return Err(format!(
+            "holds indices into a table of colours; this makes grey levels of the colours: {}; \
+             this takes the indices as values: gdal_calc.py -A {} --calc=A --outfile=plain.tif",
+            cure.translate("-expand gray"),
+            path.display()
+        ));
+    }
+    check_memory::<[u64; 2]>(layout.rows * layout.cols)?;
+    let metadata = Metadata::read(main, layout.sample)?;
+    let geo_tags = GeoTags::read(main)?;
+    let mut values = values(&file, &layout, &metadata, &geo_tags)?;
+    let mut hide = |point: usize, visible: bool| {
+        if !visible {
+            values[point] = f64::NAN;
+        }
+    };
+    // As for GDAL, a no-data value says all, and the opacity is that of a picture.
+    if let Some(alpha) = layout.alpha.filter(|_| !metadata.has_no_data()) {
+        read_band(&file, &layout, alpha, |point, word| hide(point, word.is_some_and(|a| a != 0)))?;
+    }
+    for other in others {
+        if other.integer(tag::NEW_SUBFILE_TYPE)?.unwrap_or(0) & (REDUCED | MASK) == MASK {
+            apply_mask(&file, other, &layout, &cure, &mut hide)
+                .map_err(|reason| format!("its mask: {reason}"))?;
+        }
+    }
+    if let Some(bytes) = mask_file {
+        let mut apply = || {
+            let (file, first) = File::open(bytes)?;
+            let directories = file.directories(first)?;
+            let mask = directories.first().ok_or("holds no picture")?;
+            apply_mask(&file, mask, &layout, &cure, &mut hide)
+        };
+        apply().map_err(|reason| format!("its mask {}.msk: {reason}", path.display()))?;
+    }
+    let grid = Grid::new(layout.rows, layout.cols, values);
+    let georeference = geo_tags.georeference();
+    Ok(Raster {
+        grid: Grid { georeference: georeference.as_ref().ok().copied(), ..grid },
+        spacing: geo_tags.spacing(metadata.unit.as_deref()),
+        georeference,
+        system: geo_tags.system(),
+        unreached: metadata.is_infinite(),
+        geo_tags,
+    })
+}
+
+/// The values of the band that is not the opacity.
+fn values(
+    file: &File,
+    layout: &Layout,
+    metadata: &Metadata,
+    geo_tags: &GeoTags,
+) -> Result<Vec<f64>, String> {
+    let [scale, offset] = match (metadata.scale, metadata.offset, geo_tags.vertical()?) {
+        (None, None, None) => [1.0, 0.0],
+        (None, None, Some(vertical)) => vertical,
+        (scale, offset, None) => [scale.unwrap_or(1.0), offset.unwrap_or(0.0)],
+        (_, _, Some(_)) => {
+            return Err("scales its values twice, by GDAL_METADATA and by ModelPixelScale; \
+                        gdal_edit.py -unsetscale -unsetoffset takes the first out"
+                .into());
+        }
+    };
+    let unscaled = [scale, offset] == [1.0, 0.0];
+    let mut values = vec![f64::NAN; layout.rows * layout.cols];
+    let mut stored = false;
+    let band = usize::from(layout.alpha == Some(0));
+    read_band(file, layout, band, |point, word| {
+        stored |= word.is_some();
+        // What was never written is "no data", or 0 where there is no such value.
+        let value = match word {
+            Some(word) if metadata.is_no_data(word, layout.sample) => return,
+            Some(word) => layout.sample.value(word),
+            None if metadata.has_no_data() => return,
+            None => 0.0,
+        };
+        values[point] = if unscaled { value } else { value * scale + offset };
+    })?;
+    match stored {
+        true => Ok(values),
+        false => Err("holds no values: all its strips or tiles are left out (SPARSE_OK)".into()),
+    }
+}
+
+/// Calls `hide` with each grid point's index and whether a mask shows it.
+fn apply_mask(
+    file: &File,
+    directory: &Directory,
+    of: &Layout,
+    cure: &Cure,
+    hide: &mut impl FnMut(usize, bool),
+) -> Result<(), String> {
+    let layout = Layout::read(directory, cure)?;
+    if (layout.rows, layout.cols) != (of.rows, of.cols) {
+        return Err(format!(
+            "has {} x {} points, the picture {} x {}",
+            layout.rows, layout.cols, of.rows, of.cols
+        ));
+    }
+    read_band(file, &layout, 0, |point, word| hide(point, word.is_some_and(|word| word != 0)))
+}
