@@ -79,7 +79,7 @@ macro_rules! tests {
     };
 }
 
-tests!(npy png tiff exr table matrix checkpoint surface);
+tests!(npy npz png tiff asc exr table matrix checkpoint surface);
 
 /// The cap holds: an allocation beyond it fails.
 #[test]

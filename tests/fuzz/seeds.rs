@@ -8,7 +8,9 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression as ExrCompression, Encoding, FlatSamples, Image,
     Layer, LayerAttributes, Vec2, WritableImage, f16,
 };
+use flate2::write::DeflateEncoder;
 use geosweep::io::{MatrixFile, OutputFile, Provenance, write_npy};
+use rawzip::{CompressionMethod, ZipArchiveWriter};
 use tiff::encoder::{Compression, DeflateLevel, Predictor, TiffEncoder, colortype};
 use tiff::tags::Tag;
 
@@ -19,13 +21,24 @@ const COLS: usize = 15;
 
 /// The seeds of a body, in the order of their names.
 pub fn of(name: &str) -> Vec<Vec<u8>> {
-    let folder = folder(name);
-    let mut files: Vec<_> = fs::read_dir(&folder)
-        .unwrap_or_else(|error| panic!("{}: {error}", folder.display()))
-        .map(|file| file.unwrap().path())
-        .collect();
-    files.sort();
+    let mut files = files(&folder(name));
+    if name == "tiff" {
+        // Those that GDAL has written.
+        let gdal = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps/gdal");
+        files.extend(
+            self::files(&gdal).into_iter().filter(|file| file.extension() == Some("tif".as_ref())),
+        );
+    }
     files.iter().map(|file| fs::read(file).unwrap()).collect()
+}
+
+/// The files of a folder, in the order of their names.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder);
+    let entries = entries.unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let mut files: Vec<_> = entries.map(|file| file.unwrap().path()).collect();
+    files.sort();
+    files
 }
 
 fn folder(name: &str) -> PathBuf {
@@ -39,6 +52,17 @@ pub fn write() {
         fs::write(folder(name).join(file), bytes).unwrap();
     };
     arrays(&put);
+    archives(&put);
+    put(
+        "asc",
+        "corner.asc",
+        b"ncols 3\nnrows 2\nxllcorner 0\nyllcorner 5\ncellsize 2\n1 2 3\n4 5 6\n",
+    );
+    put(
+        "asc",
+        "center.asc",
+        b"NCOLS 2\r\nNROWS 2\r\nXLLCENTER 1e3\r\nYLLCENTER -5\r\nDX 2\r\nDY 3\r\nNODATA_value -1\r\n1 -1\r\n0.5 2e1",
+    );
     pictures(&put);
     tiffs(&put);
     exrs(&put);
@@ -117,6 +141,40 @@ fn pictures(put: Put) {
     encoder.set_trns(&[0, 255][..]);
     encoder.write_header().unwrap().write_image_data(&[0, 1, 1, 0]).unwrap();
     put("png", "indexed.png", &bytes);
+}
+
+/// Archives of one array and of two, as NumPy writes them but for its extra fields.
+fn archives(put: Put) {
+    let mut array = Vec::new();
+    write_npy(&mut array, &[ROWS, COLS], &heights()).unwrap();
+    put("npz", "stored.npz", &archive(&[("arr_0.npy", &array)], CompressionMethod::STORE));
+    let two = [("mask.npy", &array[..]), ("heights.npy", &array[..])];
+    put("npz", "deflated.npz", &archive(&two, CompressionMethod::DEFLATE));
+}
+
+/// A ZIP archive of some files.
+pub fn archive(files: &[(&str, &[u8])], method: CompressionMethod) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut archive = ZipArchiveWriter::new(&mut bytes);
+    for (name, content) in files {
+        let (mut entry, config) =
+            archive.new_file(name).compression_method(method).start().unwrap();
+        let descriptor = if method == CompressionMethod::STORE {
+            let mut writer = config.wrap(&mut entry);
+            writer.write_all(content).unwrap();
+            writer.finish().unwrap().1
+        } else {
+            let encoder = DeflateEncoder::new(&mut entry, flate2::Compression::default());
+            let mut writer = config.wrap(encoder);
+            writer.write_all(content).unwrap();
+            let (encoder, descriptor) = writer.finish().unwrap();
+            encoder.finish().unwrap();
+            descriptor
+        };
+        entry.finish(descriptor).unwrap();
+    }
+    archive.finish().unwrap();
+    bytes
 }
 
 fn tiffs(put: Put) {

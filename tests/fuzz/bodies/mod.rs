@@ -17,10 +17,12 @@ pub struct Body {
     pub run: fn(&[u8]),
 }
 
-pub const BODIES: [Body; 8] = [
+pub const BODIES: [Body; 10] = [
     Body { name: "npy", run: readers::npy },
+    Body { name: "npz", run: readers::npz },
     Body { name: "png", run: readers::png },
     Body { name: "tiff", run: readers::tiff },
+    Body { name: "asc", run: readers::asc },
     Body { name: "exr", run: readers::exr },
     Body { name: "table", run: readers::table },
     Body { name: "matrix", run: readers::matrix },

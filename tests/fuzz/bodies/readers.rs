@@ -1,12 +1,13 @@
 //! Files of any content: each reader ends with what it reads, or with an error that names the file.
 
 use std::fs;
+use std::io::Cursor;
 use std::path::Path;
 
 use geosweep::io::{
-    CoordinateSystem, Element, Georeference, Grid, GridFrame, IoError, MatrixFile, MatrixLayout,
-    OutputFile, PlaceFile, Provenance, SurfaceFile, is_distance_matrix, read_map, read_mask,
-    read_matrix, read_metric, read_slowness,
+    CoordinateSystem, Element, GeoTags, Georeference, Grid, GridFrame, IoError, MapFormat,
+    MatrixFile, MatrixLayout, OutputFile, PlaceFile, Provenance, SurfaceFile, is_distance_matrix,
+    read_map, read_mask, read_matrix, read_metric, read_slowness,
 };
 use geosweep::surface::Chart;
 use geosweep::{Engine, Options, Sources, Surface, distance_map};
@@ -26,6 +27,17 @@ pub fn npy(data: &[u8]) {
     });
 }
 
+pub fn npz(data: &[u8]) {
+    with_file("file.npz", data, |path| {
+        surface(path);
+        grid(path, read_map(path));
+        grid(path, read_mask(path));
+        grid(path, read_slowness(path));
+        grid(path, read_metric(path));
+        places(path);
+    });
+}
+
 pub fn png(data: &[u8]) {
     with_file("file.png", data, |path| {
         surface(path);
@@ -34,10 +46,19 @@ pub fn png(data: &[u8]) {
 }
 
 pub fn tiff(data: &[u8]) {
-    with_file("file.tif", data, |path| {
-        surface(path);
-        grid(path, read_map(path));
-    });
+    with_file("file.tif", data, rasters);
+}
+
+pub fn asc(data: &[u8]) {
+    with_file("file.asc", data, rasters);
+}
+
+fn rasters(path: &Path) {
+    surface(path);
+    places(path);
+    grid(path, read_map(path));
+    grid(path, read_mask(path));
+    grid(path, read_slowness(path));
 }
 
 pub fn exr(data: &[u8]) {
@@ -89,6 +110,8 @@ pub const UNFINISHED: MatrixLayout =
 fn surface(path: &Path) {
     let surface = SurfaceFile::read(path).and_then(|file| {
         file.georeference().map_or_else(|error| named(path, &error), |_| ());
+        file.system().map_or_else(|error| named(path, &error), |_| ());
+        assert!(file.geo_tags().is_none_or(|tags| written_again(path, tags)));
         file.into_surface(None)
     });
     let Some(surface) = checked(path, surface) else { return };
@@ -96,6 +119,15 @@ fn surface(path: &Path) {
     if surface.chart().points() <= SOLVED {
         solved(&surface);
     }
+}
+
+/// A map that lies as a file says can be written, and is read again.
+fn written_again(path: &Path, tags: &GeoTags) -> bool {
+    let map = path.with_file_name("written.tif");
+    let mut file = Cursor::new(Vec::new());
+    MapFormat::Tiff.write(&mut file, 1, 2, &[1.0f32, f32::INFINITY], Some(tags)).unwrap();
+    write(&map, &file.into_inner());
+    read_map(&map).is_ok_and(|map| map.values == [1.0, f64::INFINITY])
 }
 
 /// Distances are numbers, or the lengths are refused.

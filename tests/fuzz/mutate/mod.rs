@@ -2,6 +2,7 @@
 
 mod exr;
 mod npy;
+mod npz;
 mod png;
 mod text;
 mod tiff;
@@ -43,6 +44,7 @@ pub fn mutated(name: &str, seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
         if random.once_in(2) {
             match name {
                 "npy" | "matrix" => npy::mutate(&mut bytes, random),
+                "npz" => npz::mutate(&mut bytes, random),
                 "png" => png::mutate(&mut bytes, random),
                 "tiff" => tiff::mutate(&mut bytes, random),
                 "exr" => exr::mutate(&mut bytes, random),

@@ -4,9 +4,9 @@ use super::put;
 use crate::random::Random;
 
 /// Size, bits, compression, colours, strips, predictor, tiles, sample formats, GDAL and GeoTIFF.
-const TAGS: [u16; 28] = [
+const TAGS: [u16; 30] = [
     254, 256, 257, 258, 259, 262, 266, 273, 277, 278, 279, 284, 292, 293, 317, 322, 323, 324, 325,
-    338, 339, 347, 33550, 33922, 34264, 34735, 34736, 42113,
+    338, 339, 347, 33550, 33922, 34264, 34735, 34736, 34737, 42112, 42113,
 ];
 const COMPRESSIONS: [u16; 12] = [1, 2, 3, 4, 5, 6, 7, 8, 32773, 32946, 50000, 50001];
 
