@@ -1,4 +1,4 @@
-//! What accompanies a surface: masks, slowness, metrics.
+//! Arrays that accompany a surface: masks, slowness, metrics.
 
 use std::path::Path;
 

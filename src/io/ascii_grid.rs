@@ -16,7 +16,7 @@ pub(super) struct AsciiGrid {
     pub georeference: Result<Georeference, String>,
 }
 
-/// What cells without data hold where the header does not say it, by ESRI's description.
+/// Value of cells without data where the header names none, by ESRI's description.
 const NO_DATA: f64 = -9999.0;
 
 const KEYS: [&str; 10] = [

@@ -130,7 +130,7 @@ const UNREACHED: &str = "inf";
 /// Writes labels, -1 where there is none, as a GeoTIFF of 32-bit integers with the no-data value -1.
 ///
 /// # Errors
-/// Those of the writer.
+/// Returns the writer's errors.
 pub fn write_labels_tiff(
     writer: &mut (impl Write + Seek),
     rows: usize,

@@ -218,7 +218,7 @@ fn c_order(shape: &[usize], values: &[f64]) -> Vec<f64> {
 /// Writes an array in C order, little-endian.
 ///
 /// # Errors
-/// Those of the writer.
+/// Returns the writer's errors.
 pub fn write_npy<T: NpyElement>(
     writer: &mut impl Write,
     shape: &[usize],

@@ -1,4 +1,4 @@
-//! What the columns of a table, and the properties of GeoJSON's features, mean by their names.
+//! Meaning of a table's columns, and of the properties of GeoJSON's features, by their names.
 
 use std::fmt;
 
@@ -90,7 +90,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Those that a first line names; `None` if it names no place.
+    /// Columns named by a table's first line; `None` if that names no place.
     pub fn new(names: Vec<String>) -> Result<Option<Self>, String> {
         let plains: Vec<_> = names.iter().map(|name| plain(name)).collect();
         let one_of = |wanted: &[&str]| {
@@ -134,7 +134,7 @@ impl Columns {
         Ok(Some(Self { names, place, coordinates, start, curve, closed }))
     }
 
-    /// Those of lines without names.
+    /// Columns of a table without a line of names.
     pub fn unnamed(count: usize) -> Self {
         let names = ["row", "col", "t0"].iter().take(count).map(|&name| name.into()).collect();
         let start = (count == 3).then_some(2);

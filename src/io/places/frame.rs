@@ -30,18 +30,18 @@ pub struct GridFrame {
     pub georeference: Result<Georeference, String>,
 }
 
-/// What map coordinates of a file are.
+/// Coordinate system of a file's map coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MapCoordinates {
-    /// The surface's, which the file does not say.
+    /// The surface's system: the file names none.
     Surface,
     /// Easting and northing.
     Projected,
     /// Longitude and latitude.
     Geographic,
-    /// Those of GeoJSON that names no system: longitude and latitude on WGS 84 by RFC 7946.
+    /// GeoJSON that names no system: longitude and latitude on WGS 84 by RFC 7946.
     Unnamed,
-    /// Those of a system by its EPSG number.
+    /// A system, by its EPSG number.
     Epsg(u32),
 }
 
