@@ -67,6 +67,7 @@ void main() {
     float times[16] = around(nine);
     float carried_around[16];
     float surface_around[16];
+    float slowness_around[16];
     vec4 old_carried = vec4(0.0);
     if (CARRIES) {
         for (int i = 0; i < 9; i++) {
@@ -78,6 +79,12 @@ void main() {
             nine[i] = surface_of(texel + around_texel(i));
         }
         surface_around = around(nine);
+    }
+    if (SLOWED != 0) {
+        for (int i = 0; i < 9; i++) {
+            nine[i] = slowness_of(texel + around_texel(i));
+        }
+        slowness_around = around(nine);
     }
     vec4 lengths[16];
     for (int i = 0; i < 16; i++) {
@@ -92,7 +99,8 @@ void main() {
         Sight sight;
         for (int i = 0; i < 3; i++) {
             ivec2 step = -ahead + (i - 1) * along;
-            sight.ends[i] = Ends(at_step(times, step), vec4(0.0), vec4(0.0));
+            sight.ends[i] = Ends(at_step(times, step), vec4(0.0), vec4(0.0), vec4(0.0));
+            if (SLOWED != 0) sight.ends[i].slowness = at_step(slowness_around, step);
             if (CARRIES) {
                 sight.ends[i].carried = at_step(carried_around, step);
                 sight.ends[i].surface = at_step(surface_around, step);
@@ -107,9 +115,10 @@ void main() {
             vec4 base_left = edge_lengths(lengths, -ahead - along, along);
             vec4 base_right = edge_lengths(lengths, -ahead, along);
             vec4 own = CARRIES ? at_step(surface_around, ivec2(0)) : vec4(0.0);
-            fronts = update_four(sight, own, base_left, base_right);
-            bvec4 left = are_obtuse(sight.edges[0], sight.edges[1], base_left);
-            bvec4 right = are_obtuse(sight.edges[1], sight.edges[2], base_right);
+            vec4 own_slowness = SLOWED != 0 ? at_step(slowness_around, ivec2(0)) : vec4(0.0);
+            fronts = update_four(sight, own, own_slowness, base_left, base_right);
+            bvec4 left = are_split(sight.ends[0], sight.ends[1], own_slowness, sight.edges[0], sight.edges[1], base_left);
+            bvec4 right = are_split(sight.ends[1], sight.ends[2], own_slowness, sight.edges[1], sight.edges[2], base_right);
             add_parts(four, left, right, fronts);
         }
         accept(fronts, uint(scan) + 1u, may_renew, time, carried);

@@ -9,6 +9,7 @@ layout(push_constant) uniform Band {
     float dx;        // spacing of a height field
     float dy;
     int arcs;        // 1 for lengths along the surface, 0 for chords
+    int slowed;      // 1 if the slowness is kept, beside the Gaussian curvature; see surface_image.glsl
 };
 
 int buffer_index(ivec2 at) {

@@ -155,3 +155,18 @@
 // Ways of neighbouring points that lead to places further apart than so many columns or rows are
 // those of fronts that come from different sides.
 #define NEAR_PLACES 2.0
+// Slownesses of neighbours whose ratio is below the first belong to one that changes smoothly, unless its second
+// difference is a larger part of it than the second; else the point has this tag. A metric jumps where the ratio of
+// lengths exceeds the first by one over the last, and in part between both.
+#define EVEN_SLOWNESS 1.25
+#define ROUGH_SLOWNESS 0.03
+#define JUMPS 1
+#define JUMPS_PER_RATIO 2.0
+// Steps by which the place is found where a ray crosses the base of a triangle with an uneven slowness: two for a
+// smooth one, in single precision, and one more where it jumps.
+#define CROSSING_STEPS 3
+// What is left of the least slowness where it is 0: travel is free, but edges have a length. In memory of a renderer's
+// that is this slowness itself.
+#define FREE 1e-6
+// Between these cosines a ray's place on the base is guessed.
+#define STEEPEST_GUESS 0.95

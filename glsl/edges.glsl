@@ -9,10 +9,13 @@
 //     float separation(ivec2 at, ivec2 step)            to a neighbour, without slowness
 //     void look_at_turns(ivec2 at)                      how far the surface turns at a point
 
+#include "tag.glsl"
+
 float separation(ivec2 at, ivec2 step);
 void look_at_turns(ivec2 at);
 
 layout(set = 0, binding = 0, rgba32f) uniform writeonly restrict image2D edges;
+layout(set = 0, binding = 1, rgba32f) uniform writeonly restrict image2D gaussians;
 
 bool is_present(ivec2 at) {
     return in_grid(at, grid) && load(at).slowness > 0.0;
@@ -24,6 +27,21 @@ float edge_length(ivec2 at, ivec2 step) {
     bool beside = is_present(at + ivec2(step.x, 0)) || is_present(at + ivec2(0, step.y));
     if (diagonal && !beside) return FAR;
     return 0.5 * (load(at).slowness + load(at + step).slowness) * separation(at, step);
+}
+
+// Tagged if it jumps there.
+float tagged_slowness(ivec2 at) {
+    float own = load(at).slowness;
+    bool jumps = false;
+    for (int i = 0; i < 8; i++) {
+        if (!is_present(at + NEIGHBOURS[i])) continue;
+        float there = load(at + NEIGHBOURS[i]).slowness;
+        jumps = jumps || max(there, own) > EVEN_SLOWNESS * min(there, own);
+        if (!is_present(at - NEIGHBOURS[i])) continue;
+        float back = load(at - NEIGHBOURS[i]).slowness;
+        jumps = jumps || abs(there - own + (back - own)) > ROUGH_SLOWNESS * own;
+    }
+    return with_tag(own, jumps ? JUMPS : 0u);
 }
 
 void main() {
@@ -38,4 +56,12 @@ void main() {
         look_at_turns(at);
     }
     imageStore(edges, point_at(at), lengths);
+    // By the first point of each texel, and of all its points.
+    if (slowed == 0 || at != first_point(without_border(texel_of(point_at(at))))) return;
+    vec4 slowness;
+    for (int i = 0; i < 4; i++) {
+        ivec2 other = at + to_corner(i);
+        slowness[i] = is_present(other) ? tagged_slowness(other) : 1.0;
+    }
+    imageStore(gaussians, texel_of(point_at(at)) + ivec2(imageSize(gaussians).x / 2, 0), slowness);
 }

@@ -12,12 +12,59 @@
 
 layout(local_size_x = WORKGROUP) in;
 
+#include "surface_image.glsl"
+
 layout(set = 0, binding = 2, rgba32f) uniform writeonly restrict image2DArray fronts_1;
 
 layout(push_constant) uniform Size {
     ivec2 texels;       // columns and rows of texels, without the border
     float share_of_fan; // of a fan's area, to which its angle defect belongs
+    uint is_slowed;     // whether the surface has a slowness that is not the same everywhere
 };
+
+// The length of an edge on the surface.
+float length_on_surface(ivec2 point, ivec2 step) {
+    float length = edge_length(point, step);
+    if (is_slowed == 0u || length >= FAR) return length;
+    return (length + length) / (slowness_at(point) + slowness_at(point + step));
+}
+
+float squared(ivec2 point, ivec2 step) {
+    float length = length_on_surface(point, step);
+    return length * length;
+}
+
+// The Gaussian curvature of the metric that a slowness makes of the surface.
+float slowed(ivec2 point, float gaussian) {
+    float own = slowness_at(point);
+    float per_square = 1.0 / (own * own);
+    if ((tag_of(own) & JUMPS) != 0u) return gaussian * per_square;
+    float rise[8];
+    for (int i = 0; i < 8; i++) rise[i] = log(slowness_at(point + NEIGHBOURS[i]) / own);
+    float flow = 0.0;
+    float area = 0.0;
+    for (int i = 0; i < 8; i++) {
+        ivec2 to = NEIGHBOURS[i];
+        ivec2 next = NEIGHBOURS[(i + 1) % 8];
+        float first = squared(point, to);
+        float second = squared(point, next);
+        float inner = 0.5 * (first + second - squared(point + to, next - to));
+        area += 0.5 * sqrt(max(first * second - inner * inner, 0.0));
+        if ((i & 1) == 1) continue;
+        // The neighbours to the left and to the right, seen from here.
+        ivec2 left = NEIGHBOURS[(i + 2) % 8];
+        ivec2 right = NEIGHBOURS[(i + 6) % 8];
+        ivec2 previous = NEIGHBOURS[(i + 7) % 8];
+        ivec2 there = point + to;
+        float along = 0.25 * (squared(there, left) + squared(there, right) + squared(point, left) + squared(point, right));
+        float skew = 0.125 * ((squared(point, next) - squared(there, left - to))
+                              + (squared(there, right - to) - squared(point, previous)));
+        float rises_along = 0.25 * (rise[(i + 1) % 8] - rise[(i + 7) % 8] + rise[(i + 2) % 8] - rise[(i + 6) % 8]);
+        flow += (along * rise[i] - skew * rises_along) / sqrt(max(first * along - skew * skew, 1e-37));
+    }
+    float curvature = (gaussian - flow / (0.25 * area)) * per_square;
+    return isinf(curvature) || isnan(curvature) ? gaussian * per_square : curvature;
+}
 
 // Zero and a tag if a triangle of the fan is missing.
 float fan_curvature(ivec2 point) {
@@ -25,11 +72,11 @@ float fan_curvature(ivec2 point) {
     bool lacks = false;
     vec2 turn = vec2(1.0, 0.0);
     float area = 0.0;
-    float a = edge_length(point, NEIGHBOURS[0]);
+    float a = length_on_surface(point, NEIGHBOURS[0]);
     for (int i = 0; i < 8; i++) {
         ivec2 to = NEIGHBOURS[(i + 1) % 8];
-        float b = edge_length(point, to);
-        float c = edge_length(point + NEIGHBOURS[i], to - NEIGHBOURS[i]);
+        float b = length_on_surface(point, to);
+        float c = length_on_surface(point + NEIGHBOURS[i], to - NEIGHBOURS[i]);
         float longest = max(max(a, b), c);
         if (longest >= FAR) {
             lacks = true;
@@ -51,7 +98,8 @@ float fan_curvature(ivec2 point) {
     float square = tangent * tangent;
     float defect = tangent * (1.0 - square * (1.0 / 3.0 - square * (1.0 / 5.0 - square * (1.0 / 7.0))));
     float signal = defect * defect / (defect * defect + DEFECT_NOISE * DEFECT_NOISE);
-    return with_tag(defect * signal / (share_of_fan * area), 0u);
+    float curvature = defect * signal / (share_of_fan * area);
+    return with_tag(is_slowed != 0u ? slowed(point, curvature) : curvature, 0u);
 }
 
 void main() {

@@ -39,5 +39,7 @@ bool passes(ivec2 point, ivec2 ahead) {
 void main() {
     block_line = line;
     block_lines = lines;
+    // As on one map: a front that a slowness bends may meet itself.
+    causal = SLOWED != 0;
     if (maps[gl_WorkGroupID.z].done == 0u) scan_block();
 }

@@ -63,7 +63,7 @@ uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_re
     bool has_b = 2 * pair + 1 < points;
     int b = has_b ? a + step : a;
 
-    Ends ends = Ends(at_four(places, 0), vec4(0.0), vec4(0.0));
+    Ends ends = Ends(at_four(places, 0), vec4(0.0), vec4(0.0), vec4(0.0));
     vec4 old_carried = vec4(0.0);
     vec2 surface = vec2(0.0);
     if (CARRIES) {
@@ -80,7 +80,7 @@ uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_re
     vec4 base = vec4(NUMBER(6), NUMBER(7), NUMBER(7), NUMBER(8));
     vec4 time = old_time;
     vec4 carried = old_carried;
-    accept(update_pair(ends, surface, l1, l2, base), uint(scan) + 1u, may_renew, time, carried);
+    accept(update_pair(ends, surface, vec2(0.0), l1, l2, base), uint(scan) + 1u, may_renew, time, carried);
     if (!has_b) {
         time.yw = old_time.yw;
         carried.yw = old_carried.yw;

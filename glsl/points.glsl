@@ -32,7 +32,8 @@ void main() {
     int size = heights != 0 ? 1 : 3;
     int to = row_major(place, grid.x) * (size + 1);
     float weight = slowness < 0 ? 1.0 : component(at, slowness);
-    bool present = is_usable(weight) && weight > 0.0;
+    bool present = is_usable(weight) && weight >= 0.0;
+    weight = max(weight, FREE);
     for (int i = 0; i < size; i++) {
         float value = component(at, i);
         bool usable = is_usable(value);

@@ -61,14 +61,14 @@ void main() {
         for (int i = 0; i < 8; i += 4) {
             Ends end1 = Ends(vec4(times[i], times[i + 1], times[i + 2], times[i + 3]),
                              vec4(carried[i], carried[i + 1], carried[i + 2], carried[i + 3]),
-                             vec4(surface[i], surface[i + 1], surface[i + 2], surface[i + 3]));
+                             vec4(surface[i], surface[i + 1], surface[i + 2], surface[i + 3]), vec4(0.0));
             Ends end2 = Ends(vec4(end1.time.yzw, times[i + 4]),
                              vec4(end1.carried.yzw, carried[i + 4]),
-                             vec4(end1.surface.yzw, surface[i + 4]));
+                             vec4(end1.surface.yzw, surface[i + 4]), vec4(0.0));
             vec4 l1 = vec4(sides[i], sides[i + 1], sides[i + 2], sides[i + 3]);
             vec4 l2 = vec4(l1.yzw, sides[i + 4]);
             vec4 base = vec4(bases[i], bases[i + 1], bases[i + 2], bases[i + 3]);
-            Fronts found = update(end1, end2, own, l1, l2, base, bvec4(false));
+            Fronts found = update(end1, end2, own, vec4(0.0), l1, l2, base, bvec4(false));
             for (int j = 0; j < 4; j++) {
                 if (found.time[j] < earliest) {
                     earliest = found.time[j];

@@ -100,6 +100,12 @@ Behind surface_behind(ivec2 texel) {
                   second_line(surface_of(at + along), ahead));
 }
 
+Behind slowness_behind(ivec2 texel) {
+    ivec2 at = texel - ahead;
+    return Behind(second_line(slowness_of(at - along), ahead), second_line(slowness_of(at), ahead),
+                  second_line(slowness_of(at + along), ahead));
+}
+
 // The two lines of points that a scan updates in a texel.
 struct Lines {
     Ends first; // points -1 to 2
@@ -178,13 +184,14 @@ void follow_ways(ivec2 point, Sight behind, vec4 l1, vec4 l2, bool may_renew, in
 // The same through triangles, given the bases of those of the first line too.
 // Returns whether any of them is obtuse.
 bool pass_triangles(ivec2 point, Sight behind, vec4 base_left, vec4 base_right, vec4 l1, vec4 l2,
-                    vec2 surface, bool may_renew, inout Lines own) {
+                    vec2 surface, vec2 slowness, bool may_renew, inout Lines own) {
     bool any_obtuse = false;
     if (passes(point, ahead)) {
-        Fronts fronts = update_four(behind, own.first.surface, base_left, base_right);
+        Fronts fronts = update_four(behind, own.first.surface, own.first.slowness, base_left, base_right);
 #ifdef WITH_FURTHER_POINTS
-        bvec4 left = are_obtuse(behind.edges[0], behind.edges[1], base_left);
-        bvec4 right = are_obtuse(behind.edges[1], behind.edges[2], base_right);
+        vec4 own_slowness = own.first.slowness;
+        bvec4 left = are_split(behind.ends[0], behind.ends[1], own_slowness, behind.edges[0], behind.edges[1], base_left);
+        bvec4 right = are_split(behind.ends[1], behind.ends[2], own_slowness, behind.edges[1], behind.edges[2], base_right);
         any_obtuse = any(either(left, right));
         add_parts(Places(point - along, along, 2 * along, ahead, along), left, right, fronts);
 #endif
@@ -200,9 +207,9 @@ bool pass_triangles(ivec2 point, Sight behind, vec4 base_left, vec4 base_right, 
     if (passes(point + ahead, ahead)) {
         vec4 base = vec4(edge_length(point - along, along), edge_length(point, along),
                          edge_length(point, along), edge_length(point + along, along));
-        Fronts fronts = update_pair(own.first, surface, l1, l2, base);
+        Fronts fronts = update_pair(own.first, surface, slowness, l1, l2, base);
 #ifdef WITH_FURTHER_POINTS
-        bvec4 obtuse = are_obtuse(l1, l2, base);
+        bvec4 obtuse = are_split_of_pair(own.first, slowness, l1, l2, base);
         any_obtuse = any_obtuse || any(obtuse);
         add_parts(Places(point + ahead, along, ivec2(0), ahead, along), obtuse, obtuse.zwxy, fronts);
 #endif
@@ -225,6 +232,7 @@ void scan_block() {
     Behind times = zero;
     Behind carried = zero;
     Behind surface = zero;
+    Behind slowness = zero;
     uint change = 0u;
     uint moved = 0u;
     uint further = 0u;
@@ -251,22 +259,32 @@ void scan_block() {
             carried.right = right.zw;
         }
         if (CARRIES) surface = surface_behind(texel);
+        if (SLOWED != 0) slowness = slowness_behind(texel);
         ivec2 point = first_point_of_line(texel, ahead);
         Sight behind;
         behind.ends[0] = Ends(vec4(times.left, times.middle), vec4(carried.left, carried.middle),
-                              vec4(surface.left, surface.middle));
+                              vec4(surface.left, surface.middle), vec4(slowness.left, slowness.middle));
         behind.ends[1] = Ends(vec4(times.left.y, times.middle, times.right.x),
                               vec4(carried.left.y, carried.middle, carried.right.x),
-                              vec4(surface.left.y, surface.middle, surface.right.x));
+                              vec4(surface.left.y, surface.middle, surface.right.x),
+                              vec4(slowness.left.y, slowness.middle, slowness.right.x));
         behind.ends[2] = Ends(vec4(times.middle, times.right), vec4(carried.middle, carried.right),
-                              vec4(surface.middle, surface.right));
+                              vec4(surface.middle, surface.right), vec4(slowness.middle, slowness.right));
         behind.edges[0] = edge_lengths(point, -ahead - along);
         behind.edges[1] = edge_lengths(point, -ahead);
         behind.edges[2] = edge_lengths(point, -ahead + along);
         vec4 base_left = edge_lengths(point - ahead - along, along);
         vec4 base_right = edge_lengths(point - ahead, along);
 
-        Lines own = Lines(Ends(first_line_old(texel, TIME), vec4(0.0), vec4(0.0)), vec4(0.0), vec4(0.0));
+        Lines own = Lines(Ends(first_line_old(texel, TIME), vec4(0.0), vec4(0.0), vec4(0.0)), vec4(0.0), vec4(0.0));
+        vec2 second_slowness = vec2(0.0);
+        if (SLOWED != 0) {
+            vec4 own_slowness = slowness_of(texel);
+            own.first.slowness = vec4(first_line(slowness_of(texel - along), ahead).y,
+                                      first_line(own_slowness, ahead),
+                                      first_line(slowness_of(texel + along), ahead).x);
+            second_slowness = second_line(own_slowness, ahead);
+        }
         vec4 own_surface = vec4(0.0);
         if (CARRIES) {
             own.first.carried = first_line_old(texel, CARRIED);
@@ -296,7 +314,7 @@ void scan_block() {
 #endif
         {
             sees_further = pass_triangles(point, behind, base_left, base_right, l1, l2, second_line(own_surface, ahead),
-                                          may_renew, own);
+                                          second_slowness, may_renew, own);
         }
 
         times.middle = own.second.xy;

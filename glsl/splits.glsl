@@ -6,6 +6,7 @@
 // The including shader defines
 //     vec2 front_at(ivec2 point)          arrival time and what is carried at any point of the grid
 //     float surface_at(ivec2 point)       what the surface brings there
+//     float slowness_at(ivec2 point)      its slowness, where it is uneven
 
 vec2 front_at(ivec2 point);
 
@@ -25,7 +26,19 @@ struct Unfolded {
     ivec2 step; // from x0
     vec2 place;
     vec3 front; // its arrival time, and what is carried and what the surface brings there
+    float slowness;
 };
+
+float known_slowness_at(ivec2 point) {
+    return SLOWED != 0 ? slowness_at(point) : 1.0;
+}
+
+// The length of an edge on the surface.
+float length_on_surface(ivec2 point, ivec2 step) {
+    float length = edge_length(point, step);
+    if (SLOWED == 0 || length >= FAR) return length;
+    return (length + length) / (slowness_at(point) + slowness_at(point + step));
+}
 
 // Whether one place lies to the left of another one, seen from x0.
 bool follows(vec2 a, vec2 other) {
@@ -58,7 +71,7 @@ bool find_beyond(ivec2 x0, Unfolded u, Unfolded w, int turn, vec2 right, vec2 le
     ivec2 along = w.step - u.step;
     ivec2 away = turn * ivec2(-along.y, along.x);
     bool is_diagonal = along.x != 0 && along.y != 0;
-    float base = edge_length(x0 + u.step, along);
+    float base = length_on_surface(x0 + u.step, along);
     const float CLEARLY = 1.0 - SPLIT_MARGIN;
     bool found = false;
     bool was_inside = false;
@@ -68,8 +81,8 @@ bool find_beyond(ivec2 x0, Unfolded u, Unfolded w, int turn, vec2 right, vec2 le
         ivec2 from_x0 = u.step + step;
         if (max(abs(from_x0.x), abs(from_x0.y)) > SPLIT_REACH) continue;
         vec2 place;
-        float to_u = edge_length(x0 + u.step, step);
-        float to_w = edge_length(x0 + w.step, step - along);
+        float to_u = length_on_surface(x0 + u.step, step);
+        float to_w = length_on_surface(x0 + w.step, step - along);
         if (!unfold(u.place, w.place, base, to_u, to_w, place)) continue;
         bool inside = follows(place, right) && follows(left, place);
         float around = to_u + to_w;
@@ -102,15 +115,19 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
         base = -base;
         b = a + base;
     }
-    float la = edge_length(x0, a);
-    float lb = edge_length(x0, b);
-    float c = edge_length(x0 + a, base);
+    float la = length_on_surface(x0, a);
+    float lb = length_on_surface(x0, b);
+    float c = length_on_surface(x0 + a, base);
     float x = 0.5 * (la * la + lb * lb - c * c) / la;
     float height_squared = lb * lb - x * x;
     if (max(la, lb) >= FAR || !(height_squared > 0.0)) return first;
     float surface = CARRIES ? surface_at(x0) : 0.0;
-    Unfolded right = Unfolded(a, vec2(la, 0.0), known_at(x0 + a));
-    Unfolded left = Unfolded(b, vec2(x, sqrt(height_squared)), known_at(x0 + b));
+    Unfolded right = Unfolded(a, vec2(la, 0.0), known_at(x0 + a), known_slowness_at(x0 + a));
+    Unfolded left = Unfolded(b, vec2(x, sqrt(height_squared)), known_at(x0 + b), known_slowness_at(x0 + b));
+    float own_slowness = known_slowness_at(x0);
+    // What a part lies over counts where the slowness jumps.
+    float least = min(own_slowness, min(right.slowness, left.slowness));
+    float largest = max(own_slowness, max(right.slowness, left.slowness));
     // The edge beyond which the next point is looked for.
     Unfolded u = right;
     Unfolded w = left;
@@ -118,6 +135,9 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
     Unfolded apex = right;
     for (int i = 0; i < SPLIT_STEPS; i++) {
         if (!find_beyond(x0, u, w, turn, right.place, left.place, apex)) break;
+        apex.slowness = known_slowness_at(x0 + apex.step);
+        least = min(least, apex.slowness);
+        largest = max(largest, apex.slowness);
         if (!follows(apex.place, right.place)) {
             u = apex;
             continue;
@@ -137,11 +157,21 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
         vec2 to_left = left.place - apex.place;
         vec2 bases = sqrt(vec2(dot(to_right, to_right), dot(to_left, to_left)));
         Ends end1 = Ends(max(vec2(right.front.x, apex.front.x).xyxy, far), vec2(right.front.y, apex.front.y).xyxy,
-                         vec2(right.front.z, apex.front.z).xyxy);
+                         vec2(right.front.z, apex.front.z).xyxy, vec4(0.0));
         Ends end2 = Ends(max(vec2(apex.front.x, left.front.x).xyxy, far), vec2(apex.front.y, left.front.y).xyxy,
-                         vec2(apex.front.z, left.front.z).xyxy);
-        Fronts parts = update(end1, end2, vec4(surface), max(l.xyxy, far), max(l.yzyz, far), max(bases.xyxy, far),
-                              bvec4(false));
+                         vec2(apex.front.z, left.front.z).xyxy, vec4(0.0));
+        vec4 slowness = vec4(0.0);
+        if (SLOWED != 0) {
+            bool jumps = largest > EVEN_SLOWNESS * least;
+            vec3 known = jumps ? vec3(largest) : vec3(right.slowness, apex.slowness, left.slowness);
+            slowness = vec4(jumps ? largest : own_slowness);
+            end1.slowness = known.xyxy;
+            end2.slowness = known.yzyz;
+            l *= 0.5 * (slowness.xyz + known);
+            bases *= 0.5 * (known.xy + known.yz);
+        }
+        Fronts parts = update(end1, end2, vec4(surface), slowness, max(l.xyxy, far), max(l.yzyz, far),
+                              max(bases.xyxy, far), bvec4(false));
         Fronts others = Fronts(parts.time.yxyx, parts.carried.yxyx, parts.whole.yxyx);
         first = earlier(first, earlier(parts, others));
         if (right_obtuse) {

@@ -38,6 +38,7 @@ const int TEXELS = SURROUNDINGS_TEXELS;
 
 shared vec4 lengths[AREA];
 shared float surface[CARRIES ? AREA : 1];
+shared float slowness[SLOWED != 0 ? AREA : 1];
 shared float times[AREA];
 shared float carried[CARRIES ? AREA : 1];
 // Whether a front has changed in an even step, and in an odd one.
@@ -50,7 +51,8 @@ ivec4 spots(ivec2 at) {
 
 Ends ends_at(ivec2 at) {
     ivec4 s = spots(at);
-    Ends ends = Ends(vec4(times[s.x], times[s.y], times[s.z], times[s.w]), vec4(0.0), vec4(0.0));
+    Ends ends = Ends(vec4(times[s.x], times[s.y], times[s.z], times[s.w]), vec4(0.0), vec4(0.0), vec4(0.0));
+    if (SLOWED != 0) ends.slowness = vec4(slowness[s.x], slowness[s.y], slowness[s.z], slowness[s.w]);
     if (CARRIES) {
         ends.carried = vec4(carried[s.x], carried[s.y], carried[s.z], carried[s.w]);
         ends.surface = vec4(surface[s.x], surface[s.y], surface[s.z], surface[s.w]);
@@ -81,6 +83,7 @@ vec2 front_at(ivec2 point) {
 // Has a texel whose first point is here accept what comes through the two triangles of each scan.
 void update_texel(ivec2 at, inout vec4 time, inout vec4 held) {
     vec4 own = ends_at(at).surface;
+    vec4 own_slowness = ends_at(at).slowness;
     Fronts fronts;
     // A loop, since drivers are slow to compile the same code twice over.
     for (int triangle = 0; triangle < 8; triangle++) {
@@ -93,10 +96,11 @@ void update_texel(ivec2 at, inout vec4 time, inout vec4 held) {
         vec4 l1 = edge_lengths(at, first);
         vec4 l2 = edge_lengths(at, second);
         vec4 base = edge_lengths(at + first, along);
-        vec4 faced = without_obtuse_faces(l1, l2, base);
-        Fronts through = update(ends_at(at + first), ends_at(at + second), own, l1, l2, faced, alone);
+        Ends end1 = ends_at(at + first);
+        Ends end2 = ends_at(at + second);
+        bvec4 obtuse = are_split(end1, end2, own_slowness, l1, l2, base);
+        Fronts through = update(end1, end2, own, own_slowness, l1, l2, without_faces(obtuse, base), alone);
         bvec4 none = bvec4(false);
-        bvec4 obtuse = are_obtuse(l1, l2, base);
         bool is_left = (triangle & 1) == 0;
         Places four = Places(window + at, ivec2(1, 0), ivec2(0, 1), ahead, along);
         add_parts(four, is_left ? obtuse : none, is_left ? none : obtuse, through);
@@ -150,6 +154,7 @@ void main() {
             surface[i] = surface_at(point);
             carried[i] = 0.0;
         }
+        if (SLOWED != 0) slowness[i] = slowness_at(point);
     }
     barrier();
     ivec2 at = first_in_window(in_window);

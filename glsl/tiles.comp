@@ -37,6 +37,7 @@ const int SHARE = (OWN_TEXELS + INVOCATIONS - 1) / INVOCATIONS;
 
 shared vec4 lengths[AREA];
 shared float surface[CARRIES ? AREA : 1];
+shared float slowness[SLOWED != 0 ? AREA : 1];
 // Four copies, one for each scan.
 shared float times[4 * AREA];
 shared float carried[CARRIES ? 4 * AREA : 1];
@@ -100,6 +101,8 @@ void load(ivec2 tile, ivec2 tile_grid) {
         }
         vec4 brought = vec4(0.0);
         if (CARRIES) brought = surface_of(texel);
+        vec4 slow = vec4(0.0);
+        if (SLOWED != 0) slow = slowness_of(texel);
         for (int j = 0; j < 4; j++) {
             ivec2 at = first_in_window(in_tile) + to_corner(j);
             if (!in_grid(at, ivec2(SIDE))) continue;
@@ -108,6 +111,7 @@ void load(ivec2 tile, ivec2 tile_grid) {
                 for (int copy = 0; copy < 4; copy++) carried[copy * AREA + spot(at)] = held[j];
                 surface[spot(at)] = brought[j];
             }
+            if (SLOWED != 0) slowness[spot(at)] = slow[j];
         }
     }
     ivec2 last = last_point(texels);
@@ -123,6 +127,7 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
     Ends ends;
     ends.carried = vec4(0.0);
     ends.surface = vec4(0.0);
+    ends.slowness = vec4(0.0);
     for (int i = 0; i < 4; i++) {
         int from = spot(behind + (i - 1) * along);
         ends.time[i] = times[copy * AREA + from];
@@ -130,6 +135,7 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
             ends.carried[i] = carried[copy * AREA + from];
             ends.surface[i] = surface[from];
         }
+        if (SLOWED != 0) ends.slowness[i] = slowness[from];
     }
     // Left triangles in xy, right triangles in zw.
     vec2 sides = vec2(edge_in_tile(at, -ahead), edge_in_tile(next, -ahead));
@@ -149,8 +155,9 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
         vec4 bases = vec4(edge_in_tile(behind - along, along), edge_in_tile(behind, along),
                           edge_in_tile(behind + along, along), 0.0);
         vec2 own = CARRIES ? vec2(surface[spot(at)], surface[spot(next)]) : vec2(0.0);
-        fronts = update_pair(ends, own, l1, l2, bases.xyyz);
-        bvec4 obtuse = are_obtuse(l1, l2, bases.xyyz);
+        vec2 slow = SLOWED != 0 ? vec2(slowness[spot(at)], slowness[spot(next)]) : vec2(0.0);
+        fronts = update_pair(ends, own, slow, l1, l2, bases.xyyz);
+        bvec4 obtuse = are_split_of_pair(ends, slow, l1, l2, bases.xyyz);
         add_parts(pair, obtuse, obtuse.zwxy, fronts);
     }
     accept(fronts, uint(copy) + 1u, may_renew, time, held);

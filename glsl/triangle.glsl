@@ -10,6 +10,7 @@ struct Ends {
     vec4 time;
     vec4 carried; // beside the time, by the kind of front
     vec4 surface; // what the surface brings there, by the kind of front
+    vec4 slowness; // and that, where it is uneven
 };
 
 // Fronts that arrive at x0 of four triangles.
@@ -30,9 +31,9 @@ struct Sight {
 // the first and to the second end of each triangle, left ones in xy and right ones in zw.
 Sight sight_of_pair(Ends behind, vec4 l1, vec4 l2) {
     Sight sight;
-    sight.ends[0] = Ends(behind.time.xyxy, behind.carried.xyxy, behind.surface.xyxy);
-    sight.ends[1] = Ends(behind.time.yzyz, behind.carried.yzyz, behind.surface.yzyz);
-    sight.ends[2] = Ends(behind.time.zwzw, behind.carried.zwzw, behind.surface.zwzw);
+    sight.ends[0] = Ends(behind.time.xyxy, behind.carried.xyxy, behind.surface.xyxy, behind.slowness.xyxy);
+    sight.ends[1] = Ends(behind.time.yzyz, behind.carried.yzyz, behind.surface.yzyz, behind.slowness.yzyz);
+    sight.ends[2] = Ends(behind.time.zwzw, behind.carried.zwzw, behind.surface.zwzw, behind.slowness.zwzw);
     sight.edges[0] = l1.xyxy;
     sight.edges[1] = l1.zwzw;
     sight.edges[2] = l2.zwzw;
@@ -88,17 +89,12 @@ bvec4 are_upright(Shape shape) {
     return lessThan(longest, UPRIGHT * (side + other + 1.0 - longest));
 }
 
-// Whether triangles are obtuse at x0.
+// Whether triangles of one slowness are obtuse at x0.
 bvec4 are_obtuse(vec4 l1, vec4 l2, vec4 c) {
     vec4 per_base = 1.0 / c;
     vec4 side = l1 * per_base;
     vec4 other = l2 * per_base;
     return both(lessThan(c, vec4(FAR)), lessThan(side * side + other * other, vec4(OBTUSE)));
-}
-
-// The bases of triangles, but of obtuse ones, whose edges alone count: see splits.glsl.
-vec4 without_obtuse_faces(vec4 l1, vec4 l2, vec4 c) {
-    return mix(c, vec4(FAR), are_obtuse(l1, l2, c));
 }
 
 // Whether of x1 and x2 only the one across the diagonal is there, given the edges to the other, along

@@ -6,6 +6,10 @@
 // One of PLANAR, CIRCULAR, CURVED and ANCHORED.
 layout(constant_id = 2) const int WAVEFRONT = PLANAR;
 
+// Whether the surface has a slowness that is not the same everywhere: then fronts are straight or carry their
+// curvature.
+layout(constant_id = 12) const int SLOWED = 0;
+
 // Whether fronts hang on nothing that arrives later, as where several may meet. Shaders of maps set it.
 bool causal = false;
 
@@ -14,6 +18,7 @@ bool causal = false;
 #include "planar.glsl"
 #include "circular.glsl"
 #include "curved.glsl"
+#include "slowed.glsl"
 #include "anchored.glsl"
 
 const bool HAS_CURVATURE = WAVEFRONT == CURVED;
@@ -23,9 +28,13 @@ const bool HAS_ANCHORS = WAVEFRONT == ANCHORED;
 // surface brings.
 const bool CARRIES = HAS_CURVATURE || HAS_ANCHORS;
 
-// The fronts at x0, given what the surface brings there: at FAR or later if neither x1 nor x2 is reached.
+// The fronts at x0, given what the surface brings there and its slowness: at FAR or later if neither x1 nor x2 is reached.
 // Within a triangle a front with an anchor is a circular one.
-Fronts update(Ends end1, Ends end2, vec4 surface, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
+Fronts update(Ends end1, Ends end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
+    if (SLOWED != 0) {
+        if (HAS_CURVATURE) return curved_slowed(end1, end2, surface, slowness, l1, l2, c, alone);
+        return Fronts(planar_slowed(end1, end2, slowness, l1, l2, c), vec4(0.0), bvec4(false));
+    }
     if (HAS_CURVATURE) return curved(end1, end2, surface, l1, l2, c, alone);
     vec4 time = WAVEFRONT == PLANAR ? planar(end1.time, end2.time, l1, l2, c)
                                     : circular(end1.time, end2.time, l1, l2, c);
@@ -45,22 +54,41 @@ Fronts earlier(Fronts a, Fronts b) {
     return Fronts(min(a.time, b.time), vec4(0.0), bvec4(false));
 }
 
+// Whether triangles are obtuse at x0, given the slowness there.
+bvec4 are_split(Ends end1, Ends end2, vec4 slowness, vec4 l1, vec4 l2, vec4 c) {
+    if (SLOWED != 0) return are_obtuse_on_surface(l1, l2, c, slowness, end1.slowness, end2.slowness);
+    return are_obtuse(l1, l2, c);
+}
+
+// The same of the triangles of a pair of points of a line from the four points behind: see update_pair().
+bvec4 are_split_of_pair(Ends behind, vec2 slowness, vec4 l1, vec4 l2, vec4 c) {
+    if (SLOWED != 0) return are_obtuse_on_surface(l1, l2, c, slowness.xyxy, behind.slowness.xyyz, behind.slowness.yzzw);
+    return are_obtuse(l1, l2, c);
+}
+
+// The bases of triangles, but of obtuse ones, whose edges alone count: see splits.glsl.
+vec4 without_faces(bvec4 obtuse, vec4 c) {
+    return mix(c, vec4(FAR), obtuse);
+}
+
 // The fronts at four points through the two triangles that each sees behind it, given these triangles' bases.
-Fronts update_four(Sight sight, vec4 surface, vec4 base_left, vec4 base_right) {
+Fronts update_four(Sight sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right) {
     bvec4 alone = are_alone(sight.edges[1]);
-    base_left = without_obtuse_faces(sight.edges[0], sight.edges[1], base_left);
-    base_right = without_obtuse_faces(sight.edges[1], sight.edges[2], base_right);
-    return earlier(update(sight.ends[0], sight.ends[1], surface, sight.edges[0], sight.edges[1], base_left, alone),
-                   update(sight.ends[1], sight.ends[2], surface, sight.edges[1], sight.edges[2], base_right, alone));
+    bvec4 left = are_split(sight.ends[0], sight.ends[1], slowness, sight.edges[0], sight.edges[1], base_left);
+    bvec4 right = are_split(sight.ends[1], sight.ends[2], slowness, sight.edges[1], sight.edges[2], base_right);
+    return earlier(update(sight.ends[0], sight.ends[1], surface, slowness, sight.edges[0], sight.edges[1],
+                          without_faces(left, base_left), alone),
+                   update(sight.ends[1], sight.ends[2], surface, slowness, sight.edges[1], sight.edges[2],
+                          without_faces(right, base_right), alone));
 }
 
 // The same at a pair of points of a line, each twice, from the four points behind: left triangles in xy, right
 // ones in zw.
-Fronts update_pair(Ends behind, vec2 surface, vec4 l1, vec4 l2, vec4 base) {
-    Ends near = Ends(behind.time.xyyz, behind.carried.xyyz, behind.surface.xyyz);
-    Ends far = Ends(behind.time.yzzw, behind.carried.yzzw, behind.surface.yzzw);
-    base = without_obtuse_faces(l1, l2, base);
-    Fronts sided = update(near, far, surface.xyxy, l1, l2, base, are_alone(l1.zwzw));
+Fronts update_pair(Ends behind, vec2 surface, vec2 slowness, vec4 l1, vec4 l2, vec4 base) {
+    Ends near = Ends(behind.time.xyyz, behind.carried.xyyz, behind.surface.xyyz, behind.slowness.xyyz);
+    Ends far = Ends(behind.time.yzzw, behind.carried.yzzw, behind.surface.yzzw, behind.slowness.yzzw);
+    base = without_faces(are_split_of_pair(behind, slowness, l1, l2, base), base);
+    Fronts sided = update(near, far, surface.xyxy, slowness.xyxy, l1, l2, base, are_alone(l1.zwzw));
     return earlier(Fronts(sided.time.xyxy, sided.carried.xyxy, sided.whole.xyxy),
                    Fronts(sided.time.zwzw, sided.carried.zwzw, sided.whole.zwzw));
 }

@@ -82,8 +82,9 @@ pub struct Options {
     /// The front assumed inside a triangle. By default curved, over a slowness too: the most accurate
     /// on smooth surfaces and from curves, and as good as the circular one on rough terrain. But
     /// [`Wavefront::Anchored`], which is exact, over floor plans ([`Surface::is_floor_plan`]) from
-    /// points; and planar on surfaces that turn at random and for fast marching. A curved map takes
-    /// about twice the time of a circular one, one with anchors less.
+    /// points; and planar on surfaces that turn at random, on those whose slowness jumps all over
+    /// them, and for fast marching. A curved map takes about twice the time of a circular one, one
+    /// with anchors less.
     pub wavefront: Option<Wavefront>,
     /// The order of updates on a Vulkan device, which makes no difference to the map; by default
     /// [`Schedule::best_on`] the device. The CPU's engines have one order each.

@@ -418,7 +418,7 @@ typedef struct GeosweepOutcome {
     // Iterations since the start of the map, or rounds of tiles.
     uint32_t iterations;
     // How many grid points are holes: those with something that is not finite or too large, beyond an image
-    // that is too small, or a slowness that is not positive. Compare it with those you have made.
+    // that is too small, or a slowness that is negative. Compare it with those you have made.
     uint32_t holes;
     // How many of the map's sources reach no point: off the grid, in holes, or with a time that is no number
     // below 1e30. Unused entries of a buffer count.

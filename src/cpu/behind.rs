@@ -143,7 +143,7 @@ mod tests {
             let slots = Behind::of(chart, scan);
             for (ends, base) in behind.windows(2).zip(slots.bases()) {
                 let [a, b] = [0, 1].map(|k| chart.neighbour(row, col, ends[k]).unwrap());
-                let expected = surface.length_between(a, b);
+                let expected = surface.length_on_surface(a, b);
                 let found = edges.at(chart.bordered(row, col), base);
                 approx::assert_relative_eq!(found, expected, max_relative = 0.1);
             }

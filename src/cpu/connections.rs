@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::constants::EVEN_SLOWNESS;
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Surface, SurfaceError};
 use crate::update::Triangle;
 
@@ -10,8 +11,9 @@ use crate::update::Triangle;
 ///
 /// An obtuse triangle between the neighbours x0 + a and x0 + b is split by the grid point
 /// x0 + a + b, the only one that can lie between them with no other in between, and its halves
-/// again until no angle is obtuse. Where that would reach over a hole or the border, the obtuse
-/// triangle stays alone.
+/// again until no angle is obtuse. Where that would reach over a hole or the border, or over what is a quarter slower
+/// or longer than what lies beside it, the obtuse triangle stays alone: the ends of a connection would not tell
+/// what it passes over.
 #[derive(Clone, Debug)]
 pub struct Connections<R> {
     triangles: Vec<Split<R>>,
@@ -30,6 +32,8 @@ struct Split<R> {
     l1: R,
     l2: R,
     c: R,
+    /// By which the lengths are weighted.
+    slowness: R,
 }
 
 /// A step in rows and columns.
@@ -89,14 +93,15 @@ impl<R: Real> Connections<R> {
         Self { triangles, first, lookers }
     }
 
-    /// The triangles with a point as x1 or x2: their x0, x1 and x2, and their lengths.
+    /// The triangles with a point as x1 or x2: their x0, x1 and x2, their lengths, and the slowness that these
+    /// are weighted by.
     pub(super) fn around(
         &self,
         point: usize,
-    ) -> impl Iterator<Item = (usize, [usize; 2], Triangle<R>)> {
+    ) -> impl Iterator<Item = (usize, [usize; 2], Triangle<R>, R)> {
         self.lookers[self.first[point]..self.first[point + 1]].iter().map(move |&index| {
-            let Split { x0, x1, x2, l1, l2, c } = self.triangles[index];
-            (x0, [x1, x2], Triangle { t1: R::FAR, t2: R::FAR, l1, l2, c })
+            let Split { x0, x1, x2, l1, l2, c, slowness } = self.triangles[index];
+            (x0, [x1, x2], Triangle { t1: R::FAR, t2: R::FAR, l1, l2, c }, slowness)
         })
     }
 }
@@ -116,9 +121,10 @@ impl Corner<'_> {
         place.filter(|&(row, col)| self.surface.has(row, col))
     }
 
+    /// Without slowness.
     fn length(self, from: Step, to: Step) -> f64 {
         match self.at(from).zip(self.at(to)) {
-            Some((from, to)) => self.surface.length_between(from, to),
+            Some((from, to)) => self.surface.length_on_surface(from, to),
             None => f64::INFINITY,
         }
     }
@@ -133,18 +139,19 @@ impl Corner<'_> {
     /// Adds the halves of an obtuse triangle, or those of their halves.
     fn split<R: Real>(self, a: Step, b: Step, triangles: &mut Vec<Split<R>>) {
         let middle = (a.0 + b.0, a.1 + b.1);
-        if middle.0.abs().max(middle.1.abs()) > FARTHEST || !self.has_box(a, b, middle) {
+        if middle.0.abs().max(middle.1.abs()) > FARTHEST {
             return;
         }
+        let Some(slowness) = self.slowness_of_box(a, b, middle) else { return };
         for (a, b) in [(a, middle), (middle, b)] {
-            triangles.push(self.triangle(a, b));
+            triangles.push(self.triangle(a, b, slowness));
             if self.is_obtuse(a, b) {
                 self.split(a, b, triangles);
             }
         }
     }
 
-    fn triangle<R: Real>(self, a: Step, b: Step) -> Split<R> {
+    fn triangle<R: Real>(self, a: Step, b: Step, slowness: f64) -> Split<R> {
         let point = |step| {
             let (row, col) = self.at(step).expect("the caller has looked");
             self.surface.chart().bordered(row, col)
@@ -153,20 +160,57 @@ impl Corner<'_> {
             x0: point((0, 0)),
             x1: point(a),
             x2: point(b),
-            l1: R::of(self.length((0, 0), a)),
-            l2: R::of(self.length((0, 0), b)),
-            c: R::of(self.length(a, b)),
+            l1: R::of(slowness * self.length((0, 0), a)),
+            l2: R::of(slowness * self.length((0, 0), b)),
+            c: R::of(slowness * self.length(a, b)),
+            slowness: R::of(slowness),
         }
     }
 
-    /// Whether no point is missing from the smallest box around the steps and the point itself.
-    fn has_box(self, a: Step, b: Step, middle: Step) -> bool {
+    /// The largest slowness in the smallest box around the steps and the point itself, if no point is missing from it and
+    /// neither that nor a metric changes by a quarter within it.
+    fn slowness_of_box(self, a: Step, b: Step, middle: Step) -> Option<f64> {
         let range = |k: fn(Step) -> isize| {
             let all = [0, k(a), k(b), k(middle)];
             all.into_iter().min().unwrap()..=all.into_iter().max().unwrap()
         };
-        let cols = range(|step| step.1);
-        range(|step| step.0).all(|row| cols.clone().all(|col| self.at((row, col)).is_some()))
+        let mut slowness = Range::default();
+        let mut lengths = [Range::default(); 2];
+        for row in range(|step| step.0) {
+            for col in range(|step| step.1) {
+                let place = self.at((row, col))?;
+                slowness.add(self.surface.weight(place, place));
+                for (range, step) in lengths.iter_mut().zip([a, b]) {
+                    let step = [step.0 as f64, step.1 as f64];
+                    self.surface.metric_length(place, step).into_iter().for_each(|l| range.add(l));
+                }
+            }
+        }
+        let even = slowness.is_even() && lengths.iter().all(|range| range.is_even());
+        even.then_some(slowness.largest)
+    }
+}
+
+/// The least and the largest of some positive numbers.
+#[derive(Clone, Copy)]
+struct Range {
+    least: f64,
+    largest: f64,
+}
+
+impl Default for Range {
+    fn default() -> Self {
+        Self { least: f64::INFINITY, largest: 0.0 }
+    }
+}
+
+impl Range {
+    fn add(&mut self, value: f64) {
+        (self.least, self.largest) = (self.least.min(value), self.largest.max(value));
+    }
+
+    fn is_even(&self) -> bool {
+        self.largest <= EVEN_SLOWNESS * self.least
     }
 }
 

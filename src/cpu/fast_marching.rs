@@ -37,6 +37,8 @@ pub fn fast_marching_with<R: Real>(
         FrontOver::Planar(kind) => by_triangles(edges, connections, seeds, kind),
         FrontOver::Circular(kind) => by_triangles(edges, connections, seeds, kind),
         FrontOver::Curved(kind) => by_triangles(edges, connections, seeds, kind),
+        FrontOver::SlowedPlanar(kind) => by_triangles(edges, connections, seeds, kind),
+        FrontOver::SlowedCurved(kind) => by_triangles(edges, connections, seeds, kind),
         FrontOver::Anchored(kind) => by_anchors(edges, seeds, kind),
     }
 }
@@ -72,14 +74,15 @@ fn by_triangles<'a, R: Real, K: TriangleKind<'a, R>>(
                 march.lower(x0, arrival, K::time(arrival));
             }
         }
-        for (x0, [x1, x2], lengths) in connections.around(point) {
+        for (x0, [x1, x2], lengths, slowness) in connections.around(point) {
             if march.is_fixed(x0) {
                 continue;
             }
             let [a, b] = [x1, x2].map(|x| march.known(x));
             let triangle = Triangle { t1: a.time, t2: b.time, ..lengths };
             let carried = [a.carried, b.carried];
-            let arrival = march.fronts.kind.arrival([x0, x1, x2], triangle, carried, false);
+            let kind = &march.fronts.kind;
+            let arrival = kind.arrival_over([x0, x1, x2], triangle, carried, [slowness; 3]);
             march.lower(x0, arrival, K::time(arrival));
         }
     }

@@ -48,6 +48,12 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
     /// beside and after it. Of an obtuse one the edges.
     #[inline(always)]
     pub(super) fn triangle<const LEFT: bool>(&self, i: usize) -> Triangle<R> {
+        self.weighted_triangle::<LEFT>(i).without_obtuse_face()
+    }
+
+    /// The same, obtuse or not.
+    #[inline(always)]
+    pub(super) fn weighted_triangle<const LEFT: bool>(&self, i: usize) -> Triangle<R> {
         let x1 = if LEFT { 0 } else { 1 };
         Triangle {
             t1: self.times_behind[x1][i],
@@ -56,7 +62,6 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
             l2: self.edges[x1 + 1][i],
             c: self.bases[x1][i],
         }
-        .without_obtuse_face()
     }
 
     /// The same, x1 being the point behind beside point i.

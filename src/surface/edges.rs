@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use super::arc::EdgeRule;
 use super::chart::{Block, Chart, Direction, EdgeSlot, STORED};
 use super::even_grid::EvenGrid;
+use super::geometry::Geometry;
 use super::measure::{LONGEST_EDGE, RowBends, SHORTEST_EDGE};
 use super::points::Row;
 use super::real::Real;
@@ -35,6 +36,10 @@ pub struct EdgeLengths<R> {
     /// See [`Self::front_meets_itself`].
     slowed_unevenly: bool,
     beside_a_source: bool,
+    /// See [`Self::slowness`].
+    slowness: Option<Vec<R>>,
+    /// See `metric_curvature.rs`.
+    pub(super) metric_curvature: Option<Vec<R>>,
     /// Of floor plans.
     floor: Option<EvenGrid>,
     /// See `gaussian_curvature.rs`; empty until it is asked for.
@@ -84,7 +89,9 @@ impl<R: Real> EdgeLengths<R> {
                 has_obtuse.fetch_or(row_above.has_obtuse, Relaxed);
                 Ok(())
             })?;
-        let obtuse = match has_obtuse.into_inner() {
+        let slowness = surface.bordered_slowness();
+        // What has been looked at is weighted edges.
+        let obtuse = match has_obtuse.into_inner() || slowness.is_some() {
             true => ObtuseTriangles::default(),
             false => ObtuseTriangles::none(),
         };
@@ -94,6 +101,8 @@ impl<R: Real> EdgeLengths<R> {
             rule: surface.edge_rule(),
             slowed_unevenly: surface.is_slowed_unevenly(),
             beside_a_source: false,
+            slowness,
+            metric_curvature: surface.metric_curvature(),
             floor: surface.floor(),
             gaussian_curvature: OnceLock::new(),
             obtuse,
@@ -119,12 +128,22 @@ impl<R: Real> EdgeLengths<R> {
                 }
             }
         }
+        let cut = |whole: &[R], outside: R| {
+            let mut window = vec![outside; chart.bordered_points()];
+            for line in 0..chart.rows {
+                let first = self.chart.bordered(row + line, col);
+                chart.row_of_mut(&mut window, line).copy_from_slice(&whole[first..][..chart.cols]);
+            }
+            window
+        };
         Self {
             chart,
             lengths,
             rule: self.rule,
             slowed_unevenly: self.slowed_unevenly,
             beside_a_source: self.beside_a_source,
+            slowness: self.slowness.as_deref().map(|whole| cut(whole, R::one())),
+            metric_curvature: self.metric_curvature.as_deref().map(|whole| cut(whole, R::nan())),
             floor: self.floor,
             gaussian_curvature: OnceLock::new(),
             obtuse: Default::default(),
@@ -141,6 +160,12 @@ impl<R: Real> EdgeLengths<R> {
     pub(crate) fn beside_a_source(mut self) -> Self {
         self.beside_a_source = true;
         self
+    }
+
+    /// The slowness at each point of the bordered array, if it is not the same everywhere. The length of an edge over
+    /// the mean of both ends' is its length on the surface; 1 where there is no point.
+    pub(crate) fn slowness(&self) -> Option<&[R]> {
+        self.slowness.as_deref()
     }
 
     /// The grid's size.
@@ -171,6 +196,7 @@ impl<R: Real> EdgeLengths<R> {
     pub fn bytes(&self) -> usize {
         let curvature = self.gaussian_curvature.get().map(Vec::as_slice);
         let planes = self.lengths.iter().map(Vec::as_slice).chain(curvature);
+        let planes = planes.chain(self.slowness()).chain(self.metric_curvature.as_deref());
         planes.map(std::mem::size_of_val).sum::<usize>() + self.obtuse.bytes()
     }
 
@@ -196,6 +222,14 @@ impl<R: Real> EdgeLengths<R> {
             Direction::ALL.map(|to| along(EdgeSlot::new(chart, 0, to))),
             Direction::ALL.map(|to| along(EdgeSlot::new(chart, chart.offset(to), to.base()))),
         ]
+    }
+
+    /// Along a row of points, the slowness at each and at its eight neighbours, if it is uneven.
+    #[inline(always)]
+    pub(crate) fn fan_slowness(&self, row: usize, points: usize) -> Option<(&[R], [&[R]; 8])> {
+        let (slowness, first) = (self.slowness()?, self.chart.bordered(row, 0));
+        let along = |first: usize| &slowness[first..][..points];
+        Some((along(first), Direction::ALL.map(|to| along(self.chart.beside(first, to)))))
     }
 
     /// The lengths of all edges to the east, north, north-east and north-west, as bordered arrays.
@@ -277,12 +311,18 @@ impl Surface {
         Ok(())
     }
 
-    /// Length of the straight step between two grid points, whatever the rule for edges, weighted
-    /// by their mean slowness.
-    pub(crate) fn length_between(&self, from: (usize, usize), to: (usize, usize)) -> f64 {
+    /// Length of the straight step between two grid points, whatever the rule for edges, without slowness.
+    pub(crate) fn length_on_surface(&self, from: (usize, usize), to: (usize, usize)) -> f64 {
         let chart = self.chart();
         let sample = |(row, col)| self.geometry().sample(chart, row, col);
-        self.weight(from, to) * sample(from).length_to(sample(to))
+        sample(from).length_to(sample(to))
+    }
+
+    /// The length of a step of rows and columns by the metric at a point, if that is all that is known of the
+    /// surface.
+    pub(crate) fn metric_length(&self, at: (usize, usize), step: [f64; 2]) -> Option<f64> {
+        let Geometry::Metric(metric) = self.geometry() else { return None };
+        Some(metric[self.chart().index(at.0, at.1)].length(step))
     }
 }
 

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::arc::EdgeRule;
 use super::chart::{Direction, EdgeSlot, ring};
 use super::edges::EdgeLengths;
+use super::jump::jumps;
 use super::real::{Real, max, min};
 use super::tag::Tagged;
 use crate::constants::{DEFECT_NOISE, LARGEST_DEFECT, REFLEX};
@@ -39,10 +40,28 @@ fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
     let chart = edges.chart();
     // Where a triangle of the fan is missing, so is the curvature: FAR, and more where waves diffract.
     let mut fans = vec![R::FAR; chart.bordered_points()];
-    chart
-        .rows_mut(&mut fans)
-        .enumerate()
-        .for_each(|(row, line)| Instructions::best().run(Fans { edges, row, line }));
+    let is_slowed = edges.slowness().is_some();
+    chart.rows_mut(&mut fans).enumerate().for_each(|(row, line)| match is_slowed {
+        true => Instructions::best().run(SlowedFans { edges, row, line }),
+        false => Instructions::best().run(Fans { edges, row, line }),
+    });
+    if let Some(metric) = &edges.metric_curvature {
+        for (curvature, &known) in fans.iter_mut().zip(metric) {
+            if *curvature < R::FAR && !known.is_nan() {
+                *curvature = known.with_tag(0);
+            }
+        }
+    }
+    if let Some(slowness) = edges.slowness() {
+        chart.rows_mut(&mut fans).enumerate().for_each(|(row, line)| {
+            let first = chart.bordered(row, 0);
+            for (point, curvature) in (first..).zip(line) {
+                if *curvature < R::FAR {
+                    *curvature = slowed(edges, slowness, point, *curvature).with_tag(0);
+                }
+            }
+        });
+    }
     let mut curvature = vec![R::zero().with_tag(LACKING); chart.bordered_points()];
     chart.rows_mut(&mut curvature).enumerate().for_each(|(row, line)| {
         Instructions::best().run(Settled { edges, row, fans: &fans, line })
@@ -139,6 +158,97 @@ impl<R: Real> Loop for Fans<'_, R> {
             *curvature = defect_density(edges, opposite, share);
         }
     }
+}
+
+/// The same where edges are weighted by a slowness. A loop of its own: with this in it compilers would see no lanes in the
+/// other.
+struct SlowedFans<'a, R> {
+    edges: &'a EdgeLengths<R>,
+    row: usize,
+    line: &'a mut [R],
+}
+
+impl<R: Real> Loop for SlowedFans<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { edges, row, line } = self;
+        let [fan, bases] = edges.fans(row, line.len());
+        let Some((own, around)) = edges.fan_slowness(row, line.len()) else { return };
+        let share = R::of(edges.rule().share_of_fan());
+        for (col, curvature) in line.iter_mut().enumerate() {
+            let (mut edges, mut opposite) = ([R::FAR; 8], [R::FAR; 8]);
+            for to in 0..8 {
+                let (here, next) = (around[to][col], around[ring::next(to)][col]);
+                edges[to] = on_surface(fan[to][col], [own[col], here]);
+                opposite[to] = on_surface(bases[to][col], [here, next]);
+            }
+            *curvature = defect_density(edges, opposite, share);
+        }
+    }
+}
+
+/// The length of an edge from what it is weighted by at its ends.
+#[inline(always)]
+fn on_surface<R: Real>(length: R, [from, to]: [R; 2]) -> R {
+    if length < R::FAR { (length + length) / (from + to) } else { length }
+}
+
+/// The Gaussian curvature of the metric that a slowness s makes of a surface of curvature K: (K - L) / s^2, L being
+/// the Laplacian of the logarithm of s. Where s jumps, L is no use and left out.
+///
+/// L is the flow out of the quarter of the point's fan that is its own, over the sides between it and the four
+/// neighbours along rows and columns: from the difference between both, and that along the side, given the metric from
+/// the lengths of the edges around. Second differences alone would take lines that bend on the surface for straight.
+fn slowed<R: Real>(edges: &EdgeLengths<R>, slowness: &[R], point: usize, gaussian: R) -> R {
+    let chart = edges.chart();
+    let own = slowness[point];
+    let per_square = (own * own).recip();
+    let around = Direction::ALL.map(|to| chart.beside(point, to));
+    if jumps(own) {
+        return gaussian * per_square;
+    }
+    let rise = around.map(|at| (slowness[at] / own).ln());
+    let squared = |from: usize, to: Direction| {
+        let length = edges.at(from, EdgeSlot::new(chart, 0, to));
+        let length = on_surface(length, [slowness[from], slowness[chart.beside(from, to)]]);
+        length * length
+    };
+    let (quarter, half) = (R::of(0.25), R::of(0.5));
+    let mut flow = R::zero();
+    for to in [Direction::East, Direction::North, Direction::West, Direction::South] {
+        // The neighbour, that to the left seen from here, and that to the right.
+        let (left, right) = (to.next().next(), to.previous().previous());
+        let there = around[to as usize];
+        let (at_left, at_right) = (around[left as usize], around[right as usize]);
+        let across = squared(point, to);
+        let along = (squared(there, left)
+            + squared(there, right)
+            + squared(point, left)
+            + squared(point, right))
+            * quarter;
+        let skew = ((squared(point, to.next()) - squared(there, left.next()))
+            + (squared(there, right.previous()) - squared(point, to.previous())))
+            * R::of(0.125);
+        debug_assert_eq!(chart.beside(there, left.next()), at_left);
+        debug_assert_eq!(chart.beside(there, right.previous()), at_right);
+        let area = max(across * along - skew * skew, R::min_positive_value()).sqrt();
+        let ahead = rise[to as usize];
+        let beside = |to: Direction| rise[to as usize];
+        let rises_along =
+            quarter * (beside(to.next()) - beside(to.previous()) + beside(left) - beside(right));
+        flow = flow + (along * ahead - skew * rises_along) / area;
+    }
+    let area = Direction::ALL.iter().fold(R::zero(), |sum, &to| {
+        let (first, second) = (squared(point, to), squared(point, to.next()));
+        let base = squared(around[to as usize], to.base());
+        let inner = half * (first + second - base);
+        sum + half * max(first * second - inner * inner, R::zero()).sqrt()
+    });
+    let laplacian = flow / (quarter * area);
+    let curvature = (gaussian - laplacian) * per_square;
+    if curvature.is_finite() { curvature } else { gaussian * per_square }
 }
 
 /// The angle defect of a fan over its share of the fan's area, given its edges and the bases between one

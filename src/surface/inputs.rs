@@ -5,11 +5,15 @@
 use std::sync::OnceLock;
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
-use super::chart::{Block, Cell, Chart, bilinear};
+use super::chart::{Block, Cell, Chart, Direction, bilinear};
 use super::geometry::{Geometry, Point};
+use super::jump::JUMPS;
 use super::real::Real;
+use super::tag::Tagged;
 use super::{Surface, SurfaceError, check_shape};
+use crate::constants::{EVEN_SLOWNESS, ROUGH_SLOWNESS as ROUGH};
 
 /// What is given at each grid point, row-major.
 #[derive(Clone, Debug)]
@@ -32,19 +36,39 @@ impl Inputs {
 
 impl Surface {
     /// Weights lengths by a slowness (reciprocal speed) at each point, row-major, so that
-    /// distances become travel times. An edge's length is multiplied by the mean of both ends.
-    /// Values at holes are not looked at.
-    pub fn with_slowness(mut self, slowness: Vec<f64>) -> Result<Self, SurfaceError> {
+    /// distances become travel times. The slowness is linear along each edge, whose length is multiplied by the mean
+    /// of both ends.
+    ///
+    /// Nothing passes where it is infinite or NaN: such points are holes. Where it is 0, travel is free but for a
+    /// millionth of the least positive slowness (of 1 if there is none), as edges have a length. Values at holes are
+    /// not looked at.
+    ///
+    /// # Errors
+    /// If a value is negative, no point is left, or there are not rows x columns of them.
+    pub fn with_slowness(mut self, mut slowness: Vec<f64>) -> Result<Self, SurfaceError> {
         check_shape("slowness", slowness.len(), self.chart)?;
+        let (mut least, mut has_free) = (f64::INFINITY, false);
         for (index, &value) in slowness.iter().enumerate() {
-            if self.inputs.present[index] && !(value > 0.0 && value.is_finite()) {
+            let present = &mut self.inputs.present[index];
+            if *present && value < 0.0 {
                 let (row, col) = self.chart.position(index);
                 return Err(SurfaceError::Slowness { value, row, col });
             }
+            *present &= value.is_finite();
+            has_free |= *present && value == 0.0;
+            if *present && value > 0.0 {
+                least = least.min(value);
+            }
+        }
+        if has_free {
+            let free = FREE * if least.is_finite() { least } else { 1.0 };
+            // Were it no number of this precision, an edge would have no length.
+            let free = free.max(f64::MIN_POSITIVE);
+            slowness.iter_mut().filter(|value| **value == 0.0).for_each(|value| *value = free);
         }
         self.inputs.slowness = Some(slowness);
         self.floor = OnceLock::new();
-        Ok(self)
+        self.non_empty()
     }
 
     /// Makes holes where the mask, row-major, is false.
@@ -62,7 +86,61 @@ impl Surface {
 
     /// Whether its slowness differs from point to point, so that a front may meet itself.
     pub(crate) fn is_slowed_unevenly(&self) -> bool {
-        self.slowness().is_some_and(|slowness| slowness.iter().any(|here| *here != slowness[0]))
+        let Some(slowness) = self.slowness() else { return false };
+        let mut there =
+            slowness.iter().zip(&self.inputs.present).filter(|(_, there)| **there).map(|(s, _)| s);
+        let first = there.next();
+        there.any(|here| Some(here) != first)
+    }
+
+    /// The slowness as a bordered array, tagged where it jumps, 1 where no point is, if it is uneven.
+    pub(super) fn bordered_slowness<R: Real>(&self) -> Option<Vec<R>> {
+        let slowness = self.slowness().filter(|_| self.is_slowed_unevenly())?;
+        let mut bordered = vec![R::one(); self.chart.bordered_points()];
+        self.chart.rows_mut(&mut bordered).enumerate().for_each(|(row, line)| {
+            for (col, here) in line.iter_mut().enumerate().filter(|&(col, _)| self.has(row, col)) {
+                let slowness_here = held::<R>(slowness[self.chart.index(row, col)]);
+                *here = slowness_here.with_tag(self.jumps_at(slowness, (row, col)));
+            }
+        });
+        Some(bordered)
+    }
+
+    /// [`JUMPS`] if the slowness jumps at a point that is there: to a neighbour by more than a quarter, or if its second
+    /// difference along a line of points says so. A slowness that changes smoothly has small ones.
+    fn jumps_at(&self, slowness: &[f64], (row, col): (usize, usize)) -> u8 {
+        let own = slowness[self.chart.index(row, col)];
+        let neighbour = |to: Direction| {
+            let (row, col) = self.chart.neighbour(row, col, to)?;
+            self.has(row, col).then(|| slowness[self.chart.index(row, col)])
+        };
+        let jumps = Direction::ALL.into_iter().any(|to| {
+            let Some(there) = neighbour(to) else { return false };
+            let is_uneven = there.max(own) > EVEN_SLOWNESS * there.min(own);
+            let back = neighbour(to.opposite());
+            is_uneven || back.is_some_and(|back| (there - own + (back - own)).abs() > ROUGH * own)
+        });
+        if jumps { JUMPS } else { 0 }
+    }
+
+    /// Whether the slowness jumps all over the surface: by more than a quarter along a twentieth of the edges of rows and
+    /// columns. Measured on random blocks of 5 x 5 and blobs, 40 x 40 points, contrasts of 3 to 1000: ways there and
+    /// back differ by 4e-4 to 9e-4 in the mean with planar fronts, and by twice to four times that with curved
+    /// ones, which are the earlier where they come from what is slow.
+    pub(crate) fn is_slowed_in_patches(&self) -> bool {
+        let Some(slowness) = self.slowness() else { return false };
+        let (mut edges, mut jumps) = (0, 0);
+        for (row, col) in self.chart.places().filter(|&(row, col)| self.has(row, col)) {
+            let here = slowness[self.chart.index(row, col)];
+            for (row, col) in [(row + 1, col), (row, col + 1)] {
+                if self.has(row, col) {
+                    let there = slowness[self.chart.index(row, col)];
+                    edges += 1;
+                    jumps += usize::from(here.max(there) > EVEN_SLOWNESS * here.min(there));
+                }
+            }
+        }
+        PATCHES * jumps > edges
     }
 
     /// Whether lengths are weighted, and not those on the surface.
@@ -90,7 +168,7 @@ impl Surface {
     }
 
     /// What lengths between two grid points are multiplied by.
-    pub(super) fn weight(&self, from: (usize, usize), to: (usize, usize)) -> f64 {
+    pub(crate) fn weight(&self, from: (usize, usize), to: (usize, usize)) -> f64 {
         let [from, to] = [from, to].map(|(row, col)| self.slowness_of(self.chart.index(row, col)));
         0.5 * (from + to)
     }
@@ -120,9 +198,18 @@ impl Surface {
         let Inputs { geometry, present, .. } = &self.inputs;
         let slowness = if present[index] { self.slowness_of(index) } else { 0.0 };
         let [x, y, z] = geometry.numbers(index, origin);
-        // A slowness too small for this precision is small, but no hole.
-        let held =
-            if slowness > 0.0 { R::of(slowness).max(R::min_positive_value()) } else { R::zero() };
+        let held = if slowness > 0.0 { held(slowness) } else { R::zero() };
         [R::of(x), R::of(y), R::of(z), held]
     }
+}
+
+/// Of so many edges one jumps, or more, where there are patches.
+const PATCHES: usize = 20;
+
+/// What is left of the least slowness where travel is free.
+const FREE: f64 = crate::constants::FREE;
+
+/// A slowness in some precision: one that is too small for it is small, but no hole.
+fn held<R: Real>(slowness: f64) -> R {
+    R::of(slowness).max(R::min_positive_value())
 }

@@ -15,7 +15,9 @@ mod gaussian_curvature;
 mod geometry;
 mod inputs;
 mod iteration_bound;
+mod jump;
 mod measure;
+mod metric_curvature;
 mod points;
 mod real;
 mod refine;
@@ -38,6 +40,7 @@ pub(crate) use even_grid::EvenGrid;
 pub(crate) use gaussian_curvature::{DIFFRACTS, LACKING};
 pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing};
+pub(crate) use jump::jumps;
 pub use measure::{LONGEST_EDGE, SHORTEST_EDGE};
 pub use real::{FAR, Real};
 pub(crate) use real::{max, min, relative_change};
@@ -133,9 +136,9 @@ pub enum SurfaceError {
         /// Between rows.
         dy: f64,
     },
-    /// A slowness is zero, negative or not finite.
+    /// A slowness is negative.
     #[error(
-        "slowness {value} at row {row}, column {col} is not usable: it must be positive and finite (mask the point to make a hole)"
+        "slowness {value} at row {row}, column {col} is negative; 0 is free travel, and infinity or NaN a wall that nothing passes"
     )]
     Slowness {
         /// The value.

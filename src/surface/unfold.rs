@@ -15,8 +15,8 @@ use rayon::prelude::*;
 
 use super::chart::{Direction, EdgeSlot, ring};
 use super::edges::EdgeLengths;
-use super::real::{Real, max};
-use crate::constants::{OBTUSE, SPLIT_MARGIN, SPLIT_REACH, SPLIT_STEPS};
+use super::real::{Real, max, min};
+use crate::constants::{EVEN_SLOWNESS, OBTUSE, SPLIT_MARGIN, SPLIT_REACH, SPLIT_STEPS};
 use crate::lanes::{Instructions, Loop};
 
 /// Whether a triangle with an area is obtuse at x0, by more than a margin for what is right-angled but for
@@ -103,21 +103,29 @@ impl<R: Real> EdgeLengths<R> {
         self.obtuse_triangles().is_some()
     }
 
-    /// The length of the edge from a point of the bordered array to its neighbour a step of rows and columns away.
+    /// The length on the surface of the edge from a point of the bordered array to its neighbour a step of rows and
+    /// columns away.
     #[inline]
     fn along(&self, point: usize, step: Step) -> R {
         let to = Direction::ALL.into_iter().find(|to| to.step() == step);
-        to.map_or(R::FAR, |to| self.at(point, EdgeSlot::new(self.chart(), 0, to)))
+        let Some(to) = to else { return R::FAR };
+        let (chart, length) = (self.chart(), self.at(point, EdgeSlot::new(self.chart(), 0, to)));
+        let Some(slowness) = self.slowness().filter(|_| length < R::FAR) else { return length };
+        let there = point.wrapping_add_signed(chart.offset(to));
+        (length + length) / (slowness[point] + slowness[there])
     }
 
     /// Splits a point's triangle between two neighbours in directions that follow one another, if it is obtuse:
-    /// tells of its parts, by the two other corners' indices in the bordered array and the lengths
-    /// of x0 x1, x0 x2 and x1 x2 in the plane.
+    /// tells of its parts, by the two other corners' indices in the bordered array, the lengths
+    /// of x0 x1, x0 x2 and x1 x2 in the plane, and the slowness by which they are weighted at x0, x1 and x2.
+    ///
+    /// A part may lie over several cells, of which the slowness at its corners may tell nothing. Where it jumps,
+    /// the largest that is looked at for the part counts, so that nothing walks through what is slow.
     pub(crate) fn split(
         &self,
         x0: usize,
         directions: [Direction; 2],
-        mut part: impl FnMut([usize; 2], [R; 3]),
+        mut part: impl FnMut([usize; 2], [R; 3], [R; 3]),
     ) {
         let chart = self.chart();
         // Whichever scan asks, from the same end.
@@ -144,9 +152,24 @@ impl<R: Real> EdgeLengths<R> {
             Unfolded { step: a.step(), place: [la, R::zero()] },
             Unfolded { step: b.step(), place: [x, height_squared.sqrt()] },
         ];
-        let mut tell = |[a, b]: [Unfolded<R>; 2]| {
+        let slowness_at = |point: usize| self.slowness().map_or(R::one(), |of| of[point]);
+        let ends =
+            [slowness_at(x0), slowness_at(point_at(a.step())), slowness_at(point_at(b.step()))];
+        let mut range = [min(ends[0], min(ends[1], ends[2])), max(ends[0], max(ends[1], ends[2]))];
+        let mut tell = |[a, b]: [Unfolded<R>; 2], [least, largest]: [R; 2]| {
+            let corners = [a, b].map(|end| point_at(end.step));
             let squares = [a.squared(), b.squared(), a.squared_to(&b)];
-            part([a, b].map(|end| point_at(end.step)), squares.map(|square| square.sqrt()));
+            let lengths = squares.map(|square| square.sqrt());
+            if self.slowness().is_none() {
+                return part(corners, lengths, [R::one(); 3]);
+            }
+            let jumps = largest > R::of(EVEN_SLOWNESS) * least;
+            let known = [x0, corners[0], corners[1]].map(slowness_at);
+            let [s0, s1, s2] = if jumps { [largest; 3] } else { known };
+            let half = R::of(0.5);
+            let [l1, l2, c] = lengths;
+            let weighted = [half * (s0 + s1) * l1, half * (s0 + s2) * l2, half * (s1 + s2) * c];
+            part(corners, weighted, [s0, s1, s2]);
         };
         // The edge beyond which the next point is looked for, seen from x0 the first end to the right.
         let mut edge = wedge;
@@ -154,6 +177,8 @@ impl<R: Real> EdgeLengths<R> {
         let turn = if base.1 * a.step().0 - base.0 * a.step().1 > 0 { 1 } else { -1 };
         for _ in 0..SPLIT_STEPS {
             let Some(apex) = self.beyond(edge, turn, wedge, point_at) else { return };
+            let of_apex = slowness_at(point_at(apex.step));
+            range = [min(range[0], of_apex), max(range[1], of_apex)];
             if !apex.follows(&wedge[0]) {
                 edge[0] = apex;
                 continue;
@@ -168,7 +193,7 @@ impl<R: Real> EdgeLengths<R> {
                 is_obtuse(a.squared() / base, b.squared() / base)
             });
             for (half, _) in halves.into_iter().zip(obtuse).filter(|(_, obtuse)| !obtuse) {
-                tell(half);
+                tell(half, range);
             }
             match obtuse {
                 [true, _] => (wedge[1], edge[1]) = (apex, apex),
@@ -334,10 +359,11 @@ impl<R: Real> Loop for Cells<'_, R> {
 fn obtuse_triangles<R: Real>(edges: &EdgeLengths<R>) -> Option<Found> {
     let chart = edges.chart();
     let mut triangles = vec![0; chart.bordered_points()];
-    chart
-        .rows_mut(&mut triangles)
-        .enumerate()
-        .for_each(|(row, line)| Instructions::best().run(RowOfTriangles { edges, row, line }));
+    let is_slowed = edges.slowness().is_some();
+    chart.rows_mut(&mut triangles).enumerate().for_each(|(row, line)| match is_slowed {
+        true => Instructions::best().run(SlowedRowOfTriangles { edges, row, line }),
+        false => Instructions::best().run(RowOfTriangles { edges, row, line }),
+    });
     triangles.par_iter().any(|&bits| bits != 0).then(|| {
         let stride = chart.stride();
         let rows = triangles.len() / stride;
@@ -366,6 +392,38 @@ impl<R: Real> Loop for RowOfTriangles<'_, R> {
             for to in 0..8 {
                 let (a, b, c) = (fan[to][col], fan[ring::next(to)][col], bases[to][col]);
                 let obtuse = (c < R::FAR) & (a * a + b * b < R::of(OBTUSE) * (c * c));
+                found |= u8::from(obtuse) << to;
+            }
+            *bits = found;
+        }
+    }
+}
+
+/// The same where edges are weighted by a slowness, in a loop of its own for the sake of lanes.
+struct SlowedRowOfTriangles<'a, R> {
+    edges: &'a EdgeLengths<R>,
+    row: usize,
+    line: &'a mut [u8],
+}
+
+impl<R: Real> Loop for SlowedRowOfTriangles<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { edges, row, line } = self;
+        let [fan, bases] = edges.fans(row, line.len());
+        let Some((own, around)) = edges.fan_slowness(row, line.len()) else { return };
+        for (col, bits) in line.iter_mut().enumerate() {
+            let mut found = 0;
+            for to in 0..8 {
+                let next = ring::next(to);
+                let (own, first, second) = (own[col], around[to][col], around[next][col]);
+                // Halves of the lengths on the surface.
+                let (a, b) = (fan[to][col] / (own + first), fan[next][col] / (own + second));
+                let c = bases[to][col] / (first + second);
+                let is_there = bases[to][col] < R::FAR;
+                let obtuse = is_there & (a * a + b * b < R::of(OBTUSE) * (c * c));
                 found |= u8::from(obtuse) << to;
             }
             *bits = found;

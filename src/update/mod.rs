@@ -15,6 +15,7 @@ mod curved;
 mod inside;
 mod planar;
 mod point_source;
+mod slowed;
 mod wavefront;
 
 pub(crate) use anchor::Anchor;
@@ -27,6 +28,7 @@ pub use curved::{Bends, Front, curved};
 pub(crate) use inside::InsideSources;
 pub use planar::planar;
 pub use point_source::point_source;
+pub(crate) use slowed::{curved_slowed, is_settled as is_settled_slowed, planar_slowed};
 pub use wavefront::Wavefront;
 pub(crate) use wavefront::{EngineKind, Setting, SourceKind, Unsuited};
 
@@ -108,6 +110,15 @@ impl<R: Real> Shape<R> {
         let height_squared = (side - foot) * (side + foot);
         let whole = (height_squared > R::zero()) & exists;
         Self { per_base, side, other, foot, height_squared, whole }
+    }
+
+    /// The same from edges that are weighted by a slowness: given is also that along the side and the other one,
+    /// over that along the base.
+    #[inline(always)]
+    fn on_surface([side, other, base]: [R; 3], [of_side, of_other]: [R; 2]) -> Self {
+        let exists = (side < R::FAR) & (other < R::FAR) & (base < R::FAR);
+        let shape = Self::new(side / of_side, other / of_other, base);
+        Self { whole: shape.whole & exists, ..shape }
     }
 
     /// Whether no angle is obtuse by more than some degrees, as in cells that are not sheared. There is then no

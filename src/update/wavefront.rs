@@ -66,10 +66,10 @@ impl Wavefront {
             Some(Self::PointSource) if from_curves => Err(Unsuited::PointSourceFromCurves),
             // Circular fronts do not tell from which source they come: where those of several meet, or one that a
             // slowness bends meets itself, what arrives would hang on the order of updates. Marching has but one order.
-            // Matrices keep them for their speed.
+            // Matrices of one slowness keep them for their speed; where rays bend, circles have no centre.
             Some(Self::PointSource)
                 if sources.are_several() && engine != EngineKind::FastMarching
-                    || is_slowed_unevenly && engine == EngineKind::Map =>
+                    || is_slowed_unevenly =>
             {
                 Ok(Self::Curved)
             }
@@ -118,7 +118,8 @@ impl FromStr for Wavefront {
 pub(crate) struct Setting {
     /// Whether the surface is known to be a floor plan ([`Surface::is_floor_plan`]).
     pub is_floor_plan: bool,
-    /// Whether the surface turns at random from point to point ([`crate::surface::Resolution::is_rough`]).
+    /// Whether the surface turns at random from point to point ([`crate::surface::Resolution::is_rough`]), or its
+    /// slowness jumps all over it.
     pub is_rough: bool,
     /// Whether it has a slowness that is not the same everywhere.
     pub is_slowed_unevenly: bool,
@@ -177,7 +178,8 @@ impl Setting {
     /// A map of a surface.
     pub(crate) fn new(surface: &Surface, sources: SourceKind, engine: EngineKind) -> Self {
         let is_floor_plan = surface.is_floor_plan();
-        let is_rough = surface.resolution().is_some_and(|resolution| resolution.is_rough());
+        let is_rough = surface.resolution().is_some_and(|resolution| resolution.is_rough())
+            || surface.is_slowed_in_patches();
         Self {
             is_floor_plan,
             is_rough,
@@ -306,7 +308,8 @@ mod tests {
         assert_eq!(resolved(PointSource, with(EngineKind::FastMarching)), Ok(PointSource));
         let slow =
             |engine| Setting { is_slowed_unevenly: true, engine, ..Setting::of_engine(false) };
-        assert_eq!(resolved(PointSource, slow(EngineKind::Map)), Ok(Curved));
-        assert_eq!(resolved(PointSource, slow(EngineKind::Matrix)), Ok(PointSource));
+        for engine in [EngineKind::Map, EngineKind::Matrix, EngineKind::FastMarching] {
+            assert_eq!(resolved(PointSource, slow(engine)), Ok(Curved));
+        }
     }
 }

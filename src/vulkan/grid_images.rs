@@ -31,11 +31,21 @@ pub(crate) const INLINE_SOURCES: usize = 1024;
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Purpose<'a> {
     /// Edges and sources come from the program's memory, and distances go back there, through
-    /// buffers of 4 bytes a point, up to 16 MiB, each. Behind the edges is room for anchors.
-    Headless,
+    /// buffers of 4 bytes a point, up to 16 MiB, each. Behind the edges is room for anchors. Surfaces whose slowness is
+    /// uneven have it on the device too, 4 bytes a point.
+    Headless { slowed: bool },
     /// All stays on the device, and there are so many images of distances, used by these queue
     /// families.
-    Embedded { results: usize, families: &'a [u32] },
+    Embedded { results: usize, families: &'a [u32], slowed: bool },
+}
+
+impl Purpose<'_> {
+    /// Whether there is a slowness beside the Gaussian curvature.
+    fn is_slowed(self) -> bool {
+        match self {
+            Self::Headless { slowed } | Self::Embedded { slowed, .. } => slowed,
+        }
+    }
 }
 
 /// The images of one surface: edge lengths (16 bytes a point), Gaussian curvature (4) and two of
@@ -47,6 +57,7 @@ pub(crate) struct GridImages {
     pub(crate) texels: TexelChart,
     pub(crate) edges: Image,
     pub(crate) gaussian: Image,
+    slowed: bool,
     pub(crate) fronts: [Image; 2],
     pub(crate) results: Vec<Image>,
     pub(crate) progress: Buffer,
@@ -118,6 +129,7 @@ impl GridImages {
             texels,
             edges,
             gaussian,
+            slowed: purpose.is_slowed(),
             fronts: [fronts0, fronts1],
             results,
             progress,
@@ -154,6 +166,11 @@ impl GridImages {
         // SAFETY: the record is there. The device may be writing it, of which whoever asks too early learns
         // by its serial.
         unsafe { record.read_volatile() }
+    }
+
+    /// Whether there is room for a slowness beside the Gaussian curvature.
+    pub(crate) fn is_slowed(&self) -> bool {
+        self.slowed
     }
 
     /// Where edges and sources of a headless surface are written.
@@ -201,15 +218,19 @@ fn image_infos(
     let grid =
         |name, extent, layers| ImageInfo { name, format: FORMAT, extent, layers, families: &[] };
     let (results, families) = match purpose {
-        Purpose::Headless => (0, &[][..]),
-        Purpose::Embedded { results, families } => (results, families),
+        Purpose::Headless { .. } => (0, &[][..]),
+        Purpose::Embedded { results, families, .. } => (results, families),
     };
+    let mut gaussian = texels.fronts_extent();
+    if purpose.is_slowed() {
+        gaussian.width *= 2;
+    }
     let extent = vk::Extent3D { width: chart.cols as u32, height: chart.rows as u32, depth: 1 };
     let result =
         ImageInfo { name: "distances", format: RESULT_FORMAT, extent, layers: 1, families };
     [
         grid("edge lengths", texels.edges_extent(), 1),
-        grid("Gaussian curvature", texels.fronts_extent(), 1),
+        grid("Gaussian curvature", gaussian, 1),
         ImageInfo { families, ..grid("fronts 0", texels.fronts_extent(), LAYERS) },
         grid("fronts 1", texels.fronts_extent(), LAYERS),
     ]
@@ -225,11 +246,11 @@ fn buffer_infos(
 ) -> [BufferInfo; 6] {
     use MemoryLocation::{CpuToGpu, GpuOnly, GpuToCpu};
     let most = match purpose {
-        Purpose::Headless => transfer_bytes(chart),
+        Purpose::Headless { .. } => transfer_bytes(chart),
         Purpose::Embedded { .. } => frame_bytes(chart),
     };
     let (upload_location, outcomes, last) = match purpose {
-        Purpose::Headless => {
+        Purpose::Headless { .. } => {
             let bytes = band_rows(chart, size_of::<f32>(), most) * chart.cols * size_of::<f32>();
             (CpuToGpu, 1, ("read-back", bytes, GpuToCpu))
         }
@@ -237,7 +258,7 @@ fn buffer_infos(
             (GpuOnly, results.max(1), ("sources", INLINE_SOURCES * SOURCE_BYTES, GpuOnly))
         }
     };
-    let anchors = if matches!(purpose, Purpose::Headless) { ANCHOR_BYTES } else { 0 };
+    let anchors = if matches!(purpose, Purpose::Headless { .. }) { ANCHOR_BYTES } else { 0 };
     let upload = upload_bytes(chart, most) + anchors;
     [
         ("progress", progress::BYTES as usize, GpuOnly),

@@ -42,6 +42,7 @@ mod solver;
 mod surface_on_device;
 mod texel_chart;
 pub(crate) mod upload;
+mod upload_surface;
 mod validation;
 
 pub use ceilings::Ceilings;

@@ -214,21 +214,26 @@ pub(crate) struct Variant {
     pub(crate) wavefront: Wavefront,
     /// Whether obtuse triangles are split, as they are on any surface that is not known to have none.
     pub(crate) splits: bool,
+    /// Whether the surface has a slowness that is not the same everywhere.
+    pub(crate) slowed: bool,
 }
 
 impl From<Wavefront> for Variant {
     fn from(wavefront: Wavefront) -> Self {
-        Self { wavefront, splits: true }
+        Self { wavefront, splits: true, slowed: false }
     }
 }
 
 impl Variant {
-    pub(crate) const COUNT: usize = 2 * Wavefront::EVERY.len();
+    pub(crate) const COUNT: usize = 4 * Wavefront::EVERY.len();
 
     /// All, by their places among a pass's pipelines.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
-        let both = |splits| Wavefront::EVERY.map(|wavefront| Self { wavefront, splits });
-        [false, true].into_iter().flat_map(both)
+        let all = [[false, false], [true, false], [false, true], [true, true]];
+        let each = |[splits, slowed]: [bool; 2]| {
+            Wavefront::EVERY.map(|wavefront| Self { wavefront, splits, slowed })
+        };
+        all.into_iter().flat_map(each)
     }
 }
 
@@ -250,7 +255,8 @@ impl Row {
     pub(crate) fn place_of(&self, variant: Variant) -> usize {
         let splits = self.shader.depends_on(Constant::Splits) && variant.splits;
         let wavefront = if self.depends_on_wavefront { variant.wavefront as usize } else { 0 };
-        usize::from(splits) * Wavefront::EVERY.len() + wavefront
+        let slowed = self.shader.depends_on(Constant::Slowed) && variant.slowed;
+        (2 * usize::from(slowed) + usize::from(splits)) * Wavefront::EVERY.len() + wavefront
     }
 
     /// Its direction, if it is a scan's.
@@ -260,7 +266,7 @@ impl Row {
 
     /// The numbers and values of its specialization constants.
     pub(crate) fn constants(&self, of: &Specialization) -> Vec<(u32, i32)> {
-        let Specialization { tuning, variant: Variant { wavefront, splits }, map } = *of;
+        let Specialization { tuning, variant: Variant { wavefront, splits, slowed }, map } = *of;
         let ahead = self.scan().map_or((0, 0), Scan::ahead);
         let width = self.width.map_or(0, |width| match width {
             Width::Scans => tuning.scan_width,
@@ -272,6 +278,7 @@ impl Row {
             Constant::AheadY => ahead.1,
             Constant::Wavefront => wavefront as i32,
             Constant::Splits => splits.into(),
+            Constant::Slowed => slowed.into(),
             Constant::LocalSizeX => width as i32,
             Constant::Lines => tuning.scan_lines as i32,
             Constant::Tile => tuning.tile as i32,

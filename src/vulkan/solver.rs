@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::grid_images::{GridImages, POINT_BYTES, bands, transfer_bytes};
+use super::grid_images::{GridImages, bands, transfer_bytes};
 use super::headless::{CommandBuffer, Context, Submitter, Unwatched};
 use super::passes::{COMMON, Variant};
 use super::plan::{self, Reached, Step};
@@ -14,7 +14,7 @@ use super::surface_on_device::{Start, SurfaceOnDevice};
 use super::upload::{SeedTexel, seed_texels};
 use super::{Schedule, Tuning, ValidationLog, VulkanError, embed};
 use crate::Stop;
-use crate::surface::{Seed, Surface};
+use crate::surface::Seed;
 use crate::update::Wavefront;
 use crate::vulkan::DeviceChoice;
 
@@ -49,7 +49,7 @@ pub struct Solver {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Method {
     /// The front assumed inside a triangle. [`Wavefront::Anchored`] is solved as [`Wavefront::Curved`] but
-    /// over floor plans ([`Surface::is_floor_plan`]) of up to 33 million points, from up to 4096 sources
+    /// over floor plans ([`crate::Surface::is_floor_plan`]) of up to 33 million points, from up to 4096 sources
     /// inside cells.
     pub wavefront: Wavefront,
     /// The order of updates; by default [`Schedule::best_on`] the device.
@@ -149,32 +149,6 @@ impl Solver {
     /// What the validation layers have said; `None` if they are off.
     pub fn validation_log(&self) -> Option<&ValidationLog> {
         self.context.instance.validation_log()
-    }
-
-    /// Measures the edges of a surface, which the processor does in lanes while it checks them anyhow, and
-    /// uploads them.
-    ///
-    /// # Errors
-    /// If an edge is too long or too short for single precision, or the grid is too large for
-    /// the device's images or memory.
-    pub fn upload(&self, surface: &Surface) -> Result<SurfaceOnDevice, VulkanError> {
-        let chart = surface.chart();
-        let texels = self.for_device.limits.texels(chart)?;
-        let pipelines = &self.for_device.pipelines;
-        let mut on_device = SurfaceOnDevice::new(&self.context, pipelines, surface, texels)?;
-        let is_floor = on_device.anchors.is_some();
-        let images = &mut on_device.images;
-        self.run(&mut Unwatched, images, |recorder| recorder.prepare())?;
-        let origin = surface.origin();
-        for rows in bands(chart, POINT_BYTES, transfer_bytes(chart)) {
-            let bytes = &mut images.staging()[..rows.len() * chart.cols * POINT_BYTES];
-            let texels = bytemuck::cast_slice_mut(bytes);
-            on_device.splits |= surface.write_edges(rows.clone(), origin, texels)?;
-            self.run(&mut Unwatched, images, |recorder| recorder.upload_edges(rows))?;
-        }
-        self.run(&mut Unwatched, images, |recorder| recorder.bend(surface.edge_rule(), is_floor))?;
-        self.context.check_validation()?;
-        Ok(on_device)
     }
 
     /// Computes a map from seeds, which must lie on the surface.
@@ -298,7 +272,7 @@ impl Solver {
         let stop = method.stop;
         let (wavefront, carried) = surface.begin(method.wavefront, seeds, start)?;
         let schedule = self.schedule(&surface.images, method);
-        let variant = Variant { wavefront, splits: surface.splits };
+        let variant = Variant { wavefront, splits: surface.splits, slowed: surface.slowed };
         self.make_passes(&surface.images, schedule, variant)?;
         let causal = surface.origins.are_causal() || surface.splits;
         let SurfaceOnDevice { images, first, further, goes_on, .. } = surface;
@@ -406,7 +380,7 @@ impl Solver {
     }
 
     /// Records, submits and waits.
-    fn run(
+    pub(super) fn run(
         &self,
         submitter: &mut impl Submitter,
         grid: &GridImages,
@@ -472,7 +446,7 @@ mod tests {
     use ash::vk;
 
     use super::*;
-    use crate::surface::{Sources, Spacing};
+    use crate::surface::{Sources, Spacing, Surface};
     use crate::vulkan::barrier::tests::without;
     use crate::vulkan::barrier::{Access, PASS};
 

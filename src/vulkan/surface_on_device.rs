@@ -22,6 +22,8 @@ pub struct SurfaceOnDevice {
     pub(super) anchors: Option<Anchors>,
     /// Whether it has obtuse triangles, as its edges have told.
     pub(super) splits: bool,
+    /// Whether its slowness is not the same everywhere.
+    pub(super) slowed: bool,
     /// Whether the last map's fronts have anchors.
     is_anchored: bool,
     /// Of the last map's fronts.
@@ -52,17 +54,19 @@ impl SurfaceOnDevice {
         texels: TexelChart,
     ) -> Result<Self, VulkanError> {
         let first = CommandBuffer::new(context)?;
+        let slowed = surface.is_slowed_unevenly();
         let images = GridImages::new(
             &context.device,
             &mut context.allocator(),
             pipelines,
             (surface.chart(), texels),
-            Purpose::Headless,
+            Purpose::Headless { slowed },
         )?;
         Ok(Self {
             images,
             anchors: Anchors::of(surface, texels),
             splits: false,
+            slowed,
             is_anchored: false,
             origins: Origins::none(surface.is_slowed_unevenly()),
             first,
@@ -86,7 +90,11 @@ impl SurfaceOnDevice {
         seeds.iter().for_each(|seed| self.origins.add(seed));
         // A map goes on as it has begun.
         let has_anchors = self.anchors.is_some() && (!goes_on || self.is_anchored);
-        let wavefront = wavefront.or_curved(Setting::of_engine(has_anchors));
+        let wavefront = match wavefront.or_curved(Setting::of_engine(has_anchors)) {
+            // Circles have no centre where rays bend.
+            Wavefront::PointSource if self.slowed => Wavefront::Curved,
+            wavefront => wavefront,
+        };
         let is_anchored = wavefront == Wavefront::Anchored;
         if let Some(anchors) = self.anchors.as_mut().filter(|_| is_anchored) {
             if !goes_on {

@@ -7,7 +7,7 @@ use std::collections::BinaryHeap;
 use geosweep::Stop;
 use geosweep::glam::DVec3;
 use geosweep::surface::{Chart, Direction, EdgeLengths, Real, Seed};
-use geosweep::{EdgeRule, Sources, Surface, Wavefront};
+use geosweep::{EdgeRule, Sources, Spacing, Surface, Wavefront};
 
 use super::Random;
 
@@ -111,6 +111,43 @@ impl Case {
             if chords { ", chords" } else { "" },
         );
         Self { name, surface, sources, has_positions: !slow && !inside && !curved }
+    }
+
+    /// A surface and sources of the test's own.
+    pub fn of(name: String, surface: Surface, sources: Sources) -> Self {
+        Self { name, surface, sources, has_positions: false }
+    }
+
+    /// Flat ground or hills with patches and strips of slownesses up to a thousandfold, holes, and some sources.
+    pub fn patches(number: u64) -> Self {
+        let mut random = Random::new(number ^ 0x5eed);
+        let mut between = |low: f64, high: f64| low + (high - low) * random.next();
+        let (rows, cols) = (between(4.0, 40.0) as usize, between(4.0, 40.0) as usize);
+        let (side, slow) = (between(1.0, 8.0) as usize, 10f64.powf(between(0.1, 3.0)));
+        let relief = if between(0.0, 1.0) < 0.5 { 0.0 } else { between(0.1, 1.0) };
+        let patch: Vec<bool> = (0..41 * 41).map(|_| between(0.0, 1.0) < 0.4).collect();
+        let place = |index: usize| (index / cols, index % cols);
+        let slowness = (0..rows * cols).map(|index| {
+            let (row, col) = place(index);
+            if patch[row / side * 41 + col / side] { slow } else { 1.0 }
+        });
+        let heights = (0..rows * cols).map(|index| {
+            let (row, col) = place(index);
+            relief * ((0.5 * row as f64).sin() + (0.4 * col as f64).cos())
+        });
+        let spacing = Spacing { dx: between(0.5, 2.0), dy: 1.0 };
+        let surface = Surface::from_heights(rows, cols, heights.collect(), spacing).unwrap();
+        let surface = surface.with_slowness(slowness.collect()).unwrap();
+        let count = between(1.0, 5.0) as usize;
+        let mut sources = Sources::default();
+        for _ in 0..count {
+            let place = [between(0.0, rows as f64), between(0.0, cols as f64)].map(f64::floor);
+            sources = sources.and_point(place[0], place[1], between(0.0, 1.0));
+        }
+        let name = format!(
+            "patches {number}: {rows} x {cols}, relief {relief:.2}, {side} cells wide, slowness {slow:.1}, {count} sources"
+        );
+        Self::of(name, surface, sources)
     }
 
     /// The fronts for this case: circular ones are for one source and an even slowness, see [`Wavefront::PointSource`].

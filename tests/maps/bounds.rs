@@ -56,6 +56,11 @@ fn maps_keep_their_bounds_on_any_surface() {
 }
 
 #[test]
+fn maps_keep_their_bounds_over_patches_of_slowness() {
+    check(Case::patches, |count| 1 + count / 1000);
+}
+
+#[test]
 fn maps_keep_their_bounds_on_irregular_grids() {
     check(Case::irregular, |count| 1 + count / 1000);
 }

@@ -23,4 +23,5 @@ mod properties;
 mod ridges;
 mod rotated_scan;
 mod sampling;
+mod slowness;
 mod voronoi;

@@ -85,7 +85,11 @@ fn every_row_is_the_map_of_its_source() {
             continue;
         }
         for wavefront in STRAIGHT {
-            let solver = PairwiseScan::new(&edges, wavefront).unwrap();
+            // Over a slowness rows are computed map by map.
+            let Some(solver) = PairwiseScan::new(&edges, wavefront) else {
+                assert_eq!(name, "slowness");
+                continue;
+            };
             for stop in [Stop::after(1), CONVERGED] {
                 let rows = matrix(&solver, &surface, stop);
                 for (source, row) in rows.chunks_exact(chart.points()).enumerate().step_by(7) {
@@ -136,6 +140,9 @@ fn rows_of_curved_fronts_are_the_maps_of_their_sources() {
 fn instructions_and_threads_give_the_same_matrix_to_the_bit() {
     for (name, surface) in surfaces() {
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+        if name == "slowness" {
+            continue;
+        }
         for wavefront in STRAIGHT {
             let with = |instructions, threads| {
                 let solver = PairwiseScan::new(&edges, wavefront).unwrap();

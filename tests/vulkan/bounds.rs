@@ -60,6 +60,11 @@ fn maps_keep_their_bounds_on_any_surface() {
 }
 
 #[test]
+fn maps_keep_their_bounds_over_patches_of_slowness() {
+    check(Case::patches);
+}
+
+#[test]
 fn maps_keep_their_bounds_on_irregular_grids() {
     check(Case::irregular);
 }

@@ -23,7 +23,7 @@ pub(in crate::cpu) struct Curved<'a, R> {
 }
 
 /// The front that a point keeps.
-type KeptCurved<R> = Kept<R, Curvature<R>>;
+pub(super) type KeptCurved<R> = Kept<R, Curvature<R>>;
 
 impl<'a, R: Real> Curved<'a, R> {
     pub(in crate::cpu) fn new(edges: &'a EdgeLengths<R>) -> Self {
@@ -70,11 +70,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
     /// Of those that arrive together as [`Front::first`].
     #[inline(always)]
     fn first(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R> {
-        let (of_a, of_b) = (a.carried.front(a.time), b.carried.front(b.time));
-        let time = min(a.time, b.time);
-        let second =
-            if of_a.arrives_with(of_b) { of_b.knows_better(of_a) } else { of_b.time < of_a.time };
-        Kept { time, carried: if second { b.carried } else { a.carried } }
+        first(a, b)
     }
 
     /// The larger of the changes of arrival time and curvature.
@@ -147,6 +143,16 @@ impl<'a, R: Real> TriangleKind<'a, R> for Curved<'a, R> {
     }
 }
 
+/// The first of two fronts at a point.
+#[inline(always)]
+pub(super) fn first<R: Real>(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R> {
+    let (of_a, of_b) = (a.carried.front(a.time), b.carried.front(b.time));
+    let time = min(a.time, b.time);
+    let second =
+        if of_a.arrives_with(of_b) { of_b.knows_better(of_a) } else { of_b.time < of_a.time };
+    Kept { time, carried: if second { b.carried } else { a.carried } }
+}
+
 /// The front at a point after a scan has brought one to it.
 ///
 /// It is accepted if it is the first, or arrives with that and is preferred
@@ -157,7 +163,12 @@ impl<'a, R: Real> TriangleKind<'a, R> for Curved<'a, R> {
 /// point to point and visited anew. Else the one that is here stays, so that scans that arrive together
 /// do not take turns.
 #[inline(always)]
-fn accept<R: Real>(kept: KeptCurved<R>, front: Front<R>, scan: u8, renews: bool) -> KeptCurved<R> {
+pub(super) fn accept<R: Real>(
+    kept: KeptCurved<R>,
+    front: Front<R>,
+    scan: u8,
+    renews: bool,
+) -> KeptCurved<R> {
     let Kept { time, carried: curvature } = kept;
     let before = curvature.front(time);
     let brought = Curvature::of(front, scan);
@@ -346,7 +357,7 @@ fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
 }
 
 /// The front that comes first to each point of a stretch.
-struct FirstFronts<R> {
+pub(super) struct FirstFronts<R> {
     times: [R; TILE],
     curvatures: [R; TILE],
     /// One where it is whole, as wide as the others for the sake of lanes.
@@ -363,13 +374,13 @@ impl<R: Real> Default for FirstFronts<R> {
 
 impl<R: Real> FirstFronts<R> {
     #[inline(always)]
-    fn get(&self, i: usize) -> Front<R> {
+    pub(super) fn get(&self, i: usize) -> Front<R> {
         let whole = self.whole[i] > R::zero();
         Front { time: self.times[i], curvature: self.curvatures[i], whole }
     }
 
     #[inline(always)]
-    fn set(&mut self, i: usize, front: Front<R>) {
+    pub(super) fn set(&mut self, i: usize, front: Front<R>) {
         (self.times[i], self.curvatures[i]) = (front.time, front.curvature);
         self.whole[i] = if front.whole { R::one() } else { R::zero() };
     }

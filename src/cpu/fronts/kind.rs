@@ -121,6 +121,23 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         alone: bool,
     ) -> Self::Arrival;
 
+    /// The same over a slowness at x0, x1 and x2 by which the lengths are weighted, whatever is known of the points.
+    /// Fronts that look at lengths alone need none.
+    fn arrival_over(
+        &self,
+        corners: [usize; 3],
+        triangle: Triangle<R>,
+        carried: [Self::Carried; 2],
+        _slowness: [R; 3],
+    ) -> Self::Arrival {
+        self.arrival(corners, triangle, carried, false)
+    }
+
+    /// Whether a triangle is obtuse at x0.
+    fn is_obtuse(&self, _corners: [usize; 3], triangle: Triangle<R>) -> bool {
+        triangle.is_obtuse()
+    }
+
     /// When it comes.
     fn time(arrival: Self::Arrival) -> R;
 
@@ -137,10 +154,11 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         seen: impl Fn(usize) -> KeptBy<'a, R, Self>,
     ) -> Option<Self::Arrival> {
         let mut first: Option<Self::Arrival> = None;
-        edges.split(point, directions, |[x1, x2], [l1, l2, c]| {
+        edges.split(point, directions, |[x1, x2], [l1, l2, c], slowness| {
             let [a, b] = [x1, x2].map(&seen);
             let triangle = Triangle { t1: a.time, t2: b.time, l1, l2, c };
-            let arrival = self.arrival([point, x1, x2], triangle, [a.carried, b.carried], false);
+            let carried = [a.carried, b.carried];
+            let arrival = self.arrival_over([point, x1, x2], triangle, carried, slowness);
             first = Some(first.map_or(arrival, |first| Self::earlier(first, arrival)));
         });
         first
@@ -193,9 +211,11 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         let kept = [x1, x2].map(&seen);
         let triangle = slots.triangle(edges, point, kept.map(|front| front.time));
         let carried = kept.map(|front| front.carried);
-        let (edges_alone, alone) = (triangle.without_obtuse_face(), slots.is_alone(triangle));
+        let is_obtuse = self.is_obtuse([point, x1, x2], triangle);
+        let c = if is_obtuse { R::FAR } else { triangle.c };
+        let (edges_alone, alone) = (Triangle { c, ..triangle }, slots.is_alone(triangle));
         let arrival = self.arrival([point, x1, x2], edges_alone, carried, alone);
-        if !triangle.is_obtuse() {
+        if !is_obtuse {
             return arrival;
         }
         let parts = self.through_parts(edges, point, slots.directions(), seen);

@@ -8,6 +8,9 @@ mod circular;
 mod curved;
 mod kind;
 mod planar;
+mod slowed;
+mod slowed_curved;
+mod slowed_planar;
 mod straight;
 
 pub(super) use anchored::Anchored;
@@ -15,6 +18,8 @@ pub(super) use circular::Circular;
 pub(super) use curved::Curved;
 pub(super) use kind::{FrontKind, KeptBy, TriangleKind};
 pub(super) use planar::Planar;
+pub(super) use slowed_curved::SlowedCurved;
+pub(super) use slowed_planar::SlowedPlanar;
 
 use crate::surface::{EdgeLengths, Real};
 use crate::update::{Setting, Wavefront};
@@ -26,12 +31,21 @@ pub(super) enum FrontOver<'a, R> {
     Circular(Circular),
     Curved(Curved<'a, R>),
     Anchored(Anchored<R>),
+    SlowedPlanar(SlowedPlanar<'a, R>),
+    SlowedCurved(SlowedCurved<'a, R>),
 }
 
 impl<'a, R: Real> FrontOver<'a, R> {
     /// The kind that a wavefront is over the surface with these edges.
     pub(super) fn new(edges: &'a EdgeLengths<R>, wavefront: Wavefront) -> Self {
         let floor = edges.floor();
+        if let Some(slowness) = edges.slowness() {
+            return match wavefront {
+                Wavefront::Planar => Self::SlowedPlanar(SlowedPlanar::new(slowness)),
+                // Circles have no centre where rays bend.
+                _ => Self::SlowedCurved(SlowedCurved::new(edges, slowness)),
+            };
+        }
         match (wavefront.or_curved(Setting::of_engine(floor.is_some())), floor) {
             (Wavefront::Planar, _) => Self::Planar(Planar),
             (Wavefront::PointSource, _) => Self::Circular(Circular::new(edges)),
@@ -49,6 +63,8 @@ macro_rules! for_kind {
             $crate::cpu::fronts::FrontOver::Circular($kind) => $solve,
             $crate::cpu::fronts::FrontOver::Curved($kind) => $solve,
             $crate::cpu::fronts::FrontOver::Anchored($kind) => $solve,
+            $crate::cpu::fronts::FrontOver::SlowedPlanar($kind) => $solve,
+            $crate::cpu::fronts::FrontOver::SlowedCurved($kind) => $solve,
         }
     };
 }
@@ -57,16 +73,13 @@ pub(super) use for_kind;
 /// The same for solvers of [`TriangleKind`]s alone, for which anchored fronts are curved ones.
 macro_rules! for_triangle_kind {
     ($edges:expr, $wavefront:expr, $kind:ident => $solve:expr) => {
-        match $wavefront {
-            $crate::update::Wavefront::Planar => {
-                let $kind = $crate::cpu::fronts::Planar;
-                $solve
-            }
-            $crate::update::Wavefront::PointSource => {
-                let $kind = $crate::cpu::fronts::Circular::new($edges);
-                $solve
-            }
-            $crate::update::Wavefront::Curved | $crate::update::Wavefront::Anchored => {
+        match $crate::cpu::fronts::FrontOver::new($edges, $wavefront) {
+            $crate::cpu::fronts::FrontOver::Planar($kind) => $solve,
+            $crate::cpu::fronts::FrontOver::Circular($kind) => $solve,
+            $crate::cpu::fronts::FrontOver::Curved($kind) => $solve,
+            $crate::cpu::fronts::FrontOver::SlowedPlanar($kind) => $solve,
+            $crate::cpu::fronts::FrontOver::SlowedCurved($kind) => $solve,
+            $crate::cpu::fronts::FrontOver::Anchored(_) => {
                 let $kind = $crate::cpu::fronts::Curved::new($edges);
                 $solve
             }

@@ -41,8 +41,12 @@ impl PairwiseScan {
     /// Computes the coefficients of a surface, on the best instructions there are. `None` for a
     /// wavefront whose maps have no update in common, because its fronts carry more than their
     /// arrival time: [`Wavefront::Curved`] and [`Wavefront::Anchored`]. Those are computed map by
-    /// map, by [`RotatedScan`](super::RotatedScan).
+    /// map, by [`RotatedScan`](super::RotatedScan). So are those over a slowness that is not the same
+    /// everywhere.
     pub fn new(edges: &EdgeLengths<f32>, wavefront: Wavefront) -> Option<Self> {
+        if edges.slowness().is_some() {
+            return None;
+        }
         let scans: Box<dyn BatchSolver> = match wavefront {
             Wavefront::Planar => Box::new(Scans::<Planar>::new(edges)),
             Wavefront::PointSource => Box::new(Scans::<PointSource>::new(edges)),

@@ -39,7 +39,7 @@ impl Spacing {
 /// The first fundamental form at a grid point in index coordinates: a small step of `dr` rows
 /// and `dc` columns has squared length `rr dr^2 + 2 rc dr dc + cc dc^2` (paper, eq. 3, with
 /// u^1 the row and u^2 the column).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MetricTensor {
     /// Entry for rows.
     pub rr: f64,
@@ -50,6 +50,12 @@ pub struct MetricTensor {
 }
 
 impl MetricTensor {
+    /// The length of a step of rows and columns.
+    pub(crate) fn length(&self, [rows, cols]: [f64; 2]) -> f64 {
+        let Self { rr, rc, cc } = self;
+        (rr * rows * rows + 2.0 * rc * rows * cols + cc * cols * cols).max(0.0).sqrt()
+    }
+
     fn is_hole(self) -> bool {
         self.rr.is_nan() || self.rc.is_nan() || self.cc.is_nan()
     }

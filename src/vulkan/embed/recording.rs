@@ -14,7 +14,7 @@ use crate::vulkan::VulkanError;
 use crate::vulkan::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands, frame_bytes, rows_around};
 use crate::vulkan::passes::{
-    CommonPass, LOOKUP, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, RESULT, SOURCES,
+    CommonPass, LOOKUP, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, RESULT, SOURCES, Variant,
 };
 use crate::vulkan::profile::{Grain, PassKind, PassRecord, Profile, Work};
 use crate::vulkan::progress::offset;
@@ -217,7 +217,7 @@ impl<'a> Recording<'a> {
         self.check(plan)?;
         self.surface.state.check_plan(plan)?;
         self.recorder.go_on(plan.schedule, plan.steps());
-        self.recorder.steps(plan.wavefront, plan.steps());
+        self.recorder.steps(self.variant(plan), plan.steps());
         self.recorder.end_portion();
         Ok(())
     }
@@ -343,10 +343,15 @@ impl<'a> Recording<'a> {
             return Err(VulkanError::OtherGrid);
         }
         let (schedule, wavefront) = (plan.schedule, plan.wavefront);
-        match self.solver.has_passes(schedule, wavefront) {
+        match self.solver.has_passes(schedule, self.variant(plan)) {
             true => Ok(()),
             false => Err(VulkanError::NoPasses { schedule, wavefront }),
         }
+    }
+
+    /// By which a plan's pipelines are chosen for the surface.
+    fn variant(&self, plan: &Plan) -> Variant {
+        Variant { slowed: self.surface.grid.is_slowed(), ..plan.wavefront.into() }
     }
 
     pub(super) fn check_sources(&self, sources: SourceInput) -> Result<(), VulkanError> {
@@ -375,8 +380,7 @@ impl<'a> Recording<'a> {
             }
         };
         // Which of them count the device alone knows.
-        let is_slowed = surface.points.iter().any(|points| points.slowness.is_some());
-        let causal = count > 1 || is_added || is_slowed;
+        let causal = count > 1 || is_added || surface.grid.is_slowed();
         recorder.start(plan.stop, plan.schedule, causal, is_added);
         if let SourceInput::Inline(sources) = sources {
             recorder.write_sources(bytemuck::cast_slice(sources));
@@ -401,7 +405,7 @@ impl<'a> Recording<'a> {
         if sources.may_lie_inside_cells() {
             self.surroundings(set, count, plan);
         }
-        recorder.steps(plan.wavefront, plan.steps());
+        recorder.steps(self.variant(plan), plan.steps());
         recorder.end_portion();
         Ok(())
     }
@@ -410,7 +414,7 @@ impl<'a> Recording<'a> {
     fn surroundings(&self, set: HostSet, count: u32, plan: &Plan) {
         let Self { recorder, surface, solver } = self;
         let chart = surface.grid.chart;
-        let Some(pipeline) = solver.surroundings(plan.schedule, plan.wavefront) else { return };
+        let Some(pipeline) = solver.surroundings(plan.schedule, self.variant(plan)) else { return };
         if count == 0 || count > most_surrounded(chart) {
             return;
         }

@@ -181,10 +181,25 @@ impl Solver {
     pub(super) fn surroundings(
         &self,
         schedule: Schedule,
-        wavefront: Wavefront,
+        variant: Variant,
     ) -> Option<Pipeline<surroundings::Push>> {
-        let made = self.pipelines.made(SURROUNDINGS, wavefront);
-        made.filter(|_| have_surroundings(schedule, wavefront))
+        let made = self.pipelines.made(SURROUNDINGS, variant);
+        made.filter(|_| have_surroundings(schedule, variant.wavefront))
+    }
+
+    /// Makes the pipelines of all schedules and wavefronts that it has for surfaces with a slowness too.
+    pub(super) fn make_passes_with_slowness(
+        &self,
+        device: &ash::Device,
+    ) -> Result<(), VulkanError> {
+        for (schedule, wavefront) in self.all_passes() {
+            let variant = Variant { slowed: true, ..wavefront.into() };
+            self.pipelines.make_all(device, schedule.passes(), variant)?;
+            if have_surroundings(schedule, wavefront) {
+                self.pipelines.make(device, SURROUNDINGS, variant)?;
+            }
+        }
+        Ok(())
     }
 
     /// The schedules and wavefronts that it has pipelines for.

@@ -31,7 +31,9 @@ pub struct SurfaceInfo<'a> {
     /// readers, which may be the same. If they differ, no ownership needs to be transferred between
     /// them; if this is empty, it does.
     pub queue_families: &'a [u32],
-    /// Where points may come from, by number: one for each frame in flight, say.
+    /// Where points may come from, by number: one for each frame in flight, say. If any has a slowness, the surface takes
+    /// 4 bytes a point more, pipelines are made for it of all schedules and wavefronts that the solver has then, and
+    /// planar fronts take the place of circular ones.
     pub points: &'a [Points],
     /// Buffers that sources may come from, by number.
     pub sources: &'a [SourceBuffer],
@@ -62,7 +64,8 @@ impl SurfaceInfo<'_> {
     }
 
     fn purpose<'a>(&self, families: &'a [u32]) -> Purpose<'a> {
-        Purpose::Embedded { results: self.slots.max(1), families }
+        let slowed = self.points.iter().any(|points| points.slowness.is_some());
+        Purpose::Embedded { results: self.slots.max(1), families, slowed }
     }
 
     fn check(&self) -> Result<(), SurfaceError> {
@@ -130,7 +133,7 @@ pub struct Outcome {
     /// has never run.
     pub measured: bool,
     /// How many grid points are holes: those with something that is not finite, too large, beyond an image
-    /// that is too small, or a slowness that is not positive.
+    /// that is too small, or a slowness that is negative.
     pub holes: u32,
     /// How many of the map's sources reach no point: those off the grid, in holes, or with a time that is no
     /// number below 1e30. Unused entries of a buffer count.
@@ -151,6 +154,9 @@ impl Surface {
         let size = (info.chart, solver.limits.texels(info.chart)?);
         let (pipelines, families) = (&solver.pipelines, info.families());
         let purpose = info.purpose(&families);
+        if let Purpose::Embedded { slowed: true, .. } = purpose {
+            solver.make_passes_with_slowness(device)?;
+        }
         let mut grid = GridImages::new(device, allocator, pipelines, size, purpose)?;
         let host = (info.points, info.sources, info.lookups);
         match HostSets::new(device, pipelines, &solver.limits, &grid, host) {

@@ -66,8 +66,9 @@ pub struct PairwiseOnDevice {
 
 impl Solver {
     /// Makes room for the maps of many sources of a surface: as many at a time as suit device and
-    /// grid. In place of anchored fronts they have curved ones. `schedule` is for measuring; by default maps
-    /// lie in shared memory where they fit.
+    /// grid. In place of anchored fronts they have curved ones, and over a slowness that is not the same everywhere in place
+    /// of circular ones. `schedule` is for measuring; by default maps lie in shared memory where they fit, but
+    /// in images over such a slowness, whatever is asked for.
     ///
     /// # Errors
     /// If a batch does not fit the device's memory, or shared memory was asked for and a map does
@@ -84,7 +85,12 @@ impl Solver {
         let (context, grid) = (&self.context, &surface.images);
         assert!(Arc::ptr_eq(context, &surface.context), "a surface of another solver");
         let (chart, texels) = (grid.chart, grid.texels);
-        let wavefront = wavefront.or_curved(Setting::of_engine(false));
+        let slowed = surface.slowed;
+        let wavefront = match wavefront.or_curved(Setting::of_engine(false)) {
+            Wavefront::PointSource if slowed => Wavefront::Curved,
+            wavefront => wavefront,
+        };
+        let schedule = if slowed { Some(PairwiseSchedule::Images) } else { schedule };
         let (rows, cols, device) = (chart.rows, chart.cols, context.info.name.clone());
         let mut subgroups = vk::PhysicalDeviceSubgroupProperties::default();
         let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut subgroups);
@@ -106,7 +112,8 @@ impl Solver {
             return Err(VulkanError::TooMuchMemory { rows, cols, device, needed, available });
         }
         let commands = CommandBuffer::new(context)?;
-        let passes = BatchPipelines::new(&context.device, &self.for_device.pipelines, &layout)?;
+        let passes =
+            BatchPipelines::new(&context.device, &self.for_device.pipelines, &layout, slowed)?;
         let resources = Resources::new(
             &context.device,
             &mut context.allocator(),

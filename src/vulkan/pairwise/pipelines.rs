@@ -4,6 +4,7 @@ use super::layout::{BatchLayout, Workgroup};
 use crate::vulkan::VulkanError;
 use crate::vulkan::passes::{
     MapSize, PAIRWISE_COUNT, PAIRWISE_FANS, PAIRWISE_SCANS, PAIRWISE_SHARED, PAIRWISE_START,
+    Variant,
 };
 use crate::vulkan::pipelines::{InUse, Pipeline, Pipelines};
 use crate::vulkan::shaders::{
@@ -34,6 +35,7 @@ impl BatchPipelines {
         device: &ash::Device,
         pipelines: &Pipelines,
         layout: &BatchLayout,
+        slowed: bool,
     ) -> Result<Self, VulkanError> {
         let wavefront = layout.wavefront;
         if let Some(workgroup) = layout.workgroup {
@@ -45,7 +47,8 @@ impl BatchPipelines {
             return Ok(Self::SharedMemory { fans, maps, _in_use });
         }
         let [down, up, right, left] = PAIRWISE_SCANS;
-        let scan = |pass| pipelines.make(device, pass, wavefront);
+        let variant = Variant { slowed, ..wavefront.into() };
+        let scan = |pass| pipelines.make(device, pass, variant);
         Ok(Self::Images {
             start: pipelines.make(device, PAIRWISE_START, wavefront)?,
             scans: [scan(down)?, scan(up)?, scan(right)?, scan(left)?],

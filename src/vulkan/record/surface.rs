@@ -28,7 +28,8 @@ impl Recorder<'_> {
             self.image_barrier(image.image, SHADER, CLEAR, layouts);
         }
         self.clear(grid.edges.image, 0, FAR);
-        self.clear(grid.gaussian.image, 0, 0.0);
+        // Beside curvatures of 0 slownesses of 1, if there are any; no edge leads to where either is read of no point.
+        self.clear(grid.gaussian.image, 0, if grid.is_slowed() { 1.0 } else { 0.0 });
         self.clear_fronts();
         self.barrier(CLEAR, SHADER);
     }
@@ -53,6 +54,7 @@ impl Recorder<'_> {
             dx: spacing.dx as f32,
             dy: spacing.dy as f32,
             arcs: arcs.into(),
+            slowed: self.grid.is_slowed().into(),
         };
         self.run(self.pipelines.of(kind.edges()), 0, &band, size);
         self.barrier(SHADER_WRITE, SHADER);
@@ -74,6 +76,24 @@ impl Recorder<'_> {
         self.barrier(CLEAR, SHADER);
     }
 
+    /// Copies what is known of the points of a band of rows, 2 x 2 a texel, from the upload buffer: their Gaussian
+    /// curvature, or to its `right` their slowness.
+    pub(crate) fn upload_ground(&self, rows: Range<usize>, right: bool) {
+        let extent = vk::Extent3D {
+            width: self.grid.chart.cols.div_ceil(2) as u32,
+            height: rows.len().div_ceil(2) as u32,
+            depth: 1,
+        };
+        let bytes = 16 * u64::from(extent.width) * u64::from(extent.height);
+        let _pass = self.pass_of_copy(PassKind::Edges, bytes);
+        self.barrier(SHADER, CLEAR);
+        let (row, col, _) = TexelChart::texel_of(rows.start, 0);
+        let x = if right { self.grid.texels.cols + col } else { col } as i32;
+        let offset = vk::Offset3D { x, y: row as i32, z: 0 };
+        self.copy_to_image(self.grid.upload.buffer, self.grid.gaussian.image, (offset, extent));
+        self.barrier(CLEAR, SHADER);
+    }
+
     /// Computes the surface's Gaussian curvature, once all edges are measured by the rule, and on floor plans
     /// where shortest paths can bend.
     pub(crate) fn bend(&self, rule: EdgeRule, is_floor: bool) {
@@ -82,7 +102,8 @@ impl Recorder<'_> {
         let share_of_fan = rule.share_of_fan() as f32;
         // Lengths of the edges of four points, and a number of each besides in the second pass.
         let pass = self.pass_of_each(PassKind::Curvature, inner, [64, 16]);
-        let size = fan_curvature::Push { texels, share_of_fan };
+        let size =
+            fan_curvature::Push { texels, share_of_fan, is_slowed: self.grid.is_slowed().into() };
         self.run(self.pipelines.of(FAN_CURVATURE), 0, &size, inner);
         self.barrier(SHADER_WRITE, SHADER);
         drop(pass);

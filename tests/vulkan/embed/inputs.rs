@@ -89,7 +89,11 @@ fn heights_with_slowness_give_the_headless_map() {
         let (row, col) = CHART.position(index);
         3.0 * (0.2 * row as f32).sin() * (0.3 * col as f32).cos()
     };
-    let slowness = |index: usize| if index == 600 { 0.0 } else { 1.0 + 0.02 * (index % 45) as f32 };
+    let slowness = |index: usize| match index {
+        600 => -1.0,
+        601 => f32::NAN,
+        _ => 1.0 + 0.02 * (index % 45) as f32,
+    };
     let spacing = Spacing { dx: 0.7, dy: 1.1 };
     let points = 0..CHART.points();
     let weights: Vec<_> = points.clone().map(slowness).collect();
@@ -115,7 +119,9 @@ fn heights_with_slowness_give_the_headless_map() {
     let mut stage = Stage::new(host, &RASTER, &info);
     for wavefront in Wavefront::ALL {
         let plan = stage.plan(Schedule::Raster, wavefront, 6);
-        let map = headless(&mut solver, &surface, &Sources::point(3.0, 40.0), wavefront);
+        // A plan is made before it is known that circles do not suit.
+        let solved = if wavefront == Wavefront::Curved { wavefront } else { Wavefront::Planar };
+        let map = headless(&mut solver, &surface, &Sources::point(3.0, 40.0), solved);
         for points in 0..2 {
             let own = stage.map(points, SourceInput::Inline(&source(3.0, 40.0)), &plan);
             let difference = difference(&map, &own);

@@ -122,7 +122,7 @@ fn wrong_companions_are_refused_by_name() {
     let doubles = bench.array("doubles.npy", &[3, 4], &[1.0; 12]);
     let small = bench.array("small.npy", &[2, 4], &[1.0; 8]);
     let mut zero = [1.0; 12];
-    zero[6] = 0.0;
+    zero[6] = -0.5;
     let zero = bench.array("zero.npy", &[3, 4], &zero);
     let metric = bench.array("metric.npy", &[3, 3, 2, 2], &[1.0, 0.0, 0.0, 1.0].repeat(9));
     let header = "{'descr': '|b1', 'fortran_order': False, 'shape': (4, 3)}";
@@ -139,7 +139,10 @@ fn wrong_companions_are_refused_by_name() {
         (format!("--mask {turned}"), &["turned.npy", "4 x 3", "3 x 4"]),
         (format!("--mask {curve}"), &["curve.txt", ".npy, .npz, .png"]),
         (format!("--slowness {small}"), &["small.npy", "2 x 4", "3 x 4"]),
-        (format!("--slowness {zero}"), &["zero.npy", "slowness 0 at row 1, column 2"]),
+        (
+            format!("--slowness {zero}"),
+            &["zero.npy", "slowness -0.5 at row 1, column 2", "negative"],
+        ),
         (format!("--metric {metric}"), &["metric.npy", "3 x 3", "3 x 4"]),
         (format!("--metric {doubles}"), &["doubles.npy", "(M, N, 2, 2)"]),
         (format!("--source-curve {curve}"), &["curve.txt", "line 3", "row,col"]),

@@ -1,0 +1,174 @@
+// Fronts over a slowness that differs from corner to corner of a triangle.
+// Twin: src/update/slowed.rs, where it is explained.
+
+// 1 where the slowness jumps at one of three points, else 0.
+vec4 jump_of(vec4 a, vec4 b, vec4 c) {
+    return vec4(notEqual((tags_of(a) | tags_of(b) | tags_of(c)) & JUMPS, uvec4(0u)));
+}
+
+// Whether triangles are obtuse at x0 on the surface, given the slowness at x0, x1 and x2.
+bvec4 are_obtuse_on_surface(vec4 l1, vec4 l2, vec4 c, vec4 s0, vec4 s1, vec4 s2) {
+    vec4 per_base = (s1 + s2) / c;
+    vec4 side = l1 / (s0 + s1) * per_base;
+    vec4 other = l2 / (s0 + s2) * per_base;
+    return both(lessThan(c, vec4(FAR)), lessThan(side * side + other * other, vec4(OBTUSE)));
+}
+
+// A triangle from edges weighted by a slowness, given that along the side and the other one over that along the base.
+Shape shape_on_surface(vec4 side, vec4 other, vec4 base, vec4 of_side, vec4 of_other) {
+    Shape shape = shape_of(side / of_side, other / of_other, base);
+    shape.whole = both(shape.whole, lessThan(max(max(side, other), base), vec4(FAR)));
+    return shape;
+}
+
+struct Rays {
+    vec4 foot, height;
+    vec4 near, slope, jump;
+};
+
+struct Slope {
+    vec4 d, kappa, cos_a, sin_a, bulge;
+};
+
+struct Crossing {
+    vec4 place, rise, beyond;
+};
+
+Crossing crossing_of(Slope front, Rays rays, vec4 guess) {
+    vec4 across = rays.near + rays.slope * clamp(rays.foot, 0.0, 1.0);
+    vec4 straight = clamp(-(front.d + rays.slope * rays.height) / across, -STEEPEST_GUESS, STEEPEST_GUESS);
+    vec4 refracted = rays.foot + rays.height * straight / sqrt((1.0 - straight) * (1.0 + straight));
+    vec4 place = clamp(guess, 0.0, 1.0);
+    place = place + (clamp(refracted, 0.0, 1.0) - place) * rays.jump;
+    vec4 squared = rays.height * rays.height;
+    Crossing first = Crossing(place, vec4(FAR), place);
+    for (int step = 0; step <= CROSSING_STEPS; step++) {
+        vec4 n = (front.kappa * place - front.cos_a * 2.0) * place;
+        vec4 root = sqrt(max(1.0 + front.kappa * n, 1e-4));
+        vec4 along = front.kappa * place - front.cos_a;
+        vec4 from_foot = place - rays.foot;
+        vec4 distance = sqrt(from_foot * from_foot + squared);
+        vec4 mean = rays.near + rays.slope * place;
+        vec4 rise = n / (1.0 + root) - 0.5 * front.bulge * (place * (1.0 - place)) + distance * mean;
+        first.place = mix(first.place, place, lessThan(rise, first.rise));
+        first.rise = min(rise, first.rise);
+        vec4 per_root = 1.0 / root;
+        vec4 per_distance = 1.0 / distance;
+        vec4 cosine = from_foot * per_distance;
+        vec4 falls = along * per_root - front.bulge * (0.5 - place) + mean * cosine + rays.slope * distance;
+        vec4 spreads = max(front.kappa, 0.0) * (front.sin_a * front.sin_a) * (per_root * per_root * per_root);
+        vec4 convex = spreads + squared * mean * (per_distance * per_distance * per_distance);
+        vec4 bends = convex + 2.0 * rays.slope * cosine + front.bulge;
+        first.beyond = place - falls / max(bends, 0.25 * convex);
+        place = clamp(first.beyond, 0.0, 1.0);
+    }
+    return first;
+}
+
+vec4 planar_slowed(Ends end1, Ends end2, vec4 s0, vec4 l1, vec4 l2, vec4 c) {
+    vec4 along_edge = edge_step(end1.time, end2.time, l1, l2);
+    bvec4 swap = lessThan(end1.time, end2.time);
+    vec4 t = mix(end1.time, end2.time, swap);
+    vec4 near_t = mix(end2.time, end1.time, swap);
+    vec4 l = mix(l1, l2, swap);
+    vec4 near_l = mix(l2, l1, swap);
+    vec4 s = mix(end1.slowness, end2.slowness, swap);
+    vec4 near_s = mix(end2.slowness, end1.slowness, swap);
+    vec4 per_base_slowness = 1.0 / (s + near_s);
+    vec4 from_far = (s0 + s) * per_base_slowness;
+    vec4 from_near = (s0 + near_s) * per_base_slowness;
+    Shape shape = shape_on_surface(l, near_l, c, from_far, from_near);
+    vec4 d = (near_t - t) * shape.per_base;
+    // Where there is no triangle what follows is of no account, but a number.
+    vec4 height = sqrt(mix(vec4(1.0), shape.height_squared, shape.whole));
+    Rays rays = Rays(shape.foot, height, from_far, from_near - from_far, vec4(1.0));
+    Crossing crossing = crossing_of(Slope(d, vec4(0.0), -d, vec4(0.0), vec4(0.0)), rays, vec4(0.0));
+    bvec4 within = both(greaterThan(crossing.place, vec4(0.0)), lessThan(crossing.place, vec4(1.0)));
+    vec4 time = t + c * max(crossing.rise, 0.0);
+    return min(along_edge, mix(along_edge, time, both(shape.whole, within)));
+}
+
+Fronts curved_slowed(Ends end1, Ends end2, vec4 g0, vec4 s0, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
+    bvec4 swap = lessThan(end1.time, end2.time);
+    vec4 t = mix(end1.time, end2.time, swap);
+    vec4 near_t = mix(end2.time, end1.time, swap);
+    vec4 k = mix(end1.carried, end2.carried, swap);
+    vec4 near_k = mix(end2.carried, end1.carried, swap);
+    vec4 g = mix(end1.surface, end2.surface, swap);
+    vec4 near_g = mix(end2.surface, end1.surface, swap);
+    vec4 l = mix(l1, l2, swap);
+    vec4 near_l = mix(l2, l1, swap);
+    vec4 s = mix(end1.slowness, end2.slowness, swap);
+    vec4 near_s = mix(end2.slowness, end1.slowness, swap);
+    vec4 jump = jump_of(s0, end1.slowness, end2.slowness);
+    vec4 per_base_slowness = 1.0 / (s + near_s);
+    vec4 own = (s0 + s0) * per_base_slowness;
+    vec4 far = (s + s) * per_base_slowness;
+    vec4 near = (near_s + near_s) * per_base_slowness;
+    vec4 from_far = 0.5 * (own + far);
+    vec4 from_near = 0.5 * (own + near);
+    Shape shape = shape_on_surface(l, near_l, c, from_far, from_near);
+    vec4 p = shape.foot;
+    vec4 h = sqrt(mix(vec4(1.0), shape.height_squared, shape.whole));
+    vec4 d = (near_t - t) * shape.per_base;
+    bvec4 from_beside = both(lessThan(abs(k * c), vec4(ABOUT_STRAIGHT)), greaterThan(d, vec4(-FROM_SOURCE)));
+    bvec4 beside = both(greaterThanEqual(near_k, vec4(SOURCE_CURVATURE)), from_beside);
+    vec4 own_kappa = k * c * (1.0 + jump * (far * far - 1.0));
+    vec4 near_kappa = mix(near_k * c * (1.0 + jump * (near * near - 1.0)), own_kappa, beside);
+    vec4 passed = near_kappa / max(1.0 - near_kappa * d, FOCUS);
+    vec4 far_kappa = mix(passed, own_kappa, lessThan(k, vec4(SOURCE_CURVATURE)));
+    vec4 kappa = 0.5 * (passed + far_kappa);
+    vec4 cos_a = 0.5 * kappa * ((1.0 - d) * (1.0 + d)) - d;
+    vec4 sin_a = sqrt(max((1.0 - cos_a) * (1.0 + cos_a), 0.0));
+    vec4 width = sin_a + kappa * h;
+    bvec4 of_one = both(greaterThan(d, vec4(-ALONG_BASE)), lessThanEqual(kappa * (1.0 - d), vec4(STRADDLING)));
+    bvec4 is_front = both(both(shape.whole, of_one), greaterThan(width, vec4(0.0)));
+    vec4 along = clamp(d, -1.0, 1.0);
+    vec4 across = sqrt(max((1.0 - along) * (1.0 + along), 0.0));
+    vec4 rises = (own - (far + p * (near - far))) / h;
+    vec4 bulge = (1.0 - jump) * (along * (near - far) - across * rises);
+    Rays rays = Rays(p, h, from_far, from_near - from_far, jump);
+    vec4 guess = (cos_a * h + sin_a * p) / max(width, 1e-6);
+    Crossing crossing = crossing_of(Slope(d, kappa, cos_a, sin_a, bulge), rays, guess);
+    vec4 place = crossing.place;
+    vec4 by_far = t + l;
+    vec4 by_near = near_t + near_l;
+    vec4 later = t + t * (CLEARLY_LATER * PRECISION);
+    vec4 least = mix(vec4(0.0), d, both(are_upright(shape), bvec4(!causal)));
+    vec4 time = t + c * max(crossing.rise, least);
+    bvec4 within = both(greaterThan(place, vec4(0.0)), lessThan(place, vec4(1.0)));
+    bvec4 is_first = both(lessThanEqual(time, min(by_far, by_near)), either(bvec4(!causal), greaterThanEqual(time, later)));
+    bvec4 inside = both(both(is_front, within), is_first);
+
+    // Along the edge of the end from which it arrives first.
+    bvec4 is_from_far = lessThanEqual(by_far, by_near);
+    vec4 edge = mix(near_l, l, is_from_far);
+    vec4 edge_g = mix(near_g, g, is_from_far);
+    vec4 edge_s = mix(near, far, is_from_far);
+    bvec4 reaches_far = both(is_from_far, greaterThanEqual(crossing.beyond, vec4(-GRAZING)));
+    bvec4 is_known = either(bvec4(!causal), lessThan(later, by_near));
+    bvec4 past_near = both(lessThanEqual(crossing.beyond, vec4(1.0 + GRAZING)), is_known);
+    bvec4 reaches_near = both(not(is_from_far), past_near);
+    bvec4 ahead = both(is_front, either(reaches_far, reaches_near));
+    bvec4 turns = both(either(shape.whole, alone), not(ahead));
+    bvec4 is_corner = notEqual(tags_of(edge_g) & DIFFRACTS, uvec4(0u));
+    bvec4 starts_anew = both(notEqual(tags_of(edge_g) & LACKING, uvec4(0u)), either(either(is_from_far, is_known), is_corner));
+    vec4 edge_k = mix(mix(near_k, k, is_from_far), vec4(SOURCE_CURVATURE), both(turns, starts_anew));
+
+    vec4 from = far + place * (near - far);
+    vec4 spreads = 1.0 + jump * (1.0 / (from * own) - 1.0);
+    vec4 spread = max(crossing.rise, 0.0) * spreads;
+    vec4 far_end = far_kappa / max(1.0 + far_kappa * spread, FOCUS);
+    vec4 near_end = near_kappa / max(1.0 + near_kappa * (spread - d * spreads), FOCUS);
+    vec4 per_own = 1.0 / (own * own);
+    vec4 through = (far_end + place * (near_end - far_end)) * shape.per_base * (1.0 + jump * (per_own - 1.0));
+    vec4 edge_spread = edge * (1.0 + jump * (edge_s / own - 1.0));
+    vec4 by_edge = edge_k / max(1.0 + edge_k * edge_spread, FOCUS) * (1.0 + jump * (edge_s * edge_s * per_own - 1.0));
+    vec4 from_foot = place - p;
+    vec4 ray_length = sqrt(from_foot * from_foot + h * h);
+    vec4 ray = mix(edge, c * ray_length * (from_far + place * (from_near - from_far)), inside);
+    vec4 gaussian = mix(edge_g, g + place * (near_g - g), inside);
+    gaussian = (0.5 * (g0 + gaussian)) * (1.0 - jump);
+    vec4 curvature = bent(mix(by_edge, through, inside), gaussian, ray);
+    return Fronts(mix(mix(by_near, by_far, is_from_far), time, inside), curvature, shape.whole);
+}

@@ -1,0 +1,62 @@
+//! What fronts over an uneven slowness see of a stretch of points.
+
+use crate::cpu::stretch::Stretch;
+use crate::cpu::tiles::TILE;
+use crate::surface::Real;
+use crate::update::{Carried, Triangle};
+
+/// A stretch of points with the slowness at each and at the neighbours behind.
+pub(super) struct Seen<'s, R, C, G, O, B> {
+    pub stretch: &'s Stretch<'s, R, C, G>,
+    /// At point i.
+    pub own: O,
+    /// At the neighbour k behind point i.
+    pub behind: B,
+}
+
+impl<R: Real, C: Carried, G, O: Fn(usize) -> R, B: Fn(usize, usize) -> R> Seen<'_, R, C, G, O, B> {
+    /// One of the two triangles of point i, and the slowness at x0, x1 and x2. Of an obtuse one the edges.
+    #[inline(always)]
+    pub(super) fn triangle<const LEFT: bool>(&self, i: usize) -> (Triangle<R>, [R; 3]) {
+        let x1 = if LEFT { 0 } else { 1 };
+        let slowness = [(self.own)(i), (self.behind)(x1, i), (self.behind)(x1 + 1, i)];
+        let triangle = self.stretch.weighted_triangle::<LEFT>(i);
+        (triangle.without_obtuse_face_on_surface(slowness), slowness)
+    }
+
+    /// The same, x1 being the point behind across the grid's diagonal.
+    #[inline(always)]
+    pub(super) fn seen_from_beside<const LEFT: bool>(&self, i: usize) -> (Triangle<R>, [R; 3]) {
+        let (triangle, slowness) = self.triangle::<LEFT>(i);
+        let [own, x1, x2] = slowness;
+        if LEFT { (triangle, slowness) } else { (triangle.mirrored(), [own, x2, x1]) }
+    }
+}
+
+/// The largest changes of arrival times, by their place in the stretch.
+pub(super) struct TimeChanges<R: Real>([R::Bits; TILE]);
+
+impl<R: Real> Default for TimeChanges<R> {
+    #[inline(always)]
+    fn default() -> Self {
+        Self([R::Bits::default(); TILE])
+    }
+}
+
+impl<R: Real> TimeChanges<R> {
+    /// Whether any has changed.
+    #[inline(always)]
+    pub(super) fn note(&mut self, before: &[R], after: &[R]) -> bool {
+        let mut any = false;
+        for (largest, (before, after)) in self.0.iter_mut().zip(before.iter().zip(after)) {
+            let change = before.units_between(*after);
+            any |= change > R::Bits::default();
+            *largest = change.max(*largest);
+        }
+        any
+    }
+
+    pub(super) fn largest(self) -> R::Bits {
+        self.0.into_iter().max().unwrap_or_default()
+    }
+}

@@ -1,0 +1,310 @@
+//! Fronts that carry their curvature, over a slowness that is not the same everywhere.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use super::curved::{FirstFronts, KeptCurved, accept, first};
+use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, StretchOf, TriangleKind, in_stretch};
+use super::slowed::Seen;
+use crate::cpu::behind::Behind;
+use crate::cpu::bend_units;
+use crate::cpu::line::ScanLine;
+use crate::cpu::line_update::{How, LineUpdate, Stretches, Updated};
+use crate::cpu::tiles::TILE;
+use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed};
+use crate::update::{Bends, Curvature, Front, Kept, Triangle, curved_slowed, is_settled_slowed};
+
+/// [`crate::Wavefront::Curved`] over such a surface.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::cpu) struct SlowedCurved<'a, R> {
+    /// The Gaussian curvature of the metric that the slowness makes of the surface, tagged where waves diffract; and
+    /// the slowness.
+    gaussian: &'a [R],
+    slowness: &'a [R],
+    origins: Origins,
+}
+
+/// What is known of a point of the surface: [`GAUSSIAN`] and [`SLOWNESS`].
+type Ground<R> = [R; 2];
+const GAUSSIAN: usize = 0;
+const SLOWNESS: usize = 1;
+
+impl<'a, R: Real> SlowedCurved<'a, R> {
+    /// Over a surface with these edges and this slowness.
+    pub(in crate::cpu) fn new(edges: &'a EdgeLengths<R>, slowness: &'a [R]) -> Self {
+        let origins = Origins::none(edges.front_meets_itself());
+        Self { gaussian: edges.gaussian_curvature(), slowness, origins }
+    }
+}
+
+impl<'a, R: Real> FrontKind<'a, R> for SlowedCurved<'a, R> {
+    type Carried = Curvature<R>;
+    type Arrival = Front<R>;
+    type Ground = Ground<R>;
+    const TAKES_BACK: bool = true;
+
+    fn arrival_of_seed(&mut self, seed: &Seed) -> Front<R> {
+        self.origins.add(seed);
+        Front { time: seed.start_of_curved(), curvature: R::of(seed.curvature), whole: true }
+    }
+
+    fn forget(&mut self) {
+        self.origins.forget();
+    }
+
+    #[inline]
+    fn reach(
+        &self,
+        edges: &EdgeLengths<R>,
+        point: usize,
+        behind: &Behind,
+        seen: impl Fn(usize) -> KeptCurved<R>,
+    ) -> Front<R> {
+        let [a, b] =
+            behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));
+        Front::first(a, b)
+    }
+
+    #[inline(always)]
+    fn accept(kept: KeptCurved<R>, arrival: Front<R>, scan: u8, renews: bool) -> KeptCurved<R> {
+        accept(kept, arrival, scan, renews)
+    }
+
+    #[inline(always)]
+    fn first(a: KeptCurved<R>, b: KeptCurved<R>) -> KeptCurved<R> {
+        first(a, b)
+    }
+
+    #[inline(always)]
+    fn change(before: KeptCurved<R>, after: KeptCurved<R>) -> R::Bits {
+        let bend = (after.carried.value() - before.carried.value()).abs() * after.time;
+        before.time.units_between(after.time).max(bend_units(bend))
+    }
+
+    fn ground(&self, _: Chart) -> Cow<'a, [Ground<R>]> {
+        let points = self.gaussian.iter().zip(self.slowness);
+        points.map(|(&gaussian, &slowness)| [gaussian, slowness]).collect()
+    }
+
+    fn update(
+        &self,
+        lines: &mut LinesOf<'_, 'a, R, Self>,
+        line: usize,
+        points: &Range<usize>,
+        how: How,
+        changed: &mut [bool],
+    ) -> Updated<R::Bits> {
+        let parts = self.through_parts_of_line(lines, line, points, how.scan);
+        let line = lines.line(line, points, how.scan);
+        let line = CurvedLine { line, parts: &parts, causal: self.origins.are_causal() };
+        how.instructions.run(LineUpdate { line, how, changed })
+    }
+
+    #[inline(always)]
+    fn leaves(
+        &self,
+        before: &BeforeOf<'_, 'a, R, Self>,
+        first: usize,
+        stretch: StretchOf<'_, 'a, R, Self>,
+        points: usize,
+        how: How,
+    ) -> bool {
+        let behind = Behind::of(before.edges.chart(), how.scan);
+        let at = behind.points().map(|offset| first.wrapping_add_signed(offset));
+        let ground = at.map(|at| &before.ground[at..][..points]);
+        let seen = Seen {
+            stretch: &stretch,
+            own: |i: usize| stretch.ground[i][SLOWNESS],
+            behind: |k: usize, i: usize| ground[k][i][SLOWNESS],
+        };
+        leaves(&seen, points, how)
+    }
+}
+
+impl<'a, R: Real> SlowedCurved<'a, R> {
+    fn bends(&self, corners: [usize; 3], carried: [Curvature<R>; 2], alone: bool) -> Bends<R> {
+        let fronts = carried.map(Curvature::value);
+        let surface = corners.map(|corner| self.gaussian[corner]);
+        Bends { fronts, surface, alone, causal: self.origins.are_causal() }
+    }
+}
+
+impl<'a, R: Real> TriangleKind<'a, R> for SlowedCurved<'a, R> {
+    #[inline]
+    fn arrival(
+        &self,
+        corners: [usize; 3],
+        triangle: Triangle<R>,
+        carried: [Curvature<R>; 2],
+        alone: bool,
+    ) -> Front<R> {
+        let slowness = corners.map(|corner| self.slowness[corner]);
+        curved_slowed(triangle, self.bends(corners, carried, alone), slowness)
+    }
+
+    fn arrival_over(
+        &self,
+        corners: [usize; 3],
+        triangle: Triangle<R>,
+        carried: [Curvature<R>; 2],
+        slowness: [R; 3],
+    ) -> Front<R> {
+        curved_slowed(triangle, self.bends(corners, carried, false), slowness)
+    }
+
+    fn is_obtuse(&self, corners: [usize; 3], triangle: Triangle<R>) -> bool {
+        triangle.is_obtuse_on_surface(corners.map(|corner| self.slowness[corner]))
+    }
+
+    fn time(arrival: Front<R>) -> R {
+        arrival.time
+    }
+
+    fn earlier(a: Front<R>, b: Front<R>) -> Front<R> {
+        Front::first(a, b)
+    }
+
+    fn curvature(kept: KeptBy<'a, R, Self>) -> R {
+        kept.carried.value()
+    }
+
+    fn circle(radius: R) -> Curvature<R> {
+        let front = Front { time: radius, curvature: radius.recip(), whole: false };
+        Curvature::of(front, crate::update::SEED)
+    }
+}
+
+/// Whether a scan leaves a stretch of points as they are.
+#[inline(always)]
+fn leaves<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
+    seen: &Seen<'_, R, Curvature<R>, Ground<R>, O, B>,
+    points: usize,
+    how: How,
+) -> bool {
+    let stretch = seen.stretch;
+    if stretch.is_renewed(points, how.scan.0, how.renews) {
+        return false;
+    }
+    if stretch.leads(points) {
+        return true;
+    }
+    let [before, beside, after] = stretch.carried_behind;
+    let mut settled = true;
+    for i in 0..points {
+        let now = stretch.times[i];
+        let beside = beside[i].value();
+        let (left, left_slowness) = seen.seen_from_beside::<true>(i);
+        let (right, right_slowness) = seen.seen_from_beside::<false>(i);
+        let [of_left, of_right] = [before[i].value(), after[i].value()];
+        settled &= is_settled_slowed(left, Some([of_left, beside]), left_slowness, now)
+            & is_settled_slowed(right, Some([of_right, beside]), right_slowness, now);
+    }
+    settled
+}
+
+/// The largest changes by their place in the stretch: of arrival times, and of curvatures times the arrival time.
+struct Changes<R: Real> {
+    times: [R::Bits; TILE],
+    bends: [R::Bits; TILE],
+}
+
+impl<R: Real> Default for Changes<R> {
+    #[inline(always)]
+    fn default() -> Self {
+        let none = [R::Bits::default(); TILE];
+        Self { times: none, bends: none }
+    }
+}
+
+impl<R: Real> Changes<R> {
+    /// Notes what has become of point i: whether it has changed at all.
+    #[inline(always)]
+    fn note(&mut self, i: usize, before: KeptCurved<R>, after: KeptCurved<R>) -> bool {
+        let [bent_before, bent] = [before.carried.value(), after.carried.value()];
+        let change = before.time.units_between(after.time);
+        self.times[i] = change.max(self.times[i]);
+        // As whole numbers, whose maximum compilers find in lanes.
+        let bend = (bent - bent_before).abs() * after.time;
+        self.bends[i] = R::zero().units_between(bend).max(self.bends[i]);
+        change.max(bent_before.units_between(bent)) > R::Bits::default()
+    }
+}
+
+/// A line while a scan updates it.
+struct CurvedLine<'a, R> {
+    line: ScanLine<'a, R, Curvature<R>, Ground<R>>,
+    /// What comes through parts of obtuse triangles, by the point's place in the line.
+    parts: &'a [(usize, Front<R>)],
+    /// See [`Bends::causal`].
+    causal: bool,
+}
+
+impl<R: Real> Stretches for CurvedLine<'_, R> {
+    type Changes = Changes<R>;
+    type Bits = R::Bits;
+
+    #[inline(always)]
+    fn points(&self) -> usize {
+        self.line.times.len()
+    }
+
+    #[inline(always)]
+    fn prefetch_next(&self, start: usize) {
+        self.line.prefetch_next(start);
+    }
+
+    #[inline(always)]
+    fn update(
+        &mut self,
+        start: usize,
+        points: usize,
+        how: How,
+        changes: &mut Changes<R>,
+    ) -> Option<bool> {
+        let stretch = self.line.stretch(start, points);
+        let ground = self.line.ground_behind(start, points);
+        let seen = Seen {
+            stretch: &stretch,
+            own: |i: usize| stretch.ground[i][SLOWNESS],
+            behind: |k: usize, i: usize| ground[k][i][SLOWNESS],
+        };
+        let parts = in_stretch(self.parts, start, points);
+        if parts.is_empty() && leaves(&seen, points, how) {
+            return None;
+        }
+        let mut first = FirstFronts::default();
+        for (i, own) in stretch.ground[..points].iter().enumerate() {
+            let k = [0, 1, 2].map(|at| stretch.carried_behind[at][i].value());
+            let g = [0, 1, 2].map(|at| ground[at][i][GAUSSIAN]);
+            let own = own[GAUSSIAN];
+            let (alone, causal) = (stretch.is_alone(i), self.causal);
+            let (triangle, slowness) = seen.triangle::<true>(i);
+            let bends = Bends { fronts: [k[0], k[1]], surface: [own, g[0], g[1]], alone, causal };
+            let left = curved_slowed(triangle, bends, slowness);
+            let (triangle, slowness) = seen.triangle::<false>(i);
+            let bends = Bends { fronts: [k[1], k[2]], surface: [own, g[1], g[2]], alone, causal };
+            first.set(i, Front::first(left, curved_slowed(triangle, bends, slowness)));
+        }
+        for &(point, front) in parts {
+            let i = point - start;
+            first.set(i, Front::first(first.get(i), front));
+        }
+        let (mut times, mut curvatures) = ([R::zero(); TILE], [Curvature::default(); TILE]);
+        let mut any = false;
+        for i in 0..points {
+            let before = Kept { time: stretch.times[i], carried: stretch.carried[i] };
+            let after = accept(before, first.get(i), how.scan.0, how.renews);
+            (times[i], curvatures[i]) = (after.time, after.carried);
+            any |= changes.note(i, before, after);
+        }
+        self.line.times[start..][..points].copy_from_slice(&times[..points]);
+        self.line.carried[start..][..points].copy_from_slice(&curvatures[..points]);
+        Some(any)
+    }
+
+    #[inline(always)]
+    fn largest(changes: Changes<R>) -> R::Bits {
+        let largest = |of: [R::Bits; TILE]| of.into_iter().max().unwrap_or_default();
+        largest(changes.times).max(bend_units(R::from_bits(largest(changes.bends))))
+    }
+}

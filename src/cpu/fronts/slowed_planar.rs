@@ -1,0 +1,221 @@
+//! Planar fronts over a slowness that is not the same everywhere.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, StretchOf, TriangleKind, in_stretch};
+use super::slowed::{Seen, TimeChanges};
+use crate::cpu::behind::Behind;
+use crate::cpu::line::ScanLine;
+use crate::cpu::line_update::{How, LineUpdate, Stretches, Updated};
+use crate::cpu::tiles::TILE;
+use crate::surface::{Chart, EdgeLengths, Real, Seed, min};
+use crate::update::{Kept, Triangle, is_settled_slowed, planar_slowed};
+
+/// [`crate::Wavefront::Planar`] over such a surface.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::cpu) struct SlowedPlanar<'a, R> {
+    /// At each point of the bordered array.
+    slowness: &'a [R],
+}
+
+impl<'a, R: Real> SlowedPlanar<'a, R> {
+    /// Over a surface with this slowness.
+    pub(in crate::cpu) fn new(slowness: &'a [R]) -> Self {
+        Self { slowness }
+    }
+}
+
+impl<'a, R: Real> FrontKind<'a, R> for SlowedPlanar<'a, R> {
+    type Carried = ();
+    type Arrival = R;
+    type Ground = R;
+
+    fn arrival_of_seed(&mut self, seed: &Seed) -> R {
+        R::of(seed.time)
+    }
+
+    #[inline]
+    fn reach(
+        &self,
+        edges: &EdgeLengths<R>,
+        point: usize,
+        behind: &Behind,
+        seen: impl Fn(usize) -> Kept<R, ()>,
+    ) -> R {
+        let [a, b] =
+            behind.triangles().each_ref().map(|slots| self.through(edges, point, slots, &seen));
+        min(a, b)
+    }
+
+    #[inline(always)]
+    fn accept(kept: Kept<R, ()>, time: R, _: u8, _: bool) -> Kept<R, ()> {
+        Kept { time: min(kept.time, time), carried: () }
+    }
+
+    #[inline(always)]
+    fn first(a: Kept<R, ()>, b: Kept<R, ()>) -> Kept<R, ()> {
+        Kept { time: min(a.time, b.time), carried: () }
+    }
+
+    #[inline(always)]
+    fn change(before: Kept<R, ()>, after: Kept<R, ()>) -> R::Bits {
+        before.time.units_between(after.time)
+    }
+
+    fn ground(&self, _: Chart) -> Cow<'a, [R]> {
+        self.slowness.into()
+    }
+
+    fn update(
+        &self,
+        lines: &mut LinesOf<'_, 'a, R, Self>,
+        line: usize,
+        points: &Range<usize>,
+        how: How,
+        changed: &mut [bool],
+    ) -> Updated<R::Bits> {
+        let parts = self.through_parts_of_line(lines, line, points, how.scan);
+        let line = PlanarLine { line: lines.line(line, points, how.scan), parts: &parts };
+        how.instructions.run(LineUpdate { line, how, changed })
+    }
+
+    #[inline(always)]
+    fn leaves(
+        &self,
+        before: &BeforeOf<'_, 'a, R, Self>,
+        first: usize,
+        stretch: StretchOf<'_, 'a, R, Self>,
+        points: usize,
+        how: How,
+    ) -> bool {
+        if stretch.leads(points) {
+            return true;
+        }
+        let behind = Behind::of(before.edges.chart(), how.scan);
+        let at = behind.points().map(|offset| first.wrapping_add_signed(offset));
+        let slowness_behind = at.map(|at| &before.ground[at..][..points]);
+        stays(
+            &Seen {
+                stretch: &stretch,
+                own: |i: usize| stretch.ground[i],
+                behind: |k: usize, i: usize| slowness_behind[k][i],
+            },
+            points,
+        )
+    }
+}
+
+impl<'a, R: Real> TriangleKind<'a, R> for SlowedPlanar<'a, R> {
+    #[inline]
+    fn arrival(&self, corners: [usize; 3], triangle: Triangle<R>, _: [(); 2], _: bool) -> R {
+        planar_slowed(triangle, corners.map(|corner| self.slowness[corner]))
+    }
+
+    fn arrival_over(
+        &self,
+        _: [usize; 3],
+        triangle: Triangle<R>,
+        _: [(); 2],
+        slowness: [R; 3],
+    ) -> R {
+        planar_slowed(triangle, slowness)
+    }
+
+    fn is_obtuse(&self, corners: [usize; 3], triangle: Triangle<R>) -> bool {
+        triangle.is_obtuse_on_surface(corners.map(|corner| self.slowness[corner]))
+    }
+
+    fn time(arrival: R) -> R {
+        arrival
+    }
+
+    fn earlier(a: R, b: R) -> R {
+        min(a, b)
+    }
+
+    fn curvature(kept: KeptBy<'a, R, Self>) -> R {
+        kept.time.recip()
+    }
+
+    fn circle(_: R) {}
+}
+
+/// Whether nothing comes earlier to any point.
+#[inline(always)]
+fn stays<R: Real, O: Fn(usize) -> R, B: Fn(usize, usize) -> R>(
+    seen: &Seen<'_, R, (), R, O, B>,
+    points: usize,
+) -> bool {
+    let mut settled = true;
+    for i in 0..points {
+        let now = seen.stretch.times[i];
+        let (left, left_slowness) = seen.seen_from_beside::<true>(i);
+        let (right, right_slowness) = seen.seen_from_beside::<false>(i);
+        settled &= is_settled_slowed(left, None, left_slowness, now)
+            & is_settled_slowed(right, None, right_slowness, now);
+    }
+    settled
+}
+
+/// A line while a scan updates it.
+struct PlanarLine<'a, R> {
+    line: ScanLine<'a, R, (), R>,
+    /// When something comes through parts of obtuse triangles, by the point's place in the line.
+    parts: &'a [(usize, R)],
+}
+
+impl<R: Real> Stretches for PlanarLine<'_, R> {
+    type Changes = TimeChanges<R>;
+    type Bits = R::Bits;
+
+    #[inline(always)]
+    fn points(&self) -> usize {
+        self.line.times.len()
+    }
+
+    #[inline(always)]
+    fn prefetch_next(&self, start: usize) {
+        self.line.prefetch_next(start);
+    }
+
+    #[inline(always)]
+    fn update(
+        &mut self,
+        start: usize,
+        points: usize,
+        _: How,
+        changes: &mut TimeChanges<R>,
+    ) -> Option<bool> {
+        let stretch = self.line.stretch(start, points);
+        let behind = self.line.ground_behind(start, points);
+        let seen = Seen {
+            stretch: &stretch,
+            own: |i: usize| stretch.ground[i],
+            behind: |k: usize, i: usize| behind[k][i],
+        };
+        let parts = in_stretch(self.parts, start, points);
+        if parts.is_empty() && (stretch.leads(points) || stays(&seen, points)) {
+            return None;
+        }
+        let mut after = [R::zero(); TILE];
+        for (i, after) in after[..points].iter_mut().enumerate() {
+            let (left, left_slowness) = seen.triangle::<true>(i);
+            let (right, right_slowness) = seen.triangle::<false>(i);
+            let time =
+                min(planar_slowed(left, left_slowness), planar_slowed(right, right_slowness));
+            *after = min(stretch.times[i], time);
+        }
+        for &(point, time) in parts {
+            after[point - start] = min(after[point - start], time);
+        }
+        let any = changes.note(stretch.times, &after[..points]);
+        self.line.times[start..][..points].copy_from_slice(&after[..points]);
+        Some(any)
+    }
+
+    #[inline(always)]
+    fn largest(changes: TimeChanges<R>) -> R::Bits {
+        changes.largest()
+    }
+}

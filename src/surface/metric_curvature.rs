@@ -1,0 +1,101 @@
+//! Gaussian curvature of a surface that is known by its metric alone, from the tensors around a point.
+//!
+//! Angles between edges do not tell it: the length of an edge from the metric at its ends is good to second order, and
+//! what is left turns angles by as much as the surface's curvature does.
+
+use super::Surface;
+use super::geometry::{Geometry, MetricTensor};
+use super::jump::jump;
+use super::real::Real;
+
+impl Surface {
+    /// At each point of the bordered array, where it and its eight neighbours are there, else NaN; nothing if the surface
+    /// has positions. Where the metric jumps, it is left out.
+    pub(super) fn metric_curvature<R: Real>(&self) -> Option<Vec<R>> {
+        let Geometry::Metric(metric) = self.geometry() else { return None };
+        let chart = self.chart();
+        let mut curvature = vec![R::nan(); chart.bordered_points()];
+        let inner = |count: usize| 1..count.saturating_sub(1);
+        for row in inner(chart.rows) {
+            for col in inner(chart.cols) {
+                let at = |down: isize, right: isize| {
+                    let (row, col) =
+                        (row.wrapping_add_signed(down), col.wrapping_add_signed(right));
+                    self.has(row, col).then(|| metric[chart.index(row, col)])
+                };
+                let rows = [-1, 0, 1].map(|down| [-1, 0, 1].map(|right| at(down, right)));
+                if rows.iter().flatten().all(Option::is_some) {
+                    let block = rows.map(|row| row.map(Option::unwrap_or_default));
+                    curvature[chart.bordered(row, col)] = R::of(smooth_curvature(&block));
+                }
+            }
+        }
+        Some(curvature)
+    }
+}
+
+/// The curvature from a point's tensor and those around it (Brioschi's formula), as far as they change smoothly.
+fn smooth_curvature(block: &[[MetricTensor; 3]; 3]) -> f64 {
+    let steps = [[0.0, 1.0], [1.0, 0.0], [1.0, 1.0], [1.0, -1.0]];
+    let jumps = steps.map(|step| {
+        let lengths = block.iter().flatten().map(|tensor| tensor.length(step));
+        let range = |(least, most): (f64, f64), length: f64| (least.min(length), most.max(length));
+        let (least, most) = lengths.fold((f64::INFINITY, 0.0), range);
+        jump(most, least)
+    });
+    let smooth = 1.0 - jumps.into_iter().fold(0.0, f64::max);
+    if smooth > 0.0 { smooth * curvature(block) } else { 0.0 }
+}
+
+fn curvature(block: &[[MetricTensor; 3]; 3]) -> f64 {
+    // Columns are u, rows v.
+    let [e, f, g]: [fn(&MetricTensor) -> f64; 3] = [|t| t.cc, |t| t.rc, |t| t.rr];
+    let of = |entry: fn(&MetricTensor) -> f64| {
+        let at = |row: usize, col: usize| entry(&block[row][col]);
+        let here = at(1, 1);
+        let by_u = 0.5 * (at(1, 2) - at(1, 0));
+        let by_v = 0.5 * (at(2, 1) - at(0, 1));
+        let by_uu = at(1, 2) - 2.0 * here + at(1, 0);
+        let by_vv = at(2, 1) - 2.0 * here + at(0, 1);
+        let by_uv = 0.25 * (at(2, 2) - at(2, 0) - at(0, 2) + at(0, 0));
+        [here, by_u, by_v, by_uu, by_vv, by_uv]
+    };
+    let ([e, e_u, e_v, _, e_vv, _], [f, f_u, f_v, _, _, f_uv], [g, g_u, g_v, g_uu, _, _]) =
+        (of(e), of(f), of(g));
+    let determinant = |[a, b, c]: [[f64; 3]; 3]| {
+        a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
+            + a[2] * (b[0] * c[1] - b[1] * c[0])
+    };
+    let first = determinant([
+        [-0.5 * e_vv + f_uv - 0.5 * g_uu, 0.5 * e_u, f_u - 0.5 * e_v],
+        [f_v - 0.5 * g_u, e, f],
+        [0.5 * g_v, f, g],
+    ]);
+    let second = determinant([[0.0, 0.5 * e_v, 0.5 * g_u], [0.5 * e_v, e, f], [0.5 * g_u, f, g]]);
+    let area_squared = e * g - f * f;
+    (first - second) / (area_squared * area_squared)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::EdgeLengths;
+
+    /// A sphere by its latitudes and longitudes, and a plane by circles and rays.
+    #[test]
+    fn a_sphere_has_curvature_one_and_a_plane_none_in_any_coordinates() {
+        let step = 0.02;
+        let surface = |size: fn(f64) -> f64| {
+            let metric = (0..15 * 15).map(|index| {
+                let along = size(0.7 + step * (index / 15) as f64);
+                MetricTensor { rr: step * step, rc: 0.0, cc: step * step * along * along }
+            });
+            Surface::from_metric(15, 15, metric.collect()).unwrap()
+        };
+        for (size, expected) in [(f64::sin as fn(f64) -> f64, 1.0), (|radius| radius, 0.0)] {
+            let edges = EdgeLengths::<f64>::new(&surface(size)).unwrap();
+            let found = edges.gaussian_curvature()[edges.chart().bordered(7, 6)];
+            approx::assert_abs_diff_eq!(found, expected, epsilon = 2e-3);
+        }
+    }
+}
