@@ -165,8 +165,9 @@
 // Steps by which the place is found where a ray crosses the base of a triangle with an uneven slowness: two for a
 // smooth one, in single precision, and one more where it jumps.
 #define CROSSING_STEPS 3
-// What is left of the least slowness where it is 0: travel is free, but edges have a length. In memory of a renderer's
-// that is this slowness itself.
+// Where the slowness is 0 travel is free, but edges need a length: this part of the least positive slowness counts. A
+// renderer's frame does not know that one, and takes any slowness below LEAST_SLOWNESS for that.
 #define FREE 1e-6
+#define LEAST_SLOWNESS 1e-12
 // Between these cosines a ray's place on the base is guessed.
 #define STEEPEST_GUESS 0.95

@@ -33,7 +33,7 @@ void main() {
     int to = row_major(place, grid.x) * (size + 1);
     float weight = slowness < 0 ? 1.0 : component(at, slowness);
     bool present = is_usable(weight) && weight >= 0.0;
-    weight = max(weight, FREE);
+    weight = max(weight, LEAST_SLOWNESS);
     for (int i = 0; i < size; i++) {
         float value = component(at, i);
         bool usable = is_usable(value);

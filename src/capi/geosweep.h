@@ -278,8 +278,8 @@ typedef struct GeosweepSolverInfo {
     // How many.
     uint32_t pass_count;
     // A cache to make pipelines with; null for none. It stays yours to fill, to save and to destroy, and
-    // must be alive whenever the solver makes pipelines: now, and when the first contours and paths
-    // are made. `geosweep_solver_set_pipeline_cache` takes it back. Pipelines, once made, do not need
+    // must be alive whenever the solver makes pipelines: now, with the first surface that has a slowness,
+    // and when the first contours and paths are made. `geosweep_solver_set_pipeline_cache` takes it back. Pipelines, once made, do not need
     // it. One thread at a time uses it in the solver; if you use it meanwhile, the rules of
     // `vkCreateComputePipelines` hold.
     VkPipelineCache pipeline_cache;
@@ -293,9 +293,9 @@ typedef struct GeosweepSolverInfo {
 // device, read whenever a recording measures them, or in the program's memory, copied at once.
 // Exactly one of `buffer`, `view` and `data` is not null.
 //
-// A point on the device with a float that is NaN, infinite or beyond 1e12, or a slowness that is
-// not positive, is a hole. In the program's memory NaN and the mask make holes, and the rest is an
-// error.
+// A point on the device with a float that is NaN, infinite or beyond 1e12, or with a negative slowness,
+// is a hole. In the program's memory NaN, an infinite slowness and the mask make holes, and the rest is
+// an error. Travel is free where the slowness is 0: on the device one below 1e-12 counts as 1e-12.
 typedef struct GeosweepPoints {
     // What the first floats of a point are.
     GeosweepPointKind kind;

@@ -3,7 +3,7 @@
 use crate::vulkan::embed::DeviceMemory;
 use ash::vk;
 use ash::vk::Handle;
-use bytemuck::{NoUninit, bytes_of};
+use bytemuck::cast_slice;
 use glam::DVec3;
 use gpu_allocator::MemoryLocation;
 
@@ -37,9 +37,9 @@ type PointKindNumber = i32;
 /// device, read whenever a recording measures them, or in the program's memory, copied at once.
 /// Exactly one of `buffer`, `view` and `data` is not null.
 ///
-/// A point on the device with a float that is NaN, infinite or beyond 1e12, or a slowness that is
-/// not positive, is a hole. In the program's memory NaN and the mask make holes, and the rest is an
-/// error.
+/// A point on the device with a float that is NaN, infinite or beyond 1e12, or with a negative slowness,
+/// is a hole. In the program's memory NaN, an infinite slowness and the mask make holes, and the rest is
+/// an error. Travel is free where the slowness is 0: on the device one below 1e-12 counts as 1e-12.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepPoints {
@@ -214,34 +214,15 @@ impl Layout {
         Ok(surface)
     }
 
-    /// Floats of a point in our buffer: the slowness comes last, 0 in holes.
+    /// Floats of a point in our buffer: the slowness, if there is one, comes last.
     fn floats(&self) -> usize {
-        self.kind.floats() as usize + 1
+        self.kind.floats() as usize + usize::from(self.slowness.is_some())
     }
 
     /// Our buffer for them.
     pub(super) fn buffer(&self, chart: Chart) -> BufferInfo {
         let size = (4 * self.floats() * chart.points()) as u64;
         BufferInfo { name: "points", size, location: MemoryLocation::CpuToGpu }
-    }
-}
-
-/// Writes the points of a surface as edges_from_*.comp read them: slowness 0 marks a hole.
-fn write_points(surface: &Surface, buffer: &mut [u8]) {
-    let point = |index| surface.point::<f32>(index, DVec3::ZERO);
-    match surface.geometry() {
-        Geometry::Heights { .. } => write(buffer, surface, |index| {
-            let [_, _, height, slowness] = point(index);
-            [height, slowness]
-        }),
-        Geometry::Positions(_) | Geometry::Metric(_) => write(buffer, surface, point),
-    }
-}
-
-fn write<T: NoUninit>(buffer: &mut [u8], surface: &Surface, point: impl Fn(usize) -> T) {
-    let indices = 0..surface.chart().points();
-    for (bytes, index) in buffer.chunks_exact_mut(size_of::<T>()).zip(indices) {
-        bytes.copy_from_slice(bytes_of(&point(index)));
     }
 }
 
@@ -267,15 +248,21 @@ impl Copied {
     /// Writes them anew.
     pub(super) fn write(&mut self, surface: &Surface) {
         let mapped = self.buffer.mapped();
-        // Where they are, so that curves are lifted there; they were single precision before.
-        write_points(surface, mapped);
         let (chart, bytes) = (surface.chart(), 4 * self.layout.floats());
         for (index, point) in mapped.chunks_exact_mut(bytes).take(chart.points()).enumerate() {
             let (row, col) = chart.position(index);
             if !surface.has(row, col) {
-                // NaN but for the slowness: what stood in a hole is no place to lift curves to.
-                point[..bytes - 4].fill(0xFF);
+                // NaN: what stood in a hole is no place to lift curves to.
+                point.fill(0xFF);
+                continue;
             }
+            // Relative to no origin, so that curves are lifted there; they were single precision before.
+            let floats = surface.point::<f32>(index, DVec3::ZERO);
+            let floats = match surface.geometry() {
+                Geometry::Heights { .. } => &floats[2..],
+                Geometry::Positions(_) | Geometry::Metric(_) => &floats[..],
+            };
+            point.copy_from_slice(&cast_slice(floats)[..bytes]);
         }
     }
 
@@ -288,7 +275,8 @@ impl Copied {
         let floats = self.layout.floats();
         let (buffer, stride) = (self.buffer.buffer, 4 * floats as u64);
         let memory = embed::PointMemory::Buffer { buffer, offset: 0, stride };
-        embed::Points { memory, kind: self.layout.kind, slowness: Some(floats as u32 - 1) }
+        let slowness = self.layout.slowness.map(|_| floats as u32 - 1);
+        embed::Points { memory, kind: self.layout.kind, slowness }
     }
 
     pub(super) fn destroy(&mut self, shared: &Shared, allocator: &mut dyn DeviceMemory) {

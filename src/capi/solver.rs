@@ -59,8 +59,8 @@ pub struct GeosweepSolverInfo {
     /// How many.
     pub pass_count: u32,
     /// A cache to make pipelines with; null for none. It stays yours to fill, to save and to destroy, and
-    /// must be alive whenever the solver makes pipelines: now, and when the first contours and paths
-    /// are made. `geosweep_solver_set_pipeline_cache` takes it back. Pipelines, once made, do not need
+    /// must be alive whenever the solver makes pipelines: now, with the first surface that has a slowness,
+    /// and when the first contours and paths are made. `geosweep_solver_set_pipeline_cache` takes it back. Pipelines, once made, do not need
     /// it. One thread at a time uses it in the solver; if you use it meanwhile, the rules of
     /// `vkCreateComputePipelines` hold.
     pub pipeline_cache: vk::PipelineCache,

@@ -220,8 +220,9 @@ fn a_surface_is_made_of_what_can_be_used() {
     let masked = GeosweepPoints { mask: no_mask.as_ptr(), ..heights(&data) };
     let mut huge = [1.0; 4 * POINTS];
     huge[3] = 1e13;
+    let negative = [-1.0; 4 * POINTS];
     // The second float of each is a slowness.
-    let slow = GeosweepPoints { slowness: 1, stride: 8, ..heights(&data) };
+    let slow = GeosweepPoints { slowness: 1, stride: 8, ..heights(&negative) };
     let with = |points: GeosweepPoints| {
         let points = [points];
         create(&GeosweepSurfaceInfo { points: points.as_ptr(), ..good })
@@ -245,7 +246,7 @@ fn a_surface_is_made_of_what_can_be_used() {
         with(GeosweepPoints { slowness: 5, view, layout, ..zero() }) => "four components",
         with(GeosweepPoints { dx: 0.0, ..heights(&data) }) => "info->points[0].dx or dy",
         with(GeosweepPoints { dy: f64::NAN, ..heights(&data) }) => "NaN",
-        with(slow) => "slowness 0 at row 0, column 0",
+        with(slow) => "slowness -1 at row 0, column 0",
         with(masked) => "no point of the surface is left",
         with(metric(&data)) => "row 0, column 0 is not positive definite",
         with(metric(&huge)) => "data has an entry beyond 1e12 at row 0, column 1",

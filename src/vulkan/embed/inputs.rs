@@ -9,7 +9,7 @@ use crate::vulkan::point_kind::PointKind;
 /// The points of a surface in memory of the host's on the device.
 ///
 /// A point with a coordinate, height, entry of the metric or slowness that is NaN, infinite or beyond
-/// 1e12, or with a negative slowness, is a hole. A slowness below a millionth, as 0 for free travel, counts as that.
+/// 1e12, or with a negative slowness, is a hole. Travel is free where the slowness is 0: one below 1e-12 counts as 1e-12.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Points {
     /// Where they are.

@@ -123,8 +123,8 @@ impl Solver {
     ///
     /// The cache stays the host's, which fills it from a file, merges it, saves and destroys it. It
     /// has to be alive whenever this solver makes pipelines: in [`Solver::with_cache`],
-    /// [`Solver::add_passes`], and where the first [`super::Contours`], [`super::Paths`] and [`super::Regions`] (of each
-    /// wavefront) are made. Once they are made, no pipeline needs it. One thread at a time uses it in
+    /// [`Solver::add_passes`], with the first surface that has a slowness, and where the first [`super::Contours`],
+    /// [`super::Paths`] and [`super::Regions`] (of each wavefront) are made. Once they are made, no pipeline needs it. One thread at a time uses it in
     /// this solver; for other uses of it at the same time the rules of `vkCreateComputePipelines` hold.
     pub fn set_pipeline_cache(&self, cache: vk::PipelineCache) {
         self.pipelines.set_cache(cache);

@@ -84,6 +84,17 @@ fn positions_in_a_buffer_or_an_image_give_the_headless_map() {
 
 #[test]
 fn heights_with_slowness_give_the_headless_map() {
+    heights_with_slowness(1.0);
+}
+
+/// Seconds a metre of light.
+#[test]
+fn small_slownesses_give_the_headless_map() {
+    heights_with_slowness(3.3e-9);
+}
+
+/// Of a slowness with patches of 0, a negative value and NaN, times a unit.
+fn heights_with_slowness(unit: f32) {
     let mut solver = vulkan_solver();
     let height = |index: usize| {
         let (row, col) = CHART.position(index);
@@ -92,13 +103,18 @@ fn heights_with_slowness_give_the_headless_map() {
     let slowness = |index: usize| match index {
         600 => -1.0,
         601 => f32::NAN,
-        _ => 1.0 + 0.02 * (index % 45) as f32,
+        _ if (20..25).contains(&(index / CHART.cols))
+            && (8..12).contains(&(index % CHART.cols)) =>
+        {
+            0.0
+        }
+        _ => unit * (1.0 + 0.02 * (index % 45) as f32),
     };
     let spacing = Spacing { dx: 0.7, dy: 1.1 };
     let points = 0..CHART.points();
     let weights: Vec<_> = points.clone().map(slowness).collect();
     let heights = points.clone().map(|i| f64::from(height(i))).collect();
-    let mask: Vec<_> = weights.iter().map(|&weight| weight > 0.0).collect();
+    let mask: Vec<_> = weights.iter().map(|&weight| weight >= 0.0).collect();
     let surface = Surface::from_heights(CHART.rows, CHART.cols, heights, spacing).unwrap();
     let surface = surface.with_mask(&mask).unwrap();
     let surface = surface.with_slowness(weights.iter().map(|&w| f64::from(w)).collect()).unwrap();
