@@ -121,7 +121,9 @@ fn all_kinds_of_points_give_the_map_of_the_cpu() {
             let map = session.map(surface, &frame);
             assert!(session.outcome(surface).converged);
             let seeds = Sources::point(3.0, 40.0).seeds(truth).unwrap();
-            let exact = on_cpu(truth, &seeds, wavefront, CONVERGED);
+            // A surface some of whose points have a slowness has planar fronts in place of circular ones.
+            let solved = if wavefront == Wavefront::Curved { wavefront } else { Wavefront::Planar };
+            let exact = on_cpu(truth, &seeds, solved, CONVERGED);
             let difference = difference(&map, &exact);
             assert!(difference < SAME, "{number}, {wavefront}: {difference}");
             ok(unsafe { geosweep_plan_destroy(plan) });

@@ -93,7 +93,7 @@ fn small_slownesses_give_the_headless_map() {
     heights_with_slowness(3.3e-9);
 }
 
-/// Of a slowness with patches of 0, a negative value and NaN, times a unit.
+/// Of a slowness times a unit, with a negative value and NaN, and with a patch of 0 if the unit is 1.
 fn heights_with_slowness(unit: f32) {
     let mut solver = vulkan_solver();
     let height = |index: usize| {
