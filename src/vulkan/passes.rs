@@ -140,6 +140,7 @@ passes! {
         EDGES_FROM_POSITIONS: edges_from_positions, Some(Edges);
         EDGES_FROM_HEIGHTS: edges_from_heights, Some(Edges);
         EDGES_FROM_METRIC: edges_from_metric, Some(Edges);
+        TYPICAL_EDGE: typical_edge, Some(Edges);
         FAN_CURVATURE: fan_curvature, Some(Curvature);
         GAUSSIAN_CURVATURE: gaussian_curvature, Some(Curvature);
         SOURCES: sources, Some(Sources);

@@ -214,6 +214,7 @@ fn twin(
                 tile: tuning.tile as usize,
                 inner: tuning.inner,
                 recorded: recorded.count() as u32,
+                in_order: true,
             };
             twins::tile_rounds(edges, seeds, wavefront, stop, rounds)
         }

@@ -8,6 +8,7 @@ mod tiles;
 
 use ash::vk;
 
+use super::grid_images::TILE_WORDS;
 use super::barrier::{CLEAR, COPY, PASS, PASS_AND_HOST, TRANSFER};
 use super::passes::{COUNT, SEED, SETTLE, Variant};
 use super::plan::{Portions, Reached, Step};
@@ -103,9 +104,8 @@ impl Recorder<'_> {
     /// one: no iteration is done.
     pub(crate) fn start(&self, stop: Stop, schedule: Schedule, causal: bool, is_added: bool) {
         let order = schedule.order();
-        // The progress, of each tile its state, the round it waits for and two lists, and what else the
-        // schedule keeps.
-        let written = offset::VISITS + 4 * self.tile_bytes() + 4 * order.start_words(self);
+        // The progress, what is kept of each tile, and what else the schedule keeps.
+        let written = offset::VISITS + TILE_WORDS as u64 * self.tile_bytes() + 4 * order.start_words(self);
         let work = Work::of_bytes(0, written);
         let _pass = self.pass_with(PassRecord { work, ..PassRecord::new(PassKind::Start) });
         let texels = self.grid.texels.inner();
