@@ -4,6 +4,7 @@
 // Twin: the anchored front in src/update, where it is explained.
 
 #include "anchors.glsl"
+#include "processor.glsl"
 #include "corner.glsl"
 
 // How a point is reached: when, from which anchor, and when that was.
@@ -387,12 +388,19 @@ Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, 
     float held_there = told[first != 0u ? findLSB(first) : 0];
     bvec4 alike = both(bvec4(first != 0u), both(of_one, are_alike_but_for_tags(told, vec4(held_there))));
 
-    // The others first: NVIDIA's compiler (driver 580) takes what was found before a loop like this away from
-    // invocations that have no part in it while others beside them have.
+    // The others. Where invocations beside one another looked at different points, NVIDIA's compiler (driver 580) took
+    // from some what they had found: there all turn to the same point, whoever looks at it. A processor's lanes would
+    // wait for what none of them looks at.
     left &= ~bits_of(alike);
-    while (left != 0u) {
-        int i = findLSB(left);
-        left &= left - 1u;
+    for (int turn = 0; turn < 4; turn++) {
+        int i = turn;
+        if (ON_PROCESSOR != 0) {
+            if (left == 0u) break;
+            i = findLSB(left);
+            left &= left - 1u;
+        } else if ((left >> turn & 1u) == 0u) {
+            continue;
+        }
         ivec2 point = places.first + to_corner(i).x * places.to_second + to_corner(i).y * places.to_third;
         Way way = reach(point, sight, places, i);
         found.time[i] = way.time;

@@ -106,6 +106,8 @@
 // Tiles wait that are due later than the first by more than so many times the way across a tile, in typical edges. No
 // ratio of small whole numbers, or on even grids rounding would decide.
 #define BAND_SIDES 2.03
+// And not where no more tiles than these are on the list of a GPU's round.
+#define FEW_TILES 64
 // How many texels are looked at along each side of the grid for its typical edge.
 #define EDGE_LOOKS 16
 // Words of 32 dispatches of scans of a recording, for profiles: whether they have visited their block.

@@ -268,6 +268,8 @@ void main() {
         time[k] = time_before[k];
         held[k] = held_before[k];
     }
+    // The first line of a scan may come from another subgroup.
+    barrier();
 
     int copy = int(gl_LocalInvocationID.y);
     ivec2 ahead = ahead_of(copy);

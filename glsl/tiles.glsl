@@ -5,6 +5,7 @@
 // Include after progress.glsl.
 
 #include "start.glsl"
+#include "processor.glsl"
 
 // Points on a side of a tile.
 layout(constant_id = 5) const int TILE = 16;
@@ -77,8 +78,9 @@ void enlist(uint tile, uint urgency, uint for_round, uint count) {
     if (place % column_of(count) == 0u) atomicAdd(rounds[of_round], 1u);
 }
 
-// Whether a tile is to wait for the next round.
+// Whether a tile is to wait for the next round. Few tiles take a GPU no longer than one.
 bool waits(uint urgency, uint round) {
+    if (ON_PROCESSOR == 0 && rounds[ROUND_WORDS * round + 3u] <= uint(FEW_TILES)) return false;
     float band = BAND_SIDES * float(TILE) * typical_edge;
     return band > 0.0 && due_at(urgency) > due_at(rounds[ROUND_WORDS * round + 5u]) + band;
 }

@@ -86,7 +86,8 @@ pub(crate) mod offset {
 
     /// What the dispatch of a round reads, then how many tiles are on its list.
     pub(crate) const fn round(round: u32) -> u64 {
-        (offset_of!(Progress, rounds) + round as usize * ROUND_WORDS as usize * size_of::<u32>()) as u64
+        (offset_of!(Progress, rounds) + round as usize * ROUND_WORDS as usize * size_of::<u32>())
+            as u64
     }
 
     /// How many these are.

@@ -23,6 +23,6 @@ mod properties;
 mod ridges;
 mod rotated_scan;
 mod sampling;
-mod tile_order;
 mod slowness;
+mod tile_order;
 mod voronoi;

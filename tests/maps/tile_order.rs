@@ -50,8 +50,8 @@ fn tiles_in_order_are_visited_some_six_times() {
         let seeds = Sources::point(row, col).seeds(surface).unwrap();
         let stop = Stop { tolerance: 1e-6, iterations: 20_000 };
         for (tile, inner) in [(32, 1), (16, 4)] {
-            let [(any, of_any), (ordered, of_ordered)] = [false, true].map(|in_order| {
-                let rounds = Rounds { tile, inner, recorded: 20_000, in_order };
+            let [(any, of_any), (ordered, of_ordered)] = [None, Some(0)].map(|few| {
+                let rounds = Rounds { tile, inner, recorded: 20_000, few };
                 tile_rounds_counted(&edges, &seeds, wavefront, stop, rounds)
             });
             let tiles = side.div_ceil(tile).pow(2) as f64;
@@ -62,7 +62,7 @@ fn tiles_in_order_are_visited_some_six_times() {
                 any.iterations, ordered.iterations
             );
             assert!(difference(&any.distances(), &ordered.distances()) < 3e-6, "{name}");
-            assert!(after <= before.min(6.5), "{name}");
+            assert!(after <= before.min(7.0), "{name}");
             assert!(f64::from(ordered.iterations) <= 1.5 * f64::from(any.iterations), "{name}");
         }
     }

@@ -9,8 +9,8 @@ use crate::cpu::fronts::{FrontKind, for_kind};
 use crate::cpu::point_fronts::PointFronts;
 use crate::cpu::scan::Scan;
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed, Tiling, relative_change};
-use num_traits::One;
 use crate::update::Wavefront;
+use num_traits::One;
 
 /// How rounds go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,8 +21,9 @@ pub struct Rounds {
     pub inner: u32,
     /// Rounds of a recording, after which it is decided whether curved fronts are renewed.
     pub recorded: u32,
-    /// Whether tiles that are due much later than the first wait, as they do in the shaders.
-    pub in_order: bool,
+    /// Tiles that are due much later than the first wait if more than these are on the list: 0 in shaders on processors,
+    /// 64 on GPUs. `None`: no tile waits.
+    pub few: Option<usize>,
 }
 
 /// Solves by rounds of the tiles beside which the round before has changed something, in each of
@@ -146,8 +147,10 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
             copies: std::array::from_fn(|_| fronts.clone()),
             list: Vec::new(),
             due: Vec::new(),
-            band: match rounds.in_order {
-                true => R::of((BAND_SIDES as f32 * rounds.tile as f32 * typical_edge(fronts.edges)).into()),
+            band: match rounds.few.is_some() {
+                true => R::of(
+                    (BAND_SIDES as f32 * rounds.tile as f32 * typical_edge(fronts.edges)).into(),
+                ),
                 false => R::zero(),
             },
             visits: 0,
@@ -190,9 +193,11 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
         let tiles = self.tiling.tiles();
         let due = std::mem::take(&mut self.due);
         let first = due.iter().flatten().copied().fold(R::infinity(), R::min);
-        for tile in std::mem::take(&mut self.list) {
+        let list = std::mem::take(&mut self.list);
+        let may_wait = self.rounds.few.is_some_and(|few| list.len() > few);
+        for tile in list {
             let time = due[tiles.index(tile.0, tile.1)].expect("it is on the list");
-            if self.band > R::zero() && time > first + self.band {
+            if may_wait && self.band > R::zero() && time > first + self.band {
                 self.enlist(tile, time);
                 round.unsettled = round.unsettled.max(self.tolerance + R::Bits::one());
                 continue;

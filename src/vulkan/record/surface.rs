@@ -13,9 +13,7 @@ use crate::vulkan::grid_images::rows_around;
 use crate::vulkan::passes::{FAN_CURVATURE, GAUSSIAN_CURVATURE, TYPICAL_EDGE};
 use crate::vulkan::point_kind::PointKind;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
-use crate::vulkan::shaders::{
-    edges_from_heights, fan_curvature, gaussian_curvature, typical_edge,
-};
+use crate::vulkan::shaders::{edges_from_heights, fan_curvature, gaussian_curvature, typical_edge};
 
 impl Recorder<'_> {
     /// Brings new images into their layout, with no edge and no point reached.
