@@ -66,8 +66,8 @@ fn typical_edge<R: Real>(edges: &EdgeLengths<R>) -> f32 {
     });
     let there = all.filter(|length| *length > 0.0 && *length < f32::FAR);
     let logarithms = there.map(|length| length.to_bits() >> 12);
-    let (sum, count) = logarithms.fold((0, 0), |(sum, count), bits| (sum + bits, count + 1));
-    if count == 0 { 0.0 } else { f32::from_bits(sum / count << 12) }
+    let (sum, count) = logarithms.fold((0u32, 0u32), |(sum, count), bits| (sum + bits, count + 1));
+    sum.checked_div(count).map_or(0.0, |mean| f32::from_bits(mean << 12))
 }
 
 fn solve<'a, R: Real, K: FrontKind<'a, R>>(
