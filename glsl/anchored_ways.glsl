@@ -4,6 +4,7 @@
 // Twin: the anchored front in src/update, where it is explained.
 
 #include "anchors.glsl"
+#include "processor.glsl"
 #include "corner.glsl"
 
 // How a point is reached: when, from which anchor, and when that was.
@@ -384,8 +385,29 @@ Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, 
         of_one = both(of_one, either(is_none, are_alike_but_for_tags(sight.ends[k].carried, told)));
     }
     uint first = bits_of(of_one) & left;
+    float held_there = told[first != 0u ? findLSB(first) : 0];
+    bvec4 alike = both(bvec4(first != 0u), both(of_one, are_alike_but_for_tags(told, vec4(held_there))));
+
+    // The others. Where invocations beside one another looked at different points, NVIDIA's compiler (driver 580) took
+    // from some what they had found: there all turn to the same point, whoever looks at it. A processor's lanes would
+    // wait for what none of them looks at.
+    left &= ~bits_of(alike);
+    for (int turn = 0; turn < 4; turn++) {
+        int i = turn;
+        if (ON_PROCESSOR != 0) {
+            if (left == 0u) break;
+            i = findLSB(left);
+            left &= left - 1u;
+        } else if ((left >> turn & 1u) == 0u) {
+            continue;
+        }
+        ivec2 point = places.first + to_corner(i).x * places.to_second + to_corner(i).y * places.to_third;
+        Way way = reach(point, sight, places, i);
+        found.time[i] = way.time;
+        found.carried[i] = with_number(way.anchor);
+    }
+
     if (first != 0u) {
-        float held_there = told[findLSB(first)];
         Anchor anchor = anchor_of(number_of(held_there));
         vec4 second = vec4(0.0, 1.0, 0.0, 1.0);
         vec4 third = vec4(0.0, 0.0, 1.0, 1.0);
@@ -414,30 +436,20 @@ Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, 
             vec4 by_end = start_of(anchor.time, reached[k], lengths_of(cols - edge.x, rows - edge.y));
             start = min(start, mix(vec4(FAR), by_end, lit));
         }
-        found.time = mix(vec4(FAR), start + straight, lessThan(start, vec4(FAR)));
-        found.carried = vec4(held_there);
+        vec4 time_of_one = mix(vec4(FAR), start + straight, lessThan(start, vec4(FAR)));
+        vec4 carried_of_one = vec4(held_there);
         // From corners; of two ways that are as long, on one line, from the one passed last.
         for (int k = 0; k < 3; k++) {
             vec2 edge = float(k - 1) * along - ahead;
             vec4 from_corner = reached[k] + length_of(edge);
             uvec4 number = uvec4(y + edge.y) * uint(points_in_row()) + uvec4(x + edge.x);
-            bvec4 sooner = lessThan(from_corner * (1.0 - ALIKE * PRECISION), found.time);
+            bvec4 sooner = lessThan(from_corner * (1.0 - ALIKE * PRECISION), time_of_one);
             bvec4 comes = both(both(bends[k], sooner), lessThan(reached[k], vec4(FAR)));
-            found.time = mix(found.time, from_corner, comes);
-            found.carried = mix(found.carried, with_numbers(number), comes);
+            time_of_one = mix(time_of_one, from_corner, comes);
+            carried_of_one = mix(carried_of_one, with_numbers(number), comes);
         }
-        bvec4 alike = both(of_one, are_alike_but_for_tags(told, vec4(held_there)));
-        found.time = mix(vec4(FAR), found.time, alike);
-        left &= ~bits_of(alike);
-    }
-
-    while (left != 0u) {
-        int i = findLSB(left);
-        left &= left - 1u;
-        ivec2 point = places.first + to_corner(i).x * places.to_second + to_corner(i).y * places.to_third;
-        Way way = reach(point, sight, places, i);
-        found.time[i] = way.time;
-        found.carried[i] = with_number(way.anchor);
+        found.time = mix(found.time, time_of_one, alike);
+        found.carried = mix(found.carried, carried_of_one, alike);
     }
     return found;
 }

@@ -98,6 +98,18 @@
 #define TILES_FOLLOW 2
 // Rounds of tiles in a recording, at most, and an even number of them.
 #define ROUNDS 128
+// What the device keeps of each round: the three numbers that its dispatch reads, how many tiles are on its list, how
+// many of these have waited for the next round, and the urgency of the first.
+#define ROUND_WORDS 6
+// Marks a tile on a list that has waited.
+#define HAS_WAITED 2147483648
+// Tiles wait that are due later than the first by more than so many times the way across a tile, in typical edges. No
+// ratio of small whole numbers, or on even grids rounding would decide.
+#define BAND_SIDES 2.03
+// And not where no more tiles than these are on the list of a GPU's round.
+#define FEW_TILES 64
+// How many texels are looked at along each side of the grid for its typical edge.
+#define EDGE_LOOKS 16
 // Words of 32 dispatches of scans of a recording, for profiles: whether they have visited their block.
 #define VISIT_WORDS 1024
 // Sources that one dispatch looks at, of which each looks at all others.

@@ -12,11 +12,12 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     uint is_causal;     // 1 if fronts may meet, see wavefront.glsl
     // What the dispatches of further iterations read, zero groups once the map is done.
     uint grid_groups[3];   // of the grid
-    uint rounds[4 * (ROUNDS + 1)]; // of the tiles to visit in each round; then how many these are
+    uint rounds[ROUND_WORDS * (ROUNDS + 1)]; // of the tiles on the list of each round; then what else is kept of it
     uint unsettled[ROUNDS]; // largest change of a round that another one has to pass on
     uint reached;           // 1 once a round has reached a point
     uint settled;           // texels that settle.comp has copied, for profiles
     uint visits[VISIT_WORDS]; // a bit for each dispatch of a scan that has visited its block, for profiles
+    float typical_edge; // about as long as the surface's edges along rows and columns are; 0 if it has none
     // What a renderer is to know of its input, which no iteration changes.
     uint passed_over; // sources of the map that reach no point
     uint holes;       // points that cannot be used; NEVER_MEASURED before there are any edges

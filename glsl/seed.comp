@@ -42,13 +42,15 @@ void main() {
         make_both_due(RIGHT, inner.x, pitch);
     }
     if (follows != uint(TILES_FOLLOW)) return;
+    vec4 times = seeds[index].times;
+    uint urgency = urgency_of(min(min(times.x, times.y), min(times.z, times.w)));
     ivec2 tile_grid = tiles_of(texels);
     ivec2 low = tile_with(texel - 1, tile_grid);
     ivec2 high = tile_with(texel + 1, tile_grid);
     for (int row = low.y; row <= high.y; row++) {
         for (int col = low.x; col <= high.x; col++) {
             uint tile = uint(row_major(ivec2(col, row), tile_grid.x));
-            enlist(tile, 0u, uint(tile_grid.x * tile_grid.y));
+            enlist(tile, urgency, 0u, uint(tile_grid.x * tile_grid.y));
         }
     }
 }

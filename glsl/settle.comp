@@ -25,15 +25,15 @@ shared uint state;
 
 void count_rounds() {
     uint visited = 0u;
-    while (visited < count && rounds[4 * visited] > 0u) visited += 1u;
+    while (visited < count && rounds[ROUND_WORDS * visited] > 0u) visited += 1u;
     iterations += visited;
     if (visited > 0u) last_residual = unsettled[visited - 1u];
     since_reached = reached != 0u ? 0u : since_reached + visited;
     if (since_reached >= PATIENCE) renews = 0u;
-    if (visited < count || rounds[4 * count] == 0u) done = 1u;
+    if (visited < count || rounds[ROUND_WORDS * count] == 0u) done = 1u;
     if (iterations >= most) done = 1u;
     // A recording that goes on takes its first list from here.
-    if (done != 0u) rounds[4 * count] = 0u;
+    if (done != 0u) rounds[ROUND_WORDS * count] = 0u;
 }
 
 void main() {

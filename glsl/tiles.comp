@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // One round of the tiles on its list: iterations of four rotated scans inside each tile, in shared
 // memory, the points around it standing still; then the tiles beside a side that has changed are
-// put on the list of the next round.
+// put on the list of the next round. Tiles that are due much later than the first wait for it too.
 // One workgroup is one tile; one invocation is two neighbouring points of a line of one of the four
 // scans, which run at once on copies of their own. Each tile's fronts lie in one of the two images
 // and are written to the other, so that a round does not depend on the order of its workgroups.
@@ -44,6 +44,7 @@ shared float carried[CARRIES ? 4 * AREA : 1];
 shared uint change;
 shared uint border_change;
 shared uint woken; // sides beyond which the next round visits a tile: 3 x 3 bits
+shared uint urgencies[9]; // of these tiles
 
 float edge_in_tile(ivec2 at, ivec2 step) {
     bool here = stored_here(step);
@@ -224,8 +225,21 @@ void main() {
     ivec2 tile_grid = tiles_of(texels);
     uint count = uint(tile_grid.x * tile_grid.y);
     uint place = place_in_dispatch(count);
-    if (place >= rounds[4u * round + 3u]) return;
+    if (place >= rounds[ROUND_WORDS * round + 3u]) return;
     uint number = tiles[(2u + (round & 1u)) * count + place];
+    uint urgency = tiles[urgency_at(number, round, count)];
+    barrier();
+    if (gl_LocalInvocationIndex == 0u) tiles[urgency_at(number, round, count)] = 0u;
+    if (waits(urgency, round)) {
+        if (gl_LocalInvocationIndex == 0u) {
+            tiles[(2u + (round & 1u)) * count + place] = number | uint(HAS_WAITED);
+            enlist(number, urgency, round + 1u, count);
+            atomicAdd(rounds[ROUND_WORDS * round + 4u], 1u);
+            // The map has not converged.
+            atomicMax(unsettled[round], tolerance + 1u);
+        }
+        return;
+    }
     ivec2 tile = from_row_major(int(number), tile_grid.x);
     uint state = atomicOr(tiles[number], 0u);
     bool may_renew = renews != 0u;
@@ -233,6 +247,7 @@ void main() {
     if (gl_LocalInvocationIndex == 0u) {
         woken = 0u;
         border_change = 0u;
+        for (int i = 0; i < 9; i++) urgencies[i] = 0u;
     }
     window = window_at(first_texel_of(tile));
     load(tile, tile_grid);
@@ -253,6 +268,8 @@ void main() {
         time[k] = time_before[k];
         held[k] = held_before[k];
     }
+    // The first line of a scan may come from another subgroup.
+    barrier();
 
     int copy = int(gl_LocalInvocationID.y);
     ivec2 ahead = ahead_of(copy);
@@ -303,13 +320,17 @@ void main() {
         }
         for (int j = 0; j < 4; j++) {
             has_reached = has_reached || (time_before[k][j] >= FAR && time[k][j] < FAR);
-            uint sides = around & sides_of(first_point(in_tile) + to_corner(j));
-            if (sides == 0u) continue;
             uint by = change_of(vec4(time_before[k][j]), vec4(time[k][j]),
                                 vec4(held_before[k][j]), vec4(held[k][j]));
-            if (by > tolerance) {
-                atomicOr(woken, sides);
-                atomicMax(border_change, by);
+            if (by <= tolerance) continue;
+            uint changed = urgency_of(min(time_before[k][j], time[k][j]));
+            atomicMax(urgencies[4], changed);
+            uint sides = around & sides_of(first_point(in_tile) + to_corner(j));
+            if (sides == 0u) continue;
+            atomicOr(woken, sides);
+            atomicMax(border_change, by);
+            for (int i = 0; i < 9; i++) {
+                if ((sides >> i & 1u) != 0u) atomicMax(urgencies[i], changed);
             }
         }
     }
@@ -324,6 +345,8 @@ void main() {
     if (gl_LocalInvocationIndex < 9u && (wakes >> gl_LocalInvocationIndex & 1u) != 0u) {
         ivec2 other = tile + neighbour(gl_LocalInvocationIndex);
         uint wanted = uint(row_major(other, tile_grid.x));
-        enlist(wanted, round + 1u, count);
+        uint due = urgencies[gl_LocalInvocationIndex];
+        // It may come back to what it was before the round, and not have settled.
+        enlist(wanted, due != 0u ? due : urgency, round + 1u, count);
     }
 }

@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Unpacks arrival times into rows of distances. One invocation is one texel of a band of rows; the
-// third dimension of the dispatch is the map.
+// Unpacks arrival times into rows of distances. One invocation is one column of a row of texels of a band of rows, so
+// that those beside one another write what lies side by side: it goes over a bus to the host. The third dimension of
+// the dispatch is the map.
 // Twin: the distances of a solution in src/cpu.
 
 #include "constants.glsl"
@@ -23,15 +24,14 @@ layout(push_constant) uniform Band {
 };
 
 void main() {
-    ivec2 inner = ivec2(gl_GlobalInvocationID.xy) + texel_of(ivec2(0, first_row));
-    ivec2 texel = with_border(inner);
+    ivec2 first = ivec2(gl_GlobalInvocationID.x, first_row + 2 * int(gl_GlobalInvocationID.y));
     ivec2 end = ivec2(grid.x, first_row + band_rows);
-    if (is_beyond(at_point(first_point(texel)), end)) return;
-    vec4 times = imageLoad(fronts, ivec3(texel, int(gl_WorkGroupID.z) * layers));
-    for (int i = 0; i < 4; i++) {
-        ivec2 at = at_point(first_point(texel) + to_corner(i));
+    if (is_beyond(first, end)) return;
+    vec4 times = imageLoad(fronts, ivec3(texel_of(point_at(first)), int(gl_WorkGroupID.z) * layers));
+    for (int i = 0; i < 2; i++) {
+        ivec2 at = first + ivec2(0, i);
         if (is_beyond(at, end)) continue;
         int row = int(gl_WorkGroupID.z) * band_rows + at.y - first_row;
-        distances[row_major(ivec2(at.x, row), grid.x)] = distance_bits(times[i]);
+        distances[row_major(ivec2(at.x, row), grid.x)] = distance_bits(times[component_of(point_at(at))]);
     }
 }

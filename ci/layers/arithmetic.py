@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Shaders in the arithmetic of other GPUs.
+"""Shaders in the arithmetic of other GPUs, and with their workgroups in other orders.
 
     arithmetic.py MODES SPIRV OUT
 
@@ -13,6 +13,8 @@ which the layer guise.c finds it (GUISE_MODULES). MODES are some of these, separ
           (Vulkan allows 2.5 units of divisions, and 2 of inverse roots)
     cmp   comparisons with what is no number are true (compilers that take it for granted that there is none)
     mm    the operands of min and max change places: of a number and none, the other one is taken
+    back  the last workgroup of a dispatch is the first
+    mixed workgroups come in an order without one: each is a thousand or so after the one before, round and round
 
 Needs spirv-dis, spirv-as and spirv-val.
 """
@@ -22,7 +24,7 @@ import re
 import subprocess
 import sys
 
-MODES = {"fma", "div", "ulp", "cmp", "mm"}
+MODES = {"fma", "div", "ulp", "cmp", "mm", "back", "mixed"}
 INSTRUCTION = re.compile(r"(%\d+) = (\w+)(.*)")
 
 
@@ -202,9 +204,112 @@ def swapped(module, result, op, operands, mode):
     return [" ".join([result, "=", op, *operands[:3], operands[4], operands[3]])]
 
 
+# Strides of a mixed order, of which one has no common divisor with the number of workgroups.
+STRIDES = (1009, 1013, 1019, 1021)
+
+
+def reordered(module, mode):
+    """The numbers of workgroups in another order: passes see variables of their own in the place of the device's."""
+    seen = {}
+    for line in module.lines:
+        if found := re.match(r"OpDecorate (%\d+) BuiltIn (WorkgroupId|GlobalInvocationId|NumWorkgroups|WorkgroupSize)", line):
+            seen[found[2]] = found[1]
+    numbers = [name for name in ("WorkgroupId", "GlobalInvocationId") if name in seen]
+    if not numbers:
+        return
+    word = module.type_of("OpTypeInt", "32", "0")
+    words = module.type_of("OpTypeVector", word, "3")
+    own_words = module.type_of("OpTypePointer", "Private", words)
+    own_word = module.type_of("OpTypePointer", "Private", word)
+    given = module.type_of("OpTypePointer", "Input", words)
+    inputs = {}
+    for name in ("WorkgroupId", "NumWorkgroups"):
+        inputs[name] = seen.get(name) or module.add("OpVariable", given, "Input")
+    if "WorkgroupSize" in seen:
+        size = seen["WorkgroupSize"]
+    else:
+        sides = next(line.split()[3:6] for line in module.lines if re.match(r"OpExecutionMode %\d+ LocalSize ", line))
+        size = module.add("OpConstantComposite", words, *(module.constant(word, 1, side) for side in sides))
+    own = {name: module.add("OpVariable", own_words, "Private") for name in numbers}
+
+    code = Function(module)
+
+    def number(value):
+        return module.constant(word, 1, str(value))
+
+    group = code.emit("OpLoad", words, inputs["WorkgroupId"])
+    count = code.emit("OpLoad", words, inputs["NumWorkgroups"])
+    at = [code.emit("OpCompositeExtract", word, group, str(i)) for i in range(3)]
+    counts = [code.emit("OpCompositeExtract", word, count, str(i)) for i in range(3)]
+    in_layer = code.emit("OpIMul", word, counts[0], counts[1])
+    all_groups = code.emit("OpIMul", word, in_layer, counts[2])
+    row = code.emit("OpIAdd", word, at[1], code.emit("OpIMul", word, at[2], counts[1]))
+    place = code.emit("OpIAdd", word, at[0], code.emit("OpIMul", word, row, counts[0]))
+    if "back" in mode:
+        last = code.emit("OpISub", word, all_groups, number(1))
+        place = code.emit("OpISub", word, last, place)
+    else:
+        stride = number(STRIDES[-1])
+        boolean = module.type_of("OpTypeBool")
+        for prime in STRIDES[-2::-1]:
+            rest = code.emit("OpUMod", word, all_groups, number(prime))
+            divides = code.emit("OpIEqual", boolean, rest, number(0))
+            stride = code.emit("OpSelect", word, divides, stride, number(prime))
+        place = code.emit("OpUMod", word, code.emit("OpIMul", word, place, stride), all_groups)
+    in_place_layer = code.emit("OpUMod", word, place, in_layer)
+    moved = code.emit(
+        "OpCompositeConstruct",
+        words,
+        code.emit("OpUMod", word, in_place_layer, counts[0]),
+        code.emit("OpUDiv", word, in_place_layer, counts[0]),
+        code.emit("OpUDiv", word, place, in_layer),
+    )
+    entry = [] if "WorkgroupId" not in own else [f"OpStore {own['WorkgroupId']} {moved}"]
+    if "GlobalInvocationId" in own:
+        whole = code.emit("OpLoad", words, seen["GlobalInvocationId"])
+        by = code.emit("OpIMul", words, code.emit("OpISub", words, moved, group), size)
+        entry.append(f"OpStore {own['GlobalInvocationId']} {code.emit('OpIAdd', words, whole, by)}")
+    code.lines += entry
+
+    # What the passes look at from now on.
+    main = next(line.split()[2] for line in module.lines if line.startswith("OpEntryPoint"))
+    chains = set()
+    lines = []
+    in_main = False
+    for line in module.lines:
+        if line.startswith("OpEntryPoint"):
+            line += "".join(f" {name}" for name in inputs.values() if name not in line.split())
+        found = INSTRUCTION.match(line)
+        if found and found[2] == "OpLoad" and found[3].split()[1] in (seen[name] for name in numbers):
+            name = next(name for name in numbers if found[3].split()[1] == seen[name])
+            line = f"{found[1]} = OpLoad {words} {own[name]}"
+        if found and found[2] == "OpAccessChain" and found[3].split()[1] in (seen[name] for name in numbers):
+            name = next(name for name in numbers if found[3].split()[1] == seen[name])
+            line = f"{found[1]} = OpAccessChain {own_word} {own[name]} {found[3].split()[2]}"
+            chains.add(found[1])
+        in_main = in_main or (found is not None and found[1] == main and found[2] == "OpFunction")
+        lines.append(line)
+        if in_main and found and found[2] == "OpLabel":
+            # After the variables of the function.
+            in_main = False
+            lines.append(None)
+    at_entry = lines.index(None)
+    after = at_entry + 1
+    while " OpVariable " in lines[after]:
+        after += 1
+    lines[after:after] = code.lines
+    del lines[at_entry]
+    decorations = [f"OpDecorate {name} BuiltIn {what}" for what, name in inputs.items() if what not in seen]
+    first = next(i for i, line in enumerate(lines) if line.startswith("OpDecorate"))
+    lines[first:first] = decorations
+    module.lines = lines
+
+
 def rewritten(path, mode):
-    """The text of a module in this arithmetic."""
+    """The text of a module in this arithmetic and order."""
     module = Module(path)
+    if {"back", "mixed"} & mode:
+        reordered(module, mode)
     ways = [
         way
         for way, asked in (

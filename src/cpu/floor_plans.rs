@@ -307,7 +307,13 @@ fn anchored_fronts_settle_in_as_few_iterations_from_between_points() {
 #[test]
 fn anchored_fronts_over_floor_plans_are_exact_in_all_schedules() {
     let rounds = |edges: &EdgeLengths<f32>, seeds: &[Seed], wavefront, stop| {
-        tile_rounds(edges, seeds, wavefront, stop, Rounds { tile: 16, inner: 4, recorded: 8 })
+        tile_rounds(
+            edges,
+            seeds,
+            wavefront,
+            stop,
+            Rounds { tile: 16, inner: 4, recorded: 8, few: Some(0) },
+        )
     };
     let schedules: [(&str, Scan<f32>); 3] =
         [("raster", scan_in_turn), ("all points", all_points), ("tiles", rounds)];

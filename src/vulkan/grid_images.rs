@@ -24,6 +24,9 @@ const LEAST_UPLOAD_BYTES: usize = 64 << 10;
 /// Bytes of a point, at most: position and slowness, or its edges.
 pub(crate) const POINT_BYTES: usize = 16;
 
+/// Numbers that are kept of a tile.
+pub(crate) const TILE_WORDS: usize = 6;
+
 /// Sources that a recording brings with it, at most.
 pub(crate) const INLINE_SOURCES: usize = 1024;
 
@@ -277,10 +280,10 @@ pub(crate) fn upload_bytes(chart: Chart, most: usize) -> usize {
     points.max(LEAST_UPLOAD_BYTES)
 }
 
-/// For each tile its state, the round it waits for, and a place on two lists.
+/// For each tile its state, the round it waits for, a place on two lists, and how urgent it is in even and odd rounds.
 fn tiles_bytes(texels: TexelChart, tile: u32) -> usize {
     let [cols, rows] = texels.tiles(tile);
-    4 * size_of::<u32>() * cols as usize * rows as usize
+    TILE_WORDS * size_of::<u32>() * cols as usize * rows as usize
 }
 
 /// For each scan and block what its dispatch reads.

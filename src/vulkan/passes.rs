@@ -140,6 +140,7 @@ passes! {
         EDGES_FROM_POSITIONS: edges_from_positions, Some(Edges);
         EDGES_FROM_HEIGHTS: edges_from_heights, Some(Edges);
         EDGES_FROM_METRIC: edges_from_metric, Some(Edges);
+        TYPICAL_EDGE: typical_edge, Some(Edges);
         FAN_CURVATURE: fan_curvature, Some(Curvature);
         GAUSSIAN_CURVATURE: gaussian_curvature, Some(Curvature);
         SOURCES: sources, Some(Sources);
@@ -204,6 +205,7 @@ const fn largest(sizes: &[u32]) -> u32 {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Specialization {
     pub(crate) tuning: Tuning,
+    pub(crate) on_processor: bool,
     pub(crate) variant: Variant,
     pub(crate) map: MapSize,
 }
@@ -266,7 +268,8 @@ impl Row {
 
     /// The numbers and values of its specialization constants.
     pub(crate) fn constants(&self, of: &Specialization) -> Vec<(u32, i32)> {
-        let Specialization { tuning, variant: Variant { wavefront, splits, slowed }, map } = *of;
+        let Specialization { tuning, on_processor, variant, map } = *of;
+        let Variant { wavefront, splits, slowed } = variant;
         let ahead = self.scan().map_or((0, 0), Scan::ahead);
         let width = self.width.map_or(0, |width| match width {
             Width::Scans => tuning.scan_width,
@@ -279,6 +282,7 @@ impl Row {
             Constant::Wavefront => wavefront as i32,
             Constant::Splits => splits.into(),
             Constant::Slowed => slowed.into(),
+            Constant::OnProcessor => on_processor.into(),
             Constant::LocalSizeX => width as i32,
             Constant::Lines => tuning.scan_lines as i32,
             Constant::Tile => tuning.tile as i32,
@@ -318,7 +322,7 @@ mod tests {
             visits: None,
         };
         let (wavefront, map) = (Wavefront::Curved, MapSize::default());
-        let of = Specialization { tuning, variant: wavefront.into(), map };
+        let of = Specialization { tuning, on_processor: true, variant: wavefront.into(), map };
         for (pass, scan) in SCANS.into_iter().zip(Scan::ALL) {
             let constants = pass.row().constants(&of);
             let (x, y) = scan.ahead();

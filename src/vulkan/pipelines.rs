@@ -29,6 +29,8 @@ pub(crate) struct Pipeline<P> {
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     pub(crate) tuning: Tuning,
+    /// Whether the device computes on a processor's cores.
+    on_processor: bool,
     /// Where the host shows labels and names to tools.
     pub(crate) labels: Option<Labels>,
     /// How pipelines are created.
@@ -81,7 +83,7 @@ impl Pipelines {
     /// they can tell of pipelines.
     pub(crate) fn new(
         device: &ash::Device,
-        tuning: Tuning,
+        (tuning, on_processor): (Tuning, bool),
         labels: Option<Labels>,
         capture: bool,
     ) -> Result<Self, VulkanError> {
@@ -91,6 +93,7 @@ impl Pipelines {
         };
         let mut new = Self {
             tuning,
+            on_processor,
             labels,
             flags,
             cache: Mutex::default(),
@@ -185,7 +188,8 @@ impl Pipelines {
             return Ok(made);
         }
         let map = MapSize::default();
-        let of = Specialization { tuning: self.tuning, variant, map };
+        let (tuning, on_processor) = (self.tuning, self.on_processor);
+        let of = Specialization { tuning, on_processor, variant, map };
         let new = self.create(device, &TABLE[number], &of, *cache)?;
         Ok(*place.get_or_init(|| new))
     }
@@ -205,7 +209,8 @@ impl Pipelines {
         let found = match place {
             Some(place) => sized.remove(place),
             None => {
-                let of = Specialization { tuning: self.tuning, variant: wavefront.into(), map };
+                let (tuning, on_processor) = (self.tuning, self.on_processor);
+                let of = Specialization { tuning, on_processor, variant: wavefront.into(), map };
                 let handle = self.create(device, pass.row(), &of, *lock(&self.cache))?;
                 let (number, users) = (pass.number(), InUse::default());
                 Sized { number, wavefront, map, handle, users }

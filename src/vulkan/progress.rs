@@ -8,7 +8,7 @@ use bytemuck::{AnyBitPattern, NoUninit, Zeroable};
 use super::record::column_of;
 pub(crate) use super::shaders::progress::Progress;
 use crate::Stop;
-use crate::constants::VISIT_WORDS;
+use crate::constants::{ROUND_WORDS, VISIT_WORDS};
 
 /// What is known of a map's iterations: the first part of [`Progress`].
 #[derive(Clone, Copy, Debug, AnyBitPattern, NoUninit)]
@@ -86,12 +86,18 @@ pub(crate) mod offset {
 
     /// What the dispatch of a round reads, then how many tiles are on its list.
     pub(crate) const fn round(round: u32) -> u64 {
-        (offset_of!(Progress, rounds) + round as usize * size_of::<[u32; 4]>()) as u64
+        (offset_of!(Progress, rounds) + round as usize * ROUND_WORDS as usize * size_of::<u32>())
+            as u64
     }
 
     /// How many these are.
     pub(crate) const fn listed(of: u32) -> u64 {
         round(of) + size_of::<[u32; 3]>() as u64
+    }
+
+    /// And how many of them have waited.
+    pub(crate) const fn waited(of: u32) -> u64 {
+        listed(of) + size_of::<u32>() as u64
     }
 
     /// The texels that were brought back to one image.
@@ -129,7 +135,7 @@ pub(crate) fn start(stop: Stop, causal: bool, grid: [u32; 2], tiles: u32) -> Pro
 /// them up to the visits, are to be written.
 pub(crate) fn before_rounds(tiles: u32) -> Progress {
     let mut progress = Progress::zeroed();
-    let (rounds, _) = progress.rounds.as_chunks_mut();
-    rounds.fill([0, column_of(tiles), 1, 0]);
+    let (rounds, _) = progress.rounds.as_chunks_mut::<{ ROUND_WORDS as usize }>();
+    rounds.fill([0, column_of(tiles), 1, 0, 0, 0]);
     progress
 }

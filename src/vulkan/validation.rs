@@ -119,7 +119,10 @@ unsafe extern "system" fn collect(
             false => format!("[ {id} ] {text}"),
         };
         // Printed as they come too, since a crashing driver takes the log with it.
-        eprintln!("validation: {message}");
+        // What is left behind by code that fails is no news, and the reason would drown.
+        if !std::thread::panicking() {
+            eprintln!("validation: {message}");
+        }
         log.push(message);
     }
     vk::FALSE

@@ -24,4 +24,5 @@ mod ridges;
 mod rotated_scan;
 mod sampling;
 mod slowness;
+mod tile_order;
 mod voronoi;

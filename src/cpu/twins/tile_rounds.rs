@@ -2,14 +2,15 @@
 
 use super::behind;
 use crate::Stop;
-use crate::constants::{PATIENCE, SPLIT_REACH};
+use crate::constants::{BAND_SIDES, EDGE_LOOKS, PATIENCE, SPLIT_REACH};
 use crate::cpu::Solution;
 use crate::cpu::behind::Behind;
 use crate::cpu::fronts::{FrontKind, for_kind};
 use crate::cpu::point_fronts::PointFronts;
 use crate::cpu::scan::Scan;
-use crate::surface::{Chart, EdgeLengths, Real, Seed, Tiling, relative_change};
+use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed, Tiling, relative_change};
 use crate::update::Wavefront;
+use num_traits::One;
 
 /// How rounds go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +21,9 @@ pub struct Rounds {
     pub inner: u32,
     /// Rounds of a recording, after which it is decided whether curved fronts are renewed.
     pub recorded: u32,
+    /// Tiles that are due much later than the first wait if more than these are on the list: 0 in shaders on processors,
+    /// 64 on GPUs. `None`: no tile waits.
+    pub few: Option<usize>,
 }
 
 /// Solves by rounds of the tiles beside which the round before has changed something, in each of
@@ -32,9 +36,38 @@ pub fn tile_rounds<R: Real>(
     stop: Stop,
     rounds: Rounds,
 ) -> Solution<R> {
+    tile_rounds_counted(edges, seeds, wavefront, stop, rounds).0
+}
+
+/// The same, and how many tiles were visited in all rounds together.
+pub fn tile_rounds_counted<R: Real>(
+    edges: &EdgeLengths<R>,
+    seeds: &[Seed],
+    wavefront: Wavefront,
+    stop: Stop,
+    rounds: Rounds,
+) -> (Solution<R>, u64) {
     for_kind!(edges, wavefront, kind => {
         solve(PointFronts::start(edges, kind, seeds), seeds, stop, rounds)
     })
+}
+
+/// About how long edges along rows and columns are, in single precision. The twin of `glsl/typical_edge.comp`.
+fn typical_edge<R: Real>(edges: &EdgeLengths<R>) -> f32 {
+    let Chart { rows, cols } = edges.chart();
+    let looks = EDGE_LOOKS as usize;
+    let point = |look: usize, points: usize| {
+        let texels = points.div_ceil(2);
+        2 * (texels * (2 * look + 1) / (2 * looks))
+    };
+    let all = (0..looks * looks).flat_map(|look| {
+        let (row, col) = (point(look / looks, rows), point(look % looks, cols));
+        [Direction::East, Direction::North].map(|to| edges.length(row, col, to).wide() as f32)
+    });
+    let there = all.filter(|length| *length > 0.0 && *length < f32::FAR);
+    let logarithms = there.map(|length| length.to_bits() >> 12);
+    let (sum, count) = logarithms.fold((0u32, 0u32), |(sum, count), bits| (sum + bits, count + 1));
+    sum.checked_div(count).map_or(0.0, |mean| f32::from_bits(mean << 12))
 }
 
 fn solve<'a, R: Real, K: FrontKind<'a, R>>(
@@ -42,7 +75,7 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
     seeds: &[Seed],
     stop: Stop,
     rounds: Rounds,
-) -> Solution<R> {
+) -> (Solution<R>, u64) {
     let mut tiles = Tiles::new(fronts, seeds, stop, rounds);
     loop {
         let count = rounds.recorded.min(stop.iterations - tiles.iterations);
@@ -58,7 +91,8 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
         }
         if tiles.settle(&unsettled, reached, count) {
             let residual = relative_change::<R>(tiles.last_residual);
-            return tiles.fronts.finish(tiles.iterations, residual);
+            let visits = tiles.visits;
+            return (tiles.fronts.finish(tiles.iterations, residual), visits);
         }
     }
 }
@@ -77,6 +111,12 @@ struct Tiles<'a, R: Real, K: FrontKind<'a, R>> {
     copies: [PointFronts<'a, R, K>; 4],
     /// The tiles to visit in the next round.
     list: Vec<(usize, usize)>,
+    /// When each of all tiles is due, if it is on the list.
+    due: Vec<Option<R>>,
+    /// By how much later than the first a tile is due that waits; zero if none does.
+    band: R,
+    /// Of tiles so far.
+    visits: u64,
     tolerance: R::Bits,
     most: u32,
     iterations: u32,
@@ -105,8 +145,16 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
             rounds,
             behind: behind(chart),
             copies: std::array::from_fn(|_| fronts.clone()),
-            fronts,
             list: Vec::new(),
+            due: Vec::new(),
+            band: match rounds.few.is_some() {
+                true => R::of(
+                    (BAND_SIDES as f32 * rounds.tile as f32 * typical_edge(fronts.edges)).into(),
+                ),
+                false => R::zero(),
+            },
+            visits: 0,
+            fronts,
             tolerance: R::of(stop.tolerance).in_units(),
             most: stop.iterations,
             iterations: 0,
@@ -120,24 +168,42 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
             let (texel, _) = texels.tile_of((seed.row, seed.col));
             for (row, col) in texels.tiles().around(texel, 1).places() {
                 let (tile, _) = tiles.tiling.tile_of((2 * row, 2 * col));
-                tiles.enlist(tile);
+                let time = tiles.fronts.time(chart.bordered(seed.row, seed.col));
+                tiles.enlist(tile, time);
             }
         }
         tiles
     }
 
-    fn enlist(&mut self, tile: (usize, usize)) {
-        if !self.list.contains(&tile) {
-            self.list.push(tile);
+    fn enlist(&mut self, tile: (usize, usize), time: R) {
+        let tiles = self.tiling.tiles();
+        self.due.resize(tiles.points(), None);
+        let due = &mut self.due[tiles.index(tile.0, tile.1)];
+        match due {
+            None => self.list.push(tile),
+            Some(due) => return *due = due.min(time),
         }
+        *due = Some(time);
     }
 
-    /// Visits the tiles on the list, which all see the fronts before the round.
+    /// Visits the tiles on the list that do not wait, which all see the fronts before the round.
     fn round(&mut self) -> Visit<R::Bits> {
         let mut after = self.fronts.clone();
         let mut round = Visit::<R::Bits>::default();
-        for tile in std::mem::take(&mut self.list) {
-            let visit = self.visit(tile, &mut after);
+        let tiles = self.tiling.tiles();
+        let due = std::mem::take(&mut self.due);
+        let first = due.iter().flatten().copied().fold(R::infinity(), R::min);
+        let list = std::mem::take(&mut self.list);
+        let may_wait = self.rounds.few.is_some_and(|few| list.len() > few);
+        for tile in list {
+            let time = due[tiles.index(tile.0, tile.1)].expect("it is on the list");
+            if may_wait && self.band > R::zero() && time > first + self.band {
+                self.enlist(tile, time);
+                round.unsettled = round.unsettled.max(self.tolerance + R::Bits::one());
+                continue;
+            }
+            self.visits += 1;
+            let visit = self.visit(tile, time, &mut after);
             round.unsettled = round.unsettled.max(visit.unsettled);
             round.reached |= visit.reached;
         }
@@ -145,7 +211,12 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
         round
     }
 
-    fn visit(&mut self, tile: (usize, usize), after: &mut PointFronts<'a, R, K>) -> Visit<R::Bits> {
+    fn visit(
+        &mut self,
+        tile: (usize, usize),
+        was_due: R,
+        after: &mut PointFronts<'a, R, K>,
+    ) -> Visit<R::Bits> {
         let chart = self.chart;
         let block = self.tiling.points(self.tiling.tiles().around(tile, 0));
         for point in chart.with_halo(&block) {
@@ -182,6 +253,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
 
         let mut border_change = R::Bits::default();
         let mut reached = false;
+        let mut first: Option<R> = None;
         for (row, col) in block.places() {
             let point = chart.bordered(row, col);
             reached |= self.fronts.time(point) >= R::FAR && after.time(point) < R::FAR;
@@ -189,13 +261,15 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
             if by <= self.tolerance {
                 continue;
             }
+            let time = after.time(point).min(self.fronts.time(point));
+            first = Some(first.map_or(time, |first| first.min(time)));
             for beside in self.tiling.beside((row, col), self.reach) {
-                self.enlist(beside);
+                self.enlist(beside, time);
                 border_change = border_change.max(by);
             }
         }
         if change > self.tolerance {
-            self.enlist(tile);
+            self.enlist(tile, first.unwrap_or(was_due));
         }
         Visit { unsettled: change.max(border_change), reached }
     }

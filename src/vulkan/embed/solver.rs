@@ -101,9 +101,10 @@ impl Solver {
         }
         let labels = tools.labels.then(|| Labels::new(instance, device));
         let tuning = Tuning::of(&properties);
-        let pipelines = Pipelines::new(device, tuning, labels, tools.executables)?;
-        pipelines.set_cache(cache);
         let limits = Limits::of(instance, physical_device);
+        let on_processor = limits.kind == vk::PhysicalDeviceType::CPU;
+        let pipelines = Pipelines::new(device, (tuning, on_processor), labels, tools.executables)?;
+        pipelines.set_cache(cache);
         let mut new = Self { pipelines, limits, checks: tools.checks };
         let made = new.pipelines.make_all(device, COMMON, Wavefront::Planar).and_then(|()| {
             let mut passes = passes.iter();

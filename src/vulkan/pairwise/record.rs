@@ -171,7 +171,7 @@ impl BatchRecorder<'_> {
 
     fn unpack_groups(&self) -> [u32; 3] {
         let [cols, rows] = self.grid();
-        [cols.div_ceil(2).div_ceil(WORKGROUP), rows.div_ceil(2), self.maps]
+        [cols.div_ceil(WORKGROUP), rows.div_ceil(2), self.maps]
     }
 
     fn scan(&self, scan: Pipeline<pairwise_scan::Push>, pass: &ScanPass) {

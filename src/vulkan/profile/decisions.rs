@@ -15,7 +15,7 @@ pub(crate) struct ReadBack {
     before: u32,
     after: u32,
     is_done: bool,
-    rounds: Vec<u32>,
+    rounds: Vec<[u32; 2]>,
     settled: u32,
     visits: Vec<u32>,
 }
@@ -34,7 +34,9 @@ impl ReadBack {
             before: outcome(before).iterations,
             after: outcome(after).iterations,
             is_done: outcome(after).is_done(),
-            rounds: (0..ROUNDS).map(|round| number(offset::listed(round))).collect(),
+            rounds: (0..ROUNDS)
+                .map(|round| [offset::listed(round), offset::waited(round)].map(number))
+                .collect(),
             settled: number(offset::SETTLED),
             visits: (0..VISIT_WORDS).map(|k| number(offset::VISITS + 4 * u64::from(k))).collect(),
         }

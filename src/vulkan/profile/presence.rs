@@ -55,8 +55,8 @@ pub(crate) struct Decisions<'a> {
     pub after: u32,
     /// Whether the map is done then.
     pub is_done: bool,
-    /// Tiles visited in each round of the portion.
-    pub rounds: &'a [u32],
+    /// Tiles on the list of each round of the portion, and how many of them have waited for the next.
+    pub rounds: &'a [[u32; 2]],
     /// Texels brought back to one image after them.
     pub settled: u32,
     /// A bit for each dispatch of a scan in the portion: whether it has visited its block.
@@ -102,11 +102,12 @@ pub(crate) fn decided(
             PassRecord { work: Work::of_bytes(bytes, bytes), ..record }
         }
         Presence::Round { round, texels, tiles, curved } => {
-            let visited = rounds.get(round as usize).copied().unwrap_or(0);
+            let [listed, waited] = rounds.get(round as usize).copied().unwrap_or_default();
+            let visited = listed - waited;
             let skipped = texels * (tiles - u64::from(visited));
             // How many iterations a tile has taken inside, only its workgroup knows.
             let work = Work::of_updates(texels * u64::from(visited), skipped, curved, None);
-            PassRecord { groups: Some([visited, 1, 1]), work, ..record }
+            PassRecord { groups: Some([listed, 1, 1]), work, ..record }
         }
     };
     let counts = match record.kind {

@@ -11,7 +11,7 @@ use super::capabilities::Capabilities;
 use super::labels::Labels;
 use super::pass::{Grain, PassKind, PassRecord};
 use super::slots::{Decided, Profile, QueryRange, Resolved, Slots, results};
-use crate::constants::ROUNDS;
+use crate::constants::{HAS_WAITED, ROUNDS};
 use crate::vulkan::VulkanError;
 use crate::vulkan::headless::{CommandBuffer, Context, Submitter};
 use crate::vulkan::memory::{Buffer, BufferInfo};
@@ -249,7 +249,8 @@ impl Session {
             let count = pass.groups.map_or(0, |groups| groups[0] as usize);
             let number =
                 |bytes: &[u8]| u32::from_ne_bytes(bytes.try_into().expect("these are four bytes"));
-            bytes.chunks_exact(4).take(count).map(number).collect()
+            let listed = bytes.chunks_exact(4).take(count).map(number);
+            listed.filter(|number| number & HAS_WAITED == 0).collect()
         };
         rounds.zip(lists.chunks(4 * self.tile_count)).map(list).collect()
     }

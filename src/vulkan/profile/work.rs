@@ -19,8 +19,8 @@ use crate::vulkan::upload::SEED_BYTES;
 /// | points | of each point what is looked at | that and its slowness |
 /// | edges | the points around the band | four lengths a point |
 /// | curvature | four lengths a point; in the second pass a number more | a number a point |
-/// | start | | the progress, and four numbers a tile; many maps at once: a copy of their progress |
-/// | resume | four numbers | the progress of rounds, and a number a tile |
+/// | start | | the progress, and six numbers a tile; many maps at once: a copy of their progress |
+/// | resume | six numbers | the progress of rounds, and a number a tile |
 /// | sources | as a dispatch four numbers each | ten for each of four texels; as a copy four each |
 /// | surroundings | four numbers a source, and of each of 100 texels around it its times and 16 lengths; with curved fronts their curvature and the surface's | ten for each of these texels |
 /// | seed | ten numbers a texel, both layers of its fronts | its fronts; many maps at once: those of all |

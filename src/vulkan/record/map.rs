@@ -104,7 +104,7 @@ impl Recorder<'_> {
         let chart = self.grid.chart;
         let points = (rows.len() * chart.cols) as u64;
         let work = Work::of_bytes(4 * points, 4 * points);
-        let size = [chart.cols.div_ceil(2) as u32, rows.len().div_ceil(2) as u32];
+        let size = [chart.cols as u32, rows.len().div_ceil(2) as u32];
         let _pass = self.pass_with(PassRecord { work, ..dispatched(PassKind::Unpack, size) });
         let band = unpack::Push {
             grid: [chart.cols as i32, chart.rows as i32],

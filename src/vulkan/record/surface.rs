@@ -10,10 +10,10 @@ use crate::surface::{EdgeRule, Spacing};
 use crate::vulkan::TexelChart;
 use crate::vulkan::barrier::{CLEAR, SHADER, SHADER_WRITE};
 use crate::vulkan::grid_images::rows_around;
-use crate::vulkan::passes::{FAN_CURVATURE, GAUSSIAN_CURVATURE};
+use crate::vulkan::passes::{FAN_CURVATURE, GAUSSIAN_CURVATURE, TYPICAL_EDGE};
 use crate::vulkan::point_kind::PointKind;
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
-use crate::vulkan::shaders::{edges_from_heights, fan_curvature, gaussian_curvature};
+use crate::vulkan::shaders::{edges_from_heights, fan_curvature, gaussian_curvature, typical_edge};
 
 impl Recorder<'_> {
     /// Brings new images into their layout, with no edge and no point reached.
@@ -56,8 +56,18 @@ impl Recorder<'_> {
             arcs: arcs.into(),
             slowed: self.grid.is_slowed().into(),
         };
+        let is_last = rows.end == chart.rows;
         self.run(self.pipelines.of(kind.edges()), 0, &band, size);
         self.barrier(SHADER_WRITE, SHADER);
+        if is_last {
+            self.find_typical_edge();
+        }
+    }
+
+    /// How long edges typically are, once all are there: by that tiles of the next maps come one after another.
+    fn find_typical_edge(&self) {
+        let texels = self.grid.texels.inner().map(|texels| texels as i32);
+        self.run(self.pipelines.of(TYPICAL_EDGE), 0, &typical_edge::Push { texels }, [1, 1]);
     }
 
     /// Copies the edges of a band of rows, four of each point, from the upload buffer.
@@ -74,6 +84,9 @@ impl Recorder<'_> {
         let offset = vk::Offset3D { x: border, y: border + rows.start as i32, z: 0 };
         self.copy_to_image(self.grid.upload.buffer, self.grid.edges.image, (offset, extent));
         self.barrier(CLEAR, SHADER);
+        if rows.end == self.grid.chart.rows {
+            self.find_typical_edge();
+        }
     }
 
     /// Copies what is known of the points of a band of rows, 2 x 2 a texel, from the upload buffer: their Gaussian

@@ -9,6 +9,7 @@ mod tiles;
 use ash::vk;
 
 use super::barrier::{CLEAR, COPY, PASS, PASS_AND_HOST, TRANSFER};
+use super::grid_images::TILE_WORDS;
 use super::passes::{COUNT, SEED, SETTLE, Variant};
 use super::plan::{Portions, Reached, Step};
 use super::profile::{
@@ -103,9 +104,9 @@ impl Recorder<'_> {
     /// one: no iteration is done.
     pub(crate) fn start(&self, stop: Stop, schedule: Schedule, causal: bool, is_added: bool) {
         let order = schedule.order();
-        // The progress, of each tile its state, the round it waits for and two lists, and what else the
-        // schedule keeps.
-        let written = offset::VISITS + 4 * self.tile_bytes() + 4 * order.start_words(self);
+        // The progress, what is kept of each tile, and what else the schedule keeps.
+        let written =
+            offset::VISITS + TILE_WORDS as u64 * self.tile_bytes() + 4 * order.start_words(self);
         let work = Work::of_bytes(0, written);
         let _pass = self.pass_with(PassRecord { work, ..PassRecord::new(PassKind::Start) });
         let texels = self.grid.texels.inner();
@@ -422,7 +423,8 @@ mod tests {
 
     #[test]
     fn tiles_are_as_many_as_the_device_has_listed() {
-        let rounds = [2, 0];
+        // Of three tiles on the list one has waited.
+        let rounds = [[3, 1], [0, 0]];
         let decisions = Decisions {
             before: 3,
             after: 4,
@@ -440,7 +442,7 @@ mod tests {
         let bytes = Some(2 * 64 * (2 * 16 + 16 + 64 + 2 * 16));
         assert_eq!((found[0].work.texels, found[0].work.skipped), (Some(2 * 64), Some(4 * 64)));
         assert_eq!((found[0].work.bytes(), found[0].work.triangles), (bytes, None));
-        assert_eq!((found[0].groups, found[0].iteration), (Some([2, 1, 1]), Some(3)));
+        assert_eq!((found[0].groups, found[0].iteration), (Some([3, 1, 1]), Some(3)));
         assert!(found[1].is_idle() && found[1].iteration == Some(4));
         assert_eq!((found[2].kind, found[2].groups), (PassKind::Settle, Some([6, 1, 1])));
         // A state of each tile, and eight numbers of each texel that is brought back, both ways.

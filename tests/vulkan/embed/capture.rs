@@ -188,12 +188,6 @@ fn listing() -> String {
     text
 }
 
-/// Whether the guide's figures are of such a device.
-pub fn is_cpu(host: &Host) -> bool {
-    let properties = unsafe { host.instance.get_physical_device_properties(host.physical_device) };
-    properties.device_type == vk::PhysicalDeviceType::CPU
-}
-
 /// Compares the guide's block of this kind with what was found; with `GEOSWEEP_UPDATE_GUIDE` set it is renewed.
 pub fn compare_with_guide(kind: &str, found: &str, is_same_device: bool) {
     // One test at a time reads and writes it.
@@ -261,7 +255,7 @@ fn a_capture_of_a_frame_is_as_the_guide_lists_it() {
     });
     let found = listing();
     // Devices differ in how many lines a dispatch scans.
-    compare_with_guide("capture", &found, is_cpu(&host));
+    compare_with_guide("capture", &found, host.is_processor());
     let names = NAMES.lock().unwrap().clone();
     for kind in [
         "PIPELINE ",

@@ -13,7 +13,7 @@ use geosweep::vulkan::profile::{Decided, Grain, Profile, Slots};
 use geosweep::vulkan::{Method, Schedule, VulkanError};
 use geosweep::{Stop, Wavefront};
 
-use crate::embed::capture::{compare_with_guide, is_cpu};
+use crate::embed::capture::compare_with_guide;
 use crate::embed::stage::vertices;
 use crate::host::Host;
 
@@ -156,7 +156,7 @@ fn frames_cost_what_the_guide_says() {
             table += &row(&mut host, &solver, schedule, side);
         }
     }
-    compare_with_guide("costs", &table, is_cpu(&host));
+    compare_with_guide("costs", &table, host.is_processor());
     solver.destroy(&device);
     assert_eq!(host.allocations(), 0);
 }

@@ -229,12 +229,13 @@ fn memory_is_as_stated_and_shows_until_it_is_freed() {
         surface.destroy(&device, host.allocator());
         assert_eq!(host.allocations(), 0);
     }
-    // With the map that the host reads.
+    // With the map that the host reads. GPUs pad images, small ones by most.
+    let most = if host.is_processor() { 48 } else { 66 };
     // The last is the largest that every device takes.
     for side in [900, 1200, 4092] {
         let chart = Chart { rows: side, cols: side };
         let stated = solver.bytes_for(&device, &SurfaceInfo::new(chart)).unwrap();
-        assert!(stated <= 48 * chart.points() as u64, "{side}: {stated}");
+        assert!(stated <= most * chart.points() as u64, "{side}: {stated}");
     }
     solver.destroy(&device);
     assert_eq!(host.messages(), Vec::<String>::new());
