@@ -5,6 +5,7 @@
 
 #include "constants.glsl"
 #include "chart.glsl"
+#define WITH_ORIGINS
 #include "wavefront.glsl"
 #include "edge_image.glsl"
 #include "surface_image.glsl"
@@ -57,7 +58,8 @@ void main() {
     if (is_beyond(inner, texels)) return;
     ivec2 texel = with_border(inner);
     bool may_renew = renews != 0u;
-    causal = is_causal != 0u;
+    causal = fronts_meet != 0u;
+    holds = fronts_meet != FRONTS_ARE_ADDED;
 
     vec4 nine[9];
     for (int i = 0; i < 9; i++) {
@@ -116,7 +118,7 @@ void main() {
             vec4 base_right = edge_lengths(lengths, -ahead, along);
             vec4 own = CARRIES ? at_step(surface_around, ivec2(0)) : vec4(0.0);
             vec4 own_slowness = SLOWED != 0 ? at_step(slowness_around, ivec2(0)) : vec4(0.0);
-            fronts = update_four(sight, own, own_slowness, base_left, base_right);
+            fronts = update_four(sight, own, own_slowness, base_left, base_right, four);
             bvec4 left = are_split(sight.ends[0], sight.ends[1], own_slowness, sight.edges[0], sight.edges[1], base_left);
             bvec4 right = are_split(sight.ends[1], sight.ends[2], own_slowness, sight.edges[1], sight.edges[2], base_right);
             add_parts(four, left, right, fronts);

@@ -3,7 +3,6 @@
 // Include after wavefront.glsl, edge_image.glsl, surface_image.glsl and splits.glsl.
 // Twin: the anchored front in src/update, where it is explained.
 
-#include "anchors.glsl"
 #include "processor.glsl"
 #include "corner.glsl"
 

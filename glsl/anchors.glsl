@@ -9,6 +9,15 @@ vec3 metric() {
     return anchors[anchors.length() - 1].xyz;
 }
 
+// The ends of an origin of curved fronts, by column and row: one, and what leads from it to the other; and its time.
+vec4 origin_ends(uint number) {
+    return anchors[anchors.length() - 1 - SOURCES_INSIDE + 2 * int(number)];
+}
+
+float origin_start(uint number) {
+    return anchors[anchors.length() - SOURCES_INSIDE + 2 * int(number)].x;
+}
+
 vec4 source_inside(uint number) {
     return anchors[anchors.length() - 1 - SOURCES_INSIDE + int(number)];
 }

@@ -29,12 +29,33 @@
 // What a change of a front's curvature counts in the residual, relative to 1 over its arrival
 // time, beside a relative change of that time.
 #define CURVATURE_COUNTS 1e-4
+// Numbers of origins that fronts carry in place of a curvature begin at minus this; see src/update/curvature.rs. What
+// another origin counts, times CURVATURE_COUNTS.
+#define FIRST_ORIGIN 2305843009213693952.0
+#define ORIGIN_COUNTS 0.1
+// How many origins have a number.
+#define MOST_ORIGINS 16777216
+// See src/update/sight.rs. A front is in sight of its origin if its time is that of the straight line but for this part
+// of it, and on the line but for rounding if it is but for the second.
+#define IN_SIGHT 0.02
+#define ON_LINE 1e-4
+// How far past an edge a ray may run, in parts of it, to be taken for one along it.
+#define PAST_EDGE 1e-4
+// By how much of the base the other end's front may be later than this one's, which is not kept off then.
+#define UNBLOCKED 0.01
+// Gaussian curvature times the squared distance up to which the curvature of a front follows from its distance.
+#define BENDS_MOST 0.1
 // What another anchor of a front counts.
 #define ANCHOR_COUNTS 1e-5
 // The last binary digits of a number, which may hold a tag; see tag.glsl.
 #define TAG 15
 // Tag of a front that came from a whole triangle, beside that of its scan.
 #define WHOLE 8
+// In place of a scan: a seed whose time is exact, so that no front replaces it.
+#define EXACT 5
+// Where fronts may meet, and where they may and sources are added to a map, so that what was exact may be replaced.
+#define FRONTS_MEET 1
+#define FRONTS_ARE_ADDED 2
 // Tags of the surface: where waves diffract, and at points that lack an edge, of which they are some.
 #define DIFFRACTS 1
 #define LACKING 2
@@ -119,6 +140,8 @@
 // offers: 128 invocations and 16 KiB of shared memory. And how often they are updated, at most: 14 to 18
 // times are enough on smooth surfaces, 28 on ones that turn about within some cells.
 #define SURROUNDINGS_TEXELS 10
+// In place of the first texel of surroundings that a source has not.
+#define NO_WINDOW 1048576
 #define SURROUNDINGS_WORKGROUP 128
 #define SURROUNDINGS_STEPS 40
 // Longest length of an edge: squares and sums of such lengths stay within single precision and below

@@ -7,7 +7,7 @@ vec4 bent(vec4 curvature, vec4 gaussian, vec4 ray) {
     return curvature - gaussian * ray * (1.0 - x + x * x * (1.0 / 3.0));
 }
 
-Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
+Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone, bvec4 causal) {
     bvec4 swap = lessThan(end1.time, end2.time);
     vec4 t = mix(end1.time, end2.time, swap);
     vec4 near_t = mix(end2.time, end1.time, swap);
@@ -36,14 +36,14 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     bvec4 after_x1 = greaterThanEqual(crossing, vec4(0.0));
     vec4 n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * 2.0;
     vec4 root = sqrt(max(1.0 + kappa * n, 0.0));
-    vec4 least = mix(vec4(0.0), d, both(are_upright(shape), bvec4(!causal)));
+    vec4 least = mix(vec4(0.0), d, both(are_upright(shape), not(causal)));
     vec4 rise = max(n / (1.0 + root), least);
     vec4 by_far = t + l;
     vec4 by_near = near_t + near_l;
     vec4 later = t + t * (CLEARLY_LATER * PRECISION);
     vec4 time = t + c * rise;
     bvec4 crosses = both(both(is_front, after_x1), lessThanEqual(crossing, width));
-    bvec4 is_first = both(lessThanEqual(time, min(by_far, by_near)), either(bvec4(!causal), greaterThanEqual(time, later)));
+    bvec4 is_first = both(lessThanEqual(time, min(by_far, by_near)), either(not(causal), greaterThanEqual(time, later)));
     bvec4 inside = both(crosses, is_first);
     vec4 far_spread = max(1.0 + far_kappa * rise, FOCUS);
     vec4 near_spread = max(1.0 + near_kappa * (rise - d), FOCUS);
@@ -55,7 +55,7 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     vec4 edge = mix(near_l, l, from_far);
     vec4 edge_g = mix(near_g, g, from_far);
     bvec4 reaches_far = both(from_far, greaterThanEqual(crossing, -grazing));
-    bvec4 is_known = either(bvec4(!causal), lessThan(later, by_near));
+    bvec4 is_known = either(not(causal), lessThan(later, by_near));
     bvec4 past_near = both(lessThanEqual(crossing, width + grazing), is_known);
     bvec4 reaches_near = both(not(from_far), past_near);
     bvec4 ahead = both(is_front, either(reaches_far, reaches_near));
@@ -71,7 +71,8 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     vec4 share = crossing * spread * per;
     vec4 ray = mix(edge, c * (root * h * spread * per), inside);
     vec4 gaussian = mix(edge_g, g + share * (near_g - g), inside);
-    vec4 curvature = bent(dividend * per, 0.5 * (g0 + gaussian), ray);
+    // Above the numbers of origins, which may stand in its place.
+    vec4 curvature = max(bent(dividend * per, 0.5 * (g0 + gaussian), ray), -0.5 * FIRST_ORIGIN);
     return Fronts(mix(mix(by_near, by_far, from_far), time, inside), curvature, shape.whole);
 }
 
@@ -120,7 +121,12 @@ void accept_curved(Fronts fronts, uint scan, bool renews, inout vec4 time, inout
     bvec4 is_new = not(both(ties, bends_alike));
     bvec4 comes_again = both(both(bvec4(renews), reached), equal(tag_before & SCAN_OF_TAG, uvec4(scan)));
     bvec4 first = either(both(not(ties), lessThan(fronts.time, time)), both(ties, knows));
-    bvec4 accepted = either(first, both(comes_again, is_new));
+    // What a source's own front brings to a point beside it is known better there.
+    bvec4 is_seed = both(equal(tag_before & SCAN_OF_TAG, uvec4(0u)), lessThanEqual(curvature, vec4(-FIRST_ORIGIN)));
+    bvec4 own = both(both(reached, is_seed), are_alike_but_for_tags(curvature, tagged));
+    // What is exact stays: two fronts taken for one would come too early.
+    bvec4 held = both(both(reached, bvec4(holds)), equal(tag_before & SCAN_OF_TAG, uvec4(EXACT)));
+    bvec4 accepted = either(both(first, not(either(own, held))), both(comes_again, is_new));
     curvature = mix(curvature, tagged, accepted);
     vec4 arrival = mix(fronts.time, min(time, fronts.time), ties);
     time = mix(time, arrival, accepted);
@@ -137,6 +143,9 @@ bool is_first_curved(float time, float curvature, float other, float other_curva
 // What changes of curvature count beside changes of times, in units of their last place.
 uint change_of_curvature(vec4 before, vec4 curvature, vec4 time) {
     vec4 bends = abs(curvature - before) * time;
+    // Numbers of origins, in place of curvatures.
+    bvec4 named = lessThanEqual(min(before, curvature), vec4(-FIRST_ORIGIN));
+    bends = mix(bends, mix(vec4(ORIGIN_COUNTS), vec4(0.0), are_alike_but_for_tags(before, curvature)), named);
     float bend = max(max(bends.x, bends.y), max(bends.z, bends.w)) * (CURVATURE_COUNTS / PRECISION);
     // However large, it is not taken for a point's first front.
     return uint(min(bend, 1.0 / PRECISION));

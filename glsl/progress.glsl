@@ -9,7 +9,7 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     uint done;          // 1 once the map has converged, or iterations have run out
     uint tolerance;     // residual at which a map has converged
     uint most;          // iterations, at most
-    uint is_causal;     // 1 if fronts may meet, see wavefront.glsl
+    uint fronts_meet;   // 0, FRONTS_MEET or FRONTS_ARE_ADDED; see wavefront.glsl
     // What the dispatches of further iterations read, zero groups once the map is done.
     uint grid_groups[3];   // of the grid
     uint rounds[ROUND_WORDS * (ROUNDS + 1)]; // of the tiles on the list of each round; then what else is kept of it

@@ -4,6 +4,7 @@
 
 #include "constants.glsl"
 #include "chart.glsl"
+#define WITH_ORIGINS
 #include "wavefront.glsl"
 #include "progress.glsl"
 #include "blocks.glsl"
@@ -53,7 +54,8 @@ shared uint is_due;
 
 void main() {
     if (gl_WorkGroupID.y > 0u) return;
-    causal = is_causal != 0u;
+    causal = fronts_meet != 0u;
+    holds = fronts_meet != FRONTS_ARE_ADDED;
     int way = AHEAD_X + AHEAD_Y;
     int passed_lines = 0;
     for (int number = 0; passed_lines < lines; number++) {

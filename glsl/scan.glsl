@@ -187,13 +187,16 @@ bool pass_triangles(ivec2 point, Sight behind, vec4 base_left, vec4 base_right, 
                     vec2 surface, vec2 slowness, bool may_renew, inout Lines own) {
     bool any_obtuse = false;
     if (passes(point, ahead)) {
-        Fronts fronts = update_four(behind, own.first.surface, own.first.slowness, base_left, base_right);
-#ifdef WITH_FURTHER_POINTS
         vec4 own_slowness = own.first.slowness;
+#ifndef WITH_FURTHER_POINTS
+        Fronts fronts = update_four(behind, own.first.surface, own_slowness, base_left, base_right);
+#else
+        Places four = Places(point - along, along, 2 * along, ahead, along);
+        Fronts fronts = update_four(behind, own.first.surface, own_slowness, base_left, base_right, four);
         bvec4 left = are_split(behind.ends[0], behind.ends[1], own_slowness, behind.edges[0], behind.edges[1], base_left);
         bvec4 right = are_split(behind.ends[1], behind.ends[2], own_slowness, behind.edges[1], behind.edges[2], base_right);
         any_obtuse = any(either(left, right));
-        add_parts(Places(point - along, along, 2 * along, ahead, along), left, right, fronts);
+        add_parts(four, left, right, fronts);
 #endif
         accept(fronts, SCAN, may_renew, own.first.time, own.first.carried);
     }
@@ -207,11 +210,14 @@ bool pass_triangles(ivec2 point, Sight behind, vec4 base_left, vec4 base_right, 
     if (passes(point + ahead, ahead)) {
         vec4 base = vec4(edge_length(point - along, along), edge_length(point, along),
                          edge_length(point, along), edge_length(point + along, along));
+#ifndef WITH_FURTHER_POINTS
         Fronts fronts = update_pair(own.first, surface, slowness, l1, l2, base);
-#ifdef WITH_FURTHER_POINTS
+#else
+        Places pair = Places(point + ahead, along, ivec2(0), ahead, along);
+        Fronts fronts = update_pair(own.first, surface, slowness, l1, l2, base, pair);
         bvec4 obtuse = are_split_of_pair(own.first, slowness, l1, l2, base);
         any_obtuse = any_obtuse || any(obtuse);
-        add_parts(Places(point + ahead, along, ivec2(0), ahead, along), obtuse, obtuse.zwxy, fronts);
+        add_parts(pair, obtuse, obtuse.zwxy, fronts);
 #endif
         accept(fronts, SCAN, may_renew, own.second, own.second_carried);
     }

@@ -7,6 +7,7 @@
 
 #include "constants.glsl"
 #include "chart.glsl"
+#include "tag.glsl"
 #include "progress.glsl"
 #include "tiles.glsl"
 #include "blocks.glsl"
@@ -32,8 +33,11 @@ void main() {
     if (texel.x < 0) return;
     vec4 time = imageLoad(new_fronts, ivec3(texel, TIME));
     vec4 carried = imageLoad(new_fronts, ivec3(texel, CARRIED));
-    bvec4 first = lessThan(seeds[index].times, time);
-    imageStore(new_fronts, ivec3(texel, TIME), mix(time, seeds[index].times, first));
+    vec4 times = seeds[index].times;
+    // What is exact and comes with another front stays.
+    bvec4 exact = equal(floatBitsToUint(seeds[index].curvatures) & SCAN_OF_TAG, uvec4(EXACT));
+    bvec4 first = mix(lessThan(times, time), lessThanEqual(times, time), exact);
+    imageStore(new_fronts, ivec3(texel, TIME), mix(time, times, first));
     imageStore(new_fronts, ivec3(texel, CARRIED), mix(carried, seeds[index].curvatures, first));
     ivec2 inner = without_border(texel);
     if (follows == uint(SCANS_FOLLOW)) {
@@ -42,7 +46,6 @@ void main() {
         make_both_due(RIGHT, inner.x, pitch);
     }
     if (follows != uint(TILES_FOLLOW)) return;
-    vec4 times = seeds[index].times;
     uint urgency = urgency_of(min(min(times.x, times.y), min(times.z, times.w)));
     ivec2 tile_grid = tiles_of(texels);
     ivec2 low = tile_with(texel - 1, tile_grid);

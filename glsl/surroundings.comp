@@ -4,8 +4,10 @@
 // cell, by updates of all their points from their eight triangles until nothing changes. Rays from there
 // pass between points of which two scans reach one each, and whole maps would take an iteration for
 // each cell until that changes hardly anything.
-// One workgroup is one source, one invocation one texel; where surroundings meet, the first source that has
-// the texel writes it, with what comes there from the others. Sources at grid points need none of this.
+// A point source with others near it is solved alone, at a grid point too: an update takes fronts of two sources for one,
+// which comes too early. Its times are exact up to where a front from elsewhere may be first.
+// One workgroup is one source, one invocation one texel. merge_surroundings.comp takes the earliest where surroundings
+// meet.
 // Twin: src/cpu/twins/surroundings.rs.
 
 #include "constants.glsl"
@@ -29,6 +31,7 @@ layout(push_constant) uniform Portion {
 };
 
 #include "source.glsl"
+#include "source_arrival.glsl"
 
 // The points of the texels, with those around that their own see, which stay unreached: ways outside are for
 // the scans to find. What a map that sources are added to has from there is taken back here, and stays in
@@ -43,6 +46,8 @@ shared float times[AREA];
 shared float carried[CARRIES ? AREA : 1];
 // Whether a front has changed in an even step, and in an odd one.
 shared uint moved[2];
+// How long after the source's start its front first leaves the window, as bits.
+shared uint leaves;
 
 // The four points of a texel whose first is here.
 ivec4 spots(ivec2 at) {
@@ -112,8 +117,8 @@ void update_texel(ivec2 at, inout vec4 time, inout vec4 held) {
     }
 }
 
-bool has_surroundings(Source s) {
-    return counts(s) && place_of(s) != floor(place_of(s));
+bool is_inside_cell(Source s) {
+    return place_of(s) != floor(place_of(s));
 }
 
 // The first of a source's texels.
@@ -121,14 +126,48 @@ ivec2 first_texel(Source s) {
     return texel_of(point_at(ivec2(place_of(s)))) - (TEXELS / 2 - 1);
 }
 
-bool is_first_of(int number, ivec2 texel) {
-    for (int i = 0; i < number; i++) {
+bool is_point(Source s) {
+    return s.curvature == SOURCE_CURVATURE;
+}
+
+// Whether a source has others near it, all of them points.
+bool is_crowded(Source own) {
+    if (!HAS_CURVATURE || !is_point(own)) return false;
+    bool found = false;
+    for (int i = 0; i < int(gl_NumWorkGroups.x); i++) {
         Source other = source(i);
-        if (!has_surroundings(other)) continue;
-        ivec2 from_first = texel - first_texel(other);
-        if (in_grid(from_first, ivec2(TEXELS))) return false;
+        vec2 apart = abs(place_of(other) - place_of(own));
+        if (!counts(other) || apart == vec2(0.0) || any(greaterThan(apart, vec2(TEXELS)))) continue;
+        if (!is_point(other)) return false;
+        found = true;
     }
-    return true;
+    return found;
+}
+
+// The start of the first of all sources.
+float first_start() {
+    float first = FAR;
+    for (int i = 0; i < int(gl_NumWorkGroups.x); i++) {
+        Source other = source(i);
+        if (counts(other)) first = min(first, other.time);
+    }
+    return first;
+}
+
+// A source's own fronts at the points of a texel.
+void take_own(Source own, ivec2 texel, out vec4 time, out vec4 held) {
+    for (int j = 0; j < 4; j++) {
+        vec2 front = arrival(own, at_point(first_point(texel) + to_corner(j)));
+        time[j] = front.x;
+        held[j] = with_tag(front.y, SOURCE_TAG);
+    }
+}
+
+// Whether the grid goes on beyond a texel of the window.
+bool is_at_way_out(ivec2 in_window, ivec2 inner, ivec2 texels) {
+    bvec2 low = bvec2(uvec2(equal(in_window, ivec2(0))) & uvec2(greaterThan(inner, ivec2(0))));
+    bvec2 high = bvec2(uvec2(equal(in_window, ivec2(TEXELS - 1))) & uvec2(lessThan(inner, texels - 1)));
+    return any(low) || any(high);
 }
 
 void main() {
@@ -136,12 +175,19 @@ void main() {
     int index = int(gl_LocalInvocationIndex);
     bool is_there = index < OWN_TEXELS;
     int seed = number * OWN_TEXELS + index;
-    if (is_there) seeds[seed].texel = ivec2(-1);
+    if (is_there) {
+        seeds[seed].texel = ivec2(-1);
+        seeds[seed].window = ivec2(NO_WINDOW);
+    }
     Source own = source(number);
-    if (!has_surroundings(own)) return;
+    if (!counts(own)) return;
+    bool crowded = is_crowded(own);
+    if (!crowded && !is_inside_cell(own)) return;
 
     ivec2 in_window = from_row_major(index, TEXELS);
     ivec2 first = first_texel(own);
+    if (is_there) seeds[seed].window = first;
+    if (index == 0) leaves = floatBitsToUint(FAR);
     window = window_at(first);
     ivec2 texel = first + in_window;
     ivec2 texels = texels_of(grid);
@@ -161,7 +207,9 @@ void main() {
     ivec4 s = spots(at);
     vec4 time_before = vec4(FAR);
     vec4 held_before = vec4(0.0);
-    if (is_there) {
+    if (is_there && crowded) {
+        take_own(own, texel, time_before, held_before);
+    } else if (is_there) {
         time_before = imageLoad(fronts, ivec3(texel, TIME));
         if (CARRIES) held_before = imageLoad(fronts, ivec3(texel, CARRIED));
     }
@@ -188,7 +236,20 @@ void main() {
         if (index == 0) moved[(step + 1) & 1] = 0u;
         barrier();
     }
-    if (!is_there || !any(lessThan(time, time_before)) || !is_first_of(number, texel)) return;
+    if (crowded) {
+        if (is_there && is_at_way_out(in_window, without_border(texel), texels)) {
+            float soonest = min(min(time.x, time.y), min(time.z, time.w));
+            atomicMin(leaves, floatBitsToUint(max(soonest - own.time, 0.0)));
+        }
+        barrier();
+        // What comes from elsewhere has to pass the border, and from there it has as far to go as is left of the
+        // source's own way there.
+        float until = own.time + uintBitsToFloat(leaves);
+        bvec4 exact = lessThanEqual(time, vec4(until < FAR ? 0.5 * (until + first_start()) : FAR));
+        time = mix(vec4(FAR), time, exact);
+        held = with_tags(held, uvec4(EXACT | WHOLE));
+    }
+    if (!is_there) return;
     seeds[seed].texel = texel;
     seeds[seed].times = time;
     seeds[seed].curvatures = held;

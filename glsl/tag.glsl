@@ -1,6 +1,6 @@
 // Tags: the last binary digits of what a front carries and of what the surface brings.
 //
-// The tag of a front is the scan that has brought it, from 1 to 4, or 0 for a source, plus WHOLE if it came
+// The tag of a front is the scan that has brought it, from 1 to 4, or 0 for a source or EXACT for one that stays, plus WHOLE if it came
 // through a whole triangle or is a source's. The surface's is LACKING at points that lack an edge, and DIFFRACTS
 // beside it where waves diffract.
 

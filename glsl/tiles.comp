@@ -10,6 +10,7 @@
 
 #include "constants.glsl"
 #include "chart.glsl"
+#define WITH_ORIGINS
 #include "wavefront.glsl"
 #include "edge_image.glsl"
 #include "surface_image.glsl"
@@ -157,7 +158,7 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
                           edge_in_tile(behind + along, along), 0.0);
         vec2 own = CARRIES ? vec2(surface[spot(at)], surface[spot(next)]) : vec2(0.0);
         vec2 slow = SLOWED != 0 ? vec2(slowness[spot(at)], slowness[spot(next)]) : vec2(0.0);
-        fronts = update_pair(ends, own, slow, l1, l2, bases.xyyz);
+        fronts = update_pair(ends, own, slow, l1, l2, bases.xyyz, pair);
         bvec4 obtuse = are_split_of_pair(ends, slow, l1, l2, bases.xyyz);
         add_parts(pair, obtuse, obtuse.zwxy, fronts);
     }
@@ -243,7 +244,8 @@ void main() {
     ivec2 tile = from_row_major(int(number), tile_grid.x);
     uint state = atomicOr(tiles[number], 0u);
     bool may_renew = renews != 0u;
-    causal = is_causal != 0u;
+    causal = fronts_meet != 0u;
+    holds = fronts_meet != FRONTS_ARE_ADDED;
     if (gl_LocalInvocationIndex == 0u) {
         woken = 0u;
         border_change = 0u;

@@ -40,6 +40,13 @@ Sight sight_of_pair(Ends behind, vec4 l1, vec4 l2) {
     return sight;
 }
 
+// Where four points of an update are: the first, how much further the second and the third, the fourth being
+// beyond both; and the scan's way.
+struct Places {
+    ivec2 first, to_second, to_third;
+    ivec2 ahead, along;
+};
+
 bvec4 both(bvec4 a, bvec4 b) {
     return bvec4(uvec4(a) & uvec4(b));
 }

@@ -12,6 +12,8 @@ layout(constant_id = 12) const int SLOWED = 0;
 
 // Whether fronts hang on nothing that arrives later, as where several may meet. Shaders of maps set it.
 bool causal = false;
+// Whether seeds that are exact are held.
+bool holds = true;
 
 #include "tag.glsl"
 #include "triangle.glsl"
@@ -35,7 +37,7 @@ Fronts update(Ends end1, Ends end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l
         if (HAS_CURVATURE) return curved_slowed(end1, end2, surface, slowness, l1, l2, c, alone);
         return Fronts(planar_slowed(end1, end2, slowness, l1, l2, c), vec4(0.0), bvec4(false));
     }
-    if (HAS_CURVATURE) return curved(end1, end2, surface, l1, l2, c, alone);
+    if (HAS_CURVATURE) return curved(end1, end2, surface, l1, l2, c, alone, bvec4(causal));
     vec4 time = WAVEFRONT == PLANAR ? planar(end1.time, end2.time, l1, l2, c)
                                     : circular(end1.time, end2.time, l1, l2, c);
     return Fronts(time, vec4(0.0), bvec4(false));
@@ -127,3 +129,8 @@ uint change_of(vec4 old_time, vec4 time, vec4 old_carried, vec4 carried) {
     if (HAS_ANCHORS) return max(units, change_of_anchor(old_carried, carried));
     return units;
 }
+
+#ifdef WITH_ORIGINS
+#include "anchors.glsl"
+#include "origins.glsl"
+#endif

@@ -293,7 +293,8 @@ impl<'a> Problem<'a> {
         sources: &Sources,
         options: &Options,
     ) -> Result<Self, Error> {
-        Self::from_seeds::<R>(surface, sources.seeds(surface)?, sources, options)
+        let seeds = sources.seeds_with_origins(surface)?;
+        Self::from_seeds::<R>(surface, seeds, sources, options)
     }
 
     /// Starts from seeds that stand for the sources.
@@ -307,7 +308,10 @@ impl<'a> Problem<'a> {
         let stop = options.stop::<R>(surface)?;
         check_memory::<R>(surface)?;
         let start = sources.start();
-        seeds.iter_mut().for_each(|seed| seed.time -= start);
+        for seed in &mut seeds {
+            seed.time -= start;
+            seed.origin = seed.origin.map(|origin| origin.started_earlier(start));
+        }
         let seeds = wavefront.seeds(surface, seeds);
         Ok(Self { surface, seeds, start, wavefront, schedule: options.schedule, stop })
     }

@@ -54,7 +54,7 @@ impl Ceilings {
                 }),
             triangles: Wavefront::ALL.map(|wavefront| {
                 let lines = for_triangle_kind!(&edges, wavefront, kind => rate(threads, || {
-                    let mut line = WarmLine::new(&edges, kind);
+                    let mut line = WarmLine::new(&edges, Clone::clone(&kind));
                     move || {
                         line.update();
                     }
@@ -157,7 +157,7 @@ mod tests {
         let edges = two_rows();
         for wavefront in Wavefront::ALL {
             let times = for_triangle_kind!(&edges, wavefront, kind => {
-                let mut line = WarmLine::new(&edges, kind);
+                let mut line = WarmLine::new(&edges, Clone::clone(&kind));
                 for _ in 0..2 {
                     assert_eq!(line.update(), POINTS as u64, "none is settled");
                 }

@@ -13,6 +13,7 @@
 
 mod behind;
 mod ceilings;
+mod clusters;
 mod connections;
 mod due;
 mod fast_marching;
@@ -32,6 +33,7 @@ mod scan;
 mod scan_copy;
 mod scanner;
 pub(crate) mod settled;
+mod sight_lines;
 mod solution;
 mod stream;
 mod stretch;

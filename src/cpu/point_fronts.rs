@@ -6,7 +6,7 @@ use super::solution::Solution;
 use crate::surface::{EdgeLengths, Real, Seed};
 #[cfg(feature = "twins")]
 use crate::update::Carried;
-use crate::update::{Kept, SEED};
+use crate::update::{Kept, SEED, tag_of};
 
 /// The fronts at all points while a solver works on them.
 #[derive(Clone)]
@@ -28,9 +28,15 @@ impl<'a, R: Real, K: FrontKind<'a, R>> PointFronts<'a, R, K> {
     }
 
     fn seed(&mut self, seeds: &[Seed]) {
+        self.kind.expect(seeds);
         for seed in seeds {
             let arrival = self.kind.arrival_of_seed(seed);
-            self.lower(self.edges.chart().bordered(seed.row, seed.col), arrival);
+            self.accept(
+                self.edges.chart().bordered(seed.row, seed.col),
+                arrival,
+                tag_of(seed),
+                false,
+            );
         }
     }
 

@@ -16,7 +16,7 @@ use super::tiles::Tiles;
 use super::transposed::TransposedEdges;
 use super::{Instructions, Progress};
 use crate::surface::{EdgeLengths, Real, Seed};
-use crate::update::{Kept, SEED};
+use crate::update::{Kept, tag_of};
 use crate::{Convergence, Stop};
 
 /// Solves for one kind of front; see [`super::RotatedScan`].
@@ -76,13 +76,17 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
                 self.transpose_edges();
             }
             self.forget();
-            self.add(seeds, stop)
+            self.seed(seeds);
+            self.converge(seeds, stop)
         })
     }
 
     /// Adds sources to the last map, which is a warm start: only tiles that their fronts reach first are
     /// visited.
     pub(super) fn add(&mut self, seeds: &[Seed], stop: Stop) -> Convergence {
+        for ScanCopy { carried, .. } in &mut self.copies {
+            carried.iter_mut().for_each(|carried| *carried = K::released(*carried));
+        }
         self.seed(seeds);
         // Into the pool of threads once, and not for each pair of scans.
         rayon::scope(|_| self.converge(seeds, stop))
@@ -163,6 +167,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
     /// Starts from seeds that arrive before the map.
     fn seed(&mut self, seeds: &[Seed]) {
         let chart = self.edges.chart();
+        self.kind.expect(seeds);
         for seed in seeds {
             let point = chart.bordered(seed.row, seed.col);
             let arrival = self.kind.arrival_of_seed(seed);
@@ -170,7 +175,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
             for ScanCopy { times, carried, .. } in &mut self.copies {
                 let kept = Kept { time: times[point], carried: carried[point] };
                 changed |= R::of(seed.time) < kept.time;
-                let front = K::accept(kept, arrival, SEED, false);
+                let front = K::accept(kept, arrival, tag_of(seed), false);
                 (times[point], carried[point]) = (front.time, front.carried);
             }
             if changed {

@@ -14,14 +14,17 @@
 //! well.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::clusters::around_clusters;
 use super::fronts::{TriangleKind, for_triangle_kind};
 use super::scanner::Scanner;
+use super::sight_lines::along_sight_lines;
 use crate::Stop;
-use crate::surface::{Block, Direction, EdgeLengths, Real, Seed, Surface, with_diagonals};
+use crate::surface::{Block, Direction, EdgeLengths, Origin, Real, Seed, Surface, with_diagonals};
 use crate::update::{Setting, Wavefront};
 
 /// How many rows and columns around a source's cell are its surroundings, at most: with 8 maps from inside
@@ -69,7 +72,7 @@ impl Wavefront {
             Self::Planar => seeds,
             Self::Anchored => with_diagonals(surface, seeds),
             wavefront @ (Self::PointSource | Self::Curved) => {
-                with_surroundings(wavefront, surface, seeds)
+                with_origins(wavefront, surface, seeds)
             }
         }
     }
@@ -92,8 +95,13 @@ fn with_surroundings(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) 
         });
         around.collect()
     };
+    earliest(seeds.iter().copied().chain(around))
+}
+
+/// The earliest seed of each point, in row-major order.
+fn earliest(seeds: impl Iterator<Item = Seed>) -> Vec<Seed> {
     let mut earliest = BTreeMap::new();
-    for seed in seeds.iter().copied().chain(around) {
+    for seed in seeds {
         let first = earliest.entry((seed.row, seed.col)).or_insert(seed);
         if seed.time < first.time {
             *first = seed;
@@ -102,11 +110,46 @@ fn with_surroundings(wavefront: Wavefront, surface: &Surface, seeds: Vec<Seed>) 
     earliest.into_values().collect()
 }
 
+/// The same, given the origins of all fronts, with what sources that lie close together reach each by itself. Where
+/// cells are even, seeds keep their origins, which tell fronts apart.
+fn with_origins(wavefront: Wavefront, surface: &Surface, mut seeds: Vec<Seed>) -> Vec<Seed> {
+    let of_one = |origin: Option<Origin>| seeds.iter().all(|seed| seed.origin == origin);
+    let is_lone = match seeds.first().map(|seed| seed.origin) {
+        Some(Some(origin)) => origin.is_point() && of_one(Some(origin)),
+        Some(None) => of_one(None),
+        None => true,
+    };
+    // A lone point has nothing to be told from.
+    if !is_lone && wavefront.is_curved() && surface.has_even_cells() {
+        let further = along_sight_lines(surface, &seeds);
+        let around = with_surroundings(wavefront, surface, seeds);
+        return earliest(around.into_iter().chain(further));
+    }
+    let exact = around_clusters(wavefront, surface, &seeds);
+    seeds.iter_mut().for_each(|seed| seed.origin = None);
+    // Of two that differ by rounding the exact one stays.
+    let is_exact: BTreeMap<_, _> =
+        exact.iter().map(|seed| ((seed.row, seed.col), seed.time)).collect();
+    let mut all = with_surroundings(wavefront, surface, seeds);
+    all.retain(|seed| {
+        let time = is_exact.get(&(seed.row, seed.col));
+        time.is_none_or(|time| seed.time < time - SAME_TIME * time.abs())
+    });
+    earliest(all.into_iter().chain(exact))
+}
+
+/// Times that differ by less than this part are one.
+const SAME_TIME: f64 = 1e-7;
+
 /// The seeds that come from a point inside a cell, by that point.
 fn by_source(seeds: &[Seed]) -> Vec<(DVec2, Vec<Seed>)> {
     let mut found = BTreeMap::<_, (DVec2, Vec<Seed>)>::new();
     for seed in seeds {
         let Some(from) = seed.from else { continue };
+        // Around an end of a straight line the front is that of the whole line.
+        if seed.origin.is_some_and(|origin| !origin.is_point()) {
+            continue;
+        }
         let key = from.to_array().map(f64::to_bits);
         found.entry(key).or_insert((from, Vec::new())).1.push(*seed);
     }
@@ -162,7 +205,7 @@ fn is_in_long_cell(surface: &Surface, source: DVec2) -> bool {
 }
 
 /// The points around a source.
-struct Surroundings {
+pub(super) struct Surroundings {
     own: Block,
     /// Those with a margin.
     window: Block,
@@ -171,7 +214,7 @@ struct Surroundings {
 }
 
 impl Surroundings {
-    fn new(surface: &Surface, source: DVec2, reach: usize) -> Self {
+    pub(super) fn new(surface: &Surface, source: DVec2, reach: usize) -> Self {
         let [rows, cols] = source.to_array().map(|at| [at as usize, at.ceil() as usize]);
         let around = |reach| surface.chart().around_span(rows, cols, reach);
         let (own, window) = (around(reach), around(reach + MARGIN));
@@ -182,7 +225,7 @@ impl Surroundings {
 
     /// The fronts that arrive there from seeds of the source by ways inside. Where one by a way outside is
     /// earlier, it will take their place.
-    fn seeds(&self, wavefront: Wavefront, own: &[Seed]) -> Vec<Seed> {
+    pub(super) fn seeds(&self, wavefront: Wavefront, own: &[Seed]) -> Vec<Seed> {
         let Some(edges) = &self.edges else { return Vec::new() };
         let inside = |seed: &Seed| {
             let (row, col) = self.window.local((seed.row, seed.col));
@@ -190,6 +233,42 @@ impl Surroundings {
         };
         let own: Vec<_> = own.iter().map(inside).collect();
         for_triangle_kind!(edges, wavefront, kind => self.arrived(edges, kind, &own))
+    }
+
+    /// Edges between the points of the window; none if they are too long or too short.
+    pub(super) fn edges(&self) -> Option<&EdgeLengths<f64>> {
+        self.edges.as_ref()
+    }
+
+    /// Whether a seed lies among the points that are looked at.
+    pub(super) fn have(&self, seed: &Seed) -> bool {
+        self.window.rows.contains(&seed.row) && self.window.cols.contains(&seed.col)
+    }
+
+    /// Has no seed be later than along an edge from another: fronts settle to within some digits.
+    pub(super) fn shorten(&self, seeds: &mut [Seed]) {
+        let Some(edges) = &self.edges else { return };
+        let numbers: BTreeMap<_, _> =
+            seeds.iter().enumerate().map(|(number, seed)| ((seed.row, seed.col), number)).collect();
+        for number in 0..seeds.len() {
+            let (row, col) = self.window.local((seeds[number].row, seeds[number].col));
+            for to in Direction::ALL {
+                let Some(there) = edges.chart().neighbour(row, col, to) else { continue };
+                let there = (there.0 + self.window.rows.start, there.1 + self.window.cols.start);
+                let Some(&other) = numbers.get(&there) else { continue };
+                let along = seeds[other].time + edges.length(row, col, to);
+                seeds[number].time = seeds[number].time.min(along);
+            }
+        }
+    }
+
+    /// Whether a point of these lies where the grid goes on beyond.
+    pub(super) fn is_at_way_out(&self, surface: &Surface, (row, col): (usize, usize)) -> bool {
+        let chart = surface.chart();
+        let leaves = |own: &Range<usize>, at: usize, all: usize| {
+            (at == own.start && at > 0) || (at + 1 == own.end && own.end < all)
+        };
+        leaves(&self.own.rows, row, chart.rows) || leaves(&self.own.cols, col, chart.cols)
     }
 
     /// The same, with the edges of the window and seeds in it.
@@ -201,12 +280,21 @@ impl Surroundings {
     ) -> Vec<Seed> {
         let mut scanner = Scanner::new(edges, kind);
         scanner.solve(own, STOP);
-        let from = own.first().and_then(|seed| seed.from);
+        let first = own.first();
+        let (from, origin) = (first.and_then(|s| s.from), first.and_then(|s| s.origin));
         let arrived = self.own.places().filter_map(|(row, col)| {
             let here = self.window.local((row, col));
             let front = scanner.front(here.0, here.1);
             let (time, curvature) = (front.time, K::curvature(front));
-            (time < f64::FAR).then_some(Seed { row, col, time, curvature, from })
+            (time < f64::FAR).then_some(Seed {
+                row,
+                col,
+                time,
+                curvature,
+                from,
+                origin,
+                exact: false,
+            })
         });
         arrived.collect()
     }

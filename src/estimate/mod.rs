@@ -343,7 +343,7 @@ fn coarse_seeds<R: Real>(
     let mut earliest: BTreeMap<(usize, usize), Seed> = BTreeMap::new();
     for source in sources.iter() {
         let source: Sources = [source.clone()].into_iter().collect();
-        let seeds = match coarse.sources(&source).seeds(coarse.surface()) {
+        let seeds = match coarse.sources(&source).seeds_with_origins(coarse.surface()) {
             Err(SourceError::Hole { .. } | SourceError::Outside { .. }) => {
                 seeds_beside(coarse, &source.seeds(surface)?, fine)?
             }
@@ -378,7 +378,15 @@ fn seeds_beside<R: Real>(
                     // The radius of the front grows as it goes on.
                     let step = (time - seed.time).max(0.0);
                     let curvature = seed.curvature / (1.0 + seed.curvature * step);
-                    seeds.push(Seed { row, col, time, curvature, from: None });
+                    seeds.push(Seed {
+                        row,
+                        col,
+                        time,
+                        curvature,
+                        from: None,
+                        origin: None,
+                        exact: false,
+                    });
                 }
             }
         }

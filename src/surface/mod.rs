@@ -10,6 +10,7 @@ mod chart;
 mod coarsen;
 mod corner;
 mod edges;
+mod even_cells;
 mod even_grid;
 mod gaussian_curvature;
 mod geometry;
@@ -48,7 +49,7 @@ pub use resolution::Resolution;
 pub use seams::{GridSide, Seam};
 pub(crate) use sources::Origins;
 pub(crate) use sources::with_diagonals;
-pub use sources::{Seed, Source, SourceError, Sources};
+pub use sources::{Origin, Seed, Source, SourceError, Sources};
 pub(crate) use tag::{TAG, Tagged};
 pub(crate) use unfold::is_obtuse;
 

@@ -2,6 +2,8 @@
 
 use bytemuck::Pod;
 
+use crate::surface::Seed;
+
 /// What fronts of some kind carry, in an array of its own beside the arrival times. A type that owns its
 /// tag bits; the default is carried where no front has arrived.
 pub(crate) trait Carried: Pod + Default + PartialEq + Send + Sync + std::fmt::Debug {
@@ -25,6 +27,13 @@ impl Carried for () {
 
 /// Stands for the scan of fronts that no scan has brought; scans are numbered from 1.
 pub(crate) const SEED: u8 = 0;
+/// The same of exact seeds ([`crate::surface::Seed::exact`]).
+pub(crate) const EXACT: u8 = crate::constants::EXACT as u8;
+
+/// The one that stands for a seed.
+pub(crate) fn tag_of(seed: &Seed) -> u8 {
+    if seed.exact { EXACT } else { SEED }
+}
 
 /// The front that a point keeps.
 #[derive(Clone, Copy, Debug, PartialEq)]

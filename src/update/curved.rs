@@ -2,8 +2,8 @@
 
 use super::{Shape, Triangle};
 use crate::constants::{
-    ABOUT_STRAIGHT, ALONG_BASE, BENT_AGAIN, BENT_APART, CLEARLY_LATER, FOCUS, FROM_SOURCE, GRAZING,
-    STRADDLING, TOGETHER,
+    ABOUT_STRAIGHT, ALONG_BASE, BENT_AGAIN, BENT_APART, CLEARLY_LATER, FIRST_ORIGIN, FOCUS,
+    FROM_SOURCE, GRAZING, STRADDLING, TOGETHER,
 };
 use crate::surface::{DIFFRACTS, LACKING, Real, Seed, Tagged, max, min};
 
@@ -166,7 +166,9 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let share = crossing * spread * per;
     let ray = if inside { c * (root * h * spread * per) } else { edge };
     let gaussian = if inside { g + share * (near_g - g) } else { edge_g };
-    let curvature = bent(dividend * per, half * (g0 + gaussian), ray);
+    // Above the numbers of origins, which may stand in its place.
+    let least = R::of(-0.5 * FIRST_ORIGIN);
+    let curvature = max(bent(dividend * per, half * (g0 + gaussian), ray), least);
     Front { time: if inside { time } else { edge_time }, curvature, whole }
 }
 

@@ -15,12 +15,13 @@ mod curved;
 mod inside;
 mod planar;
 mod point_source;
+mod sight;
 mod slowed;
 mod wavefront;
 
 pub(crate) use anchor::Anchor;
 pub(crate) use anchored::{Floor, is_shorter};
-pub(crate) use carried::{Carried, Kept, SEED};
+pub(crate) use carried::{Carried, EXACT, Kept, SEED, tag_of};
 #[cfg(feature = "twins")]
 pub(crate) use crossing::base_crossing;
 pub(crate) use curvature::Curvature;
@@ -28,6 +29,7 @@ pub use curved::{Bends, Front, curved};
 pub(crate) use inside::InsideSources;
 pub use planar::planar;
 pub use point_source::point_source;
+pub(crate) use sight::{Sighted, Steps, curved_from_origins, line_to};
 pub(crate) use slowed::{curved_slowed, is_settled as is_settled_slowed, planar_slowed};
 pub use wavefront::Wavefront;
 pub(crate) use wavefront::{EngineKind, Setting, SourceKind, Unsuited};

@@ -26,6 +26,7 @@ mod headless;
 mod instance;
 mod limits;
 pub(crate) mod memory;
+mod origins;
 mod pairwise;
 mod passes;
 mod pipelines;

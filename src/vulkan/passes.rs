@@ -145,6 +145,7 @@ passes! {
         GAUSSIAN_CURVATURE: gaussian_curvature, Some(Curvature);
         SOURCES: sources, Some(Sources);
         SEED: seed, Some(Seed);
+        MERGE_SURROUNDINGS: merge_surroundings, Some(Surroundings);
         SETTLE: settle, Some(Settle);
         COUNT: progress, Some(Count);
         RESULT: result, Some(Distances);
@@ -218,24 +219,25 @@ pub(crate) struct Variant {
     pub(crate) splits: bool,
     /// Whether the surface has a slowness that is not the same everywhere.
     pub(crate) slowed: bool,
+    /// Whether fronts may carry the numbers of their origins.
+    pub(crate) named: bool,
 }
 
 impl From<Wavefront> for Variant {
     fn from(wavefront: Wavefront) -> Self {
-        Self { wavefront, splits: true, slowed: false }
+        Self { wavefront, splits: true, slowed: false, named: false }
     }
 }
 
 impl Variant {
-    pub(crate) const COUNT: usize = 4 * Wavefront::EVERY.len();
+    pub(crate) const COUNT: usize = 8 * Wavefront::EVERY.len();
 
     /// All, by their places among a pass's pipelines.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
-        let all = [[false, false], [true, false], [false, true], [true, true]];
-        let each = |[splits, slowed]: [bool; 2]| {
-            Wavefront::EVERY.map(|wavefront| Self { wavefront, splits, slowed })
-        };
-        all.into_iter().flat_map(each)
+        (0..8).flat_map(|bits| {
+            let [splits, slowed, named] = [0, 1, 2].map(|bit| bits >> bit & 1 != 0);
+            Wavefront::EVERY.map(|wavefront| Self { wavefront, splits, slowed, named })
+        })
     }
 }
 
@@ -258,7 +260,9 @@ impl Row {
         let splits = self.shader.depends_on(Constant::Splits) && variant.splits;
         let wavefront = if self.depends_on_wavefront { variant.wavefront as usize } else { 0 };
         let slowed = self.shader.depends_on(Constant::Slowed) && variant.slowed;
-        (2 * usize::from(slowed) + usize::from(splits)) * Wavefront::EVERY.len() + wavefront
+        let named = self.shader.depends_on(Constant::Named) && variant.named;
+        let bits = [splits, slowed, named].map(usize::from);
+        (bits[0] + 2 * bits[1] + 4 * bits[2]) * Wavefront::EVERY.len() + wavefront
     }
 
     /// Its direction, if it is a scan's.
@@ -269,7 +273,7 @@ impl Row {
     /// The numbers and values of its specialization constants.
     pub(crate) fn constants(&self, of: &Specialization) -> Vec<(u32, i32)> {
         let Specialization { tuning, on_processor, variant, map } = *of;
-        let Variant { wavefront, splits, slowed } = variant;
+        let Variant { wavefront, splits, slowed, named } = variant;
         let ahead = self.scan().map_or((0, 0), Scan::ahead);
         let width = self.width.map_or(0, |width| match width {
             Width::Scans => tuning.scan_width,
@@ -282,6 +286,7 @@ impl Row {
             Constant::Wavefront => wavefront as i32,
             Constant::Splits => splits.into(),
             Constant::Slowed => slowed.into(),
+            Constant::Named => named.into(),
             Constant::OnProcessor => on_processor.into(),
             Constant::LocalSizeX => width as i32,
             Constant::Lines => tuning.scan_lines as i32,

@@ -117,12 +117,12 @@ pub(crate) mod offset {
     const _: () = assert!(INPUT_IN_RECORD + INPUT_BYTES == SERIAL_IN_RECORD);
 }
 
-/// Before the first iteration of a map whose fronts are causal or not ([`crate::surface::Origins`]); the whole grid
+/// Before the first iteration of a map whose fronts may meet or not ([`crate::surface::Origins`]); the whole grid
 /// takes so many groups, and has so many tiles. Visits need no beginning.
-pub(crate) fn start(stop: Stop, causal: bool, grid: [u32; 2], tiles: u32) -> Progress {
+pub(crate) fn start(stop: Stop, fronts_meet: u32, grid: [u32; 2], tiles: u32) -> Progress {
     Progress {
         renews: 1,
-        is_causal: causal.into(),
+        fronts_meet,
         last_residual: u32::MAX,
         tolerance: (stop.tolerance / f64::from(f32::EPSILON)) as u32,
         most: stop.iterations,

@@ -272,7 +272,12 @@ impl Solver {
         let stop = method.stop;
         let (wavefront, carried) = surface.begin(method.wavefront, seeds, start)?;
         let schedule = self.schedule(&surface.images, method);
-        let variant = Variant { wavefront, splits: surface.splits, slowed: surface.slowed };
+        let variant = Variant {
+            wavefront,
+            splits: surface.splits,
+            slowed: surface.slowed,
+            named: surface.is_named(),
+        };
         self.make_passes(&surface.images, schedule, variant)?;
         let causal = surface.origins.are_causal() || surface.splits;
         let SurfaceOnDevice { images, first, further, goes_on, .. } = surface;
@@ -319,7 +324,7 @@ impl Solver {
         while !outcome.is_done() {
             // One recording serves all but the last iterations, of which fewer may be left.
             let left = stop.iterations - outcome.iterations;
-            let wanted = (wavefront, schedule.plan(texels, portions, None, most(left)));
+            let wanted = (variant, schedule.plan(texels, portions, None, most(left)));
             let parts = plan::parts(&wanted.1, texels, portions.visits);
             // Who looks at passes knows those of the last recording only.
             let is_kept = parts.len() == 1 || !submitter.is_watching();

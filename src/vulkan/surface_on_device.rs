@@ -5,6 +5,8 @@ use std::sync::Arc;
 use super::anchors::Anchors;
 use super::grid_images::{GridImages, Purpose};
 use super::headless::{CommandBuffer, Context};
+use super::origins::NumberedOrigins;
+use super::passes::Variant;
 use super::pipelines::Pipelines;
 use super::plan::Step;
 use super::upload::curvatures;
@@ -28,11 +30,13 @@ pub struct SurfaceOnDevice {
     is_anchored: bool,
     /// Of the last map's fronts.
     pub(super) origins: Origins,
+    /// Those whose numbers curved fronts carry.
+    numbered: NumberedOrigins,
     /// Starts a map.
     pub(super) first: CommandBuffer,
     /// Go on with one, as recorded for this wavefront and these steps: one for each part of them.
     pub(super) further: Vec<CommandBuffer>,
-    pub(super) goes_on: Option<(Wavefront, Vec<Step>)>,
+    pub(super) goes_on: Option<(Variant, Vec<Step>)>,
     pub(super) context: Arc<Context>,
 }
 
@@ -69,6 +73,7 @@ impl SurfaceOnDevice {
             slowed,
             is_anchored: false,
             origins: Origins::none(surface.is_slowed_unevenly()),
+            numbered: NumberedOrigins::default(),
             first,
             further: Vec::new(),
             goes_on: None,
@@ -86,6 +91,7 @@ impl SurfaceOnDevice {
         let goes_on = start == Start::FromLast;
         if !goes_on {
             self.origins.forget();
+            self.numbered.forget();
         }
         seeds.iter().for_each(|seed| self.origins.add(seed));
         // A map goes on as it has begun.
@@ -111,7 +117,21 @@ impl SurfaceOnDevice {
         }
         self.is_anchored = false;
         // Without room for the sources' numbers.
-        Ok((wavefront.or_curved(Setting::of_engine(false)), curvatures(seeds)))
+        let wavefront = wavefront.or_curved(Setting::of_engine(false));
+        let has_origins = seeds.iter().any(|seed| seed.origin.is_some());
+        let has_numbers =
+            wavefront.is_curved() && self.origins.are_several() && !self.slowed && has_origins;
+        if !has_numbers {
+            return Ok((wavefront, curvatures(seeds)));
+        }
+        let carried = self.numbered.carried(seeds);
+        self.numbered.write(self.images.anchors());
+        Ok((wavefront, carried))
+    }
+
+    /// Whether fronts of the map may carry numbers of origins.
+    pub(super) fn is_named(&self) -> bool {
+        !self.numbered.is_empty()
     }
 
     /// Bytes of device and staging memory held.

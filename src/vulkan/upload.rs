@@ -4,7 +4,7 @@ use super::TexelChart;
 pub(crate) use super::shaders::seed::SeedTexel;
 use crate::constants::WHOLE;
 use crate::surface::{FAR, Seed, Tagged};
-use crate::update::{SEED, Wavefront};
+use crate::update::{Curvature, Wavefront, tag_of};
 
 /// Bytes of a source as `glsl/sources.comp` reads it.
 pub(crate) const SOURCE_BYTES: usize = 16;
@@ -14,21 +14,21 @@ pub(crate) const SEED_BYTES: u64 = (size_of::<SeedTexel>() - size_of::<[i32; 2]>
 
 /// The curvatures of the fronts at seeds, as fronts carry them: as well known as through a whole triangle.
 pub(crate) fn curvatures(seeds: &[Seed]) -> Vec<f32> {
-    seeds.iter().map(|seed| (seed.curvature as f32).with_tag(SEED | WHOLE as u8)).collect()
+    seeds.iter().map(|seed| (seed.curvature as f32).with_tag(tag_of(seed) | WHOLE as u8)).collect()
 }
 
 /// Groups seeds by texel, since each texel is written by one invocation; with each of them what its front
 /// carries beside its time.
 pub(crate) fn seed_texels(seeds: &[Seed], carried: &[f32], wavefront: Wavefront) -> Vec<SeedTexel> {
     let place = |seed: &Seed| TexelChart::texel_of(seed.row, seed.col);
-    let start = |seed: &Seed| match wavefront {
-        Wavefront::Curved => seed.start_of_curved(),
+    let start = |seed: &Seed, carried: f32| match wavefront {
+        Wavefront::Curved if !Curvature::is_number(carried) => seed.start_of_curved(),
         _ => seed.time as f32,
     };
     let mut placed: Vec<_> = seeds
         .iter()
         .zip(carried)
-        .map(|(seed, carried)| (place(seed), start(seed), *carried))
+        .map(|(seed, carried)| (place(seed), start(seed, *carried), *carried))
         .collect();
     placed.sort_by_key(|&((row, col, _), ..)| (row, col));
     let mut texels: Vec<SeedTexel> = Vec::new();
@@ -36,7 +36,7 @@ pub(crate) fn seed_texels(seeds: &[Seed], carried: &[f32], wavefront: Wavefront)
         let texel = [col as i32, row as i32];
         if texels.last().is_none_or(|last| last.texel != texel) {
             let (times, curvatures) = ([FAR as f32; 4], [0.0; 4]);
-            texels.push(SeedTexel { texel, unused: [0; 2], times, curvatures });
+            texels.push(SeedTexel { texel, window: [0; 2], times, curvatures });
         }
         let last = texels.last_mut().expect("one was pushed above");
         if time < last.times[component] {
@@ -50,13 +50,21 @@ pub(crate) fn seed_texels(seeds: &[Seed], carried: &[f32], wavefront: Wavefront)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::update::{Curvature, Front};
+    use crate::update::{Front, SEED};
 
     /// Else what arrives together with one would take its place on a device alone.
     #[test]
     fn fronts_at_seeds_are_those_of_the_cpu() {
         for curvature in [0.0, -0.0, 0.5, Seed::AT_SOURCE] {
-            let seed = Seed { row: 1, col: 2, time: 0.25, curvature, from: None };
+            let seed = Seed {
+                row: 1,
+                col: 2,
+                time: 0.25,
+                curvature,
+                from: None,
+                origin: None,
+                exact: false,
+            };
             let front = Front { time: 0.25, curvature: curvature as f32, whole: true };
             let of_cpu = Curvature::of(front, SEED).value();
             assert_eq!(curvatures(&[seed])[0].to_bits(), of_cpu.to_bits(), "{curvature}");
@@ -65,7 +73,15 @@ mod tests {
 
     #[test]
     fn seeds_that_share_a_texel_are_written_together() {
-        let seed = |row, col, time| Seed { row, col, time, curvature: 1.0, from: None };
+        let seed = |row, col, time| Seed {
+            row,
+            col,
+            time,
+            curvature: 1.0,
+            from: None,
+            origin: None,
+            exact: false,
+        };
         let seeds = [seed(3, 3, 1.0), seed(0, 0, 0.0), seed(2, 3, 2.0), seed(3, 3, 0.5)];
         let texels = seed_texels(&seeds, &curvatures(&seeds), Wavefront::Planar);
         assert_eq!(texels.len(), 2);

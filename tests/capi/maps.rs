@@ -4,7 +4,7 @@
 use geosweep::ash::vk;
 use geosweep::capi::*;
 use geosweep::glam::DVec3;
-use geosweep::surface::Chart;
+use geosweep::surface::{Chart, Geometry};
 use geosweep::{MetricTensor, Sources, Spacing, Surface, Wavefront};
 
 use crate::common::{CONVERGED, difference, on_cpu};
@@ -122,10 +122,14 @@ fn all_kinds_of_points_give_the_map_of_the_cpu() {
             assert!(session.outcome(surface).converged);
             let seeds = Sources::point(3.0, 40.0).seeds(truth).unwrap();
             // A surface some of whose points have a slowness has planar fronts in place of circular ones.
-            let solved = if wavefront == Wavefront::Curved { wavefront } else { Wavefront::Planar };
+            let is_circular = wavefront == Wavefront::PointSource;
+            let solved = if is_circular { Wavefront::Planar } else { wavefront };
             let exact = on_cpu(truth, &seeds, solved, CONVERGED);
             let difference = difference(&map, &exact);
-            assert!(difference < SAME, "{number}, {wavefront}: {difference}");
+            // In a frame the curvature of a metric follows from edges, and not from its tensors.
+            let is_metric = matches!(truth.geometry(), Geometry::Metric(_));
+            let most = if is_metric && !is_circular { 1e-4 } else { SAME };
+            assert!(difference < most, "{number}, {wavefront}: {difference}");
             ok(unsafe { geosweep_plan_destroy(plan) });
         }
     };

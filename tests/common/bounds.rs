@@ -32,6 +32,8 @@ pub struct Case {
     pub sources: Sources,
     /// Whether distances in space bound those along the surface.
     pub(super) has_positions: bool,
+    /// Whether curved fronts tell of their origins.
+    pub(super) has_origins: bool,
 }
 
 impl Case {
@@ -110,12 +112,55 @@ impl Case {
             if curved { ", a curve" } else { "" },
             if chords { ", chords" } else { "" },
         );
-        Self { name, surface, sources, has_positions: !slow && !inside && !curved }
+        let has_positions = !slow && !inside && !curved;
+        Self { name, surface, sources, has_positions, has_origins: false }
     }
 
     /// A surface and sources of the test's own.
     pub fn of(name: String, surface: Surface, sources: Sources) -> Self {
-        Self { name, surface, sources, has_positions: false }
+        Self { name, surface, sources, has_positions: false, has_origins: false }
+    }
+
+    /// Any of these surfaces with clusters of sources at grid points, some of which start later, and a line across.
+    pub fn clusters(number: u64) -> Self {
+        let surface = match number % 3 {
+            0 => Self::new(number),
+            1 => Self::irregular(number),
+            _ => Self::patches(number),
+        }
+        .surface;
+        let mut random = Random::new(number ^ 0xc105);
+        let mut between = |low: f64, high: f64| low + (high - low) * random.next();
+        let chart = surface.chart();
+        let [last_row, last_col] = [chart.rows, chart.cols].map(|lines| lines as f64 - 1.0);
+        let (clusters, is_late) = (between(1.0, 4.0) as usize, between(0.0, 1.0) < 0.3);
+        let mut sources = Sources::default();
+        let mut count = 0;
+        for _ in 0..clusters {
+            let middle = [between(0.0, last_row), between(0.0, last_col)];
+            for _ in 0..between(2.0, 7.0) as usize {
+                let row = (middle[0] + between(-2.0, 2.0)).round().clamp(0.0, last_row);
+                let col = (middle[1] + between(-2.0, 2.0)).round().clamp(0.0, last_col);
+                let start = if is_late { between(0.0, 1.0) } else { 0.0 };
+                let with = sources.clone().and_point(row, col, start);
+                if with.seeds(&surface).is_ok() {
+                    sources = with;
+                    count += 1;
+                }
+            }
+        }
+        if between(0.0, 1.0) < 0.3 {
+            let row = between(0.0, last_row);
+            let with = sources.clone().and_curve([[row, 0.0], [row, last_col]], 0.0);
+            if with.seeds(&surface).is_ok() {
+                sources = with;
+            }
+        }
+        let name = format!(
+            "clusters {number}: {} x {}, {count} sources in {clusters} clusters",
+            chart.rows, chart.cols
+        );
+        Self { has_origins: true, ..Self::of(name, surface, sources) }
     }
 
     /// Flat ground or hills with patches and strips of slownesses up to a thousandfold, holes, and some sources.
@@ -161,6 +206,15 @@ impl Case {
 
     pub fn seeds(&self) -> Vec<Seed> {
         self.sources.seeds(&self.surface).unwrap()
+    }
+
+    /// Those from which fronts of this kind start.
+    pub fn starts(&self, wavefront: Wavefront) -> Vec<Seed> {
+        if !self.has_origins || !wavefront.is_curved() {
+            return self.seeds();
+        }
+        let seeds = self.sources.seeds_with_origins(&self.surface).unwrap();
+        wavefront.seeds(&self.surface, seeds)
     }
 
     /// What the map is held against.

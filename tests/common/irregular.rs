@@ -111,6 +111,6 @@ impl Case {
             if inside { ", inside cells" } else { "" },
             if chords { ", chords" } else { "" },
         );
-        Self { name, surface, sources, has_positions: !slow && !inside }
+        Self { name, surface, sources, has_positions: !slow && !inside, has_origins: false }
     }
 }

@@ -6,6 +6,7 @@ pub mod bounds;
 mod cases;
 mod devices;
 mod irregular;
+pub mod sheets;
 
 use geosweep::Stop;
 use geosweep::accuracy::Errors;

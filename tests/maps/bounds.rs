@@ -18,10 +18,10 @@ fn checked<R: Real>(case: &Case, what: &str, solution: &Solution<R>) -> Result<V
 
 /// What has failed, and which fronts have settled in two ways.
 fn solve(case: &Case) -> (Vec<String>, Vec<String>) {
-    let seeds = case.seeds();
     let edges = EdgeLengths::<f32>::new(&case.surface).unwrap();
     let (mut failures, mut apart) = (Vec::new(), Vec::new());
     for wavefront in case.wavefronts() {
+        let seeds = case.starts(wavefront);
         let rotated = cpu::rotated_scan(&edges, &seeds, wavefront, SETTLED);
         let in_turn = twins::scan_in_turn(&edges, &seeds, wavefront, SETTLED);
         let maps = [("rotated scans", rotated), ("scans in turn", in_turn)]
@@ -63,6 +63,11 @@ fn maps_keep_their_bounds_over_patches_of_slowness() {
 #[test]
 fn maps_keep_their_bounds_on_irregular_grids() {
     check(Case::irregular, |count| 1 + count / 1000);
+}
+
+#[test]
+fn maps_keep_their_bounds_around_clusters_of_sources() {
+    check(Case::clusters, |count| 1 + count / 500);
 }
 
 /// What leaves a curve arrives at its seeds as they do, but for rounding, and bent by the surface: white noise here.

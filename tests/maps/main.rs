@@ -15,6 +15,7 @@ mod estimate;
 mod formats;
 mod gdal;
 mod offset;
+mod origins;
 mod pairwise;
 mod pairwise_matrix;
 mod paths;

@@ -4,22 +4,32 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use super::kind::{BeforeOf, FrontKind, KeptBy, LinesOf, StretchOf, TriangleKind, in_stretch};
-use crate::cpu::behind::Behind;
+use super::origins::{LineOrigins, OriginTable, StretchOrigins};
+use crate::constants::IN_SIGHT;
+use crate::cpu::behind::{Behind, TriangleSlots};
 use crate::cpu::bend_units;
 use crate::cpu::line::ScanLine;
 use crate::cpu::line_update::{How, LineUpdate, Stretches, Updated};
 use crate::cpu::settled::{Visited, from_curved};
 use crate::cpu::stretch::Stretch;
 use crate::cpu::tiles::TILE;
-use crate::surface::{Chart, EdgeLengths, Origins, Real, Seed, min};
-use crate::update::{Bends, Carried, Curvature, Front, Kept, Triangle, curved};
+use crate::surface::{Chart, Direction, EdgeLengths, Origins, Real, Seed, max, min};
+use crate::update::{
+    Bends, Carried, Curvature, EXACT, Front, Kept, Sighted, Steps, Triangle, curved,
+    curved_from_origins, line_to,
+};
 
 /// [`crate::Wavefront::Curved`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(in crate::cpu) struct Curved<'a, R> {
+    edges: &'a EdgeLengths<R>,
     /// The surface's Gaussian curvature, tagged where waves diffract.
     gaussian: &'a [R],
     origins: Origins,
+    /// Those whose numbers fronts carry.
+    table: OriginTable<R>,
+    /// Whether seeds tell of their origins.
+    has_names: bool,
 }
 
 /// The front that a point keeps.
@@ -28,9 +38,38 @@ pub(super) type KeptCurved<R> = Kept<R, Curvature<R>>;
 impl<'a, R: Real> Curved<'a, R> {
     pub(in crate::cpu) fn new(edges: &'a EdgeLengths<R>) -> Self {
         Self {
+            edges,
             gaussian: edges.gaussian_curvature(),
             origins: Origins::none(edges.front_meets_itself()),
+            table: OriginTable::default(),
+            has_names: false,
         }
+    }
+
+    /// When a seed's front starts along a straight line from its origin, and the number of that, if it has one and the
+    /// line explains the seed's time. Measured as updates do, it agrees with them but for rounding.
+    fn named(&mut self, seed: &Seed) -> Option<(R, R)> {
+        let origin = seed.origin.filter(|_| self.has_numbers())?;
+        let number = self.table.number(&origin)?;
+        let chart = self.edges.chart();
+        let at = [seed.row + 1, seed.col + 1].map(|at| R::of(at as f64));
+        let sighted = self.table.get(number).from(at);
+        let point = chart.bordered(seed.row, seed.col);
+        let triangles = Direction::ALL.map(|to| TriangleSlots::new(chart, to, to.next()));
+        let all = triangles.iter().map(|slots| {
+            let steps = slots.directions().map(|to| <[isize; 2]>::from(to.step()));
+            (slots.lengths(self.edges, point), steps)
+        });
+        let start = R::of(seed.time);
+        let time = line_to(all, &sighted).unwrap_or(start);
+        let away = max(time, start) - sighted.start;
+        ((time - start).abs() <= R::of(IN_SIGHT) * away)
+            .then(|| (time, Curvature::of_origin(number)))
+    }
+
+    /// Whether fronts carry numbers of their origins.
+    fn has_numbers(&self) -> bool {
+        self.origins.are_several() && self.has_names
     }
 }
 
@@ -40,13 +79,21 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
     type Ground = R;
     const TAKES_BACK: bool = true;
 
+    fn expect(&mut self, seeds: &[Seed]) {
+        seeds.iter().for_each(|seed| self.origins.add(seed));
+        self.has_names |= seeds.iter().any(|seed| seed.origin.is_some());
+    }
+
     fn arrival_of_seed(&mut self, seed: &Seed) -> Front<R> {
-        self.origins.add(seed);
-        Front { time: seed.start_of_curved(), curvature: R::of(seed.curvature), whole: true }
+        let (time, curvature) =
+            self.named(seed).unwrap_or_else(|| (seed.start_of_curved(), R::of(seed.curvature)));
+        Front { time, curvature, whole: true }
     }
 
     fn forget(&mut self) {
         self.origins.forget();
+        self.table.clear();
+        self.has_names = false;
     }
 
     #[inline]
@@ -73,10 +120,14 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
         first(a, b)
     }
 
+    fn released(carried: Curvature<R>) -> Curvature<R> {
+        carried.released()
+    }
+
     /// The larger of the changes of arrival time and curvature.
     #[inline(always)]
     fn change(before: KeptCurved<R>, after: KeptCurved<R>) -> R::Bits {
-        let bend = (after.carried.value() - before.carried.value()).abs() * after.time;
+        let bend = after.carried.bend_from(before.carried, after.time);
         before.time.units_between(after.time).max(bend_units(bend))
     }
 
@@ -93,8 +144,11 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
         let parts = self.through_parts_of_line(lines, line, points, how.scan);
+        let first = lines.position(line, points.start, how.scan);
+        let origins = self.has_numbers().then(|| LineOrigins::new(&self.table, first, how.scan));
         let line = lines.line(line, points, how.scan);
-        let line = CurvedLine { line, parts: &parts, causal: self.origins.are_causal() };
+        let causal = self.origins.are_causal();
+        let line = CurvedLine { line, parts: &parts, causal, origins };
         how.instructions.run(LineUpdate { line, how, changed })
     }
 
@@ -107,7 +161,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
         points: usize,
         how: How,
     ) -> bool {
-        leaves(&stretch, points, how)
+        leaves(&stretch, points, how, self.has_numbers())
     }
 }
 
@@ -122,7 +176,30 @@ impl<'a, R: Real> TriangleKind<'a, R> for Curved<'a, R> {
     ) -> Front<R> {
         let fronts = carried.map(Curvature::value);
         let surface = corners.map(|corner| self.gaussian[corner]);
-        curved(triangle, Bends { fronts, surface, alone, causal: self.origins.are_causal() })
+        let bends = Bends { fronts, surface, alone, causal: self.origins.are_causal() };
+        if !carried.iter().any(|carried| carried.origin().is_some()) {
+            return curved(triangle, bends);
+        }
+        let [(row, col), x1, x2] = corners.map(|corner| self.edges.chart().entry(corner));
+        let step = |(to_row, to_col): (usize, usize)| {
+            [to_row as isize - row as isize, to_col as isize - col as isize]
+        };
+        let at = [row, col].map(|at| R::of(at as f64));
+        let sighted: [Sighted<R>; 2] = carried.map(|carried| self.table.of(carried).from(at));
+        curved_from_origins(triangle, bends, &Steps::new([step(x1), step(x2)]), sighted)
+    }
+
+    #[inline]
+    fn face_arrival(
+        &self,
+        corners: [usize; 3],
+        triangle: Triangle<R>,
+        carried: [Curvature<R>; 2],
+        alone: bool,
+    ) -> Front<R> {
+        let has_names = carried.iter().any(|carried| carried.origin().is_some());
+        let face = if has_names { triangle } else { triangle.without_obtuse_face() };
+        self.arrival(corners, face, carried, alone)
     }
 
     fn time(arrival: Front<R>) -> R {
@@ -177,7 +254,12 @@ pub(super) fn accept<R: Real>(
     let together = was_reached & front.arrives_with(before);
     let first = if together { front.replaces(before) } else { front.time < time };
     let is_new = !(together & front.is_same_as(before));
-    let accepted = first | (was_reached & renews & curvature.is_from(scan) & is_new);
+    // What a source's own front brings to a point beside it is known better there.
+    let own = was_reached & curvature.is_seed_of(front.curvature);
+    // What is exact stays: two fronts taken for one would come too early.
+    let held = was_reached & curvature.is_from(EXACT);
+    let accepted =
+        (first & !own & !held) | (was_reached & renews & curvature.is_from(scan) & is_new);
     let arrival = if together { min(time, front.time) } else { front.time };
     Kept {
         time: if accepted { arrival } else { time },
@@ -187,12 +269,21 @@ pub(super) fn accept<R: Real>(
 
 /// Whether a scan leaves a stretch of points as they are.
 #[inline(always)]
-fn leaves<R: Real>(stretch: &Stretch<R, Curvature<R>, R>, points: usize, how: How) -> bool {
+fn leaves<R: Real>(
+    stretch: &Stretch<R, Curvature<R>, R>,
+    points: usize,
+    how: How,
+    has_numbers: bool,
+) -> bool {
     if stretch.is_renewed(points, how.scan.0, how.renews) {
         return false;
     }
     if stretch.leads(points) {
         return true;
+    }
+    // The test asks for curvatures.
+    if has_numbers {
+        return false;
     }
     let [before, beside, after] = stretch.carried_behind;
     let mut settled = true;
@@ -217,6 +308,8 @@ struct CurvedLine<'a, R> {
     parts: &'a [(usize, Front<R>)],
     /// See [`Bends::causal`].
     causal: bool,
+    /// If fronts carry numbers of origins.
+    origins: Option<LineOrigins<'a, R>>,
 }
 
 /// The largest changes by their place in the stretch.
@@ -259,12 +352,17 @@ impl<R: Real> Stretches for CurvedLine<'_, R> {
     ) -> Option<bool> {
         let stretch = self.line.stretch(start, points);
         let parts = in_stretch(self.parts, start, points);
-        if parts.is_empty() && leaves(&stretch, points, how) {
+        let has_numbers = self.origins.is_some();
+        if parts.is_empty() && leaves(&stretch, points, how, has_numbers) {
             return None;
         }
         let gaussian_behind = self.line.ground_behind(start, points);
         let bent = Bent { stretch, gaussian_behind, causal: self.causal };
-        let mut first = if stretch.comes_from_left(points) {
+        let origins =
+            self.origins.as_ref().and_then(|origins| origins.behind(start, &stretch, points));
+        let mut first = if let Some(origins) = &origins {
+            fronts_of_origins(&bent, origins, points)
+        } else if stretch.comes_from_left(points) {
             first_fronts::<R, true, false>(&bent, points, how)
         } else {
             first_fronts::<R, false, true>(&bent, points, how)
@@ -284,7 +382,10 @@ impl<R: Real> Stretches for CurvedLine<'_, R> {
             any |= change.max(bent_before.units_between(bent)) > R::Bits::default();
             changes.times[i] = change.max(changes.times[i]);
             // As whole numbers, whose maximum compilers find in lanes.
-            let bend = (bent - bent_before).abs() * after.time;
+            let bend = match has_numbers {
+                true => after.carried.bend_from(before.carried, after.time),
+                false => (bent - bent_before).abs() * after.time,
+            };
             changes.bends[i] = R::zero().units_between(bend).max(changes.bends[i]);
         }
         self.line.times[start..][..points].copy_from_slice(&times[..points]);
@@ -315,16 +416,39 @@ impl<R: Real> Bent<'_, R> {
         [behind[x1][i].value(), behind[x1 + 1][i].value()]
     }
 
-    /// The front through it.
     #[inline(always)]
-    fn front<const LEFT: bool>(&self, i: usize) -> Front<R> {
+    fn bends<const LEFT: bool>(&self, i: usize) -> Bends<R> {
         let (stretch, x1) = (&self.stretch, if LEFT { 0 } else { 1 });
         let gaussian = &self.gaussian_behind;
         let surface = [stretch.ground[i], gaussian[x1][i], gaussian[x1 + 1][i]];
         let (fronts, alone) = (self.fronts::<LEFT>(i), stretch.is_alone(i));
-        let bends = Bends { fronts, surface, alone, causal: self.causal };
-        curved(stretch.triangle::<LEFT>(i), bends)
+        Bends { fronts, surface, alone, causal: self.causal }
     }
+
+    /// The front through it.
+    #[inline(always)]
+    fn front<const LEFT: bool>(&self, i: usize) -> Front<R> {
+        curved(self.stretch.triangle::<LEFT>(i), self.bends::<LEFT>(i))
+    }
+}
+
+/// The first fronts where some of those behind have known origins.
+#[inline(always)]
+fn fronts_of_origins<R: Real>(
+    bent: &Bent<R>,
+    origins: &StretchOrigins<R>,
+    points: usize,
+) -> FirstFronts<R> {
+    let stretch = &bent.stretch;
+    let mut first = FirstFronts::default();
+    for i in 0..points {
+        first.set(i, origins.front::<_, true>(stretch, bent.bends::<true>(i), i));
+    }
+    for i in 0..points {
+        let other = origins.front::<_, false>(stretch, bent.bends::<false>(i), i);
+        first.set(i, Front::first(first.get(i), other));
+    }
+    first
 }
 
 /// The first fronts through the triangle that most points should be reached through, and through the

@@ -41,8 +41,16 @@ pub(in crate::cpu) trait FrontKind<'a, R: Real>:
     /// them ([`Seed::is_lost`]).
     const TAKES_BACK: bool = false;
 
+    /// Tells of all seeds that are about to be added, before the first of them is.
+    fn expect(&mut self, _: &[Seed]) {}
+
     /// What comes from a seed.
     fn arrival_of_seed(&mut self, seed: &Seed) -> Self::Arrival;
+
+    /// The same front, which those of sources that are added later may replace ([`Seed::exact`]).
+    fn released(carried: Self::Carried) -> Self::Carried {
+        carried
+    }
 
     /// Forgets the seeds of the last map.
     fn forget(&mut self) {}
@@ -120,6 +128,19 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         carried: [Self::Carried; 2],
         alone: bool,
     ) -> Self::Arrival;
+
+    /// The same through the face of one of a point's triangles, or along its edges alone if it is obtuse.
+    #[inline]
+    fn face_arrival(
+        &self,
+        corners: [usize; 3],
+        triangle: Triangle<R>,
+        carried: [Self::Carried; 2],
+        alone: bool,
+    ) -> Self::Arrival {
+        let c = if self.is_obtuse(corners, triangle) { R::FAR } else { triangle.c };
+        self.arrival(corners, Triangle { c, ..triangle }, carried, alone)
+    }
 
     /// The same over a slowness at x0, x1 and x2 by which the lengths are weighted, whatever is known of the points.
     /// Fronts that look at lengths alone need none.
@@ -211,11 +232,9 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         let kept = [x1, x2].map(&seen);
         let triangle = slots.triangle(edges, point, kept.map(|front| front.time));
         let carried = kept.map(|front| front.carried);
-        let is_obtuse = self.is_obtuse([point, x1, x2], triangle);
-        let c = if is_obtuse { R::FAR } else { triangle.c };
-        let (edges_alone, alone) = (Triangle { c, ..triangle }, slots.is_alone(triangle));
-        let arrival = self.arrival([point, x1, x2], edges_alone, carried, alone);
-        if !is_obtuse {
+        let alone = slots.is_alone(triangle);
+        let arrival = self.face_arrival([point, x1, x2], triangle, carried, alone);
+        if !self.is_obtuse([point, x1, x2], triangle) {
             return arrival;
         }
         let parts = self.through_parts(edges, point, slots.directions(), seen);

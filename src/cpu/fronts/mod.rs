@@ -7,6 +7,7 @@ mod anchored;
 mod circular;
 mod curved;
 mod kind;
+mod origins;
 mod planar;
 mod slowed;
 mod slowed_curved;

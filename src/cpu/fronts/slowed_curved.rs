@@ -65,6 +65,10 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedCurved<'a, R> {
         Front::first(a, b)
     }
 
+    fn released(carried: Curvature<R>) -> Curvature<R> {
+        carried.released()
+    }
+
     #[inline(always)]
     fn accept(kept: KeptCurved<R>, arrival: Front<R>, scan: u8, renews: bool) -> KeptCurved<R> {
         accept(kept, arrival, scan, renews)

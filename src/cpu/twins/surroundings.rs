@@ -1,5 +1,7 @@
-//! What sources inside cells reach first, solved before the whole grid. The twin of
-//! `glsl/surroundings.comp`.
+//! What sources inside cells, and those that have others near them, reach first, solved before the whole grid. The twin
+//! of `glsl/surroundings.comp` and `glsl/merge_surroundings.comp`.
+
+use std::ops::Range;
 
 use glam::DVec2;
 
@@ -8,46 +10,61 @@ use crate::constants::{SURROUNDINGS_STEPS, SURROUNDINGS_TEXELS};
 use crate::cpu::Solution;
 use crate::cpu::fronts::{FrontKind, for_kind};
 use crate::cpu::point_fronts::PointFronts;
-use crate::surface::{EdgeLengths, Real, Seed};
+use crate::surface::{Chart, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
-/// The seeds of sources at these rows and columns and what their surroundings make of them; where these
-/// meet, a texel's fronts are those of the first source that has it. The solution has no iterations and is
-/// no map yet, but on a grid that is not larger.
+/// A point source of a renderer's.
+#[derive(Clone, Debug)]
+pub struct PointSource {
+    /// Row and column.
+    pub at: DVec2,
+    /// Arrival time there.
+    pub start: f64,
+    /// The grid points that its front begins at.
+    pub seeds: Vec<Seed>,
+}
+
+/// The seeds of point sources and what their surroundings make of them; where these meet, the earliest fronts. The
+/// solution has no iterations and is no map yet, but on a grid that is not larger.
 pub fn surroundings<R: Real>(
     edges: &EdgeLengths<R>,
-    seeds: &[Seed],
-    sources: &[DVec2],
+    sources: &[PointSource],
     wavefront: Wavefront,
 ) -> Solution<R> {
-    for_kind!(edges, wavefront, kind => solve(edges, kind, seeds, sources))
+    for_kind!(edges, wavefront, kind => solve(edges, kind, sources, wavefront.is_curved()))
 }
 
 fn solve<'a, R: Real, K: FrontKind<'a, R>>(
     edges: &'a EdgeLengths<R>,
     kind: K,
-    seeds: &[Seed],
-    sources: &[DVec2],
+    sources: &[PointSource],
+    is_curved: bool,
 ) -> Solution<R> {
     let unreached = PointFronts::start(edges, kind.clone(), &[]);
-    let start = PointFronts::start(edges, kind, seeds);
-    let chart = start.edges.chart();
+    let seeds: Vec<_> = sources.iter().flat_map(|source| &source.seeds).copied().collect();
+    let start = PointFronts::start(edges, kind.clone(), &seeds);
+    let chart = edges.chart();
     let scans = behind(chart);
+    let first = sources.iter().map(|source| source.start).fold(f64::INFINITY, f64::min);
     let mut fronts = start.clone();
-    let mut taken = vec![false; chart.bordered_points()];
-    for source in sources.iter().filter(|source| source.fract() != DVec2::ZERO) {
-        // Texels, of which the cell has one or two: so many lie before.
-        let side = SURROUNDINGS_TEXELS as usize;
-        let span = |at: f64, points: usize| {
-            let end = 2 * (at as usize / 2 + side / 2 + 1);
-            end.saturating_sub(2 * side)..end.min(points)
+    for source in sources {
+        let is_near = |other: &PointSource| {
+            let apart = (other.at - source.at).abs().max_element();
+            apart > 0.0 && apart <= f64::from(SURROUNDINGS_TEXELS)
         };
-        let (rows, cols) = (span(source.x, chart.rows), span(source.y, chart.cols));
-        let all = || rows.clone().flat_map(|row| cols.clone().map(move |col| (row, col)));
-        let points = || all().map(|(row, col)| chart.bordered(row, col));
+        let is_crowded = is_curved && sources.iter().any(is_near);
+        if !is_crowded && source.at.fract() == DVec2::ZERO {
+            continue;
+        }
+        let window = Window::around(source.at, chart);
+        let points = || window.places().map(|(row, col)| chart.bordered(row, col));
         // What lies around stays unreached: ways outside are for the scans to find.
         let mut old = unreached.clone();
-        points().for_each(|point| old.copy_point(&start, point));
+        let begin = match is_crowded {
+            true => PointFronts::start(edges, kind.clone(), &source.seeds),
+            false => start.clone(),
+        };
+        points().for_each(|point| old.copy_point(&begin, point));
         for _ in 0..SURROUNDINGS_STEPS {
             let mut new = old.clone();
             let mut change = R::Bits::default();
@@ -62,11 +79,58 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
                 break;
             }
         }
+        let until = if is_crowded { window.exact_until(&old, source.start, first) } else { R::FAR };
         for point in points() {
-            if !std::mem::replace(&mut taken[point], true) && old.time(point) < start.time(point) {
+            let time = old.time(point);
+            if time <= until
+                && (time < fronts.time(point) || is_crowded && time <= fronts.time(point))
+            {
                 fronts.copy_point(&old, point);
             }
         }
     }
     fronts.finish(0, 0.0)
+}
+
+/// The points of the texels around a source's cell, of which the cell has one or two: so many lie before.
+struct Window {
+    rows: Range<usize>,
+    cols: Range<usize>,
+    chart: Chart,
+}
+
+impl Window {
+    fn around(source: DVec2, chart: Chart) -> Self {
+        let side = SURROUNDINGS_TEXELS as usize;
+        let span = |at: f64, points: usize| {
+            let end = 2 * (at as usize / 2 + side / 2 + 1);
+            end.saturating_sub(2 * side)..end.min(points)
+        };
+        Self { rows: span(source.x, chart.rows), cols: span(source.y, chart.cols), chart }
+    }
+
+    fn places(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.rows.clone().flat_map(|row| self.cols.clone().map(move |col| (row, col)))
+    }
+
+    /// Until when no front from elsewhere is first, given when the first of all sources starts.
+    fn exact_until<'a, R: Real, K: FrontKind<'a, R>>(
+        &self,
+        alone: &PointFronts<'a, R, K>,
+        start: f64,
+        first: f64,
+    ) -> R {
+        // The grid goes on beyond a texel at the window's side.
+        let leaves = |span: &Range<usize>, at: usize, all: usize| {
+            at < span.start + 2 && span.start > 0 || at + 2 >= span.end && span.end < all
+        };
+        let is_at_way_out = |&(row, col): &(usize, usize)| {
+            leaves(&self.rows, row, self.chart.rows) || leaves(&self.cols, col, self.chart.cols)
+        };
+        let times = self.places().filter(is_at_way_out);
+        let times = times.map(|(row, col)| alone.time(self.chart.bordered(row, col)).wide());
+        let leaves = times.fold(f64::INFINITY, f64::min);
+        let until = leaves.max(start);
+        if until < R::FAR.wide() { R::of(0.5 * (until + first)) } else { R::FAR }
+    }
 }

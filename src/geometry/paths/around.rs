@@ -146,7 +146,7 @@ impl Tracer<'_> {
                 .map(|(point, away)| {
                     let (row, col) = local(point);
                     let curvature = (1.0 / away).min(Seed::AT_SOURCE);
-                    Seed { row, col, time: away, curvature, from: None }
+                    Seed { row, col, time: away, curvature, from: None, origin: None, exact: false }
                 })
                 .collect(),
         };

@@ -42,7 +42,7 @@ impl Sample {
         }
     }
 
-    /// Where on the straight line from `a` (0) to `b` (1) this place is nearest.
+    /// Where on the straight line through `a` (0) and `b` (1) this place is nearest, beyond its ends too.
     pub(crate) fn foot_on(self, a: Self, b: Self) -> f64 {
         let (along, across) = match (self, a, b) {
             (Self::Position(x), Self::Position(a), Self::Position(b)) => {
@@ -55,6 +55,6 @@ impl Sample {
             ) => ((b - a).dot(tensor * (b - a)), (x - a).dot(tensor * (b - a))),
             _ => unreachable!("a surface has one kind of geometry"),
         };
-        if along > 0.0 { (across / along).clamp(0.0, 1.0) } else { 0.0 }
+        if along > 0.0 { across / along } else { 0.0 }
     }
 }

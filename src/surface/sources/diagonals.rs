@@ -23,7 +23,15 @@ pub(crate) fn with_diagonals(surface: &Surface, seeds: Vec<Seed>) -> Vec<Seed> {
         let points = Diagonal::through(&seed, from).into_iter().flat_map(|it| it.points(surface));
         all.extend(points.take(most).map(|(row, col)| {
             let ahead = grid.length(DVec2::new(row as f64, col as f64) - from);
-            Seed { row, col, time: start + ahead, curvature: 1.0 / ahead, from: Some(from) }
+            Seed {
+                row,
+                col,
+                time: start + ahead,
+                curvature: 1.0 / ahead,
+                from: Some(from),
+                origin: seed.origin,
+                exact: false,
+            }
         }));
     }
     all

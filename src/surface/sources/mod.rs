@@ -1,6 +1,7 @@
 //! Sources: where the wavefront starts, and the initial values that this gives at grid points.
 
 mod diagonals;
+mod origin;
 mod pieces;
 mod rise;
 
@@ -11,7 +12,8 @@ use glam::DVec2;
 use super::{FAR, Real, Surface};
 use crate::shown::exact;
 pub(crate) use diagonals::with_diagonals;
-use pieces::{Pieces, Vertex, bends};
+pub use origin::Origin;
+use pieces::{Pieces, Vertex, bends, straight_runs};
 
 /// One source. Rows and columns may be fractional and count from 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,7 +63,15 @@ pub struct Seed {
     /// Row and column of the point source that the front comes from, if it is not this point itself: the
     /// anchor of what follows ([`crate::Wavefront::Anchored`]).
     pub from: Option<DVec2>,
+    /// The straight source that the front comes from, where that is known; see [`Sources::seeds_with_origins`].
+    pub origin: Option<Origin>,
+    /// Whether the time is known as exactly as the edges allow, from a map of the source alone, and no other source's
+    /// front can be first here: no curved front takes its place, but those of sources that are added later.
+    pub exact: bool,
 }
+
+/// By which part of its time a seed may differ from the line to its origin.
+const OFF_LINE: f64 = 1e-3;
 
 /// Units in the last place of an arrival time that a curved update may be off by: a height over a base, and a sum.
 const SURELY_FIRST: f64 = 8.0;
@@ -72,7 +82,7 @@ impl Seed {
 
     /// A point source at a grid point.
     pub fn at_source(row: usize, col: usize, time: f64) -> Self {
-        Self { row, col, time, curvature: Self::AT_SOURCE, from: None }
+        Self { row, col, time, curvature: Self::AT_SOURCE, from: None, origin: None, exact: false }
     }
 
     /// When a curved front starts here: beside a curve some units in the last place sooner, since what leaves the curve
@@ -80,7 +90,8 @@ impl Seed {
     /// and on rough surfaces a map would differ from another by hundredths. Not at a curve's ends, where what comes
     /// from beside them is flatter and is to stay.
     pub(crate) fn start_of_curved<R: Real>(&self) -> R {
-        let is_beside = self.from.is_none() && (self.curvature * self.time).abs() < 0.5;
+        let is_beside =
+            !self.exact && self.from.is_none() && (self.curvature * self.time).abs() < 0.5;
         let rounding = self.time.abs() * SURELY_FIRST * R::epsilon().wide();
         R::of(if is_beside { self.time - rounding } else { self.time })
     }
@@ -89,7 +100,10 @@ impl Seed {
     /// taken back since. Solvers then start from it again.
     pub(crate) fn is_lost<R: Real>(&self, time: R) -> bool {
         let start = R::of(self.time);
-        time - start > start.abs() * (R::of(8.0) * R::epsilon())
+        // Fronts that tell of their origin start along the line from there, measured in a triangle of the engine's.
+        let rounding =
+            R::of(if self.origin.is_some() { OFF_LINE } else { 8.0 * R::epsilon().wide() });
+        time - start > start.abs() * rounding
     }
 
     /// Row and column.
@@ -128,6 +142,11 @@ impl Origins {
 
     pub(crate) fn are_causal(&self) -> bool {
         self.causal || self.meets_itself
+    }
+
+    /// Whether there are several, or one that is no point.
+    pub(crate) fn are_several(&self) -> bool {
+        self.causal
     }
 }
 
@@ -279,12 +298,39 @@ impl Sources {
     /// points they follow the surface as its edges do. A curve seeds the corners of every cell it
     /// runs through, so it has no gaps.
     pub fn seeds(&self, surface: &Surface) -> Result<Vec<Seed>, SourceError> {
+        let mut seeds = self.seeds_with_origins(surface)?;
+        seeds.iter_mut().for_each(|seed| seed.origin = None);
+        Ok(seeds)
+    }
+
+    /// The same, with the straight source that each seed's front comes from ([`Seed::origin`]).
+    ///
+    /// From them curved fronts of several sources are exact over even grids, whatever the shape of their cells: each
+    /// origin's front goes on by itself where two meet. Over grids whose cells change from point to point they follow
+    /// straight lines of the chart near the sources, and maps may be less accurate than from [`Self::seeds`].
+    ///
+    /// ```
+    /// use geosweep::cpu::RotatedScan;
+    /// use geosweep::surface::EdgeLengths;
+    /// use geosweep::{Sources, Spacing, Stop, Surface, Wavefront};
+    ///
+    /// let surface = Surface::from_heights(9, 9, vec![0.0; 81], Spacing { dx: 1.0, dy: 2.0 })?;
+    /// let sources = Sources::point(4.0, 4.0).and_point(5.0, 4.0, 0.0);
+    /// let edges = EdgeLengths::<f32>::new(&surface)?;
+    /// let mut solver = RotatedScan::new(&edges, Wavefront::Curved);
+    /// let stop = Stop { tolerance: 1e-6, iterations: 100 };
+    /// solver.solve(&sources.seeds_with_origins(&surface)?, stop);
+    /// assert!((solver.distances()[4 * 9 + 6] - 2.0).abs() < 1e-6);
+    /// # Ok::<(), geosweep::Error>(())
+    /// ```
+    pub fn seeds_with_origins(&self, surface: &Surface) -> Result<Vec<Seed>, SourceError> {
         let mut seeds = BTreeMap::new();
         for source in self.iter() {
             let mut pieces = Pieces::default();
             let initial = match source {
                 Source::Point { at, initial } => {
-                    pieces.add(surface, [(*at, Vertex::Corner); 2])?;
+                    let origin = Origin::point(*at, *initial);
+                    pieces.add(surface, [(*at, Vertex::Corner); 2], Some(origin))?;
                     *initial
                 }
                 Source::Curve { vertices, initial } => {
@@ -292,14 +338,19 @@ impl Sources {
                     let vertices: Vec<_> = vertices.iter().copied().zip(bends).collect();
                     let first = *vertices.first().ok_or(SourceError::EmptyCurve)?;
                     let last = *vertices.last().unwrap_or(&first);
+                    let origins: Vec<_> = straight_runs(&vertices)
+                        .into_iter()
+                        .map(|run| run.map(|ends| Origin { ends, start: *initial }))
+                        .collect();
                     // An end on a side of a cell touches the cell beyond it too.
                     let closed = vertices.len() > 1 && first.0 == last.0;
                     if !closed {
-                        pieces.add(surface, [first, first])?;
-                        pieces.add(surface, [last, last])?;
+                        let of_end = |run: Option<&Option<Origin>>| run.copied().flatten();
+                        pieces.add(surface, [first, first], of_end(origins.first()))?;
+                        pieces.add(surface, [last, last], of_end(origins.last()))?;
                     }
-                    for ends in vertices.windows(2) {
-                        pieces.add(surface, [ends[0], ends[1]])?;
+                    for (ends, origin) in vertices.windows(2).zip(origins) {
+                        pieces.add(surface, [ends[0], ends[1]], origin)?;
                     }
                     *initial
                 }

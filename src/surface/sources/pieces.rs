@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::{DVec2, DVec3};
 
 use super::rise::Rise;
-use super::{Seed, SourceError};
+use super::{Origin, Seed, SourceError};
 use crate::surface::{Cell, Sample, Surface, corner_weights, grid_crossings};
 
 /// How a curve runs through one of its vertices.
@@ -17,11 +17,14 @@ pub(super) enum Vertex {
     Smooth(DVec3),
 }
 
-/// A curve that turns by less than 30 degrees at a vertex is taken for a smooth one.
+/// A curve that turns by less than 30 degrees at a vertex is taken for a smooth one,
 const SMOOTH_TURN_COSINE: f64 = 0.866;
+/// if one of both segments there is shorter than this, in cells: a curve of longer ones is the polygon that it is
+/// given as.
+const SMOOTH_SEGMENT: f64 = 2.0;
 
 /// How a curve runs through its vertices. Only positions tell a bend's size; on a surface known by
-/// its metric, curves are as straight as their segments.
+/// its metric, what is taken for smooth is as straight as its segments.
 pub(super) fn bends(surface: &Surface, vertices: &[DVec2]) -> Vec<Vertex> {
     let closed = vertices.len() > 2 && vertices.first() == vertices.last();
     let place = |at: DVec2| match surface.place(at) {
@@ -36,17 +39,61 @@ pub(super) fn bends(surface: &Surface, vertices: &[DVec2]) -> Vec<Vertex> {
                 _ if closed => (last - 1, 1),
                 _ => return Vertex::Corner,
             };
-            let places = [before, index, after].map(|index| place(vertices[index]));
-            let [Some(a), Some(b), Some(c)] = places else { return Vertex::Smooth(DVec3::ZERO) };
+            let ends = [before, index, after].map(|index| vertices[index]);
+            let [into, out] = [ends[1] - ends[0], ends[2] - ends[1]];
+            let is_short = |step: DVec2| step.abs().max_element() < SMOOTH_SEGMENT;
+            let places = ends.map(place);
+            let [Some(a), Some(b), Some(c)] = places else {
+                let cosine = turn_cosine(surface, ends[1], into, out);
+                let is_smooth = cosine >= SMOOTH_TURN_COSINE && (is_short(into) || is_short(out));
+                let bend =
+                    if is_smooth || is_straight(into, out) { Some(DVec3::ZERO) } else { None };
+                return bend.map_or(Vertex::Corner, Vertex::Smooth);
+            };
+            let is_fine = is_short(into) || is_short(out) || is_straight(into, out);
             let (Some(into), Some(out)) = ((b - a).try_normalize(), (c - b).try_normalize()) else {
                 return Vertex::Smooth(DVec3::ZERO);
             };
-            if into.dot(out) < SMOOTH_TURN_COSINE {
+            if into.dot(out) < SMOOTH_TURN_COSINE || !is_fine {
                 return Vertex::Corner;
             }
             Vertex::Smooth((out - into) / (0.5 * (a.distance(b) + b.distance(c))))
         })
         .collect()
+}
+
+/// Whether a curve runs straight on in the chart from one step to the next.
+fn is_straight(into: DVec2, out: DVec2) -> bool {
+    let across = into.perp_dot(out).abs();
+    into.dot(out) >= 0.0 && across <= 1e-9 * into.length() * out.length()
+}
+
+/// The cosine of the angle by which a curve turns at a place of a surface that is known by its metric.
+fn turn_cosine(surface: &Surface, at: DVec2, into: DVec2, out: DVec2) -> f64 {
+    let Some(Sample::Metric { tensor, .. }) = surface.place(at) else { return 1.0 };
+    let dot = |a: DVec2, b: DVec2| a.dot(tensor * b);
+    let lengths = (dot(into, into) * dot(out, out)).sqrt();
+    if lengths > 0.0 { dot(into, out) / lengths } else { 1.0 }
+}
+
+/// For each segment of a curve the ends of the straight line that it is part of, if the curve turns sharply at both
+/// or ends there.
+pub(super) fn straight_runs(vertices: &[(DVec2, Vertex)]) -> Vec<Option<[DVec2; 2]>> {
+    let step = |segment: usize| vertices[segment + 1].0 - vertices[segment].0;
+    let segments = vertices.len().saturating_sub(1);
+    let goes_on = |next: usize| {
+        matches!(vertices[next].1, Vertex::Smooth(_)) && is_straight(step(next - 1), step(next))
+    };
+    let mut runs = Vec::with_capacity(segments);
+    while runs.len() < segments {
+        let first = runs.len();
+        let end = (first + 1..segments).find(|&next| !goes_on(next)).unwrap_or(segments);
+        let ends = [vertices[first], vertices[end]];
+        let is_whole = ends.iter().all(|(_, vertex)| matches!(vertex, Vertex::Corner));
+        let run = is_whole.then(|| ends.map(|(place, _)| place));
+        runs.resize(end, run);
+    }
+    runs
 }
 
 /// The part of a source that lies in one cell: a straight segment, or a point.
@@ -60,6 +107,8 @@ struct Piece {
     /// From where to where on its segment it reaches, and that segment's ends.
     cut: (f64, f64),
     ends: [(DVec2, Vertex); 2],
+    /// The straight source that it is part of, if it is one.
+    origin: Option<Origin>,
     /// Of a point alone.
     rise: Option<Rise>,
 }
@@ -82,6 +131,7 @@ impl Pieces {
         &mut self,
         surface: &Surface,
         ends: [(DVec2, Vertex); 2],
+        origin: Option<Origin>,
     ) -> Result<(), SourceError> {
         let (from, to) = (ends[0].0, ends[1].0);
         check_inside(surface, from)?;
@@ -96,7 +146,8 @@ impl Pieces {
                 let ab = surface.sample_in(cell, a).zip(surface.sample_in(cell, b));
                 let Some((a, b)) = ab else { continue };
                 let rise = if from == to { Rise::at(surface, cell, middle) } else { None };
-                let piece = Piece { cell, a, b, middle, cut: (cut[0], cut[1]), ends, rise };
+                let cut = (cut[0], cut[1]);
+                let piece = Piece { cell, a, b, middle, cut, ends, origin, rise };
                 self.by_cell.entry(cell.north_west()).or_default().push(piece);
                 found = true;
             }
@@ -146,21 +197,49 @@ fn check_inside(surface: &Surface, at: DVec2) -> Result<(), SourceError> {
     }
 }
 
+/// How near to an end of a segment, in parts of it, places are that end.
+const AT_END: f64 = 1e-9;
+
 impl Surface {
     /// The initial value at a grid point from a piece of a source.
     fn seed_from(&self, row: usize, col: usize, initial: f64, piece: &Piece) -> Seed {
         let Piece { a, b, middle, cut, ends, rise, .. } = *piece;
         let corner = self.geometry().sample(self.chart(), row, col);
-        let foot = corner.foot_on(a, b);
+        let beyond = corner.foot_on(a, b);
+        let foot = beyond.clamp(0.0, 1.0);
         let nearest = Sample::interpolate(&[(1.0 - foot, a), (foot, b)]);
         let weight = self.weight_between((row, col), middle);
         let chord = corner.length_to(nearest);
         let distance = weight
             * rise.map_or(chord, |rise| (chord * chord + rise.from((row, col))).max(0.0).sqrt());
-        let foot = cut.0 + foot * (cut.1 - cut.0);
-        let curvature = self.seed_curvature((row, col), distance, foot, ends);
-        let from = (ends[0].0 == ends[1].0 && distance > 0.0).then_some(ends[0].0);
-        Seed { row, col, time: initial + distance, curvature, from }
+        let place = cut.0 + foot * (cut.1 - cut.0);
+        // Straight across from an end the front is that of the line, not the one around the end.
+        let is_beside = distance > 0.0 && (beyond - foot).abs() <= AT_END;
+        let curvature = self.seed_curvature((row, col), distance, (place, is_beside), ends);
+        let is_point = ends[0].0 == ends[1].0;
+        let from = (is_point && distance > 0.0).then_some(ends[0].0);
+        let origin = self.origin_of(piece, place, initial);
+        Seed { row, col, time: initial + distance, curvature, from, origin, exact: false }
+    }
+
+    /// The straight source whose front a piece's is, given the place `foot` on its segment from which it comes. None where
+    /// that is a cut between pieces: the nearest place of the source lies beyond.
+    fn origin_of(&self, piece: &Piece, foot: f64, initial: f64) -> Option<Origin> {
+        let [start, end] = piece.ends;
+        let at = start.0.lerp(end.0, foot);
+        let is_same = |a: DVec2| a.distance(at) <= AT_END * (1.0 + at.length());
+        let is_cut = foot <= piece.cut.0 + AT_END || foot >= piece.cut.1 - AT_END;
+        if let Some(origin) = piece.origin {
+            return (!is_cut || origin.ends.into_iter().any(is_same)).then_some(origin);
+        }
+        // Around the end of a curve that is bent before it.
+        let is_end =
+            |(place, vertex): (DVec2, Vertex)| matches!(vertex, Vertex::Corner) && is_same(place);
+        piece
+            .ends
+            .into_iter()
+            .find(|&end| is_end(end))
+            .map(|(place, _)| Origin::point(place, initial))
     }
 
     /// Curvature of the front at a grid point some distance from the place `foot` of a segment.
@@ -168,14 +247,14 @@ impl Surface {
         &self,
         (row, col): (usize, usize),
         distance: f64,
-        foot: f64,
+        (foot, is_beside): (f64, bool),
         [start, end]: [(DVec2, Vertex); 2],
     ) -> f64 {
         let as_from_point = if distance > 0.0 { 1.0 / distance } else { Seed::AT_SOURCE };
         let bend = match (start.1, end.1) {
             _ if start.0 == end.0 => return as_from_point,
-            (Vertex::Corner, _) if foot <= 1e-12 => return as_from_point,
-            (_, Vertex::Corner) if foot >= 1.0 - 1e-12 => return as_from_point,
+            (Vertex::Corner, _) if foot <= AT_END && !is_beside => return as_from_point,
+            (_, Vertex::Corner) if foot >= 1.0 - AT_END && !is_beside => return as_from_point,
             (Vertex::Smooth(a), Vertex::Smooth(b)) => a.lerp(b, foot),
             (Vertex::Smooth(bend), Vertex::Corner) | (Vertex::Corner, Vertex::Smooth(bend)) => bend,
             (Vertex::Corner, Vertex::Corner) => DVec3::ZERO,

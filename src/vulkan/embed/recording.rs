@@ -14,12 +14,15 @@ use crate::vulkan::VulkanError;
 use crate::vulkan::barrier::{CLEAR, PASS, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::grid_images::{INLINE_SOURCES, POINT_BYTES, bands, frame_bytes, rows_around};
 use crate::vulkan::passes::{
-    CommonPass, LOOKUP, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, RESULT, SOURCES, Variant,
+    CommonPass, LOOKUP, MERGE_SURROUNDINGS, POINTS_FROM_BUFFER, POINTS_FROM_IMAGE, RESULT, SOURCES,
+    Variant,
 };
 use crate::vulkan::profile::{Grain, PassKind, PassRecord, Profile, Work};
 use crate::vulkan::progress::offset;
 use crate::vulkan::record::{Commands, Recorder, dispatched};
-use crate::vulkan::shaders::{lookup, points_from_buffer, result, sources, surroundings};
+use crate::vulkan::shaders::{
+    lookup, merge_surroundings, points_from_buffer, result, sources, surroundings,
+};
 use crate::vulkan::upload::SEED_BYTES;
 
 /// Appends commands for a surface to a command buffer of the host's.
@@ -58,6 +61,8 @@ pub struct Frame<'a> {
 /// from all sides some sixteen times, takes as long as two to four iterations of 1,500 to 3,000 points, which
 /// is what it saves.
 const POINTS_FOR_SURROUNDINGS: usize = 4000;
+/// So many sources have surroundings on any grid.
+const FEW_SOURCES: usize = 8;
 
 const RECORD_BYTES: u64 = Outcome::BYTES as u64;
 
@@ -402,7 +407,8 @@ impl<'a> Recording<'a> {
             recorder.barrier(SHADER_WRITE, SHADER);
             recorder.seed(4 * together, plan.schedule.follows());
         }
-        if sources.may_lie_inside_cells() {
+        let gains = plan.schedule.gains_by_surroundings() && sources.may_lie_inside_cells();
+        if gains || count > 1 && plan.wavefront.is_curved() {
             self.surroundings(set, count, plan);
         }
         recorder.steps(self.variant(plan), plan.steps());
@@ -431,6 +437,15 @@ impl<'a> Recording<'a> {
         recorder.host_pass(pipeline, set.set, &sources, [count * WORKGROUP, 1]);
         drop(pass);
         recorder.barrier(SHADER_WRITE, SHADER);
+        if count > 1 {
+            let size = [count * each, 1];
+            let pass =
+                recorder.pass_of_each(PassKind::Surroundings, size, [SEED_BYTES, SEED_BYTES]);
+            let push = merge_surroundings::Push { count: count as i32 };
+            recorder.run(recorder.pipelines.of(MERGE_SURROUNDINGS), 0, &push, size);
+            drop(pass);
+            recorder.barrier(SHADER_WRITE, SHADER);
+        }
         recorder.seed(count * each, plan.schedule.follows());
     }
 
@@ -468,11 +483,11 @@ impl Solver {
     }
 }
 
-/// Sources of a recording that have surroundings on such a grid, at most: one is worth it on any, a crowd
+/// Sources of a recording that have surroundings on such a grid, at most: some are worth it on any, a crowd
 /// if its surroundings are a small part of the grid.
 fn most_surrounded(chart: Chart) -> u32 {
     let share = chart.points() / POINTS_FOR_SURROUNDINGS;
-    share.clamp(1, SOURCES_TOGETHER as usize) as u32
+    share.clamp(FEW_SOURCES, SOURCES_TOGETHER as usize) as u32
 }
 
 fn nth(sets: &[HostSet], what: &'static str, number: usize) -> Result<HostSet, VulkanError> {
@@ -495,7 +510,7 @@ mod tests {
         for (rows, cols) in [(1, 1), (1, 70_000), (89, 90), (400, 400), (1012, 1012), (9000, 114)] {
             let chart = Chart { rows, cols };
             let sources = most_surrounded(chart) as usize;
-            assert!((1..=SOURCES_TOGETHER as usize).contains(&sources));
+            assert!((FEW_SOURCES..=SOURCES_TOGETHER as usize).contains(&sources));
             assert!(sources * each <= upload_bytes(chart, frame_bytes(chart)), "{chart:?}");
         }
     }

@@ -178,7 +178,7 @@ impl Solver {
         self.pipelines.have(schedule.passes(), variant.into())
     }
 
-    /// The pass that solves a source's surroundings, if maps gain by it.
+    /// The pass that solves a source's surroundings, if maps gain by it: of sources inside cells, or of several.
     pub(super) fn surroundings(
         &self,
         schedule: Schedule,
@@ -247,9 +247,9 @@ impl Solver {
 }
 
 /// Whether maps from between grid points take fewer iterations if the surroundings of sources are solved
-/// first.
+/// first, or fronts of several sources are more accurate.
 fn have_surroundings(schedule: Schedule, wavefront: Wavefront) -> bool {
-    schedule.gains_by_surroundings() && wavefront != Wavefront::Planar
+    wavefront.is_curved() || schedule.gains_by_surroundings() && wavefront != Wavefront::Planar
 }
 
 /// The wavefront over a surface of which it is not known whether it is a floor plan.

@@ -269,9 +269,9 @@ impl Surface {
         let inline = INLINE_SOURCES as u32;
         let sources = self.sources.iter().map(|sources| sources.count).max();
         let sources = sources.unwrap_or(0).max(inline);
-        // Sources are taken, found and set in portions, and their surroundings solved and set; the rest is
+        // Sources are taken, found and set in portions, and their surroundings solved, merged and set; the rest is
         // forgotten, started, copied and unpacked.
-        measured + 1 + 2 * sources.div_ceil(SOURCES_TOGETHER) + 2 + 4
+        measured + 1 + 2 * sources.div_ceil(SOURCES_TOGETHER) + 3 + 4
     }
 
     pub(super) fn check_slot(&self, slot: usize) -> Result<(), VulkanError> {

@@ -19,7 +19,7 @@ use super::progress::{self, VISITS, offset};
 use super::record::{Groups, Recorder};
 use super::{Schedule, TexelChart, Tuning};
 use crate::Stop;
-use crate::constants::WORKGROUP;
+use crate::constants::{FRONTS_ARE_ADDED, FRONTS_MEET, WORKGROUP};
 use crate::update::Wavefront;
 
 use order::{Order, Steps};
@@ -113,7 +113,12 @@ impl Recorder<'_> {
         let grid = [texels[0].div_ceil(WORKGROUP), texels[1]];
         self.barrier(COPY, CLEAR);
         self.barrier(PASS, CLEAR);
-        self.write_progress(&progress::start(stop, causal, grid, self.tiles()), 0);
+        let fronts_meet = match (causal, is_added) {
+            (false, _) => 0,
+            (true, false) => FRONTS_MEET,
+            (true, true) => FRONTS_ARE_ADDED,
+        };
+        self.write_progress(&progress::start(stop, fronts_meet, grid, self.tiles()), 0);
         if !is_added {
             let size = size_of::<u32>() as u64;
             self.fill(self.grid.progress.buffer, offset::PASSED_OVER.start, size);

@@ -90,7 +90,8 @@ fn all_rows_of_a_large_surface_are_measured() {
     let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(chart) };
     let stage = Stage::new(host, &[(Schedule::Raster, Wavefront::PointSource)], &info);
     let stop = Stop::after(1);
-    let method = Method { wavefront: Wavefront::PointSource, schedule: None, stop };
+    let schedule = Some(Schedule::Raster);
+    let method = Method { wavefront: Wavefront::PointSource, schedule, stop };
     let plan = stage.solver.plan(chart, method, 1).unwrap();
     stage.run(|recording| {
         recording.begin(Access::NONE);

@@ -33,7 +33,11 @@ fn bumps(chart: Chart, is_hole: impl Fn(usize, usize) -> bool) -> Surface {
 }
 
 /// A stage with the surface, measured.
-fn stage_of(mut host: Lent<Kept>, surface: &Surface) -> (Stage, HostBuffer) {
+fn stage_of(
+    mut host: Lent<Kept>,
+    surface: &Surface,
+    passes: &[(Schedule, Wavefront)],
+) -> (Stage, HostBuffer) {
     let chart = surface.chart();
     let point = |index: usize| {
         let (row, col) = chart.position(index);
@@ -44,12 +48,14 @@ fn stage_of(mut host: Lent<Kept>, surface: &Surface) -> (Stage, HostBuffer) {
     let points = [Points::positions(buffer.handle, 12)];
     let edge_rule = surface.edge_rule();
     let info = SurfaceInfo { points: &points, edge_rule, ..SurfaceInfo::new(chart) };
-    (Stage::new(host, &RASTER, &info), buffer)
+    (Stage::new(host, passes, &info), buffer)
 }
 
 /// The map of some sources and how it has gone.
 fn map(stage: &Stage, sources: &[PointSource], method: Method) -> (Vec<f32>, Outcome) {
-    let plan = stage.solver.plan(stage.surface.chart(), method, ITERATIONS).unwrap();
+    // All points at once take an iteration for each point on the way.
+    let iterations = if method.schedule == Some(Schedule::Raster) { ITERATIONS } else { 300 };
+    let plan = stage.solver.plan(stage.surface.chart(), method, iterations).unwrap();
     stage.run(|recording| {
         recording.begin(Access::NONE);
         recording.measure(0).unwrap();
@@ -79,18 +85,33 @@ fn surroundings_are_those_of_the_twin() {
         (bumps(square(90), sea), &[[38.3, 48.75], [39.5, 49.25]]),
     ];
     for (surface, places) in cases {
-        let (stage, buffer) = stage_of(Kept::watched(), &surface);
+        let (stage, buffer) = stage_of(Kept::watched(), &surface, &RASTER);
         for wavefront in ROUND {
             let source = |&[row, col]: &[f64; 2]| PointSource::at(row as f32, col as f32);
             let sources: Vec<_> = places.iter().map(source).collect();
             let (found, outcome) = map(&stage, &sources, raster(wavefront, Stop::after(1)));
-            assert_eq!((outcome.iterations, outcome.residual), (1, 0.0), "{places:?} {wavefront}");
+            // Sources that are solved alone are so for some cells.
+            let are_alone = wavefront.is_curved() && places.len() > 1;
+            let residual = if are_alone { outcome.residual } else { 0.0 };
+            assert_eq!((outcome.iterations, outcome.residual), (1, residual), "{places:?}");
             let edges = EdgeLengths::<f32>::new(&surface).unwrap();
-            let add = |all: Sources, &[row, col]: &[f64; 2]| all.and_point(row, col, 0.0);
-            let seeds = places.iter().fold(Sources::default(), add).seeds(&surface).unwrap();
-            let places: Vec<_> = places.iter().map(|&place| DVec2::from(place)).collect();
-            let twin = twins::surroundings(&edges, &seeds, &places, wavefront);
-            let difference = difference(&twin.distances(), &found);
+            let own = |&[row, col]: &[f64; 2]| twins::PointSource {
+                at: DVec2::new(row, col),
+                start: 0.0,
+                seeds: Sources::point(row, col).seeds(&surface).unwrap(),
+            };
+            let sources: Vec<_> = places.iter().map(own).collect();
+            let twin = twins::surroundings(&edges, &sources, wavefront);
+            let twin = twin.distances();
+            let reached =
+                |value: f32, index: usize| if twin[index] < f32::INFINITY { value } else { 0.0 };
+            let [twin_there, found_there] = [&twin, &found].map(|map| -> Vec<f32> {
+                map.iter().enumerate().map(|(index, &value)| reached(value, index)).collect()
+            });
+            let difference = match are_alone {
+                true => difference(&twin_there, &found_there),
+                false => difference(&twin, &found),
+            };
             assert!(difference < 1e-5, "{places:?} {wavefront}: {difference}");
         }
         stage.end([buffer]);
@@ -100,7 +121,7 @@ fn surroundings_are_those_of_the_twin() {
 #[test]
 fn frames_from_inside_cells_take_about_as_many_iterations_as_from_grid_points() {
     let surface = bumps(Chart { rows: 140, cols: 150 }, |_, _| false);
-    let (stage, buffer) = stage_of(Kept::watched(), &surface);
+    let (stage, buffer) = stage_of(Kept::watched(), &surface, &RASTER);
     for wavefront in ROUND {
         let iterations = |row, col, times| {
             let sources = vec![PointSource::at(row, col); times];
@@ -127,7 +148,7 @@ fn frames_from_inside_cells_take_about_as_many_iterations_as_from_grid_points() 
 #[test]
 fn maps_with_surroundings_are_the_headless_solvers() {
     let surface = bumps(Chart { rows: 120, cols: 140 }, |row, col| row == 45 && col > 20);
-    let (stage, buffer) = stage_of(Kept::watched(), &surface);
+    let (stage, buffer) = stage_of(Kept::watched(), &surface, &RASTER);
     let mut solver = vulkan_solver();
     let mut on_device = solver.upload(&surface).unwrap();
     let cases: [&[[f64; 3]]; 4] = [
@@ -151,7 +172,9 @@ fn maps_with_surroundings_are_the_headless_solvers() {
             let (all, outcome) = map(&stage, &sources, method);
             assert!(outcome.converged, "{wavefront} {case:?}");
             let apart = difference(&expected, &all);
-            assert!(apart < 1e-5, "{wavefront} {case:?}: {apart}");
+            // Curved fronts are solved alone at first, where others are near.
+            let most = if wavefront.is_curved() && case.len() > 1 { 2e-3 } else { 1e-5 };
+            assert!(apart < most, "{wavefront} {case:?}: {apart}");
             // The last one later than the others.
             let (last, first) = sources.split_last().unwrap();
             map(&stage, first, method);
@@ -163,7 +186,39 @@ fn maps_with_surroundings_are_the_headless_solvers() {
                 recording.result(0, Reader::COPY, f32::INFINITY)
             });
             let apart = difference(&expected, &stage.read());
-            assert!(apart < 1e-5, "added, {wavefront} {case:?}: {apart}");
+            assert!(apart < most, "added, {wavefront} {case:?}: {apart}");
+        }
+    }
+    stage.end([buffer]);
+}
+
+/// By every schedule, at grid points and inside cells, beside a lone one: the maps are about those from the earliest of
+/// each source's own. Without surroundings they are early by up to a third of a cell.
+#[test]
+fn sources_side_by_side_are_solved_alone_at_first() {
+    let surface = bumps(Chart { rows: 60, cols: 64 }, |_, _| false);
+    let (stage, buffer) = stage_of(
+        Kept::watched(),
+        &surface,
+        &Schedule::ALL.map(|schedule| (schedule, Wavefront::Curved)),
+    );
+    let cases: [&[[f32; 2]]; 3] = [
+        &[[30.0, 20.0], [31.0, 20.0]],
+        &[[30.0, 20.0], [30.0, 21.0], [31.0, 22.0], [50.0, 60.0]],
+        &[[12.25, 40.5], [13.0, 41.75], [12.0, 42.0]],
+    ];
+    for places in cases {
+        let sources: Vec<_> = places.iter().map(|&[row, col]| PointSource::at(row, col)).collect();
+        for schedule in Schedule::ALL {
+            let method = Method { schedule: Some(schedule), ..raster(Wavefront::Curved, STOP) };
+            let single: Vec<_> = sources.iter().map(|&one| map(&stage, &[one], method).0).collect();
+            let (together, outcome) = map(&stage, &sources, method);
+            assert!(outcome.converged, "{schedule} {places:?}");
+            for (index, &found) in together.iter().enumerate() {
+                let earliest = single.iter().map(|map| map[index]).fold(f32::INFINITY, f32::min);
+                let late = found - earliest;
+                assert!((-0.08..0.03).contains(&late), "{schedule} {places:?} {index}: {late}");
+            }
         }
     }
     stage.end([buffer]);

@@ -1,0 +1,49 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Where the surroundings of several sources meet, the earliest fronts of each texel. One invocation is one texel of one
+// source's surroundings; the first source that has the texel keeps it, and writes what all bring to it.
+// Twin: src/cpu/twins/surroundings.rs.
+
+#include "constants.glsl"
+#include "chart.glsl"
+#include "seed_texel.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+layout(set = 0, binding = 3) restrict buffer Seeds {
+    SeedTexel seeds[];
+};
+
+layout(push_constant) uniform Count {
+    int count; // of sources
+};
+
+const int TEXELS = SURROUNDINGS_TEXELS;
+const int OWN_TEXELS = TEXELS * TEXELS;
+
+void main() {
+    int index = int(gl_GlobalInvocationID.x);
+    if (index >= count * OWN_TEXELS) return;
+    int own = index / OWN_TEXELS;
+    ivec2 texel = seeds[index].texel;
+    if (texel.x < 0) return;
+    vec4 times = seeds[index].times;
+    vec4 curvatures = seeds[index].curvatures;
+    for (int other = 0; other < count; other++) {
+        // No invocation writes this.
+        ivec2 at = texel - seeds[other * OWN_TEXELS].window;
+        if (other == own || !in_grid(at, ivec2(TEXELS))) continue;
+        if (other < own) {
+            seeds[index].texel = ivec2(-1);
+            return;
+        }
+        // Its own invocation finds that it is not the first and leaves these.
+        int there = other * OWN_TEXELS + row_major(at, TEXELS);
+        bvec4 first = lessThan(seeds[there].times, times);
+        times = mix(times, seeds[there].times, first);
+        curvatures = mix(curvatures, seeds[there].curvatures, first);
+    }
+    if (all(greaterThanEqual(times, vec4(FAR)))) seeds[index].texel = ivec2(-1);
+    seeds[index].times = times;
+    seeds[index].curvatures = curvatures;
+}

@@ -1,0 +1,253 @@
+// The curved update where fronts of several origins meet, four triangles at once. Fronts of maps with several sources
+// carry the number of their origin in place of a curvature, as long as the straight line from there explains their time.
+// Include after curved.glsl and anchors.glsl.
+// Twin: src/update/sight.rs, where it is explained; there distances are in double precision.
+
+// Whether there are such numbers in the map.
+layout(constant_id = 14) const int NAMED = 0;
+
+bvec4 are_numbers(vec4 carried) {
+    return lessThanEqual(carried, vec4(-FIRST_ORIGIN));
+}
+
+// Four points, and the steps from each to the two other corners of its triangle.
+struct Site {
+    vec4 col, row;
+    vec4 first_col, first_row;
+    vec4 second_col, second_row;
+};
+
+// Where four updates are that have the same steps to x1 and x2.
+Site site_at(Places places, ivec2 first, ivec2 second) {
+    vec4 at = vec4(0.0, 1.0, 0.0, 1.0);
+    vec4 further = vec4(0.0, 0.0, 1.0, 1.0);
+    vec2 to_second = vec2(places.to_second);
+    vec2 to_third = vec2(places.to_third);
+    return Site(float(places.first.x) + at * to_second.x + further * to_third.x,
+                float(places.first.y) + at * to_second.y + further * to_third.y,
+                vec4(first.x), vec4(first.y), vec4(second.x), vec4(second.y));
+}
+
+// The origins of fronts, in columns and rows.
+struct Sighted {
+    vec4 col, row;             // of one end, seen from x0
+    vec4 extent_col, extent_row; // from there to the other
+    vec4 start;                // FAR if the origin is not known
+};
+
+Sighted sighted_from(vec4 carried, Site site) {
+    Sighted all = Sighted(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(FAR));
+    for (int i = 0; i < 4; i++) {
+        if (carried[i] > -FIRST_ORIGIN) continue;
+        uint number = (floatBitsToUint(-carried[i]) - floatBitsToUint(FIRST_ORIGIN)) >> 4;
+        vec4 ends = origin_ends(number);
+        all.col[i] = ends.x - site.col[i];
+        all.row[i] = ends.y - site.row[i];
+        all.extent_col[i] = ends.z;
+        all.extent_row[i] = ends.w;
+        all.start[i] = origin_start(number);
+    }
+    return all;
+}
+
+// A step as a sum of parts of x0 x1 and x0 x2, and squares of lengths of such sums.
+struct Parts {
+    vec4 first, second;
+};
+
+struct Plane {
+    vec4 first, both, second;
+};
+
+Parts parts_of(Site site, vec4 col, vec4 row) {
+    vec4 per_area = 1.0 / (site.first_row * site.second_col - site.first_col * site.second_row);
+    return Parts((row * site.second_col - col * site.second_row) * per_area,
+                 (site.first_row * col - site.first_col * row) * per_area);
+}
+
+vec4 dot_in(Plane plane, Parts a, Parts b) {
+    return a.first * (plane.first * b.first + plane.both * b.second)
+         + a.second * (plane.both * b.first + plane.second * b.second);
+}
+
+// A place as seen from the nearest one of a source.
+struct Ray {
+    Parts step; // from there to the place
+    vec4 size;
+    bvec4 is_beside; // starts between the source's ends, at a right angle
+};
+
+Ray ray_to(Plane plane, Parts to, Parts extent, vec4 per_square, vec2 place) {
+    Parts from_end = Parts(place.x - to.first, place.y - to.second);
+    vec4 foot = clamp(dot_in(plane, from_end, extent) * per_square, 0.0, 1.0);
+    Parts step = Parts(from_end.first - foot * extent.first, from_end.second - foot * extent.second);
+    vec4 size = sqrt(max(dot_in(plane, step, step), 0.0));
+    return Ray(step, size, both(greaterThan(foot, vec4(0.0)), lessThan(foot, vec4(1.0))));
+}
+
+// By how much the second of two rays is longer: from the difference of their steps, which has more digits than that
+// of their lengths.
+vec4 longer(Plane plane, Ray a, Ray b) {
+    Parts apart = Parts(b.step.first - a.step.first, b.step.second - a.step.second);
+    Parts sum = Parts(b.step.first + a.step.first, b.step.second + a.step.second);
+    vec4 sizes = a.size + b.size;
+    return mix(vec4(0.0), dot_in(plane, apart, sum) / sizes, greaterThan(sizes, vec4(0.0)));
+}
+
+// Curvature of a front at some distance from a point, or from a straight line.
+vec4 curvature_at(vec4 away, bvec4 is_beside, vec4 gaussian) {
+    vec4 bend = gaussian * away;
+    bvec4 is_off = greaterThan(away, vec4(0.0));
+    vec4 round = min(1.0 / mix(vec4(1.0), away, is_off), SOURCE_CURVATURE) - bend * (1.0 / 3.0);
+    return mix(mix(vec4(SOURCE_CURVATURE), round, is_off), -bend, is_beside);
+}
+
+// The front at one end of a base as seen from its origin.
+struct FromOrigin {
+    bvec4 is_known;
+    bvec4 is_in_sight; // the straight line explains its time
+    bvec4 is_on_line;  // nearly to rounding
+    vec4 curvature;
+    Ray ray;           // to x0
+    bvec4 crosses;     // the ray crosses the base
+    vec4 crossing;     // the share of the base before that
+    vec4 time;         // when it comes to x0 along the line
+    vec4 other;        // and to the other end
+    vec4 start;
+};
+
+const float SIGHT_ROUNDING = 16.0;
+
+FromOrigin from_origin(Plane plane, vec4 base, Site site, Sighted sighted, Ends end, vec2 here, vec2 there) {
+    FromOrigin from;
+    from.is_known = lessThan(sighted.start, vec4(FAR));
+    from.start = mix(vec4(0.0), sighted.start, from.is_known);
+    Parts to = parts_of(site, sighted.col, sighted.row);
+    Parts extent = parts_of(site, sighted.extent_col, sighted.extent_row);
+    vec4 square = dot_in(plane, extent, extent);
+    bvec4 is_line = greaterThan(square, vec4(0.0));
+    vec4 per_square = mix(vec4(0.0), 1.0 / mix(vec4(1.0), square, is_line), is_line);
+    from.ray = ray_to(plane, to, extent, per_square, vec2(0.0));
+    Ray to_end = ray_to(plane, to, extent, per_square, here);
+    Ray to_other = ray_to(plane, to, extent, per_square, there);
+    vec4 rounding = SIGHT_ROUNDING * PRECISION * abs(end.time);
+    vec4 late = abs(end.time - from.start - to_end.size);
+    vec4 reach = to_end.size + base;
+    from.is_in_sight = both(from.is_known, lessThanEqual(late, IN_SIGHT * reach + rounding));
+    from.is_on_line = lessThanEqual(late, ON_LINE * reach + rounding);
+    vec4 of_source = curvature_at(end.time - from.start, to_end.is_beside, end.surface);
+    from.curvature = mix(end.carried, of_source, from.is_known);
+    vec4 along_first = -from.ray.step.first;
+    vec4 along_second = -from.ray.step.second;
+    vec4 all = along_first + along_second;
+    vec4 least = -PAST_EDGE * abs(all);
+    from.crosses = both(greaterThan(all, vec4(0.0)),
+                        both(greaterThanEqual(along_first, least), greaterThanEqual(along_second, least)));
+    from.crossing = clamp(along_second / mix(vec4(1.0), all, greaterThan(all, vec4(0.0))), 0.0, 1.0);
+    from.time = end.time + longer(plane, to_end, from.ray);
+    from.other = end.time + longer(plane, to_end, to_other);
+    return from;
+}
+
+// What a front carries at x0: the number, as long as the line explains its time and the surface is not so bent that the
+// curvature does not follow from the distance.
+vec4 carried_on(FromOrigin from, vec4 time, vec4 number, vec4 gaussian, vec4 base) {
+    vec4 away = time - from.start;
+    bvec4 is_straight = lessThanEqual(abs(away - from.ray.size), IN_SIGHT * (from.ray.size + base));
+    bvec4 is_flat = lessThanEqual(abs(gaussian * away * away), vec4(BENDS_MOST));
+    return mix(curvature_at(away, from.ray.is_beside, gaussian), number, both(is_straight, is_flat));
+}
+
+// The first of two fronts: the second where it comes and is not later.
+void take_first(inout Fronts arrival, bvec4 comes, vec4 time, vec4 carried) {
+    bvec4 is_first = both(comes, lessThanEqual(time, arrival.time));
+    arrival.time = mix(arrival.time, time, is_first);
+    arrival.carried = mix(arrival.carried, carried, is_first);
+    arrival.whole = either(is_first, arrival.whole);
+}
+
+// The fronts at x0 from fronts at x1 and x2 that may have different origins.
+Fronts curved_from_origins(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone, Site site) {
+    Sighted sighted1 = sighted_from(end1.carried, site);
+    Sighted sighted2 = sighted_from(end2.carried, site);
+    bvec4 exists = lessThan(max(max(l1, l2), c), vec4(FAR));
+    vec4 first_edge = mix(vec4(1.0), l1, exists);
+    vec4 second_edge = mix(vec4(1.0), l2, exists);
+    vec4 base = mix(vec4(1.0), c, exists);
+    vec4 squares1 = first_edge * first_edge;
+    vec4 squares2 = second_edge * second_edge;
+    Plane plane = Plane(squares1, 0.5 * (squares1 + squares2 - base * base), squares2);
+    FromOrigin first = from_origin(plane, base, site, sighted1, end1, vec2(1.0, 0.0), vec2(0.0, 1.0));
+    FromOrigin second = from_origin(plane, base, site, sighted2, end2, vec2(0.0, 1.0), vec2(1.0, 0.0));
+    bvec4 both_known = both(first.is_known, second.is_known);
+    bvec4 same = both(both_known, are_alike_but_for_tags(end1.carried, end2.carried));
+    bvec4 of_one = both(both(same, exists), both(first.is_in_sight, second.is_in_sight));
+    // On a straight line nothing is to be told of the front's shape.
+    bvec4 exact = both(of_one, both(first.is_on_line, second.is_on_line));
+    bvec4 inexact = both(of_one, not(exact));
+    bvec4 obtuse = are_obtuse(l1, l2, c);
+    bvec4 apart = both(both(first.is_in_sight, second.is_in_sight), not(same));
+    vec4 later = max(end1.time, end2.time);
+    later = later + abs(later) * (CLEARLY_LATER * PRECISION);
+    vec4 unblocked = UNBLOCKED * base;
+    vec4 time1 = mix(first.time, mix(first.time, second.time, first.crossing), exact);
+    bvec4 may_come = both(exists, not(inexact));
+    bvec4 in_order1 = either(first.is_on_line, both(not(obtuse), either(bvec4(!causal), greaterThanEqual(time1, later))));
+    bvec4 free1 = either(of_one, lessThanEqual(end2.time, first.other + unblocked));
+    bvec4 comes1 = both(both(both(first.is_in_sight, first.crosses), both(free1, in_order1)), may_come);
+    bvec4 in_order2 = either(second.is_on_line,
+                             both(not(obtuse), either(bvec4(!causal), greaterThanEqual(second.time, later))));
+    bvec4 free2 = lessThanEqual(end1.time, second.other + unblocked);
+    bvec4 comes2 = both(both(both(second.is_in_sight, second.crosses), both(free2, in_order2)),
+                        both(may_come, not(exact)));
+    // Where each front goes on by itself there is none of both, but along the edges.
+    bvec4 faceless = either(either(apart, either(comes1, comes2)), either(exact, obtuse));
+    Fronts arrival = curved(Ends(end1.time, first.curvature, end1.surface, vec4(0.0)),
+                            Ends(end2.time, second.curvature, end2.surface, vec4(0.0)), g0, l1, l2,
+                            without_faces(faceless, c), alone, both(bvec4(causal), not(of_one)));
+    bvec4 keeps_name = both(both(inexact, first.crosses), lessThan(arrival.time, vec4(FAR)));
+    vec4 named = carried_on(first, arrival.time, end1.carried, g0, base);
+    // What runs along an edge gives way to what comes with it but for rounding and tells its origin.
+    vec4 rounding = abs(arrival.time) * (SIGHT_ROUNDING * PRECISION);
+    bvec4 gives_way = both(not(keeps_name), either(first.is_known, second.is_known));
+    arrival.time = mix(arrival.time, arrival.time + rounding, gives_way);
+    arrival.carried = mix(arrival.carried, named, keeps_name);
+    take_first(arrival, comes1, time1, carried_on(first, time1, end1.carried, g0, base));
+    take_first(arrival, comes2, second.time, carried_on(second, second.time, end2.carried, g0, base));
+    return arrival;
+}
+
+// The fronts at x0, as update() has them, given the bases of obtuse triangles too.
+Fronts update_at(Ends end1, Ends end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l2, vec4 c, bvec4 alone, Site site) {
+    // Over an uneven slowness fronts run along no straight lines.
+    bool named = NAMED != 0 && HAS_CURVATURE && SLOWED == 0 && any(either(are_numbers(end1.carried), are_numbers(end2.carried)));
+    if (named) return curved_from_origins(end1, end2, surface, l1, l2, c, alone, site);
+    bvec4 obtuse = are_split(end1, end2, slowness, l1, l2, c);
+    return update(end1, end2, surface, slowness, l1, l2, without_faces(obtuse, c), alone);
+}
+
+// As without places in wavefront.glsl, which tell where origins are.
+Fronts update_four(Sight sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right, Places places) {
+    bvec4 alone = are_alone(sight.edges[1]);
+    ivec2 back = -places.ahead;
+    Site left = site_at(places, back - places.along, back);
+    Site right = site_at(places, back, back + places.along);
+    return earlier(update_at(sight.ends[0], sight.ends[1], surface, slowness, sight.edges[0], sight.edges[1], base_left,
+                             alone, left),
+                   update_at(sight.ends[1], sight.ends[2], surface, slowness, sight.edges[1], sight.edges[2], base_right,
+                             alone, right));
+}
+
+Fronts update_pair(Ends behind, vec2 surface, vec2 slowness, vec4 l1, vec4 l2, vec4 base, Places places) {
+    Ends near = Ends(behind.time.xyyz, behind.carried.xyyz, behind.surface.xyyz, behind.slowness.xyyz);
+    Ends far = Ends(behind.time.yzzw, behind.carried.yzzw, behind.surface.yzzw, behind.slowness.yzzw);
+    ivec2 back = -places.ahead;
+    Site left = site_at(places, back - places.along, back);
+    Site right = site_at(places, back, back + places.along);
+    Site site = Site(left.col, left.row, vec4(left.first_col.xy, right.first_col.xy),
+                     vec4(left.first_row.xy, right.first_row.xy), vec4(left.second_col.xy, right.second_col.xy),
+                     vec4(left.second_row.xy, right.second_row.xy));
+    Fronts sided = update_at(near, far, surface.xyxy, slowness.xyxy, l1, l2, base, are_alone(l1.zwzw), site);
+    return earlier(Fronts(sided.time.xyxy, sided.carried.xyxy, sided.whole.xyxy),
+                   Fronts(sided.time.zwzw, sided.carried.zwzw, sided.whole.zwzw));
+}

@@ -1,0 +1,126 @@
+//! The origins of a map's fronts, and how the points of a line see those of the fronts behind them.
+
+use std::collections::HashMap;
+
+use crate::constants::MOST_ORIGINS;
+use crate::cpu::scan::Scan;
+use crate::cpu::stretch::Stretch;
+use crate::cpu::tiles::TILE;
+use crate::surface::{Origin, Real};
+use crate::update::{Bends, Curvature, Front, Sighted, Steps, curved_from_origins};
+
+/// The origins of a map, numbered as they come.
+#[derive(Clone, Debug, Default)]
+pub(super) struct OriginTable<R> {
+    numbers: HashMap<[u64; 5], u32>,
+    sighted: Vec<Sighted<R>>,
+}
+
+/// Row and column of the chart's first point in bordered arrays.
+const FIRST: [f64; 2] = [1.0; 2];
+
+impl<R: Real> OriginTable<R> {
+    pub(super) fn clear(&mut self) {
+        self.numbers.clear();
+        self.sighted.clear();
+    }
+
+    /// One that has a number.
+    pub(super) fn get(&self, number: u32) -> &Sighted<R> {
+        &self.sighted[number as usize]
+    }
+
+    /// The number of an origin; none once there are too many.
+    pub(super) fn number(&mut self, origin: &Origin) -> Option<u32> {
+        let next = self.sighted.len() as u32;
+        if let Some(&number) = self.numbers.get(&origin.key()) {
+            return Some(number);
+        }
+        (next < MOST_ORIGINS).then(|| {
+            self.numbers.insert(origin.key(), next);
+            self.sighted.push(Sighted::of(origin, FIRST));
+            next
+        })
+    }
+
+    /// The origin of a front that carries this, in rows and columns of the bordered array.
+    #[inline(always)]
+    pub(super) fn of(&self, carried: Curvature<R>) -> Sighted<R> {
+        let known = carried.origin().and_then(|number| self.sighted.get(number));
+        known.copied().unwrap_or(Sighted::unknown())
+    }
+}
+
+/// Where a line lies, for the points of which origins are looked for.
+pub(super) struct LineOrigins<'a, R> {
+    pub table: &'a OriginTable<R>,
+    /// Row and column of the line's first point in the bordered array, and the step to the next.
+    first: [R; 2],
+    along: [R; 2],
+    /// The steps to both ends of the triangle before and after each point.
+    steps: [Steps; 2],
+}
+
+impl<'a, R: Real> LineOrigins<'a, R> {
+    pub(super) fn new(table: &'a OriginTable<R>, first: [usize; 2], scan: Scan) -> Self {
+        let along = if scan.by_rows() { [0, 1] } else { [1, 0] };
+        let back = scan.ahead().map(|by| -by);
+        let [before, after] = [-1, 1].map(|by| [back[0] + by * along[0], back[1] + by * along[1]]);
+        Self {
+            table,
+            first: first.map(|at| R::of(at as f64)),
+            along: along.map(|by| R::of(by as f64)),
+            steps: [Steps::new([before, back]), Steps::new([back, after])],
+        }
+    }
+
+    /// The origins of the fronts behind a stretch; none if none of them is known.
+    #[inline(always)]
+    pub(super) fn behind<C>(
+        &self,
+        start: usize,
+        stretch: &Stretch<R, Curvature<R>, C>,
+        points: usize,
+    ) -> Option<StretchOrigins<'_, R>> {
+        let [before, beside, after] = stretch.carried_behind;
+        let mut sighted = [Sighted::unknown(); TILE + 2];
+        let mut any = false;
+        for (place, slot) in sighted[..points + 2].iter_mut().enumerate() {
+            let carried = match place {
+                0 => before[0],
+                _ if place <= points => beside[place - 1],
+                _ => after[points - 1],
+            };
+            any |= carried.origin().is_some();
+            *slot = self.table.of(carried);
+        }
+        any.then(|| StretchOrigins { line: self, start: R::of(start as f64), sighted })
+    }
+}
+
+/// The origins of the fronts behind a stretch of points: from the one before its first to the one after its last.
+pub(super) struct StretchOrigins<'a, R> {
+    line: &'a LineOrigins<'a, R>,
+    /// The first point's place in the line.
+    start: R,
+    sighted: [Sighted<R>; TILE + 2],
+}
+
+impl<R: Real> StretchOrigins<'_, R> {
+    /// The front through one of the two triangles of point i.
+    #[inline(always)]
+    pub(super) fn front<C, const LEFT: bool>(
+        &self,
+        stretch: &Stretch<R, Curvature<R>, C>,
+        bends: Bends<R>,
+        i: usize,
+    ) -> Front<R> {
+        let LineOrigins { first, along, steps, .. } = self.line;
+        let place = self.start + R::of(i as f64);
+        let at = [first[0] + place * along[0], first[1] + place * along[1]];
+        let x1 = if LEFT { i } else { i + 1 };
+        let sighted = [self.sighted[x1].from(at), self.sighted[x1 + 1].from(at)];
+        let steps = &steps[usize::from(!LEFT)];
+        curved_from_origins(stretch.weighted_triangle::<LEFT>(i), bends, steps, sighted)
+    }
+}

@@ -1,0 +1,83 @@
+//! Surfaces whose cells are all alike.
+
+use rayon::prelude::*;
+
+use super::{Direction, EvenGrid, Surface};
+
+/// How far the lengths of edges in one direction may differ, in parts of them.
+const EVEN: f64 = 5e-6;
+
+impl Surface {
+    /// Whether all cells are alike, whatever their shape, and the slowness is the same everywhere: edges in each
+    /// direction have one length. So are those of even grids in the plane, on cylinders and cones, and of a metric that
+    /// is constant.
+    pub(crate) fn has_even_cells(&self) -> bool {
+        const WAYS: [Direction; 4] =
+            [Direction::East, Direction::SouthEast, Direction::South, Direction::SouthWest];
+        if self.is_slowed_unevenly() {
+            return false;
+        }
+        // Positions in single precision differ by more on large grids.
+        if EvenGrid::of(self).is_some() {
+            return true;
+        }
+        let length = |(row, col): (usize, usize), to: Direction| {
+            let end = self.has_edge(row, col, to).then(|| self.chart.neighbour(row, col, to))??;
+            Some(self.length_on_surface((row, col), end))
+        };
+        let first = WAYS.map(|to| self.chart.places().find_map(|at| length(at, to)));
+        let is_even = |row: usize| {
+            WAYS.into_iter().zip(first).all(|(to, first)| {
+                let mut lengths = (0..self.chart.cols).filter_map(|col| length((row, col), to));
+                let first = first.unwrap_or(0.0);
+                lengths.all(|length| (length - first).abs() <= EVEN * first)
+            })
+        };
+        (0..self.chart.rows).into_par_iter().all(is_even)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::surface::builtin::Builtin;
+    use crate::surface::{MetricTensor, Spacing};
+
+    /// From a place of the plane for each row and column.
+    fn surface(place: impl Fn(f64, f64) -> [f64; 3]) -> Surface {
+        let positions = (0..11 * 13)
+            .map(|index| DVec3::from_array(place((index / 13) as f64, (index % 13) as f64)));
+        Surface::from_positions(11, 13, positions.collect()).unwrap()
+    }
+
+    #[test]
+    fn sheared_and_rolled_grids_and_constant_metrics_have_even_cells() {
+        let rolled = |turn: f64, along: f64| [8.0 * turn.sin(), along, 8.0 * turn.cos()];
+        assert!(surface(|row, col| [3.0 * col + 0.7 * row, row, 0.5 * col]).has_even_cells());
+        assert!(surface(|row, col| rolled(0.1 * col + 0.04 * row, row)).has_even_cells());
+        let tensor = MetricTensor { rr: 4.0, rc: 0.5, cc: 1.0 };
+        assert!(Surface::from_metric(4, 5, vec![tensor; 20]).unwrap().has_even_cells());
+        // A hair of relief is none.
+        let mut heights = vec![0.0; 35];
+        heights[0] = 1e-3;
+        let hair = Surface::from_heights(5, 7, heights, Spacing::square(1.0)).unwrap();
+        assert!(hair.has_even_cells());
+        let mask: Vec<_> = (0..35).map(|index| index % 6 != 0).collect();
+        assert!(hair.clone().with_mask(&mask).unwrap().has_even_cells());
+        assert!(hair.clone().with_slowness(vec![2.0; 35]).unwrap().has_even_cells());
+        let slowness = (0..35).map(|index| 1.0 + f64::from(index)).collect();
+        assert!(!hair.with_slowness(slowness).unwrap().has_even_cells());
+    }
+
+    #[test]
+    fn others_have_not() {
+        assert!(!surface(|row, col| [1.01f64.powf(col), row, 0.0]).has_even_cells());
+        assert!(!surface(|row, col| [col, row, 0.05 * col.sin()]).has_even_cells());
+        // All edges of rows and columns are alike here, diagonals are not.
+        let rhombs = |row: f64, col: f64| [col + 0.2 * (row % 2.0), row * 0.96f64.sqrt(), 0.0];
+        assert!(!surface(rhombs).has_even_cells());
+        assert!(!Builtin::Sphere.surface(12, 12).unwrap().has_even_cells());
+    }
+}

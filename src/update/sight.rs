@@ -1,0 +1,344 @@
+//! The curved update where fronts of several origins meet.
+//!
+//! Time and curvature do not tell whose front a point has: two that arrive together from sources side by side look
+//! like one circle around a place between them, and that circle comes early. So fronts of maps with several sources
+//! carry the number of their origin ([`Origin`]) in place of the curvature, as long as the straight line from there
+//! explains their time. A triangle whose ends have one origin has one front, with the curvature that follows from its
+//! distance. Where they have two, each end's front goes on by itself: by as much as the distance from its origin
+//! grows, if the ray to x0 crosses the base.
+//!
+//! Distances from origins are computed in double precision, also for maps in single precision: they span many cells,
+//! and in long or sheared ones their squares are small differences of large numbers.
+
+use super::Triangle;
+use super::curved::{Bends, Front, curved};
+use crate::constants::{BENDS_MOST, CLEARLY_LATER, IN_SIGHT, ON_LINE, PAST_EDGE, UNBLOCKED};
+use crate::surface::{Origin, Real, Seed, max, min};
+
+/// An origin as a point sees it, in rows and columns.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sighted<R> {
+    /// From the point to one end of the source.
+    pub to: [R; 2],
+    /// From that end to the other.
+    pub extent: [R; 2],
+    /// Arrival time at the source; [`Real::FAR`] if the front's origin is not known.
+    pub start: R,
+}
+
+impl<R: Real> Sighted<R> {
+    /// Of a front whose origin is not known.
+    pub(crate) fn unknown() -> Self {
+        Self { to: [R::zero(); 2], extent: [R::zero(); 2], start: R::FAR }
+    }
+
+    /// From the chart's first point, whose place in a bordered array this is.
+    pub(crate) fn of(origin: &Origin, first: [f64; 2]) -> Self {
+        let [a, b] = origin.ends;
+        let to = [a.x + first[0], a.y + first[1]].map(R::of);
+        Self { to, extent: (b - a).to_array().map(R::of), start: R::of(origin.start) }
+    }
+
+    /// The same, seen from a point at this place.
+    #[inline(always)]
+    pub(crate) fn from(self, [row, col]: [R; 2]) -> Self {
+        Self { to: [self.to[0] - row, self.to[1] - col], ..self }
+    }
+
+    #[inline(always)]
+    fn is_known(&self) -> bool {
+        self.start < R::FAR
+    }
+
+    #[inline(always)]
+    fn is(&self, other: &Self) -> bool {
+        let same = |a: [R; 2], b: [R; 2]| (a[0] == b[0]) & (a[1] == b[1]);
+        same(self.to, other.to) & same(self.extent, other.extent) & (self.start == other.start)
+    }
+}
+
+/// The steps from x0 to x1 and x2, in rows and columns.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Steps {
+    first: [f64; 2],
+    second: [f64; 2],
+    /// 1 over the area that they span.
+    per_area: f64,
+}
+
+impl Steps {
+    pub(crate) fn new([first, second]: [[isize; 2]; 2]) -> Self {
+        let [first, second] = [first, second].map(|step| step.map(|by| by as f64));
+        let per_area = (first[0] * second[1] - first[1] * second[0]).recip();
+        Self { first, second, per_area }
+    }
+
+    /// A step as a sum of parts of both.
+    #[inline(always)]
+    fn shares(&self, step: [f64; 2]) -> [f64; 2] {
+        let Self { first, second, per_area } = *self;
+        [
+            (step[0] * second[1] - step[1] * second[0]) * per_area,
+            (first[0] * step[1] - first[1] * step[0]) * per_area,
+        ]
+    }
+}
+
+/// Squares of lengths in the plane of a triangle, in which a step is a sum of parts of x0 x1 and x0 x2.
+#[derive(Clone, Copy)]
+struct Plane([f64; 3]);
+
+impl Plane {
+    #[inline(always)]
+    fn of([l1, l2, c]: [f64; 3]) -> Self {
+        let (first, second) = (l1 * l1, l2 * l2);
+        Self([first, 0.5 * (first + second - c * c), second])
+    }
+
+    #[inline(always)]
+    fn dot(self, a: [f64; 2], b: [f64; 2]) -> f64 {
+        let [first, both, second] = self.0;
+        a[0] * (first * b[0] + both * b[1]) + a[1] * (both * b[0] + second * b[1])
+    }
+}
+
+/// A straight source in the plane of a triangle.
+#[derive(Clone, Copy)]
+struct Source {
+    plane: Plane,
+    to: [f64; 2],
+    extent: [f64; 2],
+    per_square: f64,
+}
+
+/// A place as seen from the nearest one of a source.
+#[derive(Clone, Copy)]
+struct Ray {
+    /// From there to the place.
+    step: [f64; 2],
+    length: f64,
+    /// Whether it starts between the source's ends, at a right angle.
+    is_beside: bool,
+}
+
+impl Source {
+    #[inline(always)]
+    fn new<R: Real>(plane: Plane, steps: &Steps, sighted: &Sighted<R>) -> Self {
+        let extent = steps.shares(sighted.extent.map(R::wide));
+        let square = plane.dot(extent, extent);
+        let per_square = if square > 0.0 { 1.0 / square } else { 0.0 };
+        Self { plane, to: steps.shares(sighted.to.map(R::wide)), extent, per_square }
+    }
+
+    #[inline(always)]
+    fn ray_to(&self, place: [f64; 2]) -> Ray {
+        let Self { plane, to, extent, per_square } = *self;
+        let from_end = [place[0] - to[0], place[1] - to[1]];
+        let along = plane.dot(from_end, extent) * per_square;
+        let foot = min(max(along, 0.0), 1.0);
+        let step = [from_end[0] - foot * extent[0], from_end[1] - foot * extent[1]];
+        let length = max(plane.dot(step, step), 0.0).sqrt();
+        Ray { step, length, is_beside: (foot > 0.0) & (foot < 1.0) }
+    }
+}
+
+/// The corners x1 and x2 in the plane of a triangle.
+const CORNERS: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
+
+/// What an update knows of the front at one end of a base.
+#[derive(Clone, Copy)]
+struct End<R> {
+    time: R,
+    carried: R,
+    /// Gaussian curvature of the surface.
+    gaussian: R,
+}
+
+/// The front at one end of a base as seen from its origin.
+#[derive(Clone, Copy)]
+struct FromOrigin {
+    is_known: bool,
+    /// Whether the straight line explains its time, and whether nearly to rounding.
+    is_in_sight: bool,
+    is_on_line: bool,
+    /// By how much it comes later than along the line.
+    late: f64,
+    /// The curvature that follows.
+    curvature: f64,
+    /// The ray to x0, and whether it crosses the base.
+    ray: Ray,
+    crosses: bool,
+    /// The share of the base that lies before the crossing.
+    crossing: f64,
+    /// When the same front comes to the other end.
+    other: f64,
+    start: f64,
+    /// Length of the base.
+    base: f64,
+}
+
+impl FromOrigin {
+    #[inline(always)]
+    fn new<R: Real>(
+        plane: Plane,
+        base: f64,
+        steps: &Steps,
+        sighted: &Sighted<R>,
+        end: End<R>,
+        [here, there]: [[f64; 2]; 2],
+    ) -> Self {
+        let is_known = sighted.is_known();
+        let start = if is_known { sighted.start.wide() } else { 0.0 };
+        let source = Source::new(plane, steps, sighted);
+        let [ray, to_end, to_other] = [[0.0; 2], here, there].map(|place| source.ray_to(place));
+        let time = end.time.wide();
+        let rounding = ROUNDING * R::epsilon().wide() * time.abs();
+        let late = time - start - to_end.length;
+        let within = |part: f64| late.abs() <= part * (to_end.length + base) + rounding;
+        let of_source = curvature(time - start, to_end.is_beside, end.gaussian.wide());
+        // The ray comes from within the angle between both edges.
+        let [along_first, along_second] = [-ray.step[0], -ray.step[1]];
+        let all = along_first + along_second;
+        let least = -PAST_EDGE * all.abs();
+        Self {
+            is_known,
+            is_in_sight: is_known & within(IN_SIGHT),
+            is_on_line: within(ON_LINE),
+            late,
+            curvature: if is_known { of_source } else { end.carried.wide() },
+            ray,
+            crosses: (all > 0.0) & (along_first >= least) & (along_second >= least),
+            crossing: min(max(along_second / all, 0.0), 1.0),
+            other: start + late + to_other.length,
+            start,
+            base,
+        }
+    }
+
+    /// When its front comes to x0 along the line, later by so much.
+    #[inline(always)]
+    fn arrival(&self, late: f64) -> f64 {
+        self.start + (self.ray.length + late)
+    }
+
+    /// What the front carries at x0: the number, as long as the line explains its time and the surface is not so
+    /// bent that the curvature does not follow from the distance.
+    #[inline(always)]
+    fn carried<R: Real>(&self, time: R, number: R, gaussian: R) -> R {
+        let (away, gaussian) = (time.wide() - self.start, gaussian.wide());
+        let near = IN_SIGHT * (self.ray.length + self.base);
+        let is_straight = (away - self.ray.length).abs() <= near;
+        let is_flat = (gaussian * away * away).abs() <= BENDS_MOST;
+        let bent = R::of(curvature(away, self.ray.is_beside, gaussian));
+        if is_straight & is_flat { number } else { bent }
+    }
+}
+
+/// Units in the last place of a time that a front may be off its line by rounding.
+const ROUNDING: f64 = 16.0;
+
+/// Curvature of a front at some distance from a point, or from a straight line, where the surface has this
+/// Gaussian curvature: from the Riccati equation k' = -k^2 - K.
+#[inline(always)]
+fn curvature(away: f64, is_beside: bool, gaussian: f64) -> f64 {
+    let bend = gaussian * away;
+    let round = min(1.0 / away, Seed::AT_SOURCE) - bend * (1.0 / 3.0);
+    let round = if away > 0.0 { round } else { Seed::AT_SOURCE };
+    if is_beside { -bend } else { round }
+}
+
+/// The front at x0 from fronts at x1 and x2 that may have different origins. `bends.fronts` are as points carry
+/// them: curvatures, or numbers of origins, which `sighted` tells more of. If the triangle is obtuse, only what lies on a
+/// straight line from its origin comes through its face.
+#[inline(always)]
+pub(crate) fn curved_from_origins<R: Real>(
+    triangle: Triangle<R>,
+    bends: Bends<R>,
+    steps: &Steps,
+    sighted: [Sighted<R>; 2],
+) -> Front<R> {
+    let Triangle { t1, t2, l1, l2, c } = triangle;
+    let Bends { fronts, surface: [g0, g1, g2], causal, .. } = bends;
+    let exists = max(max(l1, l2), c) < R::FAR;
+    let lengths = [l1, l2, c].map(|length| if exists { length.wide() } else { 1.0 });
+    let (plane, base) = (Plane::of(lengths), lengths[2]);
+    let ends = [
+        End { time: t1, carried: fronts[0], gaussian: g1 },
+        End { time: t2, carried: fronts[1], gaussian: g2 },
+    ];
+    let [x1, x2] = CORNERS;
+    let first = FromOrigin::new(plane, base, steps, &sighted[0], ends[0], [x1, x2]);
+    let second = FromOrigin::new(plane, base, steps, &sighted[1], ends[1], [x2, x1]);
+    let same = first.is_known & second.is_known & sighted[0].is(&sighted[1]);
+    let of_one = same & first.is_in_sight & second.is_in_sight & exists;
+    // On a straight line nothing is to be told of the front's shape.
+    let exact = of_one & first.is_on_line & second.is_on_line;
+    let obtuse = triangle.is_obtuse();
+    let apart = first.is_in_sight & second.is_in_sight & !same;
+    let later = max(t1, t2);
+    let later = later + later.abs() * (R::of(CLEARLY_LATER) * R::epsilon());
+    let unblocked = UNBLOCKED * base;
+    let comes = |end: &FromOrigin, time: R, other: R| {
+        let free = of_one | (other.wide() <= end.other + unblocked);
+        let in_order = end.is_on_line | (!obtuse & (!causal | (time >= later)));
+        end.is_in_sight & end.crosses & free & exists & in_order & !(of_one & !exact)
+    };
+    let late = first.late + first.crossing * (second.late - first.late);
+    let time_1 = R::of(first.arrival(if exact { late } else { first.late }));
+    let time_2 = R::of(second.arrival(second.late));
+    let comes_1 = comes(&first, time_1, t2);
+    let comes_2 = comes(&second, time_2, t1) & !exact;
+    // Where each front goes on by itself there is none of both, but along the edges.
+    let faceless = apart | comes_1 | comes_2 | exact | obtuse;
+    let of_both = curved(
+        Triangle { c: if faceless { R::FAR } else { c }, ..triangle },
+        Bends {
+            fronts: [first.curvature, second.curvature].map(R::of),
+            causal: causal & !of_one,
+            ..bends
+        },
+    );
+    let keeps_name = of_one & !exact & first.crosses & (of_both.time < R::FAR);
+    let named = first.carried(of_both.time, fronts[0], g0);
+    // What runs along an edge gives way to what comes with it but for rounding and tells its origin.
+    let rounding = of_both.time.abs() * (R::of(ROUNDING) * R::epsilon());
+    let gives_way = !keeps_name & (first.is_known | second.is_known);
+    let mut arrival = Front {
+        time: if gives_way { of_both.time + rounding } else { of_both.time },
+        curvature: if keeps_name { named } else { of_both.curvature },
+        whole: of_both.whole,
+    };
+    for (comes, end, time, number) in
+        [(comes_1, &first, time_1, fronts[0]), (comes_2, &second, time_2, fronts[1])]
+    {
+        let is_first = comes & (time <= arrival.time);
+        let carried = end.carried(time, number, g0);
+        arrival = Front {
+            time: if is_first { time } else { arrival.time },
+            curvature: if is_first { carried } else { arrival.curvature },
+            whole: is_first | arrival.whole,
+        };
+    }
+    arrival
+}
+
+/// When the front of an origin comes to a point along a straight line through one of its triangles, given their edges
+/// and the steps to their ends; none if it comes through none of them.
+pub(crate) fn line_to<R: Real>(
+    triangles: impl IntoIterator<Item = ([R; 3], [[isize; 2]; 2])>,
+    sighted: &Sighted<R>,
+) -> Option<R> {
+    let here = |(lengths, steps): ([R; 3], [[isize; 2]; 2])| {
+        let [l1, l2, c] = lengths;
+        if max(max(l1, l2), c) >= R::FAR {
+            return None;
+        }
+        let lengths = lengths.map(R::wide);
+        let end = End { time: sighted.start, carried: R::zero(), gaussian: R::zero() };
+        let (plane, steps) = (Plane::of(lengths), Steps::new(steps));
+        let from = FromOrigin::new(plane, lengths[2], &steps, sighted, end, CORNERS);
+        let is_source = from.ray.length <= ON_LINE * lengths[2];
+        (from.crosses || is_source).then(|| R::of(from.arrival(0.0)))
+    };
+    triangles.into_iter().find_map(here)
+}

@@ -1,0 +1,137 @@
+//! Sources side by side, and lines across the grid, against exact distances on surfaces that unroll into a plane.
+
+use geosweep::surface::builtin::Builtin;
+use geosweep::surface::{EdgeLengths, Real};
+use geosweep::{Options, Sources, Spacing, Stop, Surface, Wavefront, cpu, distance_map_f64};
+
+use crate::common::bounds::cases;
+use crate::common::sheets::{Kind, Sheet};
+
+const STOP: Stop = Stop { tolerance: 1e-6, iterations: 500 };
+
+/// By how much a map is early, and late, at most, in the longer side of a cell.
+fn errors<R: Real>(sheet: &Sheet) -> [f64; 2] {
+    let seeds = sheet.sources.seeds_with_origins(&sheet.surface).unwrap();
+    let seeds = Wavefront::Curved.seeds(&sheet.surface, seeds);
+    let edges = EdgeLengths::<R>::new(&sheet.surface).unwrap();
+    let map = cpu::rotated_scan(&edges, &seeds, Wavefront::Curved, STOP).distances();
+    let late: Vec<_> = map
+        .iter()
+        .zip(&sheet.exact)
+        .map(|(found, exact)| (found.wide() - exact) / sheet.cell)
+        .collect();
+    let most = |of: &dyn Fn(f64) -> f64| late.iter().map(|&late| of(late)).fold(0.0, f64::max);
+    [most(&|late| -late), most(&|late| late)]
+}
+
+/// Checks how early and how late maps of all kinds of sources are: sheets are never early, and late on at most one in
+/// so many of them.
+fn assert_exact<R: Real>(rolled: bool, early: f64, late: f64, one_in: usize) {
+    let (mut failures, mut late_ones, mut count) = (Vec::new(), Vec::new(), 0);
+    for kind in Kind::ALL {
+        for number in cases(100) {
+            let sheet = Sheet::new(number, kind, rolled);
+            let [is_early, is_late] = errors::<R>(&sheet);
+            count += 1;
+            if is_early > early {
+                failures.push(format!("{}: early by {is_early:.1e}", sheet.name));
+            }
+            if is_late > late {
+                late_ones.push(format!("{}: late by {is_late:.1e}", sheet.name));
+            }
+        }
+    }
+    failures.iter().chain(&late_ones).for_each(|line| println!("{line}"));
+    assert!(failures.is_empty(), "{} of {count} early", failures.len());
+    assert!(late_ones.len() * one_in <= count, "{} of {count} late", late_ones.len());
+}
+
+/// In long, sheared cells the region of one of several sources may be too narrow for any grid point to lie in it, and
+/// what comes behind it has to wait for a neighbour's front.
+const ONE_IN: usize = 50;
+
+#[test]
+fn sources_side_by_side_are_exact_on_planes() {
+    assert_exact::<f64>(false, 1e-9, 1e-6, ONE_IN);
+    // Lengths of edges are rounded.
+    assert_exact::<f32>(false, 3e-5, 3e-5, ONE_IN);
+}
+
+#[test]
+fn sources_side_by_side_are_exact_on_cylinders_but_for_their_edges() {
+    assert_exact::<f64>(true, 4e-4, 2e-4, ONE_IN);
+}
+
+/// Scalloped fronts of many sources in a row would each be taken for part of a circle.
+#[test]
+fn rows_of_sources_are_lines_whatever_the_relief() {
+    for relief in [0.0, 1e-3] {
+        let mut heights = vec![0.0; 61 * 61];
+        heights[0] = relief;
+        let surface = Surface::from_heights(61, 61, heights, Spacing::square(1.0)).unwrap();
+        let sources =
+            (0..61).fold(Sources::default(), |all, col| all.and_point(0.0, f64::from(col), 0.0));
+        let seeds = sources.seeds_with_origins(&surface).unwrap();
+        let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+        let map = cpu::rotated_scan(&edges, &seeds, Wavefront::Curved, STOP).distances();
+        for (index, distance) in map.iter().enumerate().skip(61 * 2) {
+            approx::assert_relative_eq!(*distance, (index / 61) as f32, max_relative = 1e-5);
+        }
+    }
+}
+
+/// The map of several point sources minus the earliest of each source's own, relative to the largest distance: the
+/// most that it is early and late, and the mean of both.
+fn from_single_maps(surface: &Surface, places: &[[f64; 2]]) -> [f64; 3] {
+    let options = Options { wavefront: Some(Wavefront::Curved), ..Options::default() };
+    let map = |sources: &Sources| distance_map_f64(surface, sources, &options).unwrap().distances;
+    let all = places.iter().fold(Sources::default(), |all, at| all.and_point(at[0], at[1], 0.0));
+    let together = map(&all);
+    let mut earliest = vec![f64::INFINITY; together.len()];
+    for at in places {
+        let single = map(&Sources::point(at[0], at[1]));
+        earliest.iter_mut().zip(single).for_each(|(first, other)| *first = first.min(other));
+    }
+    let finite = || together.iter().zip(&earliest).filter(|(_, exact)| exact.is_finite());
+    let largest = finite().map(|(_, exact)| *exact).fold(0.0, f64::max);
+    let late: Vec<_> = finite().map(|(found, exact)| (found - exact) / largest).collect();
+    let mean = late.iter().map(|late| late.abs()).sum::<f64>() / late.len() as f64;
+    let most = |sign: f64| late.iter().map(|late| sign * late).fold(0.0, f64::max);
+    [most(-1.0), most(1.0), mean]
+}
+
+/// Where cells are not alike each source's front is solved alone at first. Without that two sources side by side have a
+/// mean error of 3e-5 to 2e-4 here.
+#[test]
+fn sources_side_by_side_on_curved_surfaces_are_as_good_as_single_ones() {
+    for builtin in [Builtin::Sphere, Builtin::Torus, Builtin::Peaks] {
+        let surface = builtin.surface(121, 121).unwrap();
+        for places in [
+            &[[80.0, 90.0], [81.0, 90.0]][..],
+            &[[30.0, 60.0], [30.0, 61.0], [31.0, 62.0]],
+            &[[60.0, 20.0], [61.0, 21.0]],
+            &[[90.0, 50.0], [90.0, 51.0], [90.0, 52.0], [90.0, 53.0], [91.0, 50.0]],
+            // Others further away, one of them near the cluster's surroundings.
+            &[[40.0, 40.0], [41.0, 40.0], [40.0, 60.0], [60.3, 41.6], [100.0, 100.0]],
+        ] {
+            let [early, late, mean] = from_single_maps(&surface, places);
+            assert!(
+                early < 5e-3 && late < 1e-5 && mean < 3e-4,
+                "{builtin} {places:?}: early {early:.1e}, late {late:.1e}, mean {mean:.1e}"
+            );
+        }
+    }
+}
+
+/// A source that starts late amid others, and walls between them.
+#[test]
+fn exact_seeds_do_not_keep_off_what_comes_earlier() {
+    let mut slowness = vec![1.0; 41 * 41];
+    // Fast ground around the first source's surroundings, beyond a wall with a gap.
+    slowness.iter_mut().enumerate().filter(|(k, _)| k % 41 > 24).for_each(|(_, s)| *s = 1e-3);
+    let mask: Vec<_> = (0..41 * 41).map(|k| k % 41 != 22 || k / 41 == 2 || k / 41 == 38).collect();
+    let surface = Surface::from_heights(41, 41, vec![0.0; 41 * 41], Spacing::square(1.0)).unwrap();
+    let surface = surface.with_slowness(slowness).unwrap().with_mask(&mask).unwrap();
+    let [early, late, _] = from_single_maps(&surface, &[[4.0, 20.0], [5.0, 20.0], [5.0, 19.0]]);
+    assert!(early < 5e-3 && late < 2e-3, "early {early:.1e}, late {late:.1e}");
+}
