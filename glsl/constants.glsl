@@ -33,13 +33,13 @@
 // another origin counts, times CURVATURE_COUNTS.
 #define FIRST_ORIGIN 2305843009213693952.0
 #define ORIGIN_COUNTS 0.1
-// How many origins have a number.
+// The number of origins that have a number.
 #define MOST_ORIGINS 16777216
 // See src/update/sight.rs. A front is in sight of its origin if its time is that of the straight line but for this part
 // of it, and on the line but for rounding if it is but for the second.
 #define IN_SIGHT 0.02
 #define ON_LINE 1e-4
-// How far past an edge a ray may run, in parts of it, to be taken for one along it.
+// A ray that runs past an edge by less than this part of it is taken for one along it.
 #define PAST_EDGE 1e-4
 // By how much of the base the other end's front may be later than this one's, which is not kept off then.
 #define UNBLOCKED 0.01
@@ -119,17 +119,17 @@
 #define TILES_FOLLOW 2
 // Rounds of tiles in a recording, at most, and an even number of them.
 #define ROUNDS 128
-// What the device keeps of each round: the three numbers that its dispatch reads, how many tiles are on its list, how
-// many of these have waited for the next round, and the urgency of the first.
+// Words that the device keeps of each round: the three numbers that its dispatch reads, the number of tiles on its list,
+// the number of those that wait for the next round, and the urgency of the first.
 #define ROUND_WORDS 6
 // Marks a tile on a list that has waited.
 #define HAS_WAITED 2147483648
 // Tiles wait that are due later than the first by more than so many times the way across a tile, in typical edges. No
 // ratio of small whole numbers, or on even grids rounding would decide.
 #define BAND_SIDES 2.03
-// And not where no more tiles than these are on the list of a GPU's round.
+// On a GPU no tile waits while the list of a round has this many tiles or fewer.
 #define FEW_TILES 64
-// How many texels are looked at along each side of the grid for its typical edge.
+// The typical edge is measured at this many texels along each side of the grid.
 #define EDGE_LOOKS 16
 // Words of 32 dispatches of scans of a recording, for profiles: whether they have visited their block.
 #define VISIT_WORDS 1024

@@ -121,10 +121,10 @@ void accept_curved(Fronts fronts, uint scan, bool renews, inout vec4 time, inout
     bvec4 is_new = not(both(ties, bends_alike));
     bvec4 comes_again = both(both(bvec4(renews), reached), equal(tag_before & SCAN_OF_TAG, uvec4(scan)));
     bvec4 first = either(both(not(ties), lessThan(fronts.time, time)), both(ties, knows));
-    // What a source's own front brings to a point beside it is known better there.
+    // A seed knows better when its own source's front arrives than an update does.
     bvec4 is_seed = both(equal(tag_before & SCAN_OF_TAG, uvec4(0u)), lessThanEqual(curvature, vec4(-FIRST_ORIGIN)));
     bvec4 own = both(both(reached, is_seed), are_alike_but_for_tags(curvature, tagged));
-    // What is exact stays: two fronts taken for one would come too early.
+    // Exact seeds stay: two fronts taken for one would come too early.
     bvec4 held = both(both(reached, bvec4(holds)), equal(tag_before & SCAN_OF_TAG, uvec4(EXACT)));
     bvec4 accepted = either(both(first, not(either(own, held))), both(comes_again, is_new));
     curvature = mix(curvature, tagged, accepted);

@@ -149,7 +149,7 @@ FromOrigin from_origin(Plane plane, vec4 base, Site site, Sighted sighted, Ends 
     return from;
 }
 
-// What a front carries at x0: the number, as long as the line explains its time and the surface is not so bent that the
+// The front carries its number at x0, as long as the line explains its time and the surface is not so bent that the
 // curvature does not follow from the distance.
 vec4 carried_on(FromOrigin from, vec4 time, vec4 number, vec4 gaussian, vec4 base) {
     vec4 away = time - from.start;

@@ -254,9 +254,9 @@ pub(super) fn accept<R: Real>(
     let together = was_reached & front.arrives_with(before);
     let first = if together { front.replaces(before) } else { front.time < time };
     let is_new = !(together & front.is_same_as(before));
-    // What a source's own front brings to a point beside it is known better there.
+    // A seed knows better when its own source's front arrives than an update does.
     let own = was_reached & curvature.is_seed_of(front.curvature);
-    // What is exact stays: two fronts taken for one would come too early.
+    // Exact seeds stay: two fronts taken for one would come too early.
     let held = was_reached & curvature.is_from(EXACT);
     let accepted =
         (first & !own & !held) | (was_reached & renews & curvature.is_from(scan) & is_new);
