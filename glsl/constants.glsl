@@ -53,6 +53,8 @@
 #define WHOLE 8
 // In place of a scan: a seed whose time is exact, so that no front replaces it.
 #define EXACT 5
+// The same of one that only tells, until surroundings are merged, where another source's is not the first.
+#define NOT_EXACT 6
 // Where fronts may meet, and where they may and sources are added to a map, so that what was exact may be replaced.
 #define FRONTS_MEET 1
 #define FRONTS_ARE_ADDED 2

@@ -6,6 +6,7 @@
 
 #include "constants.glsl"
 #include "chart.glsl"
+#include "tag.glsl"
 #include "seed_texel.glsl"
 
 layout(local_size_x = WORKGROUP) in;
@@ -43,6 +44,8 @@ void main() {
         times = mix(times, seeds[there].times, first);
         curvatures = mix(curvatures, seeds[there].curvatures, first);
     }
+    // Further away than a source's times are exact, what another source brings later is not exact either.
+    times = mix(times, vec4(FAR), equal(floatBitsToUint(curvatures) & SCAN_OF_TAG, uvec4(NOT_EXACT)));
     if (all(greaterThanEqual(times, vec4(FAR)))) seeds[index].texel = ivec2(-1);
     seeds[index].times = times;
     seeds[index].curvatures = curvatures;

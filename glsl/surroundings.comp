@@ -246,8 +246,7 @@ void main() {
         // source's own way there.
         float until = own.time + uintBitsToFloat(leaves);
         bvec4 exact = lessThanEqual(time, vec4(until < FAR ? 0.5 * (until + first_start()) : FAR));
-        time = mix(vec4(FAR), time, exact);
-        held = with_tags(held, uvec4(EXACT | WHOLE));
+        held = with_tags(held, mix(uvec4(NOT_EXACT | WHOLE), uvec4(EXACT | WHOLE), exact));
     }
     if (!is_there) return;
     seeds[seed].texel = texel;

@@ -47,6 +47,8 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
     let scans = behind(chart);
     let first = sources.iter().map(|source| source.start).fold(f64::INFINITY, f64::min);
     let mut fronts = start.clone();
+    let mut merged = unreached.clone();
+    let mut is_exact = vec![false; chart.bordered_points()];
     for source in sources {
         let is_near = |other: &PointSource| {
             let apart = (other.at - source.at).abs().max_element();
@@ -81,12 +83,16 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
         }
         let until = if is_crowded { window.exact_until(&old, source.start, first) } else { R::FAR };
         for point in points() {
-            let time = old.time(point);
-            if time <= until
-                && (time < fronts.time(point) || is_crowded && time <= fronts.time(point))
-            {
-                fronts.copy_point(&old, point);
+            if old.time(point) < merged.time(point) {
+                merged.copy_point(&old, point);
+                is_exact[point] = old.time(point) <= until;
             }
+        }
+    }
+    for point in 0..chart.bordered_points() {
+        // Further away than a source's times are exact, what another source brings later is not exact either.
+        if is_exact[point] && merged.time(point) < fronts.time(point) {
+            fronts.copy_point(&merged, point);
         }
     }
     fronts.finish(0, 0.0)

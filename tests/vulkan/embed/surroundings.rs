@@ -202,12 +202,13 @@ fn sources_side_by_side_are_solved_alone_at_first() {
         &surface,
         &Schedule::ALL.map(|schedule| (schedule, Wavefront::Curved)),
     );
-    let cases: [&[[f32; 2]]; 3] = [
-        &[[30.0, 20.0], [31.0, 20.0]],
-        &[[30.0, 20.0], [30.0, 21.0], [31.0, 22.0], [50.0, 60.0]],
-        &[[12.25, 40.5], [13.0, 41.75], [12.0, 42.0]],
+    // By how much maps may be early: it grows with the square of a cluster's width.
+    let cases: [(f32, &[[f32; 2]]); 3] = [
+        (0.06, &[[30.0, 20.0], [31.0, 20.0]]),
+        (0.1, &[[30.0, 20.0], [30.0, 21.0], [31.0, 22.0], [50.0, 60.0]]),
+        (0.1, &[[12.25, 40.5], [13.0, 41.75], [12.0, 42.0]]),
     ];
-    for places in cases {
+    for (early, places) in cases {
         let sources: Vec<_> = places.iter().map(|&[row, col]| PointSource::at(row, col)).collect();
         for schedule in Schedule::ALL {
             let method = Method { schedule: Some(schedule), ..raster(Wavefront::Curved, STOP) };
@@ -217,7 +218,7 @@ fn sources_side_by_side_are_solved_alone_at_first() {
             for (index, &found) in together.iter().enumerate() {
                 let earliest = single.iter().map(|map| map[index]).fold(f32::INFINITY, f32::min);
                 let late = found - earliest;
-                assert!((-0.08..0.03).contains(&late), "{schedule} {places:?} {index}: {late}");
+                assert!((-early..0.01).contains(&late), "{schedule} {places:?} {index}: {late}");
             }
         }
     }
