@@ -89,9 +89,9 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
             }
         }
     }
-    for point in 0..chart.bordered_points() {
-        // Further away than a source's times are exact, what another source brings later is not exact either.
-        if is_exact[point] && merged.time(point) < fronts.time(point) {
+    // Further away than a source's times are exact, what another source brings later is not exact either.
+    for (point, _) in is_exact.iter().enumerate().filter(|(_, is)| **is) {
+        if merged.time(point) < fronts.time(point) {
             fronts.copy_point(&merged, point);
         }
     }

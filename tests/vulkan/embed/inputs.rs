@@ -37,6 +37,15 @@ fn headless(
     solver.solve(&mut on_device, &seeds, method).unwrap().distances
 }
 
+/// The same, with sources that lie close together solved alone at first.
+fn headless_alone(solver: &mut Solver, surface: &Surface, sources: &Sources) -> Vec<f32> {
+    let mut on_device = solver.upload(surface).unwrap();
+    let wavefront = Wavefront::Curved;
+    let seeds = wavefront.seeds(surface, sources.seeds_with_origins(surface).unwrap());
+    let method = Method { wavefront, schedule: None, stop: STOP };
+    solver.solve(&mut on_device, &seeds, method).unwrap().distances
+}
+
 /// Some of the vertices become holes, of each kind that the host may write.
 fn with_holes(mut vertices: Vec<f32>) -> Vec<f32> {
     for (index, hole) in [(400, f32::NAN), (401, f32::INFINITY), (402, 1e13), (700, f32::NAN)] {
@@ -242,13 +251,15 @@ fn sources_from_the_program_or_a_buffer_give_the_headless_map() {
                     initial: s.time.into(),
                 })
                 .collect();
-            let map = headless(&mut solver, &surface, &sources, wavefront);
+            // Of few sources curved fronts are solved alone where others are near, but not as far.
+            let is_crowded = wavefront.is_curved() && set.len() <= 8;
+            let (map, most) = match is_crowded {
+                true => (headless_alone(&mut solver, &surface, &sources), 2e-3),
+                false => (headless(&mut solver, &surface, &sources, wavefront), SAME),
+            };
             for input in [SourceInput::Inline(set), SourceInput::Buffer(number)] {
                 let own = stage.map(0, input, &plan);
                 let difference = difference(&map, &own);
-                // Some curved fronts are solved alone at first, where others are near.
-                let is_crowded = wavefront.is_curved() && set.len() <= 8;
-                let most = if is_crowded { 1e-2 } else { SAME };
                 assert!(difference < most, "{schedule}, {wavefront}, {number}: {difference}");
             }
         }
