@@ -146,10 +146,14 @@ fn heights_with_slowness(unit: f32) {
         // A plan is made before it is known that circles do not suit.
         let solved = if wavefront == Wavefront::Curved { wavefront } else { Wavefront::Planar };
         let map = headless(&mut solver, &surface, &Sources::point(3.0, 40.0), solved);
+        // Fronts that leave a patch of 0 at one time everywhere differ in how they curve alone: rounding
+        // tells which of them a point takes.
+        let has_ties = unit == 1.0 && wavefront == Wavefront::Curved;
+        let most = if has_ties { 2e-4 } else { SAME };
         for points in 0..2 {
             let own = stage.map(points, SourceInput::Inline(&source(3.0, 40.0)), &plan);
             let difference = difference(&map, &own);
-            assert!(difference < SAME, "{wavefront}, {points}: {difference}");
+            assert!(difference < most, "{wavefront}, {points}: {difference}");
         }
     }
     stage.host.free_image(image);
@@ -251,13 +255,18 @@ fn sources_from_the_program_or_a_buffer_give_the_headless_map() {
                     initial: s.time.into(),
                 })
                 .collect();
-            // Of few sources curved fronts are solved alone where others are near, but not as far.
-            let is_crowded = wavefront.is_curved() && set.len() <= 8;
-            let (map, most) = match is_crowded {
-                true => (headless_alone(&mut solver, &surface, &sources), 2e-3),
-                false => (headless(&mut solver, &surface, &sources, wavefront), SAME),
-            };
-            for input in [SourceInput::Inline(set), SourceInput::Buffer(number)] {
+            // Entries of a buffer that are to be passed over count too.
+            let inputs = [
+                (SourceInput::Inline(set), set.len()),
+                (SourceInput::Buffer(number), buffers[number].1 as usize),
+            ];
+            for (input, entries) in inputs {
+                // Curved fronts of few sources are solved alone where others are near, on the device a
+                // third as far.
+                let (map, most) = match wavefront.is_curved() && entries <= 8 {
+                    true => (headless_alone(&mut solver, &surface, &sources), 5e-3),
+                    false => (headless(&mut solver, &surface, &sources, wavefront), SAME),
+                };
                 let own = stage.map(0, input, &plan);
                 let difference = difference(&map, &own);
                 assert!(difference < most, "{schedule}, {wavefront}, {number}: {difference}");
