@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Edge lengths of a surface given by its metric, averaged over an edge's two ends. One
+// Edge lengths of a surface given by its metric, averaged over an edge's two ends by their slowness. One
 // invocation is one grid point.
 
 #include "constants.glsl"
@@ -32,6 +32,11 @@ float step_length(vec3 metric, ivec2 step) {
 
 void look_at_turns(ivec2 at) {} // Nobody knows.
 
+// Of two points that differ in slowness, such that times their mean it is the mean of the products: what is
+// given may be the products alone.
 float separation(ivec2 at, ivec2 step) {
-    return 0.5 * (step_length(load(at).metric, step) + step_length(load(at + step).metric, step));
+    Point a = load(at);
+    Point b = load(at + step);
+    float sum = a.slowness * step_length(a.metric, step) + b.slowness * step_length(b.metric, step);
+    return sum / (a.slowness + b.slowness);
 }

@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::chart::{Block, Cell, Chart, Direction, bilinear};
-use super::geometry::{Geometry, Point};
+use super::geometry::{Geometry, MetricTensor, Point};
 use super::jump::JUMPS;
 use super::real::Real;
 use super::tag::Tagged;
@@ -21,6 +21,9 @@ pub(super) struct Inputs {
     pub geometry: Geometry,
     pub slowness: Option<Vec<f64>>,
     pub present: Vec<bool>,
+    /// Whether the geometry is a metric that jumps, so that its scale is a slowness to the updates
+    /// ([`super::metric_scale`]).
+    pub is_scaled: bool,
 }
 
 impl Inputs {
@@ -30,6 +33,7 @@ impl Inputs {
             geometry: self.geometry.cut(chart, block),
             slowness: self.slowness.as_deref().map(|slowness| block.cut(chart, slowness)),
             present: block.cut(chart, &self.present),
+            is_scaled: self.is_scaled,
         }
     }
 }
@@ -86,6 +90,9 @@ impl Surface {
 
     /// Whether its slowness differs from point to point, so that a front may meet itself.
     pub(crate) fn is_slowed_unevenly(&self) -> bool {
+        if self.inputs.is_scaled {
+            return true;
+        }
         let Some(slowness) = self.slowness() else { return false };
         let mut there =
             slowness.iter().zip(&self.inputs.present).filter(|(_, there)| **there).map(|(s, _)| s);
@@ -93,14 +100,31 @@ impl Surface {
         there.any(|here| Some(here) != first)
     }
 
+    /// Whether it is given by a metric whose scale is a slowness to the updates.
+    pub(super) fn is_scaled(&self) -> bool {
+        self.inputs.is_scaled
+    }
+
+    /// The slowness that the updates know of a point: the one that is given, times a metric's own where that jumps.
+    fn slowness_to_updates(&self, index: usize) -> f64 {
+        match self.geometry() {
+            Geometry::Metric(metric) if self.inputs.is_scaled => {
+                self.slowness_of(index) * metric[index].scale()
+            }
+            _ => self.slowness_of(index),
+        }
+    }
+
     /// The slowness as a bordered array, tagged where it jumps, 1 where no point is, if it is uneven.
     pub(super) fn bordered_slowness<R: Real>(&self) -> Option<Vec<R>> {
-        let slowness = self.slowness().filter(|_| self.is_slowed_unevenly())?;
+        if !self.is_slowed_unevenly() {
+            return None;
+        }
         let mut bordered = vec![R::one(); self.chart.bordered_points()];
         self.chart.rows_mut(&mut bordered).enumerate().for_each(|(row, line)| {
             for (col, here) in line.iter_mut().enumerate().filter(|&(col, _)| self.has(row, col)) {
-                let slowness_here = held::<R>(slowness[self.chart.index(row, col)]);
-                *here = slowness_here.with_tag(self.jumps_at(slowness, (row, col)));
+                let slowness_here = held::<R>(self.slowness_to_updates(self.chart.index(row, col)));
+                *here = slowness_here.with_tag(self.jumps_at((row, col)));
             }
         });
         Some(bordered)
@@ -108,11 +132,11 @@ impl Surface {
 
     /// [`JUMPS`] if the slowness jumps at a point that is there: to a neighbour by more than a quarter, or if its second
     /// difference along a line of points says so. A slowness that changes smoothly has small ones.
-    fn jumps_at(&self, slowness: &[f64], (row, col): (usize, usize)) -> u8 {
-        let own = slowness[self.chart.index(row, col)];
+    fn jumps_at(&self, (row, col): (usize, usize)) -> u8 {
+        let own = self.slowness_to_updates(self.chart.index(row, col));
         let neighbour = |to: Direction| {
             let (row, col) = self.chart.neighbour(row, col, to)?;
-            self.has(row, col).then(|| slowness[self.chart.index(row, col)])
+            self.has(row, col).then(|| self.slowness_to_updates(self.chart.index(row, col)))
         };
         let jumps = Direction::ALL.into_iter().any(|to| {
             let Some(there) = neighbour(to) else { return false };
@@ -128,13 +152,15 @@ impl Surface {
     /// back differ by 4e-4 to 9e-4 in the mean with planar fronts, and by twice to four times that with curved
     /// ones, which are the earlier where they come from what is slow.
     pub(crate) fn is_slowed_in_patches(&self) -> bool {
-        let Some(slowness) = self.slowness() else { return false };
+        if !self.is_slowed_unevenly() {
+            return false;
+        }
         let (mut edges, mut jumps) = (0, 0);
         for (row, col) in self.chart.places().filter(|&(row, col)| self.has(row, col)) {
-            let here = slowness[self.chart.index(row, col)];
+            let here = self.slowness_to_updates(self.chart.index(row, col));
             for (row, col) in [(row + 1, col), (row, col + 1)] {
                 if self.has(row, col) {
-                    let there = slowness[self.chart.index(row, col)];
+                    let there = self.slowness_to_updates(self.chart.index(row, col));
                     edges += 1;
                     jumps += usize::from(here.max(there) > EVEN_SLOWNESS * here.min(there));
                 }
@@ -195,9 +221,15 @@ impl Surface {
 
     /// A grid point in some precision. Positions and heights are taken relative to `origin`.
     pub(crate) fn point<R: Real>(&self, index: usize, origin: DVec3) -> Point<R> {
-        let Inputs { geometry, present, .. } = &self.inputs;
-        let slowness = if present[index] { self.slowness_of(index) } else { 0.0 };
-        let [x, y, z] = geometry.numbers(index, origin);
+        let Inputs { geometry, present, is_scaled, .. } = &self.inputs;
+        let slowness = if present[index] { self.slowness_to_updates(index) } else { 0.0 };
+        let [x, y, z] = match geometry {
+            Geometry::Metric(metric) if *is_scaled => {
+                let MetricTensor { rr, rc, cc } = metric[index].unscaled(metric[index].scale());
+                [rr, rc, cc]
+            }
+            _ => geometry.numbers(index, origin),
+        };
         let held = if slowness > 0.0 { held(slowness) } else { R::zero() };
         [R::of(x), R::of(y), R::of(z), held]
     }

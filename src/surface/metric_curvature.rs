@@ -21,7 +21,7 @@ impl Surface {
                 let at = |down: isize, right: isize| {
                     let (row, col) =
                         (row.wrapping_add_signed(down), col.wrapping_add_signed(right));
-                    self.has(row, col).then(|| metric[chart.index(row, col)])
+                    self.has(row, col).then(|| self.shape(&metric[chart.index(row, col)]))
                 };
                 let rows = [-1, 0, 1].map(|down| [-1, 0, 1].map(|right| at(down, right)));
                 if rows.iter().flatten().all(Option::is_some) {
@@ -31,6 +31,13 @@ impl Surface {
             }
         }
         Some(curvature)
+    }
+}
+
+impl Surface {
+    /// The tensor without what is a slowness to the updates, whose part of the curvature is found with it.
+    fn shape(&self, tensor: &MetricTensor) -> MetricTensor {
+        if self.is_scaled() { tensor.unscaled(tensor.scale()) } else { *tensor }
     }
 }
 

@@ -19,6 +19,7 @@ mod iteration_bound;
 mod jump;
 mod measure;
 mod metric_curvature;
+mod metric_scale;
 mod points;
 mod real;
 mod refine;
@@ -236,7 +237,8 @@ impl Surface {
         let chart = Chart { rows, cols };
         check_shape(geometry.what(), geometry.len(), chart)?;
         let present = geometry.points_present(chart)?;
-        let inputs = Inputs { geometry, slowness: None, present };
+        let is_scaled = geometry.jumps_in_scale(chart, &present);
+        let inputs = Inputs { geometry, slowness: None, present, is_scaled };
         let (edge_rule, floor) = (EdgeRule::default(), OnceLock::new());
         Self { chart, inputs, edge_rule, floor }.non_empty()
     }

@@ -18,6 +18,20 @@ fn flat(chart: Chart, spacing: f64, slowness: Vec<f64>) -> Surface {
     surface.unwrap().with_slowness(slowness).unwrap()
 }
 
+/// The same surface, on which a metric holds the slowness.
+fn flat_metric(chart: Chart, slowness: Vec<f64>) -> Surface {
+    let tensor = |slowness: f64| {
+        let square = slowness * slowness;
+        MetricTensor { rr: square, rc: 0.0, cc: square }
+    };
+    let metric = slowness.into_iter().map(tensor).collect();
+    Surface::from_metric(chart.rows, chart.cols, metric).unwrap()
+}
+
+fn flat_either(chart: Chart, slowness: Vec<f64>, as_metric: bool) -> Surface {
+    if as_metric { flat_metric(chart, slowness) } else { flat(chart, 1.0, slowness) }
+}
+
 fn map(surface: &Surface, source: (usize, usize), wavefront: Wavefront) -> Vec<f64> {
     let edges = EdgeLengths::<f64>::new(surface).unwrap();
     let seeds = [Seed::at_source(source.0, source.1, 0.0)];
@@ -33,6 +47,7 @@ proptest! {
         strips in prop::collection::vec((4usize..25, 1usize..4, 0.0..3.0), 1..4),
         along_rows in any::<bool>(),
         half in 3usize..20,
+        as_metric in any::<bool>(),
     ) {
         let mut across = vec![1.0; 30];
         for (first, width, power) in strips {
@@ -47,7 +62,7 @@ proptest! {
             let (row, col) = (index / chart.cols, index % chart.cols);
             across[if along_rows { row } else { col }]
         });
-        let surface = flat(chart, 1.0, slowness.collect());
+        let surface = flat_either(chart, slowness.collect(), as_metric);
         let (source, goal) = if along_rows { ((0, half), (29, half)) } else { ((half, 0), (half, 29)) };
         for wavefront in WAVEFRONTS {
             let double = map(&surface, source, wavefront)[goal.0 * chart.cols + goal.1];
@@ -60,12 +75,16 @@ proptest! {
 
     /// No way that edges offer is shorter, nor does anything pass what is slow unpaid, by raster scans or marching.
     #[test]
-    fn maps_of_patches_keep_their_bounds(seed in any::<u64>(), power in 0.2..3.0) {
+    fn maps_of_patches_keep_their_bounds(
+        seed in any::<u64>(),
+        power in 0.2..3.0,
+        as_metric in any::<bool>(),
+    ) {
         let (chart, mut random) = (Chart { rows: 17, cols: 23 }, Random::new(seed));
         let slow = 10f64.powf(power);
         let slowness: Vec<_> =
             (0..chart.points()).map(|_| if random.next() < 0.4 { slow } else { 1.0 }).collect();
-        let surface = flat(chart, 1.0, slowness);
+        let surface = flat_either(chart, slowness, as_metric);
         let sources = Sources::point(3.0, 4.0).and_point(12.0, 20.0, 1.5);
         let case = Case::of("patches".into(), surface.clone(), sources.clone());
         let bounds = case.bounds();

@@ -388,4 +388,13 @@ fn engines_agree_with_rough_slowness() {
     let slowness = (1..=50 * 40).map(|i| 0.5 + 1.5 * noise(i)).collect();
     let surface = rough(50, 40, 0).with_slowness(slowness).unwrap();
     assert_engines_agree(&mut solver, &surface, &middle(&surface), "rough slowness");
+    // And as a metric, sheared, with walls.
+    let tensor = |i: u64| {
+        let square = (0.5 + 1.5 * noise(i)).powi(2);
+        let hole = if i % 97 == 5 { f64::NAN } else { 1.0 };
+        MetricTensor { rr: hole * square, rc: 0.25 * square, cc: 1.5 * square }
+    };
+    let metric = (1..=50 * 40).map(tensor).collect();
+    let surface = Surface::from_metric(50, 40, metric).unwrap();
+    assert_engines_agree(&mut solver, &surface, &middle(&surface), "rough metric");
 }

@@ -14,6 +14,7 @@ pub(super) use space::{InSpace, Point, Space};
 use glam::{DMat2, DVec2, DVec3};
 
 use super::chart::Block;
+use super::metric_scale::jumps_in_scale;
 use super::{Chart, SurfaceError};
 
 /// Distance between neighbouring points of a height field, in the unit of the heights.
@@ -131,6 +132,12 @@ impl Geometry {
                 })
             })
             .collect()
+    }
+
+    /// Whether this is a metric that jumps as a slowness does, at points that are `present`.
+    pub(super) fn jumps_in_scale(&self, chart: Chart, present: &[bool]) -> bool {
+        let Self::Metric(metric) = self else { return false };
+        jumps_in_scale(chart, metric, present)
     }
 
     pub(crate) fn position(&self, chart: Chart, row: usize, col: usize) -> Option<DVec3> {

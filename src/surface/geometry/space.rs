@@ -53,9 +53,12 @@ impl<R: Real> Space<R> for Metric {
         [R::zero(); 3]
     }
 
+    /// Of two points that differ in slowness, such that times their mean it is the mean of the products: what is
+    /// given may be the products alone.
     #[inline(always)]
     fn separation(self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> R {
-        R::of(0.5) * (metric_length(a, step) + metric_length(b, step))
+        let both = max(a[3] + b[3], R::min_positive_value());
+        (a[3] * metric_length(a, step) + b[3] * metric_length(b, step)) / both
     }
 }
 

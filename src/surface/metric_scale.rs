@@ -1,0 +1,109 @@
+//! A metric that jumps from point to point as a slowness does: a factor of one point's tensor is not its neighbour's.
+//!
+//! Lengths of edges cannot hold such a metric: beside a jump the edges of an even cell make an uneven triangle. So each
+//! tensor is taken for the square of a slowness times a tensor of determinant 1, and the updates find a triangle's shape
+//! from the latter.
+
+use super::chart::{Chart, Direction};
+use super::geometry::MetricTensor;
+use crate::constants::EVEN_SLOWNESS;
+
+impl MetricTensor {
+    /// The slowness of which this is the square times a tensor of determinant 1.
+    pub(super) fn scale(&self) -> f64 {
+        (self.rr * self.cc - self.rc * self.rc).sqrt().sqrt()
+    }
+
+    /// Divided by the square of a slowness.
+    pub(super) fn unscaled(&self, scale: f64) -> Self {
+        // Twice, since the square may be no number of this precision.
+        let part = |entry: f64| entry / scale / scale;
+        Self { rr: part(self.rr), rc: part(self.rc), cc: part(self.cc) }
+    }
+}
+
+/// Whether a metric jumps between neighbours whose tensors differ by a factor and hardly in shape.
+pub(super) fn jumps_in_scale(chart: Chart, metric: &[MetricTensor], present: &[bool]) -> bool {
+    let is_there = |(row, col): (usize, usize)| present[chart.index(row, col)];
+    let at = |(row, col): (usize, usize)| {
+        let tensor = &metric[chart.index(row, col)];
+        let scale = tensor.scale();
+        (scale, tensor.unscaled(scale))
+    };
+    let half = [Direction::East, Direction::SouthEast, Direction::South, Direction::SouthWest];
+    chart.places().filter(|&place| is_there(place)).any(|place| {
+        let (own, shape) = at(place);
+        half.into_iter().filter_map(|to| chart.neighbour(place.0, place.1, to)).any(|other| {
+            if !is_there(other) {
+                return false;
+            }
+            let (scale, other) = at(other);
+            own.max(scale) > EVEN_SLOWNESS * own.min(scale) && is_alike(&shape, &other)
+        })
+    })
+}
+
+/// Whether no length differs by more than a slowness that is even, of two tensors of determinant 1.
+fn is_alike(a: &MetricTensor, b: &MetricTensor) -> bool {
+    // The eigenvalues of one by the other are each other's reciprocals: this is their sum.
+    let sum = a.rr * b.cc + a.cc * b.rr - 2.0 * a.rc * b.rc;
+    let square = EVEN_SLOWNESS * EVEN_SLOWNESS;
+    sum <= square + square.recip()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::{EdgeLengths, Surface};
+
+    const CHART: Chart = Chart { rows: 7, cols: 9 };
+
+    fn metric(of: impl Fn(usize, usize) -> [f64; 3]) -> Surface {
+        let tensor = |index: usize| {
+            let (row, col) = CHART.position(index);
+            let [rr, rc, cc] = of(row, col);
+            MetricTensor { rr, rc, cc }
+        };
+        Surface::from_metric(CHART.rows, CHART.cols, (0..CHART.points()).map(tensor).collect())
+            .unwrap()
+    }
+
+    fn has_slowness(surface: &Surface) -> bool {
+        EdgeLengths::<f64>::new(surface).unwrap().slowness().is_some()
+    }
+
+    #[test]
+    fn factors_that_jump_are_a_slowness_and_what_bends_or_narrows_is_none() {
+        let strip = |factor: f64| move |_, col| if col == 4 { factor } else { 1.0 };
+        for factor in [0.01, 2.0, 1e4] {
+            let at = strip(factor);
+            assert!(has_slowness(&metric(|row, col| [3.0, 0.5, 1.0].map(|of| of * at(row, col)))));
+        }
+        let at = strip(1.2);
+        assert!(!has_slowness(&metric(|row, col| [3.0 * at(row, col), 0.5, 1.0])));
+        // Latitudes towards a pole, and a strip that is long one way.
+        let narrow = |row: usize, _| [1.0, 0.0, (0.02 + 0.3 * row as f64).powi(2)];
+        assert!(!has_slowness(&metric(narrow)));
+        assert!(!has_slowness(&metric(|_, col| [if col == 4 { 1e4 } else { 1.0 }, 0.0, 1.0])));
+    }
+
+    /// Over a square grid a metric and a slowness that make the same lengths are the same to the updates.
+    #[test]
+    fn a_factor_makes_the_edges_and_shapes_that_a_slowness_makes() {
+        let slowness = |row: usize, col: usize| if row * col % 5 == 2 { 40.0_f64 } else { 0.5 };
+        let scaled = metric(|row, col| [1.0, 0.25, 1.5].map(|of| of * slowness(row, col).powi(2)));
+        let weights = CHART.places().map(|(row, col)| slowness(row, col)).collect();
+        let slowed = metric(|_, _| [1.0, 0.25, 1.5]).with_slowness(weights).unwrap();
+        let scale = MetricTensor { rr: 1.0, rc: 0.25, cc: 1.5 }.scale();
+        let [scaled, slowed] = [scaled, slowed].map(|surface| EdgeLengths::<f64>::new(&surface));
+        let (scaled, slowed) = (scaled.unwrap(), slowed.unwrap());
+        for (a, b) in scaled.planes().into_iter().zip(slowed.planes()) {
+            a.iter().zip(b).for_each(|(a, b)| approx::assert_relative_eq!(a, b, epsilon = 1e-12));
+        }
+        let (of_scaled, of_slowed) = (scaled.slowness().unwrap(), slowed.slowness().unwrap());
+        for place in CHART.places() {
+            let at = CHART.bordered(place.0, place.1);
+            approx::assert_relative_eq!(of_scaled[at], scale * of_slowed[at], epsilon = 1e-9);
+        }
+    }
+}
