@@ -21,6 +21,7 @@ mod memory;
 mod options;
 mod pick;
 mod picture;
+mod pipelines;
 mod shaders;
 mod stage;
 mod surfaces;

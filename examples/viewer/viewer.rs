@@ -6,8 +6,8 @@ use geosweep::Wavefront;
 use geosweep::ash::vk;
 use geosweep::glam::Vec2;
 use geosweep::gpu_allocator::MemoryLocation;
-use geosweep::vulkan::Schedule;
 use geosweep::vulkan::embed::Solver;
+use geosweep::vulkan::{PipelineStore, Schedule};
 use winit::window::Window;
 
 use crate::Result;
@@ -19,6 +19,7 @@ use crate::memory::Buffer;
 use crate::options::Options;
 use crate::pick::PickPass;
 use crate::picture::Picture;
+use crate::pipelines;
 use crate::shaders::Layout;
 use crate::stage::{PointPasses, Shared, Stage};
 use crate::surfaces::Name;
@@ -50,6 +51,7 @@ pub struct Viewer {
     /// By frame in flight.
     views: Vec<Buffer>,
     solver: Solver,
+    store: PipelineStore,
     /// What the solver has passes for.
     methods: Vec<(Schedule, Wavefront)>,
     /// As in [`Name::ALL`].
@@ -99,7 +101,7 @@ impl Viewer {
 
         let (schedule, wavefront) = (Schedule::Raster, Wavefront::Curved);
         let passes = [(schedule, wavefront)];
-        let solver = Solver::new(&gpu.instance, gpu.physical_device, &gpu.device, &passes)?;
+        let (solver, store) = pipelines::solver(&gpu, &passes)?;
         let shared = Shared {
             layout: &layout,
             solver: &solver,
@@ -139,6 +141,7 @@ impl Viewer {
             palette,
             views,
             solver,
+            store,
             methods: passes.to_vec(),
             stages,
             current,
@@ -435,6 +438,9 @@ impl Viewer {
         self.target.destroy(gpu);
         self.layout.destroy(gpu);
         self.solver.destroy(&gpu.device);
+        // Without the file the next start takes longer.
+        let _ = self.store.save(&gpu.device);
+        self.store.destroy(&gpu.device);
         written.and(self.gpu.destroy())
     }
 }

@@ -3,7 +3,9 @@
 
 use std::io::Cursor;
 use std::marker::PhantomData;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::thread;
 
 use ash::vk;
 use bytemuck::Pod;
@@ -35,8 +37,8 @@ pub(crate) struct Pipelines {
     pub(crate) labels: Option<Labels>,
     /// How pipelines are created.
     flags: vk::PipelineCreateFlags,
-    /// The host's, which one creation of ours at a time uses.
-    cache: Mutex<vk::PipelineCache>,
+    /// Locked while pipelines are created.
+    cache: Mutex<Cache>,
     /// Of the sets that every pass sees: a surface, and the fronts that are read.
     pub(crate) surface_set_layout: vk::DescriptorSetLayout,
     /// Of the sets with the host's images and buffers.
@@ -53,6 +55,26 @@ pub(crate) struct Pipelines {
     made: [[OnceLock<vk::Pipeline>; Variant::COUNT]; TABLE.len()],
     /// Of passes that depend on the size of maps too, the one used last at the end.
     sized: Mutex<Vec<Sized>>,
+}
+
+/// What pipelines are created with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cache {
+    handle: vk::PipelineCache,
+    /// Whether several threads may create pipelines with it at once.
+    is_shared: bool,
+}
+
+impl Cache {
+    /// The host's, or none if it is null. The host may have promised the driver that one thread at a time uses it.
+    pub(crate) fn of_host(handle: vk::PipelineCache) -> Self {
+        Self { handle, is_shared: handle == vk::PipelineCache::null() }
+    }
+
+    /// One that the driver synchronizes.
+    pub(crate) fn shared(handle: vk::PipelineCache) -> Self {
+        Self { handle, is_shared: true }
+    }
 }
 
 /// A pipeline for maps of a size.
@@ -96,7 +118,7 @@ impl Pipelines {
             on_processor,
             labels,
             flags,
-            cache: Mutex::default(),
+            cache: Mutex::new(Cache::of_host(vk::PipelineCache::null())),
             surface_set_layout: vk::DescriptorSetLayout::null(),
             host_set_layout: vk::DescriptorSetLayout::null(),
             map_set_layout: vk::DescriptorSetLayout::null(),
@@ -141,8 +163,8 @@ impl Pipelines {
         Ok(())
     }
 
-    /// Pipelines are created with this cache from now on; none if it is null.
-    pub(crate) fn set_cache(&self, cache: vk::PipelineCache) {
+    /// Pipelines are created with this cache from now on.
+    pub(crate) fn set_cache(&self, cache: Cache) {
         *lock(&self.cache) = cache;
     }
 
@@ -159,7 +181,45 @@ impl Pipelines {
         variant: impl Into<Variant>,
     ) -> Result<(), VulkanError> {
         let variant = variant.into();
-        numbers.iter().try_for_each(|&number| self.make_one(device, number, variant).map(drop))
+        let wanted: Vec<_> = numbers.iter().map(|&number| (number, variant)).collect();
+        self.make_each(device, &wanted)
+    }
+
+    /// The same for passes of several variants, on several threads where the cache allows it: drivers take up to
+    /// seconds to compile a shader.
+    pub(crate) fn make_each(
+        &self,
+        device: &ash::Device,
+        wanted: &[(usize, Variant)],
+    ) -> Result<(), VulkanError> {
+        let cache = lock(&self.cache);
+        let place =
+            |&(number, variant): &(usize, Variant)| (number, TABLE[number].place_of(variant));
+        let mut missing: Vec<_> =
+            wanted.iter().filter(|of| self.place(of.0, of.1).get().is_none()).collect();
+        missing.sort_by_key(|of| place(of));
+        missing.dedup_by_key(|of| place(of));
+        let next = AtomicUsize::new(0);
+        let make = || {
+            while let Some(&&(number, variant)) = missing.get(next.fetch_add(1, Ordering::Relaxed))
+            {
+                let new = self.create_one(device, number, variant, *cache)?;
+                // No other thread creates it: this one has the cache, and its helpers have other passes.
+                self.place(number, variant).get_or_init(|| new);
+            }
+            Ok(())
+        };
+        let threads = match cache.is_shared {
+            true => thread::available_parallelism().map_or(1, usize::from).min(missing.len()),
+            false => 1,
+        };
+        thread::scope(|scope| {
+            let helpers: Vec<_> = (1..threads).map(|_| scope.spawn(make)).collect();
+            let own = make();
+            let helped =
+                helpers.into_iter().map(|helper| helper.join().expect("creation does not panic"));
+            helped.fold(own, Result::and)
+        })
     }
 
     /// The pipeline of a pass, which is made unless it is there.
@@ -187,11 +247,21 @@ impl Pipelines {
         if let Some(&made) = place.get() {
             return Ok(made);
         }
+        let new = self.create_one(device, number, variant, *cache)?;
+        Ok(*place.get_or_init(|| new))
+    }
+
+    fn create_one(
+        &self,
+        device: &ash::Device,
+        number: usize,
+        variant: Variant,
+        cache: Cache,
+    ) -> Result<vk::Pipeline, VulkanError> {
         let map = MapSize::default();
         let (tuning, on_processor) = (self.tuning, self.on_processor);
         let of = Specialization { tuning, on_processor, variant, map };
-        let new = self.create(device, &TABLE[number], &of, *cache)?;
-        Ok(*place.get_or_init(|| new))
+        self.create(device, &TABLE[number], &of, cache)
     }
 
     /// The pipeline of a pass for maps of this size, which is made unless it is there. It may go once nothing
@@ -300,11 +370,12 @@ impl Pipelines {
         device: &ash::Device,
         row: &Row,
         of: &Specialization,
-        cache: vk::PipelineCache,
+        cache: Cache,
     ) -> Result<vk::Pipeline, VulkanError> {
         let layout = self.layout(row.shader);
         let constants = row.constants(of);
-        let made = compute_pipeline(device, row.shader, (layout, self.flags, cache), &constants)?;
+        let how = (layout, self.flags, cache.handle);
+        let made = compute_pipeline(device, row.shader, how, &constants)?;
         self.name(&row.name(of.variant), made);
         Ok(made)
     }
@@ -420,8 +491,8 @@ fn compute_pipeline(
         .name(c"main")
         .specialization_info(&specialization);
     let info = vk::ComputePipelineCreateInfo::default().flags(flags).stage(stage).layout(layout);
-    // SAFETY: module, layout and cache are valid, no other thread uses the cache by us, and all that
-    // the structures point to is alive.
+    // SAFETY: module, layout and cache are valid, no other thread uses the cache by us unless the driver
+    // synchronizes it, and all that the structures point to is alive.
     let pipelines = unsafe { device.create_compute_pipelines(cache, &[info], None) };
     // SAFETY: a pipeline does not need its module once it is created.
     unsafe { device.destroy_shader_module(module, None) };

@@ -3,9 +3,13 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use ash::vk;
+
 use super::grid_images::{GridImages, bands, transfer_bytes};
 use super::headless::{CommandBuffer, Context, Submitter, Unwatched};
 use super::passes::{COMMON, Variant};
+use super::pipeline_store::PipelineStore;
+use super::pipelines::Cache;
 use super::plan::{self, Reached, Step};
 use super::profile::{Capabilities, Capability, Detail, Executable, Session, SolveProfile};
 use super::record::{Commands, Recorder};
@@ -43,6 +47,8 @@ pub struct Solver {
     /// With the passes of the schedules and wavefronts that were used so far.
     pub(super) for_device: embed::Solver,
     pub(super) context: Arc<Context>,
+    /// Where pipelines are kept, if they are.
+    store: Option<PipelineStore>,
 }
 
 /// How a device computes a map.
@@ -115,8 +121,18 @@ impl Solver {
         };
         let (instance, device) = (&context.instance.handle, &context.device);
         let physical_device = context.physical_device;
-        let for_device = embed::Solver::with_tools(instance, physical_device, device, &[], tools)?;
-        Ok(Self { for_device, context })
+        // SAFETY: the physical device is from this instance.
+        let properties = unsafe { instance.get_physical_device_properties(physical_device) };
+        let mut store = PipelineStore::of_process(&properties, device)?;
+        let cache = store.as_ref().map_or(vk::PipelineCache::null(), PipelineStore::cache);
+        let cache = Cache::shared(cache);
+        match embed::Solver::made_with(instance, physical_device, device, &[], tools, cache) {
+            Ok(for_device) => Ok(Self { for_device, context, store }),
+            Err(error) => {
+                store.iter_mut().for_each(|store| store.destroy(device));
+                Err(error)
+            }
+        }
     }
 
     /// The device's name.
@@ -440,7 +456,13 @@ const PASSES_AROUND: u32 = 8;
 
 impl Drop for Solver {
     fn drop(&mut self) {
-        self.for_device.destroy(&self.context.device);
+        let device = &self.context.device;
+        self.for_device.destroy(device);
+        if let Some(store) = &mut self.store {
+            // Without the file the next process compiles again.
+            let _ = store.save(device);
+            store.destroy(device);
+        }
     }
 }
 

@@ -8,6 +8,7 @@ mod lab;
 mod numbers;
 mod output;
 mod picture;
+mod pipelines;
 mod precision;
 mod problem;
 mod surface_arg;
@@ -105,6 +106,7 @@ fn main() -> ExitCode {
     if tool.quiet {
         terminal::be_quiet();
     }
+    pipelines::keep();
     let outcome = match tool.command {
         Command::Distance(args) => distance::run(&args),
         Command::Pairwise(args) => pairwise::run(&args),

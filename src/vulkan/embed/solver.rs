@@ -7,7 +7,7 @@ use crate::surface::Chart;
 use crate::update::{Setting, Wavefront};
 use crate::vulkan::limits::Limits;
 use crate::vulkan::passes::{COMMON, SURROUNDINGS, Variant};
-use crate::vulkan::pipelines::{Pipeline, Pipelines};
+use crate::vulkan::pipelines::{Cache, Pipeline, Pipelines};
 use crate::vulkan::profile::{self, Labels};
 use crate::vulkan::shaders::surroundings;
 use crate::vulkan::{Method, Schedule, Tuning, VulkanError, requirements};
@@ -84,6 +84,18 @@ impl Solver {
         tools: Tools,
         cache: vk::PipelineCache,
     ) -> Result<Self, VulkanError> {
+        let cache = Cache::of_host(cache);
+        Self::made_with(instance, physical_device, device, passes, tools, cache)
+    }
+
+    pub(crate) fn made_with(
+        instance: &ash::Instance,
+        physical_device: vk::PhysicalDevice,
+        device: &ash::Device,
+        passes: &[(Schedule, Wavefront)],
+        tools: Tools,
+        cache: Cache,
+    ) -> Result<Self, VulkanError> {
         // SAFETY: the physical device is from this instance.
         let properties = unsafe { instance.get_physical_device_properties(physical_device) };
         let mut unmet = requirements::unmet(instance, physical_device);
@@ -106,11 +118,13 @@ impl Solver {
         let pipelines = Pipelines::new(device, (tuning, on_processor), labels, tools.executables)?;
         pipelines.set_cache(cache);
         let mut new = Self { pipelines, limits, checks: tools.checks };
-        let made = new.pipelines.make_all(device, COMMON, Wavefront::Planar).and_then(|()| {
-            let mut passes = passes.iter();
-            passes
-                .try_for_each(|&(schedule, wavefront)| new.add_passes(device, schedule, wavefront))
-        });
+        // All at once, for as many threads as there are.
+        let mut wanted: Vec<_> =
+            COMMON.iter().map(|&pass| (pass, Wavefront::Planar.into())).collect();
+        for &(schedule, wavefront) in passes {
+            wanted.extend(passes_of(schedule, over_any(wavefront)));
+        }
+        let made = new.pipelines.make_each(device, &wanted);
         match made {
             Ok(()) => Ok(new),
             Err(error) => {
@@ -128,7 +142,7 @@ impl Solver {
     /// [`super::Paths`] and [`super::Regions`] (of each wavefront) are made. Once they are made, no pipeline needs it. One thread at a time uses it in
     /// this solver; for other uses of it at the same time the rules of `vkCreateComputePipelines` hold.
     pub fn set_pipeline_cache(&self, cache: vk::PipelineCache) {
-        self.pipelines.set_cache(cache);
+        self.pipelines.set_cache(Cache::of_host(cache));
     }
 
     /// Creates the pipelines of one more schedule and wavefront, unless they are there.
@@ -141,13 +155,8 @@ impl Solver {
         schedule: Schedule,
         wavefront: Wavefront,
     ) -> Result<(), VulkanError> {
-        let wavefront = over_any(wavefront);
-        self.make_passes(device, schedule, wavefront)?;
-        // Headless solvers, which do without this, start from `Wavefront::seeds`.
-        if have_surroundings(schedule, wavefront) {
-            self.pipelines.make(device, SURROUNDINGS, wavefront)?;
-        }
-        Ok(())
+        let wanted: Vec<_> = passes_of(schedule, over_any(wavefront)).collect();
+        self.pipelines.make_each(device, &wanted)
     }
 
     /// The same, where it is known whether fronts have anchors.
@@ -193,14 +202,10 @@ impl Solver {
         &self,
         device: &ash::Device,
     ) -> Result<(), VulkanError> {
-        for (schedule, wavefront) in self.all_passes() {
-            let variant = Variant { slowed: true, ..wavefront.into() };
-            self.pipelines.make_all(device, schedule.passes(), variant)?;
-            if have_surroundings(schedule, wavefront) {
-                self.pipelines.make(device, SURROUNDINGS, variant)?;
-            }
-        }
-        Ok(())
+        let slowed = |(pass, variant)| (pass, Variant { slowed: true, ..variant });
+        let all =
+            self.all_passes().flat_map(|(schedule, wavefront)| passes_of(schedule, wavefront));
+        self.pipelines.make_each(device, &all.map(slowed).collect::<Vec<_>>())
     }
 
     /// The schedules and wavefronts that it has pipelines for.
@@ -244,6 +249,14 @@ impl Solver {
     pub fn destroy(&mut self, device: &ash::Device) {
         self.pipelines.destroy(device);
     }
+}
+
+/// The passes of a schedule and wavefront, with that which solves surroundings of sources. Headless solvers, which do
+/// without it, start from `Wavefront::seeds`.
+fn passes_of(schedule: Schedule, wavefront: Wavefront) -> impl Iterator<Item = (usize, Variant)> {
+    let around = have_surroundings(schedule, wavefront).then_some(SURROUNDINGS.number());
+    let all = schedule.passes().iter().copied().chain(around);
+    all.map(move |pass| (pass, wavefront.into()))
 }
 
 /// Whether maps from between grid points take fewer iterations if the surroundings of sources are solved

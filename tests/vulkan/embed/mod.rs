@@ -12,6 +12,7 @@ mod faults;
 mod frames;
 mod inputs;
 mod misuse;
+mod pipeline_store;
 mod pipelines;
 mod queues;
 mod readme;
