@@ -15,13 +15,33 @@
 
 layout(local_size_x_id = 3) in;
 
-// Iterations in a dispatch, at most.
-layout(constant_id = 4) const int ITERATIONS = 1;
-layout(constant_id = 7) const int ROWS = 1;
-layout(constant_id = 8) const int COLS = 1;
-// From a point to the one below it: odd where there is room, so that the points of a column lie
-// in different banks of shared memory.
-layout(constant_id = 9) const int PITCH = 1;
+// Points that there is room for in shared memory: rows times pitch, or more.
+layout(constant_id = 15) const int ROOM = 1;
+// The size of maps where the pipeline is for one size, else 0, and it is pushed. Loops whose bounds are known
+// are faster on processors, by 6 to 9 %; drivers for GPUs take seconds to compile them.
+layout(constant_id = 4) const int ITERATIONS = 0;
+layout(constant_id = 7) const int ROWS = 0;
+layout(constant_id = 8) const int COLS = 0;
+layout(constant_id = 9) const int PITCH = 0;
+
+layout(push_constant) uniform Size {
+    ivec2 grid;     // columns and rows
+    int pitch;      // from a point to the one below it: odd where there is room, so that the points of a
+                    // column lie in different banks of shared memory
+    int iterations; // in a dispatch, at most
+} size;
+
+ivec2 grid() {
+    return ROWS > 0 ? ivec2(COLS, ROWS) : size.grid;
+}
+
+int pitch() {
+    return PITCH > 0 ? PITCH : size.pitch;
+}
+
+int most_iterations() {
+    return ITERATIONS > 0 ? ITERATIONS : size.iterations;
+}
 
 layout(set = 0, binding = 3) readonly restrict buffer Fans {
     float fans[];
@@ -34,11 +54,19 @@ layout(set = 2, binding = 1) restrict buffer Kept {
 };
 
 const int INVOCATIONS = int(gl_WorkGroupSize.x);
-const int AREA = ROWS * PITCH;
-const int FRONTS = CARRIES ? 2 * AREA : AREA;
 
 // Arrival times, then what is carried beside.
-shared float fronts[FRONTS];
+shared float fronts[CARRIES ? 2 * ROOM : ROOM];
+
+// How many of each a map has.
+int area() {
+    return grid().y * pitch();
+}
+
+// Where a map's numbers are kept from one dispatch to the next.
+int kept_place(uint map, int layer) {
+    return (int(map) * (CARRIES ? 2 : 1) + layer) * area();
+}
 
 vec4 at_four(int places[4], int layer) {
     return vec4(fronts[layer + places[0]], fronts[layer + places[1]],
@@ -51,9 +79,9 @@ vec4 at_four(int places[4], int layer) {
 // Updates a pair of points from the line behind; returns how much they have changed.
 uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_renew) {
     int pairs = pairs_of(points);
-    int across = stride_ahead(scan, PITCH);
-    int step = stride_along(scan, PITCH);
-    int first = fan_place(ivec2(COLS, ROWS), scan, line, pair, pairs);
+    int across = stride_ahead(scan, pitch());
+    int step = stride_along(scan, pitch());
+    int first = fan_place(grid(), scan, line, pair, pairs);
     // No edge leads beyond the ends of a line, where its last point stands in.
     int places[4];
     for (int i = 0; i < 4; i++) {
@@ -67,10 +95,10 @@ uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_re
     vec4 old_carried = vec4(0.0);
     vec2 surface = vec2(0.0);
     if (CARRIES) {
-        ends.carried = at_four(places, AREA);
+        ends.carried = at_four(places, ROOM);
         ends.surface = vec4(NUMBER(9), NUMBER(10), NUMBER(11), NUMBER(12));
         surface = vec2(NUMBER(13), NUMBER(14));
-        old_carried = vec2(fronts[AREA + a], fronts[AREA + b]).xyxy;
+        old_carried = vec2(fronts[ROOM + a], fronts[ROOM + b]).xyxy;
     }
     vec4 old_time = vec2(fronts[a], fronts[b]).xyxy;
 
@@ -88,21 +116,22 @@ uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_re
     fronts[a] = time.x;
     if (has_b) fronts[b] = time.y;
     if (CARRIES) {
-        fronts[AREA + a] = carried.x;
-        if (has_b) fronts[AREA + b] = carried.y;
+        fronts[ROOM + a] = carried.x;
+        if (has_b) fronts[ROOM + b] = carried.y;
     }
     return change_of(old_time.xyxy, time.xyxy, old_carried.xyxy, carried.xyxy);
 }
 
 void start(ivec2 source) {
-    for (int i = int(gl_LocalInvocationIndex); i < FRONTS; i += INVOCATIONS) {
-        fronts[i] = i < AREA ? FAR : 0.0;
+    for (int i = int(gl_LocalInvocationIndex); i < area(); i += INVOCATIONS) {
+        fronts[i] = FAR;
+        if (CARRIES) fronts[ROOM + i] = 0.0;
     }
     barrier();
     if (gl_LocalInvocationIndex == 0u) {
-        int place = row_major(source, PITCH);
+        int place = row_major(source, pitch());
         fronts[place] = 0.0;
-        if (CARRIES) fronts[AREA + place] = with_tag(SOURCE_CURVATURE, SOURCE_TAG);
+        if (CARRIES) fronts[ROOM + place] = with_tag(SOURCE_CURVATURE, SOURCE_TAG);
     }
 }
 
@@ -119,15 +148,18 @@ void main() {
     if (iterations == 0u) {
         start(source);
     } else {
-        for (int i = lane; i < FRONTS; i += INVOCATIONS) fronts[i] = kept[int(map) * FRONTS + i];
+        for (int i = lane; i < area(); i += INVOCATIONS) {
+            fronts[i] = kept[kept_place(map, 0) + i];
+            if (CARRIES) fronts[ROOM + i] = kept[kept_place(map, 1) + i];
+        }
     }
     barrier();
 
-    for (int n = 0; n < ITERATIONS; n++) {
+    for (int n = 0; n < most_iterations(); n++) {
         uint change = 0u;
         for (int scan = 0; scan < 4; scan++) {
-            int lines = lines_of(ivec2(COLS, ROWS), scan);
-            int points = points_of_line(ivec2(COLS, ROWS), scan);
+            int lines = lines_of(grid(), scan);
+            int points = points_of_line(grid(), scan);
             bool forward = (scan & 1) == 0;
             int source_line = line_of(source, scan);
             // Behind the first line there is none; the first iteration leads away from the source.
@@ -160,12 +192,16 @@ void main() {
     }
 
     if (is_done) {
-        for (int i = lane; i < ROWS * COLS; i += INVOCATIONS) {
-            float time = fronts[row_major(from_row_major(i, COLS), PITCH)];
-            distances[int(map) * ROWS * COLS + i] = distance_bits(time);
+        int points = grid().x * grid().y;
+        for (int i = lane; i < points; i += INVOCATIONS) {
+            float time = fronts[row_major(from_row_major(i, grid().x), pitch())];
+            distances[int(map) * points + i] = distance_bits(time);
         }
     } else {
-        for (int i = lane; i < FRONTS; i += INVOCATIONS) kept[int(map) * FRONTS + i] = fronts[i];
+        for (int i = lane; i < area(); i += INVOCATIONS) {
+            kept[kept_place(map, 0) + i] = fronts[i];
+            if (CARRIES) kept[kept_place(map, 1) + i] = fronts[ROOM + i];
+        }
     }
     if (lane == 0) {
         maps[map].renews = renews;

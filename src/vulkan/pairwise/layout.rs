@@ -45,11 +45,15 @@ impl BatchLimits {
 /// How a workgroup computes a map in shared memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Workgroup {
+    /// Points that there is room for in shared memory.
+    pub(super) room: u32,
     /// From a point to the one below it.
     pub(super) pitch: u32,
     pub(super) invocations: u32,
     /// Iterations in a dispatch, at most.
     pub(super) iterations: u32,
+    /// Whether its pipeline is for this size alone, or for all that have as much room.
+    pub(super) is_known: bool,
 }
 
 /// Iterations in a dispatch, at most: all that most surfaces need, and far below what systems let a
@@ -87,8 +91,17 @@ impl Workgroup {
         let trips = 2 * (rows * shares(cols) + cols * shares(rows)) + 5;
         let loads = 2 * numbers(pitch)?.div_ceil(invocations);
         let iterations = (MOST_TRIPS.checked_sub(loads)? / trips).min(MOST_ITERATIONS);
-        (iterations > 0).then_some(Self { pitch, invocations, iterations })
+        let most = limits.shared_memory / (4 * self::numbers(wavefront));
+        let area = rows * pitch;
+        let room = if limits.on_cpu { area } else { room(area).min(most) };
+        let is_known = limits.on_cpu;
+        (iterations > 0).then_some(Self { room, pitch, invocations, iterations, is_known })
     }
+}
+
+/// Room for an area, with at most a quarter too much, so that few pipelines serve all sizes.
+fn room(area: u32) -> u32 {
+    area.next_multiple_of((area.next_power_of_two() / 8).max(64))
 }
 
 /// Numbers that a point of a map takes: arrival time, and curvature if fronts carry one.
@@ -233,6 +246,27 @@ mod tests {
         let more = BatchLimits { shared_memory: 48 << 10, ..SMALLEST };
         let workgroup = Workgroup::fitting(square(64), Wavefront::Curved, &more).unwrap();
         assert_eq!(workgroup.pitch, 65);
+    }
+
+    /// A GPU's drivers compile few pipelines for all sizes, and each map has room.
+    #[test]
+    fn maps_of_many_sizes_share_the_room_that_they_have() {
+        let limits = BatchLimits { shared_memory: 48 << 10, ..SMALLEST };
+        let of = |side| Workgroup::fitting(square(side), Wavefront::Curved, &limits);
+        let all: Vec<_> = (4..=78).map_while(of).collect();
+        assert_eq!(all.len(), 75);
+        for (side, workgroup) in (4..).zip(&all) {
+            let area = side * workgroup.pitch;
+            let most = area + (area / 4).max(64);
+            assert!((area..=most).contains(&workgroup.room), "{workgroup:?}");
+            assert!(8 * workgroup.room <= limits.shared_memory && !workgroup.is_known);
+        }
+        let pipelines: std::collections::BTreeSet<_> =
+            all.iter().map(|workgroup| (workgroup.room, workgroup.invocations)).collect();
+        assert!(pipelines.len() <= 32, "{}", pipelines.len());
+        let on_cpu = BatchLimits { on_cpu: true, ..limits };
+        let known = Workgroup::fitting(square(30), Wavefront::Curved, &on_cpu).unwrap();
+        assert!(known.is_known && known.room == 30 * known.pitch);
     }
 
     #[test]

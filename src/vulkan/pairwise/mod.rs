@@ -111,6 +111,17 @@ impl Solver {
             let (needed, available) = (layout.bytes() >> 20, available.min(limits.buffer) >> 20);
             return Err(VulkanError::TooMuchMemory { rows, cols, device, needed, available });
         }
+        self.pairwise_in(surface, layout)
+    }
+
+    /// The same in a layout that fits the device.
+    fn pairwise_in(
+        &self,
+        surface: &SurfaceOnDevice,
+        layout: BatchLayout,
+    ) -> Result<PairwiseOnDevice, VulkanError> {
+        let (context, grid, slowed) = (&self.context, &surface.images, surface.slowed);
+        let (texels, wavefront) = (grid.texels, layout.wavefront);
         let commands = CommandBuffer::new(context)?;
         let passes =
             BatchPipelines::new(&context.device, &self.for_device.pipelines, &layout, slowed)?;
@@ -352,6 +363,7 @@ impl Drop for PairwiseOnDevice {
 
 #[cfg(test)]
 mod tests {
+    use super::layout::Workgroup;
     use super::*;
     use crate::surface::{Spacing, Surface};
     use crate::vulkan::DeviceChoice;
@@ -399,6 +411,36 @@ mod tests {
                 panic!("{schedule}, barrier {which}: {result:?}")
             };
             assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-")), "{messages:?}");
+        }
+    }
+
+    /// A pipeline for all sizes that have as much room, as GPUs have it, gives the maps of one for the size alone, in
+    /// one dispatch or several.
+    #[test]
+    fn a_size_that_is_pushed_makes_no_difference() {
+        let solver = solver();
+        for (rows, cols) in [(20, 30), (31, 13), (1, 40), (40, 1)] {
+            let heights = (0..rows * cols).map(|i| f64::from((i % 7) as u32).sin()).collect();
+            let surface = Surface::from_heights(rows, cols, heights, Spacing::square(1.0)).unwrap();
+            let on_device = solver.upload(&surface).unwrap();
+            let sources = [Some(0), None, Some(rows * cols / 2)];
+            for wavefront in Wavefront::ALL {
+                let shared = Some(PairwiseSchedule::SharedMemory);
+                let mut pairwise = solver.pairwise(&on_device, wavefront, shared).unwrap();
+                let layout = pairwise.layout;
+                let mut known = vec![0.0; 3 * rows * cols];
+                pairwise.solve(&solver, &on_device, &sources, STOP, &mut known).unwrap();
+                for iterations in [1, 32] {
+                    let own = layout.workgroup.unwrap();
+                    let room = own.room.next_multiple_of(512);
+                    let workgroup = Workgroup { room, iterations, is_known: false, ..own };
+                    let layout = BatchLayout { workgroup: Some(workgroup), ..layout };
+                    let mut pushed = vec![0.0; 3 * rows * cols];
+                    let mut pairwise = solver.pairwise_in(&on_device, layout).unwrap();
+                    pairwise.solve(&solver, &on_device, &sources, STOP, &mut pushed).unwrap();
+                    assert_eq!(known, pushed, "{rows} x {cols}, {wavefront}, {iterations}");
+                }
+            }
         }
     }
 

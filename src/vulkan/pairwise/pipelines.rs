@@ -3,8 +3,8 @@
 use super::layout::{BatchLayout, Workgroup};
 use crate::vulkan::VulkanError;
 use crate::vulkan::passes::{
-    MapSize, PAIRWISE_COUNT, PAIRWISE_FANS, PAIRWISE_SCANS, PAIRWISE_SHARED, PAIRWISE_START,
-    Variant,
+    KnownSize, MapSize, PAIRWISE_COUNT, PAIRWISE_FANS, PAIRWISE_SCANS, PAIRWISE_SHARED,
+    PAIRWISE_START, Variant,
 };
 use crate::vulkan::pipelines::{InUse, Pipeline, Pipelines};
 use crate::vulkan::shaders::{
@@ -18,7 +18,7 @@ pub(super) enum BatchPipelines {
         /// Puts the surface's fans into order.
         fans: Pipeline<pairwise_fans::Push>,
         maps: Pipeline<pairwise_shared::Push>,
-        /// Of the latter, which depends on the size of maps.
+        /// Of the latter, which depends on the size of maps, or on the room for them.
         _in_use: InUse,
     },
     Images {
@@ -39,9 +39,13 @@ impl BatchPipelines {
     ) -> Result<Self, VulkanError> {
         let wavefront = layout.wavefront;
         if let Some(workgroup) = layout.workgroup {
-            let Workgroup { pitch, invocations, iterations } = workgroup;
+            let Workgroup { room, invocations, pitch, iterations, is_known } = workgroup;
             let [rows, cols] = [layout.chart.rows, layout.chart.cols].map(|points| points as u32);
-            let size = MapSize { rows, cols, pitch, invocations, iterations };
+            let known = match is_known {
+                true => KnownSize { rows, cols, pitch, iterations },
+                false => KnownSize::default(),
+            };
+            let size = MapSize { room, invocations, known };
             let fans = pipelines.make(device, PAIRWISE_FANS, wavefront)?;
             let (maps, _in_use) = pipelines.make_sized(device, PAIRWISE_SHARED, wavefront, size)?;
             return Ok(Self::SharedMemory { fans, maps, _in_use });

@@ -22,7 +22,7 @@ use crate::vulkan::profile::{PassKind, PassRecord, Presence, Scope, StepCounter,
 use crate::vulkan::record::{Commands, Groups};
 use crate::vulkan::schedules::{account, block_of};
 use crate::vulkan::shaders::{
-    pairwise_count, pairwise_fans, pairwise_scan, pairwise_start, unpack,
+    pairwise_count, pairwise_fans, pairwise_scan, pairwise_shared, pairwise_start, unpack,
 };
 
 /// Records for one batch.
@@ -99,7 +99,13 @@ impl BatchRecorder<'_> {
                     self.run(*start, &push, self.start_groups());
                 }
                 (Step::Workgroups, SharedMemory { maps, .. }) => {
-                    self.run(*maps, &[], [self.maps, 1, 1]);
+                    let workgroup = self.layout.workgroup.expect("maps lie in shared memory");
+                    let push = pairwise_shared::Push {
+                        grid: self.signed_grid(),
+                        pitch: workgroup.pitch as i32,
+                        iterations: workgroup.iterations as i32,
+                    };
+                    self.run(*maps, &push, [self.maps, 1, 1]);
                 }
                 (Step::Raster(plan::Step::Scan(pass)), Images { scans, .. }) => {
                     self.scan(scans[pass.scan as usize], pass);
