@@ -99,6 +99,9 @@ class Agd(Solver):
             entries["factoringRadius"] = self.setting.radius
         if self.mode == "gpu":
             entries["solver"] = self.setting.solver
+            # It refuses arrays of NumPy beside those of CuPy.
+            for name in ("dims", "origin", "seed"):
+                entries[name] = entries[name].tolist()
         if not self.grid.present.all():
             walls = ~self.grid.present
             entries["walls"] = (

@@ -15,7 +15,8 @@ use geosweep::{Stop, Wavefront};
 use crate::embed::stage::vertices;
 use crate::host::Host;
 
-const GUIDE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/embedding.md");
+/// From the package's root, where tests run.
+const GUIDE: &str = "docs/embedding.md";
 
 /// A label, and what was recorded from there on up to the next one.
 #[derive(Default)]
