@@ -225,7 +225,7 @@ impl Surface {
         let slowness = if present[index] { self.slowness_to_updates(index) } else { 0.0 };
         let [x, y, z] = match geometry {
             Geometry::Metric(metric) if *is_scaled => {
-                let MetricTensor { rr, rc, cc } = metric[index].unscaled(metric[index].scale());
+                let MetricTensor { rr, rc, cc } = metric[index].shape();
                 [rr, rc, cc]
             }
             _ => geometry.numbers(index, origin),

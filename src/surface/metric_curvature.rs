@@ -37,7 +37,7 @@ impl Surface {
 impl Surface {
     /// The tensor without what is a slowness to the updates, whose part of the curvature is found with it.
     fn shape(&self, tensor: &MetricTensor) -> MetricTensor {
-        if self.is_scaled() { tensor.unscaled(tensor.scale()) } else { *tensor }
+        if self.is_scaled() { tensor.shape() } else { *tensor }
     }
 }
 

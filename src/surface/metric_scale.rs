@@ -4,43 +4,50 @@
 //! tensor is taken for the square of a slowness times a tensor of determinant 1, and the updates find a triangle's shape
 //! from the latter.
 
+use rayon::prelude::*;
+
 use super::chart::{Chart, Direction};
 use super::geometry::MetricTensor;
 use crate::constants::EVEN_SLOWNESS;
 
 impl MetricTensor {
-    /// The slowness of which this is the square times a tensor of determinant 1.
-    pub(super) fn scale(&self) -> f64 {
-        (self.rr * self.cc - self.rc * self.rc).sqrt().sqrt()
+    fn determinant(&self) -> f64 {
+        self.rr * self.cc - self.rc * self.rc
     }
 
-    /// Divided by the square of a slowness.
-    pub(super) fn unscaled(&self, scale: f64) -> Self {
-        // Twice, since the square may be no number of this precision.
+    /// Returns the slowness whose square times [`Self::shape`] is this tensor.
+    pub(super) fn scale(&self) -> f64 {
+        self.determinant().sqrt().sqrt()
+    }
+
+    /// Returns the tensor of determinant 1 that is this one times a number.
+    pub(super) fn shape(&self) -> Self {
+        let scale = self.scale();
+        // Divided twice, since the square may underflow.
         let part = |entry: f64| entry / scale / scale;
         Self { rr: part(self.rr), rc: part(self.rc), cc: part(self.cc) }
     }
 }
 
-/// Whether a metric jumps between neighbours whose tensors differ by a factor and hardly in shape.
+/// Whether a metric jumps between neighbours along a row or a column whose tensors differ by a factor and hardly in
+/// shape.
 pub(super) fn jumps_in_scale(chart: Chart, metric: &[MetricTensor], present: &[bool]) -> bool {
-    let is_there = |(row, col): (usize, usize)| present[chart.index(row, col)];
-    let at = |(row, col): (usize, usize)| {
-        let tensor = &metric[chart.index(row, col)];
-        let scale = tensor.scale();
-        (scale, tensor.unscaled(scale))
+    let jumps = |a: usize, b: usize| {
+        let (a, b) = (&metric[a], &metric[b]);
+        let (least, most) =
+            (a.determinant().min(b.determinant()), a.determinant().max(b.determinant()));
+        // Most pairs end here, without a root.
+        most > EVEN_SLOWNESS.powi(4) * least && is_alike(&a.shape(), &b.shape())
     };
-    let half = [Direction::East, Direction::SouthEast, Direction::South, Direction::SouthWest];
-    chart.places().filter(|&place| is_there(place)).any(|place| {
-        let (own, shape) = at(place);
-        half.into_iter().filter_map(|to| chart.neighbour(place.0, place.1, to)).any(|other| {
-            if !is_there(other) {
-                return false;
-            }
-            let (scale, other) = at(other);
-            own.max(scale) > EVEN_SLOWNESS * own.min(scale) && is_alike(&shape, &other)
+    let row_jumps = |row: usize| {
+        (0..chart.cols).filter(|&col| present[chart.index(row, col)]).any(|col| {
+            let neighbours = [Direction::East, Direction::South].into_iter();
+            let neighbours = neighbours.filter_map(|to| chart.neighbour(row, col, to));
+            let mut there = neighbours.map(|(row, col)| chart.index(row, col));
+            there.any(|other| present[other] && jumps(chart.index(row, col), other))
         })
-    })
+    };
+    (0..chart.rows).into_par_iter().any(row_jumps)
 }
 
 /// Whether no length differs by more than a slowness that is even, of two tensors of determinant 1.
