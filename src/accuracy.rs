@@ -1,12 +1,12 @@
-//! How far a map is from exact distances, and sources that carry exact values.
+//! Measures the error of a map against exact distances, and makes sources that carry exact values.
 //!
-//! The tests, the tool's figures and its accuracy report all measure with these.
+//! The tests, the tool's figures and its accuracy report all use these measures.
 
 use crate::Sources;
 use crate::surface::{Chart, Real};
 
-/// Errors of a map against exact distances, over the points that both reach. Points whose exact
-/// distance is NaN, not known, do not count.
+/// Errors of a map against exact distances, over the points that both reach. Points with an exact distance of
+/// NaN (unknown) are not counted.
 ///
 /// ```
 /// use geosweep::accuracy::Errors;
@@ -15,15 +15,15 @@ use crate::surface::{Chart, Real};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
-    /// Mean of |error| / distance, the source itself left out.
+    /// Mean of |error| / distance. The source itself is left out.
     pub mean_relative: f64,
-    /// Root of the mean of (error / distance)^2, the source itself left out.
+    /// Root of the mean of (error / distance)^2. The source itself is left out.
     pub rms_relative: f64,
     /// Largest |error| / distance.
     pub max_relative: f64,
-    /// Largest |error|, over the largest distance.
+    /// Largest |error| divided by the largest exact distance.
     pub max_of_largest: f64,
-    /// Points that one map reaches and the other does not.
+    /// Number of points that only one of the two maps reaches.
     pub reached_by_one: usize,
 }
 
@@ -80,8 +80,9 @@ impl std::fmt::Display for Errors {
     }
 }
 
-/// Every grid point whose exact distance is at most `radius` as a source with that distance: a
-/// start without the singularity of a point source. A radius of 0 leaves the source itself.
+/// Returns sources at all grid points whose exact distance is at most `radius`. Each source starts with its
+/// exact distance, so that the start has no point-source singularity. With a `radius` of 0 only the source
+/// itself is left.
 pub fn exact_disc(chart: Chart, exact: &[f64], radius: f64) -> Sources {
     let inside = (0..exact.len()).filter(|&index| exact[index] <= radius);
     inside.fold(Sources::default(), |sources, index| {

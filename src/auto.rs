@@ -1,23 +1,26 @@
-//! Which engine computes a map where the choice is left to the crate: the one place where it is made.
+//! Chooses the engine of a map where the caller leaves the choice to the crate. No other module makes this
+//! choice.
 
 use crate::surface::Chart;
 
-/// Grids of fewer points are computed on the CPU before a GPU is set up. A driver takes some 0.2 s for
-/// instance, device and pipelines, in which the CPU computes about four million points, curved fronts at
-/// 40 ns a point. The latter is measured, the former reckoned: no GPU was at hand.
+/// Minimum number of grid points for which a GPU is set up. Smaller grids are computed on the CPU.
+///
+/// A driver takes about 0.2 s for instance, device and pipelines. In that time the CPU computes about four
+/// million points, at 40 ns a point for curved fronts. The time per point is measured; the set-up time is an
+/// estimate, as no GPU was available.
 const WORTH_A_GPU: usize = 1 << 22;
 
-/// An engine, and why it.
+/// The chosen engine, with the reason for the choice.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Choice {
     Cpu(String),
-    /// A GPU if there is one. A Vulkan device that is the same CPU is none.
+    /// A GPU if there is one. Software Vulkan devices (type CPU) do not count as GPUs.
     Gpu(String),
 }
 
 impl Choice {
-    /// For a map in single precision. Nothing is asked of Vulkan yet: a loader and its drivers alone take
-    /// longer than a small map.
+    /// Chooses the engine of a map in single precision. Vulkan is not loaded yet: the loader and its drivers
+    /// alone take longer than a small map.
     pub(crate) fn of(chart: Chart) -> Self {
         let points = chart.points();
         if points < WORTH_A_GPU {

@@ -1,6 +1,6 @@
-//! Constants shared with the shaders, from glsl/constants.glsl.
+//! Constants shared with the shaders, generated from `glsl/constants.glsl`.
 
-// Some serve the shaders' twins or a feature alone.
+// Some constants are used only by the shaders' twins, or only with an optional feature.
 #![allow(dead_code)]
 
 include!(concat!(env!("OUT_DIR"), "/constants.rs"));

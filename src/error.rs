@@ -1,4 +1,4 @@
-//! What can go wrong, said so that the message tells what to do.
+//! The errors of the one-call interface. Each message says what to do.
 
 use crate::surface::{SourceError, SurfaceError};
 use crate::update::Unsuited;
@@ -14,10 +14,10 @@ pub enum Error {
     /// A source does not lie on the surface.
     #[error(transparent)]
     Source(#[from] SourceError),
-    /// The Vulkan engine was asked for and cannot run.
+    /// The Vulkan engine was requested and cannot run.
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
-    /// Distances do not fit memory.
+    /// The distances do not fit into memory.
     #[error(
         "{rows} rows of {points} distances need {} MiB of memory, which cannot be had; compute \
          fewer rows at a time",
@@ -26,10 +26,10 @@ pub enum Error {
     Memory {
         /// Number of rows.
         rows: usize,
-        /// Distances of a row.
+        /// Number of distances in a row.
         points: usize,
     },
-    /// A map does not fit memory.
+    /// The map does not fit into memory.
     #[error(
         "the map of a grid of {points} points needs {} MiB of memory beside the surface, which \
          cannot be had; take a coarser grid or a part of the surface",
@@ -38,7 +38,7 @@ pub enum Error {
     MapMemory {
         /// Number of points of the grid.
         points: usize,
-        /// Bytes that are needed at most.
+        /// Largest number of bytes that the map needs.
         bytes: usize,
     },
     /// An option is out of its range.

@@ -1,20 +1,20 @@
-//! Which vector instructions the CPU engine runs on, found out when the program runs.
+//! Selects the vector instructions of the CPU engine at run time.
 
-/// A set of vector instructions. All give the same map to the bit: no operation is fused.
+/// A set of vector instructions. All sets give bit-identical maps, since no operations are fused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Instructions {
-    /// What the program was compiled for: SSE2 on x86-64, NEON on AArch64.
+    /// The instructions that the program was compiled for: SSE2 on x86-64, NEON on AArch64.
     Baseline,
-    /// AVX2, eight lanes of single precision.
+    /// AVX2, with eight lanes of single precision.
     #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// AVX-512, sixteen lanes of single precision.
+    /// AVX-512, with sixteen lanes of single precision.
     #[cfg(target_arch = "x86_64")]
     Avx512,
 }
 
 impl Instructions {
-    /// The sets that this machine has, the best last.
+    /// Returns the sets that this machine has. The best set is last.
     pub fn available() -> Vec<Self> {
         let mut available = vec![Self::Baseline];
         #[cfg(target_arch = "x86_64")]
@@ -30,26 +30,25 @@ impl Instructions {
         available
     }
 
-    /// The best set that this machine has.
+    /// Returns the best set that this machine has.
     pub fn best() -> Self {
         static BEST: std::sync::OnceLock<Instructions> = std::sync::OnceLock::new();
         *BEST.get_or_init(|| Self::available().pop().unwrap_or(Self::Baseline))
     }
 }
 
-/// A loop over points without a branch in it, which the compiler turns into lanes.
+/// A loop over points without branches, which the compiler vectorizes.
 ///
-/// A trait and not a closure: a closure that happens not to be inlined would be compiled for the
-/// baseline instructions. For the same reason `run` and what it calls have to be
-/// `#[inline(always)]`.
+/// This is a trait and not a closure: a closure that is not inlined would be compiled for the baseline
+/// instructions. For the same reason `run` and the functions that it calls must be `#[inline(always)]`.
 pub(crate) trait Loop {
     type Output;
 
     fn run(self) -> Self::Output;
 }
 
-/// Asks for the part of an array that starts at some place, or of what lies so far from its start,
-/// so that it is in the caches when it is needed. A hint: where there is no memory nothing happens.
+/// Prefetches the part of `array` that starts at element `place` into the caches. `place` may lie outside the
+/// array: a prefetch is only a hint, and does nothing where there is no memory.
 #[inline(always)]
 pub(crate) fn prefetch<T>(array: &[T], place: isize) {
     if size_of::<T>() == 0 {
@@ -59,7 +58,8 @@ pub(crate) fn prefetch<T>(array: &[T], place: isize) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: every x86-64 machine has SSE, and a hint reads nothing. Newer compilers know that.
+        // SAFETY: every x86-64 machine has SSE, and a prefetch reads nothing. Newer compilers know that, so
+        // the block may be unnecessary.
         #[allow(unused_unsafe)]
         unsafe {
             _mm_prefetch::<_MM_HINT_T0>(at.cast());
@@ -69,12 +69,12 @@ pub(crate) fn prefetch<T>(array: &[T], place: isize) {
 }
 
 impl Instructions {
-    /// Runs work that is compiled once for each set.
+    /// Runs `work`, which is compiled once for each instruction set.
     pub(crate) fn run<L: Loop>(self, work: L) -> L::Output {
         match self {
             Self::Baseline => work.run(),
-            // SAFETY: only sets that this machine has are made, by `Instructions::available` and
-            // `RotatedScan::with_instructions`.
+            // SAFETY: values of this type are made only for sets that this machine has, by
+            // `Instructions::available` and `RotatedScan::with_instructions`.
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => unsafe { avx2(work) },
             // SAFETY: as above.

@@ -1,10 +1,10 @@
 //! Geodesic distance maps on parametric surfaces, computed where the pixels already are.
 //!
-//! A [`Surface`] is an M x N grid of points (a geometry image, a height field, a range scan) or
-//! a metric per grid point. [`distance_map`] computes the distance from [`Sources`] to every
-//! point by parallel raster scans of the eikonal equation, after Weber, Devir, Bronstein,
-//! Bronstein and Kimmel, "Parallel algorithms for approximation of distance maps on parametric
-//! surfaces" (ACM Transactions on Graphics 27(4), 2008), called "the paper" throughout.
+//! A [`Surface`] is an M x N grid of points (a geometry image, a height field, a range scan) or a metric per
+//! grid point. [`distance_map`] computes the distance from [`Sources`] to every point. It solves the eikonal
+//! equation by parallel raster scans, after Weber, Devir, Bronstein, Bronstein and Kimmel, "Parallel
+//! algorithms for approximation of distance maps on parametric surfaces" (ACM Transactions on Graphics 27(4),
+//! 2008). This documentation calls that article "the paper".
 //!
 //! ```
 //! use geosweep::{Engine, Options, Sources, Spacing, Surface, distance_map};
@@ -19,8 +19,8 @@
 //! # Ok::<(), geosweep::Error>(())
 //! ```
 //!
-//! Dependence runs one way: [`surface`] (lengths and sources), [`update`] (one triangle),
-//! the engines [`cpu`] and [`vulkan`], then [`distance_map`] and [`pairwise`], then
+//! Modules depend on each other in one direction only: [`surface`] (lengths and sources), [`update`] (one
+//! triangle), the engines [`cpu`] and [`vulkan`], then [`distance_map`] and [`pairwise`], then
 //! [`estimate_error`], [`accuracy`] and [`geometry`], file formats and the tool.
 
 pub mod accuracy;
@@ -61,22 +61,22 @@ pub use surface::{EdgeRule, MetricTensor, Source, Sources, Spacing, Surface};
 pub use update::Wavefront;
 pub use vulkan::DeviceChoice;
 
-/// README's example compiles and runs.
+/// Compiles and runs the examples of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-/// So does that of the page on profiling.
+/// Compiles and runs the examples of the page on profiling.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/profiling.md")]
 struct Profiling;
 
-/// So does that of the page on maps.
+/// Compiles and runs the examples of the page on maps.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/maps.md")]
 struct Maps;
 
-/// So does that of the page on all pairs.
+/// Compiles and runs the examples of the page on all pairs.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/pairwise.md")]
 struct AllPairs;

@@ -1,66 +1,67 @@
-//! The distance map, and how it was computed.
+//! The distance map, and the report on how it was computed.
 
 use std::time::Duration;
 
 use crate::surface::{Chart, Real, Resolution, Seam};
 use crate::update::Wavefront;
 
-/// Geodesic distances from the sources to every grid point, in single precision or in double
+/// Geodesic distances from the sources to every grid point, in single precision or in double precision
 /// ([`crate::distance_map_f64`]).
 #[derive(Clone, Debug)]
 pub struct DistanceMap<R = f32> {
     /// The grid's size.
     pub chart: Chart,
-    /// Distances, row-major, in the surface's unit of length (times the slowness, if any);
+    /// Distances, row-major, in the surface's unit of length (times the slowness, if any). The value is
     /// +infinity at holes and at points that no source reaches.
     pub distances: Vec<R>,
-    /// How the map was computed.
+    /// Report on how the map was computed.
     pub report: Report,
 }
 
-/// How a map was computed.
+/// Report on how a map was computed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// `vulkan`, `cpu` or `fast-marching`.
+    /// The engine: `vulkan`, `cpu` or `fast-marching`.
     pub engine: &'static str,
     /// Name of the Vulkan device.
     pub device: Option<String>,
-    /// Why this engine, where the choice was left to the crate.
+    /// Reason for the choice of the engine, if the choice was left to the crate.
     pub reason: Option<String>,
-    /// What kept the GPU that was chosen from computing the map, so that the CPU did.
+    /// Error of the chosen GPU, if it failed and the CPU computed the map instead.
     pub fallback: Option<String>,
-    /// The order of updates.
+    /// Name of the order of updates.
     pub schedule: &'static str,
-    /// The front assumed inside a triangle.
+    /// The wavefront that was assumed inside a triangle.
     pub wavefront: Wavefront,
-    /// Iterations of four scans.
+    /// Number of iterations of four scans.
     pub iterations: u32,
-    /// Largest relative change of an arrival time in the last iteration; 1 if a point was
-    /// first reached in it.
+    /// Largest relative change of an arrival time in the last iteration; 1 if that iteration reached a point
+    /// for the first time.
     pub residual: f64,
-    /// What the residual was to come down to.
+    /// The residual at which the iterations stop.
     pub tolerance: f64,
-    /// Whether it did before the iterations ran out.
+    /// Whether the residual fell to the tolerance before the iterations ran out.
     pub converged: bool,
-    /// Time of the solve itself: on Vulkan from the first submission to the last fence, without
+    /// Time of the solve itself. On Vulkan it lasts from the first submission to the last fence, without
     /// device creation, upload and read-back.
     pub solve_time: Duration,
-    /// Points of the surface, without holes.
+    /// Number of points of the surface, without holes.
     pub points: usize,
-    /// Points with a finite distance.
+    /// Number of points with a finite distance.
     pub reached: usize,
     /// Largest finite distance.
     pub max_distance: f64,
-    /// Where the surface is closed and the grid is not. Paths across a seam are not found, and two points
-    /// of the grid that are one on the surface have distances of their own.
+    /// Seams: the places where the surface is closed and the grid is not. Paths across a seam are not found,
+    /// and two grid points that are one point of the surface have separate distances.
     pub seams: Vec<Seam>,
-    /// How well the grid resolves the surface ([`crate::Surface::resolution`]): where its normals turn by tens of
-    /// degrees from point to point, distances are those of a polyhedron. `None` over a metric.
+    /// How well the grid resolves the surface ([`crate::Surface::resolution`]). Where the surface normals
+    /// turn by tens of degrees from point to point, distances are those of a polyhedron. `None` over a
+    /// metric.
     pub resolution: Option<Resolution>,
 }
 
 impl<R: Real> DistanceMap<R> {
-    /// Distance at a grid point.
+    /// Returns the distance at a grid point.
     ///
     /// # Panics
     /// If the grid has no such point.
@@ -69,7 +70,7 @@ impl<R: Real> DistanceMap<R> {
         self.distances[self.chart.index(row, col)]
     }
 
-    /// The map rounded to single precision, which contours, paths and all else that is made of a map
+    /// Returns the map rounded to single precision, which contours, paths and all other functions on maps
     /// take.
     pub fn to_single(&self) -> DistanceMap {
         let distances = self.distances.iter().map(|distance| distance.wide() as f32).collect();

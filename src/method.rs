@@ -1,11 +1,11 @@
-//! What the options of a map ask of the Vulkan engine.
+//! Translates the options of a map into a method of the Vulkan engine.
 
 use crate::surface::{Sources, Surface};
 use crate::{Error, Options, vulkan};
 
 impl Options {
-    /// How [`vulkan::Solver`] computes the map that [`crate::distance_map`] computes on a device:
-    /// the wavefront for these sources, and when to stop.
+    /// Returns the method with which [`vulkan::Solver`] computes the same map as [`crate::distance_map`] on a
+    /// device: the wavefront for these sources, the schedule and the stop criterion.
     ///
     /// # Errors
     /// If an option is out of range, or the wavefront does not suit the sources.

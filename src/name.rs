@@ -1,8 +1,8 @@
-//! Names of choices, as the tool and reports have them.
+//! Names of choices, as the tool and reports use them.
 
 use crate::shown::excerpt;
 
-/// A text that names none of the choices there are.
+/// The error for a text that is not the name of a choice.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no {what} is called `{}`; there are {}", excerpt(text), names.join(", "))]
 pub struct UnknownName {
@@ -11,7 +11,7 @@ pub struct UnknownName {
     names: Vec<&'static str>,
 }
 
-/// The choice that a text names, whatever white space is around it.
+/// Returns the choice that `text` names. White space around the name is ignored.
 pub(crate) fn by_name<T: Copy>(
     what: &'static str,
     text: &str,

@@ -1,11 +1,11 @@
-//! Texts and numbers in messages: short, whatever a file or an argument holds.
+//! Formats texts and numbers for messages. The result is short, whatever a file or an argument holds.
 
 use std::borrow::Cow;
 
-/// Most characters of a text that is quoted in a message.
+/// Maximum number of characters of a text that a message quotes.
 const MOST_QUOTED: usize = 60;
 
-/// Returns a text as a message quotes it: in one line, and cut after 60 characters.
+/// Returns `text` as a message quotes it: in one line, and cut after 60 characters.
 ///
 /// ```
 /// use geosweep::shown::excerpt;
@@ -26,8 +26,8 @@ pub fn excerpt(text: &str) -> Cow<'_, str> {
     shown.into()
 }
 
-/// Returns a text without its middle if it has more than so many characters: a file's name, or what another
-/// crate says of a file.
+/// Returns `text` without its middle if it has more than `most` characters. This suits file names, and the
+/// errors of other crates.
 pub fn shortened(text: &str, most: usize) -> Cow<'_, str> {
     let characters = text.chars().count();
     if characters <= most {
@@ -39,7 +39,7 @@ pub fn shortened(text: &str, most: usize) -> Cow<'_, str> {
     head.chain(['…']).chain(tail).collect::<String>().into()
 }
 
-/// Returns a number with all its digits, and with an exponent where zeros would fill the line.
+/// Returns a number with all its digits. Numbers that would need many zeros have an exponent.
 ///
 /// ```
 /// use geosweep::shown::exact;

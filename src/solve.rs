@@ -1,4 +1,4 @@
-//! One call from surface and sources to distance map.
+//! Computes a distance map from a surface and its sources in one call.
 
 use std::time::{Duration, Instant};
 
@@ -13,27 +13,30 @@ use crate::update::{EngineKind, Setting, SourceKind, Wavefront};
 use crate::vulkan::{self, DeviceChoice, Schedule, VulkanError};
 use crate::{DistanceMap, Error, Report};
 
-/// Which engine computes a map.
+/// The engine that computes a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Engine {
-    /// The CPU, but a GPU for large grids, where there is one and its set-up should pay: from 2^22 points on, a
-    /// threshold that is reckoned, not measured. The report says which, and why. A Vulkan device that is a CPU is used only where it is asked for. With a
-    /// [`Options::schedule`] only Vulkan will do. A program that keeps a [`vulkan::Solver`] sets up once,
-    /// and may gain on smaller grids.
+    /// The CPU, or a GPU for large grids. A GPU is used from 2^22 points on, if there is one, since only then
+    /// its set-up should pay off; this threshold is an estimate, not a measurement. The report names the
+    /// engine and the reason. A Vulkan device that is a CPU is used only on request. A [`Options::schedule`]
+    /// requires Vulkan. A program that keeps a [`vulkan::Solver`] sets the device up only once, and may gain
+    /// on smaller grids.
     #[default]
     Auto,
-    /// A Vulkan device, or an error.
+    /// A Vulkan device. It is an error if none can be used.
     Vulkan(DeviceChoice),
     /// Rotated raster scans on the CPU.
     Cpu,
-    /// Fast marching on the CPU, the sequential reference for the planar front, with obtuse triangles
-    /// split. With the other fronts it can err by several per cent where triangles are obtuse: it
-    /// fixes points once, and where they are split a front's curvature is that of the air between.
+    /// Fast marching on the CPU, the sequential reference for the planar front. Obtuse triangles are split.
+    /// With other fronts it can err by several per cent where triangles are obtuse, for two reasons: it
+    /// fixes each point's value only once, and where a triangle is split, the curvature of a front is that of flat
+    /// space instead of the surface.
     FastMarching,
 }
 
 impl Engine {
-    /// What is left to be chosen, as it was for the map of this report.
+    /// Resolves [`Engine::Auto`] to the engine that computed the map of `report`. Other engines are returned
+    /// unchanged.
     pub(crate) fn as_for(&self, report: &Report) -> Self {
         match (self, report.engine) {
             (Self::Auto, "cpu") => Self::Cpu,
@@ -42,7 +45,7 @@ impl Engine {
         }
     }
 
-    /// The name used by the tool, whichever device.
+    /// Returns the name that the tool uses. It does not depend on the device.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -59,7 +62,7 @@ impl std::fmt::Display for Engine {
     }
 }
 
-/// By its [`name`](Engine::name); `vulkan` is any device.
+/// Parses the [`name`](Engine::name) of an engine. The name `vulkan` stands for any device.
 impl std::str::FromStr for Engine {
     type Err = UnknownName;
 
@@ -69,31 +72,36 @@ impl std::str::FromStr for Engine {
     }
 }
 
-/// Default of [`Options::tolerance`]: near the rounding of single precision.
+/// Default of [`Options::tolerance`], near the rounding of single precision.
 pub const DEFAULT_TOLERANCE: f64 = 1e-6;
-/// The same for [`distance_map_f64`]: near the rounding of double precision.
+/// Default of [`Options::tolerance`] in [`distance_map_f64`], near the rounding of double precision.
 pub const DEFAULT_TOLERANCE_F64: f64 = 1e-13;
 
-/// How to compute a map. The default suits most surfaces.
+/// Options of a map. The default suits most surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Which engine.
+    /// The engine that computes the map.
     pub engine: Engine,
-    /// The front assumed inside a triangle. By default curved, over a slowness too: the most accurate
-    /// on smooth surfaces and from curves, and as good as the circular one on rough terrain. But
-    /// [`Wavefront::Anchored`], which is exact, over floor plans ([`Surface::is_floor_plan`]) from
-    /// points; and planar on surfaces that turn at random, on those whose slowness jumps all over
-    /// them, and for fast marching. A curved map takes about twice the time of a circular one, one
-    /// with anchors less.
+    /// The wavefront assumed inside a triangle. With `None` it is chosen as follows:
+    ///
+    /// - [`Wavefront::Anchored`] over floor plans ([`Surface::is_floor_plan`]) from points, where it is
+    ///   exact;
+    /// - [`Wavefront::Planar`] on surfaces that turn at random, on surfaces whose slowness jumps in many
+    ///   places, and for fast marching;
+    /// - [`Wavefront::Curved`] elsewhere, also over a slowness. It is the most accurate one on smooth
+    ///   surfaces and from curves, and as good as the circular one on rough terrain.
+    ///
+    /// A map with curved fronts takes about twice the time of one with circular fronts. A map with anchors
+    /// takes less than that.
     pub wavefront: Option<Wavefront>,
-    /// The order of updates on a Vulkan device, which makes no difference to the map; by default
-    /// [`Schedule::best_on`] the device. The CPU's engines have one order each.
+    /// The order of updates on a Vulkan device. It makes no difference to the map. With `None` it is
+    /// [`Schedule::best_on`] the device. The CPU engines have one order each.
     pub schedule: Option<Schedule>,
-    /// Stop when no arrival time falls by more than this fraction in an iteration; by default
-    /// [`DEFAULT_TOLERANCE`], in double precision [`DEFAULT_TOLERANCE_F64`].
+    /// Relative change below which iterations stop: no arrival time fell by more than this fraction in an
+    /// iteration. With `None` it is [`DEFAULT_TOLERANCE`], or [`DEFAULT_TOLERANCE_F64`] in double precision.
     pub tolerance: Option<f64>,
-    /// Stop after this many iterations of four scans; by default after more than any surface
-    /// but a labyrinth needs (ten for each row and column).
+    /// Maximum number of iterations of four scans. With `None` it is ten for each row and column, more than
+    /// any surface but a labyrinth needs.
     pub iterations: Option<u32>,
 }
 
@@ -124,7 +132,7 @@ impl Options {
         Ok(Stop { tolerance, iterations })
     }
 
-    /// The wavefront of a map.
+    /// Returns the wavefront of a map.
     pub(crate) fn wavefront(
         &self,
         surface: &Surface,
@@ -133,7 +141,7 @@ impl Options {
         self.wavefront_of(surface, SourceKind::of(sources))
     }
 
-    /// The wavefront of a map, from sources of which the kind is known.
+    /// Returns the wavefront of a map from sources of a known kind.
     pub(crate) fn wavefront_of(
         &self,
         surface: &Surface,
@@ -147,7 +155,7 @@ impl Options {
         Ok(Wavefront::resolve(self.wavefront, setting)?)
     }
 
-    /// The wavefront of the rows of a distance matrix.
+    /// Returns the wavefront of the rows of a distance matrix.
     pub(crate) fn wavefront_of_rows(&self, surface: &Surface) -> Result<Wavefront, Error> {
         let engine = match self.engine {
             Engine::FastMarching => EngineKind::FastMarching,
@@ -162,9 +170,9 @@ impl Options {
 /// Computes the geodesic distance from the sources to every point of a surface.
 ///
 /// # Errors
-/// If a source lies off the surface, an option is out of range, an edge of the surface is too
-/// long or too short for single precision, or the engine asked for cannot run.
-/// [`Engine::Auto`] falls back to the CPU where the GPU that it chose fails, and says why in the report.
+/// If a source lies off the surface, an option is out of range, an edge of the surface is too long or too
+/// short for single precision, or the requested engine cannot run. [`Engine::Auto`] falls back to the CPU if
+/// the GPU that it chose fails, and the report says why.
 pub fn distance_map(
     surface: &Surface,
     sources: &Sources,
@@ -173,9 +181,12 @@ pub fn distance_map(
     in_precision(surface, sources, options)
 }
 
-/// Computes the same distances in double precision, on the CPU, in two to four times the time and twice
-/// the memory: for errors below the rounding of single precision, which is 1e-7 of a distance over some
-/// hundred edges and up to some 1e-6 over a thousand.
+/// Computes the geodesic distance from the sources to every point of a surface in double precision, on the
+/// CPU.
+///
+/// This takes two to four times the time of single precision and twice the memory. It serves where errors
+/// must be below the rounding of single precision, which is 1e-7 of a distance over some hundred edges and up
+/// to about 1e-6 over a thousand.
 ///
 /// ```
 /// use geosweep::surface::builtin::Builtin;
@@ -189,8 +200,8 @@ pub fn distance_map(
 /// ```
 ///
 /// # Errors
-/// As [`distance_map`]; and if a Vulkan device or a schedule is asked for, since shaders compute in
-/// single precision. [`Engine::Auto`] is the CPU.
+/// The errors of [`distance_map`]. It is also an error to request a Vulkan device or a schedule, since
+/// shaders compute in single precision. [`Engine::Auto`] is the CPU.
 pub fn distance_map_f64(
     surface: &Surface,
     sources: &Sources,
@@ -199,7 +210,7 @@ pub fn distance_map_f64(
     in_precision(surface, sources, options)
 }
 
-/// One of both.
+/// Computes a map in single or double precision.
 pub(crate) fn in_precision<R: Precision>(
     surface: &Surface,
     sources: &Sources,
@@ -259,18 +270,18 @@ fn only_single(what: &str) -> Error {
     ))
 }
 
-/// Numbers that a map takes at most for each point, its edges and result included: in single
-/// precision 40 bytes (`tests/memory/resident.rs`), and the result.
+/// Maximum number of values per point that a map holds in memory, including edges and result. In single
+/// precision these are 40 bytes (`tests/memory/resident.rs`) and the result.
 const NUMBERS_OF_POINT: usize = 11;
 
-/// An error if the memory for a map cannot be had. The engines end the process where that happens to
-/// them.
+/// Returns an error if the memory for a map is not available. The engines themselves would end the process in
+/// that case.
 fn check_memory<R: Real>(surface: &Surface) -> Result<(), Error> {
     let points = surface.chart().points();
     let bytes = points.saturating_mul(NUMBERS_OF_POINT * size_of::<R>());
     let mut room = Vec::<u8>::new();
     let there = room.try_reserve_exact(bytes);
-    // Else compilers leave out what nothing uses.
+    // Without this, compilers remove the allocation as unused.
     std::hint::black_box(&room);
     there.map_err(|_| Error::MapMemory { points, bytes })
 }
@@ -278,7 +289,7 @@ fn check_memory<R: Real>(surface: &Surface) -> Result<(), Error> {
 /// A checked problem, ready for any engine.
 pub(crate) struct Problem<'a> {
     surface: &'a Surface,
-    /// Initial values less the smallest, so that a single source starts at zero, where the
+    /// The seeds, with the smallest initial value subtracted. A single source then starts at zero, where the
     /// circular front is exact.
     seeds: Vec<Seed>,
     start: f64,
@@ -297,7 +308,7 @@ impl<'a> Problem<'a> {
         Self::from_seeds::<R>(surface, seeds, sources, options)
     }
 
-    /// Starts from seeds that stand for the sources.
+    /// Makes a problem from `seeds` that stand for the sources.
     pub(crate) fn from_seeds<R: Precision>(
         surface: &'a Surface,
         mut seeds: Vec<Seed>,
@@ -397,7 +408,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Adds the initial value that was taken away, and counts.
+    /// Adds the subtracted initial value to all distances, and counts the points that were reached.
     fn finish<R: Real>(&self, mut distances: Vec<R>, report: Report) -> DistanceMap<R> {
         let of_row = |row: &mut [R]| {
             let (mut reached, mut largest) = (0, R::neg_infinity());
@@ -423,7 +434,7 @@ impl<'a> Problem<'a> {
 }
 
 impl<R> DistanceMap<R> {
-    /// The same map, with why its engine was chosen.
+    /// Returns the map with the reason for the choice of its engine.
     fn because(mut self, reason: String) -> Self {
         self.report.reason = Some(reason);
         self

@@ -1,36 +1,37 @@
-//! When iterations stop, and how they came to an end: the same for every engine.
+//! The stop criterion of the iterations and the result of the iterations, the same for every engine.
 
-/// When raster scans stop: at whichever comes first.
+/// Stop criterion of raster scans. Scans stop at whichever limit comes first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// Stop after an iteration in which no arrival time fell by more than this fraction.
+    /// Relative tolerance. Scans stop after an iteration in which no arrival time fell by more than this
+    /// fraction.
     pub tolerance: f64,
-    /// Stop after this many iterations of four scans.
+    /// Maximum number of iterations of four scans.
     pub iterations: u32,
 }
 
 impl Stop {
-    /// Stops after a fixed number of iterations, or earlier if nothing changes any more.
+    /// Stops after `iterations` iterations, or earlier if nothing changes any more.
     pub fn after(iterations: u32) -> Self {
         Self { tolerance: 0.0, iterations }
     }
 }
 
-/// How a solution came about.
+/// The number of iterations of a solution, and its remaining change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Convergence {
-    /// Iterations of four scans.
+    /// Number of iterations of four scans.
     pub iterations: u32,
-    /// Largest relative change of an arrival time in the last iteration; 1 if a point was first
-    /// reached in it.
+    /// Largest relative change of an arrival time in the last iteration; 1 if that iteration reached a point
+    /// for the first time.
     pub residual: f64,
 }
 
 impl Convergence {
-    /// That of no map at all.
+    /// The value for no map at all.
     pub(crate) const NONE: Self = Self { iterations: 0, residual: 0.0 };
 
-    /// That of two together: of the slower, and of the less converged.
+    /// Combines two results: the larger number of iterations and the larger residual.
     pub(crate) fn worse(self, other: Self) -> Self {
         Self {
             iterations: self.iterations.max(other.iterations),

@@ -1,25 +1,28 @@
-//! How far a map over a floor plan may be from the exact distances, from the map of a grid twice as fine.
+//! Estimates the error of a map over a floor plan, from the map of a grid twice as fine.
 //!
-//! Fronts with anchors are exact but for rounding, and for corners that light less than a cell for long, as
-//! many do among single missing points. On a coarser grid outlines would be others, and tell nothing of that;
-//! on a finer one they are the same, and what such a corner lights is twice as many points wide.
+//! Fronts with anchors are exact except for rounding, and except for corners that light less than a cell for
+//! long, as many do among single missing points. On a coarser grid outlines would change, and it would say
+//! nothing about such corners. On a finer grid outlines stay the same, and the region that such a corner
+//! lights is twice as many points wide.
 
 use super::ErrorEstimate;
 use crate::solve::{Options, Precision, in_precision};
 use crate::surface::{Source, Sources, Surface};
 use crate::{DistanceMap, Error};
 
-/// Errors over differences of the two maps: on the finer grid up to half of an error is taken to be left.
+/// Ratio of the error to the difference of the two maps: up to half of an error is assumed to remain on the
+/// finer grid.
 const LEFT: f64 = 2.0;
 
-/// The estimate of a map with anchors from that over `fine`, the same floor plan on a grid twice as fine.
+/// Estimates the error of a map with anchors from the map over `fine`, the same floor plan on a grid twice as
+/// fine.
 pub(super) fn estimate<R: Precision>(
     map: DistanceMap<R>,
     fine: &Surface,
     sources: &Sources,
     options: &Options,
 ) -> Result<ErrorEstimate<R>, Error> {
-    // One engine for both grids, whose difference is the estimate.
+    // Both grids use one engine, since their difference is the estimate.
     let options = Options { engine: options.engine.as_for(&map.report), ..options.clone() };
     let finer = in_precision::<R>(fine, &on_fine_grid(sources), &options)?;
     let rounding = R::epsilon().wide();
@@ -38,7 +41,7 @@ pub(super) fn estimate<R: Precision>(
     Ok(ErrorEstimate { map, errors, extrapolated, observed_order: None, grids, further_solve_time })
 }
 
-/// Point sources at the same places.
+/// Returns point sources at the same places on the fine grid.
 fn on_fine_grid(sources: &Sources) -> Sources {
     let moved = |source: &Source| match source.clone() {
         Source::Point { at, initial } => Source::Point { at: 2.0 * at, initial },

@@ -1,17 +1,16 @@
-//! How far a map may be from the exact distances, from maps of coarser grids, over floor plans from that of a
-//! finer one.
+//! Estimates the error of a map from maps of coarser grids, or over floor plans from the map of a finer one.
 //!
-//! A map's error grows in a known way with the distance h between grid points, so what it changes
-//! by from one grid to a coarser one tells the error itself. What way that is depends on the
-//! wavefront:
+//! A map's error grows in a known way with the distance h between grid points. Therefore the change from one
+//! grid to a coarser one tells the error itself. The form of the error depends on the wavefront:
 //!
 //! - planar: h log(1/h) and h, from the singularity at a point source and away from it;
 //! - point-source: h and h^2, from the curvature that bends the front and from the chords;
 //! - curved: h^2.
 //!
-//! With d1 what the distance grows by from every point to every second one, and d2 from there to
-//! every fourth one, the errors of such a form are 3 d1 - d2, (5 d1 - d2) / 3 and d1 / 3. On rough
-//! surfaces a curved front is of a lower order, which |d2| / |d1| over the whole map shows.
+//! Let d1 be the growth of the distance from every point to every second one, and d2 that from there to every
+//! fourth one. The errors of these forms are 3 d1 - d2, (5 d1 - d2) / 3 and d1 / 3. On rough surfaces a
+//! curved front is of a lower order, which
+//! |d2| / |d1| over the whole map shows.
 
 mod floor_plan;
 
@@ -28,30 +27,32 @@ use crate::{DistanceMap, Error};
 pub struct ErrorEstimate<R = f32> {
     /// The map itself.
     pub map: DistanceMap<R>,
-    /// Estimate of |distance - exact distance| at each point, row-major, rounding included, in
-    /// the unit of the distances; +infinity where the map is, and where no coarser grid reaches.
+    /// Estimate of |distance - exact distance| at each point, row-major, rounding included, in the unit of
+    /// the distances. It is +infinity where the map is, and where no coarser grid reaches.
     pub errors: Vec<R>,
-    /// The map less its estimated error, sign included (Richardson's extrapolation): often much
-    /// nearer to the exact distances, see [`estimate_error`]. Where there is no estimate, the map.
+    /// The map less its estimated error, sign included (Richardson's extrapolation). It is often much nearer
+    /// to the exact distances, see [`estimate_error`]. Where there is no estimate, it equals the map.
     pub extrapolated: Vec<R>,
-    /// The p for which changes from grid to grid, over the whole map, are as h^p; from three grids.
-    /// On smooth surfaces 1.2 to 2 for point-source fronts, about 2 for curved ones, and near 0.5
-    /// for planar ones from points. Lower where the surface is rough on the grid or has holes, and
-    /// where all that is left is rounding. Not told of anchored fronts.
+    /// The observed order p: over the whole map, changes from grid to grid are proportional to h^p. It needs
+    /// three grids. On smooth surfaces it is 1.2 to 2 for point-source fronts, about 2 for curved ones, and
+    /// near 0.5 for planar ones from points. It is lower where the surface is rough on the grid or has holes,
+    /// and where only rounding is left. It is `None` for anchored fronts.
     pub observed_order: Option<f64>,
-    /// Grids compared, the map's own included: 2 or 3.
+    /// Number of grids that were compared, the map's own included: 2 or 3.
     pub grids: u32,
     /// Time of the solves on the other grids.
     pub further_solve_time: Duration,
 }
 
-/// Computes a map as [`distance_map`](crate::distance_map) does, and how far it may be from the exact
-/// distances, by solving again on every second and every fourth point, which takes a third more time; over
-/// floor plans, if fronts have anchors, on a grid twice as fine, in four to five times the time.
+/// Computes a map as [`distance_map`](crate::distance_map) does, and estimates its error.
 ///
-/// The estimate is that of grids fine enough for the surface: what no grid shows, such as a ridge
-/// between points or the corners of a curve given as a polyline, it cannot know. It is made for a
-/// converged map. Measured, with 65 to 257 points a side:
+/// It solves again on every second and every fourth point, which takes a third more time. Over floor plans,
+/// if fronts have anchors, it solves on a grid twice as fine instead, and the whole takes four to five times
+/// the time.
+///
+/// The estimate is for a converged map on grids that are fine enough for the surface. It cannot include what
+/// no grid shows, such as a ridge between points, or the corners of a curve given as a polyline. Measured,
+/// with 65 to 257 points per side:
 ///
 /// | surface, sources | mean estimate over mean error | errors below twice the estimate |
 /// |---|---|---|
@@ -65,16 +66,22 @@ pub struct ErrorEstimate<R = f32> {
 /// | floor plans, anchored front: rounding | 2.8 to 4.7 | 98.7 to 100 % |
 /// | floor plans with single points missing, anchored front | 2.0 | 98.9 to 99.5 % |
 ///
-/// Behind holes the estimate is far too large for other fronts than anchored ones where their outlines are
-/// exact, as in the maze: it takes them as known to a grid step only.
+/// Behind holes the estimate is far too large for other fronts than anchored ones if the outlines of the
+/// holes are exact, as in the maze: it assumes that outlines are known only to within a grid step.
 ///
-/// The extrapolated distances have 3 to 15 % of the planar front's error from sources at grid
-/// points, half of it from a source between them, and two thirds on rough terrain; on sphere,
-/// cylinder and cone 1 to 15 % of the point-source front's error and 0.1 to 18 % of the curved
-/// one's, from two sources up to 70 % and 30 %. On rough terrain half of the curved front's error is
-/// left, but the point-source front's is doubled. They are worse than the map by far where paths
-/// bend around holes, and worse where its error is rounding, as on a plane. With anchors they are those of
-/// the finer grid: as good as the map's, and with 1 to 3 % of its error where single points are missing.
+/// The extrapolated distances have a fraction of the map's error:
+///
+/// - Planar front: 3 to 15 % from sources at grid points, half from a source between them, and two thirds on
+///   rough terrain.
+/// - Point-source front: 1 to 15 % on sphere, cylinder and cone, up to 70 % from two sources. On rough
+///   terrain the error is doubled.
+/// - Curved front: 0.1 to 18 % on sphere, cylinder and cone, up to 30 % from two sources. On rough terrain
+///   half of the error is left.
+/// - Anchored front: the distances are those of the finer grid. They are as good as the map's, and where
+///   single points are missing have 1 to 3 % of its error.
+///
+/// Extrapolated distances are worse than the map by far where paths bend around holes, and worse where the
+/// map's error is rounding, as on a plane.
 ///
 /// ```
 /// use geosweep::{Engine, Options, Sources, Wavefront, estimate_error};
@@ -93,8 +100,9 @@ pub struct ErrorEstimate<R = f32> {
 /// ```
 ///
 /// # Errors
-/// Those of [`distance_map`](crate::distance_map), and, where coarser grids are compared, if a side of the
-/// grid has two points or both have one, or no point near a source is left on every second row and column.
+/// The errors of [`distance_map`](crate::distance_map). Where coarser grids are compared, also if a side of
+/// the grid has two points or both sides have one, or if no point near a source is left on every second row
+/// and column.
 pub fn estimate_error(
     surface: &Surface,
     sources: &Sources,
@@ -103,10 +111,11 @@ pub fn estimate_error(
     estimate(surface, sources, options)
 }
 
-/// The same for [`distance_map_f64`](crate::distance_map_f64): in double precision, on the CPU.
+/// Computes a map and its error in double precision, on the CPU, as
+/// [`distance_map_f64`](crate::distance_map_f64) does. See [`estimate_error`].
 ///
 /// # Errors
-/// As [`estimate_error`], and if a Vulkan device or a schedule is asked for.
+/// The errors of [`estimate_error`]. It is also an error to request a Vulkan device or a schedule.
 pub fn estimate_error_f64(
     surface: &Surface,
     sources: &Sources,
@@ -126,10 +135,10 @@ fn estimate<R: Precision>(
         let map = in_precision::<R>(surface, sources, options)?;
         return floor_plan::estimate(map, &fine, sources, options);
     }
-    // First, since a surface too small needs no map.
+    // This comes first, since a surface that is too small needs no map.
     let coarse = surface.coarsened(&grid_points(surface, sources))?;
     let map = in_precision::<R>(surface, sources, options)?;
-    // One engine for all grids, whose differences are the estimate.
+    // All grids use one engine, since their differences are the estimate.
     let options = &Options { engine: options.engine.as_for(&map.report), ..options.clone() };
     let first = Level::new(surface, coarse, sources, &map, options)?;
     let second = first.coarser(options)?;
@@ -147,8 +156,8 @@ fn estimate<R: Precision>(
         _ => 1.0,
     };
     let (errors, extrapolated) = first.on_the_fine_grid(&errors, caution, &map, sources.start());
-    // What distances over a floor plan too large for a finer grid grow by is that corners have moved, and no
-    // error of the map.
+    // This is a floor plan that is too large for a finer grid. The growth of its distances shows that corners
+    // have moved, not an error of the map.
     let is_exact = map.report.wavefront == Wavefront::Anchored;
     let extrapolated = if is_exact { map.distances.clone() } else { extrapolated };
     let levels = || [Some(&first), second.as_ref()].into_iter().flatten();
@@ -158,8 +167,8 @@ fn estimate<R: Precision>(
 }
 
 impl<R: Real> ErrorEstimate<R> {
-    /// Mean and largest estimate relative to the distance, over the points that have an estimate
-    /// and lie off the sources.
+    /// Returns the mean and the largest estimate relative to the distance, over the points that have an
+    /// estimate and are not sources.
     pub fn relative(&self) -> (f64, f64) {
         let pairs = self.errors.iter().zip(&self.map.distances);
         let known = pairs.filter(|(error, distance)| error.is_finite() && **distance > R::zero());
@@ -169,13 +178,13 @@ impl<R: Real> ErrorEstimate<R> {
         (sum / f64::from(count.max(1)), largest)
     }
 
-    /// Number of points that are reached and have no estimate.
+    /// Returns the number of points that are reached and have no estimate.
     pub fn unknown(&self) -> usize {
         let pairs = self.errors.iter().zip(&self.map.distances);
         pairs.filter(|(error, distance)| error.is_infinite() && distance.is_finite()).count()
     }
 
-    /// The map with the extrapolated distances in place of its own.
+    /// Returns the map with the extrapolated distances in place of its own.
     pub fn into_extrapolated_map(self) -> DistanceMap<R> {
         let finite = self.extrapolated.iter().filter(|distance| distance.is_finite());
         let max_distance = finite.fold(f64::NEG_INFINITY, |max, distance| max.max(distance.wide()));
@@ -186,11 +195,11 @@ impl<R: Real> ErrorEstimate<R> {
     }
 }
 
-/// How an error follows from what a distance grows by on coarser grids.
+/// The weights with which the error follows from the growth of distances on coarser grids.
 struct Weights {
-    /// Of d1 alone.
+    /// Weight of d1, for two grids.
     two: f64,
-    /// Of d1 and d2, where the third grid helps.
+    /// Weights of d1 and d2, where the third grid helps.
     three: Option<[f64; 2]>,
 }
 
@@ -203,16 +212,16 @@ impl Weights {
         }
     }
 
-    /// What to multiply an estimate by that took errors to grow fourfold from grid to grid, where
-    /// they are seen to grow less: twofold at least, the first order.
+    /// Returns a factor for an estimate that assumes errors to grow fourfold from grid to grid, where they
+    /// are observed to grow less. A growth of at least twofold, the first order, is assumed.
     fn caution(&self, observed_order: f64) -> f64 {
         let growth = observed_order.clamp(1.0, 2.0).exp2();
         1.0 / (growth - 1.0) / self.two
     }
 }
 
-/// The grid points nearest to the point sources, by starting time: with those on all grids, the
-/// singularity there is the same on all of them, but for its size.
+/// Returns the grid points nearest to the point sources, ordered by starting time. If these points are on all
+/// grids, the singularity there is the same on all of them, except for its size.
 fn grid_points(surface: &Surface, sources: &Sources) -> Vec<[usize; 2]> {
     let mut points: Vec<_> = sources
         .iter()
@@ -222,18 +231,18 @@ fn grid_points(surface: &Surface, sources: &Sources) -> Vec<[usize; 2]> {
         })
         .collect();
     points.sort_by(|a, b| a.1.total_cmp(b.1));
-    // Places off the grid or NaN are refused when seeds are made of them.
+    // Places off the grid, or NaN, are refused when seeds are made of them.
     let on = |x: f64, points: usize| (x.round().max(0.0) as usize).min(points - 1);
     points.iter().map(|(at, _)| [on(at.x, surface.rows()), on(at.y, surface.cols())]).collect()
 }
 
-/// A map on a coarser grid, beside that on the next finer one.
+/// A map on a coarser grid, with the comparison to the next finer one.
 struct Level<R> {
     coarse: Coarsened,
     sources: Sources,
     map: DistanceMap<R>,
-    /// What the distance grows by from the finer grid to this one; infinite where one of the two
-    /// does not reach.
+    /// Growth of the distance from the finer grid to this one. It is infinite where one of the two does not
+    /// reach.
     growth: Vec<f64>,
 }
 
@@ -247,7 +256,7 @@ impl<R: Precision> Level<R> {
     ) -> Result<Self, Error> {
         let seeds = coarse_seeds(surface, &coarse, sources, fine)?;
         let coarse_sources = coarse.sources(sources);
-        // What is left of an even grid may be uneven, and its fronts then have no anchors.
+        // An even grid may become uneven when it is coarsened. Its fronts then have no anchors.
         let over = Setting::of_engine(coarse.surface().is_floor_plan());
         let wavefront = options.wavefront.map(|wavefront| wavefront.or_curved(over));
         let options = &Options { wavefront, ..options.clone() };
@@ -262,7 +271,7 @@ impl<R: Precision> Level<R> {
         Ok(Self { coarse, sources: coarse_sources, map, growth })
     }
 
-    /// The next coarser grid, if there is one that can start from each source.
+    /// Returns the next coarser grid, if there is one that can start from each source.
     fn coarser(&self, options: &Options) -> Result<Option<Self>, Error> {
         let surface = self.coarse.surface();
         let coarse = match surface.coarsened(&grid_points(surface, &self.sources)) {
@@ -277,7 +286,7 @@ impl<R: Precision> Level<R> {
         }
     }
 
-    /// The order with which distances grow from this grid to the next coarser one.
+    /// Returns the order with which distances grow from this grid to the next coarser one.
     fn observed_order(&self, coarser: &Self) -> Option<f64> {
         let pairs = coarser.coarse.indices().map(|index| self.growth[index]).zip(&coarser.growth);
         let (sum1, sum2) = pairs
@@ -286,8 +295,8 @@ impl<R: Precision> Level<R> {
         (sum1 > 0.0 && sum2 > 0.0).then(|| f64::log2(sum2 / sum1))
     }
 
-    /// Errors at this grid's points as estimates for the finer one, `caution` times as large, and
-    /// what is left of its distances without the errors.
+    /// Converts the errors at this grid's points to estimates for the finer grid, times `caution`, and to the
+    /// finer grid's distances without the errors.
     fn on_the_fine_grid(
         &self,
         errors: &[f64],
@@ -312,8 +321,8 @@ impl<R: Precision> Level<R> {
             .unzip()
     }
 
-    /// The largest error of each point and its neighbours: the sign of the error changes along
-    /// lines, where it is not small, and at the lines where fronts meet it jumps.
+    /// Returns the largest error of each point and its neighbours. The sign of the error changes along lines
+    /// on which the error is not small, and the error jumps at the lines where fronts meet.
     fn largest_around(&self, errors: &[f64]) -> Vec<f64> {
         let chart = self.map.chart;
         let around = |index: usize| {
@@ -332,8 +341,8 @@ impl<R: Precision> Level<R> {
     }
 }
 
-/// The sources as seeds of the coarse grid. A source in a cell that has become a hole, or beyond
-/// the last row or column left, starts from the finer map's distances at the points beside it.
+/// Returns the sources as seeds of the coarse grid. A source in a cell that has become a hole, or beyond the
+/// last row or column left, starts from the finer map's distances at the points beside it.
 fn coarse_seeds<R: Real>(
     surface: &Surface,
     coarse: &Coarsened,
@@ -359,7 +368,7 @@ fn coarse_seeds<R: Real>(
     Ok(earliest.into_values().collect())
 }
 
-/// Seeds at the coarse points at most a fine step from fine seeds.
+/// Returns seeds at the coarse points that are at most a fine step from fine seeds.
 fn seeds_beside<R: Real>(
     coarse: &Coarsened,
     fine_seeds: &[Seed],
@@ -375,7 +384,7 @@ fn seeds_beside<R: Real>(
             for col in beside(coarse.cols(), seed.col) {
                 let time = fine.distance(coarse.rows()[row], coarse.cols()[col]).wide();
                 if coarse.surface().has(row, col) && time.is_finite() {
-                    // The radius of the front grows as it goes on.
+                    // The radius of the front grows as it advances.
                     let step = (time - seed.time).max(0.0);
                     let curvature = seed.curvature / (1.0 + seed.curvature * step);
                     seeds.push(Seed {

@@ -1,4 +1,4 @@
-//! Arrays that accompany a surface: masks, slowness, metrics.
+//! Reads the arrays that accompany a surface: masks, slowness, metrics.
 
 use std::path::Path;
 
@@ -15,17 +15,17 @@ pub struct Grid<T> {
     pub cols: usize,
     /// `rows * cols` values.
     pub values: Vec<T>,
-    /// Where the points lie, if the file says it.
+    /// Location of the points, if the file gives it.
     pub georeference: Option<Georeference>,
 }
 
 impl<T> Grid<T> {
-    /// A grid of values, row-major, that lies nowhere in particular.
+    /// Makes a grid of values, row-major, without a location.
     pub fn new(rows: usize, cols: usize, values: Vec<T>) -> Self {
         Self { rows, cols, values, georeference: None }
     }
 
-    /// The values, if the grid has this size; otherwise says both sizes.
+    /// Returns the values, if the grid has this size. Otherwise the error names both sizes.
     pub fn fit(self, path: &Path, rows: usize, cols: usize) -> Result<Vec<T>, IoError> {
         if (self.rows, self.cols) == (rows, cols) {
             return Ok(self.values);
@@ -37,12 +37,12 @@ impl<T> Grid<T> {
         Err(IoError::content(path, reason))
     }
 
-    /// The values, if the grid has this size and lies where the surface does; the latter is checked
-    /// where both files say it.
+    /// Returns the values, if the grid has this size and the same location as the surface. The location is
+    /// checked if both files give it.
     ///
     /// # Errors
-    /// If the sizes differ, if a corner lies more than a tenth of a cell elsewhere, or if the
-    /// coordinate reference systems differ.
+    /// If the sizes differ, if a corner lies more than a tenth of a cell elsewhere, or if the coordinate
+    /// reference systems differ.
     pub fn fit_surface(
         self,
         path: &Path,
@@ -66,9 +66,9 @@ impl<T> Grid<T> {
     }
 }
 
-/// Reads a mask, true where the surface is: an array (M, N) of booleans or integers (`.npy`, or
-/// `.npz` with the name `mask`), a grey PNG of at most 8 bits, a GeoTIFF or an ESRI ASCII grid.
-/// Values other than zero and no-data are true.
+/// Reads a mask, true where the surface is present: an array (M, N) of booleans or integers (`.npy`, or
+/// `.npz` with the name `mask`), a grey PNG of at most 8 bits, a GeoTIFF or an ESRI ASCII grid. Values other
+/// than zero and no-data are true.
 ///
 /// # Errors
 /// If the file cannot be read or is none of these.
@@ -97,8 +97,8 @@ pub fn read_mask(path: &Path) -> Result<Grid<bool>, IoError> {
     Ok(grid.map(|value| value != 0.0 && !value.is_nan()))
 }
 
-/// Reads a slowness (reciprocal speed): an array (M, N) (`.npy`, or `.npz` with the name
-/// `slowness`), a GeoTIFF or an ESRI ASCII grid. In the latter two no-data is an infinite slowness.
+/// Reads a slowness (reciprocal speed): an array (M, N) (`.npy`, or `.npz` with the name `slowness`), a
+/// GeoTIFF or an ESRI ASCII grid. In the latter two formats no-data means an infinite slowness.
 ///
 /// # Errors
 /// If the file cannot be read or is none of these.
@@ -113,12 +113,12 @@ pub fn read_slowness(path: &Path) -> Result<Grid<f64>, IoError> {
     }
 }
 
-/// Reads a metric: an array (M, N, 2, 2) (`.npy`, or `.npz` with the name `metric`) of symmetric
-/// matrices in index coordinates, axis 0 being the row. A step of `dr` rows and `dc` columns has
-/// squared length `g[0,0] dr^2 + (g[0,1] + g[1,0]) dr dc + g[1,1] dc^2`. NaN marks holes.
+/// Reads a metric: an array (M, N, 2, 2) (`.npy`, or `.npz` with the name `metric`) of symmetric matrices in
+/// index coordinates. Axis 0 is the row. A step of `dr` rows and `dc` columns has the squared length `g[0,0]
+/// dr^2 + (g[0,1] + g[1,0]) dr dc + g[1,1] dc^2`. NaN marks holes.
 ///
 /// # Errors
-/// If the file cannot be read or is no such array.
+/// If the file cannot be read or is not such an array.
 pub fn read_metric(path: &Path) -> Result<Grid<MetricTensor>, IoError> {
     if !is_array(path) {
         return Err(IoError::extension(path, "a metric", ".npy or .npz"));
@@ -130,13 +130,13 @@ pub fn read_metric(path: &Path) -> Result<Grid<MetricTensor>, IoError> {
     }
 }
 
-/// Whether a name is that of a NumPy array or an archive of such.
+/// Returns whether a name is that of a NumPy array or of an archive of arrays.
 pub(super) fn is_array(path: &Path) -> bool {
     matches!(&extension(path)[..], "npy" | "npz")
 }
 
-/// The array of an `.npy` file; of an `.npz` the only one, or the one whose name comes first in
-/// `names`.
+/// Returns the array of an `.npy` file. Of an `.npz` it returns the only array, or the one whose name comes
+/// first in `names`.
 pub(super) fn read_array(path: &Path, names: &[&str]) -> Result<NpyArray, IoError> {
     let bytes = read_bytes(path)?;
     let array = match &extension(path)[..] {
@@ -151,7 +151,7 @@ pub(super) fn wrong_shape(path: &Path, array: &NpyArray, expected: &str) -> IoEr
     IoError::content(path, format!("is an array of shape {shape}; {expected}"))
 }
 
-/// An array (M, N) as a grid.
+/// Converts an array (M, N) to a grid.
 pub(super) fn matrix(path: &Path, array: NpyArray, what: &str) -> Result<Grid<f64>, IoError> {
     let [rows, cols] = *array.shape else {
         return Err(wrong_shape(path, &array, &format!("{what} has shape (M, N)")));
@@ -160,12 +160,12 @@ pub(super) fn matrix(path: &Path, array: NpyArray, what: &str) -> Result<Grid<f6
     Ok(Grid::new(rows, cols, array.values))
 }
 
-/// An array (M, N, 2, 2) as a metric.
+/// Converts an array (M, N, 2, 2) to a metric.
 pub(super) fn metric(array: NpyArray) -> Result<Grid<MetricTensor>, String> {
     let (rows, cols) = (array.shape[0], array.shape[1]);
     checked_points(rows, cols)?;
     let tensor = |(index, &[rr, rc, cr, cc]): (usize, &[f64; 4])| {
-        // Rounding in single precision may leave a little asymmetry.
+        // Rounding in single precision may leave a small asymmetry.
         if (rc - cr).abs() > 1e-5 * (rr.abs() + cc.abs()) {
             let (row, col) = Chart { rows, cols }.position(index);
             return Err(format!(

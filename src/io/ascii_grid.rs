@@ -1,4 +1,4 @@
-//! ESRI ASCII grids (`.asc`): a header of keys, then numbers row by row from the north.
+//! Decodes ESRI ASCII grids (`.asc`): a header of keys, then numbers row by row from the north.
 
 use std::collections::HashMap;
 
@@ -8,15 +8,15 @@ use super::limits::{check_memory, checked_points};
 use super::{Georeference, Grid};
 use crate::surface::Spacing;
 
-/// A grid of values, NaN where the file says "no data".
+/// A grid of values. Values are NaN where the file has no data.
 pub(super) struct AsciiGrid {
     pub grid: Grid<f64>,
     pub spacing: FileSpacing,
-    /// Where its points lie, or what the file does not say about it.
+    /// The location of the points, or a message that says which information is missing.
     pub georeference: Result<Georeference, String>,
 }
 
-/// Value of cells without data where the header names none, by ESRI's description.
+/// Default value of cells without data, according to ESRI's description.
 const NO_DATA: f64 = -9999.0;
 
 const KEYS: [&str; 10] = [
@@ -35,7 +35,7 @@ const KEYS: [&str; 10] = [
 /// The header: each key with its value as text.
 struct Header<'a>(HashMap<String, &'a str>);
 
-/// Decodes a file. `projection` is the text of the `.prj` beside it.
+/// Decodes a file. `projection` is the text of the `.prj` file beside it.
 pub(super) fn decode(bytes: &[u8], projection: Option<&str>) -> Result<AsciiGrid, String> {
     let text = std::str::from_utf8(bytes).map_err(|_| "is no ESRI ASCII grid: it is no text")?;
     let mut tokens = text.trim_start_matches('\u{feff}').split_ascii_whitespace().peekable();
@@ -53,7 +53,7 @@ pub(super) fn decode(bytes: &[u8], projection: Option<&str>) -> Result<AsciiGrid
     }
     let (rows, cols) = (header.count("nrows")?, header.count("ncols")?);
     let points = checked_points(rows, cols)?;
-    // A digit and a blank each.
+    // Each value takes at least a digit and a blank.
     if points > bytes.len() / 2 + 1 {
         return Err(format!("is cut short: it has no room for {rows} x {cols} values"));
     }
@@ -127,7 +127,7 @@ impl Header<'_> {
     }
 }
 
-/// The distance between points, where it may be taken as a length.
+/// Returns the distance between points, where it is a length.
 fn spacing(
     cell: Spacing,
     rows: usize,
@@ -162,7 +162,7 @@ fn spacing(
     }
 }
 
-/// Whether a grid lies where longitude and latitude do, in small cells, and not at the origin.
+/// Returns whether a grid lies in the range of longitude and latitude, in small cells, and not at the origin.
 fn seems_in_degrees(georeference: &Georeference, rows: usize, cols: usize) -> bool {
     let corners = [[-0.5, -0.5], [rows as f64 - 0.5, cols as f64 - 0.5]];
     let inside = corners.map(|corner| {

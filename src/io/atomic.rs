@@ -1,4 +1,4 @@
-//! Output files that appear whole or not at all.
+//! Writes output files that appear whole or not at all.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -8,7 +8,7 @@ use tempfile::{Builder, NamedTempFile};
 
 use super::IoError;
 
-/// A place where a file can be written, checked before the work that fills it begins.
+/// A place where a file can be written. It is checked before the work that produces the content begins.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;
@@ -24,11 +24,11 @@ use super::IoError;
 #[derive(Clone, Debug)]
 pub struct OutputFile {
     path: PathBuf,
-    /// Where links lead.
+    /// The path after following links.
     target: PathBuf,
 }
 
-/// A complete file beside its place, removed again unless it is committed.
+/// A complete file beside its final place. It is removed unless it is committed.
 #[derive(Debug)]
 pub struct StagedFile {
     file: NamedTempFile,
@@ -36,17 +36,17 @@ pub struct StagedFile {
 }
 
 impl OutputFile {
-    /// Checks that a file can be written at `path`, over an existing file or not.
+    /// Checks that a file can be written at `path`. There may already be a file.
     ///
     /// # Errors
-    /// If the folder is missing or not writable, or something other than a writable regular
-    /// file is in the way.
+    /// If the folder is missing or not writable, or if `path` is something other than a writable regular
+    /// file.
     pub fn new(path: &Path) -> Result<Self, IoError> {
         let error = |reason: &str| IoError::write(path, reason);
         if path.file_name().is_none() {
             return Err(error("the name of a file is missing"));
         }
-        // A link is followed, so that its target is replaced and not the link.
+        // Links are followed, so that the target of a link is replaced and not the link.
         let target = follow_links(path).map_err(|source| IoError::write(path, source))?;
         match fs::metadata(&target) {
             Ok(found) if found.is_dir() => return Err(error("a folder has this name")),
@@ -67,17 +67,17 @@ impl OutputFile {
         Ok(output)
     }
 
-    /// The path, as given.
+    /// Returns the path, as given.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Where links lead.
+    /// Returns the path after following links.
     pub(super) fn target(&self) -> &Path {
         &self.target
     }
 
-    /// Whether another output would take this one's place, under the same name or another.
+    /// Returns whether another output has the same place, under the same name or another.
     pub fn is_same(&self, other: &Self) -> bool {
         let place = |output: &Self| {
             let folder = fs::canonicalize(output.folder()).ok();
@@ -89,7 +89,7 @@ impl OutputFile {
     /// Writes the content to a temporary file in the same folder.
     ///
     /// # Errors
-    /// Those of the writing, with the file's name; nothing is left behind.
+    /// The errors of `write`, with the file's name. Nothing is left behind.
     pub fn stage(
         self,
         write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
@@ -99,7 +99,7 @@ impl OutputFile {
         let mut writer = BufWriter::new(file.as_file());
         write(&mut writer).and_then(|()| writer.flush()).map_err(error)?;
         drop(writer);
-        // Else a power failure could leave the name with nothing behind it.
+        // Without this, a power failure could leave the name without the content.
         file.as_file().sync_data().map_err(error)?;
         Ok(StagedFile { file, output: self })
     }
@@ -114,29 +114,29 @@ impl OutputFile {
     fn temporary_file(&self) -> io::Result<NamedTempFile> {
         let mut builder = Builder::new();
         builder.prefix(".geosweep-").suffix(".part");
-        // What any new file gets, less the umask; temporary files are private otherwise.
+        // The mode of any new file, less the umask. By default temporary files are private.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         builder.tempfile_in(self.folder())
     }
 }
 
-/// Links that are followed before they are taken for a circle, as many as Linux follows.
+/// Maximum number of links to follow before they count as a cycle, the same as in Linux.
 const MOST_LINKS: usize = 40;
 
-/// Where a path leads, also if nothing is there yet.
+/// Follows the links of a path, even if its target does not exist yet.
 fn follow_links(path: &Path) -> io::Result<PathBuf> {
     let mut target = path.to_owned();
     for _ in 0..MOST_LINKS {
         let Ok(link) = fs::read_link(&target) else { return Ok(target) };
-        // Relative to the folder of the link; an absolute one replaces all of it.
+        // The link is relative to its folder. An absolute link replaces the whole path.
         target = target.parent().unwrap_or(Path::new("")).join(link);
     }
     Err(io::Error::other("its links lead in a circle; remove them"))
 }
 
 impl StagedFile {
-    /// The path that it will have, as given.
+    /// Returns the path that the file will have, as given.
     pub fn path(&self) -> &Path {
         self.output.path()
     }
@@ -174,7 +174,7 @@ mod tests {
         write(&at("first"));
         assert_eq!(fs::read(at("maps/map.npy")).unwrap(), b"map");
         assert!(fs::symlink_metadata(at("first")).unwrap().is_symlink());
-        // And now that it is there.
+        // Once more, now that the file exists.
         write(&at("first"));
         assert!(fs::symlink_metadata(at("maps/second")).unwrap().is_symlink());
     }

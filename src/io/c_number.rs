@@ -1,6 +1,6 @@
-//! Numbers as C libraries and GDAL write them.
+//! Parses numbers as C libraries and GDAL write them.
 
-/// Reads a number, also with a decimal comma, or one of C's names for NaN and infinity.
+/// Parses a number. It may have a decimal comma, or be one of C's names for NaN and infinity.
 pub(super) fn c_number(text: &str) -> Option<f64> {
     let fallback = || match &text.to_ascii_lowercase()[..] {
         "1.#qnan" | "-1.#qnan" | "1.#snan" | "-1.#snan" | "1.#ind" | "-1.#ind" => Some(f64::NAN),

@@ -1,30 +1,31 @@
-//! What can go wrong with files.
+//! The errors of reading and writing files.
 
 use std::path::{Path, PathBuf};
 
 use crate::shown::{excerpt, shortened};
 use crate::surface::SurfaceError;
 
-/// Most characters of a file's name in a message.
+/// Maximum number of characters of a file's name in a message.
 const MOST_OF_NAME: usize = 300;
-/// Most characters of a reason. Some come from other crates, and quote what a file holds.
+/// Maximum number of characters of a reason. Some reasons come from other crates and quote the content of a
+/// file.
 const MOST_OF_REASON: usize = 800;
 
-/// A file's name, of which a message holds only as much as a person reads.
+/// Formats a file's name, shortened to a readable length.
 fn shown(path: &Path) -> String {
     shortened(&path.display().to_string(), MOST_OF_NAME).into_owned()
 }
 
-/// Why a file cannot be read or written. Messages begin with the file's name.
+/// The reason why a file cannot be read or written. Messages begin with the file's name.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum IoError {
-    /// The operating system refuses to read.
+    /// The operating system cannot read the file.
     #[error("{}: cannot be read: {source}", shown(path))]
     Read {
         /// The file.
         path: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// Writing failed, or would fail.
@@ -32,19 +33,19 @@ pub enum IoError {
     Write {
         /// The file.
         path: PathBuf,
-        /// Why, and what to do.
+        /// The reason, and what to do.
         reason: String,
     },
-    /// The name's extension says a format that is not supported here.
+    /// The name's extension stands for a format that is not supported for this purpose.
     #[error("{}: {found}; {role} is read from or written to {supported}", shown(path))]
     Extension {
         /// The file.
         path: PathBuf,
-        /// What the extension is.
+        /// Description of the extension found.
         found: String,
-        /// What the file was to hold.
+        /// The intended content of the file.
         role: &'static str,
-        /// The extensions that would do.
+        /// The supported extensions.
         supported: &'static str,
     },
     /// The content does not fit its format or its role.
@@ -55,12 +56,12 @@ pub enum IoError {
         /// What is wrong, where, and what to do.
         reason: String,
     },
-    /// The content is well-formed and no surface.
+    /// The content is well-formed, but does not make a surface.
     #[error("{}: {source}", shown(path))]
     Surface {
         /// The file.
         path: PathBuf,
-        /// What the surface's checks say.
+        /// The error of the surface's checks.
         source: SurfaceError,
     },
 }

@@ -1,4 +1,5 @@
-//! OpenEXR: geometry images (three channels are a position), heights and maps (one channel).
+//! Decodes and encodes OpenEXR: geometry images (three channels are a position), heights and maps (one
+//! channel).
 
 use std::collections::HashSet;
 use std::io::{self, Cursor, Seek, Write};
@@ -18,16 +19,16 @@ use glam::DVec3;
 use super::Grid;
 use super::limits::{check_decoded, check_memory, checked_points, ratio};
 
-/// The one that is the whole picture, where there are smaller ones.
+/// The level of the full resolution, if there are smaller ones.
 const LARGEST_LEVEL: Vec2<usize> = Vec2(0, 0);
 
-/// What the channels are.
+/// The content of the channels.
 pub(super) enum Pixels {
     Positions(Grid<DVec3>),
     Single(Grid<f64>),
 }
 
-/// Names of channels that hold a position, as a geometry image or as coordinates.
+/// Names of the channels that hold a position, as coordinates or as a geometry image.
 const POSITION_CHANNELS: [[&str; 3]; 2] = [["X", "Y", "Z"], ["R", "G", "B"]];
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
@@ -75,7 +76,7 @@ fn samples(channel: &AnyChannel<FlatSamples>) -> Box<dyn Iterator<Item = f64> + 
     Box::new(channel.sample_data.values_as_f32().map(f64::from))
 }
 
-/// Looks at the layers' sizes and compressions before any pixel is given memory.
+/// Checks the sizes and compressions of the layers before memory is allocated for pixels.
 fn check_headers(headers: &[Header], file: usize) -> Result<(), String> {
     let mut all = 0usize;
     for header in headers {
@@ -85,8 +86,8 @@ fn check_headers(headers: &[Header], file: usize) -> Result<(), String> {
             Compression::ZIP1 | Compression::ZIP16 => ratio::DEFLATE,
             Compression::PXR24 => ratio::DEFLATED_24,
             Compression::PIZ => ratio::PIZ,
-            // Upstream's decoder of B44 panics where a block is too short, that of DWA trusts the
-            // sizes that blocks claim.
+            // Upstream's B44 decoder panics if a block is too short. Its DWA decoder trusts the sizes that
+            // blocks declare.
             lossy @ (Compression::B44
             | Compression::B44A
             | Compression::DWAA(_)
@@ -106,15 +107,15 @@ fn check_headers(headers: &[Header], file: usize) -> Result<(), String> {
         }
         all = all.saturating_add(points.saturating_mul(bytes));
         check_decoded(file, ratio, all)?;
-        // A position is three numbers, beside what is decoded.
+        // A position takes three numbers, in addition to the decoded data.
         check_memory::<[f64; 3]>(points.saturating_add(all / size_of::<[f64; 3]>()))?;
     }
     Ok(())
 }
 
-/// Checks that each block of the first layer's picture is there, once. Upstream believes the table of
-/// offsets: what it leads to may be of another layer or level, and then panics; or the same block twice,
-/// and then what is missing is read as zeros.
+/// Checks that each block of the first layer's picture is present exactly once. Upstream trusts the table of
+/// offsets. If an entry leads to a block of another layer or level, it panics. If two entries lead to the
+/// same block, the missing one is read as zeros.
 fn check_blocks(bytes: &[u8]) -> Result<(), Error> {
     let blocks = read_blocks(Cursor::new(bytes), false)?
         .filter_chunks(false, |_, tile, block| {
@@ -182,7 +183,7 @@ mod tests {
 
     #[test]
     fn files_that_claim_more_than_they_hold_are_refused() {
-        // 16384 x 16384 points in place of 64 x 64: the corner of both windows.
+        // 16384 x 16384 points instead of 64 x 64: the corner of both windows.
         let corner = [63i32, 63].map(i32::to_le_bytes).concat();
         let large = [16383i32, 16383].map(i32::to_le_bytes).concat();
         let mut bytes = file(Compression::ZIP16, 1);

@@ -1,23 +1,23 @@
-//! What files of heights say about the distance between their points.
+//! Defines the information in files of heights on the distance between their points.
 
 use crate::surface::Spacing;
 
-/// What a file of heights says about the distance between its points.
+/// The information in a file of heights on the distance between its points.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum FileSpacing {
-    /// Nothing.
+    /// The file gives no distance.
     Unknown,
     /// A distance, in the unit of the heights.
     Known(Spacing, LinearUnit),
-    /// Something of no use, and why.
+    /// The file gives a distance that cannot be used. The text says why.
     Unusable(String),
 }
 
 /// The unit of lengths in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct LinearUnit {
-    /// If it is a usual one.
+    /// Name of the unit, if it is a common one.
     pub name: Option<&'static str>,
-    /// Whether the file says it, or it is what files without a word mean.
+    /// Whether the file states the unit. Otherwise it is the default.
     pub said: bool,
 }

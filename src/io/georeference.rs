@@ -1,9 +1,9 @@
-//! The affine map from grid places to map coordinates.
+//! Defines the affine map from places on a grid to map coordinates.
 
 /// The affine map from rows and columns to map coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Georeference {
-    /// Coordinates at row 0, column 0; eastwards, then northwards.
+    /// Coordinates at row 0, column 0: eastwards, then northwards.
     pub origin: [f64; 2],
     /// Change of the coordinates from a row to the next.
     pub down: [f64; 2],
@@ -13,7 +13,7 @@ pub struct Georeference {
     pub system: Option<CoordinateSystem>,
 }
 
-/// A coordinate reference system by its number in the EPSG register.
+/// A coordinate reference system, by its number in the EPSG register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CoordinateSystem {
     /// Longitude and latitude in degrees.
@@ -28,9 +28,9 @@ impl Georeference {
         std::array::from_fn(|k| self.origin[k] + row * self.down[k] + col * self.right[k])
     }
 
-    /// Returns the row and column of coordinates, the inverse of [`Georeference::coordinates`].
-    /// Both may be fractional and lie outside the grid. `None` if the map has no inverse, or a
-    /// coordinate is not finite.
+    /// Returns row and column of map coordinates, the inverse of [`Georeference::coordinates`]. Both may be
+    /// fractional and lie outside the grid. The result is `None` if the map has no inverse, or a coordinate
+    /// is not finite.
     pub fn place(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         let [down, right] = [self.down, self.right];
         let [dx, dy] = [x - self.origin[0], y - self.origin[1]];
@@ -40,7 +40,7 @@ impl Georeference {
         (row.is_finite() && col.is_finite()).then_some([row, col])
     }
 
-    /// Checks that a grid of this size lies where another says.
+    /// Checks that a grid of this size has the same location under another georeference.
     pub(super) fn agrees(&self, other: &Self, rows: usize, cols: usize) -> Result<(), String> {
         if let (Some(own), Some(other)) = (self.system, other.system)
             && own != other
@@ -67,7 +67,7 @@ impl Georeference {
     }
 }
 
-/// Rows or columns by which two grids may differ: transformations are often rounded as text.
+/// Number of rows or columns by which two grids may differ: transformations are often rounded as text.
 const SAME_PLACE: f64 = 0.1;
 
 impl CoordinateSystem {
@@ -102,7 +102,7 @@ mod tests {
             let down = [-sign * size[1] * sine, sign * size[1] * cosine];
             let map = Georeference { origin, down, right, system: None };
             let found = map.place(map.coordinates(place)).unwrap();
-            // Coordinates of 1e6 have 1e-10 of rounding, in cells of 0.01 a hundredth of a millionth.
+            // Coordinates of 1e6 have a rounding error of 1e-10, which is 1e-8 of a cell of 0.01.
             prop_assert!((0..2).all(|k| (found[k] - place[k]).abs() < 1e-6), "{found:?} {place:?}");
         }
     }

@@ -1,36 +1,36 @@
-//! How much is made of a file at most: every limit in one place.
+//! Limits the memory that a file can claim. All limits are in this file.
 //!
-//! Decoders ask before they allocate, so that a file of some kilobytes cannot claim gigabytes.
+//! Decoders check these limits before they allocate, so that a file of some kilobytes cannot claim gigabytes.
 
-/// The largest number of grid points that is read or made: 2^28, 16384 x 16384.
+/// The maximum number of grid points that is read or made: 2^28, 16384 x 16384.
 pub const MAX_POINTS: usize = 1 << 28;
 
-/// How many bytes a compression makes of one at most.
+/// Maximum ratios of decompressed to compressed bytes.
 pub(super) mod ratio {
-    /// None.
+    /// No compression.
     pub const STORED: u64 = 1;
-    /// PackBits and EXR's run lengths: 128 bytes of two.
+    /// PackBits and EXR's run lengths: two bytes make 128.
     pub const RUNS: u64 = 64;
-    /// Deflate: 258 bytes of two bits.
+    /// Deflate: two bits make 258 bytes.
     pub const DEFLATE: u64 = 1032;
-    /// EXR's PXR24: three bytes in four, by deflate.
+    /// EXR's PXR24: three bytes become four after deflate.
     pub const DEFLATED_24: u64 = 1376;
-    /// EXR's PIZ: a run of 255 values of two bytes, of two codes.
+    /// EXR's PIZ: two codes make a run of 255 values of two bytes.
     pub const PIZ: u64 = 4096;
-    /// LZW with codes of 12 bits, some 2500.
+    /// LZW with codes of 12 bits: about 2500.
     pub const LZW: u64 = 2730;
-    /// Others, which no file of heights has a reason for.
+    /// Other compressions, which no file of heights has a reason to use.
     pub const OTHER: u64 = 4096;
 }
 
-/// What any file may decode to beyond that.
+/// Number of bytes that any file may decode to, in addition to the ratio.
 const ALWAYS: u64 = 64 << 10;
 
-/// Bytes that the PNG decoder may take for a row and for what stands beside the picture, without
-/// the colour profile and texts, which are passed over.
+/// Bytes that the PNG decoder may use for a row and for data beside the picture, except the colour profile
+/// and texts, which are skipped.
 pub(super) const PNG_BUFFERS: usize = 64 << 20;
 
-/// The number of points of a grid, or why there cannot be so many.
+/// Returns the number of points of a grid, or an error if it is zero or above the limit.
 pub fn checked_points(rows: usize, cols: usize) -> Result<usize, String> {
     match rows.checked_mul(cols) {
         Some(0) => {
@@ -43,13 +43,13 @@ pub fn checked_points(rows: usize, cols: usize) -> Result<usize, String> {
     }
 }
 
-/// Bytes that a file of so many bytes may decode to.
+/// Returns the number of bytes to which a file of `file` bytes may decode.
 pub(super) fn most_decoded(file: usize, ratio: u64) -> usize {
     let most = ALWAYS.saturating_add((file as u64).saturating_mul(ratio));
     usize::try_from(most).unwrap_or(usize::MAX)
 }
 
-/// Refuses a file that claims more values than it can hold.
+/// Returns an error if a file claims more values than it can hold.
 pub(super) fn check_decoded(file: usize, ratio: u64, claimed: usize) -> Result<(), String> {
     if claimed <= most_decoded(file, ratio) {
         return Ok(());
@@ -60,11 +60,11 @@ pub(super) fn check_decoded(file: usize, ratio: u64, claimed: usize) -> Result<(
     ))
 }
 
-/// Refuses what memory has no room for: so many values of a type.
+/// Returns an error if there is no memory for `values` values of a type.
 pub(super) fn check_memory<T>(values: usize) -> Result<(), String> {
     let mut room = Vec::<T>::new();
     let there = room.try_reserve_exact(values);
-    // Else compilers leave out what nothing uses.
+    // Without this, compilers remove the allocation as unused.
     std::hint::black_box(&room);
     there.map_err(|_| {
         let mib = values.saturating_mul(size_of::<T>()) >> 20;
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn files_may_decode_to_what_compression_can_reach() {
-        // A picture of zeros, by deflate at its best, and by LZW.
+        // A picture of zeros, compressed by deflate at its best, and by LZW.
         for (points, best, ratio) in
             [(MAX_POINTS, 1030, ratio::DEFLATE), (MAX_POINTS, 2500, ratio::LZW)]
         {

@@ -1,4 +1,4 @@
-//! Distance maps as files.
+//! Writes and reads distance maps as files.
 
 use std::fmt;
 use std::io::{self, Seek, Write};
@@ -11,23 +11,23 @@ use super::npy::NpyElement;
 use super::tiff::{self, GeoTags};
 use super::{Grid, IoError, exr, extension, raster, read_bytes, write_npy};
 
-/// A format that holds a map without loss: one float32 per point, or one float64 of a map in double
-/// precision; +infinity where no source reaches.
+/// A format that holds a map without loss: one float32 per point, or one float64 for a map in double
+/// precision. Points that no source reaches are +infinity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapFormat {
     /// NumPy array (M, N).
     Npy,
     /// One grey channel, uncompressed, with +infinity as GDAL's no-data value.
     Tiff,
-    /// One channel `Y`, compressed; single precision only.
+    /// One channel `Y`, compressed, in single precision only.
     Exr,
 }
 
 impl MapFormat {
-    /// The format that a name's extension stands for.
+    /// Returns the format for the extension of a file name.
     ///
     /// # Errors
-    /// If it stands for none, with a list of those that would do.
+    /// If no format has this extension. The error lists the supported ones.
     pub fn of(path: &Path) -> Result<Self, IoError> {
         match extension(path).as_str() {
             "npy" => Ok(Self::Npy),
@@ -37,7 +37,7 @@ impl MapFormat {
         }
     }
 
-    /// Whether it can hold a map in double precision.
+    /// Returns whether the format can hold a map in double precision.
     pub fn holds_double(self) -> bool {
         self != Self::Exr
     }
@@ -46,8 +46,8 @@ impl MapFormat {
     /// surface's file ([`SurfaceFile::geo_tags`](super::SurfaceFile::geo_tags)).
     ///
     /// # Errors
-    /// Those of the writer, and of formats that cannot hold so large a map or none in double
-    /// precision.
+    /// The errors of the writer. It is also an error if the format cannot hold a map of this size, or in
+    /// double precision.
     pub fn write<T: MapValue>(
         self,
         writer: &mut (impl Write + Seek),
@@ -72,7 +72,7 @@ impl MapFormat {
 
 /// A precision of maps in files: f32 or f64.
 pub trait MapValue: NpyElement {
-    /// Writes a grey channel of its own type.
+    /// Writes a grey channel of this type.
     fn write_tiff(
         writer: &mut (impl Write + Seek),
         size: [usize; 2],
@@ -80,7 +80,7 @@ pub trait MapValue: NpyElement {
         geo_tags: Option<&GeoTags>,
     ) -> io::Result<()>;
 
-    /// The values, if they are of single precision.
+    /// Returns the values, if they are of single precision.
     fn as_single(values: &[Self]) -> Option<&[f32]>;
 }
 
@@ -127,10 +127,10 @@ impl fmt::Display for MapFormat {
 /// GDAL's no-data value in maps: +infinity, as C writes it.
 const UNREACHED: &str = "inf";
 
-/// Writes labels, -1 where there is none, as a GeoTIFF of 32-bit integers with the no-data value -1.
+/// Writes labels as a GeoTIFF of 32-bit integers. Points without a label are -1, which is the no-data value.
 ///
 /// # Errors
-/// Returns the writer's errors.
+/// The errors of the writer.
 pub fn write_labels_tiff(
     writer: &mut (impl Write + Seek),
     rows: usize,
@@ -141,18 +141,18 @@ pub fn write_labels_tiff(
     tiff::encode::<GrayI32>(writer, [rows, cols], labels, "-1", geo_tags)
 }
 
-/// Reads a map, or any other grid of numbers: in one of the formats of [`MapFormat`], an array of an
-/// `.npz` (named `map` or `distances` if it holds several) or an ESRI ASCII grid.
+/// Reads a map, or any other grid of numbers. The file has one of the formats of [`MapFormat`], or is an
+/// `.npz` with one array (or one named `map` or `distances` among several), or an ESRI ASCII grid.
 ///
 /// # Errors
-/// If the file cannot be read or holds no single grid of numbers.
+/// If the file cannot be read or does not hold a single grid of numbers.
 pub fn read_map(path: &Path) -> Result<Grid<f64>, IoError> {
     let content = |reason| IoError::content(path, reason);
     match extension(path).as_str() {
         "npy" | "npz" => matrix(path, read_array(path, &["map", "distances"])?, "a map"),
         "tif" | "tiff" | "asc" => {
             let raster = raster::read_values(path)?;
-            // Our own maps mark by it what no source reaches.
+            // In our own maps this value marks points that no source reaches.
             let unreached = |value: f64| if value.is_nan() { f64::INFINITY } else { value };
             Ok(if raster.unreached { raster.grid.map(unreached) } else { raster.grid })
         }

@@ -1,11 +1,12 @@
-//! Files: surfaces, masks, slowness, metrics and curves in; distance maps, matrices and curves out.
+//! Reads surfaces, masks, slowness, metrics and curves from files, and writes distance maps, matrices and
+//! curves.
 //!
-//! Arrays are NumPy `.npy` and `.npz` files, row first. Grids of numbers also come from GeoTIFF, ESRI
-//! ASCII grids (`.asc`) and grey PNG, geometry images and heights from EXR. NaN means "no surface
-//! here". A format is chosen by the name's extension. Output files appear whole or not at all ([`OutputFile`]).
+//! Arrays are NumPy `.npy` and `.npz` files, row first. Grids of numbers are also read from GeoTIFF, ESRI
+//! ASCII grids (`.asc`) and grey PNG; geometry images and heights are read from EXR. NaN means "no surface
+//! here". The name's extension selects the format. Output files appear whole or not at all ([`OutputFile`]).
 //!
-//! Files are not trusted: sizes are checked against the data before anything is allocated for
-//! them (`limits.rs`), and at most [`MAX_POINTS`] points are accepted.
+//! Files are not trusted. Sizes are checked against the data before memory is allocated for them
+//! (`limits.rs`), and at most [`MAX_POINTS`] points are accepted.
 
 mod arrays;
 mod ascii_grid;
@@ -48,7 +49,7 @@ pub use tiff::GeoTags;
 use std::fs;
 use std::path::Path;
 
-/// Checks that there is a regular file: devices and pipes may never end. Returns its size.
+/// Checks that the path is a regular file, since devices and pipes may never end. Returns its size in bytes.
 fn check_regular(path: &Path) -> Result<u64, IoError> {
     let read_error = |source| IoError::Read { path: path.to_owned(), source };
     let metadata = fs::metadata(path).map_err(read_error)?;
@@ -59,7 +60,7 @@ fn check_regular(path: &Path) -> Result<u64, IoError> {
     Ok(metadata.len())
 }
 
-/// A file's bytes.
+/// Returns the bytes of a file.
 fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
     check_regular(path)?;
     let read_error = |source| IoError::Read { path: path.to_owned(), source };
@@ -70,12 +71,12 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
     Ok(bytes)
 }
 
-/// The content of a file that stands beside another; `None` if there is none.
+/// Returns the content of a file beside another one, or `None` if there is no such file.
 fn read_beside(path: &Path) -> Result<Option<Vec<u8>>, IoError> {
     if path.is_file() { read_bytes(path).map(Some) } else { Ok(None) }
 }
 
-/// A name's extension in lower case, or nothing.
+/// Returns the extension of a name in lower case, or an empty string.
 fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }

@@ -1,7 +1,7 @@
-//! NumPy's `.npy` arrays, versions 1 to 3 of the format.
+//! Reads and writes NumPy's `.npy` arrays, versions 1 to 3 of the format.
 //!
-//! The header is a Python dictionary of exactly three entries, so a scanner for those does, and
-//! nothing in a file can make it recurse or allocate.
+//! The header is a Python dictionary of exactly three entries. A scanner for these suffices, and nothing in a
+//! file can make it recurse or allocate.
 
 use std::io::{self, Read, Write};
 
@@ -12,7 +12,7 @@ use crate::shown::excerpt;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// An array of numbers, in C order whatever the file's.
+/// An array of numbers. It is in C order, whatever the order of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NpyArray {
     pub shape: Vec<usize>,
@@ -20,7 +20,7 @@ pub(super) struct NpyArray {
     pub values: Vec<f64>,
 }
 
-/// Type of an array's elements.
+/// The type of an array's elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Dtype {
     /// NumPy's letter: `b`, `i`, `u` or `f`.
@@ -29,7 +29,7 @@ pub(super) struct Dtype {
     big_endian: bool,
 }
 
-/// What an array is, from the beginning of its file.
+/// The description of an array at the beginning of its file.
 pub(super) struct Header {
     pub dtype: Dtype,
     pub fortran_order: bool,
@@ -43,7 +43,7 @@ impl NpyArray {
         let header = Header::read(&mut data)?;
         let data = &data[..header.check_size(data.len() as u64)?];
         let Header { dtype, fortran_order, shape } = header;
-        // Reordered, they are there twice.
+        // Reordering needs memory for a second copy.
         let copies = if fortran_order { 2 } else { 1 };
         check_memory::<f64>(copies * (data.len() / dtype.bytes))?;
         let values = dtype.decode(data);
@@ -52,10 +52,10 @@ impl NpyArray {
     }
 }
 
-/// Most axes of a shape in a message.
+/// Maximum number of axes of a shape in a message.
 const MOST_AXES: usize = 8;
 
-/// `(3, 4)`, as NumPy writes it.
+/// Formats a shape as NumPy does, for example `(3, 4)`.
 pub(super) fn shape_text(shape: &[usize]) -> String {
     let sizes: Vec<_> = shape.iter().take(MOST_AXES).map(usize::to_string).collect();
     let more = if shape.len() > MOST_AXES { ", ..." } else { "" };
@@ -85,7 +85,7 @@ impl Header {
         Self::parse(std::str::from_utf8(&text).map_err(|_| "the .npy header is no text")?)
     }
 
-    /// Bytes of the data, if as many are there.
+    /// Returns the number of bytes of the data, or an error if there are fewer.
     pub fn check_size(&self, there: u64) -> Result<usize, String> {
         let count = self.shape.iter().try_fold(1usize, |count, &n| count.checked_mul(n));
         let needed = count.and_then(|count| count.checked_mul(self.dtype.bytes));
@@ -142,7 +142,7 @@ fn parse_shape(text: &str) -> Result<Vec<usize>, String> {
 }
 
 impl Dtype {
-    /// Reads a type string such as `'<f8'`.
+    /// Parses a type string such as `'<f8'`.
     fn parse(text: &str) -> Result<Self, String> {
         let quote = text.chars().next().filter(|c| matches!(c, '\'' | '"'));
         let inside = quote.and_then(|quote| text[1..].split_once(quote));
@@ -170,7 +170,7 @@ impl Dtype {
         Ok(Self { kind, bytes, big_endian: order == b'>' })
     }
 
-    /// The numbers in some bytes.
+    /// Decodes bytes to numbers.
     pub fn decode(self, data: &[u8]) -> Vec<f64> {
         macro_rules! decode {
             ($type:ty) => {{
@@ -199,11 +199,11 @@ impl Dtype {
     }
 }
 
-/// From the order in which the first index runs fastest to the one in which the last does.
+/// Converts from the order in which the first index runs fastest to the one in which the last does.
 fn c_order(shape: &[usize], values: &[f64]) -> Vec<f64> {
     let fortran_index = |mut index: usize| {
-        // Peel indices off the C index from the last axis on; axis k's stride is the product
-        // of the sizes before it.
+        // Split indices off the C index, beginning with the last axis. The stride of axis k is the product of
+        // the sizes before it.
         let mut stride = values.len();
         shape.iter().rev().fold(0, |sum, &size| {
             let along = index % size;
@@ -215,10 +215,10 @@ fn c_order(shape: &[usize], values: &[f64]) -> Vec<f64> {
     (0..values.len()).map(|index| values[fortran_index(index)]).collect()
 }
 
-/// Writes an array in C order, little-endian.
+/// Writes an array in C order, in the machine's byte order.
 ///
 /// # Errors
-/// Returns the writer's errors.
+/// The errors of the writer.
 pub fn write_npy<T: NpyElement>(
     writer: &mut impl Write,
     shape: &[usize],
@@ -229,7 +229,7 @@ pub fn write_npy<T: NpyElement>(
     writer.write_all(bytemuck::cast_slice(values))
 }
 
-/// What comes before the data of an array in C order.
+/// Returns the header of an array in C order.
 pub(super) fn header(descr: &str, shape: &[usize]) -> Vec<u8> {
     let shape = match *shape {
         [size] => format!("({size},)"),
@@ -244,7 +244,7 @@ pub(super) fn header(descr: &str, shape: &[usize]) -> Vec<u8> {
     [MAGIC, &[1, 0], &length.to_le_bytes(), text.as_bytes()].concat()
 }
 
-/// A type that [`write_npy`] writes.
+/// A type of numbers that [`write_npy`] supports.
 pub trait NpyElement: bytemuck::Pod {
     /// NumPy's type string.
     const DESCR: &'static str;
@@ -287,7 +287,7 @@ mod tests {
     #[test]
     fn fortran_order_and_big_endian_are_understood() {
         let header = r#"{"shape": (2, 3), "fortran_order": True, "descr": ">i2"}"#;
-        // Columns one after the other.
+        // The columns come one after the other.
         let data: Vec<u8> =
             [11i16, 21, 12, 22, 13, -23].iter().flat_map(|v| v.to_be_bytes()).collect();
         let array = NpyArray::decode(&file(header, &data)).unwrap();

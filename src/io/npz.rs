@@ -1,4 +1,5 @@
-//! NumPy's `.npz`: ZIP archives of `.npy` arrays, as `np.savez` and `np.savez_compressed` write them.
+//! Decodes NumPy's `.npz` files: ZIP archives of `.npy` arrays, as `np.savez` and `np.savez_compressed` write
+//! them.
 
 use std::io::Read;
 
@@ -10,7 +11,7 @@ use super::npy::NpyArray;
 
 const EXTENSION: &str = ".npy";
 
-/// Decodes the array that is meant: the only one, or of several the one whose name comes first in
+/// Decodes one array of the archive: the only one, or among several the one whose name comes first in
 /// `names`.
 pub(super) fn decode(bytes: &[u8], names: &[&str]) -> Result<NpyArray, String> {
     let malformed = |error: rawzip::Error| format!("is no usable .npz file: {error}");
@@ -53,7 +54,7 @@ pub(super) fn decode(bytes: &[u8], names: &[&str]) -> Result<NpyArray, String> {
         CompressionMethod::DEFLATE => {
             check_decoded(data.len(), ratio::DEFLATE, size)?;
             check_memory::<u8>(size)?;
-            // Not a byte more than the archive says, however much the stream holds.
+            // No more bytes are read than the archive declares, however much the stream holds.
             let stream = DeflateDecoder::new(data).take(size as u64 + 1);
             entry.verifying_reader(stream).read_to_end(&mut array).map_err(damaged)?;
         }

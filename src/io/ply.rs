@@ -1,13 +1,13 @@
-//! Polygon files, for programs that show meshes.
+//! Writes polygon files, for programs that show meshes.
 
 use std::io::{self, Write};
 
-/// Writes points and triangles between them as binary, little-endian PLY in single precision.
-/// Points that are missing (NaN) are left out, with no triangle at them.
+/// Writes points and triangles between them as binary, little-endian PLY in single precision. Points that are
+/// missing (NaN) are left out; no triangle may have them as corners.
 ///
 /// # Errors
-/// Those of the writer; or more points than PLY's 32-bit indices tell apart, or a triangle with a
-/// corner that is missing.
+/// The errors of the writer. It is also an error if there are more points than PLY's 32-bit indices can
+/// distinguish, or if a corner of a triangle is missing.
 pub fn write_ply(
     writer: &mut impl Write,
     points: &[[f64; 3]],
@@ -42,7 +42,7 @@ pub fn write_ply(
     Ok(())
 }
 
-/// The header for elements with their names, counts and properties, which commas separate.
+/// Writes the header for elements with their names, counts and properties. Commas separate the properties.
 pub(super) fn write_header(
     writer: &mut impl Write,
     elements: &[(&str, usize, &str)],
@@ -57,7 +57,7 @@ pub(super) fn write_header(
     writeln!(writer, "end_header")
 }
 
-/// A vertex's place in single precision.
+/// Writes a vertex's position in single precision.
 pub(super) fn write_point(writer: &mut impl Write, point: [f64; 3]) -> io::Result<()> {
     for coordinate in point {
         writer.write_all(&(coordinate as f32).to_le_bytes())?;

@@ -1,4 +1,4 @@
-//! Grey PNG pictures: heights and masks.
+//! Decodes grey PNG pictures: heights and masks.
 
 use std::io::Cursor;
 
@@ -7,17 +7,17 @@ use ::png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 use super::Grid;
 use super::limits::{PNG_BUFFERS, check_decoded, check_memory, checked_points, ratio};
 
-/// A grey picture's values, unscaled at 8 and 16 bits; fewer bits are scaled to 0..=255.
+/// The values of a grey picture. Values of 8 and 16 bits are unscaled; fewer bits are scaled to 0..=255.
 pub(super) struct GreyPicture {
     pub grid: Grid<f64>,
-    /// Bits a value in the file.
+    /// Bits per value in the file.
     pub bits: u8,
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<GreyPicture, String> {
     let malformed = |error: ::png::DecodingError| format!("is no usable PNG file: {error}");
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: PNG_BUFFERS });
-    // Compressed, they could be of any size, and say nothing about heights.
+    // These chunks could decompress to any size, and they say nothing about heights.
     decoder.set_ignore_iccp_chunk(true);
     decoder.set_ignore_text_chunk(true);
     let info = decoder.read_header_info().map_err(malformed)?;

@@ -1,16 +1,16 @@
-//! Rasters of numbers with a place: GeoTIFF and ESRI ASCII grids.
+//! Reads rasters of numbers with a location: GeoTIFF and ESRI ASCII grids.
 
 use std::path::{Path, PathBuf};
 
 use super::tiff::{self, Raster, Role};
 use super::{GeoTags, Grid, IoError, ascii_grid, extension, read_beside, read_bytes};
 
-/// Reads numbers, NaN where the file says "no data".
+/// Reads numbers. They are NaN where the file has no data.
 pub(super) fn read_values(path: &Path) -> Result<Raster, IoError> {
     read(path, Role::Values)
 }
 
-/// Reads a mask as numbers; also indices into a table of colours are zero or not.
+/// Reads a mask as numbers. Indices into a table of colours are accepted, since only zero matters.
 pub(super) fn read_mask(path: &Path) -> Result<Grid<f64>, IoError> {
     read(path, Role::Mask).map(|raster| raster.grid)
 }
@@ -20,7 +20,7 @@ fn read(path: &Path, role: Role) -> Result<Raster, IoError> {
     let raster = match extension(path).as_str() {
         "asc" => ascii_grid(&bytes, read_beside(&path.with_extension("prj"))?.as_deref()),
         _ => {
-            // GDAL's place for a mask where it is not in the file.
+            // The place where GDAL stores a mask outside the file.
             let mut name = path.as_os_str().to_owned();
             name.push(".msk");
             let mask = read_beside(&PathBuf::from(name))?;

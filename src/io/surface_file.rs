@@ -1,4 +1,4 @@
-//! What a file holds, and the surface it makes.
+//! Reads files of surfaces.
 
 use std::path::{Path, PathBuf};
 
@@ -44,7 +44,7 @@ impl SurfaceFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// If it cannot be read, or is not one of the formats above.
+    /// If the file cannot be read, or is not of one of the formats above.
     pub fn read(path: &Path) -> Result<Self, IoError> {
         let reason = |reason| IoError::content(path, reason);
         const NOWHERE: &str =
@@ -77,13 +77,13 @@ impl SurfaceFile {
         Ok(Self { path: path.to_owned(), content, georeference, system, geo_tags })
     }
 
-    /// Whether the file holds heights and says nothing about the distance between its points.
+    /// Returns whether the file holds heights and gives no distance between its points.
     pub fn lacks_spacing(&self) -> bool {
         matches!(self.content, Content::Heights(_, FileSpacing::Unknown))
     }
 
-    /// Whether the file holds heights and the distance between its points on a map, and leaves it
-    /// to the reader that this is in metres.
+    /// Returns whether the file holds heights and a distance between its points on a map, but does not state
+    /// that this distance is in metres.
     pub fn assumes_metres(&self) -> bool {
         let Content::Heights(_, FileSpacing::Known(_, unit)) = &self.content else { return false };
         !unit.said
@@ -92,37 +92,37 @@ impl SurfaceFile {
     /// Returns the map coordinates of the grid's points.
     ///
     /// # Errors
-    /// If the file does not say them, with what is missing.
+    /// If the file does not give them. The error says what is missing.
     pub fn georeference(&self) -> Result<Georeference, IoError> {
         self.georeference.clone().map_err(|reason| IoError::content(&self.path, reason))
     }
 
-    /// Returns the coordinate reference system of these coordinates.
+    /// Returns the coordinate reference system of the map coordinates.
     ///
     /// # Errors
-    /// If the file names none by an EPSG code, with what is missing.
+    /// If the file does not name one by an EPSG code. The error says what is missing.
     pub fn system(&self) -> Result<CoordinateSystem, IoError> {
         self.system.clone().map_err(|reason| IoError::content(&self.path, reason))
     }
 
-    /// Returns the fields that place a GeoTIFF, for maps of the same grid; of an ESRI ASCII grid
-    /// those that say the same.
+    /// Returns the fields that place a GeoTIFF, for maps of the same grid. For an ESRI ASCII grid these are
+    /// equivalent fields.
     pub fn geo_tags(&self) -> Option<&GeoTags> {
         self.geo_tags.as_ref()
     }
 
-    /// The unit of lengths, if the file has one: `m` for projected GeoTIFFs in metres, `ft` or `US ft`
-    /// where pixel sizes and heights are in feet.
+    /// Returns the unit of lengths, if the file has one: `m` for projected GeoTIFFs in metres, `ft` or
+    /// `US ft` where pixel sizes and heights are in feet.
     pub fn unit(&self) -> Option<&'static str> {
         let Content::Heights(_, FileSpacing::Known(_, unit)) = &self.content else { return None };
         unit.name
     }
 
-    /// The surface. Heights take the given spacing, else the file's, else 1.
+    /// Makes the surface. Heights have the given spacing, else that of the file, else 1.
     ///
     /// # Errors
-    /// If the values make no surface; if a spacing is given and the file holds no heights; if
-    /// the file has a spacing that cannot be used and none is given.
+    /// If the values do not make a surface; if a spacing is given and the file does not hold heights; if the
+    /// file has a spacing that cannot be used and none is given.
     pub fn into_surface(self, spacing: Option<Spacing>) -> Result<Surface, IoError> {
         let Self { path, content, .. } = self;
         let no_spacing_for = |what| match spacing {

@@ -1,38 +1,40 @@
-//! Lengths of edges along the surface rather than along chords. The twin of `glsl/arc.glsl`.
+//! Computes the lengths of edges along the surface rather than along chords. The twin of `glsl/arc.glsl`.
 //!
-//! Across each grid point, along each line of grid points, the second difference of the positions
-//! normal to the surface is the *bend*: normal curvature times the squared spacing. The part along
-//! the surface is the grid line's own affair: circles of latitude are longer than the way between
-//! their points, and a plane stays a plane whatever grid is drawn on it.
+//! The *bend* at a grid point along a line of grid points is the part of the second difference of the
+//! positions that is normal to the surface. It equals the normal curvature times the squared spacing. The
+//! tangential part belongs to the grid line and is ignored: circles of latitude are longer than the shortest
+//! paths between their points, and a plane stays a plane whatever grid is drawn on it.
 //!
-//! A cubic with the bends a and b at its ends, in chords, is longer than its chord by
-//! m^2 / 24 + d^2 / 1440 of it, with m their mean and d their difference. We take
-//! s / 24 with s = |m| sqrt(a b), as good to second order in d: it falls to nothing where only one end
-//! bends (a crease that runs through a grid point has flat surface on either side) or both bend to
-//! different sides, with no threshold that noise could cross. Measured on real terrain, see
-//! [`EdgeRule`], the curved front: 9.4e-4 so, 9.7e-4 with a b / 24, 8.8e-4 with m^2 / 24 where
-//! a b > 0, which would bend a noisy crease.
+//! A cubic with the bends a and b at its ends, in units of the chord, is longer than its chord by the
+//! fraction m^2 / 24 + d^2 / 1440, where m is the mean of the bends and d their difference. We use the
+//! fraction s / 24 with s = |m| sqrt(a b), which agrees with it to second order in d. It vanishes where only
+//! one end bends (a crease that runs through a grid point has flat surface on either side) and where the ends
+//! bend to different sides. It needs no threshold that noise could cross. Measured on real terrain with
+//! curved fronts (see [`EdgeRule`]), the error is 9.4e-4 with this rule, 9.7e-4 with a b / 24, and 8.8e-4
+//! with m^2 / 24 where a b > 0; the last rule would bend a noisy crease.
 //!
-//! A curve of curvature k and torsion t is longer than its chord c by k^2 c^2 / 24 of it and, to next
-//! order, k^2 (k^2 + t^2) c^4 / 180 - (bend / c)^4 / 1152 of it, if its bend is that of a helix with even
-//! steps. For a geodesic k^2 + t^2 is the squared turn of the surface's normal along it, so that w^2, the
-//! squared difference of the unit normals at both ends, stands for (k^2 + t^2) c^2: on cylinders, where
-//! all edges are parts of helices, s / 24 leaves 5e-3 of the fourth power of their angle, and this a
-//! thousandth of that. Single precision hardly sees it; double precision does.
+//! A curve of curvature k and torsion t is longer than its chord c by the fraction k^2 c^2 / 24. The term of
+//! the next order is k^2 (k^2 + t^2) c^4 / 180 - (bend / c)^4 / 1152, if the bend is that of a helix with
+//! even steps. For a geodesic, k^2 + t^2 is the squared rate at which the surface normal turns along it.
+//! Therefore w^2, the squared difference of the unit normals at both ends, stands for (k^2 + t^2) c^2. On
+//! cylinders all edges are parts of helices. There s / 24 alone leaves an error of 5e-3 of the fourth power
+//! of the edge's angle, and the next term reduces it to a thousandth. Single precision hardly shows this;
+//! double precision does.
 //!
-//! An end beyond which the grid line does not go on, at a hole or the border, has no second
-//! difference. It bends as the next two points inwards do, by the smaller of their bends where these
-//! are to one side ([`end_bend`]); a line of three points has no two such, and keeps its chords.
+//! Where a grid line ends, at a hole or the border, its last point has no second difference. Its bend is
+//! taken from the next two points inwards: the smaller of their bends, if both are to the same side
+//! ([`end_bend`]). A line of three points has no such pair and keeps its chords.
 
 use super::chart::{Direction, STORED};
 use super::real::{Real, max, min};
 
-/// How long the surface is between neighbouring grid points.
+/// The rule by which the length of an edge between neighbouring grid points is measured.
 ///
-/// [`EdgeRule::Arc`] is the default, since it is the better one on smooth surfaces and on rough
-/// ones. Mean relative error of converged maps from a point source, at 400 x 400 points in single
-/// precision; and on ten maps over 65 x 65 points of the terrain in `examples/data`, heights in
-/// whole metres, against exact polyhedral distances on a fourfold spline refinement:
+/// [`EdgeRule::Arc`] is the default, since it is more accurate both on smooth surfaces and on rough ones. The
+/// table shows the mean relative error of converged maps from a point source. The first four rows are at 400
+/// x 400 points in single precision. The terrain is ten maps over 65 x 65 points of the terrain in
+/// `examples/data`, with heights in whole metres, against exact polyhedral distances on a fourfold spline
+/// refinement.
 ///
 /// | surface | wavefront | chord | arc |
 /// |---|---|---:|---:|
@@ -43,17 +45,17 @@ use super::real::{Real, max, min};
 /// | terrain | point-source | 1.2e-3 | 8.6e-4 |
 /// | terrain | curved | 1.3e-3 | 9.4e-4 |
 ///
-/// In single precision rounding is what is left on the cylinder; in double precision 4e-15.
+/// On the cylinder the remaining error is the rounding of single precision; in double precision it is 4e-15.
 ///
-/// A surface given by its metric has neither: the rule makes no difference to it.
+/// The rule makes no difference to a surface given by its metric, which has neither chords nor arcs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum EdgeRule {
-    /// The straight line: the surface is the polyhedron of its samples. For comparisons with exact
-    /// distances on a mesh, and for surfaces that are polyhedra.
+    /// The straight line: the surface is the polyhedron of its samples. This rule is for comparisons with
+    /// exact distances on a mesh, and for surfaces that are polyhedra.
     Chord,
-    /// Along a cubic through the neighbouring samples, where the surface bends alike at both ends
-    /// of the edge; the chord at creases. Where a neighbour is missing, at a hole or the border, the
-    /// surface goes on bending as the next two points inwards do.
+    /// The arc of a cubic through the neighbouring samples, where the surface bends to the same side at both
+    /// ends of the edge, and the chord at creases. Where a neighbour is missing, at a hole or the border, the
+    /// surface is continued with the bend of the next two points inwards.
     #[default]
     Arc,
 }
@@ -68,12 +70,13 @@ impl std::fmt::Display for EdgeRule {
 }
 
 impl EdgeRule {
-    /// The part of the area of a point's fan of eight triangles to which its angle defect belongs.
+    /// Returns the share of the area of a point's fan of eight triangles to which the fan's angle defect
+    /// belongs.
     ///
-    /// Chords: the fan is a part of the polyhedron, and its tip stands for one cell of the four
-    /// (exactly so where the grid follows the lines of curvature). Arcs: each of a curved
-    /// triangle's angles is larger than a flat one's with the same sides by a third of the
-    /// triangle's total curvature, whatever the grid.
+    /// With chords the fan is a part of the polyhedron, and its tip stands for one of its four cells (exactly
+    /// so where the grid follows the lines of curvature). With arcs each angle of a curved triangle is larger
+    /// than that of a flat one with the same sides by a third of the triangle's total curvature, whatever the
+    /// grid.
     pub(crate) fn share_of_fan(self) -> f64 {
         match self {
             Self::Chord => 1.0 / 4.0,
@@ -82,7 +85,7 @@ impl EdgeRule {
     }
 }
 
-/// Length of an edge from its chord and the bends and unit normals at its ends.
+/// Returns the length of an edge from its chord and from the bends and unit normals at its ends.
 #[inline(always)]
 pub(super) fn arc<R: Real>(chord: R, [a, b]: [R; 2], [m, n]: [[R; 3]; 2]) -> R {
     let (a, b) = (turn(a, chord), turn(b, chord));
@@ -93,14 +96,16 @@ pub(super) fn arc<R: Real>(chord: R, [a, b]: [R; 2], [m, n]: [[R; 3]; 2]) -> R {
     if chord > R::zero() { arc } else { chord }
 }
 
-/// By how much a bend turns a chord: a turn by more than a radian is beyond what samples tell.
+/// Returns the angle in radians by which a bend turns a chord, limited to one radian: samples cannot show
+/// more.
 #[inline(always)]
 fn turn<R: Real>(bend: R, chord: R) -> R {
     min(max(bend / chord, -R::one()), R::one())
 }
 
-/// The bend at the last point of a line from those at the next two points inwards, each
-/// [`Real::FAR`] if it has none: the smaller one if both are to one side. One alone may be a crease.
+/// Returns the bend at the last point of a line from the bends at the next two points inwards, each
+/// [`Real::FAR`] if unknown. The result is the smaller bend if both are to the same side, else 0: a single
+/// bend may be a crease.
 #[inline(always)]
 pub(super) fn end_bend<R: Real>(next: R, after: R) -> R {
     let smaller = if next.abs() < after.abs() { next } else { after };
@@ -108,8 +113,9 @@ pub(super) fn end_bend<R: Real>(next: R, after: R) -> R {
     if is_known & ((next > R::zero()) == (after > R::zero())) { smaller } else { R::zero() }
 }
 
-/// The bends across a point of some normal along the lines of [`STORED`], from the ways to its eight
-/// neighbours and whether they are there; [`Real::FAR`] where a neighbour on the line is missing.
+/// Returns the bends at a point along the lines of [`STORED`]. `ways` are the vectors to its eight
+/// neighbours, `there` says which neighbours exist, and `normal` is the surface normal. A bend is
+/// [`Real::FAR`] where a neighbour on the line is missing.
 #[inline(always)]
 pub(super) fn bends<R: Real>(ways: [[R; 3]; 8], there: [bool; 8], normal: [R; 3]) -> [R; 4] {
     let mut bends = [R::zero(); 4];
@@ -121,14 +127,14 @@ pub(super) fn bends<R: Real>(ways: [[R; 3]; 8], there: [bool; 8], normal: [R; 3]
     bends
 }
 
-/// The surface's unit normal, or zero where the grid has none (at a pole, beside two holes), from
-/// the ways to the neighbours that are there, zero to others.
+/// Returns the surface's unit normal from the vectors to the neighbours, which are zero for missing ones. The
+/// result is zero where the grid has no normal (at a pole, beside two holes).
 #[inline(always)]
 pub(super) fn normal<R: Real>(ways: [[R; 3]; 8]) -> [R; 3] {
     let [ux, uy, uz] = along(ways, Direction::East);
     let [vx, vy, vz] = along(ways, Direction::North);
     let cross = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
-    // Between lines closer than a thousandth of a radian, rounding would turn the normal.
+    // Where grid lines meet at less than a thousandth of a radian, rounding would turn the normal.
     let is_known = dot(cross, cross) > R::of(1e-6);
     let [x, y, z] = unit(cross);
     let zero = R::zero();
@@ -139,7 +145,7 @@ pub(super) fn normal<R: Real>(ways: [[R; 3]; 8]) -> [R; 3] {
     ]
 }
 
-/// The unit vector along a grid line, or zero.
+/// Returns the unit vector along a grid line, or zero.
 #[inline(always)]
 fn along<R: Real>(ways: [[R; 3]; 8], to: Direction) -> [R; 3] {
     let (ahead, behind) = (ways[to as usize], ways[to.opposite() as usize]);
@@ -177,7 +183,7 @@ mod tests {
         EdgeLengths::new(&surface.clone().with_edge_rule(rule)).unwrap()
     }
 
-    /// A cylinder of radius 1 with grid lines along and across it, at 0.1 radian and 0.1.
+    /// Returns a cylinder of radius 1 with grid lines along and across it, 0.1 radians and 0.1 apart.
     fn cylinder(rows: usize, cols: usize) -> Surface {
         let point = |index: usize| {
             let (row, col) = Chart { rows, cols }.position(index);
@@ -187,7 +193,7 @@ mod tests {
         Surface::from_positions(rows, cols, (0..rows * cols).map(point).collect()).unwrap()
     }
 
-    /// How many points of a surface a grid line has through both ends of an edge.
+    /// Returns the number of surface points on the grid line through both ends of an edge.
     fn points_on_line(surface: &Surface, row: usize, col: usize, to: Direction) -> usize {
         let on = |to: Direction| {
             let line = surface.chart().walk((row, col), to);
@@ -210,8 +216,8 @@ mod tests {
                     if length >= f64::FAR {
                         continue;
                     }
-                    // The chord is short by 4e-4, across the axis; a line of three has no other. Arcs
-                    // leave 7e-10, and 3e-7 at the border, where normals are those half an edge inwards.
+                    // Across the axis the chord is too short by 4e-4; a line of three points keeps it. Arcs
+                    // leave 7e-10, and 3e-7 at the border, where the normals are those half an edge inwards.
                     let is_arc = points_on_line(&surface, row, col, to) > 3;
                     let inside = (2..7).contains(&row) && (2..9).contains(&col);
                     let tolerance = match is_arc {
@@ -228,7 +234,7 @@ mod tests {
 
     #[test]
     fn arcs_are_measured_along_the_surface_not_along_grid_lines() {
-        // Polar grid of a plane: circles bend, the plane does not.
+        // A polar grid of a plane: the circles bend, the plane does not.
         let point = |index: usize| {
             let (angle, radius) = (0.2 * (index % 7) as f64, 1.0 + 0.1 * (index / 7) as f64);
             DVec3::new(radius * angle.cos(), radius * angle.sin(), 0.25)
@@ -251,10 +257,10 @@ mod tests {
 
     #[test]
     fn creases_keep_their_chords() {
-        // Roofs with a ridge along a column, a flat one with steep sides, and stairs.
+        // Roofs with a ridge along a column, a flat roof with steep sides, and stairs.
         let roofs: [fn(f64, f64) -> f64; 5] = [
             |_, x| (x - 4.0).abs(),
-            // Beside the border, and one further.
+            // A ridge beside the border, and one a column further.
             |_, x| (x - 1.0).abs(),
             |_, x| (x - 2.0).abs(),
             |_, x| (5.0 * (x - 4.0).abs() - 10.0).max(0.0),
@@ -296,7 +302,7 @@ mod tests {
                 assert_relative_eq!(single, double.length(3, 3, to), max_relative = 1e-5);
             }
         }
-        // The points of a pole coincide.
+        // The points at a pole coincide.
         let points = (0..35).map(|i| {
             let (angle, polar) = (0.3 * f64::from(i % 7), 0.2 * f64::from(i / 7));
             let (sin, cos) = polar.sin_cos();

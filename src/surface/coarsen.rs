@@ -1,4 +1,4 @@
-//! A surface on every second of its points: the coarser of two resolutions to compare.
+//! Samples a surface at every second point, to compare two resolutions.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,8 @@ use glam::DVec2;
 
 use super::{Chart, Direction, Source, Sources, Surface, SurfaceError};
 
-/// A surface on about every second row and column of a finer one, and which those are.
+/// A surface on about every second row and column of a finer surface, with the numbers of these rows and
+/// columns.
 ///
 /// ```
 /// use geosweep::{Surface, Spacing};
@@ -26,19 +27,19 @@ pub struct Coarsened {
 }
 
 impl Surface {
-    /// The surface on every second row and column, among them those of the points `through`, so that
-    /// sources there are grid points of both. Where they are too close together for that, and with
-    /// a metric, the first count.
+    /// Returns the surface on every second row and column. The points `through` stay grid points, so that
+    /// sources there are grid points of both surfaces. Where points of `through` are too close together for
+    /// that, earlier ones take precedence. With a metric only the first one counts.
     ///
-    /// The first and the last row and column stay too. Where the count wants it there is a single
-    /// step, at an end or half-way between two of the points; a metric, which is per step, leaves
-    /// out the ends instead. A side of one point
-    /// stays one point. Slowness and positions are those of the points that stay. Holes stay
-    /// holes, and where a wall would fall between two points that stay, one of them becomes a
-    /// hole: paths on the coarse surface exist on the fine one.
+    /// The first and the last row and column stay too. Where the number of points requires it, there is a
+    /// single step between two rows or columns, at an end or half-way between two of the points. A metric is
+    /// given per step, so it leaves out the ends instead. A side of one point stays one point. Slowness and
+    /// positions are those of the points that stay. Holes stay holes. Where a wall would fall between two
+    /// points that stay, one of them becomes a hole, so that any path on the coarse surface exists on the
+    /// fine one.
     ///
     /// # Errors
-    /// If a side has two points, or both have one, or no point but holes would be left.
+    /// If a side has two points, or both sides have one, or only holes would be left.
     pub fn coarsened(&self, through: &[[usize; 2]]) -> Result<Coarsened, SurfaceError> {
         let fine = self.chart();
         let too_small = || SurfaceError::TooSmall { rows: fine.rows, cols: fine.cols };
@@ -70,10 +71,10 @@ impl Surface {
     }
 }
 
-/// Every second of a side's points, those of `through` among them where they can be, the first of
-/// them always, and both ends unless the steps must be even.
+/// Returns every second index of a side of `points` points. Indices in `through` are included where possible,
+/// and the first of them always. Both ends are included, unless `evenly` asks for even steps.
 fn every_second(points: usize, through: &[usize], evenly: bool) -> Vec<usize> {
-    // Three points are two steps of one or one step of two.
+    // Three points make two steps of one or one step of two.
     let mut fixed = vec![if points > 3 { through.first().copied().unwrap_or(0) } else { 0 }];
     if !evenly && points > 3 {
         for &line in through {
@@ -104,12 +105,13 @@ fn every_second(points: usize, through: &[usize], evenly: bool) -> Vec<usize> {
     kept
 }
 
-/// Points with a single step between them are so far apart, or the grid would hardly be coarser.
+/// Minimum distance of two points with a single step between them. With closer ones the grid would hardly be
+/// coarser.
 const BETWEEN_SINGLE_STEPS: usize = 8;
 
-/// Makes a hole of one of two neighbours with a hole between them, the first unless that is a
-/// point of `through`. No diagonal slips through then either: it has a third corner, and with it two
-/// sides of a cell, on which nothing is missing.
+/// Makes one of two neighbours a hole if there is a hole between them on the fine surface: the first, unless
+/// that is a point of `through`. No diagonal slips through the wall either: a diagonal needs a third corner,
+/// and with it two sides of a cell on which nothing is missing.
 fn keep_walls(
     fine: &Surface,
     rows: &[usize],
@@ -134,31 +136,31 @@ fn keep_walls(
 }
 
 impl Coarsened {
-    /// The coarse surface.
+    /// Returns the coarse surface.
     pub fn surface(&self) -> &Surface {
         &self.surface
     }
 
-    /// The fine surface's rows that are left, in order.
+    /// Returns the rows of the fine surface that are left, in order.
     pub fn rows(&self) -> &[usize] {
         &self.rows
     }
 
-    /// The fine surface's columns that are left, in order.
+    /// Returns the columns of the fine surface that are left, in order.
     pub fn cols(&self) -> &[usize] {
         &self.cols
     }
 
-    /// The coarse points as indices into the fine surface's arrays, row-major.
+    /// Returns the coarse points as indices into the fine surface's arrays, row-major.
     pub fn indices(&self) -> impl Iterator<Item = usize> {
         let fine = self.fine;
         self.rows.iter().flat_map(move |&row| self.cols.iter().map(move |&c| fine.index(row, c)))
     }
 
-    /// The fine surface's sources in coarse rows and columns.
+    /// Converts the fine surface's sources to coarse rows and columns.
     ///
-    /// Where the steps between rows or columns change, a curve gets a vertex more, since its
-    /// segments would not stay straight.
+    /// A curve gets an additional vertex wherever the steps between rows or columns change, since its
+    /// segments would not stay straight there.
     pub fn sources(&self, fine: &Sources) -> Sources {
         fine.iter().fold(Sources::default(), |sources, source| match source {
             Source::Point { at, initial } => {
@@ -177,12 +179,12 @@ impl Coarsened {
         })
     }
 
-    /// A place of the fine grid in coarse rows and columns; off the grid, it stays off.
+    /// Converts a place on the fine grid to coarse rows and columns. A place off the grid stays off the grid.
     fn place(&self, fine: DVec2) -> DVec2 {
         DVec2::new(place_among(&self.rows, fine.x), place_among(&self.cols, fine.y))
     }
 
-    /// Where a segment crosses a row or column at which the steps change.
+    /// Returns the places where a segment crosses a row or column at which the steps change.
     fn cuts(&self, from: DVec2, to: DVec2) -> Vec<DVec2> {
         let mut cuts = Vec::new();
         for (axis, lines) in [&self.rows, &self.cols].into_iter().enumerate() {
@@ -195,8 +197,8 @@ impl Coarsened {
         cuts.into_iter().map(|t| from.lerp(to, t)).collect()
     }
 
-    /// Values at the coarse points spread over the fine ones, linearly along both axes. Values
-    /// that are not finite are left out, and +infinity stands where no corner has another.
+    /// Spreads values at the coarse points over the fine points, linearly along both axes. Values that are
+    /// not finite are left out. The result is +infinity where no corner has a finite value.
     pub(crate) fn spread(&self, coarse: &[f64]) -> Vec<f64> {
         let (rows, cols) =
             (corners(&self.rows, self.fine.rows), corners(&self.cols, self.fine.cols));
@@ -215,7 +217,7 @@ impl Coarsened {
             }
             match (weights > 0.0, count > 0.0) {
                 (true, _) => sum / weights,
-                // A point on the coarse grid that has no value, beside some that have.
+                // The point lies on a coarse point without a value, and a point beside that has one.
                 (_, true) => plain / count,
                 _ => f64::INFINITY,
             }
@@ -224,7 +226,8 @@ impl Coarsened {
     }
 }
 
-/// A fine row or column among the coarse ones; continued in a straight line beyond the ends.
+/// Converts a fine row or column to a coarse one. Beyond the ends the conversion continues in a straight
+/// line.
 fn place_among(lines: &[usize], fine: f64) -> f64 {
     if lines.len() == 1 {
         return fine - lines[0] as f64;
@@ -234,7 +237,7 @@ fn place_among(lines: &[usize], fine: f64) -> f64 {
     (next - 1) as f64 + (fine - a) / (b - a)
 }
 
-/// For each of a side's fine points the coarse ones on either side, with weights.
+/// Returns, for each fine point of a side, the coarse points on either side of it, with their weights.
 fn corners(lines: &[usize], points: usize) -> Vec<[(usize, f64); 2]> {
     let last = (lines.len() - 1) as f64;
     (0..points)
@@ -324,7 +327,7 @@ mod tests {
         }
     }
 
-    /// Walls one point thick, straight and diagonal, that lie on no line that stays.
+    /// Walls one point thick, straight and diagonal, that do not lie on a line that stays.
     #[test]
     fn no_wall_gets_a_gap() {
         let walls: [fn(usize, usize) -> bool; 3] =

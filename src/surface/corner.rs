@@ -1,16 +1,16 @@
-//! Corners of holes: the grid points at which a shortest path can bend.
+//! Finds the corners of holes: the grid points at which a shortest path can bend.
 
 use super::chart::{Direction, ring};
 
-/// Which of the neighbours of a grid point are there, in the order of [`Direction::ALL`].
+/// For each neighbour of a grid point, whether it is present, in the order of [`Direction::ALL`].
 type There = [bool; Direction::ALL.len()];
 
-/// Whether one can go from a grid point between two directions that follow one another, `eighth` and the
-/// next: if their triangle is there, or that of the cell's half it is cut from.
+/// Returns whether a path can leave a grid point between the direction `eighth` and the next one. It can if
+/// their triangle is present, or the triangle of half a cell from which it is cut.
 pub(crate) fn is_open(there: There, eighth: usize) -> bool {
     let first = eighth / 2 * 2;
     let diagonal = ring::next(first);
-    // Of a cell.
+    // The three neighbours of the cell.
     match [first, diagonal, ring::next(diagonal)].map(|to| there[to]) {
         [true, _, true] => true,
         [a, true, b] => {
@@ -24,12 +24,12 @@ pub(crate) fn is_open(there: There, eighth: usize) -> bool {
     }
 }
 
-/// Whether less than half a turn around a grid point, between two directions in which one can go, is
-/// blocked: where a shortest path can bend.
+/// Returns whether a grid point is a corner, at which a shortest path can bend: whether less than half a turn
+/// around it is blocked, between two directions that a path can take.
 pub(crate) fn is_corner(there: There) -> bool {
     let at = |index: usize| there[index % 8];
     let open = |eighth: usize| is_open(there, eighth % 8);
-    // Edges with no triangle beside them end a blocked range too.
+    // An edge with no triangle beside it also ends a blocked range.
     let passable = |k: usize| {
         let diagonal = k % 2 == 1;
         at(k) && (!diagonal || open(k) || open(k + 7))

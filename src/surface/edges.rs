@@ -17,20 +17,20 @@ use super::real::Real;
 use super::unfold::{ObtuseTriangles, RowAbove};
 use super::{Surface, SurfaceError};
 
-/// Rows that are measured together, so that each row's points and bends serve the next.
+/// Number of rows that are measured together, so that each row's points and bends serve the next row.
 const BAND: usize = 32;
 
-/// The lengths of the edges from every grid point to its east, north, north-east and north-west
-/// neighbours; the other four are stored at the neighbour. An edge that does not exist (border,
-/// hole) is [`Real::FAR`] long.
+/// The lengths of the edges from every grid point to its east, north, north-east and north-west neighbours.
+/// The edges to the other four neighbours are stored at the neighbour. A missing edge (border, hole) has the
+/// length [`Real::FAR`].
 ///
-/// A triangle of the update is three such edges, so masks, metrics and slowness need no special
-/// case anywhere else. The arrays have a border of missing points, and take 16 bytes a point in
-/// single precision.
+/// The update of a triangle uses three such edges, so masks, metrics and slowness need no special case
+/// anywhere else. The arrays have a border of missing points. They take 16 bytes per point in single
+/// precision.
 #[derive(Clone, Debug)]
 pub struct EdgeLengths<R> {
     chart: Chart,
-    /// One array for each of [`STORED`], so that neighbours' lengths lie side by side.
+    /// One array for each direction of [`STORED`], so that neighbours' lengths are adjacent in memory.
     lengths: [Vec<R>; 4],
     rule: EdgeRule,
     /// See [`Self::front_meets_itself`].
@@ -40,9 +40,9 @@ pub struct EdgeLengths<R> {
     slowness: Option<Vec<R>>,
     /// See `metric_curvature.rs`.
     pub(super) metric_curvature: Option<Vec<R>>,
-    /// Of floor plans.
+    /// The grid of the surface, if it is a floor plan.
     floor: Option<EvenGrid>,
-    /// See `gaussian_curvature.rs`; empty until it is asked for.
+    /// See `gaussian_curvature.rs`. Empty until it is requested.
     pub(super) gaussian_curvature: OnceLock<Vec<R>>,
     /// See `unfold.rs`.
     pub(super) obtuse: ObtuseTriangles,
@@ -51,16 +51,16 @@ pub struct EdgeLengths<R> {
 impl<R: Real> EdgeLengths<R> {
     /// Measures the edges of a surface, in parallel over rows.
     ///
-    /// In single precision positions are taken relative to the middle of the surface, as on the
-    /// device: the rounded points make a surface as good, and both engines see the same one.
+    /// In single precision, positions are taken relative to the middle of the surface, as on the device. The
+    /// rounded points make an equally good surface, and both engines see the same one.
     ///
     /// # Errors
-    /// [`SurfaceError::EdgeLength`] if a length is neither zero (points that coincide, at a pole
-    /// for example) nor between [`SHORTEST_EDGE`] and [`LONGEST_EDGE`]; [`SurfaceError::TooLarge`] if
-    /// a height or coordinate there lies beyond the latter.
+    /// [`SurfaceError::EdgeLength`] if a length is neither zero (points that coincide, for example at a pole)
+    /// nor between [`SHORTEST_EDGE`] and [`LONGEST_EDGE`]. [`SurfaceError::TooLarge`] if a height or
+    /// coordinate at that edge exceeds [`LONGEST_EDGE`].
     pub fn new(surface: &Surface) -> Result<Self, SurfaceError> {
         let (chart, origin) = (surface.chart(), surface.origin());
-        // Zeros come without work; every one of them is written below, by many threads at once.
+        // Zeroed memory costs nothing here; every value is written below, by many threads at once.
         let mut lengths = [(); 4].map(|_| vec![R::zero(); chart.bordered_points()]);
         lengths.iter_mut().for_each(|plane| chart.fill_border_rows(plane, R::FAR));
         let [east, north, north_east, north_west] = &mut lengths;
@@ -90,7 +90,8 @@ impl<R: Real> EdgeLengths<R> {
                 Ok(())
             })?;
         let slowness = surface.bordered_slowness();
-        // What has been looked at is weighted edges.
+        // With a slowness the rows above held weighted edges, which do not show the triangles' shapes on the
+        // surface.
         let obtuse = match has_obtuse.into_inner() || slowness.is_some() {
             true => ObtuseTriangles::default(),
             false => ObtuseTriangles::none(),
@@ -109,7 +110,7 @@ impl<R: Real> EdgeLengths<R> {
         })
     }
 
-    /// The edges between the points of a part of the grid.
+    /// Returns the edges between the points of a part of the grid.
     ///
     /// # Panics
     /// If the grid has no such part.
@@ -150,30 +151,33 @@ impl<R: Real> EdgeLengths<R> {
         }
     }
 
-    /// Whether a single source's front may meet itself, as those of several do, from cell to cell: where the surface has
-    /// a slowness that is not the same everywhere, or obtuse triangles, as where it is steep.
+    /// Returns whether the front of a single source may meet itself from cell to cell, as the fronts of
+    /// several sources do. It may if the slowness is uneven, or if there are obtuse triangles, as on steep
+    /// surfaces.
     pub(crate) fn front_meets_itself(&self) -> bool {
         !self.beside_a_source && (self.slowed_unevenly || self.has_obtuse_triangles())
     }
 
-    /// The same edges, where a single source's front has not gone far enough to meet itself.
+    /// Returns the same edges for a region around a single source, in which the front has not gone far enough
+    /// to meet itself.
     pub(crate) fn beside_a_source(mut self) -> Self {
         self.beside_a_source = true;
         self
     }
 
-    /// The slowness at each point of the bordered array, if it is not the same everywhere. The length of an edge over
-    /// the mean of both ends' is its length on the surface; 1 where there is no point.
+    /// Returns the slowness at each point of the bordered array, or `None` if it is the same everywhere. The
+    /// length of an edge on the surface is the stored length divided by the mean slowness of its ends. The
+    /// value is 1 where there is no point.
     pub(crate) fn slowness(&self) -> Option<&[R]> {
         self.slowness.as_deref()
     }
 
-    /// The grid's size.
+    /// Returns the grid's size.
     pub fn chart(&self) -> Chart {
         self.chart
     }
 
-    /// Length of the edge to a neighbour, or [`Real::FAR`] if there is none.
+    /// Returns the length of the edge to a neighbour, or [`Real::FAR`] if there is none.
     ///
     /// # Panics
     /// If the grid has no such point.
@@ -182,17 +186,18 @@ impl<R: Real> EdgeLengths<R> {
         self.at(self.chart.bordered(row, col), EdgeSlot::new(self.chart, 0, to))
     }
 
-    /// The grid, if the surface is a floor plan ([`Surface::is_floor_plan`]).
+    /// Returns the even grid if the surface is a floor plan ([`Surface::is_floor_plan`]).
     pub(crate) fn floor(&self) -> Option<EvenGrid> {
         self.floor
     }
 
-    /// The rule by which they were measured.
+    /// Returns the rule by which the edges were measured.
     pub(crate) fn rule(&self) -> EdgeRule {
         self.rule
     }
 
-    /// Bytes held, with those of the Gaussian curvature once a curved wavefront has asked for it.
+    /// Returns the number of bytes held. This includes the Gaussian curvature once a curved wavefront has
+    /// requested it.
     pub fn bytes(&self) -> usize {
         let curvature = self.gaussian_curvature.get().map(Vec::as_slice);
         let planes = self.lengths.iter().map(Vec::as_slice).chain(curvature);
@@ -205,14 +210,14 @@ impl<R: Real> EdgeLengths<R> {
         self.lengths[slot.stored][point.wrapping_add_signed(slot.offset)]
     }
 
-    /// The lengths of an edge of as many points in a row.
+    /// Returns the lengths of the edges in one slot for `points` points of a row, beginning with `first`.
     #[inline(always)]
     pub(crate) fn row(&self, first: usize, slot: EdgeSlot, points: usize) -> &[R] {
         &self.lengths[slot.stored][first.wrapping_add_signed(slot.offset)..][..points]
     }
 
-    /// Along a row of points, the lengths of their eight edges, and of the edge from the end of each to the end
-    /// of the next.
+    /// Returns two sets of eight lengths for each point of a row: the lengths of its edges, and the lengths
+    /// of the bases, each from the end of one edge to the end of the next.
     #[inline(always)]
     pub(crate) fn fans(&self, row: usize, points: usize) -> [[&[R]; 8]; 2] {
         let chart = self.chart();
@@ -224,7 +229,7 @@ impl<R: Real> EdgeLengths<R> {
         ]
     }
 
-    /// Along a row of points, the slowness at each and at its eight neighbours, if it is uneven.
+    /// Returns the slowness at each point of a row and at its eight neighbours, if the slowness is uneven.
     #[inline(always)]
     pub(crate) fn fan_slowness(&self, row: usize, points: usize) -> Option<(&[R], [&[R]; 8])> {
         let (slowness, first) = (self.slowness()?, self.chart.bordered(row, 0));
@@ -232,14 +237,14 @@ impl<R: Real> EdgeLengths<R> {
         Some((along(first), Direction::ALL.map(|to| along(self.chart.beside(first, to)))))
     }
 
-    /// The lengths of all edges to the east, north, north-east and north-west, as bordered arrays.
+    /// Returns the lengths of all edges to the east, north, north-east and north-west, as bordered arrays.
     pub(crate) fn planes(&self) -> [&[R]; 4] {
         self.lengths.each_ref().map(Vec::as_slice)
     }
 }
 
 impl Surface {
-    /// Whether all edges are of a length that the solvers can handle; see [`EdgeLengths::new`].
+    /// Checks that the solvers can handle the lengths of all edges; see [`EdgeLengths::new`].
     pub fn check_edges(&self) -> Result<(), SurfaceError> {
         let origin = self.origin();
         let bands = self.rows().div_ceil(BAND);
@@ -249,9 +254,9 @@ impl Surface {
         })
     }
 
-    /// Measures the edges stored at the points of some rows in single precision, in parallel, and puts those
-    /// of a point side by side as the device's texels have them. Returns whether a triangle with an edge among
-    /// them is obtuse at a point that is updated from it.
+    /// Measures the edges stored at the points of some rows in single precision, in parallel. The four
+    /// lengths of a point are written side by side, in the layout of the device's texels. Returns whether any
+    /// triangle with one of these edges is obtuse at a point that is updated from it.
     pub(crate) fn write_edges(
         &self,
         rows: Range<usize>,
@@ -278,8 +283,8 @@ impl Surface {
         bands.try_reduce(|| false, |a, b| Ok(a | b))
     }
 
-    /// Measures the edges stored at the points of some rows, and gives them to `store` row by row.
-    /// The arithmetic is in `measure.rs`.
+    /// Measures the edges stored at the points of some rows, and passes them to `store` row by row. The
+    /// arithmetic is in `measure.rs`.
     fn measure_rows<R: Real>(
         &self,
         rows: Range<usize>,
@@ -292,8 +297,8 @@ impl Surface {
                 self.bend_row(rows, bends);
             }
         };
-        // The points of the row before, of this one and of the next two; the bends of two rows before,
-        // of this one and of the next, which the first row's three before it are read for.
+        // `points` are those of the row before, this row and the next two. `around` are the bends of the two
+        // rows before, this row and the next. For the first row, reading begins three rows before it.
         let mut points = [(); 4].map(|_| Row::missing(cols));
         let mut around = [(); 4].map(|_| RowBends::none(cols));
         let mut lengths = [(); 4].map(|_| vec![R::FAR; cols]);
@@ -311,15 +316,16 @@ impl Surface {
         Ok(())
     }
 
-    /// Length of the straight step between two grid points, whatever the rule for edges, without slowness.
+    /// Returns the length of the straight step between two grid points, without slowness, whatever the rule
+    /// for edges.
     pub(crate) fn length_on_surface(&self, from: (usize, usize), to: (usize, usize)) -> f64 {
         let chart = self.chart();
         let sample = |(row, col)| self.geometry().sample(chart, row, col);
         sample(from).length_to(sample(to))
     }
 
-    /// The length of a step of rows and columns by the metric at a point, if that is all that is known of the
-    /// surface.
+    /// Returns the length of a step of rows and columns under the metric at a point, or `None` if the surface
+    /// is not given by a metric.
     pub(crate) fn metric_length(&self, at: (usize, usize), step: [f64; 2]) -> Option<f64> {
         let Geometry::Metric(metric) = self.geometry() else { return None };
         Some(metric[self.chart().index(at.0, at.1)].length(step))
@@ -327,7 +333,8 @@ impl Surface {
 }
 
 impl Surface {
-    /// The value that makes an edge too long, if it is no length of any kind: often it stands for no data.
+    /// Finds the value that makes an edge too long, if the value itself exceeds [`LONGEST_EDGE`]: often it
+    /// stands for no data. Returns an error that names it, or else `error`.
     fn cause(&self, error: SurfaceError) -> SurfaceError {
         let SurfaceError::EdgeLength { row, col, length, .. } = error else { return error };
         let value = |(row, col)| {
@@ -335,9 +342,9 @@ impl Surface {
             let value = self.geometry().beyond(index, LONGEST_EDGE);
             Some((row, col, value.filter(|_| self.has(row, col))?))
         };
-        // The bends of an edge depend on as many points around it.
+        // The bends of an edge depend on points up to three rows and columns around it.
         let near = || self.chart().around((row, col), 3).places().find_map(value);
-        // One that moves the middle of the surface beyond single precision spoils all edges.
+        // A value that moves the middle of the surface beyond single precision spoils all edges.
         let anywhere = || {
             let points = (0..self.chart().points()).map(|index| self.chart().position(index));
             points.filter_map(value).reduce(|a, b| if b.2.abs() > a.2.abs() { b } else { a })
@@ -352,14 +359,15 @@ impl Surface {
     }
 }
 
-/// An error at the first edge of a row that is too short or too long.
+/// Returns an error at the first edge of a row that is too short or too long.
 fn check<R: Real>(row: usize, lengths: &[Vec<R>; 4]) -> Result<(), SurfaceError> {
     for col in 0..lengths[0].len() {
         for (lengths, direction) in lengths.iter().zip(STORED) {
             let length = lengths[col].wide();
             let usual = length == 0.0 || (SHORTEST_EDGE..=LONGEST_EDGE).contains(&length);
             if !usual && length != R::FAR.wide() {
-                // So long that its square overflows, and that a bend is the difference of two such.
+                // A NaN comes from an edge so long that its square overflows: its bend is the difference of
+                // two infinities.
                 let length = if length.is_nan() { f64::INFINITY } else { length };
                 return Err(SurfaceError::EdgeLength { row, col, direction, length });
             }
@@ -389,7 +397,7 @@ mod tests {
     }
 
     proptest::proptest! {
-        /// However large a value is, and wherever it lies, it is the one that is named.
+        /// The error names the largest value, however large it is and wherever it lies.
         #[test]
         fn the_largest_value_is_named(
             (rows, cols) in (1usize..20, 2usize..90),
@@ -440,7 +448,7 @@ mod tests {
             mask[3 * 6 + 4] = false;
             assert_eq!(surface.clone().with_mask(&mask).unwrap().check_edges(), Ok(()));
         }
-        // Edges that are too long by the spacing alone are named as before.
+        // Edges that are too long because of the spacing alone are still reported as edges.
         let wide = Surface::from_heights(5, 6, vec![0.0; 30], Spacing::square(1e20)).unwrap();
         let error = wide.check_edges().unwrap_err();
         assert!(matches!(error, SurfaceError::EdgeLength { row: 0, .. }), "{error}");

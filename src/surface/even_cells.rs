@@ -1,23 +1,23 @@
-//! Surfaces whose cells are all alike.
+//! Detects surfaces whose cells are all alike.
 
 use rayon::prelude::*;
 
 use super::{Direction, EvenGrid, Surface};
 
-/// How far the lengths of edges in one direction may differ, in parts of them.
+/// Relative tolerance for the lengths of edges in one direction.
 const EVEN: f64 = 5e-6;
 
 impl Surface {
-    /// Whether all cells are alike, whatever their shape, and the slowness is the same everywhere: edges in each
-    /// direction have one length. So are those of even grids in the plane, on cylinders and cones, and of a metric that
-    /// is constant.
+    /// Returns whether all cells are alike, whatever their shape, and the slowness is the same everywhere.
+    /// Then all edges in a direction have the same length. This holds for even grids in the plane, on
+    /// cylinders and on cones, and for a constant metric.
     pub(crate) fn has_even_cells(&self) -> bool {
         const WAYS: [Direction; 4] =
             [Direction::East, Direction::SouthEast, Direction::South, Direction::SouthWest];
         if self.is_slowed_unevenly() {
             return false;
         }
-        // Positions in single precision differ by more on large grids.
+        // On large grids, positions in single precision differ by more than the tolerance.
         if EvenGrid::of(self).is_some() {
             return true;
         }
@@ -45,7 +45,7 @@ mod tests {
     use crate::surface::builtin::Builtin;
     use crate::surface::{MetricTensor, Spacing};
 
-    /// From a place of the plane for each row and column.
+    /// Returns a surface of 11 x 13 points. `place` gives the position from row and column.
     fn surface(place: impl Fn(f64, f64) -> [f64; 3]) -> Surface {
         let positions = (0..11 * 13)
             .map(|index| DVec3::from_array(place((index / 13) as f64, (index % 13) as f64)));
@@ -59,7 +59,7 @@ mod tests {
         assert!(surface(|row, col| rolled(0.1 * col + 0.04 * row, row)).has_even_cells());
         let tensor = MetricTensor { rr: 4.0, rc: 0.5, cc: 1.0 };
         assert!(Surface::from_metric(4, 5, vec![tensor; 20]).unwrap().has_even_cells());
-        // A hair of relief is none.
+        // A relief of a thousandth of the spacing does not count.
         let mut heights = vec![0.0; 35];
         heights[0] = 1e-3;
         let hair = Surface::from_heights(5, 7, heights, Spacing::square(1.0)).unwrap();
@@ -75,7 +75,7 @@ mod tests {
     fn others_have_not() {
         assert!(!surface(|row, col| [1.01f64.powf(col), row, 0.0]).has_even_cells());
         assert!(!surface(|row, col| [col, row, 0.05 * col.sin()]).has_even_cells());
-        // All edges of rows and columns are alike here, diagonals are not.
+        // All edges along rows and columns have the same length here; the diagonals do not.
         let rhombs = |row: f64, col: f64| [col + 0.2 * (row % 2.0), row * 0.96f64.sqrt(), 0.0];
         assert!(!surface(rhombs).has_even_cells());
         assert!(!Builtin::Sphere.surface(12, 12).unwrap().has_even_cells());

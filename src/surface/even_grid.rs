@@ -1,4 +1,4 @@
-//! Flat surfaces whose points are evenly spaced: floor plans.
+//! Detects flat surfaces whose points are evenly spaced: floor plans.
 
 use glam::{DMat2, DVec2, DVec3};
 
@@ -6,27 +6,29 @@ use rayon::prelude::*;
 
 use super::Surface;
 
-/// A grid whose positions are affine in row and column.
+/// A grid whose positions are an affine function of row and column.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EvenGrid {
-    /// From a row to the next, and from a column to the next.
+    /// The vectors from a row to the next and from a column to the next.
     steps: [DVec3; 2],
 }
 
-/// How far positions may lie from such a grid, of its extent: as far as single precision rounds them.
+/// Largest distance of a position from such a grid, relative to the grid's extent: the rounding of single
+/// precision.
 const NEAR: f64 = 1e-7;
 
-/// Rows and columns of a sample.
+/// Number of rows and of columns in a sample.
 const FEW: usize = 16;
 
 impl EvenGrid {
-    /// The grid of a surface that is one, by least squares; none if it has a slowness, or no positions, or
-    /// if its points lie on a line.
+    /// Fits an even grid to a surface by least squares. Returns `None` if the surface is not such a grid, has
+    /// a slowness or no positions, or if its points lie on a line.
     pub(crate) fn of(surface: &Surface) -> Option<Self> {
         if surface.is_weighted() {
             return None;
         }
-        // Of most surfaces that are none, some points tell already, seen from one of them.
+        // On most other surfaces a sample of the points, relative to one of them, already rules out an even
+        // grid.
         let few = |lines: usize| (lines / FEW).max(1);
         let first = surface.present().iter().position(|&is| is)?;
         let (row, col) = surface.chart().position(first);
@@ -39,34 +41,34 @@ impl EvenGrid {
         all.grid().filter(|&grid| all.is_even(surface, grid, NEAR))
     }
 
-    /// The first fundamental form: of rows, of both, of columns.
+    /// Returns the first fundamental form: the entries for rows, for both, and for columns.
     pub(crate) fn metric(self) -> [f64; 3] {
         let [a, b] = self.steps;
         [a.dot(a), a.dot(b), b.dot(b)]
     }
 
-    /// A place by row and column, seen from the first point.
+    /// Returns a place, given by row and column, relative to the first point.
     pub(crate) fn at(self, place: DVec2) -> DVec3 {
         self.steps[0] * place.x + self.steps[1] * place.y
     }
 
-    /// Length of a straight line over so many rows and columns.
+    /// Returns the length of the straight line over `step` rows and columns.
     pub(crate) fn length(self, step: DVec2) -> f64 {
         self.at(step).length()
     }
 
-    /// Whether one of the triangles of neighbours has an obtuse angle.
+    /// Returns whether one of the triangles of neighbours has an obtuse angle.
     pub(crate) fn is_obtuse(self) -> bool {
         let [a, b] = self.steps;
         a.dot(b).abs() > a.length_squared().min(b.length_squared())
     }
 }
 
-/// What the grid nearest to some points follows from: sums over them, with places and positions seen from the
+/// Sums over points, from which the least-squares grid follows. Places and positions are relative to the
 /// middle of the surface.
 #[derive(Clone, Copy, Default)]
 struct Fit {
-    /// From a row that counts to the next, and from a column.
+    /// Step from a sampled row to the next, and from a sampled column to the next.
     every: [usize; 2],
     /// The middle of the surface.
     origin: DVec3,
@@ -79,7 +81,7 @@ struct Fit {
 
 impl Fit {
     fn of(surface: &Surface, origin: DVec3, every: [usize; 2]) -> Self {
-        // By default a matrix is not zero.
+        // The default matrix is not zero.
         let none = Self { every, origin, squares: DMat2::ZERO, ..Self::default() };
         let of_row = |row| {
             none.row(surface, row).fold(none, |fit, (place, position)| {
@@ -88,13 +90,13 @@ impl Fit {
                 fit.and(Self { count: 1.0, place, position, squares, products, ..none })
             })
         };
-        // In the order of rows, however many threads there are.
+        // The sums are added in the order of rows, so that they do not depend on the number of threads.
         let rows: Vec<_> =
             (0..surface.rows()).into_par_iter().step_by(every[0]).map(of_row).collect();
         rows.into_iter().fold(none, Self::and)
     }
 
-    /// Those points of a row that count and have a position.
+    /// Returns the sampled points of a row that have a position.
     fn row(self, surface: &Surface, row: usize) -> impl Iterator<Item = (DVec2, DVec3)> {
         let middle = 0.5 * DVec2::new(surface.rows() as f64, surface.cols() as f64);
         (0..surface.cols()).step_by(self.every[1]).filter_map(move |col| {
@@ -115,7 +117,7 @@ impl Fit {
         }
     }
 
-    /// The nearest grid; none if the points lie on a line.
+    /// Returns the least-squares grid, or `None` if the points lie on a line.
     fn grid(&self) -> Option<EvenGrid> {
         let (place, position) = (self.place / self.count, self.position / self.count);
         let squares = self.squares - DMat2::from_cols(self.place * place.x, self.place * place.y);
@@ -131,7 +133,7 @@ impl Fit {
         (steps[0].cross(steps[1]) != DVec3::ZERO).then_some(EvenGrid { steps })
     }
 
-    /// Whether the points lie so near that grid, of its extent.
+    /// Returns whether all sampled points lie within `near` of `grid`, relative to the extent of the grid.
     fn is_even(&self, surface: &Surface, grid: EvenGrid, near: f64) -> bool {
         let mean = self.position / self.count - grid.at(self.place / self.count);
         let near = near * grid.length(DVec2::new(surface.rows() as f64, surface.cols() as f64));

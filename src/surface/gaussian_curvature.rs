@@ -1,4 +1,4 @@
-//! Gaussian curvature from edge lengths. The twin of `glsl/gaussian_curvature.comp`.
+//! Computes the Gaussian curvature from edge lengths. The twin of `glsl/gaussian_curvature.comp`.
 
 use rayon::prelude::*;
 
@@ -12,33 +12,34 @@ use super::tag::Tagged;
 use crate::constants::{DEFECT_NOISE, LARGEST_DEFECT, REFLEX};
 use crate::lanes::{Instructions, Loop};
 
-/// Tag ([`Tagged::with_tag`]) of the Gaussian curvature at points that lack a triangle, beside a hole or the border.
+/// Tag ([`Tagged::with_tag`]) of the Gaussian curvature at points that lack a triangle, beside a hole or the
+/// border.
 pub(crate) const LACKING: u8 = crate::constants::LACKING as u8;
-/// And beside it, at the corners of holes.
+/// Additional tag at the corners of holes, where fronts diffract.
 pub(crate) const DIFFRACTS: u8 = crate::constants::DIFFRACTS as u8;
 
 impl<R: Real> EdgeLengths<R> {
-    /// Gaussian curvature at each point of the bordered array, from the lengths alone. Computed when it is
-    /// first asked for.
+    /// Returns the Gaussian curvature at each point of the bordered array. It is computed from the lengths
+    /// alone, on the first call.
     pub(crate) fn gaussian_curvature(&self) -> &[R] {
         self.gaussian_curvature.get_or_init(|| gaussian_curvature(self))
     }
 }
 
-/// Gaussian curvature at each point of the bordered array: the angle defect of the fan of eight
-/// triangles around the point, over its share of the fan's area ([`EdgeRule::share_of_fan`]),
-/// as far as the neighbours agree ([`settled`]).
+/// Computes the Gaussian curvature at each point of the bordered array. It is the angle defect of the fan of
+/// eight triangles around the point, divided by its share of the fan's area ([`EdgeRule::share_of_fan`]), and
+/// counts as far as the neighbours agree ([`settled`]).
 ///
-/// Defects near `DEFECT_NOISE`, the rounding of lengths in single precision, are shrunk towards
-/// zero, or a flat surface would seem bent the same way everywhere; and they are kept below
-/// `LARGEST_DEFECT` radians, where the series for the arc tangent ends.
+/// Defects near `DEFECT_NOISE`, the rounding of lengths in single precision, are shrunk towards zero; else a
+/// flat surface would seem bent the same way everywhere. Defects are limited to `LARGEST_DEFECT` radians, the
+/// range of the series for the arc tangent.
 ///
-/// Points whose fan is not whole, at a border or hole, carry the tag `LACKING` and have the mean of their neighbours'
-/// curvature. Where what is left of the fan is clearly more than a half turn, at the corners of holes, they carry
-/// `DIFFRACTS` too: what passes them mostly turns.
+/// Points with an incomplete fan, at a border or hole, carry the tag `LACKING` and the mean of their
+/// neighbours' curvature. If the rest of the fan is clearly more than a half turn, at the corners of holes,
+/// they also carry `DIFFRACTS`: most fronts that pass such a point turn.
 fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
     let chart = edges.chart();
-    // Where a triangle of the fan is missing, so is the curvature: FAR, and more where waves diffract.
+    // The curvature is FAR where a triangle of the fan is missing, and larger where waves diffract.
     let mut fans = vec![R::FAR; chart.bordered_points()];
     let is_slowed = edges.slowness().is_some();
     chart.rows_mut(&mut fans).enumerate().for_each(|(row, line)| match is_slowed {
@@ -69,7 +70,7 @@ fn gaussian_curvature<R: Real>(edges: &EdgeLengths<R>) -> Vec<R> {
     curvature
 }
 
-/// What becomes of a row of points once their fans' curvatures are known.
+/// The step from the curvatures of the fans to the final curvatures, for a row of points.
 struct Settled<'a, R> {
     edges: &'a EdgeLengths<R>,
     row: usize,
@@ -99,21 +100,22 @@ impl<R: Real> Loop for Settled<'_, R> {
     }
 }
 
-/// The curvature of a point's own fan, or the mean of its neighbours' if that is not whole, times
-/// (m^2 - v) / (m^2 + v), if that is positive, with m the mean and v the variance of both.
+/// Returns the final curvature of a point: the curvature of its own fan, or the mean of its neighbours' if
+/// its fan is incomplete, times (m^2 - v) / (m^2 + v) if that is positive, else 0. Here m is the mean and v
+/// the variance over the point and its neighbours.
 ///
-/// On a smooth surface v falls with the square of the spacing, so that the curvature counts in
-/// full. Where the grid does not resolve the surface it changes its sign from point to point, and
-/// what a front would make of it is not nothing: saddles spread it for long, while caps focus it
-/// only for the moment, so that it comes early. Measured on real terrain, ten maps over 65 x 65
-/// points against exact polyhedral distances on a spline refinement, mean relative error: 1.9e-3
-/// when all curvature counts, 9.4e-4 by this rule. A limit on the defect does it too (1.2e-3 at
-/// 0.005 radians), but also takes the curvature of well resolved surfaces.
+/// On a smooth surface v falls with the square of the spacing, so that the curvature counts in full. Where
+/// the grid does not resolve the surface, the curvature changes its sign from point to point. The effects on
+/// a front would not cancel: saddles spread a front for long, while caps focus it only briefly, so that it
+/// arrives early. Measured on real terrain (ten maps over 65 x 65 points against exact polyhedral distances
+/// on a spline refinement), the mean relative error is 1.9e-3 when all curvature counts and 9.4e-4 with this
+/// rule. A limit on the defect also helps (1.2e-3 at 0.005 radians), but it removes the curvature of well
+/// resolved surfaces too.
 #[inline(always)]
 fn settled<R: Real>(own: R, around: [R; 8]) -> R {
     let [a, b, c, d, e, f, g, h] = around;
     let all = [own, a, b, c, d, e, f, g, h];
-    // Relative to the largest, so that squares stay within range.
+    // Values are taken relative to the largest, so that squares stay within range.
     let mut largest = R::zero();
     for curvature in all {
         let size = if curvature < R::FAR { max(curvature, -curvature) } else { R::zero() };
@@ -135,7 +137,7 @@ fn settled<R: Real>(own: R, around: [R; 8]) -> R {
     if own < R::FAR { (own * agreement).with_tag(0) } else { lacking }
 }
 
-/// The curvature of the fans of a row of points, see [`defect_density`].
+/// The curvatures of the fans of a row of points, see [`defect_density`].
 struct Fans<'a, R> {
     edges: &'a EdgeLengths<R>,
     row: usize,
@@ -160,8 +162,8 @@ impl<R: Real> Loop for Fans<'_, R> {
     }
 }
 
-/// The same where edges are weighted by a slowness. A loop of its own: with this in it compilers would see no lanes in the
-/// other.
+/// The curvatures of the fans of a row of points where edges are weighted by a slowness. This is a separate
+/// loop: with these loads in [`Fans`], compilers would not vectorize it.
 struct SlowedFans<'a, R> {
     edges: &'a EdgeLengths<R>,
     row: usize,
@@ -189,18 +191,19 @@ impl<R: Real> Loop for SlowedFans<'_, R> {
     }
 }
 
-/// The length of an edge from what it is weighted by at its ends.
+/// Returns the length of an edge on the surface from its weighted length and the slowness at its ends.
 #[inline(always)]
 fn on_surface<R: Real>(length: R, [from, to]: [R; 2]) -> R {
     if length < R::FAR { (length + length) / (from + to) } else { length }
 }
 
-/// The Gaussian curvature of the metric that a slowness s makes of a surface of curvature K: (K - L) / s^2, L being
-/// the Laplacian of the logarithm of s. Where s jumps, L is no use and left out.
+/// Returns the Gaussian curvature of the metric that a slowness s makes of a surface of curvature K: (K - L)
+/// / s^2, where L is the Laplacian of the logarithm of s. Where s jumps, L is meaningless and left out.
 ///
-/// L is the flow out of the quarter of the point's fan that is its own, over the sides between it and the four
-/// neighbours along rows and columns: from the difference between both, and that along the side, given the metric from
-/// the lengths of the edges around. Second differences alone would take lines that bend on the surface for straight.
+/// L is the flux of the gradient out of the point's own quarter of the fan, through the four sides towards
+/// the neighbours along rows and columns. The flux through a side follows from the difference between both
+/// points and from the difference along the side, under the metric that the lengths of the edges around
+/// define. Second differences alone would treat grid lines that bend on the surface as straight.
 fn slowed<R: Real>(edges: &EdgeLengths<R>, slowness: &[R], point: usize, gaussian: R) -> R {
     let chart = edges.chart();
     let own = slowness[point];
@@ -218,7 +221,8 @@ fn slowed<R: Real>(edges: &EdgeLengths<R>, slowness: &[R], point: usize, gaussia
     let (quarter, half) = (R::of(0.25), R::of(0.5));
     let mut flow = R::zero();
     for to in [Direction::East, Direction::North, Direction::West, Direction::South] {
-        // The neighbour, that to the left seen from here, and that to the right.
+        // `there` is the neighbour. `at_left` and `at_right` are the neighbours to its left and right as seen
+        // from the point.
         let (left, right) = (to.next().next(), to.previous().previous());
         let there = around[to as usize];
         let (at_left, at_right) = (around[left as usize], around[right as usize]);
@@ -251,13 +255,14 @@ fn slowed<R: Real>(edges: &EdgeLengths<R>, slowness: &[R], point: usize, gaussia
     if curvature.is_finite() { curvature } else { gaussian * per_square }
 }
 
-/// The angle defect of a fan over its share of the fan's area, given its edges and the bases between one
-/// and the next; FAR if a triangle is missing, and twice that if what is left is a corner of a hole.
+/// Returns the angle defect of a fan divided by its share of the fan's area. `bases` are the edges between
+/// the ends of successive `edges`. The result is FAR if a triangle is missing, and twice that if the point is
+/// a corner of a hole.
 #[inline(always)]
 fn defect_density<R: Real>(edges: [R; 8], bases: [R; 8], share_of_fan: R) -> R {
     let (zero, one, half) = (R::zero(), R::one(), R::of(0.5));
-    // The angles are added up as the product of complex numbers with these arguments: all of
-    // them make a full turn less the defect.
+    // The angles are added up by multiplying complex numbers with these arguments. Together they make a full
+    // turn less the defect.
     let (mut re, mut im, mut area, mut whole, mut lacks) = (one, zero, zero, true, false);
     for index in 0..8 {
         let (a, b, c) = (edges[index], edges[ring::next(index)], bases[index]);
@@ -275,11 +280,11 @@ fn defect_density<R: Real>(edges: [R; 8], bases: [R; 8], share_of_fan: R) -> R {
     let beyond = if im > zero { -largest } else { largest };
     let within = min(max(-im / re, -largest), largest);
     let tangent = if re > zero { within } else { beyond };
-    // The arc tangent to 2e-4 at the largest defect.
+    // A series for the arc tangent, with an error of 2e-4 at the largest defect.
     let square = tangent * tangent;
     let (third, fifth, seventh) = (R::of(1.0 / 3.0), R::of(1.0 / 5.0), R::of(1.0 / 7.0));
     let defect = tangent * (one - square * (third - square * (fifth - square * seventh)));
-    // The noise is that of f32; f64's is as much smaller as its digits are more.
+    // `DEFECT_NOISE` is the noise of f32. That of f64 is smaller by the ratio of both precisions.
     let noise = R::of(DEFECT_NOISE / f64::from(f32::EPSILON)) * R::epsilon();
     let signal = defect * defect / (defect * defect + noise * noise);
     let curvature = defect * signal / (share_of_fan * area);
@@ -306,7 +311,7 @@ mod tests {
     fn a_sphere_has_curvature_one_and_developable_surfaces_none() {
         let (double, single) = at_the_middle(Builtin::Sphere, 65);
         approx::assert_abs_diff_eq!(double, 1.0, epsilon = 1e-3);
-        // Eight angles rounded to 1e-7 or so, over the area of a cell.
+        // The error is that of eight angles, each rounded to about 1e-7, over the area of a cell.
         approx::assert_abs_diff_eq!(single, 1.0, epsilon = 2e-2);
         for builtin in [Builtin::Plane, Builtin::Cylinder, Builtin::Cone] {
             let (double, single) = at_the_middle(builtin, 65);
@@ -321,7 +326,7 @@ mod tests {
         approx::assert_relative_eq!(settled(1.0f64, smooth), 1.0, max_relative = 0.02);
         let rough = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0];
         assert!(settled(1.0f64, rough).abs() < 1e-29);
-        // The largest that the unit of length allows.
+        // The largest curvature that the unit of length allows.
         let largest = settled(1e24f32, smooth.map(|k| 1e24 * k as f32));
         approx::assert_relative_eq!(largest, 1e24, max_relative = 0.02);
         let far = f32::FAR;
@@ -341,7 +346,7 @@ mod tests {
         let edges = EdgeLengths::<f32>::new(&surface).unwrap();
         for (row, col) in (0..size * size).map(|k| (k / size, k % size)) {
             let beside_the_hole = row.abs_diff(5).max(col.abs_diff(5)) == 2;
-            // Not in the middle of its sides, nor at the border.
+            // Corners of the hole diffract; the middles of its sides and the border do not.
             let is_corner = beside_the_hole && row != 5 && col != 5;
             let at_the_border = row % 10 == 0 || col % 10 == 0;
             let lacking = if beside_the_hole || at_the_border { LACKING } else { 0 };

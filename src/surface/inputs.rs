@@ -1,6 +1,7 @@
-//! What is given at each grid point: a geometry, whether the surface is there, and a slowness.
+//! Holds the inputs at each grid point: a geometry, whether the surface is present, and a slowness.
 //!
-//! What makes edges of it reads a point's four numbers ([`Surface::point`]) and knows of no input.
+//! The code that measures edges reads the four numbers of a point ([`Surface::point`]), and does not depend
+//! on the kind of input.
 
 use std::sync::OnceLock;
 
@@ -15,19 +16,19 @@ use super::tag::Tagged;
 use super::{Surface, SurfaceError, check_shape};
 use crate::constants::{EVEN_SLOWNESS, ROUGH_SLOWNESS as ROUGH};
 
-/// What is given at each grid point, row-major.
+/// The inputs at each grid point, row-major.
 #[derive(Clone, Debug)]
 pub(super) struct Inputs {
     pub geometry: Geometry,
     pub slowness: Option<Vec<f64>>,
     pub present: Vec<bool>,
-    /// Whether the geometry is a metric that jumps, so that its scale is a slowness to the updates
+    /// Whether the geometry is a metric that jumps. The updates then treat the metric's scale as a slowness
     /// ([`super::metric_scale`]).
     pub is_scaled: bool,
 }
 
 impl Inputs {
-    /// Those of the points of a block.
+    /// Returns the inputs at the points of a block.
     pub(super) fn cut(&self, chart: Chart, block: &Block) -> Self {
         Self {
             geometry: self.geometry.cut(chart, block),
@@ -39,16 +40,16 @@ impl Inputs {
 }
 
 impl Surface {
-    /// Weights lengths by a slowness (reciprocal speed) at each point, row-major, so that
-    /// distances become travel times. The slowness is linear along each edge, whose length is multiplied by the mean
-    /// of both ends.
+    /// Weights lengths by a slowness (reciprocal speed) at each point, row-major, so that distances become
+    /// travel times. The slowness is linear along each edge. The length of an edge is multiplied by the mean
+    /// slowness of its ends.
     ///
-    /// Nothing passes where it is infinite or NaN: such points are holes. Where it is 0, travel is free but for a
-    /// millionth of the least positive slowness (of 1 if there is none), as edges have a length. Values at holes are
-    /// not looked at.
+    /// Points with an infinite or NaN slowness are holes, which nothing passes. Where the slowness is 0,
+    /// travel is free, but edges need a length: the value counts as a millionth of the least positive
+    /// slowness (of 1 if there is none). Values at holes are ignored.
     ///
     /// # Errors
-    /// If a value is negative, no point is left, or there are not rows x columns of them.
+    /// If a value is negative, no point is left, or the number of values is not rows x columns.
     pub fn with_slowness(mut self, mut slowness: Vec<f64>) -> Result<Self, SurfaceError> {
         check_shape("slowness", slowness.len(), self.chart)?;
         let (mut least, mut has_free) = (f64::INFINITY, false);
@@ -66,7 +67,7 @@ impl Surface {
         }
         if has_free {
             let free = FREE * if least.is_finite() { least } else { 1.0 };
-            // Were it no number of this precision, an edge would have no length.
+            // If the value underflowed to zero, an edge would have no length.
             let free = free.max(f64::MIN_POSITIVE);
             slowness.iter_mut().filter(|value| **value == 0.0).for_each(|value| *value = free);
         }
@@ -75,7 +76,7 @@ impl Surface {
         self.non_empty()
     }
 
-    /// Makes holes where the mask, row-major, is false.
+    /// Makes holes where the row-major `mask` is false.
     pub fn with_mask(mut self, mask: &[bool]) -> Result<Self, SurfaceError> {
         check_shape("mask", mask.len(), self.chart)?;
         self.inputs.present.iter_mut().zip(mask).for_each(|(present, &keep)| *present &= keep);
@@ -83,12 +84,12 @@ impl Surface {
         self.non_empty()
     }
 
-    /// The slowness, if lengths are weighted.
+    /// Returns the slowness, if lengths are weighted.
     pub fn slowness(&self) -> Option<&[f64]> {
         self.inputs.slowness.as_deref()
     }
 
-    /// Whether its slowness differs from point to point, so that a front may meet itself.
+    /// Returns whether the slowness differs from point to point, so that a front may meet itself.
     pub(crate) fn is_slowed_unevenly(&self) -> bool {
         if self.inputs.is_scaled {
             return true;
@@ -100,12 +101,13 @@ impl Surface {
         there.any(|here| Some(here) != first)
     }
 
-    /// Whether it is given by a metric whose scale is a slowness to the updates.
+    /// Returns whether the surface is given by a metric whose scale the updates treat as a slowness.
     pub(super) fn is_scaled(&self) -> bool {
         self.inputs.is_scaled
     }
 
-    /// The slowness that the updates know of a point: the one that is given, times a metric's own where that jumps.
+    /// Returns the slowness of a point in the updates: the given slowness, times the scale of the metric if
+    /// that jumps.
     fn slowness_to_updates(&self, index: usize) -> f64 {
         match self.geometry() {
             Geometry::Metric(metric) if self.inputs.is_scaled => {
@@ -115,7 +117,8 @@ impl Surface {
         }
     }
 
-    /// The slowness as a bordered array, tagged where it jumps, 1 where no point is, if it is uneven.
+    /// Returns the slowness as a bordered array, or `None` if it is even. Values are tagged where the
+    /// slowness jumps. The value is 1 where there is no point.
     pub(super) fn bordered_slowness<R: Real>(&self) -> Option<Vec<R>> {
         if !self.is_slowed_unevenly() {
             return None;
@@ -130,8 +133,9 @@ impl Surface {
         Some(bordered)
     }
 
-    /// [`JUMPS`] if the slowness jumps at a point that is there: to a neighbour by more than a quarter, or if its second
-    /// difference along a line of points says so. A slowness that changes smoothly has small ones.
+    /// Returns [`JUMPS`] if the slowness jumps at a point that is present, else 0. It jumps if it differs
+    /// from a neighbour's by more than a quarter, or if its second difference along a line of points is
+    /// large; the second differences of a smooth slowness are small.
     fn jumps_at(&self, (row, col): (usize, usize)) -> u8 {
         let own = self.slowness_to_updates(self.chart.index(row, col));
         let neighbour = |to: Direction| {
@@ -147,10 +151,12 @@ impl Surface {
         if jumps { JUMPS } else { 0 }
     }
 
-    /// Whether the slowness jumps all over the surface: by more than a quarter along a twentieth of the edges of rows and
-    /// columns. Measured on random blocks of 5 x 5 and blobs, 40 x 40 points, contrasts of 3 to 1000: ways there and
-    /// back differ by 4e-4 to 9e-4 in the mean with planar fronts, and by twice to four times that with curved
-    /// ones, which are the earlier where they come from what is slow.
+    /// Returns whether the slowness jumps all over the surface: by more than a quarter along a twentieth of
+    /// the edges of rows and columns.
+    ///
+    /// This was measured on random blocks of 5 x 5 and on blobs, at 40 x 40 points with contrasts of 3
+    /// to 1000. Distances there and back differ by a mean of 4e-4 to 9e-4 with planar fronts, and by two to
+    /// four times as much with curved fronts, which arrive earlier where they come from slow regions.
     pub(crate) fn is_slowed_in_patches(&self) -> bool {
         if !self.is_slowed_unevenly() {
             return false;
@@ -169,18 +175,18 @@ impl Surface {
         PATCHES * jumps > edges
     }
 
-    /// Whether lengths are weighted, and not those on the surface.
+    /// Returns whether lengths are weighted by a slowness.
     pub(super) fn is_weighted(&self) -> bool {
         self.inputs.slowness.is_some()
     }
 
-    /// The same surface, on which a length is a length.
+    /// Returns the same surface without a slowness.
     pub(super) fn unweighted(mut self) -> Self {
         (self.inputs.slowness, self.floor) = (None, OnceLock::new());
         self
     }
 
-    /// The same surface with the weights of some points of another one.
+    /// Returns this surface with the slowness of another one at `points`.
     pub(super) fn weighted_like(mut self, other: &Self, points: &[usize]) -> Self {
         let slowness = other.slowness();
         self.inputs.slowness = slowness.map(|all| points.iter().map(|&index| all[index]).collect());
@@ -193,19 +199,19 @@ impl Surface {
         self.inputs.slowness.as_ref().map_or(1.0, |slowness| slowness[index])
     }
 
-    /// What lengths between two grid points are multiplied by.
+    /// Returns the factor by which lengths between two grid points are multiplied.
     pub(crate) fn weight(&self, from: (usize, usize), to: (usize, usize)) -> f64 {
         let [from, to] = [from, to].map(|(row, col)| self.slowness_of(self.chart.index(row, col)));
         0.5 * (from + to)
     }
 
-    /// What lengths between a grid point and a place are multiplied by.
+    /// Returns the factor by which lengths between a grid point and a place are multiplied.
     pub(super) fn weight_between(&self, (row, col): (usize, usize), at: DVec2) -> f64 {
         let of_point = self.slowness_of(self.chart.index(row, col));
         if self.is_weighted() { 0.5 * (of_point + self.slowness_near(at)) } else { 1.0 }
     }
 
-    /// The slowness between grid points, bilinear over those that are there.
+    /// Returns the slowness between grid points, bilinear over the corners that are present.
     fn slowness_near(&self, at: DVec2) -> f64 {
         let (row, col) = (at.x as usize, at.y as usize);
         let cell = Cell { rows: [row, row + 1], cols: [col, col + 1] };
@@ -219,7 +225,7 @@ impl Surface {
         sum / weights
     }
 
-    /// A grid point in some precision. Positions and heights are taken relative to `origin`.
+    /// Returns a grid point in the given precision. Positions and heights are relative to `origin`.
     pub(crate) fn point<R: Real>(&self, index: usize, origin: DVec3) -> Point<R> {
         let Inputs { geometry, present, is_scaled, .. } = &self.inputs;
         let slowness = if present[index] { self.slowness_to_updates(index) } else { 0.0 };
@@ -235,13 +241,14 @@ impl Surface {
     }
 }
 
-/// Of so many edges one jumps, or more, where there are patches.
+/// Reciprocal of the share of edges with a jump from which a slowness counts as patches: one edge in twenty.
 const PATCHES: usize = 20;
 
-/// What is left of the least slowness where travel is free.
+/// Slowness of free travel, relative to the least positive slowness.
 const FREE: f64 = crate::constants::FREE;
 
-/// A slowness in some precision: one that is too small for it is small, but no hole.
+/// Converts a slowness to the given precision. Values that would underflow become the smallest positive
+/// number, so that they do not make holes.
 fn held<R: Real>(slowness: f64) -> R {
     R::of(slowness).max(R::min_positive_value())
 }

@@ -1,23 +1,26 @@
-//! Theorem 1: how many raster scan iterations a surface can need.
+//! Bounds the number of raster scan iterations that a surface can need, by Theorem 1 of the paper.
 
 use glam::{DMat2, DVec3};
 
 use super::{Chart, Direction, Surface};
 
 impl Surface {
-    /// Theorem 1's bound on the number of raster scan iterations, from finite differences.
+    /// Returns Theorem 1's bound on the number of raster scan iterations, from finite differences.
     ///
-    /// The theorem (paper, section 4 and appendix A) bounds how far a geodesic can turn in the
-    /// chart; four scans cover every quarter turn. Two details of the published expression need
-    /// a reading. Its eigenvalues of the Hessians are taken by magnitude, since the proof bounds
-    /// a quadratic form with them. And the factor lambda_max is a matter of units: the proof's
-    /// curvature bound, |H| / lambda_min per unit of length on the surface, does not change when
-    /// the chart or the surface is scaled, and equals the published one where the chart is
-    /// scaled so that lambda_max = 1. The maximum and the minimum are taken over the surface
-    /// independently, and the diameter is bounded by the longest row plus the longest column.
+    /// The theorem (paper, section 4 and appendix A) bounds how far a geodesic can turn in the chart; four
+    /// scans cover every quarter turn. Two details of the published expression need an interpretation.
     ///
-    /// `None` where the theorem says nothing: for a metric without positions, with slowness,
-    /// with holes (a path around a wall turns as often as the wall does), and below 3 x 3 points.
+    /// - The eigenvalues of the Hessians are taken by magnitude, since the proof bounds a quadratic form with
+    ///   them.
+    /// - The factor lambda_max depends on the units. The curvature bound of the proof, |H| / lambda_min per
+    ///   unit of length on the surface, does not change when the chart or the surface is scaled. It equals
+    ///   the published one where the chart is scaled so that lambda_max = 1.
+    ///
+    /// The maximum and the minimum are taken over the surface independently. The diameter is bounded by the
+    /// longest row plus the longest column.
+    ///
+    /// Returns `None` where the theorem does not apply: for a metric without positions, with a slowness, with
+    /// holes (a path around a wall turns as often as the wall does), and below 3 x 3 points.
     pub fn iteration_bound(&self) -> Option<u64> {
         use Direction::{East, North, NorthEast, NorthWest, South, SouthEast, SouthWest, West};
         let chart = self.chart();
@@ -53,7 +56,7 @@ impl Surface {
         let longest_row = (0..rows).map(|row| length((row, 0), East)).fold(0.0, f64::max);
         let longest_col = (0..cols).map(|col| length((0, col), South)).fold(0.0, f64::max);
         let diameter: f64 = longest_row + longest_col;
-        // Second differences of a straight grid are rounding errors, not curvature.
+        // The second differences of a straight grid are rounding errors, not curvature.
         let rounding = 8.0 * f64::EPSILON * largest_coordinate;
         let curvature = (largest_hessian - rounding).max(0.0) / smallest_eigenvalue;
         let turns = 2.0 * diameter * curvature / std::f64::consts::PI;
@@ -61,7 +64,7 @@ impl Surface {
     }
 }
 
-/// The root of the sum over x, y, z of the squared largest eigenvalue of each Hessian.
+/// Returns the root of the sum, over x, y and z, of the squared largest eigenvalue of each Hessian.
 fn hessian_norm(rr: DVec3, rc: DVec3, cc: DVec3) -> f64 {
     let largest = |axis: usize| {
         let (low, high) = eigenvalues(symmetric(rr[axis], rc[axis], cc[axis]));
@@ -74,7 +77,7 @@ fn symmetric(rr: f64, rc: f64, cc: f64) -> DMat2 {
     DMat2::from_cols_array(&[rr, rc, rc, cc])
 }
 
-/// Eigenvalues of a symmetric matrix, the smaller first.
+/// Returns the eigenvalues of a symmetric matrix. The smaller one is first.
 fn eigenvalues(m: DMat2) -> (f64, f64) {
     let mean = 0.5 * (m.x_axis.x + m.y_axis.y);
     let radius = (0.5 * (m.x_axis.x - m.y_axis.y)).hypot(m.x_axis.y);
@@ -102,7 +105,7 @@ mod tests {
         let plane =
             Surface::from_heights(5, 7, vec![0.1; 35], Spacing { dx: 0.1, dy: 0.3 }).unwrap();
         assert_eq!(plane.iteration_bound(), Some(1));
-        // A slanted and sheared one too, however fine, and far from the origin.
+        // This includes a slanted and sheared grid, however fine, and far from the origin.
         let points = 513;
         let position = |index: usize| {
             let (row, col) = ((index / points) as f64, (index % points) as f64);
@@ -115,7 +118,7 @@ mod tests {
 
     #[test]
     fn the_bound_does_not_depend_on_sampling_or_scale() {
-        // The paper's example of an unfavourable chart, a disc in polar coordinates.
+        // The paper's example of an unfavourable chart: a disc in polar coordinates.
         let coarse = disc(65).iteration_bound().unwrap();
         let fine = disc(257).iteration_bound().unwrap();
         assert!(coarse > 1 && coarse.abs_diff(fine) <= 1, "{coarse} {fine}");

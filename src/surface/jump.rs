@@ -1,4 +1,4 @@
-//! Where a slowness, or a metric, jumps.
+//! Detects where a slowness or a metric jumps.
 
 use super::real::{Real, max, min};
 use super::tag::Tagged;
@@ -7,14 +7,14 @@ use crate::constants::{EVEN_SLOWNESS, JUMPS_PER_RATIO};
 /// Tag ([`Tagged::with_tag`]) of a slowness at points around which it jumps.
 pub(crate) const JUMPS: u8 = crate::constants::JUMPS as u8;
 
-/// Whether a slowness has that tag.
+/// Returns whether a slowness carries the tag [`JUMPS`].
 #[inline(always)]
 pub(crate) fn jumps<R: Real>(slowness: R) -> bool {
     slowness.tag_has(JUMPS, JUMPS)
 }
 
-/// How much something jumps between some points, given the largest and the least: 0 where it is smooth, 1 where
-/// the grid does not resolve it.
+/// Returns how much a quantity jumps between some points, from its largest and its least value: 0 where it is
+/// smooth, 1 where the grid does not resolve it.
 pub(super) fn jump<R: Real>(largest: R, least: R) -> R {
     let beyond = (largest - R::of(EVEN_SLOWNESS) * least) * R::of(JUMPS_PER_RATIO);
     min(max(beyond / least, R::zero()), R::one())

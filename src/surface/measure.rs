@@ -1,6 +1,6 @@
-//! Measures the edges of the points of a row, in lanes. The twin of `glsl/edges.glsl`.
+//! Measures the edges of a row of points in SIMD lanes. The twin of `glsl/edges.glsl`.
 //!
-//! The loops have no branch, so that the compiler turns points into lanes; see [`Loop`].
+//! The loops have no branches, so that the compiler vectorizes them; see [`Loop`].
 
 use super::Surface;
 use super::arc::{arc, bends, end_bend, normal};
@@ -10,35 +10,36 @@ use super::points::Row;
 use super::real::{Real, max};
 use crate::lanes::{Instructions, Loop};
 
-/// Shortest length of an edge between distinct points, in the surface's unit.
+/// Minimum length of an edge between distinct points, in the surface's unit of length.
 pub const SHORTEST_EDGE: f64 = 1e-12;
-/// Longest length of an edge: squares and sums of such lengths stay within single precision
-/// and below [`super::FAR`].
+/// Maximum length of an edge. Squares and sums of such lengths stay within single precision and below
+/// [`super::FAR`].
 pub const LONGEST_EDGE: f64 = crate::constants::LONGEST_EDGE;
 
-/// This row's among the bends of four.
+/// Index of the current row among the four rows of bends.
 const HERE: usize = 2;
 
-/// Points that are measured together, in arrays of their own, which no other can overlap.
+/// Number of points that are measured together. They are in local arrays, which the compiler knows not to
+/// overlap.
 const STRETCH: usize = 32;
 
-/// How a surface bends across the points of a row, with a point more at each end.
+/// The bends of a surface at the points of a row, with an additional point at each end.
 pub(super) struct RowBends<R> {
-    /// Along the lines of [`STORED`]; [`Real::FAR`] where a neighbour on the line is missing.
+    /// Bends along the lines of [`STORED`]; [`Real::FAR`] where a neighbour on the line is missing.
     along: [Vec<R>; 4],
-    /// The unit normals; zero where there are none.
+    /// Unit normals; zero where there is none.
     normals: [Vec<R>; 3],
 }
 
 impl<R: Real> RowBends<R> {
-    /// None, for as many points.
+    /// Returns bends of zero for `points` points.
     pub(super) fn none(points: usize) -> Self {
         let zeros = || vec![R::zero(); points + 2];
         Self { along: [(); 4].map(|_| zeros()), normals: [(); 3].map(|_| zeros()) }
     }
 
-    /// Bends along a line and normals of so many points from one on, counted from the point before the row's
-    /// first.
+    /// Returns the bends along a line and the normals of `points` points. The index `first` counts from the
+    /// point before the row's first one.
     #[inline(always)]
     fn part(&self, line: usize, first: usize, points: usize) -> [&[R]; 4] {
         let [x, y, z] = &self.normals;
@@ -53,14 +54,14 @@ impl<R: Real> RowBends<R> {
 }
 
 impl Surface {
-    /// The bends across the points of a row, from the row before, itself and the row after.
+    /// Computes the bends at the points of a row, from the row before, the row itself and the row after.
     pub(super) fn bend_row<R: Real>(&self, rows: [&Row<R>; 3], bends: &mut RowBends<R>) {
         self.geometry().in_space(BendRow { rows, bends });
     }
 
-    /// The lengths of the edges stored at the points of a row, from the row before and itself, and
-    /// the bends of these two, the row before them and the one after. Returns whether one may be too
-    /// short or too long.
+    /// Computes the lengths of the edges stored at the points of a row. `rows` are the row before and the row
+    /// itself. `bends` are those of the row before these two, of these two, and of the row after. Returns
+    /// whether a length may be too short or too long.
     pub(super) fn measure_row<R: Real>(
         &self,
         rows: [&Row<R>; 2],
@@ -71,7 +72,7 @@ impl Surface {
     }
 }
 
-/// [`Bend`] in any space.
+/// Runs [`Bend`] in any space.
 struct BendRow<'a, R> {
     rows: [&'a Row<R>; 3],
     bends: &'a mut RowBends<R>,
@@ -86,7 +87,7 @@ impl<R: Real> InSpace<R> for BendRow<'_, R> {
     }
 }
 
-/// [`Measure`] in any space.
+/// Runs [`Measure`] in any space.
 struct MeasureRow<'a, R> {
     rows: [&'a Row<R>; 2],
     bends: [&'a RowBends<R>; 4],
@@ -102,27 +103,27 @@ impl<R: Real> InSpace<R> for MeasureRow<'_, R> {
     }
 }
 
-/// What arrays say of a point.
+/// Returns the values of point `i` in four arrays.
 #[inline(always)]
 fn at<R: Real>([a, b, c, d]: [&[R]; 4], i: usize) -> [R; 4] {
     [a[i], b[i], c[i], d[i]]
 }
 
-/// Whether a length is neither too short nor too long, nor zero.
+/// Returns whether a length is within the limits and not zero.
 #[inline(always)]
 fn is_usual<R: Real>(length: R) -> bool {
     (length > R::of(SHORTEST_EDGE)) & (length < R::of(LONGEST_EDGE))
 }
 
-/// The stretches of a row: their first points, and how many each has. The last one overlaps the
-/// one before if the row has a remainder.
+/// Returns the first point of each stretch of a row. If the row has a remainder, the last stretch overlaps
+/// the one before it.
 #[inline(always)]
 fn stretches(points: usize) -> impl Iterator<Item = usize> {
     let last = points.saturating_sub(STRETCH);
     (0..points.div_ceil(STRETCH)).map(move |k| (k * STRETCH).min(last))
 }
 
-/// The bends across a row of points.
+/// The loop that computes the bends at a row of points.
 struct Bend<'a, R, S> {
     space: S,
     rows: [&'a Row<R>; 3],
@@ -186,12 +187,12 @@ impl<R: Real, S: Space<R>> Bend<'_, R, S> {
     }
 }
 
-/// The lengths of the edges stored at a row of points.
+/// The loop that computes the lengths of the edges stored at a row of points.
 struct Measure<'a, R, S> {
     space: S,
-    /// Before and here.
+    /// The row before and the row itself.
     rows: [&'a Row<R>; 2],
-    /// Before these, before, here and after.
+    /// The bends of the second row before, the row before, the row itself and the row after.
     bends: [&'a RowBends<R>; 4],
     lengths: &'a mut [Vec<R>; 4],
 }
@@ -219,7 +220,8 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
     #[inline(always)]
     fn stretch(&mut self, start: usize, points: usize) -> bool {
         let mut found = [[R::FAR; STRETCH]; 4];
-        // Direction by direction at compile time: with steps that it does not know, the compiler sees no lanes.
+        // Each direction is a constant: with steps unknown at compile time, the compiler does not vectorize
+        // the loop.
         let mut suspicious = self.line::<0>(start, points, &mut found[0]);
         suspicious |= self.line::<1>(start, points, &mut found[1]);
         suspicious |= self.line::<2>(start, points, &mut found[2]);
@@ -230,8 +232,8 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
         suspicious
     }
 
-    /// Measures the edges of a stretch along one of the lines of [`STORED`]. Returns whether one may be too
-    /// short or too long.
+    /// Measures the edges of a stretch along one of the lines of [`STORED`]. Returns whether a length may be
+    /// too short or too long.
     #[inline(always)]
     fn line<const LINE: usize>(
         &self,
@@ -241,7 +243,7 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
     ) -> bool {
         let (step, points) = (STORED[LINE].step(), points.min(STRETCH));
         let ((down, right), diagonal) = (step, STORED[LINE].is_diagonal());
-        // From a point before the row's first on.
+        // Indices count from the point before the row's first one.
         let (here, there) = (start + 1, (start + 1).wrapping_add_signed(right));
         let [before, own] = self.rows;
         let [a, b] = [own.part(here, points), self.row(down).part(there, points)];
@@ -267,20 +269,20 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
         suspicious != 0
     }
 
-    /// This row of points, or the one so far down.
+    /// Returns the row of points that lies `down` rows below this one.
     #[inline(always)]
     fn row(&self, down: isize) -> &Row<R> {
         self.rows[1usize.wrapping_add_signed(down)]
     }
 
-    /// Measures those edges of a stretch again that end where their line does, one after another, since
-    /// they are few. Returns whether one may be too short or too long.
+    /// Measures the edges of a stretch that lie at an end of their grid line again, one by one, since they
+    /// are few. Returns whether a length may be too short or too long.
     #[inline(never)]
     fn measure_ends(&self, k: usize, start: usize, found: &mut [R]) -> bool {
         let (down, right) = STORED[k].step();
         let mut suspicious = false;
         for (i, found) in found.iter_mut().enumerate() {
-            // From this point, along the line.
+            // The bend `steps` points along the line from this point.
             let bend = |steps: isize| {
                 let row = &self.bends[HERE.wrapping_add_signed(steps * down)].along[k];
                 row[(start + i + 1).wrapping_add_signed(steps * right)]
@@ -289,7 +291,7 @@ impl<R: Real, S: Space<R>> Measure<'_, R, S> {
             if *found >= R::FAR || max(bends[0], bends[1]) < R::FAR {
                 continue;
             }
-            // Beyond a point that has a bend there is another one.
+            // A point that has a bend has another point beyond it.
             let at_end = |next: R, steps: isize| {
                 if next < R::FAR { end_bend(next, bend(steps)) } else { R::zero() }
             };

@@ -1,7 +1,7 @@
-//! Gaussian curvature of a surface that is known by its metric alone, from the tensors around a point.
+//! Computes the Gaussian curvature of a surface given by a metric, from the tensors around each point.
 //!
-//! Angles between edges do not tell it: the length of an edge from the metric at its ends is good to second order, and
-//! what is left turns angles by as much as the surface's curvature does.
+//! The angles between edges cannot give it. The length of an edge from the metric at its ends is accurate to
+//! second order, and the remaining error turns angles by as much as the surface's curvature does.
 
 use super::Surface;
 use super::geometry::{Geometry, MetricTensor};
@@ -9,8 +9,9 @@ use super::jump::jump;
 use super::real::Real;
 
 impl Surface {
-    /// At each point of the bordered array, where it and its eight neighbours are there, else NaN; nothing if the surface
-    /// has positions. Where the metric jumps, it is left out.
+    /// Returns the Gaussian curvature at each point of the bordered array, or `None` if the surface has
+    /// positions. The value is NaN unless the point and its eight neighbours are present. Curvature is left
+    /// out where the metric jumps.
     pub(super) fn metric_curvature<R: Real>(&self) -> Option<Vec<R>> {
         let Geometry::Metric(metric) = self.geometry() else { return None };
         let chart = self.chart();
@@ -35,13 +36,15 @@ impl Surface {
 }
 
 impl Surface {
-    /// The tensor without what is a slowness to the updates, whose part of the curvature is found with it.
+    /// Returns the tensor without the scale that the updates treat as a slowness. The curvature due to that
+    /// scale is computed with the slowness.
     fn shape(&self, tensor: &MetricTensor) -> MetricTensor {
         if self.is_scaled() { tensor.shape() } else { *tensor }
     }
 }
 
-/// The curvature from a point's tensor and those around it (Brioschi's formula), as far as they change smoothly.
+/// Returns the curvature from the tensors at a point and around it (Brioschi's formula), as far as the
+/// tensors change smoothly.
 fn smooth_curvature(block: &[[MetricTensor; 3]; 3]) -> f64 {
     let steps = [[0.0, 1.0], [1.0, 0.0], [1.0, 1.0], [1.0, -1.0]];
     let jumps = steps.map(|step| {
@@ -55,7 +58,7 @@ fn smooth_curvature(block: &[[MetricTensor; 3]; 3]) -> f64 {
 }
 
 fn curvature(block: &[[MetricTensor; 3]; 3]) -> f64 {
-    // Columns are u, rows v.
+    // The coordinate u runs along columns, v along rows.
     let [e, f, g]: [fn(&MetricTensor) -> f64; 3] = [|t| t.cc, |t| t.rc, |t| t.rr];
     let of = |entry: fn(&MetricTensor) -> f64| {
         let at = |row: usize, col: usize| entry(&block[row][col]);
@@ -88,7 +91,7 @@ mod tests {
     use super::*;
     use crate::surface::EdgeLengths;
 
-    /// A sphere by its latitudes and longitudes, and a plane by circles and rays.
+    /// A sphere by latitudes and longitudes, and a plane by circles and rays.
     #[test]
     fn a_sphere_has_curvature_one_and_a_plane_none_in_any_coordinates() {
         let step = 0.02;

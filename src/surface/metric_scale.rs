@@ -1,8 +1,9 @@
-//! A metric that jumps from point to point as a slowness does: a factor of one point's tensor is not its neighbour's.
+//! Splits a metric that jumps in scale into a slowness and a shape. Such a metric jumps from point to point
+//! as a slowness does: neighbouring tensors differ by a factor.
 //!
-//! Lengths of edges cannot hold such a metric: beside a jump the edges of an even cell make an uneven triangle. So each
-//! tensor is taken for the square of a slowness times a tensor of determinant 1, and the updates find a triangle's shape
-//! from the latter.
+//! Edge lengths cannot hold such a metric: beside a jump, the edges of an even cell make an uneven triangle.
+//! Therefore each tensor is split into the square of a slowness times a tensor of determinant 1. The updates
+//! take a triangle's shape from the latter.
 
 use rayon::prelude::*;
 
@@ -29,8 +30,8 @@ impl MetricTensor {
     }
 }
 
-/// Whether a metric jumps between neighbours along a row or a column whose tensors differ by a factor and hardly in
-/// shape.
+/// Returns whether a metric jumps between neighbours along a row or a column whose tensors differ by a factor but
+/// hardly in shape.
 pub(super) fn jumps_in_scale(chart: Chart, metric: &[MetricTensor], present: &[bool]) -> bool {
     let jumps = |a: usize, b: usize| {
         let (a, b) = (&metric[a], &metric[b]);
@@ -50,9 +51,9 @@ pub(super) fn jumps_in_scale(chart: Chart, metric: &[MetricTensor], present: &[b
     (0..chart.rows).into_par_iter().any(row_jumps)
 }
 
-/// Whether no length differs by more than a slowness that is even, of two tensors of determinant 1.
+/// Returns whether no length differs between two tensors of determinant 1 by more than an even slowness may.
 fn is_alike(a: &MetricTensor, b: &MetricTensor) -> bool {
-    // The eigenvalues of one by the other are each other's reciprocals: this is their sum.
+    // The eigenvalues of one tensor relative to the other are reciprocals of each other. This is their sum.
     let sum = a.rr * b.cc + a.cc * b.rr - 2.0 * a.rc * b.rc;
     let square = EVEN_SLOWNESS * EVEN_SLOWNESS;
     sum <= square + square.recip()
@@ -88,13 +89,13 @@ mod tests {
         }
         let at = strip(1.2);
         assert!(!has_slowness(&metric(|row, col| [3.0 * at(row, col), 0.5, 1.0])));
-        // Latitudes towards a pole, and a strip that is long one way.
+        // Latitudes towards a pole, and a strip that is long in one direction.
         let narrow = |row: usize, _| [1.0, 0.0, (0.02 + 0.3 * row as f64).powi(2)];
         assert!(!has_slowness(&metric(narrow)));
         assert!(!has_slowness(&metric(|_, col| [if col == 4 { 1e4 } else { 1.0 }, 0.0, 1.0])));
     }
 
-    /// Over a square grid a metric and a slowness that make the same lengths are the same to the updates.
+    /// Over a square grid, a metric and a slowness that make the same lengths are the same to the updates.
     #[test]
     fn a_factor_makes_the_edges_and_shapes_that_a_slowness_makes() {
         let slowness = |row: usize, col: usize| if row * col % 5 == 2 { 40.0_f64 } else { 0.5 };

@@ -1,8 +1,7 @@
-//! Surfaces: a grid of points with a geometry, holes, and the sources on it.
+//! Describes surfaces: a grid of points with a geometry, holes and sources.
 //!
-//! The solvers need nothing but lengths: whatever the input, a surface becomes the lengths of
-//! the edges between neighbouring grid points ([`EdgeLengths`]), and a source becomes initial
-//! values at grid points ([`Seed`]).
+//! The solvers need only lengths. Whatever the input, a surface becomes the lengths of the edges between
+//! neighbouring grid points ([`EdgeLengths`]), and a source becomes initial values at grid points ([`Seed`]).
 
 mod arc;
 pub mod builtin;
@@ -60,11 +59,10 @@ use glam::DVec3;
 
 use inputs::Inputs;
 
-/// An M x N grid of points on a surface: positions, heights or a metric, with an optional
-/// slowness and holes.
+/// An M x N grid of points on a surface: positions, heights or a metric, with an optional slowness and holes.
 ///
-/// Lengths are kept in double precision, since coordinates far from the origin (a map
-/// projection's eastings, say) would lose a short edge's digits in single precision.
+/// Values are kept in double precision. In single precision, coordinates far from the origin (such as the
+/// eastings of a map projection) would lose the digits of a short edge.
 ///
 /// ```
 /// use geosweep::{Surface, Spacing};
@@ -79,51 +77,51 @@ pub struct Surface {
     chart: Chart,
     inputs: Inputs,
     edge_rule: EdgeRule,
-    /// Of a floor plan, once it has been asked for.
+    /// The grid of a floor plan, once it has been requested.
     floor: OnceLock<Option<EvenGrid>>,
 }
 
-/// Why an array is no surface.
+/// The reason why an array is not a surface.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceError {
     /// An array's length is not rows x columns.
     #[error("{what}: {found} values do not fill a grid of {rows} x {cols} points")]
     Shape {
-        /// Which array.
+        /// Name of the array.
         what: &'static str,
-        /// Its length.
+        /// Length of the array.
         found: usize,
-        /// Rows of the grid.
+        /// Number of rows of the grid.
         rows: usize,
-        /// Columns of the grid.
+        /// Number of columns of the grid.
         cols: usize,
     },
     /// The grid has no row or no column.
     #[error("a grid of {rows} x {cols} points is empty; give at least one row and one column")]
     Empty {
-        /// Rows of the grid.
+        /// Number of rows of the grid.
         rows: usize,
-        /// Columns of the grid.
+        /// Number of columns of the grid.
         cols: usize,
     },
-    /// A grid that has no coarser one.
+    /// The grid cannot be coarsened.
     #[error(
         "a grid of {rows} x {cols} points cannot be compared with every second point of it: each side needs one point or three and more, and some of them must be no holes"
     )]
     TooSmall {
-        /// Rows of the grid.
+        /// Number of rows of the grid.
         rows: usize,
-        /// Columns of the grid.
+        /// Number of columns of the grid.
         cols: usize,
     },
     /// Every point is a hole.
     #[error("no point of the surface is left: all are NaN or masked out")]
     NoPoint,
-    /// A value is infinite where only finite values and NaN (a hole) make sense.
+    /// A value is infinite where only finite values and NaN (a hole) are valid.
     #[error("{what} at row {row}, column {col} is infinite; use NaN to mark a hole")]
     Infinite {
-        /// Which array.
+        /// Name of the array.
         what: &'static str,
         /// Row of the value.
         row: usize,
@@ -133,9 +131,9 @@ pub enum SurfaceError {
     /// A spacing is zero, negative or not finite.
     #[error("spacing {dx} x {dy} is not usable: both must be positive and finite")]
     Spacing {
-        /// Between columns.
+        /// Spacing between columns.
         dx: f64,
-        /// Between rows.
+        /// Spacing between rows.
         dy: f64,
     },
     /// A slowness is negative.
@@ -143,14 +141,14 @@ pub enum SurfaceError {
         "slowness {value} at row {row}, column {col} is negative; 0 is free travel, and infinity or NaN a wall that nothing passes"
     )]
     Slowness {
-        /// The value.
+        /// The negative value.
         value: f64,
         /// Row of the value.
         row: usize,
         /// Column of the value.
         col: usize,
     },
-    /// A metric tensor has no positive definite symmetric form.
+    /// A metric tensor is not positive definite.
     #[error(
         "metric at row {row}, column {col} is not positive definite: [[{rr}, {rc}], [{rc}, {cc}]]; its diagonal and its determinant must be positive"
     )]
@@ -166,12 +164,12 @@ pub enum SurfaceError {
         /// The tensor's entry for columns.
         cc: f64,
     },
-    /// A coordinate makes edges too long for single precision arithmetic.
+    /// A coordinate makes edges too long for single precision.
     #[error(
         "{what} at row {row}, column {col}: {value:e} is too large, as edges may be no longer than {LONGEST_EDGE:e} units; if it stands for no data, make it NaN, mask it out or name it as the file's no-data value, else choose a larger unit of length"
     )]
     TooLarge {
-        /// Which array.
+        /// Name of the array.
         what: &'static str,
         /// The value.
         value: f64,
@@ -180,7 +178,7 @@ pub enum SurfaceError {
         /// Column of the value.
         col: usize,
     },
-    /// An edge is too long or too short for single precision arithmetic.
+    /// An edge is too long or too short for single precision.
     #[error(
         "the edge from row {row}, column {col} to its {direction:?} neighbour is {length:e} units long; choose a unit of length in which edges lie between {SHORTEST_EDGE:e} and {LONGEST_EDGE:e}"
     )]
@@ -189,15 +187,15 @@ pub enum SurfaceError {
         row: usize,
         /// Column of the edge's first end.
         col: usize,
-        /// Where the other end lies.
+        /// Direction from the first end to the other.
         direction: Direction,
-        /// The length.
+        /// Length of the edge.
         length: f64,
     },
 }
 
 impl Surface {
-    /// A surface from 3D points, row-major. A point with a NaN coordinate is a hole.
+    /// Makes a surface from 3D points, row-major. A point with a NaN coordinate is a hole.
     pub fn from_positions(
         rows: usize,
         cols: usize,
@@ -206,8 +204,8 @@ impl Surface {
         Self::new(rows, cols, Geometry::Positions(positions))
     }
 
-    /// A height field, row-major: the point at row r and column c is (c dx, r dy, height). A NaN
-    /// height is a hole.
+    /// Makes a height field from heights, row-major. The point at row r and column c is (c dx, r dy, height).
+    /// A NaN height is a hole.
     pub fn from_heights(
         rows: usize,
         cols: usize,
@@ -220,8 +218,8 @@ impl Surface {
         Self::new(rows, cols, Geometry::Heights { heights, spacing })
     }
 
-    /// A surface known only by its metric (paper, eq. 3) in index coordinates, row-major. A
-    /// tensor with a NaN entry is a hole.
+    /// Makes a surface given only by its metric (paper, eq. 3) in index coordinates, row-major. A tensor with
+    /// a NaN entry is a hole.
     pub fn from_metric(
         rows: usize,
         cols: usize,
@@ -243,7 +241,7 @@ impl Surface {
         Self { chart, inputs, edge_rule, floor }.non_empty()
     }
 
-    /// Measures edges by this rule in place of the default one.
+    /// Sets the rule by which edges are measured.
     pub fn with_edge_rule(mut self, edge_rule: EdgeRule) -> Self {
         self.edge_rule = edge_rule;
         self
@@ -253,55 +251,57 @@ impl Surface {
         if self.present().contains(&true) { Ok(self) } else { Err(SurfaceError::NoPoint) }
     }
 
-    /// The grid's size.
+    /// Returns the grid's size.
     pub fn chart(&self) -> Chart {
         self.chart
     }
 
-    /// Number of rows, M.
+    /// Returns the number of rows, M.
     pub fn rows(&self) -> usize {
         self.chart.rows
     }
 
-    /// Number of columns, N.
+    /// Returns the number of columns, N.
     pub fn cols(&self) -> usize {
         self.chart.cols
     }
 
-    /// Number of points that are not holes.
+    /// Returns the number of points that are not holes.
     pub fn points(&self) -> usize {
         self.present().iter().filter(|&&present| present).count()
     }
 
-    /// Positions, heights or metric, as given.
+    /// Returns the positions, heights or metric, as given.
     pub fn geometry(&self) -> &Geometry {
         &self.inputs.geometry
     }
 
-    /// How edges are measured; a surface known only by its metric has no arcs.
+    /// Returns the rule by which edges are measured. A surface given only by its metric always has
+    /// [`EdgeRule::Chord`].
     pub fn edge_rule(&self) -> EdgeRule {
         if self.geometry().has_positions() { self.edge_rule } else { EdgeRule::Chord }
     }
 
-    /// For each point whether the surface is there (true) or has a hole, row-major.
+    /// Returns for each point, row-major, whether the surface is present (true) or has a hole (false).
     pub fn present(&self) -> &[bool] {
         &self.inputs.present
     }
 
-    /// Whether the grid has this point and it is not a hole.
+    /// Returns whether the grid has this point and it is not a hole.
     pub fn has(&self, row: usize, col: usize) -> bool {
         row < self.rows() && col < self.cols() && self.present()[self.chart.index(row, col)]
     }
 
-    /// The 3D position of a grid point; `None` for a surface known only by its metric, and at
-    /// holes.
+    /// Returns the 3D position of a grid point. The result is `None` at holes, and for a surface given only
+    /// by its metric.
     pub fn position(&self, row: usize, col: usize) -> Option<DVec3> {
         self.has(row, col).then(|| self.geometry().position(self.chart, row, col))?
     }
 
-    /// Whether this is a floor plan: flat and evenly spaced, rectangular or sheared up to where a triangle of
-    /// neighbours is obtuse, with or without holes, without a slowness, and of no more than some 30 million
-    /// points. Over it, and from points, [`crate::Wavefront::Anchored`] is exact.
+    /// Returns whether the surface is a floor plan: a flat, evenly spaced grid without a slowness, with or
+    /// without holes. The grid may be sheared as long as no triangle of neighbours is obtuse. It may have
+    /// about 30 million points at most. Over a floor plan, and from points, [`crate::Wavefront::Anchored`] is
+    /// exact.
     ///
     /// ```
     /// use geosweep::{Spacing, Surface};
@@ -316,15 +316,15 @@ impl Surface {
         self.floor().is_some()
     }
 
-    /// The grid of a floor plan.
+    /// Returns the even grid of a floor plan.
     pub(crate) fn floor(&self) -> Option<EvenGrid> {
         let grid = || EvenGrid::of(self).filter(|grid| !grid.is_obtuse());
         *self.floor.get_or_init(|| has_numbers(self.chart).then(grid).flatten())
     }
 
-    /// Whether the surface has an edge from a grid point to a neighbour: both ends are there,
-    /// and a diagonal has a third corner of its cell beside it, since a path would otherwise
-    /// slip through between two holes.
+    /// Returns whether the surface has an edge from a grid point to a neighbour. Both ends must be present. A
+    /// diagonal also needs a third corner of its cell beside it; else a path would slip through between two
+    /// holes.
     pub fn has_edge(&self, row: usize, col: usize, to: Direction) -> bool {
         let has = |to| self.chart.neighbour(row, col, to).is_some_and(|(r, c)| self.has(r, c));
         let beside = !to.is_diagonal() || has(to.previous()) || has(to.next());
@@ -332,14 +332,14 @@ impl Surface {
     }
 }
 
-/// How many anchors a front can name: half of the numbers are of points, half of sources inside cells. See
-/// `update/anchor.rs`.
+/// Number of anchors that a front can name. Half of the numbers are for grid points, half for sources inside
+/// cells. See `update/anchor.rs`.
 pub(crate) const ANCHORS: usize = 1 << 26;
 
-/// Rows and columns that engines keep around a grid, and more.
+/// Upper bound for the number of rows and columns that engines keep around a grid.
 const AROUND: usize = 16;
 
-/// Whether fronts can carry the numbers of a grid's points.
+/// Returns whether fronts can carry the numbers of all points of a grid.
 fn has_numbers(chart: Chart) -> bool {
     (chart.rows + AROUND) * (chart.cols + AROUND) <= ANCHORS / 2
 }

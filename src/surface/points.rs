@@ -1,4 +1,4 @@
-//! Rows of grid points in the form in which edges are measured.
+//! Provides rows of grid points in the form from which edges are measured.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -8,7 +8,7 @@ use super::geometry::{Point, bounds};
 use super::real::Real;
 
 impl Surface {
-    /// The middle of the surface: single precision keeps more digits of positions relative to it.
+    /// Returns the middle of the surface. Relative to it, single precision keeps more digits of positions.
     pub(crate) fn origin(&self) -> DVec3 {
         let chart = self.chart();
         let row_bounds = |row| self.geometry().row_bounds(chart, row, self.present());
@@ -19,8 +19,8 @@ impl Surface {
         if low.is_finite() { 0.5 * (low + high) } else { DVec3::ZERO }
     }
 
-    /// A row of grid points, counted on beyond the border, with a point more at either end; missing ones
-    /// where the chart has none.
+    /// Returns a row of grid points, with an additional point at either end. `row` may lie beyond the border.
+    /// Points that the chart does not have are missing.
     pub(super) fn row<R: Real>(&self, row: isize, origin: DVec3) -> Row<R> {
         let chart = self.chart();
         let Row(mut points) = Row::missing(chart.cols);
@@ -36,22 +36,23 @@ impl Surface {
     }
 }
 
-/// A row of grid points, coordinate by coordinate, with a point more before the first and after the
+/// A row of grid points, one array per coordinate, with an additional point before the first and after the
 /// last.
 pub(super) struct Row<R>([Vec<R>; 4]);
 
 impl<R: Real> Row<R> {
-    /// As many missing points.
+    /// Returns a row of `points` missing points.
     pub(super) fn missing(points: usize) -> Self {
         Self([(); 4].map(|_| vec![R::zero(); points + 2]))
     }
 
-    /// Number of grid points.
+    /// Returns the number of grid points, without the additional ones.
     pub(super) fn len(&self) -> usize {
         self.0[0].len() - 2
     }
 
-    /// So many points from one on, counted from the one before the first.
+    /// Returns `points` points from index `first` on. The index counts from the point before the row's first
+    /// one.
     #[inline(always)]
     pub(super) fn part(&self, first: usize, points: usize) -> [&[R]; 4] {
         let [x, y, z, slowness] = &self.0;
@@ -63,7 +64,8 @@ impl<R: Real> Row<R> {
         ]
     }
 
-    /// Some of them, with a point more at each end.
+    /// Returns `points` points with an additional point at each end. The index `first` counts from the row's
+    /// first point.
     #[inline(always)]
     pub(super) fn window(&self, first: usize, points: usize) -> Window<'_, R> {
         let [x, y, z, slowness] = &self.0;
@@ -76,7 +78,7 @@ impl<R: Real> Row<R> {
     }
 }
 
-/// Part of a row, counted from the point before its first.
+/// A part of a row. Indices count from the point before its first one.
 #[derive(Clone, Copy)]
 pub(super) struct Window<'a, R>([&'a [R]; 4]);
 

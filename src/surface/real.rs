@@ -1,33 +1,33 @@
-//! The two precisions of the solvers.
+//! Defines the two precisions of the solvers.
 
-/// Stands for "not reached" and "no such edge" inside the solvers and the shaders.
+/// The value for "not reached" and "no such edge" inside the solvers and the shaders.
 ///
-/// A large finite number, since GLSL does not promise infinities and their difference is NaN.
-/// The public interface says +infinity instead.
+/// It is a large finite number, since GLSL does not promise infinities, and their difference is NaN. The
+/// public interface uses +infinity instead.
 pub const FAR: f64 = crate::constants::FAR;
 
-/// f32 for use, f64 for reference.
+/// A precision of the solvers: f32 for use, f64 for reference.
 pub trait Real:
     num_traits::Float + bytemuck::Pod + Default + Send + Sync + std::fmt::Debug
 {
     /// [`FAR`] in this precision.
     const FAR: Self;
 
-    /// Binary digits, which also count units in the last place.
+    /// The type of the binary digits, which also counts units in the last place.
     type Bits: num_traits::PrimInt + From<u32> + Into<u64> + Default + Send;
 
-    /// The number's binary digits.
+    /// Returns the binary digits of the number.
     fn to_bits(self) -> Self::Bits;
 
-    /// The number with these binary digits; of numbers that are not negative the one that lies so many
-    /// numbers of this precision above zero.
+    /// Returns the number with these binary digits. Among non-negative numbers it is the one that lies `bits`
+    /// representable numbers above zero.
     fn from_bits(bits: Self::Bits) -> Self;
 
-    /// How many numbers of this precision lie between two that are not negative: their relative
+    /// Returns the number of representable numbers between two non-negative numbers. This is their relative
     /// difference in units of the precision, to within a factor of two, without a division.
     fn units_between(self, other: Self) -> Self::Bits;
 
-    /// A relative change that is not negative in units of this precision.
+    /// Converts a non-negative relative change to units of this precision.
     fn in_units(self) -> Self::Bits;
 
     /// Rounds to this precision.
@@ -107,21 +107,21 @@ impl Real for f64 {
     }
 }
 
-/// The relative change of an arrival time that [`Real::units_between`] has counted: at most twice
-/// as large as it is, and 1 for a point that was reached.
+/// Converts a count of [`Real::units_between`] to a relative change of an arrival time. The result is at most
+/// twice the true change, and 1 for a point that was reached for the first time.
 pub(crate) fn relative_change<R: Real>(units: R::Bits) -> f64 {
     let units: u64 = units.into();
     (units as f64 * R::epsilon().wide()).min(1.0)
 }
 
-/// The larger of two numbers. In comparisons with NaN the first wins, as in the shaders; unlike
-/// the standard library's, it is one instruction.
+/// Returns the larger of two numbers. If one is NaN the first is returned, as in the shaders. Unlike the
+/// standard library's function, this is one instruction.
 #[inline(always)]
 pub(crate) fn max<R: Real>(a: R, b: R) -> R {
     if a < b { b } else { a }
 }
 
-/// The smaller of two numbers.
+/// Returns the smaller of two numbers.
 #[inline(always)]
 pub(crate) fn min<R: Real>(a: R, b: R) -> R {
     if b < a { b } else { a }

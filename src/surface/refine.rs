@@ -1,13 +1,13 @@
-//! A floor plan on a grid twice as fine.
+//! Refines a floor plan to a grid twice as fine.
 
 use glam::DVec2;
 
 use super::{Direction, Surface, has_numbers};
 
 impl Surface {
-    /// A floor plan ([`Self::is_floor_plan`]) with a point between any two neighbours: row r and column c become
-    /// 2 r and 2 c, and holes keep their outlines. None on other surfaces, and if it had too many points to be a
-    /// floor plan.
+    /// Returns a floor plan ([`Self::is_floor_plan`]) with a point between any two neighbours. Row r and
+    /// column c become 2 r and 2 c, and holes keep their outlines. Returns `None` on other surfaces, and if
+    /// the result would have too many points for a floor plan.
     pub(crate) fn halved_floor(&self) -> Option<Self> {
         let grid = self.floor()?;
         let chart = self.chart().refined();
@@ -22,7 +22,7 @@ impl Surface {
         plane.with_mask(&there).ok()
     }
 
-    /// Whether a place, by half rows and columns, is a grid point or lies on an edge.
+    /// Returns whether a place, given in half rows and columns, is a grid point or lies on an edge.
     fn is_between_neighbours(&self, row: usize, col: usize) -> bool {
         let (r, c) = (row / 2, col / 2);
         let has_edge = |row, col, to| self.has_edge(row, col, to);
@@ -42,7 +42,7 @@ mod tests {
 
     #[test]
     fn outlines_stay() {
-        // Two holes, between which an edge leads from cell to cell, and a cell cut in half beside each.
+        // Two holes with an edge between them from cell to cell, and beside each hole a cell cut in half.
         let floor = [
             [true, true, true, true],
             [true, false, true, true],

@@ -1,25 +1,27 @@
-//! Whether the grid resolves the surface: how far its normals turn from point to point.
+//! Measures whether the grid resolves the surface: how far its normals turn from point to point.
 
 use glam::DVec3;
 
 use super::Surface;
 use crate::constants::{LOOKS, SHARP_COSINE, TURN_UNITS};
 
-/// How well a grid resolves a surface, as far as some thousands of its points tell.
+/// How well a grid resolves a surface, judged by some thousands of its points.
 ///
-/// Where normals turn by tens of degrees from a point to the next, distances are those of some polyhedron: the
-/// curvature of the surface, and of fronts on it, means little. Whoever forgets the spacing of a height field gets there.
+/// Where normals turn by tens of degrees from one point to the next, distances are those of some polyhedron.
+/// The curvature of the surface and of fronts on it is then meaningless. A height field with a forgotten
+/// spacing is a common case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
-    /// The share of the edges along rows and columns at whose ends the surface's normals differ by more than 30
+    /// The share of the edges along rows and columns at whose ends the surface normals differ by more than 30
     /// degrees.
     pub sharp_edges: f64,
-    /// Mean square of the difference of unit normals a step apart, and two steps apart.
+    /// The mean squared difference of unit normals one step apart, and two steps apart.
     turns: [f64; 2],
 }
 
 impl Resolution {
-    /// From what is counted on a device, in `glsl/turns.glsl`; `None` if it has looked at nothing.
+    /// Computes the resolution from the counts of a device (`glsl/turns.glsl`). Returns `None` if nothing was
+    /// counted.
     pub(crate) fn counted(
         sharp: u32,
         compared: u32,
@@ -33,11 +35,13 @@ impl Resolution {
         })
     }
 
-    /// Whether the surface turns at random: by more than 12 degrees a step, and not much further in two steps
-    /// than in one, as it would where it bends. Measured on white noise and on the same smoothed (30 x 30 points,
-    /// against exact polyhedral distances): on noise with a relief of 0.3 times the spacing and more planar fronts
-    /// err least, since what is early on rough ground and what they are late by cancel; on what is smooth,
-    /// curved fronts do, however steep.
+    /// Returns whether the surface turns at random: by more than 12 degrees a step, and not much further in
+    /// two steps than in one. A surface that bends turns further in two steps.
+    ///
+    /// This was measured on white noise and on smoothed noise (30 x 30 points, against exact polyhedral
+    /// distances). On noise with a relief of 0.3 times the spacing or more, planar fronts have the smallest
+    /// error, since rough ground makes fronts early and planar fronts are late. On smooth surfaces curved
+    /// fronts have the smallest error, however steep the surface is.
     pub fn is_rough(&self) -> bool {
         let [one, two] = self.turns;
         one > ROUGH_TURN * ROUGH_TURN && two < ROUGH_TURNS * one
@@ -45,8 +49,8 @@ impl Resolution {
 }
 
 impl Surface {
-    /// How well the grid resolves the surface; `None` if it has no positions, but a metric, or is too small to
-    /// tell.
+    /// Returns how well the grid resolves the surface. The result is `None` over a metric, which has no
+    /// positions, and for surfaces that are too small.
     pub fn resolution(&self) -> Option<Resolution> {
         let (rows, cols) = (self.rows(), self.cols());
         let (mut sharp, mut edges, mut turns, mut counted) = (0, 0, [0.0; 2], 0);
@@ -74,7 +78,7 @@ impl Surface {
         })
     }
 
-    /// The surface's unit normal at a point all four of whose neighbours are there.
+    /// Returns the surface's unit normal at a point, if all four of its neighbours are present.
     fn normal_at(&self, row: usize, col: usize) -> Option<DVec3> {
         let at = |row: usize, col: usize| {
             if row < self.rows() && col < self.cols() { self.position(row, col) } else { None }
@@ -87,8 +91,9 @@ impl Surface {
     }
 }
 
-/// A surface that turns at random turns by more than so many radians a step; and the mean square in two steps is less than
-/// so many times that in one. Where it bends evenly it is four times as much.
+/// Thresholds of a surface that turns at random. `ROUGH_TURN` is the least turn per step in radians.
+/// `ROUGH_TURNS` is the upper limit for the mean square of the turn in two steps relative to that in one; it
+/// is 4 on evenly bent surfaces.
 const ROUGH_TURN: f64 = 0.2;
 const ROUGH_TURNS: f64 = 2.0;
 
@@ -141,7 +146,7 @@ mod tests {
             assert!(!resolution.is_rough(), "{}", builtin.name());
             assert!(resolution.sharp_edges < 0.05, "{}: {resolution:?}", builtin.name());
         }
-        // Steep hills are not rough, but not resolved either.
+        // Steep hills are not rough, but the grid does not resolve them either.
         assert!(heights(10.0, 8).resolution().unwrap().sharp_edges > 0.2);
         assert!(Builtin::Plane.surface(2, 9).unwrap().resolution().is_none());
     }

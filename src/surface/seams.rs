@@ -1,4 +1,4 @@
-//! Where a grid of positions is a closed surface that was cut open: fronts do not pass such a cut.
+//! Detects where a grid of positions is a closed surface that was cut open. Fronts do not pass such a cut.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -6,33 +6,33 @@ use glam::DVec3;
 
 use super::{Chart, Geometry, Surface};
 
-/// A part of the grid's border whose points coincide with others of the border, so that the surface goes
-/// on where the grid ends.
+/// A part of the grid's border whose points coincide with other border points, so that the surface continues
+/// where the grid ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seam {
     /// Two sides of the grid coincide, point by point. Distances do not pass from one to the other.
     Sides {
-        /// Which.
+        /// The two sides.
         sides: [GridSide; 2],
-        /// Whether the first point of one is the last of the other.
+        /// Whether the first point of one side coincides with the last point of the other.
         reversed: bool,
     },
     /// Two opposite sides of the grid are neighbours one cell apart, as on a globe that is sampled at the
     /// middles of its cells. Distances do not pass from one to the other.
     Neighbours {
-        /// Which.
+        /// The two sides.
         sides: [GridSide; 2],
-        /// Whether the first point of one is beside the last of the other.
+        /// Whether the first point of one side is beside the last point of the other.
         reversed: bool,
     },
-    /// The two halves of a side coincide, as in geometry images. Distances do not pass.
+    /// The two halves of a side coincide, as in geometry images. Distances do not pass from one to the other.
     Fold(GridSide),
     /// A side is a single point, as at the poles of a sphere.
     Pole {
-        /// Which.
+        /// The side.
         side: GridSide,
-        /// Whether its points are equal. Fronts then pass the pole, along edges of length 0. Edges of
-        /// mere rounding are refused.
+        /// Whether its points are exactly equal. Fronts then pass the pole along edges of length 0. Edges
+        /// whose length is mere rounding are rejected.
         exact: bool,
     },
 }
@@ -90,19 +90,20 @@ impl Display for Seam {
     }
 }
 
-/// Points coincide that are nearer than this share of the cell behind them: far less than neighbours are
-/// apart, and more than the rounding of half precision, in which geometry images are stored too.
+/// Largest distance of coincident points, relative to the cell behind them. It is far less than the distance
+/// of neighbours, and more than the rounding of half precision, in which geometry images are sometimes
+/// stored.
 const COINCIDENT: f64 = 0.05;
 
-/// Sides are neighbours if the step from one to the other is at most so many times longer or shorter than the
-/// steps of the grid on both sides of it...
+/// Largest ratio, either way, between the step from one side to the other and the steps of the grid on both
+/// sides of it, for the sides to count as neighbours.
 const MOST_UNEVEN: f64 = 2.0;
-/// ... and turns from them by no more than 60 degrees, by its cosine.
+/// Least cosine of the angle between these steps, for the sides to count as neighbours: 60 degrees.
 const LEAST_COSINE: f64 = 0.5;
 
 impl Surface {
-    /// Where its sides coincide or are neighbours, at points that are no holes. Only a surface of positions is known to be
-    /// closed; others have no seams.
+    /// Returns the seams: where sides of the grid coincide or are neighbours, at points that are not holes.
+    /// Only a surface of positions can be seen to be closed; others have no seams.
     ///
     /// ```
     /// use std::f64::consts::TAU;
@@ -133,7 +134,7 @@ impl Surface {
                 let of = |reversed| Seam::Sides { sides: [a.side, b.side], reversed };
                 seams.extend(reversed.map(of));
                 if reversed.is_none() && a.side.is_opposite(b.side) {
-                    // Narrow strips go on in both orders, but in one the steps are shorter.
+                    // Narrow strips may continue in both orders. The true order has the shorter steps.
                     let ways = [false, true].map(|way| (way, a.gap_to(b, way)));
                     let ways = ways.into_iter().filter_map(|(way, gap)| Some((way, gap?)));
                     let reversed = ways.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(way, _)| way);
@@ -146,7 +147,7 @@ impl Surface {
     }
 }
 
-/// The points of a side.
+/// The points of one side of the grid.
 struct Rim {
     side: GridSide,
     points: Vec<Option<RimPoint>>,
@@ -160,19 +161,20 @@ struct RimPoint {
 }
 
 impl RimPoint {
-    /// Nothing for the very same point of the grid, which two sides share at a corner.
+    /// Returns whether two points coincide, or `None` for the same grid point, which two sides share at a
+    /// corner.
     fn coincides(&self, other: &Self) -> Option<bool> {
         let apart = self.position.distance(other.position);
         let near = COINCIDENT * self.depth().max(other.depth());
         (self.index != other.index).then_some(apart <= near)
     }
 
-    /// The length of the edge that leads inwards; 0 if there is none.
+    /// Returns the length of the edge that leads inwards, or 0 if there is none.
     fn depth(&self) -> f64 {
         self.inwards.map_or(0.0, DVec3::length)
     }
 
-    /// Whether the grid goes on from another point to this one as it does before and behind.
+    /// Returns whether the grid continues from `other` to this point as it does before and behind them.
     fn follows(&self, other: &Self) -> Option<bool> {
         let step = self.position - other.position;
         let alike = |edge: DVec3| {
@@ -188,7 +190,7 @@ impl Rim {
     fn new(surface: &Surface, side: GridSide) -> Self {
         let chart = surface.chart();
         let Chart { rows, cols } = chart;
-        // The k-th point, and the one behind it.
+        // The k-th point, and the point behind it.
         let places = |k| match side {
             GridSide::FirstRow => [(0, k), (1, k)],
             GridSide::LastRow => [(rows - 1, k), (rows.saturating_sub(2), k)],
@@ -229,7 +231,8 @@ impl Rim {
         coincide(self.points.iter().zip(self.points.iter().rev()).take(half))
     }
 
-    /// How far another side is from this one, all points together, if the grid goes on from there to here.
+    /// Returns the sum of the distances between the points of this side and of another one, if the grid
+    /// continues from there to here.
     fn gap_to(&self, other: &Self, reversed: bool) -> Option<f64> {
         let others: Vec<_> = match reversed {
             false => other.points.iter().collect(),
@@ -237,7 +240,7 @@ impl Rim {
         };
         let pairs = || self.points.iter().zip(&others);
         let known = || pairs().filter_map(|(a, b)| a.as_ref().zip(b.as_ref()));
-        // Points whose partner in the other order is missing would weigh on one of both sums alone.
+        // A pair whose partner in the other order is missing would count in only one of the two sums.
         let has_both = |index: usize| {
             let mirrored = self.points.len() - 1 - index;
             [index, mirrored]
@@ -259,12 +262,12 @@ impl Rim {
     }
 }
 
-/// Whether two pairs and more are there, and all of them coincide.
+/// Returns whether there are at least two pairs, and all of them coincide.
 fn coincide<'a>(pairs: impl Iterator<Item = (&'a Option<RimPoint>, &'a Option<RimPoint>)>) -> bool {
     all_known(pairs.map(|(a, b)| a.as_ref()?.coincides(b.as_ref()?)))
 }
 
-/// Whether something holds wherever it is known, at two places and more.
+/// Returns whether a condition holds wherever it is known, and is known at two places or more.
 fn all_known(found: impl Iterator<Item = Option<bool>>) -> bool {
     let mut count = 0;
     found.flatten().inspect(|_| count += 1).all(|holds| holds) && count >= 2
@@ -299,18 +302,19 @@ mod tests {
     #[test]
     fn a_tube_is_closed_where_its_columns_coincide() {
         assert_eq!(names(&tube(1.0)), ["its first column and its last column coincide"]);
-        // With a column less its last is beside its first; with two less, or one more, it is open.
+        // With one column less, the last column is beside the first. With two less, or one more, the tube is
+        // open.
         let beside = "its first column and its last column are neighbours one cell apart";
         assert_eq!(names(&tube(32.0 / 33.0)), [beside]);
         assert!(tube(32.0 / 35.5).seams().is_empty());
         assert!(tube(33.0 / 32.0).seams().is_empty());
-        // Rounded to half precision it is closed still.
+        // Rounded to half precision, the tube is still closed.
         let half = |x: f64| (1024.0 * x).round() / 1024.0;
         let rough = surface(9, 33, |v, u| {
             DVec3::new(half((TAU * u + 2e-4).cos()), half((TAU * u - 2e-4).sin()), 3.0 * v)
         });
         assert_eq!(rough.seams().len(), 1);
-        // Without one of both columns it is open.
+        // Without one of the two columns, the tube is open.
         let mask: Vec<_> = (0..9 * 33).map(|index| index % 33 != 32).collect();
         assert!(tube(1.0).with_mask(&mask).unwrap().seams().is_empty());
     }
@@ -339,7 +343,7 @@ mod tests {
 
     #[test]
     fn a_ball_has_poles() {
-        // The sine of a half turn is no 0 in double precision.
+        // In double precision the sine of a half turn is not 0.
         let ball = |sin: fn(f64) -> f64| {
             surface(17, 33, move |v, u| {
                 let (radius, around) = (sin(PI * v), TAU * u);
@@ -355,11 +359,11 @@ mod tests {
     }
 
     proptest! {
-        /// Closed surfaces that are sampled at the middles of their cells: balls, tori, and Moebius strips, of
-        /// which a part of the seam may be missing. Without the last two columns they are open.
+        /// Closed surfaces that are sampled at the middles of their cells: balls, tori and Moebius strips. A
+        /// part of the seam may be missing. Without the last two columns they are open.
         #[test]
         fn sides_one_cell_apart_are_neighbours(
-            // With so many that holes leave some whose partners in both orders are known.
+            // There are enough points that holes leave some whose partners in both orders are known.
             rows in 9usize..30,
             cols in 9usize..40,
             kind in 0usize..3,
@@ -392,7 +396,7 @@ mod tests {
             let seam = Seam::Neighbours { sides: columns, reversed: kind == 2 };
             let found = middles(cols).seams();
             prop_assert!(found.contains(&seam), "{found:?}");
-            // Rows of a torus that are few or uneven turn too sharply.
+            // The rows of a torus turn too sharply if they are few or uneven.
             let around = Seam::Neighbours { sides: rows_too, reversed: false };
             prop_assert!(found.iter().all(|found| *found == seam || kind == 1 && *found == around), "{found:?}");
             prop_assert!(!middles(cols - 2).seams().contains(&seam));
@@ -404,7 +408,7 @@ mod tests {
     fn the_halves_of_a_folded_side_coincide() {
         let bag =
             surface(9, 17, |v, u| DVec3::new((TAU * u).cos() * (1.0 - v), v, (TAU * u).sin() * v));
-        // Rows: at v = 0 the ends of a line run there and back.
+        // Along rows: at v = 0 the two halves of a line run there and back.
         assert_eq!(bag.seams()[0], Seam::Fold(GridSide::FirstRow));
     }
 

@@ -1,15 +1,16 @@
-//! Tags: the last binary digits of a number, in which types that own them keep what is beside its value.
+//! Defines tags: the last binary digits of a number, in which a type stores additional data beside the value.
 
 use super::real::Real;
 use crate::constants::FLAT;
 
-/// The digits of a tag.
+/// Mask of the digits of a tag.
 pub(crate) const TAG: u8 = crate::constants::TAG as u8;
 
-/// Numbers with a tag, as shaders have them too. A type of its own says what the digits mean: those of the
-/// Gaussian curvature in `gaussian_curvature.rs`, of fronts in `update/curvature.rs` and `update/anchor.rs`.
+/// Numbers with a tag, as in the shaders. Each use defines the meaning of the digits: those of the Gaussian
+/// curvature in `gaussian_curvature.rs`, those of fronts in `update/curvature.rs` and `update/anchor.rs`.
 pub(crate) trait Tagged: Real {
-    /// The number with a tag from 0 to 15; zero becomes tiny, since devices may flush smaller ones.
+    /// Returns the number with a tag from 0 to 15. Zero becomes a tiny number, since devices may flush
+    /// smaller numbers to zero.
     #[inline(always)]
     fn with_tag(self, tag: u8) -> Self {
         let flat = Self::of(FLAT);
@@ -19,7 +20,8 @@ pub(crate) trait Tagged: Real {
         Self::from_bits(held.to_bits() & !digits | tag)
     }
 
-    /// Whether those of the tag's digits that a mask selects are these. In lanes as wide as the number.
+    /// Returns whether the digits of the tag that `mask` selects equal `digits`. The comparison uses lanes as
+    /// wide as the number.
     #[inline(always)]
     fn tag_has(self, mask: u8, digits: u8) -> bool {
         let (mask, digits): (Self::Bits, Self::Bits) =

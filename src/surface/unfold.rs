@@ -1,12 +1,13 @@
-//! Obtuse triangles, split by grid points beyond their bases (paper, end of section 3, after Kimmel and
+//! Splits obtuse triangles by grid points beyond their bases (paper, end of section 3, after Kimmel and
 //! Sethian). The twin of `glsl/splits.glsl`.
 //!
-//! A front that runs through a triangle that is obtuse at x0 may come before one of the base's ends. Then points
-//! depend on one another in a circle: what comes out hangs on the order of updates, and where fronts meet,
-//! they pass each other on too early. So an obtuse triangle has no face, only its edges. In its place the triangles
-//! beyond its base are unfolded into its plane, one after another, until a grid point comes to lie between
-//! both edges. That splits the triangle in two, of which at most one is obtuse, and is split again. Where a hole or
-//! the border ends this first, no way from any grid point comes through the rest, and it has no face either.
+//! A front that runs through a triangle with an obtuse angle at x0 may reach x0 before it reaches one end of
+//! the base. Then points depend on one another in a cycle. The result depends on the order of updates, and
+//! where fronts meet, they pass on arrival times that are too early. So an obtuse triangle is not used for
+//! updates; only its edges are. Instead, the triangles beyond its base are unfolded into its plane, one after
+//! another, until a grid point lies between both edges. That point splits the triangle in two. At most one
+//! part is obtuse, and it is split again. Where a hole or the border ends the unfolding first, no path from
+//! any grid point comes through the remaining part, and it is not used either.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -19,36 +20,38 @@ use super::real::{Real, max, min};
 use crate::constants::{EVEN_SLOWNESS, OBTUSE, SPLIT_MARGIN, SPLIT_REACH, SPLIT_STEPS};
 use crate::lanes::{Instructions, Loop};
 
-/// Whether a triangle with an area is obtuse at x0, by more than a margin for what is right-angled but for
-/// rounding: given the squares of its sides at x0 over the square of the base.
+/// Returns whether a triangle with an area is obtuse at x0, given the squares of its sides at x0 divided by
+/// the square of the base. A margin excludes triangles that are right-angled but for rounding.
 #[inline(always)]
 pub(crate) fn is_obtuse<R: Real>(side_squared: R, other_squared: R) -> bool {
     side_squared + other_squared < R::of(OBTUSE)
 }
 
-/// Which triangles are obtuse. Unknown until it is asked for; nothing if none is.
+/// The obtuse triangles of a surface. They are computed on first use; `None` inside means that there are
+/// none.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ObtuseTriangles(OnceLock<Option<Found>>);
 
 #[derive(Clone, Debug)]
 struct Found {
-    /// Those of each point of the bordered array: bit q is for that between the neighbours in directions q and
-    /// q + 1 of [`Direction::ALL`].
+    /// Obtuse triangles of each point of the bordered array. Bit q stands for the triangle between the
+    /// neighbours in directions q and q + 1 of [`Direction::ALL`].
     bits: Vec<u8>,
-    /// The points that have some, by row and by column.
+    /// Points that have obtuse triangles, by row and by column.
     lines: [Lines; 2],
 }
 
-/// Points, line by line: for each the place in its line.
+/// A list of points, line by line: for each point its place in the line.
 #[derive(Clone, Debug)]
 struct Lines {
-    /// Where each line's begin.
+    /// Start of each line in `places`.
     starts: Vec<u32>,
     places: Vec<u32>,
 }
 
 impl Lines {
-    /// Those of lines of such a length which are marked, given where the point at a place in a line is.
+    /// Lists the marked points of `lines` lines of `length` points. `at` gives the index of the point at a
+    /// place in a line.
     fn of(bits: &[u8], lines: usize, length: usize, at: impl Fn(usize, usize) -> usize) -> Self {
         let (mut starts, mut places) = (vec![0], Vec::new());
         for line in 0..lines {
@@ -70,7 +73,7 @@ impl ObtuseTriangles {
         Self(OnceLock::from(None))
     }
 
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         self.0.get().and_then(Option::as_ref).map_or(0, |found| {
             let numbers: usize =
@@ -81,8 +84,9 @@ impl ObtuseTriangles {
 }
 
 impl<R: Real> EdgeLengths<R> {
-    /// The obtuse triangles of each point of the bordered array, as bits in the order of [`Direction::ALL`]; none
-    /// if the surface has no such triangle, as is the rule.
+    /// Returns the obtuse triangles of each point of the bordered array, as bits in the order of
+    /// [`Direction::ALL`]. The result is `None` if the surface has no such triangle, which is the common
+    /// case.
     pub(crate) fn obtuse_triangles(&self) -> Option<&[u8]> {
         self.found().map(|found| &*found.bits)
     }
@@ -91,20 +95,20 @@ impl<R: Real> EdgeLengths<R> {
         self.obtuse.0.get_or_init(|| obtuse_triangles(self)).as_ref()
     }
 
-    /// The points of part of a row, or column, of the bordered array that have obtuse triangles, by their
+    /// Returns the points with obtuse triangles in part of a row or column of the bordered array, by their
     /// places in it.
     pub(crate) fn obtuse_points(&self, by_rows: bool, line: usize, range: Range<usize>) -> &[u32] {
         self.found().map_or(&[], |found| found.lines[usize::from(!by_rows)].within(line, range))
     }
 
-    /// Whether the surface has triangles that are obtuse at the point that is updated from them: where it is steep,
-    /// or its grid sheared.
+    /// Returns whether the surface has triangles that are obtuse at the point that is updated from them.
+    /// Steep surfaces and sheared grids have some.
     pub fn has_obtuse_triangles(&self) -> bool {
         self.obtuse_triangles().is_some()
     }
 
-    /// The length on the surface of the edge from a point of the bordered array to its neighbour a step of rows and
-    /// columns away.
+    /// Returns the length on the surface of the edge from a point of the bordered array to the neighbour at
+    /// `step`.
     #[inline]
     fn along(&self, point: usize, step: Step) -> R {
         let to = Direction::ALL.into_iter().find(|to| to.step() == step);
@@ -115,12 +119,14 @@ impl<R: Real> EdgeLengths<R> {
         (length + length) / (slowness[point] + slowness[there])
     }
 
-    /// Splits a point's triangle between two neighbours in directions that follow one another, if it is obtuse:
-    /// tells of its parts, by the two other corners' indices in the bordered array, the lengths
-    /// of x0 x1, x0 x2 and x1 x2 in the plane, and the slowness by which they are weighted at x0, x1 and x2.
+    /// Splits a point's triangle between two neighbours in successive directions, if it is obtuse. Calls
+    /// `part` for each part with three arguments: the indices of its two other corners in the bordered array;
+    /// the lengths of x0 x1, x0 x2 and x1 x2 in the plane; and the slowness by which they are weighted at x0,
+    /// x1 and x2.
     ///
-    /// A part may lie over several cells, of which the slowness at its corners may tell nothing. Where it jumps,
-    /// the largest that is looked at for the part counts, so that nothing walks through what is slow.
+    /// A part may cover several cells, whose slowness may differ from that at its corners. If the slowness
+    /// jumps there, the largest slowness seen in the search for the part counts, so that no front walks
+    /// through slow regions.
     pub(crate) fn split(
         &self,
         x0: usize,
@@ -128,7 +134,7 @@ impl<R: Real> EdgeLengths<R> {
         mut part: impl FnMut([usize; 2], [R; 3], [R; 3]),
     ) {
         let chart = self.chart();
-        // Whichever scan asks, from the same end.
+        // The first direction is the same whichever scan asks.
         let [first, second] = directions;
         let [a, b] = if first.next() == second { directions } else { [second, first] };
         let base = (b.step().0 - a.step().0, b.step().1 - a.step().1);
@@ -171,9 +177,9 @@ impl<R: Real> EdgeLengths<R> {
             let weighted = [half * (s0 + s1) * l1, half * (s0 + s2) * l2, half * (s1 + s2) * c];
             part(corners, weighted, [s0, s1, s2]);
         };
-        // The edge beyond which the next point is looked for, seen from x0 the first end to the right.
+        // The edge beyond which the next point is searched. As seen from x0, its first end is to the right.
         let mut edge = wedge;
-        // Which way an edge is turned by a right angle to lead away from x0.
+        // The sense of the quarter turn that turns an edge to point away from x0.
         let turn = if base.1 * a.step().0 - base.0 * a.step().1 > 0 { 1 } else { -1 };
         for _ in 0..SPLIT_STEPS {
             let Some(apex) = self.beyond(edge, turn, wedge, point_at) else { return };
@@ -203,9 +209,10 @@ impl<R: Real> EdgeLengths<R> {
         }
     }
 
-    /// The point beyond an edge of the grid that is next in x0's plane. Beyond an edge along an axis there are
-    /// two; of these one within the wedge, else the nearer one, else that with the shorter sides: whichever way
-    /// round the grid is numbered. Where rounding would have to tell, the first.
+    /// Returns the next point beyond an edge of the grid, in x0's plane. Beyond an edge along an axis there
+    /// are two candidates. A candidate within the wedge is preferred, then the nearer one, then the one with
+    /// the shorter sides. This choice does not depend on how the grid is numbered. Where rounding would
+    /// decide, the first candidate is taken.
     fn beyond(
         &self,
         [u, w]: [Unfolded<R>; 2],
@@ -216,7 +223,7 @@ impl<R: Real> EdgeLengths<R> {
         let along = (w.step.0 - u.step.0, w.step.1 - u.step.1);
         let away = (turn * along.1, -turn * along.0);
         let is_diagonal = along.0 != 0 && along.1 != 0;
-        // Halfway between both steps, where they are diagonals.
+        // Beyond a diagonal, the point is halfway between both steps.
         let first =
             if is_diagonal { ((along.0 + away.0) / 2, (along.1 + away.1) / 2) } else { away };
         let second = (along.0 + away.0, along.1 + away.1);
@@ -252,23 +259,23 @@ impl<R: Real> EdgeLengths<R> {
 /// A step in rows and columns.
 type Step = (isize, isize);
 
-/// A grid point in the plane of x0's triangle.
+/// A grid point unfolded into the plane of x0's triangle.
 #[derive(Clone, Copy, Debug)]
 struct Unfolded<R> {
-    /// From x0, in rows and columns.
+    /// Step from x0, in rows and columns.
     step: Step,
     place: [R; 2],
 }
 
 impl<R: Real> Unfolded<R> {
-    /// Whether it lies to the left of another one, seen from x0, by more than what rounding makes of one beyond
-    /// the other.
+    /// Returns whether this point lies to the left of another one, seen from x0, by more than rounding can
+    /// cause.
     fn follows(&self, other: &Self) -> bool {
         let across = other.place[0] * self.place[1] - other.place[1] * self.place[0];
         across > R::of(SPLIT_MARGIN) * (self.squared() + other.squared())
     }
 
-    /// Its squared distance from x0.
+    /// Returns the squared distance from x0.
     fn squared(&self) -> R {
         let [x, y] = self.place;
         x * x + y * y
@@ -280,7 +287,8 @@ impl<R: Real> Unfolded<R> {
     }
 }
 
-/// The place so far from both ends of an edge, to its right; none if the three are no triangle.
+/// Returns the place at the given distances from both ends of an edge, to the right of the edge. Returns
+/// `None` if the three lengths do not make a triangle.
 fn unfolded<R: Real>([u, w]: [[R; 2]; 2], base: R, [to_u, to_w]: [R; 2]) -> Option<[R; 2]> {
     if max(base, max(to_u, to_w)) >= R::FAR {
         return None;
@@ -289,7 +297,7 @@ fn unfolded<R: Real>([u, w]: [[R; 2]; 2], base: R, [to_u, to_w]: [R; 2]) -> Opti
     let (to_u, to_w) = (to_u * per_base, to_w * per_base);
     let foot = half * ((to_u * to_u - to_w * to_w) + R::one());
     let height_squared = (to_u - foot) * (to_u + foot);
-    // No number where edges are no numbers.
+    // The value is NaN where lengths are NaN.
     if height_squared.is_nan() || height_squared <= R::zero() {
         return None;
     }
@@ -297,21 +305,21 @@ fn unfolded<R: Real>([u, w]: [[R; 2]; 2], base: R, [to_u, to_w]: [R; 2]) -> Opti
     Some([u[0] + foot * along[0] + height * along[1], u[1] + foot * along[1] - height * along[0]])
 }
 
-/// Looks for obtuse triangles while rows are measured one after another.
+/// A search for obtuse triangles while rows are measured one after another.
 pub(super) struct RowAbove<R> {
-    /// Its edges along the row.
+    /// Edges along the row above.
     east: Vec<R>,
-    /// Whether any triangle between rows so far may be obtuse.
+    /// Whether any triangle between the rows so far may be obtuse.
     pub(super) has_obtuse: bool,
 }
 
 impl<R: Real> RowAbove<R> {
-    /// Before the first row.
+    /// Returns the state before the first row.
     pub(super) fn none(cols: usize) -> Self {
         Self { east: vec![R::FAR; cols], has_obtuse: false }
     }
 
-    /// Given the edges stored at the points of the next row.
+    /// Checks the triangles above the next row, given the edges stored at its points.
     pub(super) fn next(&mut self, [east, north, north_east, north_west]: &[Vec<R>; 4]) {
         let above = &mut self.east;
         let found = Instructions::best().run(Cells { above, east, north, north_east, north_west });
@@ -320,7 +328,7 @@ impl<R: Real> RowAbove<R> {
     }
 }
 
-/// The cells between two rows of points, of which the lower one stores the edges between.
+/// The cells between two rows of points. The lower row stores the edges between both.
 struct Cells<'a, R> {
     above: &'a [R],
     east: &'a [R],
@@ -338,14 +346,14 @@ impl<R: Real> Loop for Cells<'_, R> {
         let (above, east) = (&self.above[..cells], &self.east[..cells]);
         let (left, right) = (&self.north[..cells], &self.north[1..][..cells]);
         let (rising, falling) = (&self.north_east[..cells], &self.north_west[1..][..cells]);
-        // Rather too many by rounding than too few, which shaders would find.
+        // The limit errs towards too many triangles, since shaders would find a missed one.
         let (limit, missing) = (R::of(1.001 * OBTUSE), R::FAR * R::FAR);
         let mut found = false;
         for col in 0..cells {
             let square = |edges: &[R]| edges[col] * edges[col];
             let (above, east) = (square(above), square(east));
             let (left, right) = (square(left), square(right));
-            // At the ends of a diagonal, of which the base joins the other end to another corner.
+            // The angle at an end of a diagonal: the base joins the other end to another corner.
             let at_end = |diagonal: R, a: R, b: R| (diagonal + a < limit * b) & (b < missing);
             let at_ends = |d: R, a: R, b: R| at_end(d, a, b) | at_end(d, b, a);
             let (rising, falling) = (square(rising), square(falling));
@@ -373,7 +381,7 @@ fn obtuse_triangles<R: Real>(edges: &EdgeLengths<R>) -> Option<Found> {
     })
 }
 
-/// The obtuse triangles of a row of points.
+/// The loop that finds the obtuse triangles of a row of points.
 struct RowOfTriangles<'a, R> {
     edges: &'a EdgeLengths<R>,
     row: usize,
@@ -399,7 +407,8 @@ impl<R: Real> Loop for RowOfTriangles<'_, R> {
     }
 }
 
-/// The same where edges are weighted by a slowness, in a loop of its own for the sake of lanes.
+/// The loop that finds the obtuse triangles of a row of points where edges are weighted by a slowness. It is
+/// a separate loop so that both are vectorized.
 struct SlowedRowOfTriangles<'a, R> {
     edges: &'a EdgeLengths<R>,
     row: usize,
@@ -419,7 +428,7 @@ impl<R: Real> Loop for SlowedRowOfTriangles<'_, R> {
             for to in 0..8 {
                 let next = ring::next(to);
                 let (own, first, second) = (own[col], around[to][col], around[next][col]);
-                // Halves of the lengths on the surface.
+                // Half of the lengths on the surface.
                 let (a, b) = (fan[to][col] / (own + first), fan[next][col] / (own + second));
                 let c = bases[to][col] / (first + second);
                 let is_there = bases[to][col] < R::FAR;
@@ -437,7 +446,7 @@ mod tests {
     use crate::surface::builtin::Builtin;
     use crate::surface::{Spacing, Surface};
 
-    /// Steps up and down by so much, with a hole.
+    /// Steps up and down by `height`, with a hole.
     fn steps(height: f64) -> Surface {
         let (rows, cols) = (40, 7);
         let heights = (0..rows * cols).map(|k| height * f64::from((k * k / 3 % 5) as u8)).collect();
@@ -459,7 +468,7 @@ mod tests {
             let told =
                 surface.write_edges(0..surface.rows(), surface.origin(), &mut texels).unwrap();
             assert_eq!((edges.has_obtuse_triangles(), told), (expected, expected));
-            // The same whatever was found before.
+            // The full search agrees with the one during measurement.
             assert_eq!(obtuse_triangles(&edges).is_some(), expected);
         }
     }

@@ -1,4 +1,4 @@
-//! Parts of a surface.
+//! Cuts parts out of a surface.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -7,14 +7,14 @@ use super::Surface;
 use super::chart::Block;
 
 impl Surface {
-    /// The points of some rows and columns, with their slowness. It may have nothing but holes.
+    /// Returns the points of some rows and columns, with their slowness. The part may consist of holes only.
     ///
-    /// Edges and curvatures of a part are those of the whole but for some points along its sides: an
-    /// edge depends on points up to three rows and columns around it, the Gaussian curvature at a point on
-    /// the edges up to two around.
+    /// Edges and curvatures of a part are those of the whole surface, except at some points along its sides.
+    /// An edge depends on points up to three rows and columns around it. The Gaussian curvature at a point
+    /// depends on edges up to two rows and columns around it.
     ///
     /// # Panics
-    /// If the grid does not have them, or there are none.
+    /// If the grid does not have these rows and columns, or there are none.
     pub(crate) fn window(&self, rows: Range<usize>, cols: Range<usize>) -> Self {
         let (whole, block) = (self.chart, Block { rows, cols });
         let chart = block.chart();
@@ -34,10 +34,10 @@ mod tests {
     use crate::surface::builtin::Builtin;
     use crate::surface::{Chart, Direction, EdgeLengths, MetricTensor, Spacing};
 
-    /// Far enough for all that a point's update depends on.
+    /// Margin that covers everything on which a point's update depends.
     const MARGIN: usize = 5;
 
-    /// But for rounding, since positions are taken relative to the middle.
+    /// They agree up to rounding, since positions are taken relative to the middle.
     #[test]
     fn inside_a_part_edges_and_curvatures_are_those_of_the_whole() {
         let chart = Chart { rows: 20, cols: 24 };

@@ -1,4 +1,4 @@
-//! The numbers of anchors that fronts over a floor plan carry.
+//! Encodes the numbers of anchors that fronts over a floor plan carry.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -6,23 +6,23 @@ use super::carried::Carried;
 use crate::surface::{Real, TAG, Tagged};
 
 /// The number of an anchor (a pseudo-source), below [`ANCHORS`](crate::surface::ANCHORS). Its tag says which
-/// scan has brought the front.
+/// scan brought the front.
 ///
-/// Kept as a floating-point number between the smallest and the largest, which devices leave as it is: of the
-/// number's digits the highest is the sign, the others stand above the tag.
+/// The number is stored in a normal floating-point number, which devices leave unchanged. The highest digit
+/// of the number is the sign; the other digits stand above the tag.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub(crate) struct Anchor<R>(R);
 
-/// Digits of the number but for the sign.
+/// Number of digits of the number, without the sign.
 const LOW: usize = 25;
-/// Digits of the tag.
+/// Number of digits of the tag.
 const TAG_DIGITS: usize = TAG.count_ones() as usize;
-/// 2^-63, whose digits below the exponent's first ones are free.
+/// 2^-63. In this range of exponents all digits below the exponent's first ones are free.
 const BASE: f64 = 1.0 / (1u64 << 63) as f64;
 
 impl<R: Real> Anchor<R> {
-    /// By its number, without a tag.
+    /// Encodes a number, without a tag.
     #[inline(always)]
     pub(crate) fn new(number: usize) -> Self {
         let (high, low) = ((number >> LOW) as u32, (number & ((1 << LOW) - 1)) as u32);
@@ -30,13 +30,13 @@ impl<R: Real> Anchor<R> {
         Self(R::from_bits(high << Self::sign() | R::of(BASE).to_bits() | low << TAG_DIGITS))
     }
 
-    /// Where the sign's digit is.
+    /// Returns the position of the sign's digit.
     #[inline(always)]
     fn sign() -> usize {
         8 * size_of::<R>() - 1
     }
 
-    /// Its number.
+    /// Returns the number of the anchor.
     #[inline(always)]
     pub(crate) fn number(self) -> usize {
         let bits = self.0.to_bits();
@@ -45,26 +45,26 @@ impl<R: Real> Anchor<R> {
         number as usize
     }
 
-    /// The same, brought by a scan.
+    /// Returns the same anchor with the tag of the scan that brought the front.
     #[inline(always)]
     pub(crate) fn brought_by(self, scan: u8) -> Self {
         Self(self.0.with_tag(scan))
     }
 
-    /// Whether both are one anchor, whichever scans have brought them.
+    /// Returns whether both are the same anchor, whichever scans brought them.
     #[inline(always)]
     pub(crate) fn is(self, other: Self) -> bool {
         let tag: R::Bits = u32::from(TAG).into();
         (self.0.to_bits() ^ other.0.to_bits()) & !tag == R::Bits::default()
     }
 
-    /// Whether tags or numbers differ.
+    /// Returns whether the tags or the numbers differ.
     #[inline(always)]
     pub(crate) fn differs(self, other: Self) -> bool {
         self.0.to_bits() != other.0.to_bits()
     }
 
-    /// As shaders have it.
+    /// Returns the floating-point number that shaders use.
     pub(crate) fn value(self) -> R {
         self.0
     }

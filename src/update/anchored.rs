@@ -1,18 +1,18 @@
-//! Fronts that know their anchor: exact over floor plans.
+//! Implements fronts that know their anchor. They are exact over floor plans. The twin of
+//! `glsl/anchored.glsl`.
 //!
 //! A shortest path over a flat grid with holes is a chain of straight lines that bends only at corners of
-//! holes. Its last bend, or its source, is the *anchor* of what follows (the pseudosource of exact
-//! polyhedral methods; Mitchell, Mount and Papadimitriou, "The discrete geodesic problem", 1987): a point's
-//! distance is its anchor's and that of the straight line from there. So no front has to be assumed inside
-//! a triangle: a point takes the nearest of the anchors of two neighbours, and of these anchors' own, that
-//! it can be reached from through the triangle. All that is asked of them is on which side of a line a
-//! grid point lies, in whole numbers; where fronts meet, and what shades one from the other is not known, its
-//! straight line is followed over the grid.
+//! holes. Its last bend, or its source, is the *anchor* of the points that follow (the pseudo-source of exact
+//! polyhedral methods; Mitchell, Mount and Papadimitriou, "The discrete geodesic problem", 1987). The
+//! distance of a point is that of its anchor plus the straight line from there. So no shape of the front is
+//! assumed inside a triangle. The candidates of a point are the anchors of two neighbours, and the anchors of
+//! these anchors. The point takes the nearest one from which it can be reached through the triangle. This
+//! mostly requires only the side of a line on which a grid point lies, in whole numbers. Where fronts meet,
+//! and the corner that shades one point from another is not known, the straight line is followed over the
+//! grid.
 //!
-//! What no neighbour knows of is missed: among holes of single points a corner often lights less than a
-//! cell for long, and there distances can be too long.
-//!
-//! The twin of `glsl/anchored.glsl`.
+//! An anchor that no neighbour knows is missed. Among holes of single points, the region that a corner lights
+//! often stays narrower than a cell for long, and distances there can be too long.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -27,24 +27,24 @@ use crate::surface::{
 
 /// A floor plan as the update sees it: a flat, evenly spaced grid with holes.
 ///
-/// Anchors are numbered: first the points of a bordered array, then sources inside cells.
+/// Anchors are numbered: first the points of a bordered array, then the sources inside cells.
 #[derive(Clone, Debug)]
 pub(crate) struct Floor<R> {
     chart: Chart,
-    /// Of each point of the bordered array, to which of its eight neighbours it has edges: bit by bit.
+    /// For each point of the bordered array, the neighbours to which it has edges, one bit each.
     edges: Vec<u8>,
-    /// Where the neighbours lie.
+    /// Offsets of the eight neighbours in the bordered array.
     around: [isize; 8],
-    /// By the edges of a point: whether it is a corner, and which of the eight directions between these lead
-    /// into a hole.
+    /// Tables indexed by the edges of a point: whether it is a corner, and which of the eight sectors between
+    /// neighbouring directions lead into a hole.
     corners: [bool; 256],
     blocked: [u8; 256],
-    /// The metric: of rows, of both, of columns.
+    /// The metric: the entries for rows, for both, and for columns.
     metric: [R; 3],
     inside: InsideSources,
 }
 
-/// How a point is reached: when, from which anchor, and when that was.
+/// A path to a point: the arrival time, the anchor, and the arrival time at the anchor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Way<R> {
     pub time: R,
@@ -53,10 +53,11 @@ pub(crate) struct Way<R> {
 }
 
 impl<R: Real> Way<R> {
-    /// Not at all.
+    /// The value for no path.
     pub(crate) const NONE: Self = Self { time: R::FAR, anchor: 0, start: R::FAR };
 
-    /// The shorter of two ways; of two that are as long, on one line, that from the corner passed last.
+    /// Returns the shorter of two paths. Of two equally long ones on one line, the one from the last corner
+    /// passed is returned.
     fn or(self, other: Self) -> Self {
         let as_long = !is_shorter(self.time, other.time) && !is_shorter(other.time, self.time);
         let second = if as_long { other.start > self.start } else { other.time < self.time };
@@ -64,32 +65,34 @@ impl<R: Real> Way<R> {
     }
 }
 
-/// Whether one time is earlier than another by more than rounding.
+/// Returns whether one time is earlier than another by more than rounding.
 #[inline(always)]
 pub(crate) fn is_shorter<R: Real>(a: R, b: R) -> bool {
     a < b * R::of(1.0 - ALIKE * R::epsilon().wide())
 }
 
-/// What comes to points in a row or column from one anchor, as far as the straight line passes between the
-/// outer two of the three neighbours that a scan has passed: all of it linear from point to point but the
-/// length of that line.
+/// The straight rays from one anchor to the points of a row or column. A ray counts if it passes between the
+/// outer two of the three neighbours that the scan has passed. All quantities are linear from point to point,
+/// except the length of the ray.
 #[derive(Clone, Copy)]
 pub(crate) struct Rays<R> {
-    /// The anchor's time, as far as it is known.
+    /// Arrival time at the anchor, as far as it is known.
     known: R,
-    /// From the line behind.
+    /// Step from the line behind.
     ahead: Step<R>,
     metric: [R; 3],
-    /// To the anchor, and what is added from a point to the next.
+    /// Step to the anchor, and its change from a point to the next.
     step: Step<R>,
     per_point: Step<R>,
-    /// Lines that it lies behind, against the scan's way, and points that it lies aside; likewise.
+    /// Number of lines by which the anchor lies behind, against the direction of the scan, and number of
+    /// points by which it lies aside. Each is given with its change from a point to the next.
     back: [R; 2],
     aside: [R; 2],
 }
 
 impl<R: Real> Rays<R> {
-    /// The time at one of the points, or [`Real::FAR`], given that of the point behind it.
+    /// Returns the arrival time at the i-th point, or [`Real::FAR`], given the time `behind` of the point
+    /// behind it.
     #[inline(always)]
     pub(crate) fn time(&self, i: usize, behind: R) -> R {
         let i = R::of(i as f64);
@@ -102,10 +105,12 @@ impl<R: Real> Rays<R> {
     }
 }
 
-/// When the anchor of a point was reached, that lies so far from it.
+/// Returns the arrival time at the anchor of a point that was reached at `time`, a distance `straight` from
+/// the anchor.
 ///
-/// It is the time that is known there, to which what follows from the point is rounded; but the latter
-/// where the two differ, since a change must come from the neighbours.
+/// This is the `known` time of the anchor, from which the times that follow are rounded. But where the two
+/// differ by more than rounding, the time that follows from the point counts, since a change must come from
+/// the neighbours.
 #[inline(always)]
 fn start<R: Real>(known: R, time: R, straight: R) -> R {
     let follows = time - straight;
@@ -113,7 +118,7 @@ fn start<R: Real>(known: R, time: R, straight: R) -> R {
     if (known - follows).abs() <= rounding { known } else { follows }
 }
 
-/// Length of a straight line.
+/// Returns the length of a straight line.
 #[inline(always)]
 fn length<R: Real>([rr, rc, cc]: [R; 3], [row, col]: Step<R>) -> R {
     (row * (rr * row + (rc + rc) * col) + cc * col * col).sqrt()
@@ -125,19 +130,19 @@ struct End<R> {
     point: usize,
     time: R,
     anchor: usize,
-    /// When the anchor was reached.
+    /// Arrival time at the anchor.
     start: R,
 }
 
-/// Rows and columns from one place to another.
+/// The step in rows and columns from one place to another.
 type Step<R> = [R; 2];
 
-/// The neighbours that bits stand for.
+/// Decodes the bits of a point's edges: for each direction, whether the neighbour is present.
 fn there(edges: usize) -> [bool; 8] {
     std::array::from_fn(|to| edges >> to & 1 != 0)
 }
 
-/// Twice the area between two steps; its sign says on which side of one the other is.
+/// Returns twice the area between two steps. Its sign says on which side of one step the other is.
 fn cross<R: Real>(a: Step<R>, b: Step<R>) -> f64 {
     a[0].wide() * b[1].wide() - a[1].wide() * b[0].wide()
 }
@@ -146,16 +151,16 @@ fn dot<R: Real>(a: Step<R>, b: Step<R>) -> f64 {
     a[0].wide() * b[0].wide() + a[1].wide() * b[1].wide()
 }
 
-/// A way that is not straight.
+/// A path that is not straight.
 struct Detour {
-    /// The corner at which it bends first; the last one, if it bends at none before.
+    /// The first corner at which the path bends. If it bends at none before, this is the last corner.
     first_bend: usize,
-    /// Whether it bends to both sides.
+    /// Whether the path bends to both sides.
     winds: bool,
 }
 
 impl<R: Real> Floor<R> {
-    /// With these edges, on a grid that is that of a floor plan ([`EdgeLengths::floor`]).
+    /// Makes a floor with these edges. `grid` is the grid of a floor plan ([`EdgeLengths::floor`]).
     pub(crate) fn new(lengths: &EdgeLengths<R>, grid: EvenGrid) -> Self {
         let chart = lengths.chart();
         let slots = Direction::ALL.map(|to| EdgeSlot::new(chart, 0, to));
@@ -182,18 +187,18 @@ impl<R: Real> Floor<R> {
         }
     }
 
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(crate) fn bytes(&self) -> usize {
         self.edges.len()
     }
 
-    /// The number of the anchor of a seed.
+    /// Returns the number of a seed's anchor.
     pub(crate) fn anchor_of(&mut self, seed: &Seed) -> Anchor<R> {
         let own = self.chart.bordered(seed.row, seed.col);
         Anchor::new(self.inside.number(seed).map_or(own, |source| self.first_inside() + source))
     }
 
-    /// From here on numbers are those of sources inside cells.
+    /// Returns the first number that stands for a source inside a cell.
     #[inline(always)]
     fn first_inside(&self) -> usize {
         self.edges.len()
@@ -204,20 +209,21 @@ impl<R: Real> Floor<R> {
         self.inside.truncate(0);
     }
 
-    /// The neighbour of a point in one of the eight directions.
+    /// Returns the neighbour of a point in one of the eight directions.
     #[inline]
     fn neighbour(&self, point: usize, to: usize) -> Option<usize> {
         let is_there = self.edges[point] >> to & 1 != 0;
         is_there.then(|| point.wrapping_add_signed(self.around[to]))
     }
 
-    /// Whether there is a point with neighbours.
+    /// Returns whether a point is present and has neighbours.
     #[inline]
     pub(crate) fn has(&self, point: usize) -> bool {
         self.edges[point] != 0
     }
 
-    /// Whether a point has three neighbours that follow one another, and paths bend at none of these.
+    /// Returns whether a point has all three neighbours around the direction `middle`, and paths bend at none
+    /// of them.
     pub(crate) fn is_open(&self, point: usize, middle: usize) -> bool {
         [7, 0, 1].into_iter().all(|turn| {
             let end = self.neighbour(point, (middle + turn) % 8);
@@ -225,13 +231,14 @@ impl<R: Real> Floor<R> {
         })
     }
 
-    /// Whether paths can bend at a point.
+    /// Returns whether paths can bend at a point.
     #[inline]
     fn is_corner(&self, point: usize) -> bool {
         self.corners[usize::from(self.edges[point])]
     }
 
-    /// Row and column, from the border: whole numbers, but for sources.
+    /// Returns row and column of an anchor, counted from the border. They are whole numbers, except for
+    /// sources inside cells.
     #[inline(always)]
     fn place(&self, anchor: usize) -> Step<R> {
         match anchor.checked_sub(self.first_inside()) {
@@ -261,8 +268,9 @@ impl<R: Real> Floor<R> {
         length(self.metric, step)
     }
 
-    /// What a scan, that goes some rows and columns ahead, brings to points of which the first is given by
-    /// row and column, each so many `along` after the one before, from the anchor of the point behind it.
+    /// Returns the rays that a scan brings to the points of a line, from the anchor of the point behind the
+    /// first one. The scan moves by `ahead`. The first point is at the row and column `first`, and each
+    /// further one lies a step `along` after the one before.
     #[inline(always)]
     pub(crate) fn rays(
         &self,
@@ -292,13 +300,14 @@ impl<R: Real> Floor<R> {
         }
     }
 
-    /// When an anchor was reached.
+    /// Returns the arrival time at an anchor.
     #[inline(always)]
     fn known(&self, anchor: usize, front: &impl Fn(usize) -> Kept<R, Anchor<R>>) -> R {
         self.of_anchor(anchor, front).map_or(R::FAR, |(time, _)| time)
     }
 
-    /// When an anchor was reached, and from which; nothing if it has not been.
+    /// Returns the arrival time at an anchor, and the anchor's own anchor. The result is `None` if the anchor
+    /// has not been reached.
     #[inline(always)]
     fn of_anchor(
         &self,
@@ -312,7 +321,7 @@ impl<R: Real> Floor<R> {
         (time < R::FAR).then(|| (time, carried.number()))
     }
 
-    /// The anchor of an anchor, and when it was reached; a source has none.
+    /// Returns the anchor of an anchor, with the arrival time there. The result is `None` for a source.
     #[inline(always)]
     fn before(
         &self,
@@ -323,12 +332,12 @@ impl<R: Real> Floor<R> {
         Some((self.of_anchor(before, front)?.0, before))
     }
 
-    /// The way to a point from an anchor that was reached at some time.
+    /// Returns the straight path to a point from an anchor that was reached at the time `start`.
     pub(crate) fn way(&self, x0: usize, start: R, anchor: usize) -> Way<R> {
         Way { time: start + self.length(self.step(x0, anchor)), anchor, start }
     }
 
-    /// The neighbour of a point in some direction, if it has been reached.
+    /// Returns the neighbour of a point in the direction `to`, if it has been reached.
     #[inline(always)]
     fn end(
         &self,
@@ -347,8 +356,8 @@ impl<R: Real> Floor<R> {
         Some(End { point, time, anchor, start })
     }
 
-    /// The shortest way to a point past three neighbours that follow one another, in directions
-    /// `middle - 1` to `middle + 1`, with the fronts at points of the grid seen through `front`.
+    /// Returns the shortest path to a point through its three neighbours in the directions `middle - 1` to
+    /// `middle + 1`. `front` gives the fronts at grid points.
     pub(crate) fn reach(
         &self,
         x0: usize,
@@ -369,7 +378,8 @@ impl<R: Real> Floor<R> {
         best
     }
 
-    /// The way along an edge: from its end, if that is a corner, or straight on.
+    /// Returns the path along an edge: from the end of the edge if that is a corner, else the straight
+    /// continuation.
     #[inline(always)]
     fn along(&self, x0: usize, end: End<R>) -> Way<R> {
         if self.is_corner(end.point) {
@@ -380,7 +390,8 @@ impl<R: Real> Floor<R> {
         if goes_on { self.way(x0, end.start, end.anchor) } else { Way::NONE }
     }
 
-    /// The shortest straight way through a triangle, from an anchor of its ends or from these' own.
+    /// Returns the shortest straight path through a triangle, from an anchor of its ends or from the anchors
+    /// of these.
     fn through(
         &self,
         x0: usize,
@@ -390,7 +401,7 @@ impl<R: Real> Floor<R> {
         let [e1, e2] = ends.map(|end| self.step(x0, end.point));
         let turn = cross(e1, e2);
         let mut best = Way::NONE;
-        // Where both ends have one anchor, all that lies between is lit by it alone.
+        // If both ends have one anchor, it alone lights everything between them.
         let is_of_one = ends[0].anchor == ends[1].anchor;
         for end in &ends[..if is_of_one { 1 } else { 2 }] {
             let (mut start, mut anchor, mut next) = (end.start, end.anchor, end.point);
@@ -398,8 +409,8 @@ impl<R: Real> Floor<R> {
             for _ in 0..=LINES_BACK {
                 let ray = self.step(x0, anchor);
                 let [a, b] = [cross(ray, e2) * turn, cross(e1, ray) * turn];
-                // What an end is the anchor of comes along its edge (`along`): two points that are told so by
-                // one another would go on with a time that it had once.
+                // A path from an end itself comes along its edge (`along`). Two points that learn of such an
+                // anchor from each other would keep a time that the anchor no longer has.
                 let is_end = ends.iter().any(|end| end.point == anchor);
                 let beyond_base = a >= 0.0 && b >= 0.0 && a + b >= turn * turn && !is_end;
                 let way = self.way(x0, start, anchor);
@@ -417,8 +428,8 @@ impl<R: Real> Floor<R> {
         best
     }
 
-    /// On which side of the ray from an anchor to a corner the hole is that the corner is one of: 1, -1, or 0
-    /// if there are holes on both.
+    /// Returns the side of the ray from an anchor to a corner on which the corner's hole lies: 1, -1, or 0 if
+    /// there are holes on both sides.
     fn shadow(&self, anchor: usize, corner: usize) -> f64 {
         let ray = self.step(anchor, corner);
         let blocked = self.blocked[usize::from(self.edges[corner])];
@@ -432,13 +443,14 @@ impl<R: Real> Floor<R> {
         f64::from(u8::from(left)) - f64::from(u8::from(right))
     }
 
-    /// To which side a way turns at the second of three places that it passes, if it does.
+    /// Returns the side to which a path turns at the second of three places: positive, negative, or 0 if it
+    /// is straight.
     #[inline(always)]
     fn turn(&self, before: usize, at: usize, next: usize) -> f64 {
         cross(self.step(before, at), self.step(at, next))
     }
 
-    /// How the way from an anchor to an end goes; nothing if that is not known.
+    /// Returns the shape of the path from an anchor to an end, or `None` if that is not known.
     fn detour(
         &self,
         anchor: usize,
@@ -467,10 +479,12 @@ impl<R: Real> Floor<R> {
         None
     }
 
-    /// Whether x0 is out of the shadow that an end of its base lies in, as seen from an anchor: behind the
-    /// first corner on the way from that anchor to the end, on the side of its hole. Where the end is not there,
-    /// or that way winds between holes, it lies in the shadow of another if the straight line would have been
-    /// shorter; only there is x0's own line followed.
+    /// Returns whether x0 is outside the shadow that hides an end of its base from an anchor.
+    ///
+    /// That shadow lies behind the first corner on the path from the anchor to the end, on the side of the
+    /// corner's hole. If the end does not lie in it, or the path winds between holes, the end may lie in the
+    /// shadow of another corner. It does if the straight line would be shorter than its path. Only then x0's
+    /// own line is followed over the grid.
     fn sees(
         &self,
         x0: usize,
@@ -488,7 +502,8 @@ impl<R: Real> Floor<R> {
             let shadow = self.shadow(anchor, first_bend);
             let border = self.step(anchor, first_bend);
             let side = |point| shadow * cross(border, self.step(anchor, point));
-            // On the border the end's own anchor serves as well, and knows which corners come next.
+            // On the border of the shadow the end's own anchor serves equally well, and it knows which
+            // corners come next.
             let is_own = first_bend == end.anchor;
             if shadow != 0.0 && (is_own || side(end.point) > 0.0) {
                 let of_x0 = side(x0);
@@ -500,13 +515,14 @@ impl<R: Real> Floor<R> {
                 }
             }
         }
-        // By times last: their rounding hides small detours.
+        // Times are compared last, since their rounding hides small detours.
         let is_hidden = is_shorter(self.way(end.point, start, anchor).time, end.time);
         !is_hidden || self.is_clear(x0, anchor)
     }
 
-    /// Whether the straight line from a point to an anchor passes over floor alone: from line to line of the
-    /// grid, of its columns if it passes more of these than rows.
+    /// Returns whether the straight line from a point to an anchor passes over floor only. The line is
+    /// followed from one grid line to the next: from column to column if it passes more columns than rows,
+    /// else from row to row.
     fn is_clear(&self, x0: usize, anchor: usize) -> bool {
         let [rows, cols] = self.step(x0, anchor);
         let axis = |by_cols, step: R| match (by_cols, step > R::zero()) {
@@ -524,7 +540,7 @@ impl<R: Real> Floor<R> {
         let beside = |to: usize| 1u8 << to | 1u8 << ((to + 7) % 8);
         let past = |point: usize, to: usize| point.wrapping_add_signed(self.around[to]);
 
-        // Along edges, a cell is to be there on one side.
+        // Along edges, one of the cells on both sides must be present.
         if aside == R::zero() || aside == lines {
             let diagonal = if is_left { ahead + 1 } else { (ahead + 7) % 8 };
             let to = if aside == R::zero() { ahead } else { diagonal };
@@ -535,12 +551,13 @@ impl<R: Real> Floor<R> {
             return left <= R::zero();
         }
 
-        // Else through edges with cells on both sides, or through points.
+        // Otherwise the line must pass through edges with cells on both sides, or through points.
         let eighth = if is_left { ahead } else { (ahead + 7) % 8 };
         let through_point = 1u8 << eighth | 1u8 << ((eighth + 4) % 8);
         let (mut point, mut beyond, mut left) = (x0, R::zero(), lines);
         while left > R::zero() {
-            // How far the line lies beyond the point: where it passes the next one, times the lines in all.
+            // `beyond` is how far the line lies beyond the point where it passes the next grid line, times
+            // the total number of lines.
             beyond = beyond + aside * min(left, R::one());
             if beyond > lines && blocked(past(point, toward)) & beside(ahead) != 0 {
                 return false;

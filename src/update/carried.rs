@@ -1,21 +1,21 @@
-//! What the front at a point carries beside its arrival time.
+//! Defines the values that the front at a point carries beside its arrival time.
 
 use bytemuck::Pod;
 
 use crate::surface::Seed;
 
-/// What fronts of some kind carry, in an array of its own beside the arrival times. A type that owns its
-/// tag bits; the default is carried where no front has arrived.
+/// The value that fronts of some kind carry, in an array of its own beside the arrival times. The type owns
+/// its tag bits. Points that no front has reached hold the default.
 pub(crate) trait Carried: Pod + Default + PartialEq + Send + Sync + std::fmt::Debug {
-    /// Whether fronts tell which scan has brought them, and are renewed by it.
+    /// Whether fronts record which scan brought them, so that this scan can renew them.
     #[cfg_attr(not(feature = "twins"), expect(dead_code, reason = "twins alone ask"))]
     const TELLS_SCANS: bool;
 
-    /// Whether this scan has brought the front, if fronts tell.
+    /// Returns whether `scan` brought the front, if fronts record that.
     fn is_from(self, scan: u8) -> bool;
 }
 
-/// Nothing.
+/// Fronts that carry nothing.
 impl Carried for () {
     const TELLS_SCANS: bool = false;
 
@@ -25,12 +25,12 @@ impl Carried for () {
     }
 }
 
-/// Stands for the scan of fronts that no scan has brought; scans are numbered from 1.
+/// Scan number of fronts that no scan brought. Scans are numbered from 1.
 pub(crate) const SEED: u8 = 0;
-/// The same of exact seeds ([`crate::surface::Seed::exact`]).
+/// Scan number of exact seeds ([`crate::surface::Seed::exact`]).
 pub(crate) const EXACT: u8 = crate::constants::EXACT as u8;
 
-/// The one that stands for a seed.
+/// Returns the scan number that stands for a seed.
 pub(crate) fn tag_of(seed: &Seed) -> u8 {
     if seed.exact { EXACT } else { SEED }
 }
@@ -38,7 +38,7 @@ pub(crate) fn tag_of(seed: &Seed) -> u8 {
 /// The front that a point keeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Kept<R, C> {
-    /// When it has arrived; [`crate::surface::Real::FAR`] if none has.
+    /// Arrival time; [`crate::surface::Real::FAR`] if no front has arrived.
     pub time: R,
     pub carried: C,
 }

@@ -1,14 +1,14 @@
-//! Where the way of a front to x0 crosses the base of its triangle.
+//! Computes where the path of a front to x0 crosses the base of its triangle.
 
 use super::{Shape, Triangle, Wavefront};
 use crate::constants::{ABOUT_STRAIGHT, ALONG_BASE, FOCUS, FROM_SOURCE, STRADDLING};
 use crate::surface::{Real, Seed, max, min};
 
-/// Where the straight line on which the front arrives at x0 crosses the base, from 0 at x1 to 1 at
-/// x2: at one of these if the front runs along an edge, or if one of them is not reached. The fronts'
-/// curvatures at x1 and x2 count for the curved wavefront alone.
+/// Returns where the straight line on which the front arrives at x0 crosses the base, from 0 at x1 to 1 at
+/// x2. The result is 0 or 1 if the front runs along an edge, or if one end of the base has not been reached.
+/// The curvatures of the fronts at x1 and x2 are used by the curved wavefront only.
 ///
-/// The twin of `glsl/base_crossing.glsl`; what is said of the front is what the updates say.
+/// The twin of `glsl/base_crossing.glsl`. The shape of the front is computed as in the updates.
 pub(crate) fn base_crossing<R: Real>(
     wavefront: Wavefront,
     triangle: Triangle<R>,
@@ -60,7 +60,7 @@ mod tests {
         Triangle { t1, t2, l1: X0.distance(X1), l2: X0.distance(X2), c: X1.distance(X2) }
     }
 
-    /// Where the line from a place to x0 crosses the base.
+    /// Returns where the line from a place to x0 crosses the base.
     fn exact(from: DVec2) -> f64 {
         let (along, to) = (X2 - X1, X0 - from);
         (from - X1).perp_dot(to) / along.perp_dot(to)
@@ -93,7 +93,7 @@ mod tests {
         for wavefront in Wavefront::ALL {
             let of = |t1, t2| base_crossing(wavefront, triangle(t1, t2), [0.1; 2]);
             assert_eq!((of(2.0, f64::FAR), of(f64::FAR, 2.0)), (0.0, 1.0));
-            // Earlier there by more than the base is long.
+            // One end is earlier by more than the length of the base.
             assert_eq!((of(2.0, 9.0), of(9.0, 2.0)), (0.0, 1.0));
             let flat = Triangle { l1: 3.0, l2: 1.0, c: 1.0, t1: 2.0, t2: 2.1 };
             assert_eq!(base_crossing(wavefront, flat, [0.1; 2]), 1.0);

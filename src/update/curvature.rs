@@ -1,4 +1,4 @@
-//! The curvature that curved fronts carry, or the number of their origin in its place.
+//! Encodes the curvature that curved fronts carry, or the number of their origin in its place.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -7,16 +7,18 @@ use super::curved::Front;
 use crate::constants::{FIRST_ORIGIN, ORIGIN_COUNTS, WHOLE};
 use crate::surface::{Real, TAG, Tagged};
 
-/// Curvature of a front. Its tag says which scan has brought the front, and whether through a whole triangle.
+/// The curvature of a front. Its tag says which scan brought the front, and whether it came through a whole
+/// triangle.
 ///
-/// In maps of several sources, the number of the front's origin may stand in its place (`sight.rs`): a negative number
-/// that is larger in size than any curvature, so that of fronts that arrive together it counts as the flatter one.
+/// In maps of several sources, the number of the front's origin may stand in its place (`sight.rs`). This is
+/// a negative value of a larger magnitude than any curvature, so that of two fronts that arrive together the
+/// one with a number counts as the flatter one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub(crate) struct Curvature<R>(R);
 
 impl<R: Real> Curvature<R> {
-    /// Of a front that a scan brings.
+    /// Encodes a front that `scan` brings.
     #[inline(always)]
     pub(crate) fn of(front: Front<R>, scan: u8) -> Self {
         let (whole, half) =
@@ -24,26 +26,26 @@ impl<R: Real> Curvature<R> {
         Self(if front.whole { whole } else { half })
     }
 
-    /// The front that it stands for, with its arrival time.
+    /// Returns the front with this curvature and the given arrival time.
     #[inline(always)]
     pub(crate) fn front(self, time: R) -> Front<R> {
         Front { time, curvature: self.0, whole: !self.0.tag_has(WHOLE as u8, 0) }
     }
 
-    /// What a front with the origin of this number carries.
+    /// Returns the value that a front carries whose origin has this number.
     #[inline(always)]
     pub(crate) fn of_origin(number: u32) -> R {
         let digits: R::Bits = (number << TAG.count_ones()).into();
         -R::from_bits(R::of(FIRST_ORIGIN).to_bits() + digits)
     }
 
-    /// Whether that is what it carries.
+    /// Returns whether a front carries the number of an origin.
     #[inline(always)]
     pub(crate) fn is_number(carried: R) -> bool {
         carried <= -R::of(FIRST_ORIGIN)
     }
 
-    /// The number of its origin, if it carries one.
+    /// Returns the number of the front's origin, if it carries one.
     #[inline(always)]
     pub(crate) fn origin(self) -> Option<usize> {
         let number = || {
@@ -53,7 +55,7 @@ impl<R: Real> Curvature<R> {
         Self::is_number(self.0).then(number)
     }
 
-    /// Whether it is a seed's with a number, and the other front has the same origin.
+    /// Returns whether this is the value of a seed with a number, and the other front has the same origin.
     #[inline(always)]
     pub(crate) fn is_seed_of(self, other: R) -> bool {
         let tag: R::Bits = u32::from(TAG).into();
@@ -61,12 +63,13 @@ impl<R: Real> Curvature<R> {
         alike & self.is_from(SEED) & Self::is_number(self.0)
     }
 
-    /// The same, which other fronts may replace.
+    /// Returns the same value without the mark of an exact seed, so that other fronts may replace it.
     pub(crate) fn released(self) -> Self {
         if self.is_from(EXACT) { Self(self.0.with_tag(SEED | WHOLE as u8)) } else { self }
     }
 
-    /// How much it has changed, times the arrival time; see [`crate::constants::CURVATURE_COUNTS`].
+    /// Returns how much the curvature has changed, times the arrival time; see
+    /// [`crate::constants::CURVATURE_COUNTS`].
     #[inline(always)]
     pub(crate) fn bend_from(self, before: Self, time: R) -> R {
         let named = Self::is_number(self.0) | Self::is_number(before.0);
@@ -76,7 +79,7 @@ impl<R: Real> Curvature<R> {
         if named { of_names } else { (self.0 - before.0).abs() * time }
     }
 
-    /// The number itself, up to its tag, which is below what it is known to.
+    /// Returns the stored number. Its tag is below the accuracy of the curvature.
     #[inline(always)]
     pub(crate) fn value(self) -> R {
         self.0

@@ -1,4 +1,4 @@
-//! The curved wavefront: a front that carries its geodesic curvature beside the arrival time.
+//! Implements the curved wavefront: a front that carries its geodesic curvature beside the arrival time.
 
 use super::{Shape, Triangle};
 use crate::constants::{
@@ -7,24 +7,26 @@ use crate::constants::{
 };
 use crate::surface::{DIFFRACTS, LACKING, Real, Seed, Tagged, max, min};
 
-/// An arriving front: when, and how curved it is.
+/// An arriving front: its arrival time and its curvature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Front<R> {
     /// Arrival time; [`Real::FAR`] or later if no front arrives.
     pub time: R,
-    /// Geodesic curvature of the front, positive where it spreads: 1 / t around a point source
-    /// in the plane, [`Seed::AT_SOURCE`] at the source itself.
+    /// Geodesic curvature of the front, positive where it spreads: 1 / t around a point source in the plane,
+    /// [`Seed::AT_SOURCE`] at the source itself.
     pub curvature: R,
-    /// Whether this comes from a whole triangle, which knows where the ray runs; it then takes
-    /// precedence over an equally early front that ran along the same edge.
+    /// Whether the front came through a whole triangle, which knows where the ray runs. It then takes
+    /// precedence over an equally early front along the same edge.
     pub whole: bool,
 }
 
 impl<R: Real> Front<R> {
-    /// The earlier of two fronts. Of those that arrive together a whole triangle knows better, then
-    /// the one that sees the ray run straight on along their common edge, whose front is the
-    /// flatter: a choice that does not depend on the order in which triangles are visited. The time is
-    /// the earlier one's, since what the other is late by would grow from point to point.
+    /// Returns the earlier of two fronts.
+    ///
+    /// Of fronts that arrive together, one from a whole triangle is preferred. Next is the one whose ray runs
+    /// straight on along the common edge, which is the flatter front. This choice does not depend on the
+    /// order in which triangles are visited. The time is the earlier one, since the delay of the other would
+    /// grow from point to point.
     #[inline(always)]
     pub(crate) fn first(a: Self, b: Self) -> Self {
         let second = if a.arrives_with(b) { b.knows_better(a) } else { b.time < a.time };
@@ -35,32 +37,33 @@ impl<R: Real> Front<R> {
         }
     }
 
-    /// Whether another arrives at the same time, but for rounding.
+    /// Returns whether another front arrives at the same time, up to rounding.
     #[inline(always)]
     pub(crate) fn arrives_with(self, other: Self) -> bool {
         let rounding = R::of(TOGETHER) * R::epsilon();
         (self.time - other.time).abs() <= rounding * self.time
     }
 
-    /// Whether this one of two fronts that arrive together is preferred.
+    /// Returns whether this one of two fronts that arrive together is preferred.
     #[inline(always)]
     pub(crate) fn knows_better(self, other: Self) -> bool {
         let flatter = (self.whole == other.whole) & (self.curvature < other.curvature);
         (self.whole & !other.whole) | flatter
     }
 
-    /// Whether this front, which a scan brings again and which arrives with the one that it has brought
-    /// before, is the same but for rounding: were it renewed, so would be all that come after it.
+    /// Returns whether this front equals `kept` up to rounding. Both arrive together and were brought by the
+    /// same scan, the kept one earlier. If such a front were renewed, all fronts that follow from it would be
+    /// renewed too.
     #[inline(always)]
     pub(crate) fn is_same_as(self, kept: Self) -> bool {
         let rounding = self.curvature.abs() * (R::of(BENT_AGAIN) * R::epsilon());
         (self.whole == kept.whole) & ((kept.curvature - self.curvature).abs() <= rounding)
     }
 
-    /// Whether this front is preferred to one that a point keeps and that has arrived with it, maybe from
-    /// another scan: where it is flatter by more than rounding. Along a diagonal two scans bring
-    /// the same front, and were each point to choose among their last digits, a change would
-    /// follow the diagonal only as far as one scan's points go, and the rest in later iterations.
+    /// Returns whether this front is preferred to `kept`, which arrived together with it and may come from
+    /// another scan. It is if it is flatter by more than rounding. Along a diagonal two scans bring the same
+    /// front. If each point chose among the last digits of both, a change would follow the diagonal only as
+    /// far as the points of one scan go, and the rest only in later iterations.
     #[inline(always)]
     pub(crate) fn replaces(self, kept: Self) -> bool {
         let apart = self.curvature.abs() * R::of(BENT_APART);
@@ -69,30 +72,31 @@ impl<R: Real> Front<R> {
     }
 }
 
-/// What the curved update knows of x0, x1 and x2 beside their triangle.
+/// The inputs of the curved update at x0, x1 and x2 beside their triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Bends<R> {
-    /// Curvature of the front at x1 and x2.
+    /// Curvatures of the front at x1 and x2.
     pub fronts: [R; 2],
-    /// Gaussian curvature of the surface at x0, x1 and x2; its four lowest binary digits
-    /// mark points beside a hole or the border, and which of them are corners of holes, where waves diffract.
+    /// Gaussian curvatures of the surface at x0, x1 and x2. Their four lowest binary digits mark points
+    /// beside a hole or the border, and corners of holes, where waves diffract.
     pub surface: [R; 3],
-    /// Whether of x1 and x2 only the neighbour across the grid's diagonal is there, beside a hole. What
-    /// comes along that edge alone is taken to have come around the hole's corner, as most fronts there
-    /// have, until another scan tells: else all behind the corner would have to be renewed.
+    /// Whether only one of x1 and x2 is present: the neighbour across the grid's diagonal, beside a hole. A
+    /// front along that edge alone is assumed to have come around the hole's corner, as most fronts there
+    /// have, until another scan brings a better one. Without this assumption all points behind the corner
+    /// would have to be renewed.
     pub alone: bool,
-    /// Whether x0 is to hang on nothing that arrives later, as where several fronts meet: they would settle in
-    /// more than one way, or never.
+    /// Whether the update must be causal: x0 then does not depend on neighbours that arrive later. This is
+    /// needed where several fronts meet; without it they would settle in more than one way, or never.
     pub causal: bool,
 }
 
-/// The front at x0, from fronts at x1 and x2.
+/// Returns the front at x0 from fronts at x1 and x2.
 ///
-/// Inside the triangle the front is circular as in [`super::point_source`], with the mean
-/// curvature of both ends instead of 1 / t. Both ends' curvatures are carried to the time of x0,
-/// interpolated to the place where the ray crosses the base, and bent by the surface's Gaussian
-/// curvature along the ray (`bent`). A front that turns around the end of an edge beside a hole
-/// or the border starts there again as from a point source: it is diffracted.
+/// Inside the triangle the front is circular as in [`super::point_source`], with the mean curvature of both
+/// ends in place of 1 / t. The curvatures of both ends are carried to the arrival time at x0, interpolated to
+/// the place where the ray crosses the base, and bent by the surface's Gaussian curvature along the ray
+/// (`bent`). A front that turns around the end of an edge beside a hole or the border is diffracted: it
+/// starts there again as from a point source.
 #[inline(always)]
 pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let Triangle { t1, t2, l1, l2, c } = triangle;
@@ -105,15 +109,15 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let (k, near_k) = if swap { (k2, k1) } else { (k1, k2) };
     let (g, near_g) = if swap { (g2, g1) } else { (g1, g2) };
     let (l, near_l) = if swap { (l2, l1) } else { (l1, l2) };
-    // In units of the base from here on, but for the times and the edges' lengths.
+    // From here on lengths are in units of the base, except for the times and the lengths of the edges.
     let shape = Shape::new(l, near_l, c);
     let (p, whole) = (shape.foot, shape.whole);
     let h = max(shape.height_squared, zero).sqrt();
     let d = (near_t - t) * shape.per_base;
-    // Both ends' curvature at the farther one's time. A source there says nothing of the front.
-    // The front at the other end is that of a source at the nearer one only if it has come along the
-    // base; else, if it is about straight, it comes from beside the source, the end of a curve, and is
-    // the one that arrives.
+    // The curvatures of both ends at the time of the farther end. A source at the farther end says nothing
+    // about the front. The front at the farther end is that of a source at the nearer end only if it came
+    // along the base. Else, if it is about straight, it comes from beside the source (the end of a curve),
+    // and it is the front that arrives.
     let beside =
         (near_k >= at_source) & ((k * c).abs() < R::of(ABOUT_STRAIGHT)) & (d > R::of(-FROM_SOURCE));
     let near_kappa = if beside { k * c } else { near_k * c };
@@ -124,17 +128,19 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let sin_a = max((one - cos_a) * (one + cos_a), zero).sqrt();
     let crossing = cos_a * h + sin_a * p;
     let width = sin_a + kappa * h;
-    // What has come along the base to its later end has passed x0 by, or turns around the nearer one.
+    // A front that came along the base to its later end has already passed x0, or turns around the nearer
+    // end.
     let of_one = (d > R::of(-ALONG_BASE)) & (kappa * (one - d) <= R::of(STRADDLING));
     let is_front = whole & of_one & (width > zero);
     let n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * R::of(2.0);
     let root = max(one + kappa * n, zero).sqrt();
-    // Nothing arrives before the later end of the base, so that each point hangs on earlier ones alone; but of a single
-    // front nothing before the earlier one where cells are not sheared: from within a stretched cell a point may be
-    // nearer than an end of its base. Nor after what runs along an edge.
+    // No front arrives before the later end of the base, so that each point depends on earlier points only. A
+    // single front in cells that are not sheared may arrive before the later end, but not before the earlier
+    // one: in a stretched cell x0 may be nearer to the source than an end of its base. Fronts also do not
+    // arrive after a front along an edge.
     let rise = max(n / (one + root), if shape.is_upright() & !causal { d } else { zero });
     let (by_far, by_near) = (t + l, near_t + near_l);
-    // Later by more than makes fronts arrive together.
+    // Later by more than the tolerance within which fronts arrive together.
     let later = t + t * (R::of(CLEARLY_LATER) * R::epsilon());
     let time = t + c * rise;
     let is_first = (time <= min(by_far, by_near)) & (!causal | (time >= later));
@@ -143,22 +149,23 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let near_spread = max(one + near_kappa * (rise - d), focus);
     let spread = far_spread * near_spread;
 
-    // Along the edge of the end from which it arrives first.
+    // The front along the edge through which it arrives first.
     let grazing = R::of(GRAZING) * width;
     let from_far = by_far <= by_near;
     let (edge_time, edge) = if from_far { (by_far, l) } else { (by_near, near_l) };
     let (edge_k, edge_g) = if from_far { (k, g) } else { (near_k, near_g) };
-    // Of the far end nothing is known yet if that is reached after x0.
+    // If the far end is reached after x0, its front is not known yet.
     let is_known = !causal | (later < by_near);
     let past_near = (crossing <= width + grazing) & is_known;
     let ahead = if from_far { crossing >= -grazing } else { past_near };
     let turns = (whole | alone) & !(is_front & ahead);
-    // What is not known to turn does so at corners of holes alone, which is what it mostly does there.
+    // A front that is not known to turn is assumed to turn at corners of holes only, where most fronts turn.
     let is_corner = edge_g.tag_has(DIFFRACTS, DIFFRACTS);
     let diffracted = turns & edge_g.tag_has(LACKING, LACKING) & (from_far | is_known | is_corner);
     let edge_k = if diffracted { at_source } else { edge_k };
 
-    // One division serves the ray's place, its length and the curvature, whichever way it runs.
+    // One division serves the ray's place, its length and the curvature, both across the triangle and along
+    // an edge.
     let weighted =
         (width - crossing) * far_kappa * near_spread + crossing * near_kappa * far_spread;
     let dividend = if inside { weighted * shape.per_base } else { edge_k };
@@ -166,15 +173,15 @@ pub fn curved<R: Real>(triangle: Triangle<R>, bends: Bends<R>) -> Front<R> {
     let share = crossing * spread * per;
     let ray = if inside { c * (root * h * spread * per) } else { edge };
     let gaussian = if inside { g + share * (near_g - g) } else { edge_g };
-    // Above the numbers of origins, which may stand in its place.
+    // Curvatures stay above the numbers of origins, which may stand in their place.
     let least = R::of(-0.5 * FIRST_ORIGIN);
     let curvature = max(bent(dividend * per, half * (g0 + gaussian), ray), least);
     Front { time: if inside { time } else { edge_time }, curvature, whole }
 }
 
-/// Curvature at the end of a ray on a surface of some Gaussian curvature, from what it would be
-/// on a developable one: to first order in the curvature that the ray passes over, from the
-/// Riccati equation k' = -k^2 - K. From a point source this is 1/s - K s/3.
+/// Returns the curvature at the end of a ray on a surface of some Gaussian curvature, from the curvature on a
+/// developable surface. The result is of first order in the Gaussian curvature along the ray, from the
+/// Riccati equation k' = -k^2 - K. From a point source it is 1/s - K s/3.
 #[inline(always)]
 pub(super) fn bent<R: Real>(curvature: R, gaussian: R, ray: R) -> R {
     let x = curvature * ray;
@@ -249,7 +256,7 @@ mod tests {
 
     #[test]
     fn a_front_from_beside_the_end_of_a_curve_is_its_own() {
-        // A straight line ends at x2 and passes x1 at some distance; x0 is beside the line.
+        // A straight line ends at x2 and passes x1 at some distance. x0 is beside the line.
         let (x0, x1, x2) = (DVec2::new(0.0, 1.0), DVec2::ZERO, DVec2::X);
         let along = DVec2::from_angle(0.4);
         let distance = |place: DVec2| along.perp_dot(place - x2).abs();
@@ -260,7 +267,7 @@ mod tests {
             approx::assert_abs_diff_eq!(front.time, distance(x0), epsilon = 1e-12);
             approx::assert_abs_diff_eq!(front.curvature, 0.0, epsilon = 1e-12);
         }
-        // Not so if the front at x1 is the source's.
+        // This does not hold if the front at x1 is that of the source.
         let triangle = Triangle { t1: 1.0, ..triangle };
         approx::assert_abs_diff_eq!(
             curved(triangle, flat(1.0, Seed::AT_SOURCE)).time,

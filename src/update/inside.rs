@@ -1,4 +1,4 @@
-//! Sources inside cells, which are anchors without being points.
+//! Numbers the sources inside cells, which are anchors without being grid points.
 
 use glam::DVec2;
 
@@ -21,7 +21,7 @@ pub(crate) struct InsideSource {
 
 impl InsideSources {
     pub(crate) fn new(grid: EvenGrid) -> Self {
-        // They are few, and further maps allocate nothing.
+        // There are few of them. With this capacity further maps allocate nothing.
         Self { grid, known: Vec::with_capacity(16) }
     }
 
@@ -29,18 +29,18 @@ impl InsideSources {
         self.grid
     }
 
-    /// All of them, by number.
+    /// Returns all sources, ordered by number.
     pub(crate) fn all(&self) -> &[InsideSource] {
         &self.known
     }
 
-    /// Forgets all but the first so many.
+    /// Forgets all sources but the first `count`.
     pub(crate) fn truncate(&mut self, count: usize) {
         self.known.truncate(count);
     }
 
-    /// The number of the one that a seed comes from, as one source has one number, whichever of its seeds asks;
-    /// none if that is the seed's own point.
+    /// Returns the number of the source from which a seed comes, or `None` if the source is the seed's own
+    /// point. All seeds of one source get the same number.
     pub(crate) fn number(&mut self, seed: &Seed) -> Option<usize> {
         let place = seed.from?;
         let ahead = self.grid.length(place - seed.place());
@@ -67,7 +67,7 @@ mod tests {
         let spacing = Spacing { dx: 0.3, dy: 1.7 };
         let plane = Surface::from_heights(70, 90, vec![0.0; 6300], spacing).unwrap();
         let mut inside = InsideSources::new(plane.floor().unwrap());
-        // The second waits for a time at the first's place.
+        // The second source starts later at the same place as the first.
         let places = [(50.826, 44.414, 0.7), (50.826, 44.414, 900.1), (3.1, 7.0, -2.6)];
         for (number, (row, col, initial)) in places.into_iter().enumerate() {
             let from = Sources::default().and_point(row, col, initial);

@@ -1,9 +1,8 @@
-//! The update: the arrival time at a point from the arrival times at two neighbours.
+//! Computes the update: the arrival time at a point from the arrival times at two neighbours.
 //!
-//! Everything is expressed in the lengths of the triangle's edges. The functions here are the
-//! twins of the kinds in `glsl/wavefront.glsl` and follow the same order of operations. Both compute every case
-//! and choose between the results, without a branch, so that compilers turn rows of points into
-//! lanes.
+//! All formulas are in terms of the lengths of the triangle's edges. The functions are the twins of the kinds
+//! in `glsl/wavefront.glsl`, with the same order of operations. They compute every case and select a result
+//! without branches, so that compilers vectorize rows of points.
 
 mod anchor;
 mod anchored;
@@ -37,7 +36,7 @@ pub(crate) use wavefront::{EngineKind, Setting, SourceKind, Unsuited};
 use crate::constants::UPRIGHT;
 use crate::surface::{Real, is_obtuse, max, min};
 
-/// A triangle x0 x1 x2 with arrival times at x1 and x2; the update is for x0.
+/// A triangle x0 x1 x2 with arrival times at x1 and x2. The update is for x0.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle<R> {
     /// Arrival time at x1.
@@ -53,19 +52,19 @@ pub struct Triangle<R> {
 }
 
 impl<R: Real> Triangle<R> {
-    /// The Dijkstra step along an edge (paper, eq. 16).
+    /// Returns the arrival time along an edge, the Dijkstra step (paper, eq. 16).
     #[inline(always)]
     fn edge_step(self) -> R {
         min(self.t1 + self.l1, self.t2 + self.l2)
     }
 
-    /// The same, or its edges alone if it is obtuse at x0: see `surface/unfold.rs`.
+    /// Returns the same triangle, or only its edges if it is obtuse at x0; see `surface/unfold.rs`.
     #[inline(always)]
     pub(crate) fn without_obtuse_face(self) -> Self {
         Self { c: if self.is_obtuse() { R::FAR } else { self.c }, ..self }
     }
 
-    /// Whether it is obtuse at x0.
+    /// Returns whether the triangle is obtuse at x0.
     #[inline(always)]
     pub(crate) fn is_obtuse(self) -> bool {
         let Self { l1, l2, c, .. } = self;
@@ -74,7 +73,7 @@ impl<R: Real> Triangle<R> {
         (c < R::FAR) & is_obtuse(side * side, other * other)
     }
 
-    /// The same triangle with x1 and x2 exchanged.
+    /// Returns the same triangle with x1 and x2 exchanged.
     #[inline(always)]
     pub(crate) fn mirrored(self) -> Self {
         let Self { t1, t2, l1, l2, c } = self;
@@ -82,27 +81,29 @@ impl<R: Real> Triangle<R> {
     }
 }
 
-/// A triangle in units of its base x1 x2, seen from one end of it: what the updates know of its
-/// shape. One division, and nothing overflows whatever the surface's unit.
+/// The shape of a triangle in units of its base x1 x2, seen from one end of the base. It takes one division,
+/// and nothing overflows whatever the surface's unit of length.
 struct Shape<R> {
     /// 1 over the length of the base.
     per_base: R,
-    /// From this end of the base to x0.
+    /// Distance from this end of the base to x0.
     side: R,
-    /// From the other end to x0.
+    /// Distance from the other end of the base to x0.
     other: R,
-    /// From this end to the foot of x0 on the base.
+    /// Distance from this end of the base to the foot of x0 on the base.
     foot: R,
-    /// Square of the height of x0 over the base. Not positive unless all three edges exist and
-    /// together are the sides of a triangle with an area.
+    /// Square of the height of x0 over the base. It is positive only if all three edges exist and are the
+    /// sides of a triangle with an area.
     height_squared: R,
     whole: bool,
 }
 
 impl<R: Real> Shape<R> {
-    /// Chords always are the sides of a triangle, but lengths weighted by a slowness or taken from
-    /// a metric need not be: an edge that is longer than the way around it is no shortest path,
-    /// and a front that runs across such a "triangle" would arrive too early, or before it left.
+    /// Computes the shape from the lengths of three edges.
+    ///
+    /// Chords are always the sides of a triangle. Lengths that are weighted by a slowness or taken from a
+    /// metric need not be: an edge that is longer than the path around it is not a shortest path. A front
+    /// across such a "triangle" would arrive too early, or before it left.
     #[inline(always)]
     fn new(side: R, other: R, base: R) -> Self {
         let exists = (side < R::FAR) & (other < R::FAR) & (base < R::FAR);
@@ -114,8 +115,8 @@ impl<R: Real> Shape<R> {
         Self { per_base, side, other, foot, height_squared, whole }
     }
 
-    /// The same from edges that are weighted by a slowness: given is also that along the side and the other one,
-    /// over that along the base.
+    /// Computes the shape from edges that are weighted by a slowness. `of_side` and `of_other` are the mean
+    /// slowness along these two edges, divided by that along the base.
     #[inline(always)]
     fn on_surface([side, other, base]: [R; 3], [of_side, of_other]: [R; 2]) -> Self {
         let exists = (side < R::FAR) & (other < R::FAR) & (base < R::FAR);
@@ -123,8 +124,8 @@ impl<R: Real> Shape<R> {
         Self { whole: shape.whole & exists, ..shape }
     }
 
-    /// Whether no angle is obtuse by more than some degrees, as in cells that are not sheared. There is then no
-    /// triangle beside it through which points depend on one another in a circle.
+    /// Returns whether no angle is obtuse by more than a few degrees, as in cells that are not sheared. Then
+    /// no triangle beside this one lets points depend on one another in a cycle.
     #[inline(always)]
     fn is_upright(&self) -> bool {
         let (side, other) = (self.side * self.side, self.other * self.other);
@@ -133,19 +134,19 @@ impl<R: Real> Shape<R> {
     }
 }
 
-/// What two edges at x0 and their base are, for coefficients that are computed once: the same
-/// distinctions as in [`Shape`], in double precision and in the surface's units.
+/// The shape of two edges at x0 and their base, for coefficients that are computed once. It makes the same
+/// distinctions as [`Shape`], in double precision and in the surface's units.
 pub(crate) enum Corner {
     /// A triangle with an area.
     Triangle {
-        /// From x1 to the foot of x0 on the base.
+        /// Distance from x1 to the foot of x0 on the base.
         foot: f64,
         /// Height of x0 over the base.
         height: f64,
         /// Length of the base.
         base: f64,
     },
-    /// Two edges that span no triangle.
+    /// Two edges that do not span a triangle.
     Edges,
     /// A single edge, of this length.
     Edge(f32),
@@ -179,7 +180,7 @@ mod tests {
 
     #[test]
     fn without_a_triangle_the_front_runs_along_the_edges() {
-        // The longest edge in each place, longer than the two others together; and none of it.
+        // Each edge in turn is longer than the two others together; and one base has no length.
         for (l1, l2, c) in [(1.0, 1.0, 3.0), (3.0, 1.0, 1.0), (1.0, 3.0, 1.0), (1.0, 1.0, 0.0)] {
             for (t1, t2) in [(2.0, 2.0), (2.0, 3.5), (4.5, 2.0)] {
                 let triangle = Triangle { t1, t2, l1, l2, c };

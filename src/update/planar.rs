@@ -1,17 +1,17 @@
-//! The planar wavefront (paper, section 3, eqs. 6-16).
+//! Implements the planar wavefront (paper, section 3, eqs. 6-16).
 
 use super::{Shape, Triangle};
 use crate::surface::{Real, max, min};
 
-/// The arrival time at x0 of a straight front that reaches x1 and x2 at t1 and t2.
+/// Returns the arrival time at x0 of a straight front that reaches x1 and x2 at t1 and t2.
 ///
-/// In units of the base, with x1 at the origin, let (p, h) be x0. A front with d = t2 - t1 runs
-/// at an angle with cosine d to the base, so t0 = t1 + p d + h sqrt(1 - d^2), the larger root of
-/// eq. 10. The upwind condition (15) is the interval of d for which the ray to x0 crosses the
-/// base between x1 and x2: d |x0 x1| <= p and d |x0 x2| >= p - 1. Outside it the ray runs along
-/// an edge (16). This is the minimum over the base of t plus distance (the Hopf-Lax form):
-/// monotone for every triangle, obtuse ones included. There, though, nothing arrives before the later end: two points
-/// that each come through the other's triangle would else make one another earlier for ever.
+/// In units of the base, with x1 at the origin, let (p, h) be x0. A front with d = t2 - t1 runs at an angle
+/// with cosine d to the base, so t0 = t1 + p d + h sqrt(1 - d^2), the larger root of eq. 10. The upwind
+/// condition (15) is the interval of d for which the ray to x0 crosses the base between x1 and x2: d |x0 x1|
+/// <= p and d |x0 x2| >= p - 1. Outside of it the ray runs along an edge (16). This is the minimum over the
+/// base of t plus distance (the Hopf-Lax form), which is monotone for every triangle, including obtuse ones.
+/// In obtuse triangles, however, t0 is at least the time of the later end of the base. Else two points that
+/// each arrive through the other's triangle would make one another earlier forever.
 #[inline(always)]
 pub fn planar<R: Real>(triangle: Triangle<R>) -> R {
     let Triangle { t1, t2, l1, l2, c } = triangle;
@@ -33,7 +33,7 @@ mod tests {
 
     use super::*;
 
-    /// The minimum over the edge of t plus distance, by brute force.
+    /// Returns the minimum over the edge of t plus distance, by brute force.
     fn hopf_lax(triangle: Triangle<f64>) -> f64 {
         let Triangle { t1, t2, l1, l2, c } = triangle;
         let p = (l1 * l1 - l2 * l2 + c * c) / (2.0 * c);
@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn solves_the_quadratic_equation_of_the_paper() {
-        // Eq. 10 with Q = (X'X)^-1 for a triangle whose ray comes from inside.
+        // Eq. 10 with Q = (X'X)^-1, for a triangle whose ray comes from inside.
         let (x1, x2) = (glam::DVec2::new(1.0, -0.4), glam::DVec2::new(0.9, 0.5));
         let e = glam::DMat2::from_cols_array(&[x1.dot(x1), x1.dot(x2), x1.dot(x2), x2.dot(x2)]);
         let q = e.inverse();
@@ -71,8 +71,8 @@ mod tests {
         approx::assert_abs_diff_eq!(residual, 0.0, epsilon = 1e-12);
     }
 
-    /// Triangles of any shape, obtuse and needle-like ones too, with times that a front can have:
-    /// they differ by at most the base's length.
+    /// Generates triangles of any shape, including obtuse ones and needles, with times that a front can have:
+    /// they differ by at most the length of the base.
     fn triangles() -> impl Strategy<Value = Triangle<f64>> {
         let corner = (-2.0..3.0, 1e-3..2.0);
         (corner, 0.0..10.0, -1.0..=1.0).prop_map(|((p, h), t1, d): ((f64, f64), f64, f64)| {
@@ -85,7 +85,8 @@ mod tests {
         #![proptest_config(ProptestConfig { failure_persistence: None,
             rng_seed: RngSeed::Fixed(18), ..ProptestConfig::with_cases(4000) })]
 
-        /// The paper's demands on an update (section 3): later neighbours make no earlier point.
+        /// Monotonicity, one of the paper's requirements on an update (section 3): later neighbours never
+        /// make a point earlier.
         #[test]
         fn is_monotone(triangle in triangles(), later in (0.0..1.0, 0.0..1.0)) {
             let Triangle { t1, t2, .. } = triangle;
@@ -93,7 +94,8 @@ mod tests {
             prop_assert!(planar(after) >= planar(triangle) - 1e-12);
         }
 
-        /// Eqs. 17 and 18: a perturbation of the times reaches the point at most as large as it is.
+        /// Stability, eqs. 17 and 18: the error of the point is at most as large as a perturbation of the
+        /// times.
         #[test]
         fn is_stable(
             triangle in triangles(),
@@ -108,8 +110,8 @@ mod tests {
             prop_assert!(change.abs() <= bound + 1e-12, "{change} by {errors:?}");
         }
 
-        /// Through an acute triangle a point comes after both that it is updated from, where the
-        /// front comes from between them.
+        /// In an acute triangle a point is later than both points from which it is updated, if the front
+        /// comes from between them.
         #[test]
         fn is_causal_in_acute_triangles(
             (p, h) in (0.05..0.95, 0.6..2.0),

@@ -1,19 +1,18 @@
-//! The point-source wavefront: a circular front, unfolded into the triangle's plane.
+//! Implements the point-source wavefront: a circular front, unfolded into the triangle's plane.
 
 use super::{Shape, Triangle};
 use crate::constants::STRADDLING;
 use crate::surface::{Real, max, min};
 
-/// The arrival time at x0 of a circular front that reaches x1 and x2 at t1 and t2; not before either if fronts are
-/// `causal`, see [`super::Bends`].
+/// Returns the arrival time at x0 of a circular front that reaches x1 and x2 at t1 and t2. If `causal`, the
+/// result is at least both times, see [`super::Bends`].
 ///
-/// The front's virtual source lies at distances t1 and t2 from x1 and x2, on the other side of
-/// the base than x0; t0 is its distance from x0 if the straight ray crosses the base, else the
-/// Dijkstra step. In units of the base, with the farther end at the origin, a the angle there
-/// between the base and the source, and kappa = 1 / t the front's curvature, the distance is
-/// t0 = t + n / (1 + sqrt(1 + kappa n)) with n = kappa l^2 + 2 (h sin a - p cos a), which loses
-/// no digits for flat fronts. Measuring from the farther end keeps kappa below 2 and the result
-/// symmetric.
+/// The front's virtual source lies at the distances t1 and t2 from x1 and x2, on the opposite side of the
+/// base from x0. The time t0 is its distance from x0 if the straight ray crosses the base, else the Dijkstra
+/// step. In units of the base, with the farther end at the origin, let a be the angle there between the base
+/// and the source, and kappa = 1 / t the front's curvature. Then t0 = t + n / (1 + sqrt(1 + kappa n)) with
+/// n = kappa l^2 + 2 (h sin a - p cos a), which loses no digits for flat fronts. Measuring from the farther
+/// end keeps kappa below 2 and the result symmetric.
 #[inline(always)]
 pub fn point_source<R: Real>(triangle: Triangle<R>, causal: bool) -> R {
     let Triangle { t1, t2, l1, l2, c } = triangle;
@@ -31,7 +30,7 @@ pub fn point_source<R: Real>(triangle: Triangle<R>, causal: bool) -> R {
     let sin_a = max((one - cos_a) * (one + cos_a), zero).sqrt();
     let crossing = cos_a * h + sin_a * p;
     let width = sin_a + kappa * h;
-    // The ends of a base that straddles two sources tell of none between.
+    // If a base straddles two sources, the times at its ends do not define a source between them.
     let of_one = kappa * (one - d) <= R::of(STRADDLING);
     let upwind = shape.whole & of_one & (crossing >= zero) & (crossing <= width);
     let n = kappa * (shape.side * shape.side) + (h * sin_a - p * cos_a) * R::of(2.0);

@@ -1,45 +1,47 @@
-//! The curved update where fronts of several origins meet.
+//! Implements the curved update where fronts of several origins meet.
 //!
-//! Time and curvature do not tell whose front a point has: two that arrive together from sources side by side look
-//! like one circle around a place between them, and that circle comes early. So fronts of maps with several sources
-//! carry the number of their origin ([`Origin`]) in place of the curvature, as long as the straight line from there
-//! explains their time. A triangle whose ends have one origin has one front, with the curvature that follows from its
-//! distance. Where they have two, each end's front goes on by itself: by as much as the distance from its origin
-//! grows, if the ray to x0 crosses the base.
+//! Time and curvature do not tell to which source a front belongs. Two fronts that arrive together from
+//! neighbouring sources look like one circle around a place between them, and that circle arrives too early.
+//! Therefore fronts of maps with several sources carry the number of their origin ([`Origin`]) in place of
+//! the curvature, as long as the straight line from there explains their time. A triangle whose ends have one
+//! origin has one front, whose curvature follows from its distance. If the ends have two origins, the front
+//! of each end continues by itself: its time grows with the distance from its origin, if the ray to x0
+//! crosses the base.
 //!
-//! Distances from origins are computed in double precision, also for maps in single precision: they span many cells,
-//! and in long or sheared ones their squares are small differences of large numbers.
+//! Distances from origins are computed in double precision, also for maps in single precision. They span many
+//! cells, and in long or sheared cells their squares are small differences of large numbers.
 
 use super::Triangle;
 use super::curved::{Bends, Front, curved};
 use crate::constants::{BENDS_MOST, CLEARLY_LATER, IN_SIGHT, ON_LINE, PAST_EDGE, UNBLOCKED};
 use crate::surface::{Origin, Real, Seed, max, min};
 
-/// An origin as a point sees it, in rows and columns.
+/// An origin as seen from a point, in rows and columns.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sighted<R> {
-    /// From the point to one end of the source.
+    /// Step from the point to one end of the source.
     pub to: [R; 2],
-    /// From that end to the other.
+    /// Step from that end to the other.
     pub extent: [R; 2],
     /// Arrival time at the source; [`Real::FAR`] if the front's origin is not known.
     pub start: R,
 }
 
 impl<R: Real> Sighted<R> {
-    /// Of a front whose origin is not known.
+    /// Returns the value for a front whose origin is not known.
     pub(crate) fn unknown() -> Self {
         Self { to: [R::zero(); 2], extent: [R::zero(); 2], start: R::FAR }
     }
 
-    /// From the chart's first point, whose place in a bordered array this is.
+    /// Returns an origin as seen from the border's first point. `first` is the place of the chart's first
+    /// point in a bordered array.
     pub(crate) fn of(origin: &Origin, first: [f64; 2]) -> Self {
         let [a, b] = origin.ends;
         let to = [a.x + first[0], a.y + first[1]].map(R::of);
         Self { to, extent: (b - a).to_array().map(R::of), start: R::of(origin.start) }
     }
 
-    /// The same, seen from a point at this place.
+    /// Returns the same origin as seen from a point at the given place.
     #[inline(always)]
     pub(crate) fn from(self, [row, col]: [R; 2]) -> Self {
         Self { to: [self.to[0] - row, self.to[1] - col], ..self }
@@ -62,7 +64,7 @@ impl<R: Real> Sighted<R> {
 pub(crate) struct Steps {
     first: [f64; 2],
     second: [f64; 2],
-    /// 1 over the area that they span.
+    /// 1 over the area that both steps span.
     per_area: f64,
 }
 
@@ -73,7 +75,7 @@ impl Steps {
         Self { first, second, per_area }
     }
 
-    /// A step as a sum of parts of both.
+    /// Decomposes a step into shares of both steps.
     #[inline(always)]
     fn shares(&self, step: [f64; 2]) -> [f64; 2] {
         let Self { first, second, per_area } = *self;
@@ -84,7 +86,7 @@ impl Steps {
     }
 }
 
-/// Squares of lengths in the plane of a triangle, in which a step is a sum of parts of x0 x1 and x0 x2.
+/// The squared lengths in the plane of a triangle. Steps are given as shares of x0 x1 and x0 x2.
 #[derive(Clone, Copy)]
 struct Plane([f64; 3]);
 
@@ -111,13 +113,13 @@ struct Source {
     per_square: f64,
 }
 
-/// A place as seen from the nearest one of a source.
+/// The ray to a place from the nearest point of a source.
 #[derive(Clone, Copy)]
 struct Ray {
-    /// From there to the place.
+    /// Step from that point to the place.
     step: [f64; 2],
     length: f64,
-    /// Whether it starts between the source's ends, at a right angle.
+    /// Whether the ray starts between the source's ends, at a right angle.
     is_beside: bool,
 }
 
@@ -145,7 +147,7 @@ impl Source {
 /// The corners x1 and x2 in the plane of a triangle.
 const CORNERS: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
 
-/// What an update knows of the front at one end of a base.
+/// The inputs of an update for the front at one end of a base.
 #[derive(Clone, Copy)]
 struct End<R> {
     time: R,
@@ -158,19 +160,19 @@ struct End<R> {
 #[derive(Clone, Copy)]
 struct FromOrigin {
     is_known: bool,
-    /// Whether the straight line explains its time, and whether nearly to rounding.
+    /// Whether the straight line explains the front's time, and whether it does so nearly up to rounding.
     is_in_sight: bool,
     is_on_line: bool,
-    /// By how much it comes later than along the line.
+    /// Delay of the front relative to the line.
     late: f64,
-    /// The curvature that follows.
+    /// Curvature of the front, from its distance.
     curvature: f64,
     /// The ray to x0, and whether it crosses the base.
     ray: Ray,
     crosses: bool,
     /// The share of the base that lies before the crossing.
     crossing: f64,
-    /// When the same front comes to the other end.
+    /// Time at which the same front arrives at the other end.
     other: f64,
     start: f64,
     /// Length of the base.
@@ -215,14 +217,15 @@ impl FromOrigin {
         }
     }
 
-    /// When its front comes to x0 along the line, later by so much.
+    /// Returns the time at which the front arrives at x0 along the line, with a delay of `late`.
     #[inline(always)]
     fn arrival(&self, late: f64) -> f64 {
         self.start + (self.ray.length + late)
     }
 
-    /// What the front carries at x0: the number, as long as the line explains its time and the surface is not so
-    /// bent that the curvature does not follow from the distance.
+    /// Returns the value that the front carries at x0. It is the number of the origin as long as the line
+    /// explains the front's time, and the surface is flat enough for the curvature to follow from the
+    /// distance. Else it is the curvature.
     #[inline(always)]
     fn carried<R: Real>(&self, time: R, number: R, gaussian: R) -> R {
         let (away, gaussian) = (time.wide() - self.start, gaussian.wide());
@@ -234,10 +237,10 @@ impl FromOrigin {
     }
 }
 
-/// Units in the last place of a time that a front may be off its line by rounding.
+/// Largest deviation of a front from its line due to rounding, in units in the last place of the time.
 const ROUNDING: f64 = 16.0;
 
-/// Curvature of a front at some distance from a point, or from a straight line, where the surface has this
+/// Returns the curvature of a front at some distance from a point or a straight line, on a surface of this
 /// Gaussian curvature: from the Riccati equation k' = -k^2 - K.
 #[inline(always)]
 fn curvature(away: f64, is_beside: bool, gaussian: f64) -> f64 {
@@ -247,9 +250,9 @@ fn curvature(away: f64, is_beside: bool, gaussian: f64) -> f64 {
     if is_beside { -bend } else { round }
 }
 
-/// The front at x0 from fronts at x1 and x2 that may have different origins. `bends.fronts` are as points carry
-/// them: curvatures, or numbers of origins, which `sighted` tells more of. If the triangle is obtuse, only what lies on a
-/// straight line from its origin comes through its face.
+/// Returns the front at x0 from fronts at x1 and x2 that may have different origins. `bends.fronts` holds the
+/// values that points carry: curvatures or numbers of origins, which `sighted` describes. If the triangle is
+/// obtuse, only fronts on a straight line from their origin come through its face.
 #[inline(always)]
 pub(crate) fn curved_from_origins<R: Real>(
     triangle: Triangle<R>,
@@ -271,7 +274,7 @@ pub(crate) fn curved_from_origins<R: Real>(
     let second = FromOrigin::new(plane, base, steps, &sighted[1], ends[1], [x2, x1]);
     let same = first.is_known & second.is_known & sighted[0].is(&sighted[1]);
     let of_one = same & first.is_in_sight & second.is_in_sight & exists;
-    // On a straight line nothing is to be told of the front's shape.
+    // On a straight line the shape of the front is not needed.
     let exact = of_one & first.is_on_line & second.is_on_line;
     let obtuse = triangle.is_obtuse();
     let apart = first.is_in_sight & second.is_in_sight & !same;
@@ -288,7 +291,7 @@ pub(crate) fn curved_from_origins<R: Real>(
     let time_2 = R::of(second.arrival(second.late));
     let comes_1 = comes(&first, time_1, t2);
     let comes_2 = comes(&second, time_2, t1) & !exact;
-    // Where each front goes on by itself there is none of both, but along the edges.
+    // Where each front continues by itself, there is no common front, except along the edges.
     let faceless = apart | comes_1 | comes_2 | exact | obtuse;
     let of_both = curved(
         Triangle { c: if faceless { R::FAR } else { c }, ..triangle },
@@ -300,7 +303,7 @@ pub(crate) fn curved_from_origins<R: Real>(
     );
     let keeps_name = of_one & !exact & first.crosses & (of_both.time < R::FAR);
     let named = first.carried(of_both.time, fronts[0], g0);
-    // What runs along an edge gives way to what comes with it but for rounding and tells its origin.
+    // A front along an edge gives way to one that arrives with it up to rounding and carries its origin.
     let rounding = of_both.time.abs() * (R::of(ROUNDING) * R::epsilon());
     let gives_way = !keeps_name & (first.is_known | second.is_known);
     let mut arrival = Front {
@@ -322,8 +325,9 @@ pub(crate) fn curved_from_origins<R: Real>(
     arrival
 }
 
-/// When the front of an origin comes to a point along a straight line through one of its triangles, given their edges
-/// and the steps to their ends; none if it comes through none of them.
+/// Returns the time at which the front of an origin arrives at a point along a straight line through one of
+/// the point's triangles, which are given by their edges and the steps to their ends. The result is `None` if
+/// the line passes through none of them.
 pub(crate) fn line_to<R: Real>(
     triangles: impl IntoIterator<Item = ([R; 3], [[isize; 2]; 2])>,
     sighted: &Sighted<R>,

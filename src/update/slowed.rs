@@ -1,14 +1,16 @@
-//! Fronts over a slowness that differs from corner to corner of a triangle. The twin of `glsl/slowed.glsl`.
+//! Implements fronts over a slowness that differs between the corners of a triangle. The twin of
+//! `glsl/slowed.glsl`.
 //!
-//! The slowness is linear along each edge, whose cost is its length times the mean of both ends'. A ray from a
-//! place y of the base to x0 likewise costs |y x0| times the mean of the slowness at both its ends. So a front
-//! arrives when the sum of its time at y and that cost is least ([`Slope`]). What edges cost does not tell
-//! the shape of a triangle: an even one between corners of slowness 1, 1 and 100 would seem skewed. Its shape is that of its
-//! lengths on the surface, the costs over the slowness.
+//! The slowness is linear along each edge. An edge costs its length times the mean slowness of its ends.
+//! Likewise, a ray from a place y of the base to x0 costs |y x0| times the mean slowness of its ends. A front
+//! arrives along the ray for which the sum of its time at y and that cost is least ([`Slope`]). The costs of
+//! the edges do not give the shape of a triangle: an equilateral one between corners of slowness 1, 1 and 100
+//! would seem skewed. The shape is that of the lengths on the surface, the costs divided by the slowness.
 //!
-//! The sum is convex from one end of the base up to some place, and concave beyond that, if anywhere. So it is least at an end, where
-//! an edge runs, or at the one place within the convex part to which Newton's steps lead. Any place is an
-//! upper bound, and the error of the time is quadratic in that of the place.
+//! The sum is convex from one end of the base up to some place, and concave beyond it, if anywhere. So the
+//! minimum is at an end, where an edge runs, or at the one place within the convex part to which Newton's
+//! method converges. Any place gives an upper bound, and the error of the time is quadratic in that of the
+//! place.
 
 use super::curved::{Bends, bent};
 use super::{Front, Shape, Triangle};
@@ -18,21 +20,22 @@ use crate::constants::{
 };
 use crate::surface::{DIFFRACTS, LACKING, Real, Seed, Tagged, jumps, max, min};
 
-/// 1 if the slowness jumps at one of three points, else 0.
+/// Returns 1 if the slowness jumps at one of three points, else 0.
 #[inline(always)]
 fn jump_of<R: Real>([a, b, c]: [R; 3]) -> R {
     if jumps(a) | jumps(b) | jumps(c) { R::one() } else { R::zero() }
 }
 
 impl<R: Real> Triangle<R> {
-    /// Its edges alone, if it is obtuse at x0 on the surface, given the slowness at x0, x1 and x2.
+    /// Returns the same triangle, or only its edges if it is obtuse at x0 on the surface, given the slowness
+    /// at x0, x1 and x2.
     #[inline(always)]
     pub(crate) fn without_obtuse_face_on_surface(self, slowness: [R; 3]) -> Self {
         let is_obtuse = self.is_obtuse_on_surface(slowness);
         Self { c: if is_obtuse { R::FAR } else { self.c }, ..self }
     }
 
-    /// Whether it is obtuse at x0 on the surface.
+    /// Returns whether the triangle is obtuse at x0 on the surface.
     #[inline(always)]
     pub(crate) fn is_obtuse_on_surface(self, [s0, s1, s2]: [R; 3]) -> bool {
         let per_base = (s1 + s2) / self.c;
@@ -42,35 +45,37 @@ impl<R: Real> Triangle<R> {
     }
 }
 
-/// The cost of rays from the base to x0, in units of the base's cost: from the place w, counted from one end of
-/// the base in units of it, sqrt((w - foot)^2 + height^2) (near + slope w).
+/// The cost of rays from the base to x0, in units of the base's cost. From the place w, which counts from one
+/// end of the base in units of it, the cost is sqrt((w - foot)^2 + height^2) (near + slope w).
 struct Rays<R> {
     foot: R,
     height: R,
-    /// The mean slowness from that end, over that of the base, and by how much it changes to the other end.
+    /// The mean slowness of the ray from that end relative to that of the base, and its change towards the
+    /// other end.
     near: R,
     slope: R,
     jump: R,
 }
 
-/// When a front is at a place of the base, in the same units: that of a circle of curvature `kappa` which leaves the end
-/// at an angle, less a bulge.
+/// The arrival time of a front along the base, in the same units: that of a circle of curvature `kappa` which
+/// leaves the end at an angle, less a bulge.
 struct Slope<R> {
-    /// By how much the other end's time exceeds this one's.
+    /// Difference of the time at the other end to that at this one.
     d: R,
     kappa: R,
     cos_a: R,
     sin_a: R,
-    /// Its second derivative beyond the circle's: what a slowness that changes smoothly bends a front by.
+    /// Second derivative of the time beyond that of the circle: the bending of the front by a smoothly
+    /// varying slowness.
     bulge: R,
 }
 
-/// Where a ray crosses the base.
+/// The place where a ray crosses the base.
 struct Crossing<R> {
     place: R,
-    /// When the front that comes from there arrives.
+    /// Arrival time of the front that comes through that place.
     rise: R,
-    /// The place if the base went on beyond its ends, roughly.
+    /// Approximate place if the base were continued beyond its ends.
     beyond: R,
 }
 
@@ -81,7 +86,8 @@ impl<R: Real> Slope<R> {
         let Self { d, kappa, cos_a, sin_a, bulge } = *self;
         let Rays { foot, height, near, slope, jump } = *rays;
         let within = |place: R| max(min(place, one), zero);
-        // The guess is that over one slowness. Where it jumps, the ray takes the angle of its own side.
+        // The guess is for a constant slowness. Where the slowness jumps, the ray is given the refracted
+        // angle of its own side.
         let across = near + slope * within(foot);
         let steepest = R::of(STEEPEST_GUESS);
         let cosine = max(min(-(d + slope * height) / across, steepest), -steepest);
@@ -105,7 +111,8 @@ impl<R: Real> Slope<R> {
             let cosine = from_foot * per_distance;
             let falls =
                 along * per_root - bulge * (half - place) + mean * cosine + slope * distance;
-            // Where it is not convex it is taken to be a quarter as much as the front's circle and the ray make it.
+            // Where the sum is not convex, its second derivative is taken as a quarter of the contributions
+            // of the front's circle and the ray.
             let spreads = max(kappa, zero) * (sin_a * sin_a) * (per_root * per_root * per_root);
             let convex = spreads + squared * mean * (per_distance * per_distance * per_distance);
             let bends = convex + R::of(2.0) * slope * cosine + bulge;
@@ -116,8 +123,8 @@ impl<R: Real> Slope<R> {
     }
 }
 
-/// The arrival time at x0 of a straight front that reaches x1 and x2 at t1 and t2, given the slowness at x0, x1 and
-/// x2; not before the later of both, see [`super::planar`].
+/// Returns the arrival time at x0 of a straight front that reaches x1 and x2 at t1 and t2, given the slowness
+/// at x0, x1 and x2. It is at least the later of both times, see [`super::planar`].
 #[inline(always)]
 pub(crate) fn planar_slowed<R: Real>(triangle: Triangle<R>, slowness: [R; 3]) -> R {
     let Triangle { t1, t2, l1, l2, c } = triangle;
@@ -142,12 +149,12 @@ pub(crate) fn planar_slowed<R: Real>(triangle: Triangle<R>, slowness: [R; 3]) ->
     min(along_edge, if inside { time } else { along_edge })
 }
 
-/// The front at x0, from fronts at x1 and x2, given the slowness at x0, x1 and x2: as [`super::curved`] where
-/// that is the same.
+/// Returns the front at x0 from fronts at x1 and x2, given the slowness at x0, x1 and x2. It equals that of
+/// [`super::curved`] where the slowness is constant.
 ///
-/// Curvatures are those of the metric that the slowness makes of the surface. Where it jumps, they are no use: the
-/// second derivative of the time along a front is what goes on from one side to the other, curvature times
-/// slowness squared. Points tell by a tag where it jumps ([`jumps`]).
+/// Curvatures are those of the metric that the slowness makes of the surface. Where the slowness jumps, they
+/// are useless. The quantity that continues across a jump is the second derivative of the time along a front:
+/// curvature times slowness squared. Points have a tag where the slowness jumps ([`jumps`]).
 #[inline(always)]
 pub(crate) fn curved_slowed<R: Real>(
     triangle: Triangle<R>,
@@ -168,7 +175,7 @@ pub(crate) fn curved_slowed<R: Real>(
     let (s, near_s) = if swap { (s2, s1) } else { (s1, s2) };
     let jump = jump_of(slowness);
     let per_base_slowness = one / (s + near_s);
-    // Over the base's slowness, which is the mean of both ends'.
+    // Relative to the base's slowness, which is the mean of both ends'.
     let [own, far, near] =
         [s0, s, near_s].map(|slowness| (slowness + slowness) * per_base_slowness);
     let (from_far, from_near) = (half * (own + far), half * (own + near));
@@ -176,7 +183,7 @@ pub(crate) fn curved_slowed<R: Real>(
     let (p, whole) = (shape.foot, shape.whole);
     let h = max(shape.height_squared, zero).sqrt();
     let d = (near_t - t) * shape.per_base;
-    // What a curvature becomes between places of one slowness and another.
+    // The factor by which a curvature changes between places of different slowness.
     let passes = |from: R, to: R| one + jump * (from * from / (to * to) - one);
     let beside =
         (near_k >= at_source) & ((k * c).abs() < R::of(ABOUT_STRAIGHT)) & (d > R::of(-FROM_SOURCE));
@@ -190,7 +197,7 @@ pub(crate) fn curved_slowed<R: Real>(
     let width = sin_a + kappa * h;
     let of_one = (d > R::of(-ALONG_BASE)) & (kappa * (one - d) <= R::of(STRADDLING));
     let is_front = whole & of_one & (width > zero);
-    // A front's time along the base bends with the slowness along it and across it.
+    // The time along the base bends with the change of the slowness along the base and across it.
     let along = max(min(d, one), -one);
     let across = max((one - along) * (one + along), zero).sqrt();
     let rises = (own - (far + p * (near - far))) / h;
@@ -205,7 +212,7 @@ pub(crate) fn curved_slowed<R: Real>(
     let is_first = (time <= min(by_far, by_near)) & (!causal | (time >= later));
     let inside = is_front & (place > zero) & (place < one) & is_first;
 
-    // Along the edge of the end from which it arrives first.
+    // The front along the edge through which it arrives first.
     let grazing = R::of(GRAZING);
     let is_from_far = by_far <= by_near;
     let (edge_time, edge) = if is_from_far { (by_far, l) } else { (by_near, near_l) };
@@ -220,7 +227,7 @@ pub(crate) fn curved_slowed<R: Real>(
         turns & edge_g.tag_has(LACKING, LACKING) & (is_from_far | is_known | is_corner);
     let edge_k = if diffracted { at_source } else { edge_k };
 
-    // Where the slowness jumps a front spreads as over the harmonic mean of both ends of the ray.
+    // Where the slowness jumps, a front spreads as over the harmonic mean of both ends of the ray.
     let from = far + place * (near - far);
     let spreads = one + jump * (one / (from * own) - one);
     let spread = max(rise, zero) * spreads;
@@ -233,18 +240,19 @@ pub(crate) fn curved_slowed<R: Real>(
     let length = (from_foot * from_foot + h * h).sqrt();
     let ray = if inside { c * length * (from_far + place * (from_near - from_far)) } else { edge };
     let gaussian = if inside { g + place * (near_g - g) } else { edge_g };
-    // That of one side is none of the other's.
+    // The Gaussian curvature on one side of a jump does not apply on the other side.
     let gaussian = (half * (g0 + gaussian)) * (one - jump);
     let curvature = bent(if inside { through } else { by_edge }, gaussian, ray);
     Front { time: if inside { time } else { edge_time }, curvature, whole }
 }
 
-/// Whether no front comes through a triangle earlier than `now`, nor, if it is curved, at the same time: given the
-/// curvatures at x1 and x2, or nothing for straight ones.
+/// Returns whether no front comes through a triangle earlier than `now`, nor, if it is curved, at the same
+/// time. `curvatures` are those at x1 and x2, or `None` for straight fronts.
 ///
-/// As in `cpu/settled.rs`: a ray from a place x of the base is at least as long as its projection u . (x0 - x) on
-/// the direction u from x1, which is linear along the base, as is the slowness, so that its cost is below the
-/// lesser of both ends' by a quarter of the product of both changes at most.
+/// The bound is that of `cpu/settled.rs`. A ray from a place x of the base is at least as long as its
+/// projection u . (x0 - x) on the direction u from x1. The projection is linear along the base, as is the
+/// slowness. So the cost falls below the lesser of both ends' by at most a quarter of the product of both
+/// changes.
 #[inline(always)]
 pub(crate) fn is_settled<R: Real>(
     triangle: Triangle<R>,
@@ -260,7 +268,7 @@ pub(crate) fn is_settled<R: Real>(
     let foot = half * (long1 * long1 - long2 * long2 + base * base) / base;
     let projection = min(long1 - foot * base / long1, long2);
     let dip = R::of(0.25) * max((projection - long1) * (mean2 - mean1), zero);
-    // What all this may be rounded by.
+    // Bound of the rounding of all these terms.
     let slack = R::of(16.0) * R::epsilon() * now;
     let lead = min(t1 + l1, t2 + projection * mean2) - dip - now;
     let Some([k1, k2]) = curvatures else { return lead >= slack };

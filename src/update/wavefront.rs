@@ -1,4 +1,4 @@
-//! The kinds of fronts, and the one place where it is decided which of them solves a map.
+//! Defines the kinds of fronts, and decides which of them solves a map. No other module makes this decision.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,44 +7,45 @@ use crate::constants::{self, SOURCES_INSIDE};
 use crate::name::{UnknownName, by_name};
 use crate::surface::{Sources, Surface};
 
-/// The shape of the front that an update assumes inside a triangle. The numbers are those of
-/// `WAVEFRONT` in `glsl/wavefront.glsl`.
+/// The shape of the front that an update assumes inside a triangle. The numbers are those of `WAVEFRONT` in
+/// `glsl/wavefront.glsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(i32)]
 pub enum Wavefront {
-    /// A straight front (paper, section 3): first-order accurate, for extended sources too.
+    /// A straight front (paper, section 3). It is first-order accurate, also for extended sources.
     Planar = constants::PLANAR as i32,
-    /// A circular front around a virtual point source: exact on developable surfaces but for
-    /// the sampling, second-order elsewhere, for one point. Maps of several sources, or over an uneven slowness, are
-    /// solved with [`Self::Curved`] in its place, and say so: circular fronts do not tell whose they are where they meet.
+    /// A circular front around a virtual point source, for one point. It is exact on developable surfaces
+    /// except for the sampling, and second-order accurate elsewhere. Maps of several sources or over an
+    /// uneven slowness are solved with [`Self::Curved`] instead, and their report says so: circular fronts do
+    /// not tell to which source they belong where they meet.
     PointSource = constants::CIRCULAR as i32,
-    /// A front that carries its curvature beside the arrival time: second-order on curved
-    /// surfaces, around holes and for extended sources too.
+    /// A front that carries its curvature beside the arrival time. It is second-order accurate on curved
+    /// surfaces, also around holes and for extended sources.
     Curved = constants::CURVED as i32,
-    /// A front that knows its anchor, the corner or source that it comes from on a straight line, in place
-    /// of its curvature: exact over floor plans ([`crate::Surface::is_floor_plan`]), from points. Elsewhere
-    /// and from curves it is refused; given the edges of another surface, engines solve as
-    /// [`Self::Curved`].
+    /// A front that knows its anchor, the corner or source from which it comes on a straight line, in place
+    /// of its curvature. From points it is exact over floor plans ([`crate::Surface::is_floor_plan`]). On
+    /// other surfaces and from curves it is refused. Engines that are given the edges of another surface
+    /// solve as [`Self::Curved`].
     Anchored = constants::ANCHORED as i32,
 }
 
 impl Wavefront {
-    /// Those for any surface: all but [`Self::Anchored`].
+    /// The wavefronts that suit any surface: all but [`Self::Anchored`].
     pub const ALL: [Self; 3] = [Self::Planar, Self::PointSource, Self::Curved];
-    /// With [`Self::Anchored`].
+    /// All wavefronts, including [`Self::Anchored`].
     pub const EVERY: [Self; 4] = [Self::Planar, Self::PointSource, Self::Curved, Self::Anchored];
 
-    /// Whether fronts carry their curvature.
+    /// Returns whether fronts carry their curvature.
     pub fn is_curved(self) -> bool {
         self == Self::Curved
     }
 
-    /// Whether fronts carry anything beside their arrival time.
+    /// Returns whether fronts carry a value beside their arrival time.
     pub(crate) fn has_two_layers(self) -> bool {
         matches!(self, Self::Curved | Self::Anchored)
     }
 
-    /// The name used by the tool and in reports.
+    /// Returns the name that the tool and reports use.
     pub fn name(self) -> &'static str {
         match self {
             Self::Planar => "planar",
@@ -54,19 +55,20 @@ impl Wavefront {
         }
     }
 
-    /// The wavefront of a map: that which is asked for, or by default the best in this setting.
+    /// Returns the wavefront of a map: the requested one, or by default the best one in this setting.
     ///
     /// # Errors
-    /// If the one that is asked for does not suit the setting.
+    /// If the requested wavefront does not suit the setting.
     pub(crate) fn resolve(asked: Option<Self>, setting: Setting) -> Result<Self, Unsuited> {
         let Setting { is_rough, is_slowed_unevenly, sources, engine, .. } = setting;
         let from_curves = sources == SourceKind::Curves;
         match asked {
             Some(Self::Anchored) => setting.has_anchors().map(|()| Self::Anchored),
             Some(Self::PointSource) if from_curves => Err(Unsuited::PointSourceFromCurves),
-            // Circular fronts do not tell from which source they come: where those of several meet, or one that a
-            // slowness bends meets itself, what arrives would hang on the order of updates. Marching has but one order.
-            // Matrices of one slowness keep them for their speed; where rays bend, circles have no centre.
+            // Circular fronts do not tell from which source they come. Where fronts of several sources meet,
+            // or one that a slowness bends meets itself, the result would depend on the order of updates.
+            // Fast marching has only one order. Matrices with a constant slowness keep circular fronts for
+            // their speed; where rays bend, circles have no centre.
             Some(Self::PointSource)
                 if sources.are_several() && engine != EngineKind::FastMarching
                     || is_slowed_unevenly =>
@@ -83,8 +85,8 @@ impl Wavefront {
         }
     }
 
-    /// The wavefront with which an engine solves that is asked for this one and refuses none: curved in place
-    /// of one that does not suit the setting.
+    /// Returns the wavefront with which an engine solves that accepts any request: the curved one in place of
+    /// one that does not suit the setting.
     pub(crate) fn or_curved(self, setting: Setting) -> Self {
         Self::resolve(Some(self), setting).unwrap_or(Self::Curved)
     }
@@ -96,7 +98,7 @@ impl fmt::Display for Wavefront {
     }
 }
 
-/// By its [`name`](Wavefront::name).
+/// Parses the [`name`](Wavefront::name) of a wavefront.
 ///
 /// ```
 /// use geosweep::Wavefront;
@@ -113,7 +115,7 @@ impl FromStr for Wavefront {
     }
 }
 
-/// What the choice of a wavefront depends on.
+/// The facts on which the choice of a wavefront depends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Setting {
     /// Whether the surface is known to be a floor plan ([`Surface::is_floor_plan`]).
@@ -121,18 +123,18 @@ pub(crate) struct Setting {
     /// Whether the surface turns at random from point to point ([`crate::surface::Resolution::is_rough`]), or its
     /// slowness jumps all over it.
     pub is_rough: bool,
-    /// Whether it has a slowness that is not the same everywhere.
+    /// Whether the surface has a slowness that is not the same everywhere.
     pub is_slowed_unevenly: bool,
     pub sources: SourceKind,
     pub engine: EngineKind,
 }
 
-/// What a map starts from.
+/// The kind of sources of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SourceKind {
-    /// Points, some of them maybe inside cells.
+    /// Points. Some of them may lie inside cells.
     Points { single: bool, inside_cells: usize },
-    /// Curves, and maybe points.
+    /// Curves, possibly with points.
     Curves,
 }
 
@@ -148,7 +150,7 @@ impl SourceKind {
         Self::Points { single, inside_cells }
     }
 
-    /// That of sources to which others will be added.
+    /// Returns the kind of sources to which others will be added.
     pub(crate) fn several(sources: &Sources) -> Self {
         match Self::of(sources) {
             Self::Points { inside_cells, .. } => Self::Points { single: false, inside_cells },
@@ -161,21 +163,21 @@ impl SourceKind {
     }
 }
 
-/// What solves.
+/// The kind of engine that solves a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum EngineKind {
     /// Single maps, on the CPU or on a device.
     Map,
     /// Fast marching.
     FastMarching,
-    /// The rows of a distance matrix on the CPU: map by map where fronts carry something.
+    /// The rows of a distance matrix on the CPU. They are solved map by map where fronts carry a value.
     Matrix,
-    /// The same on a device, where they have no anchors.
+    /// The rows of a distance matrix on a device, where fronts have no anchors.
     MatrixOnDevice,
 }
 
 impl Setting {
-    /// A map of a surface.
+    /// Makes the setting of a map of a surface.
     pub(crate) fn new(surface: &Surface, sources: SourceKind, engine: EngineKind) -> Self {
         let is_floor_plan = surface.is_floor_plan();
         let is_rough = surface.resolution().is_some_and(|resolution| resolution.is_rough())
@@ -189,13 +191,14 @@ impl Setting {
         }
     }
 
-    /// An engine that is given edges and seeds, and knows of the surface at most that it is a floor plan.
+    /// Makes the setting of an engine that is given edges and seeds, and knows of the surface at most that it
+    /// is a floor plan.
     pub(crate) fn of_engine(is_floor_plan: bool) -> Self {
         let (sources, engine) = (SourceKind::POINT, EngineKind::Map);
         Self { is_floor_plan, is_rough: false, is_slowed_unevenly: false, sources, engine }
     }
 
-    /// Refuses surfaces, sources and engines for which fronts have no anchors.
+    /// Returns an error for surfaces, sources and engines for which fronts have no anchors.
     fn has_anchors(self) -> Result<(), Unsuited> {
         match self.sources {
             _ if !self.is_floor_plan => Err(Unsuited::NoFloorPlan),
@@ -209,7 +212,7 @@ impl Setting {
     }
 }
 
-/// Why a wavefront does not suit, and what to do.
+/// The reason why a wavefront does not suit a setting, with advice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Unsuited {
     #[error(

@@ -1,4 +1,4 @@
-//! Curves on the Earth.
+//! Writes curves on the Earth as GeoJSON.
 
 use std::io::{self, Write};
 
@@ -10,11 +10,11 @@ use glam::DVec3;
 use super::{Attribute, Drawing, Polyline};
 use crate::io::{CoordinateSystem, Georeference};
 
-/// Digits behind the point: a tenth of a millimetre.
+/// Number of digits after the decimal point: a tenth of a millimetre.
 const DEGREE_DIGITS: i32 = 9;
 const METRE_DIGITS: i32 = 4;
 
-/// A LineString a curve, or a Point where it has but one vertex.
+/// Writes a LineString per curve, or a Point for a curve of one vertex.
 pub fn write(writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
     let georeference = drawing.georeference.as_ref();
     let georeference = georeference.ok_or_else(|| io::Error::other("there is no georeference"))?;
@@ -28,7 +28,7 @@ pub fn write(writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
     writeln!(writer, "{collection}")
 }
 
-/// The member of GeoJSON 2008 that names a coordinate system; RFC 7946 knows only WGS 84.
+/// Returns the member of GeoJSON 2008 that names a coordinate system. RFC 7946 supports only WGS 84.
 fn named(system: CoordinateSystem) -> Option<JsonObject> {
     let name = format!("urn:ogc:def:crs:EPSG::{}", system.epsg());
     let properties = object([("name", name.into())]);

@@ -1,4 +1,4 @@
-//! Curves as files: contours, paths, borders and offset curves.
+//! Writes curves to files: contours, paths, borders and offset curves.
 
 mod geojson;
 mod space;
@@ -16,22 +16,22 @@ use crate::Surface;
 use crate::geometry::{Curve, CurveError};
 use crate::surface::Chart;
 
-/// A curve on a surface with what is known of it.
+/// A curve on a surface with its attributes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyline {
-    /// What it is, such as `contour`; one word.
+    /// The kind of curve, such as `contour`. It is one word.
     pub kind: &'static str,
-    /// Numbers and names that belong to it, the same ones in all curves of a file.
+    /// Numbers and names that describe the curve. All curves of a file have the same ones.
     pub attributes: Vec<(&'static str, Attribute)>,
-    /// In the parameter domain.
+    /// The curve in the parameter domain.
     pub curve: Curve,
-    /// The vertices in space; empty if the surface is known only by its metric.
+    /// Positions of the vertices in space. Empty if the surface is given only by its metric.
     pub positions: Vec<DVec3>,
-    /// Red, green and blue, for formats that show one.
+    /// Red, green and blue, for formats that show colours.
     pub color: [u8; 3],
 }
 
-/// What is known of a curve.
+/// The value of an attribute of a curve.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Attribute {
     /// A level or a length.
@@ -42,20 +42,20 @@ pub enum Attribute {
     Name(&'static str),
 }
 
-/// Curves of one surface, and what formats need beside them.
+/// The curves of one surface, with the additional data that formats need.
 #[derive(Clone, Debug)]
 pub struct Drawing {
-    /// The grid.
+    /// Size of the grid.
     pub chart: Chart,
-    /// Where it lies on the Earth.
+    /// Location of the grid on the Earth.
     pub georeference: Option<Georeference>,
-    /// Names of the curves' attributes: columns of a table, of one without curves too.
+    /// Names of the curves' attributes. They are the columns of a table, even of one without curves.
     pub attributes: Vec<&'static str>,
-    /// The curves, in their order.
+    /// The curves, in order.
     pub polylines: Vec<Polyline>,
 }
 
-/// A format of curves.
+/// A file format for curves.
 ///
 /// | extension | content |
 /// |---|---|
@@ -66,10 +66,11 @@ pub struct Drawing {
 /// | `.ply` | binary, vertices with colours, and edges |
 /// | `.obj` | a line element a curve |
 ///
-/// x, y, z are NaN or empty for a surface that is known only by its metric; PLY and OBJ need them.
+/// The values x, y, z are NaN or empty for a surface that is given only by its metric. PLY and OBJ require
+/// them.
 ///
-/// GeoJSON on WGS 84 (EPSG:4326) follows RFC 7946. In any other coordinate system the file has the
-/// member `crs` of the format's 2008 version, which GDAL and QGIS read: no coordinate is converted.
+/// GeoJSON on WGS 84 (EPSG:4326) follows RFC 7946. In any other coordinate system the file has the member
+/// `crs` of the format's 2008 version, which GDAL and QGIS read. No coordinate is converted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveFormat {
     /// NumPy array.
@@ -87,7 +88,7 @@ pub enum CurveFormat {
 }
 
 impl Polyline {
-    /// A black curve on a surface, whose positions are those of [`Curve::lift`].
+    /// Makes a black curve on a surface. Its positions are those of [`Curve::lift`].
     ///
     /// # Errors
     /// If a vertex lies off the surface.
@@ -97,20 +98,20 @@ impl Polyline {
         Ok(Self { kind, attributes: Vec::new(), curve, positions, color: [0; 3] })
     }
 
-    /// With another attribute.
+    /// Adds an attribute.
     pub fn with(mut self, name: &'static str, value: Attribute) -> Self {
         self.attributes.push((name, value));
         self
     }
 
-    /// Vertices with their positions, NaN where there is none.
+    /// Returns the vertices with their positions, which are NaN where there is none.
     fn vertices(&self) -> impl Iterator<Item = ([f64; 2], DVec3)> + Clone {
         let position = |index| self.positions.get(index).copied().unwrap_or(DVec3::NAN);
         let vertices = self.curve.vertices.iter().enumerate();
         vertices.map(move |(index, &vertex)| (vertex, position(index)))
     }
 
-    /// Those, with the first again at the end of a closed curve.
+    /// Returns the vertices with their positions, and the first one again at the end of a closed curve.
     fn around(&self) -> impl Iterator<Item = ([f64; 2], DVec3)> + Clone {
         self.vertices().chain(self.vertices().take(usize::from(self.curve.closed)))
     }
@@ -127,10 +128,10 @@ impl fmt::Display for Attribute {
 }
 
 impl CurveFormat {
-    /// The format that a name's extension stands for.
+    /// Returns the format for the extension of a file name.
     ///
     /// # Errors
-    /// If it stands for none, with a list of those that would do.
+    /// If no format has this extension. The error lists the supported ones.
     pub fn of(path: &Path) -> Result<Self, IoError> {
         match extension(path).as_str() {
             "npy" => Ok(Self::Npy),
@@ -146,7 +147,7 @@ impl CurveFormat {
         }
     }
 
-    /// Whether curves without positions cannot be written.
+    /// Returns whether the format cannot hold curves without positions.
     pub fn needs_positions(self) -> bool {
         matches!(self, Self::Ply | Self::Obj)
     }
@@ -154,8 +155,8 @@ impl CurveFormat {
     /// Writes curves.
     ///
     /// # Errors
-    /// Those of the writer; for GeoJSON also a drawing without a georeference, for PLY and OBJ
-    /// curves without positions, for PLY more vertices than its 32-bit indices tell apart.
+    /// The errors of the writer. For GeoJSON, also a drawing without a georeference. For PLY and OBJ, curves
+    /// without positions. For PLY, more vertices than 32-bit indices can distinguish.
     pub fn write(self, writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
         let lacks = |polyline: &Polyline| polyline.positions.len() != polyline.curve.vertices.len();
         if self.needs_positions() && drawing.polylines.iter().any(lacks) {

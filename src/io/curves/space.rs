@@ -1,11 +1,11 @@
-//! Curves in space, for programs that show meshes.
+//! Writes curves in space, for programs that show meshes.
 
 use std::io::{self, Write};
 
 use super::super::ply;
 use super::{Drawing, Polyline};
 
-/// Binary, little-endian: vertices with colours, and edges between them.
+/// Writes binary, little-endian PLY: vertices with colours, and edges between them.
 pub fn write_ply(writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
     let polylines = &drawing.polylines;
     let count = polylines.iter().map(|polyline| polyline.positions.len()).sum::<usize>();
@@ -34,7 +34,7 @@ pub fn write_ply(writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
     Ok(())
 }
 
-/// Pairs of neighbouring vertices, around a closed curve.
+/// Returns the pairs of neighbouring vertices, including the last and the first one of a closed curve.
 fn edges(polyline: &Polyline) -> impl Iterator<Item = [usize; 2]> {
     let count = polyline.positions.len();
     let closing = polyline.curve.closed && count > 1;
@@ -42,7 +42,7 @@ fn edges(polyline: &Polyline) -> impl Iterator<Item = [usize; 2]> {
     open.chain(closing.then_some([count.saturating_sub(1), 0]))
 }
 
-/// Text: an object with one line element a curve.
+/// Writes OBJ text: an object with one line element per curve.
 pub fn write_obj(writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
     // OBJ counts vertices from 1, over the whole file.
     let mut first = 1;

@@ -1,4 +1,4 @@
-//! Curves as a drawing of the parameter domain.
+//! Writes curves as a drawing of the parameter domain.
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -8,15 +8,16 @@ use ::svg::node::element::{Group, Path, Rectangle, Style, Title};
 
 use super::{Drawing, Polyline};
 
-/// Lines are as wide at any scale: pixels, not grid steps.
+/// Lines have the same width at any scale: it is in pixels, not in grid steps.
 const STYLE: &str = "\
 path { fill: none; stroke-width: 1.5; stroke-linecap: round; stroke-linejoin: round; \
 vector-effect: non-scaling-stroke }
 rect { fill: #f7f7f7; stroke: #b0b0b0; stroke-width: 1; vector-effect: non-scaling-stroke }";
-/// Room around the grid, as a part of its longer side.
+/// Margin around the grid, relative to its longer side.
 const MARGIN: f64 = 0.02;
 
-/// One unit a grid step, columns to the right and rows down; the grid within a frame.
+/// Writes the drawing with one unit per grid step, columns to the right and rows down, and a frame around the
+/// grid.
 pub fn write(writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
     let steps = |points: usize| points.saturating_sub(1) as f64;
     let (width, height) = (steps(drawing.chart.cols), steps(drawing.chart.rows));
@@ -50,6 +51,6 @@ fn path(polyline: &Polyline) -> Path {
         let _ = write!(title, ", {name} {value}");
         path.set(format!("data-{name}"), value.to_string())
     });
-    // Shown where the pointer rests on a curve.
+    // The title is shown when the pointer rests on a curve.
     path.add(Title::new(title))
 }

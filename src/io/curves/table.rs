@@ -1,4 +1,4 @@
-//! Curves as tables of vertices.
+//! Writes curves as tables of vertices.
 
 use std::io::{self, Write};
 
@@ -7,7 +7,7 @@ use super::Drawing;
 
 const SEPARATOR: [f64; 5] = [f64::NAN; 5];
 
-/// An array (K, 5) with a row of NaN between curves.
+/// Writes an array (K, 5) with a row of NaN between curves.
 pub fn write_npy(writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
     let single = drawing.polylines.iter().all(|polyline| polyline.curve.vertices.len() == 1);
     let mut rows = Vec::new();
@@ -20,7 +20,7 @@ pub fn write_npy(writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
     npy::write_npy(writer, &[rows.len(), SEPARATOR.len()], rows.as_flattened())
 }
 
-/// A line per vertex.
+/// Writes a line per vertex.
 pub fn write_csv(writer: &mut impl Write, drawing: &Drawing) -> io::Result<()> {
     let mut table = csv::Writer::from_writer(writer);
     let header = ["curve", "kind"].into_iter().chain(drawing.attributes.iter().copied());

@@ -1,4 +1,4 @@
-//! What an unfinished matrix is made from, and how far it is.
+//! Records the inputs of an unfinished matrix, and its progress.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,27 +12,27 @@ use crate::io::npy::shape_text;
 use crate::io::{IoError, OutputFile};
 use crate::surface::{EdgeLengths, Surface, SurfaceError};
 
-/// Everything that the numbers of a matrix depend on, as names and values for people: an
-/// unfinished matrix is resumed only by what would give the same bytes.
+/// Everything on which the numbers of a matrix depend, as readable names and values. An unfinished matrix is
+/// resumed only with inputs that would give the same bytes.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Provenance(BTreeMap<String, String>);
 
 impl Provenance {
-    /// Nothing yet.
+    /// Returns an empty record.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds something.
+    /// Adds a name and its value.
     pub fn with(mut self, name: &str, value: impl ToString) -> Self {
         self.0.insert(name.into(), value.to_string());
         self
     }
 }
 
-/// A checksum of all that the solvers see of a surface, its edge lengths, against a mistaken
-/// resumption.
+/// Returns a checksum of a surface's edge lengths, which are all that the solvers see of it. It protects
+/// against resuming a matrix of another surface.
 ///
 /// # Errors
 /// If an edge is too long or too short for single precision.
@@ -50,7 +50,7 @@ pub fn surface_checksum(surface: &Surface) -> Result<String, SurfaceError> {
 pub(super) struct Checkpoint {
     geosweep: String,
     made_from: Provenance,
-    /// Rows that are safely there.
+    /// Number of rows that are safely on disk.
     pub rows: usize,
 }
 
@@ -76,7 +76,7 @@ impl Checkpoint {
             .map_err(|error| IoError::content(&path, format!("is no checkpoint: {error}")))
     }
 
-    /// Checks that the matrix is the one that is wanted.
+    /// Checks that the matrix is the expected one.
     pub fn check(
         &self,
         part: &Path,
@@ -118,7 +118,7 @@ impl Checkpoint {
         output.stage(|writer| writer.write_all(&text))?.commit()
     }
 
-    /// Removes the file; failing that, it does no harm.
+    /// Removes the file. If that fails, the file does no harm.
     pub fn remove(part: &Path) {
         let _ = fs::remove_file(path(part));
     }

@@ -1,4 +1,4 @@
-//! How a matrix lies in its file.
+//! Defines the layout of a matrix in its file.
 
 use std::path::Path;
 
@@ -8,10 +8,10 @@ use half::slice::HalfFloatSliceExt;
 use crate::io::IoError;
 use crate::io::npy;
 
-/// The numbers of a matrix.
+/// The type of the numbers of a matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Element {
-    /// Four bytes: what the solvers compute.
+    /// Four bytes, as the solvers compute.
     #[default]
     Float32,
     /// Two bytes: eleven significant bits, a relative error below 5e-4, and 65504 at most.
@@ -19,7 +19,7 @@ pub enum Element {
 }
 
 impl Element {
-    /// Bytes of a number.
+    /// Returns the number of bytes of a number.
     pub fn bytes(self) -> usize {
         match self {
             Self::Float32 => 4,
@@ -27,7 +27,7 @@ impl Element {
         }
     }
 
-    /// NumPy's name.
+    /// Returns NumPy's name of the type.
     pub fn name(self) -> &'static str {
         match self {
             Self::Float32 => "float32",
@@ -49,7 +49,7 @@ impl std::fmt::Display for Element {
     }
 }
 
-/// The size of a matrix and what is kept of it.
+/// The size of a matrix and the part of it that is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MatrixLayout {
     /// Number of rows.
@@ -58,22 +58,22 @@ pub struct MatrixLayout {
     pub cols: usize,
     /// Type of the numbers.
     pub element: Element,
-    /// Only what lies above the diagonal of a square matrix, row after row: an array
-    /// (n (n - 1) / 2,), the condensed form of SciPy's `squareform`.
+    /// Whether only the part above the diagonal of a square matrix is stored, row after row: an array (n (n -
+    /// 1) / 2,), the condensed form of SciPy's `squareform`.
     pub upper: bool,
-    /// Both distances between two points of a square matrix are replaced by their mean. The
-    /// matrix is first written whole, in float32, and that is there until the end.
+    /// Whether both distances between two points of a square matrix are replaced by their mean. The matrix is
+    /// first written whole in float32, and that file exists until the end.
     pub symmetric: bool,
 }
 
 impl MatrixLayout {
-    /// Bytes that the disk must have, at most at a time.
+    /// Returns the largest number of bytes that the disk must hold at a time.
     pub fn bytes(&self) -> u64 {
         let finished = self.bytes_of_rows(self.rows);
         if self.symmetric { finished + self.of_rows().bytes() } else { finished }
     }
 
-    /// How rows lie while they are gathered.
+    /// Returns the layout of the unfinished file, in which rows are collected.
     pub(super) fn of_rows(&self) -> Self {
         let Self { rows, cols, .. } = *self;
         if self.symmetric {
@@ -83,7 +83,7 @@ impl MatrixLayout {
         }
     }
 
-    /// Shape of the array.
+    /// Returns the shape of the array.
     pub fn shape(&self) -> Vec<usize> {
         if self.upper { vec![self.numbers_of_rows(self.rows)] } else { vec![self.rows, self.cols] }
     }
@@ -92,20 +92,20 @@ impl MatrixLayout {
         npy::header(self.element.descr(), &self.shape())
     }
 
-    /// Bytes of the file after so many rows.
+    /// Returns the size of the file in bytes after `rows` rows.
     pub(super) fn bytes_of_rows(&self, rows: usize) -> u64 {
         (self.header().len() + self.numbers_of_rows(rows) * self.element.bytes()) as u64
     }
 
-    /// Numbers of the first rows.
+    /// Returns the number of values in the first `rows` rows.
     fn numbers_of_rows(&self, rows: usize) -> usize {
         let whole = rows * self.cols;
         // Row r leaves out its first r + 1 numbers.
         if self.upper { whole - rows * (rows + 1) / 2 } else { whole }
     }
 
-    /// The bytes of whole rows, the first of which has this number; in `buffer` unless they are
-    /// those of the distances.
+    /// Returns the bytes of whole rows, beginning with the row number `first`. They are written to `buffer`
+    /// unless they equal the bytes of `distances`.
     pub(super) fn encode<'a>(
         &self,
         first: usize,
@@ -124,10 +124,10 @@ impl MatrixLayout {
         Ok(buffer)
     }
 
-    /// Checks that the disk has so many bytes left.
+    /// Checks that the disk has `needed` bytes left.
     pub(super) fn check_space(&self, path: &Path, needed: u64) -> Result<(), IoError> {
         let folder = path.parent().filter(|folder| *folder != Path::new(""));
-        // Where the system does not say, the writing will.
+        // If the system cannot tell the free space, writing will show it.
         let Ok(free) = fs4::available_space(folder.unwrap_or(Path::new("."))) else {
             return Ok(());
         };

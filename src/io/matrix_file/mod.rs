@@ -1,8 +1,8 @@
-//! Matrices of distances larger than memory: `.npy` files that grow row by row.
+//! Writes matrices of distances that are larger than memory: `.npy` files that grow row by row.
 //!
-//! An unfinished matrix lies beside its place, under its name with `.part` after it; its checkpoint,
-//! `.part.json`, says from what it is computed and how many rows are safely there. The last step
-//! gives it its name.
+//! An unfinished matrix lies beside its final place, under its name with the suffix `.part`. Its checkpoint,
+//! `.part.json`, records its inputs and the number of rows that are safely on disk. The last step renames the
+//! file.
 
 mod checkpoint;
 mod layout;
@@ -22,7 +22,7 @@ pub use layout::{Element, MatrixLayout};
 pub use read::{SquareMatrix, is_distance_matrix, read_matrix};
 use symmetric::write_means;
 
-/// Rows since the last checkpoint are computed again after an interruption.
+/// Time between checkpoints. After an interruption, rows since the last checkpoint are computed again.
 const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(5);
 
 /// A matrix that is being written.
@@ -55,10 +55,10 @@ const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(5);
 pub struct MatrixFile {
     output: OutputFile,
     layout: MatrixLayout,
-    /// How it lies in the unfinished file.
+    /// Layout of the unfinished file.
     part_layout: MatrixLayout,
     part: PathBuf,
-    /// Locked, so that no other process writes to it.
+    /// The unfinished file. It is locked, so that no other process writes to it.
     file: File,
     checkpoint: Checkpoint,
     rows: usize,
@@ -70,8 +70,8 @@ impl MatrixFile {
     /// Begins a matrix.
     ///
     /// # Errors
-    /// If an unfinished one is there already, which is not thrown away lightly; or the disk has too
-    /// little space, or no file can be created.
+    /// If there is already an unfinished matrix, which is not discarded implicitly; if the disk has too
+    /// little space; or if no file can be created.
     pub fn begin(
         output: OutputFile,
         layout: MatrixLayout,
@@ -99,11 +99,11 @@ impl MatrixFile {
         Ok(matrix)
     }
 
-    /// Goes on with a matrix where it was interrupted; begins it if nothing is there.
+    /// Resumes a matrix where it was interrupted, or begins it if there is none.
     ///
     /// # Errors
-    /// If the unfinished matrix was made from something else, another process is at work on it, or
-    /// it has lost data; or the disk has too little space.
+    /// If the unfinished matrix was made from other inputs, another process is writing it, or it has lost
+    /// data; or if the disk has too little space.
     pub fn resume(
         output: OutputFile,
         layout: MatrixLayout,
@@ -147,19 +147,19 @@ impl MatrixFile {
         }
     }
 
-    /// Number of rows that are there.
+    /// Returns the number of rows written so far.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Adds whole rows, and saves what is there from time to time.
+    /// Appends whole rows, and saves a checkpoint from time to time.
     ///
     /// # Errors
-    /// If the disk is full or fails; what is there by then can be resumed. If a distance is too
-    /// large for the elements, no row is written, and nothing is left behind.
+    /// If the disk is full or fails; the matrix can then be resumed. If a distance is too large for the
+    /// elements, no row is written, and nothing is left behind.
     ///
     /// # Panics
-    /// If these are no whole rows, or more than are missing.
+    /// If `distances` are not whole rows, or more rows than are missing.
     pub fn append(&mut self, distances: &[f32]) -> Result<(), IoError> {
         let count = distances.len() / self.layout.cols;
         assert_eq!(distances.len(), count * self.layout.cols, "whole rows");
@@ -179,7 +179,7 @@ impl MatrixFile {
         Ok(())
     }
 
-    /// Saves what is there, to be resumed; nothing is left of a matrix without rows.
+    /// Saves the matrix so that it can be resumed. Nothing is left of a matrix without rows.
     ///
     /// # Errors
     /// If the disk is full or fails.
@@ -191,11 +191,11 @@ impl MatrixFile {
         Ok(())
     }
 
-    /// Gives the matrix its name, after it is made symmetric if it is to be.
+    /// Finishes the matrix: makes it symmetric if required, and gives it its name.
     ///
     /// # Errors
-    /// If the disk is full or fails, or the folder has changed in the meantime; if a mean is too
-    /// large for the elements.
+    /// If the disk is full or fails, or the folder has changed in the meantime; if a mean is too large for
+    /// the elements.
     ///
     /// # Panics
     /// If rows are missing.
@@ -203,11 +203,12 @@ impl MatrixFile {
         self.finish_while(|| true).map(drop)
     }
 
-    /// The same, which takes a while for a matrix that is made symmetric. As soon as `go_on` says no,
-    /// the matrix is given back, with all its rows: to be paused or discarded.
+    /// Does the same as [`Self::finish`], which takes a while for a matrix that is made symmetric, and can be
+    /// interrupted. Once `go_on` returns false, the matrix is returned with all its rows, so that it can be
+    /// paused or discarded.
     ///
     /// # Errors
-    /// As [`Self::finish`].
+    /// The errors of [`Self::finish`].
     ///
     /// # Panics
     /// If rows are missing.
@@ -242,15 +243,16 @@ impl MatrixFile {
         self.checkpoint.write(&self.part)
     }
 
-    /// Removes what is there; failing that, the user can.
+    /// Removes the unfinished matrix and its checkpoint. Errors are ignored; the user can then remove the
+    /// files.
     pub fn discard(&self) {
         let _ = fs::remove_file(&self.part);
         Checkpoint::remove(&self.part);
     }
 }
 
-/// Refuses an unfinished matrix that does not begin as it was begun: something else has written to
-/// it since.
+/// Returns an error for an unfinished matrix whose header differs from the expected one: something else has
+/// written to it since.
 fn check_header(file: &mut File, part: &Path, layout: &MatrixLayout) -> Result<(), IoError> {
     let wanted = layout.header();
     let mut found = vec![0; wanted.len()];
@@ -262,7 +264,7 @@ fn check_header(file: &mut File, part: &Path, layout: &MatrixLayout) -> Result<(
     Err(IoError::content(part, reason))
 }
 
-/// Where a matrix lies until it is finished.
+/// Returns the path of the unfinished matrix.
 fn part_path(output: &OutputFile) -> PathBuf {
     with_suffix(output.target(), ".part")
 }
@@ -279,7 +281,7 @@ fn lock(file: &File, part: &Path) -> Result<(), IoError> {
         Err(TryLockError::WouldBlock) => {
             Err(IoError::write(part, "another process is at work on it"))
         }
-        // Some network file systems have no locks.
+        // Some network file systems do not support locks.
         Err(TryLockError::Error(source)) if source.kind() == io::ErrorKind::Unsupported => Ok(()),
         Err(TryLockError::Error(source)) => Err(IoError::write(part, source)),
     }
@@ -297,7 +299,7 @@ mod tests {
         symmetric: false,
     };
 
-    /// An unfinished matrix of one row, after something has happened to its files.
+    /// Resumes an unfinished matrix of one row after `change` has modified its files.
     fn resumed_after(change: impl FnOnce(&Path, &Path)) -> Result<MatrixFile, IoError> {
         let folder = tempfile::tempdir().unwrap();
         let output = OutputFile::new(&folder.path().join("d.npy")).unwrap();

@@ -1,4 +1,4 @@
-//! A matrix of distances from its file.
+//! Reads matrices of distances from files.
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek};
@@ -12,12 +12,12 @@ use crate::io::{IoError, check_regular, extension};
 pub struct SquareMatrix {
     /// Number of points.
     pub points: usize,
-    /// n x n distances, row-major.
+    /// Distances, n x n, row-major.
     pub distances: Vec<f32>,
 }
 
-/// Reads a matrix of distances: an `.npy` array (n, n), or what lies above the diagonal,
-/// (n (n - 1) / 2,) as SciPy's `squareform` has it. Memory is needed for the matrix alone.
+/// Reads a matrix of distances: an `.npy` array (n, n), or the part above the diagonal, (n (n - 1) / 2,), in
+/// the form of SciPy's `squareform`. Memory is needed for the matrix only.
 ///
 /// # Errors
 /// If the file cannot be read or holds no such array, or memory does not suffice.
@@ -51,15 +51,15 @@ pub fn read_matrix(path: &Path) -> Result<SquareMatrix, IoError> {
     Ok(SquareMatrix { points, distances })
 }
 
-/// Whether a file is an `.npy` array that can be a matrix of distances and, in all likelihood,
-/// nothing else: the upper triangle of one, or a square array with nothing but 0 and, for holes,
-/// +infinity on its diagonal, and something else in its first row.
+/// Returns whether a file is an `.npy` array that can be a matrix of distances and is unlikely to be anything
+/// else: the upper triangle of a matrix, or a square floating-point array. On the diagonal of the latter
+/// there are only 0 and, for holes, +infinity; in its first row there is also another value.
 pub fn is_distance_matrix(path: &Path) -> bool {
     let is = || {
         let size = check_regular(path).ok()?;
         let mut file = BufReader::new(File::open(path).ok()?);
         let header = Header::read(&mut file).ok()?;
-        // A row is given memory only where the file has so many.
+        // Memory for a row is allocated only if the file is large enough.
         header.check_size(size.saturating_sub(file.stream_position().ok()?)).ok()?;
         let points = match header.shape[..] {
             [_] => return Some(true),
@@ -73,7 +73,7 @@ pub fn is_distance_matrix(path: &Path) -> bool {
         let is_zero = |distance: f64| distance == 0.0 || distance == f64::INFINITY;
         let mut diagonal = is_zero(first[0]);
         for row_number in 1..points {
-            // From the end of row 0, or of the number before on the diagonal.
+            // Skips from the end of row 0, or from the previous number on the diagonal.
             let skipped = if row_number == 1 { size } else { row.len() };
             file.seek_relative(i64::try_from(skipped).ok()?).ok()?;
             file.read_exact(&mut row[..size]).ok()?;
@@ -84,13 +84,13 @@ pub fn is_distance_matrix(path: &Path) -> bool {
     extension(path) == "npy" && is().unwrap_or(false)
 }
 
-/// Which distances the numbers of a file are.
+/// The positions in the matrix of the numbers of a file.
 enum Place {
     Square {
         points: usize,
         transposed: bool,
     },
-    /// Above the diagonal, with the number at which each row begins.
+    /// The part above the diagonal. `begins` holds the number at which each row begins.
     Condensed {
         begins: Vec<usize>,
     },
@@ -154,7 +154,7 @@ mod tests {
     use super::*;
     use crate::io::npy;
 
-    /// A file of this shape, with a few numbers.
+    /// Writes a file of the given shape, with only `numbers` numbers.
     fn file(folder: &Path, shape: &[usize], numbers: usize) -> std::path::PathBuf {
         let path = folder.join("d.npy");
         let data = vec![0; numbers * size_of::<f32>()];
@@ -170,7 +170,7 @@ mod tests {
             assert!(!is_distance_matrix(&path), "{side}");
             read_matrix(&path).unwrap_err();
         }
-        // The header has bytes enough for the number that is missing.
+        // The header has more bytes than the missing number.
         let path = file(folder.path(), &[3, 3], 8);
         let message = read_matrix(&path).unwrap_err().to_string();
         assert!(message.contains("needs 36 bytes, 32 are there"), "{message}");

@@ -1,16 +1,15 @@
-//! The mean of both distances between two points, for matrices larger than memory.
+//! Replaces both distances between two points by their mean, for matrices larger than memory.
 
 use std::io::{self, Read, Seek, SeekFrom, Write};
 
 use super::MatrixLayout;
 
-/// Bytes of the rows that are held at a time.
+/// Size in bytes of the rows that are held in memory at a time.
 const BAND: usize = 16 << 20;
-/// Columns after which it is asked whether to go on.
+/// Number of columns between two calls of `go_on`.
 const BETWEEN_QUESTIONS: usize = 256;
 
-/// Writes a matrix whose numbers are the means of those of a whole one and its transpose; an error
-/// once `go_on` says no.
+/// Writes the mean of a whole matrix and its transpose. Returns an error once `go_on` returns false.
 pub(super) fn write_means(
     whole: &mut (impl Read + Seek),
     layout: MatrixLayout,

@@ -1,4 +1,4 @@
-//! Arrays of places.
+//! Reads places from NumPy arrays.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::shown::exact;
 const SHAPES: &str = "places have shape (K, 2): row, column; (K, 3): row, column, start value; or \
                       (K, 5) as the tool writes curves. Rows of a matrix may have shape (K,)";
 
-/// Reads an array, of an `.npz` the only one or the one that is named for it.
+/// Reads an array. An `.npz` must hold one array, or one that is named for this purpose.
 pub(super) fn read(path: &Path) -> Result<Content, IoError> {
     let array = read_array(path, &["sources", "points", "curves"])?;
     let width = match array.shape[..] {
@@ -27,7 +27,7 @@ pub(super) fn read(path: &Path) -> Result<Content, IoError> {
         }
     };
     for (index, row) in array.values.chunks_exact(width).enumerate() {
-        // Only what is read: a metric's curves have no positions.
+        // Other values are not read: a curve on a surface given by its metric has no positions.
         let read = &row[..if has_starts { 3 } else { 2 }];
         if read.iter().all(|value| value.is_nan()) {
             end(&mut vertices);

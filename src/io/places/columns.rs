@@ -1,4 +1,4 @@
-//! Meaning of a table's columns, and of the properties of GeoJSON's features, by their names.
+//! Determines the meaning of a table's columns, and of the properties of GeoJSON features, from their names.
 
 use std::fmt;
 
@@ -18,14 +18,14 @@ const STARTS: [&str; 8] = [
     "time",
 ];
 
-/// Words of names that may be meant to change distances. A column that has one and is no start value is
-/// refused: to pass it over could give a wrong map.
+/// Words in names that may be meant to change distances. A column with such a word that is not a start value
+/// is an error: to ignore it could give a wrong map.
 const WEIGHTY: [&str; 19] = [
     "t0", "t", "start", "starts", "initial", "init", "time", "times", "delay", "delays", "offset",
     "arrival", "value", "weight", "speed", "velocity", "slowness", "cost", "head",
 ];
 
-/// Pairs of names for places, and what they mean.
+/// Pairs of names for places, with the coordinates that they stand for.
 const PLACES: [(&[&str], &[&str], Coordinates); 4] = [
     (&["row"], &["col", "column"], Coordinates::Grid),
     (&["x"], &["y"], Coordinates::Map(MapCoordinates::Surface)),
@@ -37,7 +37,7 @@ const PLACES: [(&[&str], &[&str], Coordinates); 4] = [
     ),
 ];
 
-/// A column or property, for messages.
+/// The name of a column or property, for messages.
 pub(super) enum Named<'a> {
     Column(&'a str),
     Property(&'a str),
@@ -52,7 +52,7 @@ impl fmt::Display for Named<'_> {
     }
 }
 
-/// A name in its plain form: in lower case, words joined by `_`, without a unit in brackets behind it.
+/// Normalizes a name: in lower case, words joined by `_`, without a unit in brackets at the end.
 fn plain(name: &str) -> String {
     let name = name.trim().trim_matches(['"', '\'']);
     let unit = name.find(['(', '[']).filter(|&at| at > 0 && name.ends_with([')', ']']));
@@ -60,12 +60,12 @@ fn plain(name: &str) -> String {
     name.to_lowercase().replace([' ', '-', '.'], "_")
 }
 
-/// Whether a name is one of start values.
+/// Returns whether a name is that of a start value.
 pub(super) fn is_start(name: &str) -> bool {
     STARTS.contains(&plain(name).as_str())
 }
 
-/// Refuses a name that may be meant to change distances and is none of start values.
+/// Returns an error for a name that may be meant to change distances and is not that of a start value.
 pub(super) fn check_unused(name: &str, what: &str) -> Result<(), String> {
     let name_plain = plain(name);
     match name_plain.split('_').any(|word| WEIGHTY.contains(&word)) {
@@ -78,7 +78,7 @@ pub(super) fn check_unused(name: &str, what: &str) -> Result<(), String> {
     }
 }
 
-/// The columns that count, by their places in a record.
+/// The columns that are used, by their positions in a record.
 #[derive(Debug)]
 pub(super) struct Columns {
     pub names: Vec<String>,
@@ -90,7 +90,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Columns named by a table's first line; `None` if that names no place.
+    /// Returns the columns that a table's first line names, or `None` if it does not name a place.
     pub fn new(names: Vec<String>) -> Result<Option<Self>, String> {
         let plains: Vec<_> = names.iter().map(|name| plain(name)).collect();
         let one_of = |wanted: &[&str]| {
@@ -109,7 +109,8 @@ impl Columns {
         for (first, second, coordinates) in PLACES {
             match (one_of(first)?, one_of(second)?) {
                 (Some(first), Some(second)) => pairs.push(([first, second], coordinates)),
-                // Rows count before all else, so that half of them is a mistake.
+                // Rows and columns take precedence over other coordinates, so that one without the other is a
+                // mistake.
                 (Some(_), None) | (None, Some(_)) if coordinates == Coordinates::Grid => {
                     return Ok(None);
                 }
@@ -134,7 +135,7 @@ impl Columns {
         Ok(Some(Self { names, place, coordinates, start, curve, closed }))
     }
 
-    /// Columns of a table without a line of names.
+    /// Returns the columns of a table without a line of names.
     pub fn unnamed(count: usize) -> Self {
         let names = ["row", "col", "t0"].iter().take(count).map(|&name| name.into()).collect();
         let start = (count == 3).then_some(2);
@@ -142,7 +143,7 @@ impl Columns {
         Self { names, place: [0, 1], coordinates, start, curve: None, closed: None }
     }
 
-    /// Names of columns that do not count. An index column has no name, or none of its own.
+    /// Returns the names of columns that are not used. An index column has no name, or a generic one.
     pub fn unused(&self) -> Result<Vec<String>, String> {
         let used = |index: usize| {
             self.place.contains(&index)

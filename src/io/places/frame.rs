@@ -1,10 +1,10 @@
-//! From map coordinates to places on a grid.
+//! Converts map coordinates to places on a grid.
 
 use super::super::{CoordinateSystem, Georeference};
 use crate::shown::exact;
 use crate::surface::Chart;
 
-/// A grid, and where its points lie in map coordinates.
+/// A grid, and the location of its points in map coordinates.
 ///
 /// ```
 /// use geosweep::io::{CoordinateSystem, Georeference, GridFrame};
@@ -26,11 +26,11 @@ use crate::surface::Chart;
 pub struct GridFrame {
     /// The grid's size.
     pub chart: Chart,
-    /// Its map coordinates, or why there are none.
+    /// The grid's map coordinates, or the reason why there are none.
     pub georeference: Result<Georeference, String>,
 }
 
-/// Coordinate system of a file's map coordinates.
+/// The coordinate system of a file's map coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MapCoordinates {
     /// The surface's system: the file names none.
@@ -39,24 +39,25 @@ pub(super) enum MapCoordinates {
     Projected,
     /// Longitude and latitude.
     Geographic,
-    /// GeoJSON that names no system: longitude and latitude on WGS 84 by RFC 7946.
+    /// GeoJSON that names no system: longitude and latitude on WGS 84 according to RFC 7946.
     Unnamed,
     /// A system, by its EPSG number.
     Epsg(u32),
 }
 
-/// Cells by which a place may lie outside the grid and is taken for its border: files round coordinates.
+/// Distance in cells outside the grid within which a place counts as a place on the border, since files round
+/// coordinates.
 const BORDER: f64 = 0.01;
-/// Cells from a line of grid points within which a place is taken to be on it.
+/// Distance in cells from a line of grid points within which a place counts as a place on the line.
 const ON_LINE: f64 = 1e-6;
 
-/// A turn in degrees.
+/// A full turn in degrees.
 const TURN: f64 = 360.0;
 
 impl GridFrame {
     /// Returns row and column of map coordinates, eastwards first. Places within a millionth of a cell of a
-    /// line of grid points are on it; those outside by up to a hundredth of a cell are on the border.
-    /// Longitudes may differ from the grid's by a full turn.
+    /// line of grid points are moved onto it. Places outside by up to a hundredth of a cell are moved to the
+    /// border. Longitudes may differ from the grid's by a full turn.
     ///
     /// # Errors
     /// If the grid has no map coordinates, or the place lies outside it.
@@ -119,7 +120,7 @@ fn not_placed(why: &str) -> String {
 }
 
 impl MapCoordinates {
-    /// Refuses coordinates that are known to be others than the surface's.
+    /// Returns an error for coordinates that are known to be in another system than the surface's.
     pub(super) fn check(self, frame: &GridFrame) -> Result<(), String> {
         frame.georeference.as_ref().map_err(|why| not_placed(why))?;
         let Some(system) = frame.system() else { return Ok(()) };
@@ -136,7 +137,7 @@ impl MapCoordinates {
         ))
     }
 
-    /// What the coordinates are taken to be, if the file leaves a doubt.
+    /// Returns a remark on the assumed coordinate system, if the file leaves a doubt.
     pub(super) fn assumption(self, frame: &GridFrame) -> Option<String> {
         match (self, frame.system()) {
             (Self::Unnamed, Some(CoordinateSystem::WGS_84)) => None,

@@ -1,4 +1,4 @@
-//! Points, lines and polygons of GeoJSON.
+//! Reads points, lines and polygons from GeoJSON.
 
 use ::geojson::{Feature, GeoJson, Geometry, GeometryValue, JsonObject, JsonValue, Position};
 
@@ -7,7 +7,7 @@ use super::frame::MapCoordinates;
 use super::{Coordinates, CurveKind, FileCurve, FileCurves, Vertex, finite};
 use crate::shown::excerpt;
 
-/// What vertices are numbered by.
+/// The unit by which vertices are numbered.
 pub(super) const FEATURE: &str = "feature";
 
 /// Reads GeoJSON (RFC 7946), or its version of 2008 with a member `crs`. Heights are not read, since the
@@ -41,7 +41,7 @@ pub(super) fn read(text: &str) -> Result<FileCurves, String> {
     })
 }
 
-/// Why a text is no JSON.
+/// Returns the reason why a text is not JSON.
 pub(super) fn not_json(text: &str) -> String {
     format!(
         "is no GeoJSON, which begins with `{{`; this begins with `{}`",
@@ -49,7 +49,7 @@ pub(super) fn not_json(text: &str) -> String {
     )
 }
 
-/// How deep collections of geometries may lie in one another.
+/// Maximum depth of nested geometry collections.
 const DEPTH: usize = 16;
 
 #[derive(Default)]
@@ -58,7 +58,7 @@ struct Reader {
     unused: Vec<String>,
     has_starts: bool,
     empty: usize,
-    /// EPSG number.
+    /// EPSG number of the coordinate system.
     system: Option<u32>,
 }
 
@@ -75,7 +75,7 @@ impl Reader {
         }
     }
 
-    /// The start value among a feature's properties.
+    /// Returns the start value among a feature's properties.
     fn start(&mut self, properties: Option<&JsonObject>) -> Result<f64, String> {
         let mut start = None;
         for (name, value) in properties.into_iter().flatten() {
@@ -156,7 +156,7 @@ impl Reader {
         }
     }
 
-    /// The coordinate system of a member `crs`, which must be one for the whole file.
+    /// Reads the coordinate system of a member `crs`, which must be the same in the whole file.
     fn system(&mut self, members: Option<&JsonObject>) -> Result<(), String> {
         let Some(crs) = members.and_then(|members| members.get("crs")) else { return Ok(()) };
         if crs.is_null() {
@@ -175,14 +175,14 @@ impl Reader {
     }
 }
 
-/// The EPSG number of a member `crs`, which OGC writes in several ways.
+/// Returns the EPSG number of a member `crs`, which OGC writes in several ways.
 fn epsg(crs: &JsonValue) -> Option<u32> {
     let name = crs.get("properties")?.get("name")?.as_str()?;
     let upper = name.trim().to_ascii_uppercase();
     let mut parts = upper.rsplit([':', '/', '#']);
     let code = parts.next()?;
     match code {
-        // Longitude and latitude on WGS 84, in the order in which GeoJSON has them anyway.
+        // Longitude and latitude on WGS 84, in the order that GeoJSON uses anyway.
         "CRS84" => Some(4326),
         _ if parts.any(|part| part == "EPSG" || part == "EPSG.XML") => code.parse().ok(),
         _ => None,

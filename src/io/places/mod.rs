@@ -1,4 +1,4 @@
-//! Files of places: points and curves on a grid, from tables, arrays, GeoJSON and rasters.
+//! Reads files of places: points and curves on a grid, from tables, arrays, GeoJSON and rasters.
 
 mod array;
 mod columns;
@@ -17,7 +17,7 @@ use columns::Named;
 pub use frame::GridFrame;
 use frame::MapCoordinates;
 
-/// A file of points or curves on a surface, each with a start value or without.
+/// A file of points or curves on a surface, with or without start values.
 ///
 /// | file | content |
 /// |---|---|
@@ -28,9 +28,10 @@ use frame::MapCoordinates;
 /// | any other text | a place on each line; the first line may name the columns |
 ///
 /// Tables have commas, semicolons, tabs or blanks between their columns. Names and values may be quoted.
-/// Numbers may have a decimal comma where no comma divides columns. `#` begins a comment. Lines of two
-/// numbers without a header are rows and columns; three are row, column and start value, unless the first
-/// is a running number. In a header, in any order and in any case, count:
+/// Numbers may have a decimal comma if commas do not divide the columns. `#` begins a comment. Lines of two
+/// numbers without a header are rows and columns. Lines of three numbers are row, column and start value,
+/// unless the first is a running number. A header may name the following columns, in any order and in any
+/// case:
 ///
 /// | column | what |
 /// |---|---|
@@ -42,9 +43,9 @@ use frame::MapCoordinates;
 /// | `curve` | a new value begins another curve |
 /// | `closed` | 1 where the curve returns to its first vertex |
 ///
-/// Other columns are not used, and [`PlaceFile::remarks`] names them. One whose name sounds as if it
-/// changed distances (`delay`, `weight`, `start_date`) is an error. Properties of GeoJSON's features
-/// are treated like columns.
+/// Other columns are not used, and [`PlaceFile::remarks`] names them. A column whose name suggests that it
+/// changes distances (`delay`, `weight`, `start_date`) is an error. Properties of GeoJSON features are
+/// treated like columns.
 #[derive(Clone, Debug)]
 pub struct PlaceFile {
     path: PathBuf,
@@ -56,22 +57,22 @@ enum Content {
     Curves(FileCurves),
     /// Row-major indices of grid points.
     Indices(Vec<f64>),
-    /// A raster over the surface, true at each point that is meant.
+    /// A raster over the surface, true at each point that it selects.
     Raster(Grid<bool>),
 }
 
-/// The curves of a file, in its own coordinates.
+/// The curves of a file, in the file's own coordinates.
 #[derive(Clone, Debug, Default)]
 struct FileCurves {
     curves: Vec<FileCurve>,
     coordinates: Coordinates,
     /// Columns or properties that are not used.
     unused: Vec<String>,
-    /// Whether a column or property gave start values.
+    /// Whether a column or property gives start values.
     has_starts: bool,
-    /// What vertices are numbered by, such as `line`.
+    /// The unit by which vertices are numbered, such as `line`.
     numbered: &'static str,
-    /// Features without a geometry.
+    /// Number of features without a geometry.
     empty: usize,
 }
 
@@ -83,15 +84,15 @@ struct FileCurve {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum CurveKind {
-    /// The format does not tell points from curves.
+    /// Points or a curve: the format does not distinguish them.
     Any,
-    /// Like that, and the last vertex is followed by the first.
+    /// As [`Self::Any`], and the last vertex is followed by the first.
     Closed,
-    /// Points that are no curve.
+    /// Points that do not form a curve.
     Points,
     /// A line.
     Line,
-    /// The ring of a polygon; the last vertex is followed by the first.
+    /// The ring of a polygon. The last vertex is followed by the first.
     Ring,
 }
 
@@ -105,7 +106,7 @@ impl CurveKind {
 struct Vertex {
     place: [f64; 2],
     start: f64,
-    /// Of the line, feature or row of the array, from 1.
+    /// Number of the line or feature, from 1, or of the row of the array, from 0.
     number: usize,
 }
 
@@ -120,7 +121,7 @@ enum Coordinates {
 /// A point on a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedPoint {
-    /// Row and column, perhaps fractional.
+    /// Row and column. They may be fractional.
     pub at: [f64; 2],
     /// Start value.
     pub start: f64,
@@ -129,7 +130,7 @@ pub struct PlacedPoint {
 /// A curve on a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedCurve {
-    /// Rows and columns; the last is the first if the curve is closed.
+    /// Rows and columns of the vertices. The last one equals the first if the curve is closed.
     pub vertices: Vec<[f64; 2]>,
     /// Start value.
     pub start: f64,
@@ -139,7 +140,7 @@ impl PlaceFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// If it cannot be read, is not of the forms above, or holds no place.
+    /// If the file cannot be read, is not of one of the formats above, or holds no place.
     pub fn read(path: &Path) -> Result<Self, IoError> {
         let content = |reason| IoError::content(path, reason);
         let read = match extension(path).as_str() {
@@ -175,8 +176,8 @@ impl PlaceFile {
         Ok(Self { path: path.to_owned(), content: read })
     }
 
-    /// What a person should know of the file: columns that are not used, and the coordinate system that
-    /// its places are taken to be in.
+    /// Returns remarks for the user: columns that are not used, and the coordinate system that is assumed for
+    /// the places.
     pub fn remarks(&self, frame: &GridFrame) -> Vec<String> {
         let Content::Curves(curves) = &self.content else { return Vec::new() };
         let mut remarks = Vec::new();
@@ -191,22 +192,22 @@ impl PlaceFile {
         remarks
     }
 
-    /// Whether the file gives start values.
+    /// Returns whether the file gives start values.
     pub fn has_starts(&self) -> bool {
         matches!(&self.content, Content::Curves(FileCurves { has_starts: true, .. }))
     }
 
-    /// Whether the file says that it holds lines or polygons.
+    /// Returns whether the file states that it holds lines or polygons.
     pub fn holds_lines(&self) -> bool {
         let is_line = |curve: &FileCurve| matches!(curve.kind, CurveKind::Line | CurveKind::Ring);
         matches!(&self.content, Content::Curves(curves) if curves.curves.iter().any(is_line))
     }
 
-    /// The places as points: every vertex once, in the order of the file.
+    /// Returns the places as points: every vertex once, in the order of the file.
     ///
     /// # Errors
-    /// If one lies outside the grid, or is in map coordinates and the surface is not, or in others; if the
-    /// file holds indices.
+    /// If a place lies outside the grid; if places are in map coordinates and the surface has none, or other
+    /// ones; if the file holds indices.
     pub fn points(&self, frame: &GridFrame) -> Result<Vec<PlacedPoint>, IoError> {
         if let Content::Raster(raster) = &self.content {
             let cells = self.cells(raster, frame)?.into_iter();
@@ -220,10 +221,10 @@ impl PlaceFile {
         curves.curves.iter().flat_map(FileCurve::once).map(point).collect()
     }
 
-    /// The places as curves. A point of GeoJSON or a cell of a raster is a curve of one vertex.
+    /// Returns the places as curves. A point of GeoJSON or a cell of a raster is a curve of one vertex.
     ///
     /// # Errors
-    /// As [`PlaceFile::points`]; and if start values differ along a curve.
+    /// The errors of [`PlaceFile::points`]. It is also an error if start values differ along a curve.
     pub fn curves(&self, frame: &GridFrame) -> Result<Vec<PlacedCurve>, IoError> {
         if let Content::Raster(raster) = &self.content {
             let cells = self.cells(raster, frame)?.into_iter();
@@ -262,10 +263,10 @@ impl PlaceFile {
         Ok(placed)
     }
 
-    /// The places as points of the grid, by row-major index, with their start values.
+    /// Returns the places as grid points, by row-major index, with their start values.
     ///
     /// # Errors
-    /// As [`PlaceFile::points`]; and if a place lies between points of the grid.
+    /// The errors of [`PlaceFile::points`]. It is also an error if a place lies between grid points.
     pub fn grid_points(&self, frame: &GridFrame) -> Result<Vec<(usize, f64)>, IoError> {
         let chart = frame.chart;
         if let Content::Raster(raster) = &self.content {
@@ -305,7 +306,8 @@ impl PlaceFile {
         curves.curves.iter().flat_map(FileCurve::once).map(point).collect()
     }
 
-    /// Rows and columns of the cells that a raster means, which must lie as the surface does.
+    /// Returns rows and columns of the cells that a raster selects. The raster must have the location of the
+    /// surface.
     fn cells(&self, raster: &Grid<bool>, frame: &GridFrame) -> Result<Vec<[f64; 2]>, IoError> {
         let Chart { rows, cols } = frame.chart;
         let place = frame.georeference.as_ref().ok();
@@ -353,7 +355,7 @@ impl PlaceFile {
 }
 
 impl FileCurves {
-    /// A vertex in the file's own coordinates.
+    /// Formats a vertex in the file's own coordinates.
     fn shown(&self, vertex: &Vertex) -> String {
         let [first, second] = vertex.place.map(exact);
         match self.coordinates {
@@ -364,7 +366,7 @@ impl FileCurves {
 }
 
 impl FileCurve {
-    /// The vertices, without the last if that is the first again.
+    /// Returns the vertices, without the last one if it repeats the first.
     fn once(&self) -> &[Vertex] {
         match &self.vertices[..] {
             [first, around @ .., last] if around.len() > 1 && first.place == last.place => {
@@ -375,7 +377,7 @@ impl FileCurve {
     }
 }
 
-/// A place given by row and column, if the grid has it.
+/// Returns a place given by row and column, if the grid has it.
 fn on_grid([row, col]: [f64; 2], chart: Chart) -> Result<[f64; 2], String> {
     let (last_row, last_col) = chart.last();
     let is_on = (0.0..=last_row as f64).contains(&row) && (0.0..=last_col as f64).contains(&col);
@@ -389,7 +391,7 @@ fn on_grid([row, col]: [f64; 2], chart: Chart) -> Result<[f64; 2], String> {
     })
 }
 
-/// A finite number in a cell, or why it is none.
+/// Returns the number of a cell if it is finite, else an error.
 fn finite(number: f64, text: &str, named: &Named) -> Result<f64, String> {
     match number.is_finite() {
         true => Ok(number),
@@ -397,10 +399,10 @@ fn finite(number: f64, text: &str, named: &Named) -> Result<f64, String> {
     }
 }
 
-/// Most names in one remark.
+/// Maximum number of names in one remark.
 const MOST_NAMES: usize = 8;
 
-/// Says that columns or properties are not used.
+/// Returns a remark on columns or properties that are not used.
 fn named(what: &str, unused: &[String]) -> Option<String> {
     let names = unused.iter().take(MOST_NAMES).map(|name| excerpt(name));
     let mut names = names.collect::<Vec<_>>().join(", ");

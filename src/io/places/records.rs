@@ -1,8 +1,8 @@
-//! The records of a text table: fields that separators or blanks divide, quoted or not.
+//! Splits a text table into records of fields, quoted or not, divided by separators or blanks.
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
-/// Records, line by line.
+/// A reader of records, line by line.
 pub(super) struct Records<'a> {
     text: &'a str,
     separator: Option<u8>,
@@ -20,12 +20,12 @@ pub(super) struct Record {
     pub fields: Vec<String>,
     /// Number of the line, from 1.
     pub line: usize,
-    /// Whether the first field is quoted, as R does with names of rows.
+    /// Whether the first field is quoted, as R quotes the names of rows.
     pub is_named: bool,
 }
 
 impl<'a> Records<'a> {
-    /// The separator is what divides the first line of content.
+    /// Makes a reader. `separator` divides the fields of the first line of content; `None` stands for blanks.
     pub fn new(text: &'a str, separator: Option<u8>) -> Self {
         let source = match separator {
             Some(separator) => Source::Separated(Box::new(
@@ -41,7 +41,7 @@ impl<'a> Records<'a> {
         Self { text, separator, source }
     }
 
-    /// The next record with a field in it.
+    /// Returns the next record that has a non-empty field.
     pub fn next(&mut self) -> Result<Option<Record>, String> {
         loop {
             let Some(record) = self.any()? else { return Ok(None) };
@@ -63,13 +63,13 @@ impl<'a> Records<'a> {
             Source::Separated(reader) => reader,
         };
         let mut record = StringRecord::new();
-        // A text has no bytes that are none.
+        // An error cannot occur here: the bytes of a text are valid.
         if !reader.read_record(&mut record).map_err(|error| error.to_string())? {
             return Ok(None);
         }
         let (start, first_line) = record.position().map_or((0, 1), |at| (at.byte(), at.line()));
         let raw = &self.text[start as usize..reader.position().byte() as usize];
-        // The position is that behind the record before, from where on empty lines are passed over.
+        // The position is the one after the previous record. Empty lines after it are skipped.
         let begin = raw.trim_start_matches(['\r', '\n']);
         let passed = raw[..raw.len() - begin.len()].matches('\n').count();
         let line = first_line as usize + passed;
@@ -81,20 +81,20 @@ impl<'a> Records<'a> {
     }
 }
 
-/// A field without quotes that stand behind a blank.
+/// Removes quotes that follow a blank from a field.
 fn unquoted(field: &str) -> String {
     let inside = field.strip_prefix('"').and_then(|field| field.strip_suffix('"'));
     inside.unwrap_or(field).to_owned()
 }
 
-/// Whether the last record of a text ends inside a quoted field.
+/// Returns whether the last record of a text ends inside a quoted field.
 fn is_open(record: &str, separator: Option<u8>) -> bool {
     let separator = separator.map_or(' ', char::from);
     let (mut is_quoted, mut at_start) = (false, true);
     for c in record.chars() {
         match c {
             '"' if is_quoted => is_quoted = false,
-            // A doubled quote inside a field comes here after its first half.
+            // The second half of a doubled quote inside a field also arrives here.
             '"' if at_start => is_quoted = true,
             _ => {}
         }
@@ -103,7 +103,7 @@ fn is_open(record: &str, separator: Option<u8>) -> bool {
     is_quoted
 }
 
-/// Fields that blanks divide.
+/// Splits a line into fields divided by blanks.
 fn between_blanks(line: &str) -> Vec<String> {
     let mut fields = Vec::new();
     let mut rest = line.trim_start();
@@ -119,7 +119,7 @@ fn between_blanks(line: &str) -> Vec<String> {
     fields
 }
 
-/// What divides the fields of a line; `None` for blanks.
+/// Returns the separator between the fields of a line, or `None` for blanks.
 pub(super) fn separator_of(line: &str) -> Option<u8> {
     let mut is_quoted = false;
     let outside: String = line
@@ -130,7 +130,7 @@ pub(super) fn separator_of(line: &str) -> Option<u8> {
         })
         .collect();
     let has = |c: char| outside.contains(c);
-    // A tab behind a comma is a blank.
+    // A tab after a comma counts as a blank.
     let tabs = has('\t') && !outside.split('\t').any(|field| field.trim_end().ends_with(','));
     match () {
         () if has(';') => Some(b';'),

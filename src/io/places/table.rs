@@ -1,4 +1,4 @@
-//! Text tables of places.
+//! Reads text tables of places.
 
 use std::borrow::Cow;
 
@@ -61,7 +61,8 @@ pub(super) fn read(text: &str) -> Result<FileCurves, String> {
     })
 }
 
-/// The text after a line `sep=;`, by which Excel knows the separator, and that.
+/// Splits off a line such as `sep=;`, by which Excel declares the separator. Returns the remaining text and
+/// the separator.
 fn declared_separator(text: &str) -> (&str, Option<u8>) {
     let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
     let first = first.trim().trim_matches('"').to_ascii_lowercase();
@@ -71,7 +72,7 @@ fn declared_separator(text: &str) -> (&str, Option<u8>) {
     }
 }
 
-/// The text with empty lines in place of comments, and the last comment before the content.
+/// Returns the text with empty lines in place of comments, and the last comment before the content.
 fn without_comments(text: &str) -> (Cow<'_, str>, Option<&str>) {
     let is_comment = |line: &&str| line.trim_start().starts_with('#');
     if !text.lines().any(|line| is_comment(&line)) {
@@ -83,7 +84,7 @@ fn without_comments(text: &str) -> (Cow<'_, str>, Option<&str>) {
     (kept.collect::<String>().into(), last.map(|line| line.trim_start().trim_start_matches('#')))
 }
 
-/// A record without a comment behind its fields.
+/// Returns a record without a comment after its fields.
 fn without_comment(mut record: Record) -> Record {
     if let Some(at) = record.fields.iter().position(|field| field.contains('#')) {
         record.fields.truncate(at + 1);
@@ -96,14 +97,14 @@ fn without_comment(mut record: Record) -> Record {
     record
 }
 
-/// Whether a first line names columns: it holds no number, or names of places among numbers.
+/// Returns whether the first line names columns: it holds no number, or names of places among numbers.
 fn is_header(record: &Record) -> bool {
     let mut fields = record.fields.iter().filter(|field| !field.is_empty());
     fields.all(|field| number(field).is_none())
         || matches!(Columns::new(record.fields.clone()), Ok(Some(_)) | Err(_))
 }
 
-/// The columns that a comment names, if it names as many as there are and places among them.
+/// Returns the columns that a comment names, if their number is right and they include a place.
 fn named_by_comment(comment: &str, count: usize) -> Option<Result<Columns, String>> {
     let names = Records::new(comment.trim(), separator_of(comment)).next().ok()??.fields;
     (names.len() == count).then(|| Columns::new(names).transpose()).flatten()
@@ -119,7 +120,7 @@ fn no_places(header: &Record) -> String {
     )
 }
 
-/// The columns of lines without names.
+/// Returns the columns of lines without names.
 fn unnamed(first: &Record) -> Result<Columns, String> {
     let Record { fields, line, is_named } = first;
     let shown = fields.join(",");
@@ -138,7 +139,7 @@ fn unnamed(first: &Record) -> Result<Columns, String> {
     }
 }
 
-/// Refuses three columns without names where the first may be an index, as programs write it.
+/// Returns an error for three columns without names of which the first may be an index, as programs write it.
 fn check_no_index(rows: &[Row]) -> Result<(), String> {
     let counts_from = |start: usize| {
         let mut counted = rows.iter().zip(start..);
@@ -157,17 +158,17 @@ fn check_no_index(rows: &[Row]) -> Result<(), String> {
 /// A line of a table.
 struct Row {
     vertex: Vertex,
-    /// What its curve is called.
+    /// Name of the line's curve.
     curve: Option<String>,
     is_closed: bool,
 }
 
-/// Reads the lines below a header.
+/// A reader of the lines below a header.
 struct Rows<'a> {
     columns: &'a Columns,
-    /// Whether lines begin with a name that the header has no column for, as R writes tables.
+    /// Whether lines begin with a name for which the header has no column, as in R's tables.
     is_named: Option<bool>,
-    /// The decimal mark, once there was one.
+    /// The decimal mark, once one has been found.
     decimal: Option<char>,
 }
 
@@ -182,7 +183,7 @@ impl Rows<'_> {
         if record.fields.len() != count {
             record = without_comment(record);
         }
-        // Two numbers are told apart by whatever stands between them, in each line anew.
+        // Two numbers may be divided by any separator, which may differ from line to line.
         if record.fields.len() != count && count == 2 {
             let line = record.fields.join(" ");
             let loose = line.split(|c: char| c.is_whitespace() || c == ',' || c == ';');
@@ -218,7 +219,7 @@ impl Rows<'_> {
         })
     }
 
-    /// A number in a column.
+    /// Returns the number in a column.
     fn number(&mut self, field: &str, column: usize) -> Result<f64, String> {
         let named = Named::Column(&self.columns.names[column]);
         let text = field.split('#').next().unwrap_or_default().trim();
@@ -246,7 +247,7 @@ fn mark(decimal: char) -> &'static str {
     if decimal == ',' { "comma" } else { "point" }
 }
 
-/// A number, and its decimal mark if it has one.
+/// Parses a number. Returns it with its decimal mark, if it has one.
 fn number(text: &str) -> Option<(f64, Option<char>)> {
     if let Ok(number) = text.parse() {
         return Some((number, text.contains('.').then_some('.')));
@@ -277,14 +278,14 @@ mod tests {
         curves.iter().map(curve).collect()
     }
 
-    /// How a program writes tables.
+    /// The format in which a program writes tables.
     #[derive(Clone, Debug)]
     struct Dialect {
         separator: &'static str,
         decimal_comma: bool,
         quoted_names: bool,
         quoted_values: bool,
-        /// How the header names a column of numbers before all others.
+        /// Name, in the header, of a column of numbers before all others.
         index: Option<&'static str>,
         line_end: &'static str,
         last_end: bool,
@@ -310,7 +311,7 @@ mod tests {
                             && (separator != "," && separator != ", " || quoted_values),
                         quoted_names: quoted_names && separator != ", ",
                         quoted_values: quoted_values && separator != ", ",
-                        // Blanks have no empty field.
+                        // Blanks cannot delimit an empty field.
                         index: index.filter(|&name| !blank || name == "\"\""),
                         line_end,
                         last_end,
@@ -347,7 +348,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever writes the table, its places and start values are found by the names of columns.
+        /// Whatever program writes a table, its places and start values are found by the names of columns.
         #[test]
         fn tables_of_any_program_are_read(
             dialect in dialects(),
@@ -429,7 +430,7 @@ mod tests {
             let reason = places(text).unwrap_err();
             assert!(reason.contains("running number"), "{reason}");
         }
-        // A header settles it, if only in a comment.
+        // A header settles it, even one in a comment.
         assert_eq!(places("# row,col,t0\n0,5,2\n"), Ok(vec![vec![([0.0, 5.0], 2.0)]]));
     }
 
@@ -442,7 +443,7 @@ mod tests {
             "name,row,col,x\na,1,2.5,\n\n,3,-4,7",
             "x\ty\tcol\trow\n\t\t2.5\t1\n8\t9\t-4\t3",
             "row,column\n1,2.5\n3,-4\n",
-            // R's write.table has no name for the names of rows.
+            // R's write.table does not name the column of row names.
             "\"row\" \"col\"\n\"1\" 1 2.5\n\"2\" 3 -4\n",
             "\"row\",\"col\"\n\"a\",1,2.5\n\"b\",3,-4\n",
             "row,col,site\n1,2.5,\"a, #1\"\n3,-4,b #2\n",

@@ -1,12 +1,12 @@
-//! The numbers of one band, chunk by chunk.
+//! Reads the numbers of one band, chunk by chunk.
 
 use std::borrow::Cow;
 
 use super::directory::File;
 use super::layout::{Layout, Predictor};
 
-/// Calls `put` with each grid point's index, row-major within each chunk, and the bits of its
-/// number; with `None` where chunks are sparse, which means that nothing was written there.
+/// Calls `put` with the row-major index of each grid point and the bits of its number, chunk by chunk. The
+/// bits are `None` in sparse chunks, which were never written.
 pub fn read_band(
     file: &File,
     layout: &Layout,
@@ -54,13 +54,14 @@ pub fn read_band(
     Ok(())
 }
 
-/// The numbers of a row of a chunk, with the predictor undone.
+/// Decodes the numbers of a row of a chunk, and reverses the predictor.
 fn unpack(bytes: &[u8], layout: &Layout, big_endian: bool, words: &mut Vec<u64>) {
     let stride = layout.interleaved();
     let (count, bits) = (layout.chunk[1] * stride, layout.sample.bits);
     words.clear();
     if layout.predictor == Predictor::FloatingPoint {
-        // Bytes are sums over the row; then come all first bytes, all second ones and so on.
+        // Bytes are cumulative sums over the row. The first bytes of all numbers come first, then all second
+        // ones, and so on.
         let mut bytes = bytes.to_vec();
         for index in stride..bytes.len() {
             bytes[index] = bytes[index].wrapping_add(bytes[index - stride]);
@@ -93,7 +94,8 @@ fn unpack(bytes: &[u8], layout: &Layout, big_endian: bool, words: &mut Vec<u64>)
     }
 }
 
-/// A number of so many bits from a bit on, the most significant first in whatever order of bytes.
+/// Returns the number of `bits` bits that begins at bit `from`. The most significant bit comes first in
+/// either byte order.
 fn bit_field(bytes: &[u8], from: usize, bits: usize) -> u64 {
     let bit = |at: usize| u64::from(bytes[at / 8] >> (7 - at % 8) & 1);
     (from..from + bits).fold(0, |word, at| word << 1 | bit(at))

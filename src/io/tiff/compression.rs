@@ -1,4 +1,4 @@
-//! Compressions of strips and tiles that keep all digits.
+//! Decompresses strips and tiles, for lossless compressions.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -9,7 +9,7 @@ use weezl::LzwStatus;
 use super::Cure;
 use crate::io::limits::{check_decoded, ratio};
 
-/// A compression that is read.
+/// A supported compression.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Compression {
     None,
@@ -19,7 +19,7 @@ pub enum Compression {
 }
 
 impl Compression {
-    /// The compression of a number, or what converts the file.
+    /// Returns the compression with a number, or an error with a command that converts the file.
     pub fn of(number: u64, cure: &Cure) -> Result<Self, String> {
         let name = match number {
             1 => return Ok(Self::None),
@@ -44,12 +44,12 @@ impl Compression {
         ))
     }
 
-    /// Whether its streams may hold differences in place of numbers.
+    /// Returns whether streams of this compression may hold differences instead of numbers.
     pub fn has_predictor(self) -> bool {
         matches!(self, Self::Lzw | Self::Deflate)
     }
 
-    /// How many bytes it makes of one at most.
+    /// Returns the maximum ratio of decompressed to compressed bytes.
     fn ratio(self) -> u64 {
         match self {
             Self::None => ratio::STORED,
@@ -59,7 +59,7 @@ impl Compression {
         }
     }
 
-    /// Decompresses exactly `size` bytes; what may follow them is passed over, as libtiff does.
+    /// Decompresses exactly `size` bytes. Further data are ignored, as in libtiff.
     pub fn decode(self, data: Cow<[u8]>, size: usize) -> Result<Cow<[u8]>, String> {
         check_decoded(data.len(), self.ratio(), size)?;
         let decoded: Cow<[u8]> = match self {
@@ -83,7 +83,7 @@ fn inflated(data: &[u8], size: usize) -> Result<Vec<u8>, String> {
 }
 
 fn lzw(data: &[u8], size: usize) -> Result<Vec<u8>, String> {
-    // Before TIFF 6 codes were stored from their other end, beginning with the code "clear", 256.
+    // Before TIFF 6 codes were stored in reverse bit order, beginning with the code "clear", 256.
     if let [0, second, ..] = data
         && second & 1 == 1
     {
@@ -97,7 +97,7 @@ fn lzw(data: &[u8], size: usize) -> Result<Vec<u8>, String> {
         consumed += step.consumed_in;
         written += step.consumed_out;
         match step.status {
-            // The numbers are what counts: writers differ in what they put at the end.
+            // Only the numbers matter: writers differ in the end of the stream.
             Ok(LzwStatus::Ok) if step.consumed_in + step.consumed_out > 0 => {}
             Ok(_) => break,
             Err(error) if written < size => {
@@ -110,7 +110,7 @@ fn lzw(data: &[u8], size: usize) -> Result<Vec<u8>, String> {
     Ok(decoded)
 }
 
-/// Runs and copies, of at most 128 bytes each.
+/// Decodes PackBits: runs and copies of at most 128 bytes each.
 fn unpacked(data: &[u8], size: usize) -> Vec<u8> {
     let mut decoded = Vec::with_capacity(size);
     let mut rest = data;

@@ -1,7 +1,7 @@
-//! The container of a TIFF file: header, directories (IFDs) and the values of their fields.
+//! Reads the container of a TIFF file: header, directories (IFDs) and the values of their fields.
 //!
-//! The crate `tiff` reads these too, but its decoder accepts a directory only if it can decode the
-//! picture, and refuses valid files. Nothing here allocates more than the file is long.
+//! The crate `tiff` reads these too, but its decoder accepts a directory only if it can decode the picture,
+//! and refuses valid files. This module allocates no more memory than the file is long.
 
 use std::collections::HashSet;
 
@@ -20,7 +20,7 @@ pub struct Directory<'a> {
     fields: Vec<Field>,
 }
 
-/// A field of a directory; its values lie at `at`.
+/// A field of a directory. Its values lie at the offset `at`.
 struct Field {
     tag: u16,
     kind: u16,
@@ -54,19 +54,19 @@ impl<'a> File<'a> {
         if self.big_endian { 8 << 16 } else { 8 }
     }
 
-    /// Whether numbers are stored with their most significant byte first.
+    /// Returns whether numbers are stored with their most significant byte first.
     pub fn is_big_endian(&self) -> bool {
         self.big_endian
     }
 
-    /// A part of the file, if it is there.
+    /// Returns a part of the file, if it exists.
     pub fn slice(&self, offset: u64, length: u64) -> Option<&'a [u8]> {
         let start = usize::try_from(offset).ok()?;
         let end = start.checked_add(usize::try_from(length).ok()?)?;
         self.bytes.get(start..end)
     }
 
-    /// All directories that follow one another from an offset on.
+    /// Returns all directories of the chain that begins at an offset.
     pub fn directories(self, first: u64) -> Result<Vec<Directory<'a>>, String> {
         let (mut directories, mut next) = (Vec::new(), first);
         let mut seen = HashSet::new();
@@ -81,7 +81,7 @@ impl<'a> File<'a> {
         Ok(directories)
     }
 
-    /// The directory at an offset, and the offset of the next.
+    /// Returns the directory at an offset, and the offset of the next one.
     fn directory(self, offset: u64) -> Option<(Directory<'a>, u64)> {
         let (count_size, offset_size) = if self.wide { (8, 8) } else { (2, 4) };
         let field_size = 4 + 2 * offset_size;
@@ -103,7 +103,7 @@ impl<'a> File<'a> {
         let size = count.checked_mul(type_size(kind) as u64);
         let at = match size {
             Some(size) if size <= offset_size as u64 => value,
-            // Too far for this machine: the value is missed only if it is asked for.
+            // The offset is too large for this machine. This is an error only if the value is requested.
             _ => usize::try_from(self.unsigned(value, offset_size)?).unwrap_or(usize::MAX),
         };
         Some(Field { tag, kind, count, at })
@@ -119,7 +119,7 @@ impl<'a> File<'a> {
     }
 }
 
-/// Bytes of a number of a field's type, 0 for types that TIFF does not have.
+/// Returns the number of bytes of a number of a field's type, or 0 for types that TIFF does not have.
 fn type_size(kind: u16) -> usize {
     match kind {
         1 | 2 | 6 | 7 => 1,
@@ -131,7 +131,7 @@ fn type_size(kind: u16) -> usize {
 }
 
 impl<'a> Directory<'a> {
-    /// The values of a field as unsigned integers; `None` if the directory lacks it.
+    /// Returns the values of a field as unsigned integers, or `None` if the directory lacks it.
     pub fn integers(&self, tag: u16) -> Result<Option<Vec<u64>>, String> {
         self.values(tag, |file, kind, at, size| match kind {
             1 | 3 | 4 | 7 | 13 | 16 | 18 => file.unsigned(at, size),
@@ -139,12 +139,12 @@ impl<'a> Directory<'a> {
         })
     }
 
-    /// The first value of a field as an unsigned integer.
+    /// Returns the first value of a field as an unsigned integer.
     pub fn integer(&self, tag: u16) -> Result<Option<u64>, String> {
         Ok(self.integers(tag)?.and_then(|values| values.first().copied()))
     }
 
-    /// The values of a field as real numbers.
+    /// Returns the values of a field as real numbers.
     pub fn reals(&self, tag: u16) -> Result<Option<Vec<f64>>, String> {
         self.values(tag, |file, kind, at, size| {
             let bits = file.unsigned(at, size)?;
@@ -157,14 +157,14 @@ impl<'a> Directory<'a> {
         })
     }
 
-    /// The text of a field up to its end mark.
+    /// Returns the text of a field up to its end mark.
     pub fn text(&self, tag: u16) -> Result<Option<String>, String> {
         let Some(bytes) = self.bytes(tag)? else { return Ok(None) };
         let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
         Ok(Some(String::from_utf8_lossy(&bytes[..end]).into_owned()))
     }
 
-    /// The bytes of a field of text or of bytes.
+    /// Returns the bytes of a field of text or of bytes.
     pub fn bytes(&self, tag: u16) -> Result<Option<&'a [u8]>, String> {
         let Some(field) = self.find(tag) else { return Ok(None) };
         let bytes = match field.kind {
@@ -190,7 +190,7 @@ impl<'a> Directory<'a> {
         let Some(&Field { kind, count, at, .. }) = self.find(tag) else { return Ok(None) };
         let size = type_size(kind);
         let read = || {
-            // The field's bytes are there, so that its count is no lie.
+            // This checks that the file contains all bytes of the field before memory is allocated for them.
             self.file.slice(at as u64, count.checked_mul(size as u64)?).filter(|_| size > 0)?;
             (0..count as usize)
                 .map(|index| value(&self.file, kind, at + index * size, size))

@@ -1,14 +1,16 @@
-//! Coordinate reference systems of the EPSG register (v12.029) whose unit of length is not the metre.
+//! Lists the coordinate reference systems of the EPSG register (v12.029) whose unit of length is not the
+//! metre.
 //!
-//! GeoTIFF 1.1 leaves the unit to the system's number. Entries are the first and the last number of a
-//! run, and the number of its unit; between them are no systems in other units.
+//! GeoTIFF 1.1 lets the system's number determine the unit. Each entry consists of the first and the last
+//! number of a run of systems, and the number of their unit. There are no systems in other units within a
+//! run.
 
-/// The unit of a projected system, if it is not the metre.
+/// Returns the unit of a projected system, if it is not the metre.
 pub fn projected(system: u16) -> Option<u16> {
     find(&PROJECTED, system)
 }
 
-/// The unit of a vertical system, if it is not the metre.
+/// Returns the unit of a vertical system, if it is not the metre.
 pub fn vertical(system: u16) -> Option<u16> {
     find(&VERTICAL, system)
 }

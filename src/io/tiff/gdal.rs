@@ -1,4 +1,4 @@
-//! What GDAL writes beside GeoTIFF's own fields: the no-data value, scale and offset, units.
+//! Reads the fields that GDAL adds to GeoTIFF: the no-data value, scale and offset, and units.
 
 use roxmltree::Document;
 
@@ -7,14 +7,14 @@ use super::layout::{Kind, Sample};
 use super::tag;
 use crate::io::c_number::c_number;
 
-/// What GDAL says of a band.
+/// GDAL's metadata of a band.
 #[derive(Default)]
 pub struct Metadata {
-    /// Values that mean "no data", as stored.
+    /// Stored values that mean "no data".
     pub no_data: Vec<NoData>,
-    /// Values are what is stored, times this ...
+    /// Factor by which stored values are multiplied.
     pub scale: Option<f64>,
-    /// ... and this more.
+    /// Offset that is added to stored values after the scale.
     pub offset: Option<f64>,
     /// The unit of the values.
     pub unit: Option<String>,
@@ -23,7 +23,7 @@ pub struct Metadata {
 /// A value that means "no data".
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NoData {
-    /// These bits of an integer.
+    /// The bits of an integer.
     Integer(u64),
     Float(f64),
 }
@@ -83,7 +83,7 @@ impl Metadata {
         let exact = text.parse().ok();
         let no_data = match sample.kind {
             Kind::Float => Some(NoData::Float(value)),
-            // GDAL drops the fraction, and values beyond the type.
+            // GDAL drops the fraction, and ignores values beyond the range of the type.
             Kind::Unsigned | Kind::Signed => {
                 let (from, to) = sample.range();
                 let whole = exact.unwrap_or(value as i128);
@@ -95,7 +95,7 @@ impl Metadata {
         Ok(())
     }
 
-    /// Whether bits of a sample mean "no data".
+    /// Returns whether the bits of a sample mean "no data".
     pub fn is_no_data(&self, word: u64, sample: Sample) -> bool {
         self.no_data.iter().any(|no_data| match *no_data {
             NoData::Integer(bits) => bits == word,
@@ -104,7 +104,7 @@ impl Metadata {
                 found == value
                     || (found - value).abs() < 2.0 * (f64::EPSILON * (found + value).abs())
             }
-            // In single precision, as GDAL compares: the text may have fewer digits or more.
+            // As in GDAL, the comparison is in single precision: the text may have fewer or more digits.
             NoData::Float(value) => {
                 let (found, value) = (sample.value(word) as f32, value as f32);
                 found == value
@@ -113,12 +113,12 @@ impl Metadata {
         })
     }
 
-    /// Whether +infinity means "no data".
+    /// Returns whether +infinity means "no data".
     pub fn is_infinite(&self) -> bool {
         self.no_data.contains(&NoData::Float(f64::INFINITY))
     }
 
-    /// Whether values that are not stored, in sparse chunks, are "no data".
+    /// Returns whether values that are not stored, in sparse chunks, are "no data".
     pub fn has_no_data(&self) -> bool {
         !self.no_data.is_empty()
     }
@@ -129,7 +129,7 @@ impl Sample {
         u64::MAX >> (64 - self.bits)
     }
 
-    /// The least and the greatest integer.
+    /// Returns the least and the greatest integer.
     fn range(self) -> (i128, i128) {
         match self.kind {
             Kind::Signed => (-(1 << (self.bits - 1)), (1 << (self.bits - 1)) - 1),

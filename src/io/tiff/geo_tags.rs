@@ -1,5 +1,5 @@
-//! What GeoTIFF's fields (OGC 19-008r4) say about a raster: the distance between its points and
-//! where they lie.
+//! Interprets the fields of GeoTIFF (OGC 19-008r4): the distance between the points of a raster, and their
+//! location.
 
 use std::borrow::Cow;
 use std::io::{Seek, Write};
@@ -14,7 +14,7 @@ use crate::io::file_spacing::{FileSpacing, LinearUnit};
 use crate::io::{CoordinateSystem, Georeference};
 use crate::surface::Spacing;
 
-/// Keys of the GeoKeyDirectory, and values of theirs.
+/// Keys of the GeoKeyDirectory, and some of their values.
 mod geo_key {
     pub const MODEL_TYPE: u16 = 1024;
     pub const PROJECTED: u16 = 1;
@@ -30,7 +30,7 @@ mod geo_key {
     pub const METRE: u16 = 9001;
     pub const FOOT: u16 = 9002;
     pub const US_SURVEY_FOOT: u16 = 9003;
-    /// EPSG codes end below; above are "undefined" and "user-defined".
+    /// Upper limit of EPSG codes. Larger values stand for "undefined" and "user-defined".
     pub const LARGEST_CODE: u16 = 32766;
 }
 
@@ -46,7 +46,7 @@ pub struct GeoTags {
     text: Option<Vec<u8>>,
 }
 
-/// Coordinates of raster place (0, 0), and what they change by per row and per column.
+/// The coordinates of raster place (0, 0), and their changes per row and per column.
 #[derive(Clone, Copy)]
 struct Transform {
     origin: [f64; 2],
@@ -67,10 +67,10 @@ impl GeoTags {
         })
     }
 
-    /// Fields for a transformation alone, without a coordinate reference system.
+    /// Returns the fields for a transformation alone, without a coordinate reference system.
     pub(in crate::io) fn of_transform(georeference: &Georeference) -> Self {
         let &Georeference { origin, down, right, .. } = georeference;
-        // Fields count from the first pixel's corner.
+        // The fields count from the first pixel's corner.
         let corner = [0, 1].map(|k| origin[k] - 0.5 * (down[k] + right[k]));
         if right[1] == 0.0 && down[0] == 0.0 && right[0] > 0.0 && down[1] < 0.0 {
             return Self {
@@ -87,18 +87,18 @@ impl GeoTags {
     }
 
     fn key(&self, wanted: u16) -> Option<u16> {
-        // Entries are (key, location, count, value); location 0 means the value itself.
+        // Entries are (key, location, count, value). Location 0 means that the entry holds the value itself.
         let (entries, _) = self.keys.as_chunks::<4>();
         entries.iter().skip(1).find(|entry| entry[..2] == [wanted, 0]).map(|entry| entry[3])
     }
 
-    /// A key's value if it is an EPSG code.
+    /// Returns the value of a key if it is an EPSG code.
     fn code(&self, wanted: u16) -> Option<u16> {
         self.key(wanted).filter(|code| (1..=geo_key::LARGEST_CODE).contains(code))
     }
 
-    /// The distance between pixels, if the file says it in a unit of length; `unit_of_values` is
-    /// what GDAL says of the heights' unit.
+    /// Returns the distance between pixels, if the file gives it in a unit of length. `unit_of_values` is the
+    /// unit of the heights according to GDAL's metadata.
     pub(super) fn spacing(&self, unit_of_values: Option<&str>) -> FileSpacing {
         let spacing = match self.lengths() {
             Ok(Some(spacing)) => spacing,
@@ -115,7 +115,7 @@ impl GeoTags {
         }
     }
 
-    /// The sides of a pixel, if the file says them and they are at right angles.
+    /// Returns the sides of a pixel, if the file gives them and they are at right angles.
     fn lengths(&self) -> Result<Option<Spacing>, String> {
         let Some(Transform { down, right, .. }) = self.linear() else {
             return match self.tie_points.as_ref().map_or(0, Vec::len) / 6 {
@@ -128,7 +128,7 @@ impl GeoTags {
         if !(usable(dx) && usable(dy)) {
             return Err("the file's pixels have no size".into());
         }
-        // Rounding of a rotation leaves less.
+        // The rounding of a rotation is smaller.
         if (right[0] * down[0] + right[1] * down[1]).abs() > 1e-6 * dx * dy {
             return Err(
                 "the file's rows and columns are not at right angles; gdalwarp makes a plain \
@@ -146,7 +146,7 @@ impl GeoTags {
         )
     }
 
-    /// The unit of pixel sizes and heights, which must be one.
+    /// Returns the common unit of pixel sizes and heights, or an error if they differ.
     fn unit(&self, unit_of_values: Option<&str>) -> Result<LinearUnit, &'static str> {
         let across = self.key(geo_key::PROJECTED_LINEAR_UNITS);
         let across =
@@ -169,7 +169,7 @@ impl GeoTags {
                 .key(geo_key::VERTICAL_UNITS)
                 .or_else(|| self.code(geo_key::VERTICAL_SYSTEM).and_then(epsg_units::vertical)),
         };
-        // Heights are in metres unless the file says otherwise.
+        // Heights are in metres unless the file states otherwise.
         match (across, up.unwrap_or(geo_key::METRE)) {
             (None, geo_key::METRE) => Ok(LinearUnit { name: name(geo_key::METRE), said: false }),
             (None, _) => {
@@ -188,11 +188,11 @@ impl GeoTags {
         }
     }
 
-    /// Scale and offset of the values, where a vertical system makes them part of the
-    /// transformation: in GeoTIFF 1.1, as GDAL takes it.
+    /// Returns scale and offset of the values, if a vertical system makes them part of the transformation: in
+    /// GeoTIFF 1.1, as in GDAL.
     pub(super) fn vertical(&self) -> Result<Option<[f64; 2]>, String> {
         let is_1_1 = self.keys.get(2).is_some_and(|minor| *minor >= 1);
-        // Geographic systems with heights are no vertical systems.
+        // Geographic systems with heights are not vertical systems.
         let vertical =
             self.key(geo_key::VERTICAL_SYSTEM).filter(|code| *code != geo_key::WGS_84_WITH_HEIGHTS);
         let (Some(scale), Some(tie)) = (&self.pixel_scale, &self.tie_points) else {
@@ -213,7 +213,7 @@ impl GeoTags {
         }
     }
 
-    /// Where the pixels' middles lie, or what is missing.
+    /// Returns the location of the pixels' middles, or a message that says what is missing.
     pub(super) fn georeference(&self) -> Result<Georeference, String> {
         let Transform { origin, down, right } = self.transform()?;
         let numbers = [origin, down, right];
@@ -221,21 +221,22 @@ impl GeoTags {
         if !numbers.as_flattened().iter().all(|number| number.is_finite()) || determinant == 0.0 {
             return Err("is not georeferenced: its transformation has no inverse".into());
         }
-        // Fields count from the first pixel's corner, unless pixels stand for points.
+        // The fields count from the first pixel's corner, unless pixels stand for points.
         let point = self.key(geo_key::RASTER_TYPE) == Some(geo_key::PIXEL_IS_POINT);
         let half = if point { 0.0 } else { 0.5 };
         let origin = std::array::from_fn(|k| origin[k] + half * (down[k] + right[k]));
         Ok(Georeference { origin, down, right, system: self.system().ok() })
     }
 
-    /// The changes per row and column, by the field that GDAL takes first, at an origin of 0.
+    /// Returns the changes per row and column with an origin of 0, from the field to which GDAL gives
+    /// precedence.
     fn linear(&self) -> Option<Transform> {
         let origin = [0.0; 2];
         if let Some([dx, dy, ..]) = self.pixel_scale.as_deref()
             && *dx != 0.0
             && *dy != 0.0
         {
-            // Files with a negative size down are taken as north-up, as GDAL does.
+            // As in GDAL, files with a negative pixel height count as north-up.
             return Some(Transform { origin, down: [0.0, -dy.abs()], right: [*dx, 0.0] });
         }
         let [a, b, _, _, c, d, ..] = self.transformation.as_deref()? else { return None };
@@ -268,7 +269,7 @@ impl GeoTags {
         Ok(Transform { origin, ..linear })
     }
 
-    /// The coordinate reference system, or what is missing.
+    /// Returns the coordinate reference system, or a message that says what is missing.
     pub(super) fn system(&self) -> Result<CoordinateSystem, String> {
         let code = |key, name| {
             self.code(key).ok_or_else(|| {
@@ -291,7 +292,7 @@ impl GeoTags {
         }
     }
 
-    /// Writes the fields, for values that are no heights: nothing scales or shifts these.
+    /// Writes the fields, for values that are not heights: no field scales or shifts them.
     pub(super) fn write<W: Write + Seek, K: TiffKind>(
         &self,
         directory: &mut DirectoryEncoder<W, K>,
@@ -327,7 +328,7 @@ impl GeoTags {
     }
 }
 
-/// The code of a unit that GDAL writes as text.
+/// Returns the code of a unit that GDAL writes as text.
 fn unit_code(name: &str) -> Option<u16> {
     match &name.trim().to_ascii_lowercase()[..] {
         "m" | "metre" | "meter" | "metres" | "meters" => Some(geo_key::METRE),
@@ -375,7 +376,7 @@ mod tests {
     fn pixels_lie_by_their_middles_or_where_they_are_points() {
         let area = tags(&UTM).georeference().unwrap();
         assert_eq!(area.system, Some(CoordinateSystem::Projected(32616)));
-        // Row 2, column 1 has its upper left corner at the tie point.
+        // The upper left corner of row 2, column 1 is at the tie point.
         assert_eq!(area.coordinates([2.0, 1.0]), [5e5 + 15.0, 4e6 - 10.0]);
         assert_eq!(area.coordinates([3.0, 3.0]), [5e5 + 75.0, 4e6 - 30.0]);
         let point = tags(&[&UTM[..], &[1025, 0, 1, 2]].concat()).georeference().unwrap();
@@ -391,7 +392,7 @@ mod tests {
         tags.pixel_scale = None;
         let found = tags.georeference().unwrap();
         assert_eq!(found.system, Some(CoordinateSystem::WGS_84));
-        // X grows by 0.5 a row, Y by 0.25 a column.
+        // X grows by 0.5 per row, Y by 0.25 per column.
         assert_eq!(found.coordinates([2.0, 4.0]), [10.0 + 0.5 * 2.5, 50.0 + 0.25 * 4.5]);
     }
 
@@ -462,7 +463,7 @@ mod tests {
             GeoTags { pixel_scale: Some(vec![30.0, 20.0, scale]), tie_points, ..tags(&keys) }
                 .vertical()
         };
-        // What GDAL gives for these.
+        // The values that GDAL gives.
         assert_eq!(vertical(1, 2.0, 100.0), Ok(Some([2.0, 86.0])));
         assert_eq!(vertical(0, 2.0, 100.0), Ok(None));
         assert_eq!(vertical(1, 1.0, 7.0), Ok(None));

@@ -1,25 +1,26 @@
-//! The form of a picture: size, kind of numbers, and where its strips or tiles lie.
+//! Reads the layout of a picture: its size, the type of its numbers, and the location of its strips or tiles.
 
 use super::compression::Compression;
 use super::directory::Directory;
 use super::{Cure, tag};
 use crate::io::limits::checked_points;
 
-/// The form of a picture.
+/// The layout of a picture.
 pub struct Layout {
     pub rows: usize,
     pub cols: usize,
     pub sample: Sample,
-    /// Numbers a pixel, the alpha channel among them.
+    /// Number of values per pixel, including the alpha channel.
     pub samples: usize,
-    /// Whether each of these has chunks of its own, those of the first before those of the second.
+    /// Whether each of these values has separate chunks. Those of the first value come before those of the
+    /// second.
     pub planar: bool,
-    /// Which one is the opacity, if one is.
+    /// Index of the opacity channel, if there is one.
     pub alpha: Option<usize>,
     pub photometric: Photometric,
     pub predictor: Predictor,
     pub compression: Compression,
-    /// Whether the bits of each byte are stored in reverse.
+    /// Whether the bits of each byte are stored in reverse order.
     pub reversed: bool,
     /// Rows and columns of a chunk. The last strip has fewer rows; tiles are padded.
     pub chunk: [usize; 2],
@@ -27,7 +28,7 @@ pub struct Layout {
     chunks: Vec<Chunk>,
 }
 
-/// Where a chunk's bytes lie.
+/// The location of a chunk's bytes.
 #[derive(Clone, Copy)]
 pub struct Chunk {
     pub offset: u64,
@@ -38,11 +39,11 @@ pub struct Chunk {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sample {
     pub kind: Kind,
-    /// From 1 to 64.
+    /// Number of bits, from 1 to 64.
     pub bits: usize,
 }
 
-/// What the bits of a number mean.
+/// The interpretation of the bits of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Unsigned,
@@ -50,24 +51,24 @@ pub enum Kind {
     Float,
 }
 
-/// What the numbers of a picture mean.
+/// The meaning of the numbers of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Photometric {
-    /// The numbers themselves, also where 0 is white: GDAL does not invert.
+    /// The numbers themselves, even if 0 is white: as in GDAL they are not inverted.
     Grey,
     /// Indices into a table of colours.
     Palette,
-    /// What a mask shows of another picture.
+    /// A mask of another picture.
     Mask,
 }
 
-/// How numbers are made smaller before they are compressed.
+/// The transformation of numbers before compression.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Predictor {
     None,
     /// Differences of neighbours in a row.
     Horizontal,
-    /// Differences of bytes, those of most weight first.
+    /// Differences of bytes, with the most significant ones first.
     FloatingPoint,
 }
 
@@ -83,7 +84,7 @@ impl Layout {
         checked_points(rows, cols)?;
         let samples = or(tag::SAMPLES_PER_PIXEL, 1)? as usize;
         let alpha = match directory.integers(tag::EXTRA_SAMPLES)?.unwrap_or_default()[..] {
-            // Associated or not.
+            // Associated or unassociated alpha.
             [.., 1 | 2] if samples > 1 => Some(samples - 1),
             _ => None,
         };
@@ -112,7 +113,7 @@ impl Layout {
         let compression = Compression::of(or(tag::COMPRESSION, 1)?, cure)?;
         let sample = Sample::read(directory, cure)?;
         let predictor = match or(tag::PREDICTOR, 1)? {
-            // Other compressions have none, whatever the field says.
+            // Other compressions have no predictor, whatever the field says.
             _ if !compression.has_predictor() => Predictor::None,
             1 => Predictor::None,
             2 if sample.is_whole_bytes() => Predictor::Horizontal,
@@ -147,7 +148,7 @@ impl Layout {
             true => {
                 [needed(tag::TILE_LENGTH, "TileLength")?, needed(tag::TILE_WIDTH, "TileWidth")?]
             }
-            // 2^32 - 1, the default, is all of them.
+            // The default, 2^32 - 1, means all rows.
             false => {
                 let all = u64::from(u32::MAX);
                 [(or(tag::ROWS_PER_STRIP, all)?.min(rows as u64)) as usize, cols]
@@ -184,7 +185,7 @@ impl Layout {
         let offsets = directory.integers(offsets)?.ok_or_else(|| lacks("offsets"))?;
         let lengths = match directory.integers(lengths)? {
             Some(lengths) => lengths,
-            // Old writers leave them out; they follow from the size.
+            // Old writers omit the lengths. They follow from the size.
             None if self.compression == Compression::None => {
                 let per_plane = self.chunks_down() * self.chunks_across();
                 let length = |index| self.chunk_bytes((index % per_plane) / self.chunks_across());
@@ -210,7 +211,7 @@ impl Layout {
         self.rows.div_ceil(self.chunk[0])
     }
 
-    /// The chunk at a row and column of chunks; `None` where it is sparse.
+    /// Returns the chunk at a row and column of chunks, or `None` if it is sparse.
     pub fn chunk_at(&self, down: usize, across: usize, band: usize) -> Option<Chunk> {
         let plane = if self.planar { band } else { 0 };
         let index = (plane * self.chunks_down() + down) * self.chunks_across() + across;
@@ -218,24 +219,24 @@ impl Layout {
         (chunk.length > 0).then_some(chunk)
     }
 
-    /// Rows that are stored of a chunk of a row of chunks.
+    /// Returns the number of rows that are stored in each chunk of a row of chunks.
     pub fn stored_rows(&self, down: usize) -> usize {
         let [rows, _] = self.chunk;
         if self.tiled { rows } else { rows.min(self.rows - down * rows) }
     }
 
-    /// Numbers a pixel in a chunk.
+    /// Returns the number of values per pixel in a chunk.
     pub fn interleaved(&self) -> usize {
         if self.planar { 1 } else { self.samples }
     }
 
-    /// Bytes of a row of a chunk; very many where that is no number of this machine.
+    /// Returns the number of bytes of a row of a chunk. It saturates where it does not fit this machine.
     pub fn row_bytes(&self) -> usize {
         let numbers = self.chunk[1].saturating_mul(self.interleaved());
         numbers.saturating_mul(self.sample.bits).div_ceil(8)
     }
 
-    /// Bytes of a chunk of a row of chunks, decompressed.
+    /// Returns the number of bytes of a decompressed chunk of a row of chunks.
     pub fn chunk_bytes(&self, down: usize) -> usize {
         self.stored_rows(down).saturating_mul(self.row_bytes())
     }
@@ -257,7 +258,7 @@ impl Sample {
         let bits = same(tag::BITS_PER_SAMPLE, 1, "BitsPerSample")?;
         let format = same(tag::SAMPLE_FORMAT, 1, "SampleFormat")?;
         let (kind, name) = match format {
-            // 4 is "undefined", which libtiff and GDAL take as unsigned.
+            // The value 4 is "undefined", which libtiff and GDAL treat as unsigned.
             1 | 4 => (Kind::Unsigned, "unsigned"),
             2 => (Kind::Signed, "signed"),
             3 => (Kind::Float, "floating-point"),
@@ -272,7 +273,7 @@ impl Sample {
             }
         };
         let known = match kind {
-            // GDAL stores 24 bits in an order of its own in either order of bytes.
+            // GDAL stores 24 bits in an order of its own in either byte order.
             Kind::Unsigned => matches!(bits, 1..=23 | 25..=32 | 64),
             Kind::Signed => matches!(bits, 8 | 16 | 32 | 64),
             Kind::Float => matches!(bits, 16 | 32 | 64),
@@ -286,12 +287,12 @@ impl Sample {
         Ok(Self { kind, bits: bits as usize })
     }
 
-    /// Whether numbers fill whole bytes, a power of two of them.
+    /// Returns whether numbers fill whole bytes, and the number of bytes is a power of two.
     pub fn is_whole_bytes(self) -> bool {
         matches!(self.bits, 8 | 16 | 32 | 64)
     }
 
-    /// The number that some bits stand for.
+    /// Returns the number that the bits stand for.
     pub fn value(self, word: u64) -> f64 {
         match (self.kind, self.bits) {
             (Kind::Unsigned, _) => word as f64,

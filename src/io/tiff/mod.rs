@@ -1,7 +1,7 @@
-//! TIFF: rasters, with what GeoTIFF and GDAL say about them, and maps.
+//! Reads TIFF rasters with the information of GeoTIFF and GDAL, and writes maps.
 //!
-//! Files are read as GDAL reads them. What changes values or places and is not read is refused, with
-//! the line that converts the file.
+//! Files are read as GDAL reads them. A feature that changes values or locations and is not supported is an
+//! error, which contains the command that converts the file.
 
 mod band;
 mod compression;
@@ -26,33 +26,33 @@ use super::file_spacing::FileSpacing;
 use super::limits::check_memory;
 use super::{CoordinateSystem, Georeference, Grid};
 
-/// The values of a band, NaN where the file says "no data".
+/// The values of a band. They are NaN where the file has no data.
 pub(super) struct Raster {
     pub grid: Grid<f64>,
     pub spacing: FileSpacing,
-    /// Where its points lie, or what the file does not say about it.
+    /// The location of the points, or a message that says which information is missing.
     pub georeference: Result<Georeference, String>,
-    /// The name of its coordinate reference system, or what is missing.
+    /// The coordinate reference system, or a message that says what is missing.
     pub system: Result<CoordinateSystem, String>,
     pub geo_tags: GeoTags,
-    /// Whether +infinity is its no-data value, as in our maps.
+    /// Whether +infinity is the no-data value, as in our maps.
     pub unreached: bool,
 }
 
-/// What a raster is read for.
+/// The purpose for which a raster is read.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
-    /// Numbers that are measured.
+    /// Measured numbers.
     Values,
-    /// Zero or not; indices into a table of colours will do.
+    /// Zero or not zero. Indices into a table of colours are accepted.
     Mask,
 }
 
-/// How a file that is not read becomes one that is.
+/// The conversion of an unsupported file to a supported one.
 struct Cure<'a>(&'a Path);
 
 impl Cure<'_> {
-    /// The line of GDAL's tool with some options.
+    /// Returns the command line of GDAL's tool with the given options.
     fn translate(&self, options: &str) -> String {
         format!("gdal_translate {options} {} plain.tif", self.0.display())
     }
@@ -62,8 +62,8 @@ impl Cure<'_> {
 const REDUCED: u64 = 1;
 const MASK: u64 = 4;
 
-/// Decodes the first picture of a file. `mask_file` holds its mask where GDAL has put that beside
-/// it, as `FILE.msk`.
+/// Decodes the first picture of a file. `mask_file` is the content of `FILE.msk`, if GDAL has stored the mask
+/// beside the file.
 pub(super) fn decode(
     path: &Path,
     bytes: &[u8],
@@ -94,7 +94,7 @@ pub(super) fn decode(
             values[point] = f64::NAN;
         }
     };
-    // As for GDAL, a no-data value says all, and the opacity is that of a picture.
+    // As in GDAL, a no-data value takes precedence, and the opacity is then that of a picture.
     if let Some(alpha) = layout.alpha.filter(|_| !metadata.has_no_data()) {
         read_band(&file, &layout, alpha, |point, word| hide(point, word.is_some_and(|a| a != 0)))?;
     }
@@ -125,7 +125,7 @@ pub(super) fn decode(
     })
 }
 
-/// The values of the band that is not the opacity.
+/// Returns the values of the band that is not the opacity.
 fn values(
     file: &File,
     layout: &Layout,
@@ -148,7 +148,7 @@ fn values(
     let band = usize::from(layout.alpha == Some(0));
     read_band(file, layout, band, |point, word| {
         stored |= word.is_some();
-        // What was never written is "no data", or 0 where there is no such value.
+        // Values that were never written are "no data", or 0 if there is no such value.
         let value = match word {
             Some(word) if metadata.is_no_data(word, layout.sample) => return,
             Some(word) => layout.sample.value(word),
@@ -163,7 +163,7 @@ fn values(
     }
 }
 
-/// Calls `hide` with each grid point's index and whether a mask shows it.
+/// Calls `hide` with the index of each grid point and whether the mask shows the point.
 fn apply_mask(
     file: &File,
     directory: &Directory,

@@ -1,4 +1,4 @@
-//! Numbers of TIFF's fields.
+//! Defines the numbers of TIFF's fields.
 
 pub const NEW_SUBFILE_TYPE: u16 = 254;
 pub const IMAGE_WIDTH: u16 = 256;

@@ -1,4 +1,4 @@
-//! GeoTIFFs of maps.
+//! Writes maps as GeoTIFF.
 
 use std::io::{self, Seek, Write};
 
@@ -9,7 +9,7 @@ use ::tiff::tags::Tag;
 
 use super::GeoTags;
 
-/// Writes values as one grey channel with a no-data value and, if it is known, where they lie.
+/// Writes values as one grey channel with a no-data value and, if it is known, their location.
 pub fn encode<C: Channel>(
     writer: &mut (impl Write + Seek),
     [rows, cols]: [usize; 2],

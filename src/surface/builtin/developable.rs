@@ -1,4 +1,4 @@
-//! Surfaces that unroll into the plane: shear, cylinder and cone.
+//! Defines the built-in surfaces that unroll into the plane: sheared plane, cylinder and cone.
 
 use std::f64::consts::PI;
 
@@ -15,7 +15,7 @@ pub(super) fn shear_distance(degrees: f64, a: DVec2, b: DVec2) -> f64 {
     across.hypot(along)
 }
 
-/// Three quarters of a turn, the angle that cylinder and cone cover.
+/// The angle that cylinder and cone cover, in radians: three quarters of a turn.
 const ANGLE: f64 = 1.5 * PI;
 const HEIGHT: f64 = 3.0;
 
@@ -31,7 +31,7 @@ pub(super) fn cylinder_distance(a: DVec2, b: DVec2) -> f64 {
 
 /// The cone's radius per slant height: the sine of its half-angle, 30 degrees.
 const SLOPE: f64 = 0.5;
-/// Slant height of the inner border.
+/// Slant height of the cone's inner border.
 const INNER: f64 = 0.5;
 
 pub(super) fn cone<T: Smooth>([u, v]: [T; 2]) -> [T; 3] {
@@ -45,8 +45,9 @@ pub(super) fn cone_distance(a: DVec2, b: DVec2) -> f64 {
     annulus_distance(INNER, INNER + a.y, INNER + b.y, angle)
 }
 
-/// Distance outside a circle around the origin between points at two radii and an angle apart,
-/// on that side of the circle: also right for angles above 180 degrees.
+/// Returns the distance outside a circle of radius `inner` around the origin, between points at the radii
+/// `r1` and `r2` that are `angle` apart. The path stays on that side of the circle, so the result is also
+/// right for angles above 180 degrees.
 fn annulus_distance(inner: f64, r1: f64, r2: f64, angle: f64) -> f64 {
     // The angle between a point and the point where its tangent touches the circle.
     let to_tangent = |r: f64| (inner / r).min(1.0).acos();
@@ -55,7 +56,7 @@ fn annulus_distance(inner: f64, r1: f64, r2: f64, angle: f64) -> f64 {
         let tangent = |r: f64| ((r - inner) * (r + inner)).max(0.0).sqrt();
         tangent(r1) + tangent(r2) + inner * arc
     } else {
-        // The law of cosines, without cancellation at small angles.
+        // The law of cosines, in a form without cancellation at small angles.
         (r1 - r2).hypot(2.0 * (r1 * r2).sqrt() * (0.5 * angle).sin())
     }
 }
@@ -67,11 +68,13 @@ mod tests {
     #[test]
     fn around_the_inner_circle_the_path_is_two_tangents_and_an_arc() {
         let diagonal = 2.0f64.sqrt();
-        // From 45 degrees before the point of contact, 90 degrees of arc, 45 degrees on.
+        // The point of contact is after 45 degrees. Then follow 90 degrees of arc and 45 degrees to the other
+        // point.
         let distance = annulus_distance(1.0, diagonal, diagonal, PI);
         approx::assert_relative_eq!(distance, 2.0 + PI / 2.0, max_relative = 1e-15);
         approx::assert_relative_eq!(annulus_distance(1.0, 1.0, 1.0, 5.0), 5.0);
-        // Straight as long as the circle is not met, and continuous where it is.
+        // The path is straight as long as it does not meet the circle, and the distance is continuous where
+        // it does.
         approx::assert_relative_eq!(annulus_distance(1.0, 3.0, 4.0, PI / 2.0), 5.0);
         let touching = annulus_distance(1.0, diagonal, diagonal, PI / 2.0);
         approx::assert_relative_eq!(touching, 2.0, max_relative = 1e-12);

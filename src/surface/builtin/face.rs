@@ -1,15 +1,15 @@
-//! A face as a range scanner sees it, made of smooth bumps.
+//! Defines a built-in face, as a range scanner sees it, made of smooth bumps.
 
 use super::jet::Smooth;
 
-/// Half of the scanned width and height, in millimetres.
+/// Half of the width and height of the scan, in millimetres.
 const HALF_WIDTH: f64 = 80.0;
 const HALF_HEIGHT: f64 = 100.0;
-/// Fewest rows and columns of a scan that is cut out along the face's oval.
+/// Minimum number of rows and columns of a scan that is cut out along the face's oval.
 const SMALLEST_OVAL: usize = 8;
 
-/// A bump, `height e^(-((x - centre) / width)^2)` with both coordinates in the exponent; one
-/// beside the middle has a twin on the other side. All in millimetres.
+/// A bump, `height e^(-((x - centre) / width)^2)`, with both coordinates in the exponent. A bump beside the
+/// middle has a mirror image on the other side. All lengths are in millimetres.
 struct Bump {
     height: f64,
     centre: [f64; 2],
@@ -20,7 +20,8 @@ const fn bump(height: f64, centre: [f64; 2], width: [f64; 2]) -> Bump {
     Bump { height, centre, width }
 }
 
-/// What a face has over the bare head, x from its middle rightwards, y downwards.
+/// The features of the face that are added to the bare head. x runs rightwards from the middle of the face, y
+/// runs downwards.
 const FEATURES: [Bump; 14] = [
     // Nose: tip, ridge, wing and the step below.
     bump(17.0, [0.0, 14.0], [9.0, 9.0]),
@@ -33,7 +34,7 @@ const FEATURES: [Bump; 14] = [
     bump(9.0, [31.0, -23.0], [10.5, 5.5]),
     // Cheekbone.
     bump(6.0, [42.0, 6.0], [17.0, 15.0]),
-    // Lips, and what is between and below.
+    // Lips, the gap between them, and the hollow below.
     bump(5.5, [0.0, 40.0], [19.0, 4.5]),
     bump(-4.0, [0.0, 46.0], [22.0, 2.6]),
     bump(6.0, [0.0, 52.0], [17.0, 5.0]),
@@ -44,11 +45,11 @@ const FEATURES: [Bump; 14] = [
     bump(-4.0, [40.0, 40.0], [14.0, 18.0]),
 ];
 
-/// The tip of the nose, as fractions of columns and rows.
+/// Position of the tip of the nose, as fractions of columns and rows.
 #[cfg(test)]
 const NOSE: [f64; 2] = [0.5, 0.565];
 
-/// Where (u, v) lies: x rightwards, y downwards and z towards the scanner, in millimetres.
+/// Returns the position of (u, v) in millimetres: x rightwards, y downwards and z towards the scanner.
 pub(super) fn position<T: Smooth>([u, v]: [T; 2]) -> [T; 3] {
     let x = (u * 2.0 - 1.0) * HALF_WIDTH;
     let y = (v * 2.0 - 1.0) * HALF_HEIGHT;
@@ -66,8 +67,8 @@ pub(super) fn position<T: Smooth>([u, v]: [T; 2]) -> [T; 3] {
     [x, y, z]
 }
 
-/// For each point, row-major, whether it lies within the face's oval, narrower at the chin; all do
-/// on grids of fewer than [`SMALLEST_OVAL`] rows or columns.
+/// Returns for each point, row-major, whether it lies within the face's oval, which is narrower at the chin.
+/// On grids of fewer than [`SMALLEST_OVAL`] rows or columns all points do.
 pub(super) fn oval(rows: usize, cols: usize) -> Vec<bool> {
     let whole = rows.min(cols) < SMALLEST_OVAL;
     let along = |at: usize, points: usize| 2.0 * at as f64 / (points - 1) as f64 - 1.0;

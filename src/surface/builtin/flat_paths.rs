@@ -1,7 +1,7 @@
-//! Shortest paths over a flat grid with holes, by a visibility graph.
+//! Computes shortest paths over a flat grid with holes, by a visibility graph.
 //!
-//! Independent of the solvers: a shortest path between obstacles with straight sides is a chain
-//! of straight lines which bends only at the obstacles' corners.
+//! It is independent of the solvers. A shortest path between obstacles with straight sides is a chain of
+//! straight lines that bends only at the obstacles' corners.
 
 use std::iter::Peekable;
 use std::ops::Range;
@@ -11,9 +11,9 @@ use rayon::prelude::*;
 
 use crate::surface::{Chart, Direction, is_corner};
 
-/// A flat grid, some of whose points are missing. Its floor is the union of the triangles of
-/// neighbouring points that are all there, and of edges between two that are: a cell with one
-/// corner missing keeps its half on the other side of the diagonal.
+/// A flat grid with missing points. Its floor is the union of the triangles of three neighbouring points that
+/// are all present, and of the edges between two points that are present. A cell with one corner missing
+/// keeps its half on the other side of the diagonal.
 pub(crate) struct FloorPlan {
     chart: Chart,
     floor: Vec<bool>,
@@ -21,7 +21,7 @@ pub(crate) struct FloorPlan {
     spacing: DVec2,
 }
 
-/// Places closer than this, in cells, are one.
+/// Places closer than this, in cells, count as one place.
 const NEAR: f64 = 1e-9;
 
 impl FloorPlan {
@@ -37,12 +37,12 @@ impl FloorPlan {
         self.chart.neighbour(row, col, to).is_some_and(|(row, col)| self.has(row, col))
     }
 
-    /// Length of a straight line between two places.
+    /// Returns the length of a straight line between two places.
     fn length(&self, a: DVec2, b: DVec2) -> f64 {
         ((b - a) * self.spacing).length()
     }
 
-    /// The points at which a shortest path can bend.
+    /// Returns the points at which a shortest path can bend.
     fn corners(&self) -> Vec<DVec2> {
         let Chart { rows, cols } = self.chart;
         (0..rows)
@@ -55,7 +55,7 @@ impl FloorPlan {
             .collect()
     }
 
-    /// Whether the straight line between two places stays on the floor.
+    /// Returns whether the straight line between two places stays on the floor.
     fn sees(&self, a: DVec2, b: DVec2) -> bool {
         let shortest = NEAR / (b - a).length().max(NEAR);
         let mut rows = crossings(a.x, b.x).peekable();
@@ -82,7 +82,7 @@ impl FloorPlan {
         true
     }
 
-    /// Whether a piece of a line that crosses no row or column inside lies on the floor.
+    /// Returns whether a piece of a line lies on the floor. The piece does not cross a row or column inside.
     fn has_piece(&self, a: DVec2, b: DVec2) -> bool {
         let middle = 0.5 * (a + b);
         let (rows, cols) = (span(middle.x), span(middle.y));
@@ -108,7 +108,7 @@ impl FloorPlan {
     }
 }
 
-/// The grid lines that a coordinate lies on (one) or between (two).
+/// Returns the grid line that a coordinate lies on, or the two grid lines that it lies between.
 fn span(x: f64) -> Range<usize> {
     let nearest = x.round();
     if (x - nearest).abs() < NEAR {
@@ -118,7 +118,7 @@ fn span(x: f64) -> Range<usize> {
     }
 }
 
-/// Parameters between 0 and 1, in order, at which a line passes whole coordinates.
+/// Returns the parameters between 0 and 1, in order, at which a line passes whole coordinates.
 fn crossings(from: f64, to: f64) -> impl Iterator<Item = f64> {
     let (first, last) = (from.min(to).floor() as usize + 1, from.max(to).ceil() as usize);
     let count = last.saturating_sub(first);
@@ -136,7 +136,7 @@ pub(crate) struct FlatPaths {
 }
 
 impl FlatPaths {
-    /// Dijkstra over the source and the corners.
+    /// Computes the distances to all corners by Dijkstra's algorithm over the source and the corners.
     pub(crate) fn new(plan: FloorPlan, from: [f64; 2]) -> Self {
         let from = DVec2::from_array(from);
         let mut open: Vec<_> = plan.corners().into_iter().map(|at| (at, f64::INFINITY)).collect();
@@ -158,7 +158,8 @@ impl FlatPaths {
         Self { plan, anchors }
     }
 
-    /// Distance to a place, fractional row and column; infinite if it cannot be reached.
+    /// Returns the distance to a place, given by fractional row and column. It is infinite if the place
+    /// cannot be reached.
     pub(crate) fn distance_to(&self, to: [f64; 2]) -> f64 {
         let to = DVec2::from_array(to);
         if !self.plan.has_piece(to, to) {
@@ -170,7 +171,7 @@ impl FlatPaths {
         ways.into_iter().find(|&(_, at)| self.plan.sees(at, to)).map_or(f64::INFINITY, |way| way.0)
     }
 
-    /// Distances to all grid points, row-major.
+    /// Returns the distances to all grid points, row-major.
     pub(crate) fn distances(&self) -> Vec<f64> {
         let chart = self.plan.chart;
         let distance = |index| {
@@ -185,7 +186,7 @@ impl FlatPaths {
 mod tests {
     use super::*;
 
-    /// Floor where the picture has a dot.
+    /// The floor is where the picture has a dot.
     fn paths(picture: &[&str], from: [f64; 2]) -> FlatPaths {
         let floor = picture.iter().flat_map(|row| row.chars().map(|c| c == '.')).collect();
         FlatPaths::new(FloorPlan::new(picture.len(), picture[0].len(), floor, DVec2::ONE), from)
@@ -201,9 +202,9 @@ mod tests {
     #[test]
     fn one_missing_point_is_a_diamond() {
         let paths = paths(&[".....", ".....", "..#..", ".....", "....."], [2.0, 0.0]);
-        // Over the diamond's tip at (1, 2): two straight lines.
+        // The path over the diamond's tip at (1, 2) consists of two straight lines.
         approx::assert_relative_eq!(paths.distance_to([2.0, 4.0]), 2.0 * 5f64.sqrt());
-        // Past the diamond's side: along a diagonal of the grid.
+        // The path past the diamond's side runs along a diagonal of the grid.
         approx::assert_relative_eq!(paths.distance_to([0.0, 2.0]), 8f64.sqrt());
         assert_eq!(paths.distance_to([2.0, 2.0]), f64::INFINITY);
         assert_eq!(paths.distance_to([2.25, 2.25]), f64::INFINITY);
@@ -213,7 +214,7 @@ mod tests {
     #[test]
     fn a_wall_is_walked_around() {
         let paths = paths(&[".....", ".....", "###..", ".....", "....."], [4.0, 0.0]);
-        // Corners of the wall's end at (3, 2), (2, 3) and (1, 2).
+        // The path bends at the corners of the wall's end, at (3, 2), (2, 3) and (1, 2).
         let exact = 5f64.sqrt() + 2.0 * 2f64.sqrt() + 5f64.sqrt();
         approx::assert_relative_eq!(paths.distance_to([0.0, 0.0]), exact);
     }
@@ -223,7 +224,7 @@ mod tests {
         let paths = paths(&["...", "##.", "##.", "##."], [0.0, 0.0]);
         approx::assert_relative_eq!(paths.distance_to([3.0, 2.0]), 3.0 + 2f64.sqrt());
         let turn = self::paths(&["..##", "#.##", "#...", "####"], [0.0, 0.0]);
-        // Both bends are cut by the half cells beside them.
+        // The half cells beside them cut off both bends.
         approx::assert_relative_eq!(turn.distance_to([2.0, 3.0]), 1.0 + 2.0 * 2f64.sqrt());
     }
 

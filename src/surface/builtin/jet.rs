@@ -1,10 +1,11 @@
-//! Automatic differentiation: numbers that carry their derivatives by u and v, up to the second.
+//! Implements automatic differentiation: numbers that carry their derivatives with respect to u and v, up to
+//! second order.
 
 use std::ops::{Add, Mul, Sub};
 
 use glam::{DVec2, DVec3};
 
-/// What parametrisations compute with: plain numbers, or jets where derivatives are wanted.
+/// The numbers with which parametrisations compute: plain numbers, or jets where derivatives are needed.
 pub(super) trait Smooth:
     Copy
     + Add<Output = Self>
@@ -18,7 +19,7 @@ pub(super) trait Smooth:
     fn sin_cos(self) -> (Self, Self);
     fn tan(self) -> Self;
     fn exp(self) -> Self;
-    /// 1 / sqrt(x).
+    /// Returns 1 / sqrt(x).
     fn recip_sqrt(self) -> Self;
 
     fn squared(self) -> Self {
@@ -44,24 +45,24 @@ impl Smooth for f64 {
     }
 }
 
-/// A function of u and v at one place.
+/// The value and derivatives of a function of u and v at one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Jet {
     pub(super) value: f64,
-    /// By u and v.
+    /// Derivatives with respect to u and v.
     pub(super) first: DVec2,
-    /// By uu, uv and vv.
+    /// Derivatives with respect to uu, uv and vv.
     pub(super) second: DVec3,
 }
 
 impl Jet {
-    /// u and v themselves.
+    /// Returns u and v themselves as jets.
     pub(super) fn variables(uv: DVec2) -> [Self; 2] {
         let variable = |value, first| Self { value, first, second: DVec3::ZERO };
         [variable(uv.x, DVec2::X), variable(uv.y, DVec2::Y)]
     }
 
-    /// A function of this one, by the function's value and derivatives here.
+    /// Applies a function to this value by the chain rule, given the function's value and derivatives there.
     fn chain(self, value: f64, first: f64, second: f64) -> Self {
         Self {
             value,
@@ -71,7 +72,7 @@ impl Jet {
     }
 }
 
-/// The symmetric product of two gradients.
+/// Returns the symmetric product of two gradients.
 fn products(a: DVec2, b: DVec2) -> DVec3 {
     DVec3::new(a.x * b.x, 0.5 * (a.x * b.y + a.y * b.x), a.y * b.y)
 }
@@ -168,7 +169,7 @@ impl Mul<f64> for Jet {
 mod tests {
     use super::*;
 
-    /// Something of everything.
+    /// A function that uses every operation.
     fn function<T: Smooth>([u, v]: [T; 2]) -> T {
         let (sin, cos) = (u * v).sin_cos();
         let root = (u.squared() + v * 3.0 + 1.0).recip_sqrt();
@@ -181,7 +182,7 @@ mod tests {
         let jet = function(Jet::variables(at));
         let value = |u: f64, v: f64| function([at.x + u, at.y + v]);
         approx::assert_relative_eq!(jet.value, value(0.0, 0.0), max_relative = 1e-15);
-        // Central differences are off by the square of the step, and by rounding over it.
+        // The error of central differences is the square of the step, plus rounding divided by the step.
         let h = 1e-4;
         let first = DVec2::new(value(h, 0.0) - value(-h, 0.0), value(0.0, h) - value(0.0, -h));
         assert!(jet.first.abs_diff_eq(first / (2.0 * h), 1e-6), "{}", jet.first);

@@ -1,18 +1,18 @@
-//! The unit square with walls that leave a spiral corridor.
+//! Defines the unit square with walls that leave a spiral corridor.
 
 use glam::DVec2;
 
 use super::flat_paths::FloorPlan;
 
-/// Most turns of the spiral.
+/// Maximum number of turns of the spiral.
 const MOST_TURNS: usize = 3;
-/// Fewest points of a corridor and its wall, side by side.
+/// Minimum width, in points, of a corridor and its wall together.
 const NARROWEST: usize = 5;
 
-/// For each point, row-major, whether it is floor (true) or wall.
+/// Returns for each point, row-major, whether it is floor (true) or wall.
 ///
-/// The corridor starts in the north-west corner and runs inwards clockwise. Its wall is a
-/// sixteenth as thick as corridor and wall together, at least one point.
+/// The corridor starts in the north-west corner and runs inwards clockwise. The thickness of the wall is a
+/// sixteenth of that of corridor and wall together, at least one point.
 pub(super) fn floor(rows: usize, cols: usize) -> Vec<bool> {
     let mut floor = vec![true; rows * cols];
     if rows == 0 || cols == 0 {

@@ -1,8 +1,8 @@
-//! Built-in surfaces, most of them with exact distances to hold a solver against.
+//! Provides built-in surfaces, most of them with exact distances to test a solver against.
 //!
-//! Each maps the unit square to space: rows run along v and columns along u, both from 0 to 1.
-//! The patches are chosen so that the exact distance holds inside the patch, not only on the
-//! whole surface it is cut from.
+//! Each one maps the unit square to space. Rows run along v and columns along u, both from 0 to 1. The
+//! patches are chosen so that the exact distance holds inside the patch, not only on the whole surface from
+//! which it is cut.
 
 mod developable;
 mod face;
@@ -23,7 +23,7 @@ pub(crate) use flat_paths::FlatPaths;
 pub(crate) use flat_paths::FloorPlan;
 use jet::{Jet, Smooth};
 
-/// A surface known by name, of any size.
+/// A surface known by name, which can be sampled at any size.
 ///
 /// ```
 /// use geosweep::surface::builtin::Builtin;
@@ -37,47 +37,47 @@ use jet::{Jet, Smooth};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Builtin {
-    /// The unit square, x = (u, v, 0). Exact: straight lines.
+    /// The unit square, x = (u, v, 0). Exact distances are straight lines.
     Plane,
-    /// The unit square sheared, x = (u + v tan(degrees), v, 0): from 45 degrees on, the triangles
-    /// of a square grid are obtuse. Exact: straight lines, which stay inside the parallelogram.
+    /// The unit square sheared, x = (u + v tan(degrees), v, 0). From 45 degrees on, the triangles of a square
+    /// grid are obtuse. Exact distances are straight lines, which stay inside the parallelogram.
     ShearedPlane {
         /// Angle of the shear, between -89 and 89 degrees.
         degrees: f64,
     },
-    /// One face of a cube, blown up to the unit sphere: x = (tan a, tan b, 1) divided by its
-    /// length, with a and b, each from -45 to 45 degrees, proportional to u and v. Exact: great
-    /// circles, atan2(|p x q|, p . q); the central projection to the cube's face makes them
-    /// straight lines, so they stay inside the patch.
+    /// One face of a cube, blown up to the unit sphere: x = (tan a, tan b, 1) divided by its length. The
+    /// angles a and b run from -45 to 45 degrees, proportional to u and v. Exact distances are along great
+    /// circles, atan2(|p x q|, p . q). The central projection to the cube's face makes these straight lines,
+    /// so they stay inside the patch.
     Sphere,
-    /// Three quarters of a cylinder: x = (cos a, sin a, 3 v), a = 270 u degrees. Exact: straight
-    /// lines of the unrolled rectangle, the hypotenuse of angle and height.
+    /// Three quarters of a cylinder: x = (cos a, sin a, 3 v), a = 270 u degrees. Exact distances are straight
+    /// lines in the unrolled rectangle: the hypotenuse of angle and height.
     Cylinder,
-    /// Three quarters of a truncated cone, apex at the origin: x = s (sin h cos a, sin h sin a,
-    /// cos h), a half-angle h of 30 degrees, a = 270 u degrees, slant heights s = 0.5 + v.
-    /// Unrolled, it is a sector of 135 degrees of an annulus. Exact: the straight line, or where
-    /// that would cross the inner circle, two tangents and an arc of it.
+    /// Three quarters of a truncated cone with its apex at the origin: x = s (sin h cos a, sin h sin a, cos
+    /// h), with a half-angle h of 30 degrees, a = 270 u degrees and slant heights s = 0.5 + v. Unrolled, it
+    /// is a sector of 135 degrees of an annulus. The exact distance is the straight line, or where that would
+    /// cross the inner circle, two tangents and an arc of the circle.
     Cone,
-    /// A quarter of a torus, x = ((1 + r cos b) cos a, (1 + r cos b) sin a, r sin b) with
-    /// r = 0.4, a = 180 u and b = 180 v degrees: half of it curved outwards, half like a saddle.
-    /// No closed form; its borders are geodesics, so that shortest paths stay inside.
+    /// A quarter of a torus, x = ((1 + r cos b) cos a, (1 + r cos b) sin a, r sin b) with r = 0.4, a = 180 u
+    /// and b = 180 v degrees. Half of it is curved outwards, half is a saddle. There is no closed form of the
+    /// distance. Its borders are geodesics, so that shortest paths stay inside.
     Torus,
-    /// The sum of Gaussians known as "peaks", over a square of side 6, a quarter as high as
-    /// usual. No closed form.
+    /// The sum of Gaussians known as "peaks", over a square of side 6, a quarter as high as usual. There is
+    /// no closed form of the distance.
     Peaks,
-    /// The unit square with walls that make a spiral corridor (after the paper's figure 6): up
-    /// to three turns, fewer on small grids, none below 21 rows or columns. Exact: the shortest
+    /// The unit square with walls that make a spiral corridor (after the paper's figure 6). It has up to
+    /// three turns: fewer on small grids, none below 21 rows or columns. The exact distance is the shortest
     /// polygonal path around the walls, by a visibility graph.
     Maze,
-    /// A face as a range scanner sees it, in millimetres: brow, eyes, nose, lips and chin as
-    /// bumps on a rounded head 160 wide and 200 high, cut out along an oval, x rightwards, y
-    /// downwards, z towards the scanner. 183 x 155 points leave about 21 775, as many as the
-    /// surface of the paper's figure 7 has. No known distances.
+    /// A face as a range scanner sees it, in millimetres. Brow, eyes, nose, lips and chin are bumps on a
+    /// rounded head 160 wide and 200 high, cut out along an oval, with x rightwards, y downwards and z
+    /// towards the scanner. A grid of 183 x 155 points leaves about 21 775, as many as the surface of the
+    /// paper's figure 7 has. Distances are not known.
     Face,
 }
 
 impl Builtin {
-    /// One of each, with the default shear.
+    /// One of each surface, with the default shear.
     pub const ALL: [Self; 9] = [
         Self::Plane,
         Self::ShearedPlane { degrees: Self::DEFAULT_SHEAR },
@@ -90,15 +90,15 @@ impl Builtin {
         Self::Face,
     ];
 
-    /// Those with [distances to hold a solver against](Self::reference_distances).
+    /// Returns the surfaces that have [distances to test a solver against](Self::reference_distances).
     pub fn measurable() -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(|&builtin| builtin != Self::Face)
     }
 
-    /// Shear of `sheared-plane` without `@degrees`.
+    /// Shear of `sheared-plane` without `@degrees`, in degrees.
     pub const DEFAULT_SHEAR: f64 = 60.0;
 
-    /// The name that [`Self::parse`] knows it by, without the shear's angle.
+    /// Returns the name that [`Self::parse`] accepts, without the angle of the shear.
     pub fn name(self) -> &'static str {
         match self {
             Self::Plane => "plane",
@@ -113,12 +113,12 @@ impl Builtin {
         }
     }
 
-    /// All names with commas between them, for help and messages.
+    /// Returns all names, separated by commas, for help texts and messages.
     pub fn names() -> String {
         Self::ALL.map(Self::name).join(", ")
     }
 
-    /// Finds a surface by its name; `sheared-plane@72` gives the angle of the shear too.
+    /// Finds a surface by its name. A text such as `sheared-plane@72` gives the angle of the shear too.
     ///
     /// # Errors
     /// A message that lists the names, or the range of angles.
@@ -146,7 +146,7 @@ impl Builtin {
         }
     }
 
-    /// The surface, sampled at rows x cols points. A single row or column lies at v = 0 or u = 0.
+    /// Returns the surface, sampled at `rows` x `cols` points. A single row or column lies at v = 0 or u = 0.
     ///
     /// # Errors
     /// [`SurfaceError::Empty`] without rows or columns.
@@ -162,9 +162,9 @@ impl Builtin {
         }
     }
 
-    /// The exact geodesic distance between two places, given as fractional row and column, of
-    /// the surface sampled at rows x cols points; `None` where no closed form exists. Infinite
-    /// from or to a place in a wall.
+    /// Returns the exact geodesic distance between two places, given as fractional row and column, of the
+    /// surface sampled at `rows` x `cols` points. The result is `None` where no closed form exists, and
+    /// infinite from or to a place in a wall.
     pub fn exact_distance(
         self,
         rows: usize,
@@ -178,9 +178,9 @@ impl Builtin {
         self.distance(unit_square(rows, cols, from), unit_square(rows, cols, to))
     }
 
-    /// The exact geodesic distances from a place, as fractional row and column, to all points of
-    /// the surface sampled at rows x cols points, row-major; `None` where no closed form exists.
-    /// Infinite at points in walls.
+    /// Returns the exact geodesic distances from a place, given as fractional row and column, to all points
+    /// of the surface sampled at `rows` x `cols` points, row-major. The result is `None` where no closed form
+    /// exists. Distances are infinite at points in walls.
     pub fn exact_distances(self, rows: usize, cols: usize, from: [f64; 2]) -> Option<Vec<f64>> {
         if self == Self::Maze {
             return Some(FlatPaths::new(maze::floor_plan(rows, cols), from).distances());
@@ -192,11 +192,11 @@ impl Builtin {
             .collect()
     }
 
-    /// Geodesic distances from a place, as fractional row and column, to all points of the
-    /// surface sampled at rows x cols points, row-major: [exact](Self::exact_distances) ones, or
-    /// else by shooting geodesics, with a relative error below 1e-9. Infinite at points in walls,
-    /// NaN where the distance is not known: where the shortest path would leave the patch, and
-    /// on all of the face.
+    /// Returns geodesic distances from a place, given as fractional row and column, to all points of the
+    /// surface sampled at `rows` x `cols` points, row-major. They are [exact](Self::exact_distances), or else
+    /// computed by shooting geodesics, with a relative error below 1e-9. Distances are infinite at points in
+    /// walls. They are NaN where the distance is not known: where the shortest path would leave the patch,
+    /// and on all of the face.
     pub fn reference_distances(self, rows: usize, cols: usize, from: [f64; 2]) -> Vec<f64> {
         if self == Self::Face {
             return vec![f64::NAN; rows * cols];
@@ -207,7 +207,7 @@ impl Builtin {
         })
     }
 
-    /// Where (u, v) lies in space.
+    /// Returns the position of (u, v) in space.
     fn position<T: Smooth>(self, [u, v]: [T; 2]) -> [T; 3] {
         match self {
             Self::Plane | Self::Maze => [u, v, T::from(0.0)],
@@ -221,7 +221,7 @@ impl Builtin {
         }
     }
 
-    /// Exact distance between two places (u, v) of a surface without holes.
+    /// Returns the exact distance between two places (u, v) of a surface without holes.
     fn distance(self, a: DVec2, b: DVec2) -> Option<f64> {
         match self {
             Self::Plane => Some(a.distance(b)),
@@ -235,7 +235,7 @@ impl Builtin {
 }
 
 impl std::fmt::Display for Builtin {
-    /// What [`Self::parse`] reads back.
+    /// Writes the text that [`Self::parse`] reads back.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::ShearedPlane { degrees } => write!(f, "{}@{degrees}", self.name()),
@@ -252,7 +252,7 @@ impl std::str::FromStr for Builtin {
     }
 }
 
-/// (u, v) of a fractional row and column.
+/// Converts a fractional row and column to (u, v).
 fn unit_square(rows: usize, cols: usize, [row, col]: [f64; 2]) -> DVec2 {
     let fraction = |x: f64, points: usize| if points > 1 { x / (points - 1) as f64 } else { 0.0 };
     DVec2::new(fraction(col, cols), fraction(row, rows))
@@ -303,7 +303,7 @@ mod tests {
 
     #[test]
     fn short_steps_are_as_long_as_their_chords() {
-        // Ties each closed form to its parametrisation, all over the patch.
+        // This compares each closed form with its parametrisation, all over the patch.
         let points = 40;
         for builtin in Builtin::ALL {
             let surface = builtin.surface(points, points).unwrap();
@@ -315,7 +315,7 @@ mod tests {
                     let to = [r as f64, c as f64];
                     let exact = builtin.exact_distance(points, points, from, to);
                     let Some(((a, b), exact)) = ends.zip(exact) else { continue };
-                    // A chord of an arc of d radians is shorter by d^2 / 24; here d <= 0.13.
+                    // The chord of an arc of d radians is shorter by the fraction d^2 / 24; here d <= 0.13.
                     approx::assert_relative_eq!(exact, a.distance(b), max_relative = 1e-3);
                 }
             }

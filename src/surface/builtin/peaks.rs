@@ -1,8 +1,8 @@
-//! MATLAB's demonstration surface "peaks".
+//! Defines MATLAB's demonstration surface "peaks".
 
 use super::jet::Smooth;
 
-/// Height relative to the usual one, so that slopes stay below about 70 degrees.
+/// Height relative to MATLAB's, so that slopes stay below about 70 degrees.
 const HEIGHT: f64 = 0.25;
 
 /// z = 3 (1 - x)^2 e^(-x^2 - (y + 1)^2) - 10 (x/5 - x^3 - y^5) e^(-x^2 - y^2)

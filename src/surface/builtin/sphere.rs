@@ -1,4 +1,4 @@
-//! One face of the equiangular cube sphere.
+//! Defines one face of the equiangular cube sphere.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -12,7 +12,8 @@ pub(super) fn position<T: Smooth>(uv: [T; 2]) -> [T; 3] {
     [x * shrink, y * shrink, shrink]
 }
 
-/// Along the great circle: good for near, orthogonal and opposite points alike.
+/// Returns the distance along the great circle. The formula is accurate for near, orthogonal and opposite
+/// points alike.
 pub(super) fn distance(a: DVec2, b: DVec2) -> f64 {
     let [a, b] = [a, b].map(|uv| DVec3::from_array(position(uv.to_array())));
     a.cross(b).length().atan2(a.dot(b))

@@ -1,4 +1,4 @@
-//! A quarter of a torus.
+//! Defines a quarter of a torus.
 
 use std::f64::consts::PI;
 

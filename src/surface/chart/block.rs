@@ -1,4 +1,4 @@
-//! Parts of a chart: some of its rows and columns.
+//! Defines blocks: parts of a chart that consist of some of its rows and columns.
 
 use std::ops::Range;
 
@@ -14,49 +14,49 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// A chart of their own.
+    /// Returns a chart that has only the points of the block.
     pub(crate) fn chart(&self) -> Chart {
         Chart { rows: self.rows.len(), cols: self.cols.len() }
     }
 
-    /// Its first row and column.
+    /// Returns the first row and column of the block.
     pub(crate) fn first(&self) -> (usize, usize) {
         (self.rows.start, self.cols.start)
     }
 
-    /// The same as a place.
+    /// Returns the first row and column of the block as a place.
     pub(crate) fn origin(&self) -> DVec2 {
         DVec2::new(self.rows.start as f64, self.cols.start as f64)
     }
 
-    /// Row and column of its points, row by row.
+    /// Returns row and column of the block's points, row by row.
     pub(crate) fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
         let Self { rows, cols } = self.clone();
         rows.flat_map(move |row| cols.clone().map(move |col| (row, col)))
     }
 
-    /// Whether a point of the chart is one of its own.
+    /// Returns whether a point of the chart belongs to the block.
     pub(crate) fn has(&self, (row, col): (usize, usize)) -> bool {
         self.rows.contains(&row) && self.cols.contains(&col)
     }
 
-    /// Whether a place lies between its points.
+    /// Returns whether a place lies between the points of the block.
     pub(crate) fn holds(&self, at: DVec2) -> bool {
         self.chart().holds(at - self.origin())
     }
 
-    /// A point's row and column in the block.
+    /// Converts a point's row and column to those in the block.
     pub(crate) fn local(&self, (row, col): (usize, usize)) -> (usize, usize) {
         (row - self.rows.start, col - self.cols.start)
     }
 
-    /// Its values of an array of the whole `chart`.
+    /// Returns the values of the block's points from an array of the whole `chart`.
     pub(crate) fn cut<T: Copy>(&self, chart: Chart, whole: &[T]) -> Vec<T> {
         let row = |row| &whole[chart.index(row, self.cols.start)..][..self.cols.len()];
         self.rows.clone().flat_map(row).copied().collect()
     }
 
-    /// Its points over whose sides the `chart` goes on beyond the block.
+    /// Returns the points of the block beyond which the `chart` continues outside the block.
     pub(crate) fn rim(&self, chart: Chart) -> impl Iterator<Item = (usize, usize)> {
         use Direction::{East, North, South, West};
         let goes_on = move |&(row, col): &(usize, usize)| {
@@ -68,20 +68,19 @@ impl Block {
 }
 
 impl Chart {
-    /// The points that lie no more than so many rows and columns from a point.
+    /// Returns the points at most `reach` rows and columns away from a point.
     pub(crate) fn around(self, (row, col): (usize, usize), reach: usize) -> Block {
         self.around_span([row, row], [col, col], reach)
     }
 
-    /// The points that lie no more than so many rows and columns from those beside a place. Of a place
-    /// beyond the chart's border there may be none.
+    /// Returns the points at most `reach` rows and columns away from those beside a place. If the place lies
+    /// beyond the chart's border, the block may be empty.
     pub(crate) fn around_place(self, at: DVec2, reach: usize) -> Block {
         let span = |at: f64| [at.floor() as usize, at.ceil() as usize];
         self.around_span(span(at.x), span(at.y), reach)
     }
 
-    /// The points that lie no more than so many rows and columns from those between two rows and two
-    /// columns.
+    /// Returns the points at most `reach` rows and columns away from those between two rows and two columns.
     pub(crate) fn around_span(self, rows: [usize; 2], cols: [usize; 2], reach: usize) -> Block {
         let range = |[first, last]: [usize; 2], points: usize| {
             first.saturating_sub(reach)..points.min(last.saturating_add(reach + 1))
@@ -89,7 +88,7 @@ impl Chart {
         Block { rows: range(rows, self.rows), cols: range(cols, self.cols) }
     }
 
-    /// The points that have all eight neighbours.
+    /// Returns the points that have all eight neighbours.
     pub(crate) fn interior(self) -> Block {
         let inner = |points: usize| 1..points.saturating_sub(1).max(1);
         Block { rows: inner(self.rows), cols: inner(self.cols) }

@@ -1,5 +1,5 @@
-//! Arrays with a border: a missing point before and after each row and column of the grid, so that
-//! no neighbour needs a test of bounds.
+//! Lays out arrays with a border: a missing point before and after each row and column of the grid, so that
+//! no access to a neighbour needs a bounds check.
 
 use std::ops::Range;
 
@@ -11,70 +11,74 @@ use super::Block;
 use super::{Chart, Direction};
 
 impl Chart {
-    /// Distance between rows of a bordered array.
+    /// Returns the distance between rows of a bordered array.
     pub(crate) const fn stride(self) -> usize {
         self.cols + 2
     }
 
-    /// Number of entries of a bordered array.
+    /// Returns the number of entries of a bordered array.
     pub(crate) const fn bordered_points(self) -> usize {
         (self.rows + 2) * self.stride()
     }
 
-    /// Index of a grid point in a bordered array.
+    /// Returns the index of a grid point in a bordered array.
     pub(crate) const fn bordered(self, row: usize, col: usize) -> usize {
         self.entry_index(row + 1, col + 1)
     }
 
-    /// Row and column of a grid point, given its index in a bordered array.
+    /// Returns row and column of a grid point, given its index in a bordered array.
     pub(crate) const fn bordered_position(self, point: usize) -> (usize, usize) {
         let (row, col) = self.entry(point);
         (row - 1, col - 1)
     }
 
-    /// Row and column of a point of a bordered array, counted from the border's, which it may be one of.
+    /// Returns row and column of a point of a bordered array, counted from the border. The point may be one
+    /// of the border.
     #[inline(always)]
     pub(crate) const fn entry(self, point: usize) -> (usize, usize) {
         (point / self.stride(), point % self.stride())
     }
 
-    /// The same for an index that is known to be below 2^32, which is divided sooner.
+    /// Does the same as [`Self::entry`] for an index below 2^32, whose division is faster.
     #[inline(always)]
     pub(crate) const fn short_entry(self, point: u32) -> (u32, u32) {
         (point / self.stride() as u32, point % self.stride() as u32)
     }
 
-    /// Index of a point of a bordered array, given its row and column, counted from the border's.
+    /// Returns the index of a point of a bordered array, given its row and column, counted from the border.
     #[inline(always)]
     pub(crate) const fn entry_index(self, row: usize, col: usize) -> usize {
         row * self.stride() + col
     }
 
-    /// Row and column of a point of a bordered array, which may be one of the border.
+    /// Returns row and column of a point of a bordered array, counted from the grid's first point. The point
+    /// may be one of the border.
     pub(crate) fn bordered_place(self, point: usize) -> DVec2 {
         let (row, col) = self.entry(point);
         DVec2::new(row as f64 - 1.0, col as f64 - 1.0)
     }
 
-    /// Index of the point at a row and column in a bordered array, which may be one of the border.
+    /// Returns the index in a bordered array of the point at a row and column. The point may be one of the
+    /// border.
     pub(crate) fn bordered_at(self, place: DVec2) -> usize {
         (place.x + 1.0) as usize * self.stride() + (place.y + 1.0) as usize
     }
 
-    /// From a point's index to its neighbour's, both in a bordered array.
+    /// Returns the difference between the indices of a neighbour and of the point itself, both in a bordered
+    /// array.
     pub(crate) const fn offset(self, to: Direction) -> isize {
         let (down, right) = to.step();
         down * self.stride() as isize + right
     }
 
-    /// The index of a point's neighbour in a bordered array.
+    /// Returns the index of a point's neighbour in a bordered array.
     #[inline(always)]
     pub(crate) const fn beside(self, point: usize, to: Direction) -> usize {
         point.wrapping_add_signed(self.offset(to))
     }
 
-    /// The corners of the cell to the south-east of a point, north-west, north-east, south-west and
-    /// south-east, in a bordered array.
+    /// Returns the indices in a bordered array of the corners of the cell to the south-east of a point:
+    /// north-west, north-east, south-west and south-east.
     #[inline(always)]
     pub(crate) const fn bordered_corners(self, north_west: usize) -> [usize; 4] {
         let south_west = self.beside(north_west, Direction::South);
@@ -86,7 +90,7 @@ impl Chart {
         ]
     }
 
-    /// The grid's rows in a bordered array, each with a point of the border at either end.
+    /// Returns the grid's rows in a bordered array, each with a point of the border at either end.
     pub(crate) fn bordered_rows_mut<T: Send>(
         self,
         array: &mut [T],
@@ -94,7 +98,7 @@ impl Chart {
         array.par_chunks_exact_mut(self.stride()).skip(1).take(self.rows)
     }
 
-    /// The grid's rows in a bordered array.
+    /// Returns the grid's rows in a bordered array, without the border.
     pub(crate) fn rows_mut<T: Send>(
         self,
         array: &mut [T],
@@ -102,7 +106,7 @@ impl Chart {
         self.bordered_rows_mut(array).map(move |row| &mut row[1..=self.cols])
     }
 
-    /// The same rows, so many at a time.
+    /// Returns the grid's rows in a bordered array in bands of `rows` rows, with their points of the border.
     pub(crate) fn bands_mut<T: Send>(
         self,
         array: &mut [T],
@@ -112,39 +116,39 @@ impl Chart {
         array[stride..][..self.rows * stride].par_chunks_mut(rows * stride)
     }
 
-    /// Where some columns of a row lie in a band, whose rows are counted from its first.
+    /// Returns the indices, in a band, of some columns of a row. Rows are counted from the band's first one.
     pub(crate) const fn in_band(self, row: usize, cols: &Range<usize>) -> Range<usize> {
         let first = row * self.stride() + 1;
         first + cols.start..first + cols.end
     }
 
-    /// A row of the grid in a bordered array.
+    /// Returns a row of the grid in a bordered array.
     pub(crate) fn row_of<T>(self, array: &[T], row: usize) -> &[T] {
         &array[self.bordered(row, 0)..][..self.cols]
     }
 
-    /// A row of the grid in a bordered array.
+    /// Returns a mutable row of the grid in a bordered array.
     pub(crate) fn row_of_mut<T>(self, array: &mut [T], row: usize) -> &mut [T] {
         &mut array[self.bordered(row, 0)..][..self.cols]
     }
 
-    /// A row of the grid in a bordered array, with the rows before and after it, each with a point more
-    /// at either end: the neighbours of the row's point c are at c, c + 1 and c + 2.
+    /// Returns a row of the grid in a bordered array, with the rows before and after it. Each has an
+    /// additional point at either end: the neighbours of the row's point c are at c, c + 1 and c + 2.
     #[inline(always)]
     pub(crate) fn rows_around<T>(self, array: &[T], row: usize) -> [&[T]; 3] {
         let first = row * self.stride();
         [0, 1, 2].map(|line| &array[first + line * self.stride()..][..self.stride()])
     }
 
-    /// Fills the rows of a bordered array before the grid's first and after its last.
+    /// Fills the rows of a bordered array before the grid's first and after its last row.
     pub(crate) fn fill_border_rows<T: Copy>(self, array: &mut [T], value: T) {
         let last = array.len() - self.stride();
         array[..self.stride()].fill(value);
         array[last..].fill(value);
     }
 
-    /// The points of a block and its halo, which are those around it, in a bordered array; they may be of
-    /// the border.
+    /// Returns the indices in a bordered array of the points of a block and its halo, the points around it.
+    /// They may belong to the border.
     #[cfg(any(test, feature = "twins"))]
     pub(crate) fn with_halo(self, block: &Block) -> impl Iterator<Item = usize> + use<> {
         let Block { rows, cols } = block.clone();
@@ -154,7 +158,7 @@ impl Chart {
         })
     }
 
-    /// Whether a point of a bordered array lies in a block or its halo.
+    /// Returns whether a point of a bordered array lies in a block or its halo.
     #[cfg(any(test, feature = "twins"))]
     pub(crate) fn is_near(self, block: &Block, point: usize) -> bool {
         let (row, col) = self.entry(point);
@@ -162,7 +166,7 @@ impl Chart {
         near(&block.rows, row) && near(&block.cols, col)
     }
 
-    /// A row-major array as a bordered one.
+    /// Converts a row-major array to a bordered one. Entries of the border have the value `border`.
     pub(crate) fn with_border<T: Copy>(self, values: &[T], border: T) -> Vec<T> {
         let mut bordered = vec![border; self.bordered_points()];
         for (row, values) in values.chunks_exact(self.cols).enumerate() {

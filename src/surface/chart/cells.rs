@@ -1,4 +1,4 @@
-//! The cells of the grid, and places in them.
+//! Defines the cells of the grid, and locates places in them.
 
 use std::ops::Range;
 
@@ -6,8 +6,7 @@ use glam::DVec2;
 
 use super::Chart;
 
-/// The part of the chart spanned by up to four neighbouring grid points: a cell, an edge or a
-/// single point.
+/// The part of the chart spanned by up to four neighbouring grid points: a cell, an edge or a single point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Cell {
     pub rows: [usize; 2],
@@ -15,18 +14,18 @@ pub(crate) struct Cell {
 }
 
 impl Chart {
-    /// The rows of cells, each by the row of points at its north.
+    /// Returns the rows of cells. Each row of cells has the number of the row of points at its north.
     pub(crate) const fn rows_of_cells(self) -> Range<usize> {
         0..self.rows.saturating_sub(1)
     }
 
-    /// The cells of a row of them.
+    /// Returns the cells of a row of cells.
     pub(crate) fn cells_of_row(self, row: usize) -> impl Iterator<Item = Cell> {
         let rows = [row, row + 1];
         (0..self.cols.saturating_sub(1)).map(move |col| Cell { rows, cols: [col, col + 1] })
     }
 
-    /// The cells that have two grid points as corners.
+    /// Returns the cells that have both `a` and `b` as corners.
     pub(crate) fn cells_between(
         self,
         a: (usize, usize),
@@ -41,8 +40,8 @@ impl Chart {
         })
     }
 
-    /// The first corners of the cells that lie no more than so many rows and columns around a point, and of
-    /// the edges and points that such cells end in.
+    /// Returns the first corners of the cells at most `reach` rows and columns around a point, and of the
+    /// edges and points in which such cells end at the border.
     pub(crate) fn cells_near(
         self,
         (row, col): (usize, usize),
@@ -53,8 +52,9 @@ impl Chart {
         firsts(row, self.rows).flat_map(move |row| cols.clone().map(move |col| (row, col)))
     }
 
-    /// The cells that contain a place of the chart: one inside a cell, two on an edge. A place at a grid
-    /// point is a cell of its own, since its neighbours' first update is exact already.
+    /// Returns the cells that contain a place of the chart: one for a place inside a cell, two for a place on
+    /// an edge. A grid point is returned as a cell of its own, since its neighbours' first update is already
+    /// exact.
     pub(crate) fn cells_around(self, at: DVec2) -> Vec<Cell> {
         let at_point = at.x.fract() == 0.0 && at.y.fract() == 0.0;
         let spans = |x: f64, points: usize| -> Vec<[usize; 2]> {
@@ -81,31 +81,31 @@ impl Chart {
 }
 
 impl Cell {
-    /// North-west, north-east, south-west and south-east; some are the same on an edge.
+    /// Returns the corners: north-west, north-east, south-west and south-east. Some coincide on an edge.
     #[inline]
     pub(crate) const fn corners(self) -> [(usize, usize); 4] {
         let Self { rows: [north, south], cols: [west, east] } = self;
         [(north, west), (north, east), (south, west), (south, east)]
     }
 
-    /// Its first corner, which tells it from all others.
+    /// Returns the first corner, which identifies the cell.
     pub(crate) const fn north_west(self) -> (usize, usize) {
         (self.rows[0], self.cols[0])
     }
 
-    /// The corners' indices in a row-major array.
+    /// Returns the indices of the corners in a row-major array.
     #[inline]
     pub(crate) fn indices(self, chart: Chart) -> [usize; 4] {
         self.corners().map(|(row, col)| chart.index(row, col))
     }
 
-    /// Row and column of a place seen from its first corner.
+    /// Returns row and column of a place relative to the first corner.
     pub(crate) fn inside(self, at: DVec2) -> DVec2 {
         at - DVec2::new(self.rows[0] as f64, self.cols[0] as f64)
     }
 }
 
-/// Where a segment crosses the grid's rows and columns: parameters from 0 to 1, ends included.
+/// Returns where a segment crosses the grid's rows and columns, as parameters from 0 to 1, ends included.
 pub(crate) fn grid_crossings(from: DVec2, to: DVec2) -> Vec<f64> {
     let mut cuts = vec![0.0, 1.0];
     for axis in 0..2 {
@@ -121,23 +121,25 @@ pub(crate) fn grid_crossings(from: DVec2, to: DVec2) -> Vec<f64> {
     cuts
 }
 
-/// Bilinear weights of a cell's corners at a place `v` rows and `u` columns from the first.
+/// Returns the bilinear weights of a cell's corners at a place `v` rows and `u` columns from the first
+/// corner.
 pub(crate) fn bilinear(v: f64, u: f64) -> [f64; 4] {
     [(1.0 - v) * (1.0 - u), (1.0 - v) * u, v * (1.0 - u), v * u]
 }
 
-/// Weights of a cell's corners, north-west, north-east, south-west and south-east, some of which
-/// may be missing, at a place that many rows and columns from the first; `None` in a hole.
+/// Returns the weights of a cell's corners (north-west, north-east, south-west and south-east) at the place
+/// `inside`, in rows and columns from the first corner. Some corners may be missing. The result is `None` in
+/// a hole.
 ///
-/// With a corner missing, the half of the cell opposite to it still belongs to the surface.
+/// If one corner is missing, the half of the cell opposite to it still belongs to the surface.
 pub(crate) fn corner_weights(there: [bool; 4], inside: DVec2) -> Option<[f64; 4]> {
-    // A place on the cell's border may lie a rounding error outside.
+    // Rounding may move a place on the cell's border outside.
     let (v, u) = (inside.x.clamp(0.0, 1.0), inside.y.clamp(0.0, 1.0));
     let mut weights = bilinear(v, u);
     let mut missing = (0..4).filter(|&corner| !there[corner]);
     if let (Some(hole), None) = (missing.next(), missing.next()) {
-        // Weights over the triangle of the other three: the affine function with value one
-        // at a corner beside the hole is one minus that corner's opposite coordinate.
+        // Weights over the triangle of the other three corners. The affine function with value one at a
+        // corner beside the hole is one minus that corner's opposite coordinate.
         let (v, u) = (if hole < 2 { v } else { 1.0 - v }, if hole % 2 == 0 { u } else { 1.0 - u });
         weights[hole ^ 1] = 1.0 - v;
         weights[hole ^ 2] = 1.0 - u;

@@ -1,8 +1,8 @@
-//! The eight neighbours of a grid point, and the turns from one to another.
+//! Defines the directions to the eight neighbours of a grid point, and the turns between them.
 
 use glam::DVec2;
 
-/// The eight neighbours of a grid point, counter-clockwise from east.
+/// A direction to one of the eight neighbours of a grid point, counter-clockwise from east.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum Direction {
@@ -17,7 +17,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// All eight, counter-clockwise from east.
+    /// All eight directions, counter-clockwise from east.
     pub const ALL: [Self; 8] = [
         Self::East,
         Self::NorthEast,
@@ -29,7 +29,7 @@ impl Direction {
         Self::SouthEast,
     ];
 
-    /// The step to the neighbour, in rows and columns.
+    /// Returns the step to the neighbour, in rows and columns.
     pub const fn step(self) -> (isize, isize) {
         match self {
             Self::East => (0, 1),
@@ -43,54 +43,55 @@ impl Direction {
         }
     }
 
-    /// The same step as a vector of rows and columns.
+    /// Returns the step to the neighbour as a vector of rows and columns.
     pub(crate) const fn vector(self) -> DVec2 {
         let (down, right) = self.step();
         DVec2::new(down as f64, right as f64)
     }
 
-    /// Whether the neighbour lies in another row and another column.
+    /// Returns whether the neighbour lies in another row and another column.
     pub(crate) const fn is_diagonal(self) -> bool {
         self as usize % 2 == 1
     }
 
-    /// The direction that goes back.
+    /// Returns the opposite direction.
     pub const fn opposite(self) -> Self {
         Self::ALL[ring::opposite(self as usize)]
     }
 
-    /// The next neighbour counter-clockwise; the two and the point itself span a triangle.
+    /// Returns the direction of the next neighbour counter-clockwise. Both neighbours and the point itself
+    /// span a triangle.
     pub const fn next(self) -> Self {
         Self::ALL[ring::next(self as usize)]
     }
 
-    /// From this neighbour to the next one counter-clockwise: the base of their triangle.
+    /// Returns the direction from this neighbour to the next one counter-clockwise: the base of their
+    /// triangle.
     pub const fn base(self) -> Self {
         Self::ALL[((self as usize).div_ceil(2) * 2 + 2) % 8]
     }
 
-    /// The next neighbour clockwise.
+    /// Returns the direction of the next neighbour clockwise.
     pub const fn previous(self) -> Self {
         Self::ALL[ring::previous(self as usize)]
     }
 }
 
-/// The same turns for directions by their numbers in [`Direction::ALL`], as loops over all eight
-/// have them.
+/// The same turns for directions given by their numbers in [`Direction::ALL`], for loops over all eight.
 pub(crate) mod ring {
-    /// The next one counter-clockwise.
+    /// Returns the next direction counter-clockwise.
     #[inline(always)]
     pub(crate) const fn next(direction: usize) -> usize {
         (direction + 1) % 8
     }
 
-    /// The next one clockwise.
+    /// Returns the next direction clockwise.
     #[inline(always)]
     pub(crate) const fn previous(direction: usize) -> usize {
         (direction + 7) % 8
     }
 
-    /// The one that goes back.
+    /// Returns the opposite direction.
     #[inline(always)]
     pub(crate) const fn opposite(direction: usize) -> usize {
         (direction + 4) % 8

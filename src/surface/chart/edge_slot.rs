@@ -1,12 +1,12 @@
-//! Which point the length of an edge is stored at.
+//! Determines at which point the length of an edge is stored.
 
 use super::{Chart, Direction};
 
-/// The directions stored at a point, in this order, here and in the shaders.
+/// The directions whose edges are stored at a point, in this order, on the CPU and in the shaders.
 pub(crate) const STORED: [Direction; 4] =
     [Direction::East, Direction::North, Direction::NorthEast, Direction::NorthWest];
 
-/// Where the length of an edge is stored: an offset from the point, and one of [`STORED`].
+/// The storage location of the length of an edge: an offset from the point, and an index into [`STORED`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EdgeSlot {
     pub offset: isize,
@@ -14,12 +14,14 @@ pub(crate) struct EdgeSlot {
 }
 
 impl EdgeSlot {
-    /// Its length at as many points in a row of bordered arrays, one for each of [`STORED`].
+    /// Returns the lengths of this edge for `points` points of a row, beginning with `first`. `planes` are
+    /// bordered arrays, one for each direction of [`STORED`].
     pub(crate) fn row<R>(self, planes: [&[R]; 4], first: usize, points: usize) -> &[R] {
         &planes[self.stored][first.wrapping_add_signed(self.offset)..][..points]
     }
 
-    /// The edge from the point `at` (an offset from the point that the slot is used for).
+    /// Returns the slot of the edge from the point `at` (an offset from the point for which the slot is used)
+    /// in the direction `to`.
     pub(crate) fn new(chart: Chart, at: isize, to: Direction) -> Self {
         match STORED.iter().position(|&direction| direction == to) {
             Some(stored) => Self { offset: at, stored },

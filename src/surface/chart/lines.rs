@@ -1,8 +1,8 @@
-//! The chart as lines that are passed one after another: its rows, or its columns.
+//! Presents the chart as lines that are processed one after another: its rows, or its columns.
 
 use super::{Block, Chart, Direction};
 
-/// Which way the lines run.
+/// The orientation of the lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lines {
     Rows,
@@ -10,7 +10,8 @@ pub(crate) enum Lines {
 }
 
 impl Lines {
-    /// Row and column of a line's point. Of a row and a column these are the line and the point in it.
+    /// Returns row and column of a line's point. Conversely, row and column give the line and the point in
+    /// it.
     #[inline(always)]
     pub(crate) const fn place(self, line: usize, point: usize) -> (usize, usize) {
         match self {
@@ -19,7 +20,7 @@ impl Lines {
         }
     }
 
-    /// To the next point of a line.
+    /// Returns the direction to the next point of a line.
     pub(crate) const fn along(self) -> Direction {
         match self {
             Self::Rows => Direction::East,
@@ -27,7 +28,8 @@ impl Lines {
         }
     }
 
-    /// How many points at the start of a line come before a point of the chart, given by its index.
+    /// Returns the number of points at the start of a line that come before a point of the chart, which is
+    /// given by its index.
     pub(crate) const fn before(self, chart: Chart, line: usize, index: usize) -> usize {
         match self {
             Self::Rows => index.saturating_sub(chart.index(line, 0)),
@@ -37,12 +39,12 @@ impl Lines {
 }
 
 impl Chart {
-    /// The chart whose rows are this one's columns.
+    /// Returns the chart whose rows are this one's columns.
     pub(crate) const fn transposed(self) -> Self {
         Self { rows: self.cols, cols: self.rows }
     }
 
-    /// The chart whose rows are this one's lines.
+    /// Returns the chart whose rows are this one's lines.
     pub(crate) const fn by(self, lines: Lines) -> Self {
         match lines {
             Lines::Rows => self,
@@ -52,7 +54,7 @@ impl Chart {
 }
 
 impl Block {
-    /// The block whose rows are this one's lines.
+    /// Returns the block whose rows are this one's lines.
     pub(crate) fn by(self, lines: Lines) -> Self {
         match lines {
             Lines::Rows => self,

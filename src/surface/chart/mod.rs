@@ -1,10 +1,10 @@
-//! The chart: an M x N grid of points, rows first, and which point lies where.
+//! Defines the chart: an M x N grid of points, rows first, and the locations of its points.
 //!
-//! North is towards smaller rows and east towards larger columns, as in a picture. Everything that
-//! depends on the grid's shape is in this folder: where a point's neighbours are, and where none is
-//! ([`Chart::at`]), how far a line goes ([`Chart::walk`]), which lines, tiles, cells, edges and triangles
-//! there are, and how arrays with a border are laid out. Whoever asks for a neighbour compares with no number of
-//! rows or columns, so that a chart glued along its borders is a change of this folder.
+//! North is towards smaller rows and east towards larger columns, as in a picture. This folder contains
+//! everything that depends on the grid's shape: a point's neighbours, which may be missing ([`Chart::at`]),
+//! the length of a line ([`Chart::walk`]), the lines, tiles, cells, edges and triangles, and the layout of
+//! arrays with a border. Code that asks for a neighbour does not compare with the number of rows or columns.
+//! Therefore a chart glued along its borders would be a change of this folder only.
 
 mod block;
 mod bordered;
@@ -28,7 +28,7 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-/// Size of the grid, and the layout of the bordered arrays that the CPU engine works on.
+/// Size of the grid. Its methods define the layout of the bordered arrays of the CPU engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Chart {
     /// Number of rows, M.
@@ -38,56 +38,56 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// Number of grid points, holes included.
+    /// Returns the number of grid points, holes included.
     pub const fn points(self) -> usize {
         self.rows * self.cols
     }
 
-    /// Index of a grid point in a row-major array without border.
+    /// Returns the index of a grid point in a row-major array without border.
     pub const fn index(self, row: usize, col: usize) -> usize {
         row * self.cols + col
     }
 
-    /// Row and column of an index into a row-major array without border.
+    /// Returns row and column of an index into a row-major array without border.
     pub const fn position(self, index: usize) -> (usize, usize) {
         (index / self.cols, index % self.cols)
     }
 
-    /// The indices of a row.
+    /// Returns the indices of a row.
     pub(crate) const fn row(self, row: usize) -> Range<usize> {
         self.index(row, 0)..self.index(row + 1, 0)
     }
 
-    /// Row and column of all grid points, row by row.
+    /// Returns row and column of all grid points, row by row.
     pub(crate) fn places(self) -> impl Iterator<Item = (usize, usize)> + Clone {
         (0..self.rows).flat_map(move |row| (0..self.cols).map(move |col| (row, col)))
     }
 
-    /// The last row and the last column.
+    /// Returns the last row and the last column.
     pub(crate) const fn last(self) -> (usize, usize) {
         (self.rows - 1, self.cols - 1)
     }
 
-    /// Whether a place, as fractional row and column, lies on the chart.
+    /// Returns whether a place, given as fractional row and column, lies on the chart.
     pub(crate) fn holds(self, at: DVec2) -> bool {
         let (last_row, last_col) = self.last();
         (0.0..=last_row as f64).contains(&at.x) && (0.0..=last_col as f64).contains(&at.y)
     }
 
-    /// The grid point at a row and a column that are counted on beyond the border; none where the
-    /// chart ends there.
+    /// Returns the grid point at a row and column, which may lie beyond the border. The result is `None`
+    /// where the chart has no point.
     #[inline]
     pub(crate) fn at(self, row: isize, col: isize) -> Option<(usize, usize)> {
         let (row, col) = (usize::try_from(row).ok()?, usize::try_from(col).ok()?);
         (row < self.rows && col < self.cols).then_some((row, col))
     }
 
-    /// The neighbour of a grid point, if the grid has it.
+    /// Returns the neighbour of a grid point, if the grid has it.
     pub fn neighbour(self, row: usize, col: usize, to: Direction) -> Option<(usize, usize)> {
         self.along((row, col), to, 1)
     }
 
-    /// The grid point so many steps from another one.
+    /// Returns the grid point `steps` steps away from another one, in the direction `to`.
     pub(crate) fn along(
         self,
         (row, col): (usize, usize),
@@ -98,7 +98,7 @@ impl Chart {
         self.at(row as isize + steps * down, col as isize + steps * right)
     }
 
-    /// The points of a line from one on.
+    /// Returns the points of a line, beginning with `from`.
     pub(crate) fn walk(
         self,
         from: (usize, usize),
@@ -107,7 +107,8 @@ impl Chart {
         std::iter::successors(Some(from), move |&(row, col)| self.neighbour(row, col, to))
     }
 
-    /// The chart with a point more between any two neighbours: row r and column c become 2 r and 2 c.
+    /// Returns the chart with an additional point between any two neighbours: row r and column c become 2 r
+    /// and 2 c.
     pub(crate) const fn refined(self) -> Self {
         Self { rows: 2 * self.rows - 1, cols: 2 * self.cols - 1 }
     }

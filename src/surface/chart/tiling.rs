@@ -1,10 +1,10 @@
-//! Tiles: the squares of points that a chart is cut into.
+//! Defines tiles: the squares of points into which a chart is cut.
 
 use std::ops::Range;
 
 use super::{Block, Chart};
 
-/// A chart in tiles of as many points on either side; the last ones of rows and columns may be smaller.
+/// A chart cut into tiles of `side` x `side` points. The last tiles of rows and columns may be smaller.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tiling {
     chart: Chart,
@@ -16,13 +16,13 @@ impl Tiling {
         Self { chart, side }
     }
 
-    /// The tiles, as a chart of their own.
+    /// Returns a chart whose points are the tiles.
     pub(crate) const fn tiles(self) -> Chart {
         let Chart { rows, cols } = self.chart;
         Chart { rows: rows.div_ceil(self.side), cols: cols.div_ceil(self.side) }
     }
 
-    /// The tile of a point, and the point in it, both by row and column.
+    /// Returns the tile of a point, and the point's place in the tile, both by row and column.
     pub(crate) const fn tile_of(
         self,
         (row, col): (usize, usize),
@@ -31,7 +31,8 @@ impl Tiling {
         ((row / side, col / side), (row % side, col % side))
     }
 
-    /// The other tiles that have a point up to so many rows and columns away, each maybe more than once.
+    /// Returns the other tiles that have a point up to `reach` rows and columns away. A tile may occur more
+    /// than once.
     #[cfg(any(test, feature = "twins"))]
     pub(crate) fn beside(
         self,
@@ -43,17 +44,17 @@ impl Tiling {
         around.map(move |point| self.tile_of(point).0).filter(move |&tile| tile != own)
     }
 
-    /// The rows of points of some rows of tiles.
+    /// Returns the rows of points of some rows of tiles.
     pub(crate) fn rows(self, tiles: Range<usize>) -> Range<usize> {
         self.lines(tiles, self.chart.rows)
     }
 
-    /// The columns of points of some columns of tiles.
+    /// Returns the columns of points of some columns of tiles.
     pub(crate) fn cols(self, tiles: Range<usize>) -> Range<usize> {
         self.lines(tiles, self.chart.cols)
     }
 
-    /// The points of some rows and columns of tiles.
+    /// Returns the points of some rows and columns of tiles.
     pub(crate) fn points(self, tiles: Block) -> Block {
         Block { rows: self.rows(tiles.rows), cols: self.cols(tiles.cols) }
     }

@@ -1,42 +1,43 @@
-//! The triangles of the grid that curves are marched through.
+//! Defines the triangles of the grid through which curves are marched.
 //!
-//! A cell whose four corners are there is cut along one of its diagonals, and one with a missing
-//! corner leaves a triangle; so no curve runs where the surface has a hole or no map.
+//! A cell with four corners present is cut along one of its diagonals. A cell with one missing corner leaves
+//! a triangle. So no curve runs where the surface has a hole or no map.
 
 use super::{Chart, Direction};
 
-/// An edge between neighbouring grid points: the index of its first point in row-major order, and
-/// where the other lies.
+/// An edge between neighbouring grid points: the index of its first point in row-major order, and the
+/// direction of the other point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct Edge(u64);
 
-/// Directions from an edge's first point.
+/// Directions from an edge's first point to the other.
 const FORWARD: [Direction; 4] =
     [Direction::East, Direction::SouthWest, Direction::South, Direction::SouthEast];
 
 impl Edge {
-    /// The edge between two neighbours, given in any order.
+    /// Returns the edge between two neighbours, given in any order.
     pub(crate) fn between(chart: Chart, a: usize, b: usize) -> Self {
         let (first, second) = (a.min(b), a.max(b));
-        // Rows of two columns make east and south-west the same step but for the row.
+        // On rows of two columns, the steps to the east and to the south-west have the same difference of
+        // indices.
         let same_row = first / chart.cols == second / chart.cols;
         let slot = if same_row { 0 } else { second + 2 - first - chart.cols };
         Self(4 * first as u64 + slot as u64)
     }
 
-    /// Row and column of its first point, and the direction of the other.
+    /// Returns row and column of the first point, and the direction of the other.
     pub(crate) fn ends(self, chart: Chart) -> ((usize, usize), Direction) {
         (chart.position((self.0 / 4) as usize), FORWARD[(self.0 % 4) as usize])
     }
 
-    /// The indices of both its points.
+    /// Returns the indices of both points.
     pub(crate) fn points(self, chart: Chart) -> [usize; 2] {
         let ((row, col), to) = self.ends(chart);
         let last = chart.neighbour(row, col, to).expect("the edge of a chart has two ends");
         [chart.index(row, col), chart.index(last.0, last.1)]
     }
 
-    /// A number for each edge of the grid; larger ones are free.
+    /// Returns a number that identifies the edge. Larger numbers than those of the grid's edges are unused.
     pub(crate) fn number(self) -> u64 {
         self.0
     }
@@ -45,15 +46,15 @@ impl Edge {
         Self(number)
     }
 
-    /// Above the numbers of all edges of the grid.
+    /// Returns a number above those of all edges of the grid.
     pub(crate) fn end(chart: Chart) -> u64 {
         4 * chart.points() as u64
     }
 }
 
-/// The triangles of a cell, counter-clockwise as seen in a picture, by the numbers of their
-/// corners as [`Cell::corners`](super::Cell::corners) has them; cut from north-west to south-east
-/// if `falling`, which matters only where all corners are there.
+/// Returns the triangles of a cell, counter-clockwise as seen in a picture. Corners have the numbers of
+/// [`Cell::corners`](super::Cell::corners). If `falling`, the cell is cut from north-west to south-east; this
+/// matters only if all corners are present.
 pub(crate) fn triangles(there: [bool; 4], falling: bool) -> &'static [[usize; 3]] {
     const FALLING: [[usize; 3]; 2] = [[0, 2, 3], [0, 3, 1]];
     const RISING: [[usize; 3]; 2] = [[0, 2, 1], [2, 3, 1]];

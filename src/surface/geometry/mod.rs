@@ -1,9 +1,9 @@
-//! What is given of a surface at each grid point: positions, heights or a metric tensor.
+//! Holds the geometry at each grid point: positions, heights or a metric tensor.
 //!
-//! Everything that differs from one kind to another is in this folder, so that the rest of the surface
-//! and its files ask [`Geometry`] and not which kind it is: this file says what values are usable, where
-//! points lie in space, and what parts and coarser grids of them are; [`sample`] has lengths between any
-//! two places; [`space`] those between neighbours, in lanes.
+//! Everything that differs between these kinds is in this folder, so that the rest of the surface and its
+//! files can ask [`Geometry`] without knowing the kind. This file validates values, computes positions in
+//! space, and cuts and coarsens grids. [`sample`] computes lengths between any two places. [`space`] computes
+//! lengths between neighbours in lanes.
 
 mod sample;
 mod space;
@@ -20,14 +20,14 @@ use super::{Chart, SurfaceError};
 /// Distance between neighbouring points of a height field, in the unit of the heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spacing {
-    /// Between columns.
+    /// Distance between columns.
     pub dx: f64,
-    /// Between rows.
+    /// Distance between rows.
     pub dy: f64,
 }
 
 impl Spacing {
-    /// The same spacing in both directions.
+    /// Returns the same spacing in both directions.
     pub fn square(spacing: f64) -> Self {
         Self { dx: spacing, dy: spacing }
     }
@@ -37,9 +37,9 @@ impl Spacing {
     }
 }
 
-/// The first fundamental form at a grid point in index coordinates: a small step of `dr` rows
-/// and `dc` columns has squared length `rr dr^2 + 2 rc dr dc + cc dc^2` (paper, eq. 3, with
-/// u^1 the row and u^2 the column).
+/// The first fundamental form at a grid point in index coordinates. A small step of `dr` rows and `dc`
+/// columns has the squared length `rr dr^2 + 2 rc dr dc + cc dc^2` (paper, eq. 3, with u^1 the row and u^2
+/// the column).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MetricTensor {
     /// Entry for rows.
@@ -51,7 +51,7 @@ pub struct MetricTensor {
 }
 
 impl MetricTensor {
-    /// The length of a step of rows and columns.
+    /// Returns the length of a step of rows and columns.
     pub(crate) fn length(&self, [rows, cols]: [f64; 2]) -> f64 {
         let Self { rr, rc, cc } = self;
         (rr * rows * rows + 2.0 * rc * rows * cols + cc * cols * cols).max(0.0).sqrt()
@@ -71,7 +71,7 @@ impl MetricTensor {
     }
 }
 
-/// What is known at each grid point, row-major.
+/// The geometry at each grid point, row-major.
 #[derive(Clone, Debug)]
 pub enum Geometry {
     /// 3D points.
@@ -83,7 +83,7 @@ pub enum Geometry {
         /// Distance between points.
         spacing: Spacing,
     },
-    /// The metric alone.
+    /// The metric alone, without positions.
     Metric(Vec<MetricTensor>),
 }
 
@@ -104,7 +104,10 @@ impl Geometry {
         }
     }
 
-    /// Which points are no holes; an error at the first value that is neither usable nor NaN.
+    /// Returns for each point whether it is present, that is, not a hole.
+    ///
+    /// # Errors
+    /// If a value is neither usable nor NaN. The error names the first such value.
     pub(crate) fn points_present(&self, chart: Chart) -> Result<Vec<bool>, SurfaceError> {
         (0..self.len())
             .map(|index| {
@@ -134,7 +137,7 @@ impl Geometry {
             .collect()
     }
 
-    /// Whether this is a metric that jumps as a slowness does, at points that are `present`.
+    /// Returns whether this is a metric that jumps as a slowness does, at points that are `present`.
     pub(super) fn jumps_in_scale(&self, chart: Chart, present: &[bool]) -> bool {
         let Self::Metric(metric) = self else { return false };
         jumps_in_scale(chart, metric, present)
@@ -151,13 +154,13 @@ impl Geometry {
         }
     }
 
-    /// Whether points have positions in space, and are not known by their metric alone.
+    /// Returns whether points have positions in space, and are not given by a metric alone.
     pub fn has_positions(&self) -> bool {
         !matches!(self, Self::Metric(_))
     }
 
-    /// The three numbers that edges are measured from, on the CPU and in the shaders: a position, a height
-    /// in the third place, both relative to `origin`, or a metric (rr, rc, cc).
+    /// Returns the three numbers from which edges are measured, on the CPU and in the shaders: a position or,
+    /// in the third place, a height, both relative to `origin`; or a metric (rr, rc, cc).
     #[inline(always)]
     pub(crate) fn numbers(&self, index: usize, origin: DVec3) -> [f64; 3] {
         match self {
@@ -170,11 +173,11 @@ impl Geometry {
         }
     }
 
-    /// The least and the largest coordinates of the points of a row that are `present`.
+    /// Returns the least and the largest coordinates of the points of a row that are `present`.
     pub(crate) fn row_bounds(&self, chart: Chart, row: usize, present: &[bool]) -> (DVec3, DVec3) {
         let there = |index: &usize| present[*index];
         match self {
-            // As they lie in memory, since this reads the whole surface once more.
+            // Positions are read in memory order, since this reads the whole surface once more.
             Self::Positions(positions) => {
                 let (positions, present) = (&positions[chart.row(row)], &present[chart.row(row)]);
                 let positions = positions.iter().zip(present);
@@ -187,7 +190,7 @@ impl Geometry {
         }
     }
 
-    /// A coordinate or height of a point that is larger in size than a limit.
+    /// Returns a coordinate or height of a point whose magnitude exceeds `limit`, if there is one.
     pub(crate) fn beyond(&self, index: usize, limit: f64) -> Option<f64> {
         let is_beyond = |value: &f64| value.abs() > limit;
         match self {
@@ -197,7 +200,7 @@ impl Geometry {
         }
     }
 
-    /// That of the points of a block.
+    /// Returns the geometry of the points of a block.
     pub(crate) fn cut(&self, chart: Chart, block: &Block) -> Self {
         match self {
             Self::Positions(positions) => Self::Positions(block.cut(chart, positions)),
@@ -208,8 +211,9 @@ impl Geometry {
         }
     }
 
-    /// That of some rows and columns, given by the indices of their points. Only where points have positions
-    /// may the steps between them differ: a metric is per step, here of so many rows and columns.
+    /// Returns the geometry of some rows and columns, given by the indices of their points. The steps between
+    /// them may differ only if points have positions. A metric is given per step; here a step is `dr` rows or
+    /// `dc` columns.
     pub(crate) fn coarsened(&self, chart: Chart, kept: &[usize], [dr, dc]: [f64; 2]) -> Self {
         let position = |&index: &usize| {
             let (row, col) = chart.position(index);
@@ -227,8 +231,8 @@ impl Geometry {
         }
     }
 
-    /// The area of the triangle between three grid points: flat between positions, and with a metric
-    /// by the mean of the three tensors' unit areas.
+    /// Returns the area of the triangle between three grid points. It is flat between positions. With a
+    /// metric it follows from the mean of the three tensors' unit areas.
     pub(crate) fn triangle_area(&self, chart: Chart, points: [usize; 3]) -> f64 {
         let places = points.map(|point| chart.position(point));
         if let Self::Metric(metric) = self {
@@ -243,7 +247,7 @@ impl Geometry {
         0.5 * (b - a).cross(c - a).length()
     }
 
-    /// The point or metric at a grid point.
+    /// Returns the position or metric at a grid point.
     pub(crate) fn sample(&self, chart: Chart, row: usize, col: usize) -> Sample {
         match (self, self.position(chart, row, col)) {
             (_, Some(position)) => Sample::Position(position),
@@ -256,7 +260,7 @@ impl Geometry {
     }
 }
 
-/// The least and the largest coordinates of some positions.
+/// Returns the least and the largest coordinates of some positions.
 pub(super) fn bounds(positions: impl IntoIterator<Item = DVec3>) -> (DVec3, DVec3) {
     let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     positions.into_iter().fold(none, |(low, high), at| (low.min(at), high.max(at)))

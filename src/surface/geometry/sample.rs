@@ -1,4 +1,4 @@
-//! The geometry at single places, and the lengths between them.
+//! Computes the geometry at single places, and the lengths between them.
 
 use glam::{DMat2, DVec2, DVec3};
 
@@ -10,7 +10,7 @@ pub(crate) enum Sample {
 }
 
 impl Sample {
-    /// Interpolates between samples of the same kind, given weights that add up to one.
+    /// Interpolates between samples of the same kind. The weights add up to one.
     pub(crate) fn interpolate(samples: &[(f64, Self)]) -> Self {
         let mut sum = match samples[0].1 {
             Self::Position(_) => Self::Position(DVec3::ZERO),
@@ -29,8 +29,8 @@ impl Sample {
         sum
     }
 
-    /// Length of the straight step between two places: the chord between positions, or the
-    /// step measured by the metric at each end, averaged.
+    /// Returns the length of the straight step between two places: the chord between positions, or the mean
+    /// of the lengths that the metric gives at both ends.
     pub(crate) fn length_to(self, other: Self) -> f64 {
         match (self, other) {
             (Self::Position(a), Self::Position(b)) => a.distance(b),
@@ -42,7 +42,8 @@ impl Sample {
         }
     }
 
-    /// Where on the straight line through `a` (0) and `b` (1) this place is nearest, beyond its ends too.
+    /// Returns the parameter at which the straight line through `a` (0) and `b` (1) is nearest to this place.
+    /// It may lie beyond the ends.
     pub(crate) fn foot_on(self, a: Self, b: Self) -> f64 {
         let (along, across) = match (self, a, b) {
             (Self::Position(x), Self::Position(a), Self::Position(b)) => {

@@ -1,19 +1,20 @@
-//! Lengths between neighbouring grid points from the numbers that are known of them, one kind of
-//! geometry a type, so that loops over a row have no branch.
+//! Computes lengths between neighbouring grid points. Each kind of geometry is a type of its own, so that
+//! loops over a row have no branches.
 
 use super::Geometry;
 use crate::surface::real::{Real, max};
 
 /// A grid point in some precision: the three numbers of its geometry ([`Geometry::numbers`]), and its
-/// slowness, 0 in a hole.
+/// slowness, which is 0 in a hole.
 pub(crate) type Point<R> = [R; 4];
 
-/// How far neighbouring points are apart.
+/// A space in which the distances of neighbouring points are measured.
 pub(in crate::surface) trait Space<R: Real>: Copy {
-    /// From a point to its neighbour. A surface known only by its metric has no such vector.
+    /// Returns the vector from a point to its neighbour. A surface given only by its metric has no such
+    /// vector.
     fn difference(self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> [R; 3];
 
-    /// Length of the straight step between two neighbouring points without slowness.
+    /// Returns the length of the straight step between two neighbouring points, without slowness.
     #[inline(always)]
     fn separation(self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> R {
         let d = self.difference(a, b, step);
@@ -53,8 +54,8 @@ impl<R: Real> Space<R> for Metric {
         [R::zero(); 3]
     }
 
-    /// Of two points that differ in slowness, such that times their mean it is the mean of the products: what is
-    /// given may be the products alone.
+    /// Returns the length which, times the mean slowness of both points, equals the mean of the two products
+    /// of slowness and length: the input may consist of these products.
     #[inline(always)]
     fn separation(self, a: Point<R>, b: Point<R>, step: (isize, isize)) -> R {
         let both = max(a[3] + b[3], R::min_positive_value());
@@ -69,7 +70,7 @@ fn metric_length<R: Real>(g: Point<R>, step: (isize, isize)) -> R {
     max((g[0] * (down * down) + mixed) + g[2] * (right * right), R::zero()).sqrt()
 }
 
-/// What is done alike in every space.
+/// Work that is done alike in every space.
 pub(in crate::surface) trait InSpace<R: Real> {
     type Output;
 
@@ -77,7 +78,7 @@ pub(in crate::surface) trait InSpace<R: Real> {
 }
 
 impl Geometry {
-    /// Does something in the space that a geometry's points lie in.
+    /// Runs `work` in the space in which a geometry's points lie.
     pub(in crate::surface) fn in_space<R: Real, W: InSpace<R>>(&self, work: W) -> W::Output {
         match self {
             Self::Positions(_) => work.run(Positions),

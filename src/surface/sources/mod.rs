@@ -1,4 +1,4 @@
-//! Sources: where the wavefront starts, and the initial values that this gives at grid points.
+//! Defines sources, where the wavefront starts, and converts them to initial values at grid points.
 
 mod diagonals;
 mod origin;
@@ -15,30 +15,30 @@ pub(crate) use diagonals::with_diagonals;
 pub use origin::Origin;
 use pieces::{Pieces, Vertex, bends, straight_runs};
 
-/// One source. Rows and columns may be fractional and count from 0.
+/// One source. Rows and columns may be fractional, and count from 0.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
-    /// A point, anywhere on the grid or inside a cell.
+    /// A point, at a grid point or inside a cell.
     Point {
         /// Row and column.
         at: DVec2,
         /// Arrival time at the source itself.
         initial: f64,
     },
-    /// A polyline over the grid: every point of it is a source.
+    /// A polyline over the grid. Every point on it is a source.
     Curve {
-        /// Rows and columns of the vertices; the last may repeat the first.
+        /// Rows and columns of the vertices. The last vertex may repeat the first.
         vertices: Vec<DVec2>,
         /// Arrival time along the curve.
         initial: f64,
     },
 }
 
-/// Initial values are smaller than this, so that the difference of two of them lies below [`FAR`].
+/// Upper limit of the magnitude of initial values. The difference of two of them lies below [`FAR`].
 const LARGEST_INITIAL: f64 = 0.5 * FAR;
 
-/// The sources of one distance map: the distance to the nearest of them, initial values
-/// included, is what the map holds.
+/// The sources of one distance map. The map holds the distance to the nearest source, initial values
+/// included.
 ///
 /// ```
 /// use geosweep::Sources;
@@ -55,40 +55,45 @@ pub struct Seed {
     pub row: usize,
     /// Column of the point.
     pub col: usize,
-    /// Arrival time there.
+    /// Arrival time at the point.
     pub time: f64,
-    /// Curvature of the front there, for the curved wavefront: 1 over the distance from a point
+    /// Curvature of the front at the point, for the curved wavefront: 1 over the distance from a point
     /// source, [`Seed::AT_SOURCE`] at the source itself, 0 beside a straight curve.
     pub curvature: f64,
-    /// Row and column of the point source that the front comes from, if it is not this point itself: the
-    /// anchor of what follows ([`crate::Wavefront::Anchored`]).
+    /// Row and column of the point source from which the front comes, if it is not this point itself. It is
+    /// the anchor of the points that follow ([`crate::Wavefront::Anchored`]).
     pub from: Option<DVec2>,
-    /// The straight source that the front comes from, where that is known; see [`Sources::seeds_with_origins`].
+    /// The straight source from which the front comes, where that is known; see
+    /// [`Sources::seeds_with_origins`].
     pub origin: Option<Origin>,
-    /// Whether the time is known as exactly as the edges allow, from a map of the source alone, and no other source's
-    /// front can be first here: no curved front takes its place, but those of sources that are added later.
+    /// Whether the time is as exact as the edges allow (from a map of the source alone), and no front of
+    /// another source can arrive here first. Curved fronts then do not replace the seed, except for those of
+    /// sources that are added later.
     pub exact: bool,
 }
 
-/// By which part of its time a seed may differ from the line to its origin.
+/// Relative tolerance of the difference between a seed's time and the length of the line to its origin.
 const OFF_LINE: f64 = 1e-3;
 
-/// Units in the last place of an arrival time that a curved update may be off by: a height over a base, and a sum.
+/// Error of a curved update in units in the last place of the arrival time: a height over a base, and a sum.
 const SURELY_FIRST: f64 = 8.0;
 
 impl Seed {
-    /// Curvature of a front at its point source: as good as infinite.
+    /// Curvature of a front at its point source. It stands for infinity.
     pub const AT_SOURCE: f64 = crate::constants::SOURCE_CURVATURE;
 
-    /// A point source at a grid point.
+    /// Returns a point source at a grid point.
     pub fn at_source(row: usize, col: usize, time: f64) -> Self {
         Self { row, col, time, curvature: Self::AT_SOURCE, from: None, origin: None, exact: false }
     }
 
-    /// When a curved front starts here: beside a curve some units in the last place sooner, since what leaves the curve
-    /// comes by as late but for rounding, and with the surface's curvature. Which of the two stays would be chance,
-    /// and on rough surfaces a map would differ from another by hundredths. Not at a curve's ends, where what comes
-    /// from beside them is flatter and is to stay.
+    /// Returns the time at which a curved front starts here. Beside a curve it is earlier by some units in
+    /// the last place.
+    ///
+    /// A front that leaves the curve passes this point at the same time up to rounding, with a curvature that
+    /// includes that of the surface. Without the shift it would be left to chance which of both fronts stays,
+    /// and two maps of a rough surface would differ by hundredths. There is no shift at the ends of a curve,
+    /// where the front from beside the end is flatter and should stay.
     pub(crate) fn start_of_curved<R: Real>(&self) -> R {
         let is_beside =
             !self.exact && self.from.is_none() && (self.curvature * self.time).abs() < 0.5;
@@ -96,25 +101,30 @@ impl Seed {
         R::of(if is_beside { self.time - rounding } else { self.time })
     }
 
-    /// Whether a map is later here, by more than rounding: a preliminary front has taken the seed's place and has been
-    /// taken back since. Solvers then start from it again.
+    /// Returns whether the arrival time of a map is later than this seed by more than rounding. In that case
+    /// a preliminary front replaced the seed and was withdrawn later. Solvers then start from the seed again.
     pub(crate) fn is_lost<R: Real>(&self, time: R) -> bool {
         let start = R::of(self.time);
-        // Fronts that tell of their origin start along the line from there, measured in a triangle of the engine's.
+        // Fronts that carry their origin start along the line from the origin, measured in one of the
+        // engine's triangles.
         let rounding =
             R::of(if self.origin.is_some() { OFF_LINE } else { 8.0 * R::epsilon().wide() });
         time - start > start.abs() * rounding
     }
 
-    /// Row and column.
+    /// Returns row and column as a place.
     pub(crate) fn place(&self) -> DVec2 {
         DVec2::new(self.row as f64, self.col as f64)
     }
 }
 
-/// Where the fronts of a map come from, and so whether they are to be causal: to hang on nothing that arrives later.
-/// Where several meet, they would settle in more than one way or never; so would one that a slowness or a steep surface
-/// bends, where it meets itself. The front of a single point is else as well without, and more accurate in stretched cells.
+/// The origins of the fronts of a map, which decide whether updates must be causal. A causal update does not
+/// depend on neighbours that arrive later.
+///
+/// Without causal updates, fronts of several sources that meet would settle in more than one way, or never.
+/// The same holds for a single front that meets itself because a slowness or a steep surface bends it.
+/// Otherwise a single point source does not need causal updates; without them it is more accurate in
+/// stretched cells.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Origins {
     /// Whether the front of one origin may meet itself.
@@ -124,17 +134,18 @@ pub(crate) struct Origins {
 }
 
 impl Origins {
-    /// None yet, on a surface where a front may meet itself or not ([`super::EdgeLengths::front_meets_itself`]).
+    /// Returns the state without origins. `meets_itself` says whether a front may meet itself on the surface
+    /// ([`super::EdgeLengths::front_meets_itself`]).
     pub(crate) fn none(meets_itself: bool) -> Self {
         Self { meets_itself, first: None, causal: false }
     }
 
-    /// Before another map.
+    /// Forgets all origins, before another map.
     pub(crate) fn forget(&mut self) {
         *self = Self::none(self.meets_itself);
     }
 
-    /// That of another seed. Those of curves are their own.
+    /// Adds the origin of a seed. Each seed of a curve is its own origin.
     pub(crate) fn add(&mut self, seed: &Seed) {
         let origin = seed.from.unwrap_or(seed.place());
         self.causal |= *self.first.get_or_insert(origin) != origin;
@@ -144,13 +155,13 @@ impl Origins {
         self.causal || self.meets_itself
     }
 
-    /// Whether there are several, or one that is no point.
+    /// Returns whether there are several origins, or one that is not a point.
     pub(crate) fn are_several(&self) -> bool {
         self.causal
     }
 }
 
-/// Why a source cannot be used.
+/// The reason why a source cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SourceError {
@@ -183,7 +194,7 @@ pub enum SourceError {
         /// Column of the source.
         col: f64,
     },
-    /// No point is left near the source where only every second row and column is.
+    /// The grid of every second row and column has no point beside the source.
     #[error(
         "every second row and column has no point beside the source at row {row}, column {col}, only holes, so that its error cannot be estimated"
     )]
@@ -193,7 +204,7 @@ pub enum SourceError {
         /// Column of that point.
         col: usize,
     },
-    /// The curvature of a front at its source is none.
+    /// The curvature of a front at its source is not usable.
     #[error(
         "the curvature {curvature} of source {row},{col} is negative, infinite or no number: give 0 for a point"
     )]
@@ -202,7 +213,7 @@ pub enum SourceError {
         row: f64,
         /// Column of the source.
         col: f64,
-        /// The curvature given.
+        /// The given curvature.
         curvature: f64,
     },
     /// An initial value is NaN, infinite or too large for single precision.
@@ -215,7 +226,7 @@ pub enum SourceError {
         row: f64,
         /// Column of the source.
         col: f64,
-        /// The value.
+        /// The initial value.
         initial: f64,
     },
     /// A curve has no vertex.
@@ -224,7 +235,7 @@ pub enum SourceError {
 }
 
 impl Source {
-    /// Arrival time at the source.
+    /// Returns the arrival time at the source.
     pub fn initial(&self) -> f64 {
         match self {
             Self::Point { initial, .. } | Self::Curve { initial, .. } => *initial,
@@ -239,12 +250,12 @@ impl FromIterator<Source> for Sources {
 }
 
 impl Sources {
-    /// A single point source; row and column may be fractional.
+    /// Makes a single point source. Row and column may be fractional.
     pub fn point(row: f64, col: f64) -> Self {
         Self::default().and_point(row, col, 0.0)
     }
 
-    /// A single curve: rows and columns of a polyline's vertices.
+    /// Makes a single curve from the rows and columns of a polyline's vertices.
     pub fn curve(vertices: impl IntoIterator<Item = [f64; 2]>) -> Self {
         Self::default().and_curve(vertices, 0.0)
     }
@@ -262,12 +273,12 @@ impl Sources {
         self
     }
 
-    /// The sources, in the order given.
+    /// Returns the sources in the order given.
     pub fn iter(&self) -> impl Iterator<Item = &Source> {
         self.0.iter()
     }
 
-    /// Whether all sources are points, so that fronts are circular near them.
+    /// Returns whether all sources are points, so that fronts are circular near them.
     pub fn are_points(&self) -> bool {
         self.iter().all(|source| match source {
             Source::Point { .. } => true,
@@ -275,7 +286,7 @@ impl Sources {
         })
     }
 
-    /// How many sources are points inside cells or on their sides, and not at grid points.
+    /// Returns the number of point sources that lie inside cells or on their sides, and not at grid points.
     pub(crate) fn inside_cells(&self) -> usize {
         let is_inside = |source: &&Source| match source {
             Source::Point { at, .. } => at.fract() != DVec2::ZERO,
@@ -286,28 +297,31 @@ impl Sources {
         self.iter().filter(is_inside).count()
     }
 
-    /// The smallest initial value.
+    /// Returns the smallest initial value.
     pub fn start(&self) -> f64 {
         self.iter().map(Source::initial).fold(f64::INFINITY, f64::min)
     }
 
-    /// Initial values at grid points, in row-major order, the smallest where several meet.
+    /// Returns the initial values at grid points, in row-major order. Where several meet, the smallest
+    /// counts.
     ///
-    /// A source at a grid point seeds that point. A source elsewhere seeds the corners of the
-    /// cells it touches with their distances to it, which is exact where the cell is flat; from
-    /// points they follow the surface as its edges do. A curve seeds the corners of every cell it
-    /// runs through, so it has no gaps.
+    /// A source at a grid point seeds that point. A source elsewhere seeds the corners of the cells that it
+    /// touches with their distances to it. These are exact where the cell is flat; from points they follow
+    /// the surface as its edges do. A curve seeds the corners of every cell through which it runs, so it has
+    /// no gaps.
     pub fn seeds(&self, surface: &Surface) -> Result<Vec<Seed>, SourceError> {
         let mut seeds = self.seeds_with_origins(surface)?;
         seeds.iter_mut().for_each(|seed| seed.origin = None);
         Ok(seeds)
     }
 
-    /// The same, with the straight source that each seed's front comes from ([`Seed::origin`]).
+    /// Returns the same seeds as [`Self::seeds`], with the straight source from which each seed's front comes
+    /// ([`Seed::origin`]).
     ///
-    /// From them curved fronts of several sources are exact over even grids, whatever the shape of their cells: each
-    /// origin's front goes on by itself where two meet. Over grids whose cells change from point to point they follow
-    /// straight lines of the chart near the sources, and maps may be less accurate than from [`Self::seeds`].
+    /// With them, curved fronts of several sources are exact over even grids, whatever the shape of their
+    /// cells: where two fronts meet, each one continues by itself. Over grids whose cells change from point
+    /// to point, the fronts follow straight lines of the chart near the sources, and maps may be less
+    /// accurate than from [`Self::seeds`].
     ///
     /// ```
     /// use geosweep::cpu::RotatedScan;
@@ -342,7 +356,7 @@ impl Sources {
                         .into_iter()
                         .map(|run| run.map(|ends| Origin { ends, start: *initial }))
                         .collect();
-                    // An end on a side of a cell touches the cell beyond it too.
+                    // An end on a side of a cell also touches the cell beyond it.
                     let closed = vertices.len() > 1 && first.0 == last.0;
                     if !closed {
                         let of_end = |run: Option<&Option<Origin>>| run.copied().flatten();
@@ -410,7 +424,7 @@ mod tests {
     #[test]
     fn the_end_of_a_curve_reaches_the_cells_beyond_it() {
         let surface = Surface::from_heights(9, 9, vec![0.0; 81], Spacing::square(1.0)).unwrap();
-        // It ends on the side between two cells, half-way between two points.
+        // The curve ends on the side between two cells, half-way between two points.
         let seeds = Sources::curve([[1.0, 3.5], [4.0, 3.5]]).seeds(&surface).unwrap();
         let at = |row, col| seeds.iter().find(|seed| (seed.row, seed.col) == (row, col));
         for col in [3, 4] {
@@ -445,7 +459,7 @@ mod tests {
 
     #[test]
     fn a_metric_measures_like_the_positions_it_came_from() {
-        // Sheared cell: columns along (1, 0), rows along (0.5, 2).
+        // A sheared cell: columns along (1, 0), rows along (0.5, 2).
         let metric = MetricTensor { rr: 4.25, rc: 0.5, cc: 1.0 };
         let surface = Surface::from_metric(2, 2, vec![metric; 4]).unwrap();
         for seed in Sources::point(0.25, 0.75).seeds(&surface).unwrap() {
@@ -464,7 +478,7 @@ mod tests {
                 assert!(seeds.iter().any(|s| (s.row, s.col) == (row, col)), "{row},{col}");
             }
         }
-        // Exact distance to the line from every seeded point whose foot lies in its own cells.
+        // The exact distance to the line, for every seeded point whose foot lies in its own cells.
         let normal = DVec2::new(11.9, -7.3).normalize();
         for seed in &seeds {
             let exact = normal.dot(DVec2::new(seed.row as f64, seed.col as f64)).abs();

@@ -1,4 +1,4 @@
-//! What a source consists of, piece by piece, and the front that starts from it at grid points.
+//! Cuts sources into pieces, one per cell, and computes the front that starts from them at grid points.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,23 +8,24 @@ use super::rise::Rise;
 use super::{Origin, Seed, SourceError};
 use crate::surface::{Cell, Sample, Surface, corner_weights, grid_crossings};
 
-/// How a curve runs through one of its vertices.
+/// The course of a curve through one of its vertices.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Vertex {
-    /// It ends or turns sharply there: the front fans out as from a point.
+    /// The curve ends or turns sharply: the front fans out as from a point.
     Corner,
-    /// It bends gently: its curvature vector, towards the centre of the bend.
+    /// The curve bends gently. The value is its curvature vector, towards the centre of the bend.
     Smooth(DVec3),
 }
 
-/// A curve that turns by less than 30 degrees at a vertex is taken for a smooth one,
+/// Cosine of the largest turn at a smooth vertex, 30 degrees. One of both segments there must also be shorter
+/// than [`SMOOTH_SEGMENT`].
 const SMOOTH_TURN_COSINE: f64 = 0.866;
-/// if one of both segments there is shorter than this, in cells: a curve of longer ones is the polygon that it is
-/// given as.
+/// Length in cells below which a segment counts as a sample of a smooth curve. A curve of longer segments is
+/// the polygon that is given.
 const SMOOTH_SEGMENT: f64 = 2.0;
 
-/// How a curve runs through its vertices. Only positions tell a bend's size; on a surface known by
-/// its metric, what is taken for smooth is as straight as its segments.
+/// Determines the course of a curve through its vertices. Only positions give the size of a bend. On a
+/// surface given by its metric, smooth vertices have a bend of zero, as straight as their segments.
 pub(super) fn bends(surface: &Surface, vertices: &[DVec2]) -> Vec<Vertex> {
     let closed = vertices.len() > 2 && vertices.first() == vertices.last();
     let place = |at: DVec2| match surface.place(at) {
@@ -62,13 +63,13 @@ pub(super) fn bends(surface: &Surface, vertices: &[DVec2]) -> Vec<Vertex> {
         .collect()
 }
 
-/// Whether a curve runs straight on in the chart from one step to the next.
+/// Returns whether a curve runs straight on in the chart from one step to the next.
 fn is_straight(into: DVec2, out: DVec2) -> bool {
     let across = into.perp_dot(out).abs();
     into.dot(out) >= 0.0 && across <= 1e-9 * into.length() * out.length()
 }
 
-/// The cosine of the angle by which a curve turns at a place of a surface that is known by its metric.
+/// Returns the cosine of the angle by which a curve turns at a place of a surface given by its metric.
 fn turn_cosine(surface: &Surface, at: DVec2, into: DVec2, out: DVec2) -> f64 {
     let Some(Sample::Metric { tensor, .. }) = surface.place(at) else { return 1.0 };
     let dot = |a: DVec2, b: DVec2| a.dot(tensor * b);
@@ -76,8 +77,8 @@ fn turn_cosine(surface: &Surface, at: DVec2, into: DVec2, out: DVec2) -> f64 {
     if lengths > 0.0 { dot(into, out) / lengths } else { 1.0 }
 }
 
-/// For each segment of a curve the ends of the straight line that it is part of, if the curve turns sharply at both
-/// or ends there.
+/// Returns, for each segment of a curve, the ends of the straight line of which it is a part. The result is
+/// `None` unless the curve turns sharply or ends at both ends of that line.
 pub(super) fn straight_runs(vertices: &[(DVec2, Vertex)]) -> Vec<Option<[DVec2; 2]>> {
     let step = |segment: usize| vertices[segment + 1].0 - vertices[segment].0;
     let segments = vertices.len().saturating_sub(1);
@@ -100,16 +101,16 @@ pub(super) fn straight_runs(vertices: &[(DVec2, Vertex)]) -> Vec<Option<[DVec2; 
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     cell: Cell,
-    /// The geometry at its ends, and the place in its middle.
+    /// The geometry at both ends, and the place in the middle.
     a: Sample,
     b: Sample,
     middle: DVec2,
-    /// From where to where on its segment it reaches, and that segment's ends.
+    /// The range of parameters of the piece on its segment, and that segment's ends.
     cut: (f64, f64),
     ends: [(DVec2, Vertex); 2],
-    /// The straight source that it is part of, if it is one.
+    /// The straight source of which the piece is a part, if there is one.
     origin: Option<Origin>,
-    /// Of a point alone.
+    /// Present for points only.
     rise: Option<Rise>,
 }
 
@@ -139,7 +140,7 @@ impl Pieces {
         let cuts = grid_crossings(from, to);
         for cut in cuts.windows(2) {
             let (a, b) = (from.lerp(to, cut[0]), from.lerp(to, cut[1]));
-            // Both ends of a piece lie on the border of the cell that its middle is in.
+            // Both ends of a piece lie on the border of the cell that contains its middle.
             let middle = 0.5 * (a + b);
             let mut found = false;
             for cell in surface.chart().cells_around(middle) {
@@ -158,19 +159,19 @@ impl Pieces {
         Ok(())
     }
 
-    /// The first place of the source.
+    /// Returns the first place of the source.
     pub(super) fn first(&self) -> DVec2 {
         self.by_cell.values().flatten().map(|piece| piece.ends[0].0).next().unwrap_or_default()
     }
 
-    /// The corners of all cells with a piece in them.
+    /// Returns the corners of all cells that contain a piece.
     pub(super) fn corners(&self, surface: &Surface) -> BTreeSet<(usize, usize)> {
         let cells = self.by_cell.values().flatten().map(|piece| piece.cell);
         cells.flat_map(Cell::corners).filter(|&(row, col)| surface.has(row, col)).collect()
     }
 
-    /// The initial value at a corner: from the nearest piece of the cells around it, and of those
-    /// one further, where no hole can lie between.
+    /// Returns the initial value at a corner, from the nearest piece of the cells around it. Cells one step
+    /// further count too, if there cannot be a hole between.
     pub(super) fn seed(&self, surface: &Surface, row: usize, col: usize, initial: f64) -> Seed {
         let around = surface.chart().around((row, col), 2);
         let whole = around.places().all(|(row, col)| surface.has(row, col));
@@ -197,11 +198,11 @@ fn check_inside(surface: &Surface, at: DVec2) -> Result<(), SourceError> {
     }
 }
 
-/// How near to an end of a segment, in parts of it, places are that end.
+/// Distance from an end of a segment, relative to the segment, below which a place counts as that end.
 const AT_END: f64 = 1e-9;
 
 impl Surface {
-    /// The initial value at a grid point from a piece of a source.
+    /// Returns the initial value at a grid point from a piece of a source.
     fn seed_from(&self, row: usize, col: usize, initial: f64, piece: &Piece) -> Seed {
         let Piece { a, b, middle, cut, ends, rise, .. } = *piece;
         let corner = self.geometry().sample(self.chart(), row, col);
@@ -213,7 +214,7 @@ impl Surface {
         let distance = weight
             * rise.map_or(chord, |rise| (chord * chord + rise.from((row, col))).max(0.0).sqrt());
         let place = cut.0 + foot * (cut.1 - cut.0);
-        // Straight across from an end the front is that of the line, not the one around the end.
+        // Straight across from an end, the front is that of the line, not the one around the end.
         let is_beside = distance > 0.0 && (beyond - foot).abs() <= AT_END;
         let curvature = self.seed_curvature((row, col), distance, (place, is_beside), ends);
         let is_point = ends[0].0 == ends[1].0;
@@ -222,8 +223,8 @@ impl Surface {
         Seed { row, col, time: initial + distance, curvature, from, origin, exact: false }
     }
 
-    /// The straight source whose front a piece's is, given the place `foot` on its segment from which it comes. None where
-    /// that is a cut between pieces: the nearest place of the source lies beyond.
+    /// Returns the straight source whose front a piece emits at the place `foot` of its segment. The result
+    /// is `None` if that place is a cut between pieces: the nearest place of the source then lies beyond it.
     fn origin_of(&self, piece: &Piece, foot: f64, initial: f64) -> Option<Origin> {
         let [start, end] = piece.ends;
         let at = start.0.lerp(end.0, foot);
@@ -232,7 +233,7 @@ impl Surface {
         if let Some(origin) = piece.origin {
             return (!is_cut || origin.ends.into_iter().any(is_same)).then_some(origin);
         }
-        // Around the end of a curve that is bent before it.
+        // The front around the end of a curve that is bent before it.
         let is_end =
             |(place, vertex): (DVec2, Vertex)| matches!(vertex, Vertex::Corner) && is_same(place);
         piece
@@ -242,7 +243,7 @@ impl Surface {
             .map(|(place, _)| Origin::point(place, initial))
     }
 
-    /// Curvature of the front at a grid point some distance from the place `foot` of a segment.
+    /// Returns the curvature of the front at a grid point at `distance` from the place `foot` of a segment.
     fn seed_curvature(
         &self,
         (row, col): (usize, usize),
@@ -263,23 +264,24 @@ impl Surface {
         let (Some(Sample::Position(place)), Some(point)) = (place, self.position(row, col)) else {
             return 0.0;
         };
-        // The front spreads on the outer side of the bend. On the curve itself it goes both ways.
+        // The front spreads on the outer side of the bend. From the curve itself it goes to both sides.
         let side = (point - place).normalize_or_zero().dot(bend);
         -side / (1.0 - side * distance).max(0.1)
     }
 
-    /// Whether a place, as fractional row and column, is on the grid and in no hole.
+    /// Returns whether a place, given as fractional row and column, is on the grid and not in a hole.
     pub(crate) fn contains(&self, at: DVec2) -> bool {
         self.place(at).is_some()
     }
 
-    /// The geometry between grid points; `None` in a hole.
+    /// Returns the geometry between grid points, or `None` in a hole.
     pub(crate) fn place(&self, at: DVec2) -> Option<Sample> {
         check_inside(self, at).ok()?;
         self.chart().cells_around(at).into_iter().find_map(|cell| self.sample_in(cell, at))
     }
 
-    /// The geometry at a place of a cell, interpolated between its corners; `None` in a hole.
+    /// Returns the geometry at a place of a cell, interpolated between the cell's corners, or `None` in a
+    /// hole.
     fn sample_in(&self, cell: Cell, at: DVec2) -> Option<Sample> {
         let corners = cell.corners();
         let there = corners.map(|(row, col)| self.has(row, col));

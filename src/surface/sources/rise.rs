@@ -1,4 +1,4 @@
-//! How much longer ways inside a cell are along the surface than straight through space.
+//! Computes by how much paths inside a cell are longer along the surface than straight through space.
 
 use glam::DVec2;
 
@@ -6,22 +6,22 @@ use crate::surface::{
     Block, Cell, Direction, EdgeLengths, EdgeRule, Real, Surface, corner_weights,
 };
 
-/// For a place in a cell, by how much the squares of its distances from the corners grow with those
-/// of the cell's edges, when edges are measured along the surface and no longer along chords.
+/// The amount by which squared distances of a place in a cell from the cell's corners grow when edges are
+/// measured along the surface instead of along chords.
 ///
-/// With the place p = sum of w_i p_i over the corners and a corner at the origin, |p|^2 is the sum of
-/// w_i w_j <p_i, p_j>, and 2 <p_i, p_j> = |p_i|^2 + |p_j|^2 - |p_i - p_j|^2: linear in the squares of
-/// the edges. The shader `sources.comp` sums them up; here chords are known better than that.
+/// Let p = sum of w_i p_i over the corners, with one corner at the origin. Then |p|^2 is the sum of w_i w_j
+/// <p_i, p_j>, and 2 <p_i, p_j> = |p_i|^2 + |p_j|^2 - |p_i - p_j|^2. Both are linear in the squared lengths
+/// of the edges. The shader `sources.comp` sums these terms up; here chords are known more accurately.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rise {
     corners: [(usize, usize); 4],
     weights: [f64; 4],
-    /// Of the squared length between each two corners.
+    /// The growth of the squared length between each two corners.
     squares: [[f64; 4]; 4],
 }
 
 impl Rise {
-    /// `None` where there is none: edges are chords, or none of them can be measured.
+    /// Returns the rise of a place, or `None` if there is none: if edges are chords, or cannot be measured.
     pub(super) fn at(surface: &Surface, cell: Cell, place: DVec2) -> Option<Self> {
         let corners = cell.corners();
         if surface.edge_rule() == EdgeRule::Chord || corners[0] == corners[3] {
@@ -29,7 +29,7 @@ impl Rise {
         }
         let there = corners.map(|(row, col)| surface.has(row, col));
         let weights = corner_weights(there, cell.inside(place))?;
-        // As far as the bends at the corners depend on.
+        // The bends at the corners depend on points up to two rows and columns around.
         let Block { rows, cols } = surface.chart().around_span(cell.rows, cell.cols, 2);
         let around = surface.window(rows.clone(), cols.clone()).unweighted();
         let lengths = |rule| EdgeLengths::<f64>::new(&around.clone().with_edge_rule(rule)).ok();
@@ -50,7 +50,7 @@ impl Rise {
         Some(Self { corners, weights, squares })
     }
 
-    /// Of the squared distance from a corner of the cell, without slowness.
+    /// Returns the growth of the squared distance from a corner of the cell, without slowness.
     pub(super) fn from(&self, corner: (usize, usize)) -> f64 {
         let Self { corners, weights, squares } = self;
         let Some(corner) = corners.iter().position(|&other| other == corner) else { return 0.0 };
@@ -66,7 +66,7 @@ mod tests {
     use crate::surface::{EdgeRule, Sources, Spacing, Surface};
     use glam::DVec3;
 
-    /// A cylinder, on which both are known: the place itself lies on the bilinear patch.
+    /// On a cylinder both distances are known: the place itself lies on the bilinear patch.
     #[test]
     fn sources_between_points_of_a_cylinder_are_as_far_as_its_unrolled_plane_says() {
         let (radius, turn) = (1.0, 0.1);
@@ -107,7 +107,7 @@ mod tests {
         }
     }
 
-    /// Holes around, borders, narrow grids.
+    /// Holes around the cell, borders and narrow grids.
     #[test]
     fn every_place_of_a_surface_has_a_rise_that_is_no_more_than_the_bend() {
         let mask: Vec<_> = (0..36).map(|k| k % 7 != 5).collect();

@@ -1,4 +1,4 @@
-//! The shortest ways found to the points of a grid.
+//! Collects the shortest geodesics found to the points of a grid.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -6,13 +6,13 @@ use glam::DVec2;
 
 use crate::surface::builtin::unit_square;
 
-/// For each grid point the shortest geodesic so far.
+/// The shortest geodesic found so far to each grid point.
 pub(super) struct Arrivals {
     rows: usize,
     cols: usize,
-    /// Of all geodesics, as bits: those of positive numbers have the numbers' order.
+    /// Shortest length of all geodesics, as bits. The bits of positive numbers have the order of the numbers.
     shortest: Vec<AtomicU64>,
-    /// Of those that stay in the domain.
+    /// Shortest length of the geodesics that stay in the domain.
     inside: Vec<AtomicU64>,
 }
 
@@ -22,13 +22,13 @@ impl Arrivals {
         Self { rows, cols, shortest: none(), inside: none() }
     }
 
-    /// (u, v) of a grid point.
+    /// Returns (u, v) of a grid point.
     pub(super) fn place(&self, point: usize) -> DVec2 {
         unit_square(self.rows, self.cols, [(point / self.cols) as f64, (point % self.cols) as f64])
     }
 
-    /// The grid points in a triangle, and those that far beyond it (in triangles), with the
-    /// weights of its corners.
+    /// Returns the grid points in a triangle and up to `beyond` outside it (in units of the triangle), with
+    /// the weights of the triangle's corners.
     pub(super) fn points_near(
         &self,
         triangle: [DVec2; 3],
@@ -55,12 +55,12 @@ impl Arrivals {
         )
     }
 
-    /// The length of the shortest geodesic to a grid point so far.
+    /// Returns the length of the shortest geodesic found so far to a grid point.
     pub(super) fn shortest(&self, point: usize) -> f64 {
         f64::from_bits(self.shortest[point].load(Relaxed))
     }
 
-    /// Enters a geodesic to a grid point, of which `stays` tells whether it stays in the domain.
+    /// Enters a geodesic to a grid point. `stays` tells whether it stays in the domain.
     pub(super) fn enter(&self, point: usize, length: f64, stays: impl FnOnce() -> bool) {
         let bits = length.max(0.0).to_bits();
         if bits < self.inside[point].load(Relaxed) {
@@ -71,9 +71,9 @@ impl Arrivals {
         }
     }
 
-    /// The distances; NaN where no geodesic arrives, or the shortest leaves the domain.
+    /// Returns the distances. They are NaN where no geodesic arrives, or the shortest one leaves the domain.
     pub(super) fn distances(self) -> Vec<f64> {
-        /// Of a length: one geodesic, met in two patches, may differ so much.
+        /// Relative tolerance of lengths: one geodesic that is found in two patches may differ by this much.
         const SAME: f64 = 1e-9;
         let pairs = self.shortest.into_iter().zip(self.inside);
         pairs

@@ -1,6 +1,6 @@
-//! Upper bounds on distances, by which to end geodesics that are no shortest paths any more.
+//! Computes upper bounds on distances, which end geodesics that are no longer shortest paths.
 //!
-//! Behind a summit geodesics turn chaotic, and following them is most of the work.
+//! Behind a summit geodesics become chaotic, and following them would be most of the work.
 
 use std::f64::consts::TAU;
 
@@ -11,19 +11,19 @@ use super::ray::{Frame, Position, Ray};
 use super::{MARGIN, is_followed};
 use crate::surface::builtin::jet::Jet;
 
-/// A bound for each cell of the domain and what is followed around it.
+/// A bound for each cell of the domain, including the margin in which geodesics are followed.
 pub(super) struct Bounds {
     cells: Vec<f64>,
 }
 
-/// Cells a side.
+/// Number of cells along each side.
 const CELLS: usize = 80;
-/// More than the rays' lengths here are off by, as they take long steps.
+/// Factor that covers the error of the lengths of rays here, which take long steps.
 const SLACK: f64 = 1.01;
 
 impl Bounds {
-    /// From some of the rays: wherever one comes to a cell, all places of the cell are at most
-    /// the cell's diameter further.
+    /// Computes the bounds from some of the rays. Wherever a ray reaches a cell, all places of the cell are
+    /// at most the cell's diameter further.
     pub(super) fn new(
         position: &impl Position,
         ray: impl Fn(f64) -> Ray + Sync,
@@ -55,7 +55,7 @@ impl Bounds {
         Self { cells: first.par_iter().enumerate().map(|pair| bound((pair.0, pair.1))).collect() }
     }
 
-    /// Whether a ray is longer than the distance to where it is.
+    /// Returns whether a ray is longer than the distance to its place.
     pub(super) fn exclude(&self, length: f64, at: DVec2) -> bool {
         length > self.cells[cell(at)]
     }
@@ -63,14 +63,14 @@ impl Bounds {
 
 const WIDTH: f64 = (1.0 + 2.0 * MARGIN) / CELLS as f64;
 
-/// The cell of a place, or the nearest.
+/// Returns the cell of a place, or the nearest cell.
 fn cell(at: DVec2) -> usize {
     let USizeVec2 { x, y } =
         ((at + MARGIN) / WIDTH).as_usizevec2().min(USizeVec2::splat(CELLS - 1));
     y * CELLS + x
 }
 
-/// A bound on distances in a cell: twice what its size is at its middle.
+/// Returns a bound on distances in a cell: twice its size at its middle.
 fn diameter(position: &impl Position, cell: usize) -> f64 {
     let index = DVec2::new((cell % CELLS) as f64, (cell / CELLS) as f64);
     let middle = WIDTH * (index + 0.5) - MARGIN;

@@ -1,15 +1,15 @@
-//! Distances by shooting geodesics: for surfaces that have no closed form.
+//! Computes distances by shooting geodesics, for surfaces that have no closed form.
 //!
-//! Independent of the solvers, and of the grid but for where it asks. Geodesics leave the source
-//! in all directions, as solutions of their differential equation, whose coefficients are exact
-//! derivatives of the parametrisation. Between neighbouring ones, (u, v) is a polynomial in angle
-//! and length, split until it is accurate; for each grid point Newton's method finds the angle
-//! and the length at which geodesics arrive. The shortest of them is the distance.
+//! This is independent of the solvers, and of the grid except for the places that are asked for. Geodesics
+//! leave the source in all directions. They are solutions of their differential equation, whose coefficients
+//! are exact derivatives of the parametrisation. Between neighbouring geodesics, (u, v) is a polynomial in
+//! angle and length, which is split until it is accurate. For each grid point Newton's method finds the angle
+//! and the length at which geodesics arrive. The distance is the length of the shortest one.
 //!
-//! What is wanted is the distance within the patch, and a geodesic ends where it leaves it. Where
-//! the patch's border is bent inwards, the shortest path may run along it, and that is no
-//! geodesic; yet it is longer than one that may cross the border there. So geodesics are followed
-//! a little beyond it, and where the shortest has been outside, the distance is not known.
+//! The result is the distance within the patch, and a geodesic ends where it leaves the patch. Where the
+//! patch's border is bent inwards, the shortest path may run along the border, which is not a geodesic. But
+//! it is longer than a path that may cross the border there. Therefore geodesics are followed a little beyond
+//! the border, and where the shortest one has been outside, the distance is not known.
 
 mod arrivals;
 mod bounds;
@@ -29,17 +29,17 @@ use panel::{Panel, is_inside};
 use patch::{Knot, quintic};
 use ray::{Frame, Position, Ray};
 
-/// How far geodesics are followed beyond the unit square's border.
+/// Width of the margin beyond the unit square's border in which geodesics are followed.
 const MARGIN: f64 = 0.05;
-/// Arcs that the fan is split into to begin with.
+/// Number of arcs into which the fan is split at first.
 const ARCS: usize = 64;
-/// An arc is halved at most so often; what it should have reached then stays unknown.
+/// Maximum number of halvings of an arc. Points that only a finer arc would reach remain unknown.
 const MOST_HALVINGS: u32 = 24;
-/// How accurate (u, v) is to be on all rays, where the patch's width is 1.
+/// Accuracy of (u, v) on all rays, where the patch's width is 1.
 const TOLERANCE: f64 = 1e-10;
 
-/// Distances from a place (u, v) to the points of a grid over the unit square, row-major, within
-/// the surface with a given parametrisation; NaN where they are not known.
+/// Returns the distances from a place (u, v) to the points of a grid over the unit square, row-major, within
+/// the surface with the given parametrisation. They are NaN where they are not known.
 pub(super) fn distances<P: Position>(
     position: P,
     rows: usize,
@@ -58,7 +58,7 @@ struct Fan<P> {
     tolerance: f64,
     /// Length of a step along the rays.
     step: f64,
-    /// No distance is longer.
+    /// Upper bound of all distances.
     longest: f64,
     bounds: Bounds,
 }
@@ -85,12 +85,12 @@ impl<P: Position> Fan<P> {
         (self.longest / self.step).ceil() as usize
     }
 
-    /// Whether no shortest path goes on with a ray after some steps.
+    /// Returns whether no shortest path continues along a ray after `steps` steps.
     fn ends(&self, ray: &Ray, steps: usize) -> bool {
         !is_followed(ray) || self.bounds.exclude(steps as f64 * self.step, ray.at)
     }
 
-    /// How far polynomials over a step are from rays, estimated by those over two steps.
+    /// Estimates the difference between rays and polynomials over a step, from polynomials over two steps.
     fn error_of_steps(&self) -> f64 {
         let angles = (0..ARCS).into_par_iter().map(|arc| TAU * arc as f64 / ARCS as f64);
         let errors = angles.map(|angle| {
@@ -113,7 +113,7 @@ impl<P: Position> Fan<P> {
                 let middle = between.iter().rev().fold(DVec2::ZERO, |sum, &c| 0.5 * sum + c);
                 (middle - three[1].value).abs().max_element()
             };
-            // The error goes with the sixth power of the step.
+            // The error is proportional to the sixth power of the step.
             knots.windows(3).map(error).fold(0.0, f64::max) / 64.0
         });
         errors.reduce(|| 0.0, f64::max)
@@ -143,13 +143,13 @@ impl<P: Position> Fan<P> {
     }
 }
 
-/// Whether a ray is neither outside nor has been met by its neighbours.
+/// Returns whether a ray is inside the margin and has not been met by its neighbours.
 fn is_followed(ray: &Ray) -> bool {
     is_inside(ray.at, -MARGIN) && ray.spread >= 0.0
 }
 
-/// A bound on all distances: the longest of the paths that are straight in the unit square, of
-/// which those to its border are.
+/// Returns a bound on all distances: the longest of the paths that are straight in the unit square. These are
+/// longest to its border.
 fn longest(position: &impl Position, from: DVec2) -> f64 {
     const SAMPLES: usize = 64;
     let fraction = |k: usize| k as f64 / SAMPLES as f64;
@@ -163,7 +163,7 @@ fn longest(position: &impl Position, from: DVec2) -> f64 {
         };
         (0..SAMPLES).map(piece).sum::<f64>()
     };
-    // More than sums over samples can be off by.
+    // The factor covers the error of sums over samples.
     1.1 * border.map(length).fold(0.0, f64::max)
 }
 
@@ -184,7 +184,7 @@ mod tests {
         builtin.exact_distances(points, points, from).unwrap()
     }
 
-    /// Largest relative difference; NaN in one only counts as infinite.
+    /// Returns the largest relative difference. NaN in one of both only counts as infinite.
     fn difference(a: &[f64], b: &[f64]) -> f64 {
         let of_pair = |(a, b): (&f64, &f64)| match (a.is_nan(), b.is_nan()) {
             (false, false) => (a - b).abs() / b.max(f64::MIN_POSITIVE),
@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn closed_forms_are_met() {
-        // Measured: 8e-11 on the sphere, rounding on what unrolls to parallel lines.
+        // Measured: 8e-11 on the sphere, rounding on surfaces that unroll to parallel lines.
         let sheared = Builtin::ShearedPlane { degrees: 60.0 };
         for builtin in [Builtin::Plane, sheared, Builtin::Sphere, Builtin::Cylinder] {
             let difference = difference(&shot(builtin, 97, TOLERANCE), &exact(builtin, 97));
@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn paths_along_a_border_are_not_known() {
-        // The cone's inner border is bent inwards: unrolled, straight lines cross it.
+        // The cone's inner border is bent inwards: in the unrolled cone, straight lines cross it.
         let points = 65;
         let fraction = |k: usize| k as f64 / (points - 1) as f64;
         let mut unknown = 0;
@@ -229,7 +229,7 @@ mod tests {
 
     #[test]
     fn finer_steps_and_more_rays_change_nothing() {
-        // Measured: 9e-11 and 6e-11. A hundredth of the tolerance halves the steps at least.
+        // Measured: 9e-11 and 6e-11. A hundredth of the tolerance halves the steps at least once.
         for builtin in [Builtin::Torus, Builtin::Peaks] {
             let [coarse, fine] = [1.0, 0.01].map(|f| shot(builtin, 65, f * TOLERANCE));
             let difference = difference(&coarse, &fine);
@@ -241,8 +241,8 @@ mod tests {
 
     #[test]
     fn no_arrival_is_missed() {
-        // A point whose first arrival is missed has a later one, or none: the distance would
-        // jump by more than the way from its neighbour.
+        // A point whose first arrival is missed has a later one, or none. The distance would then jump by
+        // more than the path from its neighbour.
         let points = 129;
         for builtin in [Builtin::Torus, Builtin::Peaks] {
             let surface = builtin.surface(points, points).unwrap();
@@ -252,7 +252,7 @@ mod tests {
                 for (r, c) in [(row - 1, col), (row, col - 1)] {
                     let jump = (shot[row * points + col] - shot[r * points + c]).abs();
                     let chord = here.distance(surface.position(r, c).unwrap());
-                    // Arcs are longer than chords, by less than this.
+                    // Arcs are longer than chords by less than this.
                     assert!(jump <= 1.01 * chord, "{builtin} {row},{col}: {jump} {chord}");
                 }
             }
@@ -268,7 +268,7 @@ mod tests {
         for _ in 0..20 {
             ray = ray.advance(ray.derivative(&position), 0.02, &position);
         }
-        // J = sin s, at unit speed: both to the sixth power of the step.
+        // J = sin s, and unit speed. The error of both is of the sixth order in the step.
         approx::assert_relative_eq!(ray.spread, 0.4f64.sin(), max_relative = 1e-11);
         let there = Frame::new(position(Jet::variables(ray.at)));
         approx::assert_relative_eq!(there.length(ray.heading), 1.0, max_relative = 1e-10);

@@ -1,4 +1,4 @@
-//! Rays side by side, from the source to where the last of them ends.
+//! Shoots a panel of neighbouring rays, from the source to where the last of them ends.
 
 use glam::DVec2;
 
@@ -7,23 +7,23 @@ use super::arrivals::Arrivals;
 use super::patch::{self, Cosines, Knot, Patch, RAYS};
 use super::ray::{Position, Ray};
 
-/// The rays of an arc of directions, as a patch for each step.
+/// The rays of an arc of directions, as one patch for each step.
 pub(super) struct Panel {
     pub(super) patches: Vec<Patch>,
     /// Length of a step.
     step: f64,
 }
 
-/// Quadrangles across the rays that a patch is divided into for first guesses.
+/// Number of quadrangles across the rays into which a patch is divided for first guesses.
 const ACROSS: usize = 4;
-/// Of a patch's width: guesses are made this far beyond each triangle, which is flat while the
+/// Distance beyond each triangle, relative to it, up to which guesses are made. The triangles are flat, the
 /// patch is not.
 const BEYOND: f64 = 0.25;
-/// Of the domain's width: paths that stay this far from its border need no closer look.
+/// Distance from the border of the domain, relative to its width, beyond which paths need no closer look.
 const FAR_FROM_BORDER: f64 = 0.01;
 
 impl Panel {
-    /// Shoots rays into an arc of directions; `None` if they part too fast for a polynomial.
+    /// Shoots rays into an arc of directions. Returns `None` if they diverge too fast for a polynomial.
     pub(super) fn shoot(fan: &Fan<impl Position>, arc: [f64; 2]) -> Option<Self> {
         let Fan { step, position, .. } = fan;
         let cosines = Cosines::new();
@@ -43,7 +43,7 @@ impl Panel {
             }
             let next = interpolate(&rays, &derivatives, *step, &cosines);
             let tail = next[RAYS - 2].value.abs() + next[RAYS - 1].value.abs();
-            // Not where a ray has run into infinity either.
+            // This is also false where a ray became infinite.
             let resolved = tail.max_element() < fan.tolerance;
             if !resolved {
                 return None;
@@ -55,7 +55,7 @@ impl Panel {
         Some(Self { patches, step: *step })
     }
 
-    /// Enters what grid points the rays come by.
+    /// Enters the grid points that the rays pass.
     pub(super) fn arrive(&self, arrivals: &Arrivals) {
         let mut clear = true;
         for (index, patch) in self.patches.iter().enumerate() {
@@ -89,7 +89,7 @@ impl Panel {
         clear: bool,
         arrivals: &Arrivals,
     ) {
-        // A guess may be a step too late.
+        // A guess may be late by a step.
         if self.step * (index as f64 + guess.y - 1.0) > arrivals.shortest(point) {
             return;
         }
@@ -99,7 +99,7 @@ impl Panel {
         }
     }
 
-    /// Which patch comes by a place, and where, from a guess.
+    /// Returns the patch that passes a place, and the position in it, starting from a guess.
     fn locate(&self, place: DVec2, index: usize, guess: DVec2) -> Option<(usize, DVec2)> {
         /// A guess can be wrong by a step or two: triangles are flat, and fronts are not.
         const MOST_MOVES: usize = 4;
@@ -120,11 +120,11 @@ impl Panel {
         None
     }
 
-    /// Whether the ray to a place in a patch stays in the domain on its way.
+    /// Returns whether the ray to a place in a patch stays in the domain.
     fn stays(&self, index: usize, end: DVec2) -> bool {
         const ROUNDING: f64 = 1e-9;
-        /// Looks at a ray per step. A path that is outside in between only, along a border that
-        /// is bent inwards, is shorter than it may be by the cube of this part of a step.
+        /// Number of checks of a ray per step. A path along a border that is bent inwards may be outside only
+        /// between two checks. It is then too short by the cube of this part of a step.
         const LOOKS: usize = 8;
         let steps = (0..).map(|look| look as f64 / LOOKS as f64);
         steps.take_while(|&steps| steps < index as f64 + end.y).all(|steps| {
@@ -134,25 +134,26 @@ impl Panel {
     }
 }
 
-/// Quadrangles along the rays, so many that their sides, which are straight, are off from the
-/// rays by a small part of their distance only: else a guess would be for the wrong rays.
+/// Returns the number of quadrangles along the rays. With it, the straight sides deviate from the rays by
+/// only a small part of the distance between rays; else a guess would belong to the wrong rays.
 fn parts_along(patch: &Patch, from_source: bool) -> usize {
     const SMALL: f64 = 0.02;
     const MOST: f64 = 64.0;
     let [start, middle, end] = [0.0, 0.5, 1.0].map(|y| patch.value(DVec2::new(0.0, y)));
     let [first, last] = [-1.0, 1.0].map(|x| patch.value(DVec2::new(x, 0.5)));
     let off = 4.0 * middle.distance(0.5 * (start + end)) / first.distance(last);
-    // By the square of the parts' number, but the rays' distance at the source is that too.
+    // The deviation falls with the square of the number of parts, but at the source the distance between rays
+    // is proportional to the length of a part.
     let parts = if from_source { off / SMALL } else { (off / SMALL).sqrt() };
     parts.ceil().clamp(1.0, MOST) as usize
 }
 
-/// Whether a place lies in the unit square, at least some way from its border.
+/// Returns whether a place lies in the unit square, at least `from_border` from its border.
 pub(super) fn is_inside(uv: DVec2, from_border: f64) -> bool {
     (uv - 0.5).abs().max_element() <= 0.5 - from_border
 }
 
-/// Position and its derivatives along the rays, as Chebyshev series across them.
+/// Returns position and derivatives along the rays, as Chebyshev series across them.
 fn interpolate(
     rays: &[Ray; RAYS],
     derivatives: &[Ray; RAYS],

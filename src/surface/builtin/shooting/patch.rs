@@ -1,24 +1,24 @@
-//! A piece of a fan of rays as a polynomial, and where it takes a given value.
+//! Represents a part of a fan of rays as a polynomial, and inverts it.
 
 use std::f64::consts::PI;
 
 use glam::{DMat2, DVec2};
 
-/// Rays that a polynomial in the angle goes through.
+/// Number of rays that a polynomial in the angle interpolates.
 pub(super) const RAYS: usize = 11;
 const DEGREE: usize = RAYS - 1;
 
-/// Where the rays lie between -1 and 1: the Chebyshev points, ends included.
+/// Returns the position of a ray between -1 and 1: the Chebyshev points, ends included.
 pub(super) fn chebyshev_point(index: usize) -> f64 {
     (PI * (DEGREE - index) as f64 / DEGREE as f64).cos()
 }
 
-/// The Chebyshev coefficients of the polynomial through values at the Chebyshev points.
+/// Returns the Chebyshev coefficients of the polynomial through values at the Chebyshev points.
 pub(super) fn coefficients(values: [DVec2; RAYS], cosines: &Cosines) -> [DVec2; RAYS] {
     std::array::from_fn(|k| (0..RAYS).map(|j| values[j] * cosines.0[k][j]).sum())
 }
 
-/// What [`coefficients`] multiplies by.
+/// The matrix with which [`coefficients`] multiplies.
 pub(super) struct Cosines([[f64; RAYS]; RAYS]);
 
 impl Cosines {
@@ -32,7 +32,7 @@ impl Cosines {
     }
 }
 
-/// The value and first two derivatives at one end of a step, by the step's length.
+/// The value and first two derivatives at one end of a step, with respect to the fraction of the step.
 #[derive(Clone, Copy)]
 pub(super) struct Knot {
     pub(super) value: DVec2,
@@ -40,7 +40,7 @@ pub(super) struct Knot {
     pub(super) second: DVec2,
 }
 
-/// Coefficients of the polynomial of fifth degree with given ends (Hermite's), lowest first, for
+/// Returns the coefficients of Hermite's polynomial of fifth degree with the given ends, lowest first, for
 /// arguments from 0 to 1.
 pub(super) fn quintic(start: Knot, end: Knot) -> [DVec2; 6] {
     let rise = end.value - start.value - start.first - 0.5 * start.second;
@@ -56,14 +56,15 @@ pub(super) fn quintic(start: Knot, end: Knot) -> [DVec2; 6] {
     ]
 }
 
-/// (u, v) by angle, from -1 to 1 across the rays, and by length, from 0 to 1 along a step.
+/// (u, v) as a function of the angle, from -1 to 1 across the rays, and of the length, from 0 to 1 along a
+/// step.
 pub(super) struct Patch {
     /// Coefficients of Chebyshev polynomials in the angle and of powers of the length.
     pub(super) coefficients: [[DVec2; 6]; RAYS],
 }
 
 impl Patch {
-    /// The value at (angle, length).
+    /// Returns the value at (angle, length).
     pub(super) fn value(&self, at: DVec2) -> DVec2 {
         let (mut before, mut now) = (at.x, 1.0);
         let mut value = DVec2::ZERO;
@@ -75,7 +76,7 @@ impl Patch {
         value
     }
 
-    /// The value and the matrix of its derivatives by angle and by length.
+    /// Returns the value, and the matrix of its derivatives with respect to angle and length.
     fn linearized(&self, at: DVec2) -> (DVec2, DMat2) {
         // T(k) and its derivative, each with the one before.
         let ((mut before, mut now), (mut slope_before, mut slope)) = ((at.x, 1.0), (1.0, 0.0));
@@ -95,20 +96,20 @@ impl Patch {
         (value, derivatives)
     }
 
-    /// Where the patch, or its continuation along the rays, takes a value: by Newton's method
-    /// from a guess.
+    /// Finds where the patch, or its continuation along the rays, takes a value, by Newton's method from a
+    /// guess.
     pub(super) fn find(&self, value: DVec2, guess: DVec2) -> Option<DVec2> {
         const MOST_STEPS: usize = 12;
-        /// Steps shorter than this end the search; the error is the square of it.
+        /// Steps shorter than this end the search. The remaining error is the square of the step.
         const CLOSE: f64 = 1e-7;
-        /// How far beyond the first and last ray the polynomial is still good, so that nothing
-        /// is lost between this patch and the next.
+        /// Distance beyond the first and last ray up to which the polynomial is accurate. The overlap ensures
+        /// that no point is lost between this patch and the next.
         const OVERLAP: f64 = 0.01;
         let mut at = guess;
         for _ in 0..MOST_STEPS {
             let (found, derivatives) = self.linearized(at);
             let step = derivatives.inverse() * (value - found);
-            // Beyond this the polynomial means nothing. Not finite where rays cross.
+            // The polynomial is meaningless further away. Steps are not finite where rays cross.
             if !step.is_finite() || step.length_squared() > 4.0 {
                 return None;
             }
@@ -161,7 +162,7 @@ mod tests {
 
     #[test]
     fn values_are_found_where_they_are() {
-        // (x + y^2 / 4, y + x^2 / 4), of which x^2 = (T0 + T2) / 2.
+        // The function (x + y^2 / 4, y + x^2 / 4), in which x^2 = (T0 + T2) / 2.
         let mut coefficients = [[DVec2::ZERO; 6]; RAYS];
         coefficients[0] =
             [0.125 * DVec2::Y, DVec2::Y, 0.25 * DVec2::X, DVec2::ZERO, DVec2::ZERO, DVec2::ZERO];

@@ -1,4 +1,4 @@
-//! Geodesics from one place, and how fast neighbouring ones part.
+//! Integrates geodesics from one place, and the rate at which neighbouring ones diverge.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use crate::surface::builtin::jet::Jet;
 
-/// From u and v to a place in space, with derivatives.
+/// A function from u and v to a position in space, with derivatives.
 pub(in crate::surface::builtin) trait Position:
     Fn([Jet; 2]) -> [Jet; 3] + Sync
 {
@@ -14,16 +14,16 @@ pub(in crate::surface::builtin) trait Position:
 
 impl<F: Fn([Jet; 2]) -> [Jet; 3] + Sync> Position for F {}
 
-/// A geodesic at some length, with the Jacobi field along it.
+/// The state of a geodesic at some length, with the Jacobi field along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ray {
     /// (u, v).
     pub(super) at: DVec2,
-    /// Derivative of (u, v) by length.
+    /// Derivative of (u, v) with respect to length.
     pub(super) heading: DVec2,
-    /// J: how far apart rays lie per angle between them at the start.
+    /// The Jacobi field J: the distance between neighbouring rays per angle between them at the start.
     pub(super) spread: f64,
-    /// Derivative of J by length.
+    /// Derivative of J with respect to length.
     pub(super) spreading: f64,
 }
 
@@ -65,7 +65,7 @@ impl Mul<f64> for Ray {
 pub(super) struct Frame {
     by_u: DVec3,
     by_v: DVec3,
-    /// By uu, uv and vv.
+    /// Derivatives with respect to uu, uv and vv.
     second: [DVec3; 3],
     /// Coefficients of the first fundamental form, E, F and G.
     metric: DVec3,
@@ -85,12 +85,12 @@ impl Frame {
         }
     }
 
-    /// Length of a vector given by its u and v components.
+    /// Returns the length of a vector given by its u and v components.
     pub(super) fn length(&self, along: DVec2) -> f64 {
         (along.x * self.by_u + along.y * self.by_v).length()
     }
 
-    /// The unit tangent vector, by its u and v components, at an angle from the direction of u.
+    /// Returns the unit tangent vector, by its u and v components, at an angle from the direction of u.
     pub(super) fn direction(&self, angle: f64) -> DVec2 {
         let DVec3 { x: e, y: f, z: g } = self.metric;
         let across = (g - f * f / e).sqrt().recip();
@@ -98,8 +98,8 @@ impl Frame {
         cos * DVec2::new(e.sqrt().recip(), 0.0) + sin * across * DVec2::new(-f / e, 1.0)
     }
 
-    /// Second derivative of (u, v) by length: a geodesic's acceleration in space is normal to
-    /// the surface.
+    /// Returns the second derivative of (u, v) with respect to length. A geodesic's acceleration in space is
+    /// normal to the surface.
     pub(super) fn acceleration(&self, heading: DVec2) -> DVec2 {
         let [uu, uv, vv] = self.second;
         let DVec2 { x: u, y: v } = heading;
@@ -109,7 +109,7 @@ impl Frame {
         DVec2::new(g * along_u - f * along_v, e * along_v - f * along_u) / (e * g - f * f)
     }
 
-    /// Gauss' curvature.
+    /// Returns the Gaussian curvature.
     pub(super) fn curvature(&self) -> f64 {
         let normal = self.by_u.cross(self.by_v);
         let [l, m, n] = self.second.map(|second| second.dot(normal));
@@ -122,7 +122,7 @@ impl Ray {
         Self { at: from, heading: frame.direction(angle), spread: 0.0, spreading: 1.0 }
     }
 
-    /// Derivative by length: J'' = -K J.
+    /// Returns the derivative with respect to length, with J'' = -K J.
     pub(super) fn derivative(self, position: &impl Position) -> Self {
         let frame = Frame::new(position(Jet::variables(self.at)));
         Self {
@@ -133,9 +133,9 @@ impl Ray {
         }
     }
 
-    /// The ray a step further, given its derivative here: by extrapolation of Gragg's midpoint
-    /// rule, of sixth order (Hairer, Norsett, Wanner, "Solving Ordinary Differential Equations
-    /// I", section II.9).
+    /// Returns the ray one step further, given its derivative here. The method is the extrapolation of
+    /// Gragg's midpoint rule, of sixth order (Hairer, Norsett, Wanner, "Solving Ordinary Differential
+    /// Equations I", section II.9).
     pub(super) fn advance(self, derivative: Self, step: f64, position: &impl Position) -> Self {
         const PARTS: [usize; 3] = [2, 4, 6];
         let midpoint = |parts: usize| {
@@ -146,7 +146,7 @@ impl Ray {
             }
             now
         };
-        // Aitken and Neville, towards parts of length 0: the error is even in the length.
+        // Aitken-Neville extrapolation to parts of length 0. The error is even in the length.
         let mut row = [self; PARTS.len()];
         for (index, parts) in PARTS.into_iter().enumerate() {
             let mut better = midpoint(parts);
