@@ -36,7 +36,7 @@ impl std::fmt::Display for Side {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OffsetError {
-    /// The map is not that of the surface and the sources.
+    /// The map does not belong to the surface and the sources.
     #[error(transparent)]
     Map(#[from] MapError),
     /// A source is a point and has no sides.
