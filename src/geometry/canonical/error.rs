@@ -84,7 +84,7 @@ pub enum CanonicalError {
     /// All distances are zero.
     #[error("all distances are zero: there is no form")]
     NoExtent,
-    /// Squared distances exceed the range of single precision.
+    /// Squared distances are outside the range of single precision.
     #[error(
         "the largest distance is {largest:e}; choose a unit of length in which it lies between \
          {:e} and {:e}",

@@ -8,7 +8,7 @@ use crate::surface::{Chart, Direction, is_corner};
 /// The corners of holes in the region that the map reaches.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Corners {
-    /// Whether each point of the bordered array is a corner. Empty if there are no corners.
+    /// Whether each point of the bordered array is a corner. Empty if the map reaches all points.
     is_corner: Vec<bool>,
 }
 

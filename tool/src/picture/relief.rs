@@ -52,7 +52,8 @@ impl Tangents<'_> {
         Some(position * DVec3::new(1.0, 1.0, self.exaggeration))
     }
 
-    /// Returns half the vector between both neighbours along a direction, or the vector to the only one.
+    /// Returns half the vector between the two neighbours along a direction. If there is only one, returns
+    /// the step to or from it.
     pub fn along(&self, row: usize, col: usize, to: Direction) -> Option<DVec3> {
         let here = self.position(row, col)?;
         let at = |to| {

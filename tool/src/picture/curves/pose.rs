@@ -23,9 +23,9 @@ const CLOSED: f64 = 0.3;
 const FLAT: f64 = 0.9999;
 
 impl Pose {
-    /// Chooses the view of a surface. Terrain is seen from the south and from above. Other open surfaces are
-    /// seen from the side to which they bulge, with rows downwards and columns to the right. Closed surfaces
-    /// are seen from beside the z axis.
+    /// Chooses the view of a surface. Terrain is seen obliquely from the south. Other open surfaces are seen
+    /// from the side to which they bulge, with rows downwards and columns to the right. Closed surfaces are
+    /// seen from beside the z axis.
     pub fn of(shape: &Surface, toward: Option<DVec3>) -> Self {
         let heights = matches!(shape.geometry(), Geometry::Heights { .. });
         let exaggeration = exaggeration(shape);
