@@ -1,5 +1,5 @@
-//! Time of a canonical form: classical scaling alone, then with SMACOF to the default tolerance,
-//! plain and extrapolated. The distances are computed outside the measured time.
+//! Measures the time of a canonical form: classical scaling alone, and with SMACOF to the default tolerance,
+//! with and without extrapolation. The distances are computed outside the measured time.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use geosweep::geometry::canonical::{Distances, FormOptions, canonical_form};

@@ -1,7 +1,6 @@
-//! Time of edge lengths, and of one converged map, engines and wavefronts side by side:
-//! `cargo bench`.
+//! Measures the time of edge lengths and of one converged map, for all engines and wavefronts: `cargo bench`.
 //!
-//! Set-up (edge lengths, upload, compilation of shaders) is outside the measured time of a map.
+//! The measured time of a map does not include set-up: edge lengths, upload and shader compilation.
 
 use std::time::Duration;
 
@@ -54,7 +53,7 @@ fn distance_map(c: &mut Criterion) {
     }
 }
 
-/// Edge lengths, which a surface needs once.
+/// Measures edge lengths, which are computed once per surface.
 fn edge_lengths(c: &mut Criterion) {
     for builtin in [Builtin::Sphere, Builtin::Maze] {
         let mut group = c.benchmark_group(format!("edge lengths/{}", builtin.name()));

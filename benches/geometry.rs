@@ -1,10 +1,12 @@
-//! What is made of a distance map of 1200 x 1200 points, beside the time of the map itself from the
-//! same sources: `cargo bench --bench geometry`, or with `-- WORD` those whose names have the word.
-//! Edge lengths are measured outside the measured time, as for a surface that is kept, but within
-//! that of `distance_map`.
+//! Measures what is computed from a distance map of 1200 x 1200 points, relative to the time of the map from
+//! the same sources: `cargo bench --bench geometry`. With `-- WORD`, only cases whose names contain the word
+//! are measured.
 //!
-//! All of them run in turn, round by round, so that what else the machine does falls on all alike:
-//! a share of a map's time means more than either time.
+//! Edge lengths are computed outside the measured time, as for a surface that is kept. The time of
+//! `distance_map` includes them.
+//!
+//! All cases run in turn, round by round, so that other load on the machine affects all of them equally. The
+//! ratio to a map's time is therefore more meaningful than the times themselves.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -21,7 +23,7 @@ use geosweep::{DistanceMap, Engine, Options, Sources, Surface, Wavefront, distan
 const STOP: Stop = Stop { tolerance: 1e-6, iterations: 1000 };
 const PATHS: usize = 1000;
 
-/// Something to be timed.
+/// A case to measure.
 struct Case<'a> {
     sources: &'static str,
     name: String,
@@ -29,14 +31,14 @@ struct Case<'a> {
     times: Vec<Duration>,
 }
 
-/// Cases on one surface that are timed in turn.
+/// The cases on one surface, which are measured in turn.
 struct Cases<'a> {
     words: &'a [String],
     cases: Vec<Case<'a>>,
 }
 
 impl<'a> Cases<'a> {
-    /// Adds a case; maps are timed whatever the words.
+    /// Adds a case if its name contains all words. Maps are always added.
     fn add<T>(
         &mut self,
         sources: &'static str,
@@ -54,7 +56,7 @@ impl<'a> Cases<'a> {
         }
     }
 
-    /// Times all, after a first run that does not count, and prints medians.
+    /// Measures all cases and prints medians. The first run of each case is not counted.
     fn time(mut self, rounds: usize) {
         for round in 0..=rounds {
             for Case { run, times, .. } in &mut self.cases {
@@ -81,7 +83,7 @@ impl Case<'_> {
         self.name.starts_with("map")
     }
 
-    /// In seconds.
+    /// Returns the median time in seconds.
     fn median(&self) -> f64 {
         let mut times = self.times.clone();
         times.sort();
@@ -89,7 +91,7 @@ impl Case<'_> {
     }
 }
 
-/// So many places along a spiral around the middle, none near another.
+/// Returns `count` places along a spiral around the middle. The places are far from one another.
 fn spiral(side: usize, count: usize) -> Vec<[f64; 2]> {
     let turn = std::f64::consts::PI * (3.0 - f64::sqrt(5.0));
     let place = |k: usize| {
@@ -100,7 +102,7 @@ fn spiral(side: usize, count: usize) -> Vec<[f64; 2]> {
     (0..count).map(place).collect()
 }
 
-/// So many of them where the surface has points.
+/// Returns at least `count` places of a spiral that are points of the surface.
 fn spiral_on(surface: &Surface, count: usize) -> Vec<[f64; 2]> {
     let is_there = |&[row, col]: &[f64; 2]| surface.has(row as usize, col as usize);
     let on = |all| spiral(surface.rows(), all).into_iter().filter(is_there).collect::<Vec<_>>();
@@ -118,7 +120,7 @@ fn solve(surface: &Surface, sources: &Sources) -> DistanceMap {
 
 fn main() {
     let mut words: Vec<String> = std::env::args().skip(1).collect();
-    // Cargo says so if this is for times, and not for whether it runs.
+    // Cargo passes `--bench` for measurements, and not for tests.
     let is_bench = words.iter().any(|word| word == "--bench");
     words.retain(|word| !word.starts_with('-'));
     let (side, rounds) = if is_bench { (1200, 11) } else { (60, 1) };
@@ -139,7 +141,7 @@ fn main() {
         ];
         let maps: Vec<_> = sets.iter().map(|(_, sources)| solve(&surface, sources)).collect();
         let starts = spiral_on(&surface, PATHS);
-        // In the maze along its outermost corridor.
+        // In the maze the curve lies in the outermost corridor.
         let row = if builtin == Builtin::Maze { 0.1 * middle } else { middle };
         let curve = Sources::curve([[row, 0.3 * middle], [1.15 * row, 1.6 * middle]]);
         let curve_map = solve(&surface, &curve);

@@ -1,4 +1,4 @@
-//! All distances of a surface of 64 x 64 points, set of instructions by set of instructions:
+//! Measures all distances of a surface of 64 x 64 points, for each instruction set:
 //! `cargo bench --bench pairwise`. Coefficients are computed outside the measured time.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};

@@ -1,7 +1,6 @@
-//! What a frame costs: the time to record a map into a command buffer, and to run it, by size of the
-//! grid and schedule; and to find contours, paths and regions on it.
-//!
-//! `cargo bench --bench recording`
+//! Measures the cost of a frame: the time to record a map into a command buffer and to run it, by grid size
+//! and schedule. It also measures contours, paths and regions on the map. Run it with
+//! `cargo bench --bench recording`.
 
 #[path = "../tests/common/host/mod.rs"]
 mod host;
@@ -47,7 +46,7 @@ fn record(criterion: &mut Criterion) {
         let surface = solver.surface(&device, host.allocator(), &info);
         let mut surface = surface.expect("there is memory");
         host.run(|commands| solver.record(&device, commands, &surface).prepare());
-        // Iterations of scans, or rounds of tiles at most.
+        // The number is of iterations for scans, and the largest number of rounds for tiles.
         for ((schedule, wavefront), iterations) in passes.into_iter().zip([4, 64]) {
             let stop = Stop { tolerance: 1e-4, iterations: 200 };
             let method = Method { wavefront, schedule: Some(schedule), stop };
@@ -78,7 +77,7 @@ fn record(criterion: &mut Criterion) {
                     });
                 },
             );
-            // On lavapipe tiles take minutes where they are many.
+            // On lavapipe, large grids take minutes with tiles.
             if schedule == Schedule::Tiles && side > 256 {
                 continue;
             }
@@ -99,7 +98,7 @@ fn record(criterion: &mut Criterion) {
     solver.destroy(&device);
 }
 
-/// Regions of twenty sources, on a map of their own.
+/// Measures the regions of twenty sources, on a separate map.
 fn regions(
     group: &mut BenchmarkGroup<WallTime>,
     host: &mut Host,
@@ -137,7 +136,7 @@ fn regions(
     made.destroy(&device, host.allocator());
 }
 
-/// Places spread over the grid by the golden ratio.
+/// Returns places spread over the grid by the golden ratio.
 fn spread(count: u32, side: usize) -> Vec<[f32; 2]> {
     let place = |k: u32| {
         let share = |x: f32| (0.5 + x * k as f32).fract() * (side - 1) as f32;
@@ -146,7 +145,7 @@ fn spread(count: u32, side: usize) -> Vec<[f32; 2]> {
     (0..count).map(place).collect()
 }
 
-/// Ten and a hundred contours, one path and a thousand, on the map that is there.
+/// Measures 10 and 100 contours, one path and 1,000 paths, on the existing map.
 fn curves(
     group: &mut BenchmarkGroup<WallTime>,
     host: &mut Host,

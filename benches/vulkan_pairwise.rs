@@ -1,6 +1,6 @@
-//! Distances from many sources on a Vulkan device beside the CPU engine, on grids of 32 x 32 and
-//! 64 x 64 points: `cargo bench --bench vulkan_pairwise`. `GEOSWEEP_BENCH_DEVICE` names the device.
-//! What is computed once for a surface is outside the measured time.
+//! Measures distances from many sources on a Vulkan device and on the CPU engine, on grids of 32 x 32 and 64
+//! x 64 points: `cargo bench --bench vulkan_pairwise`. `GEOSWEEP_BENCH_DEVICE` names the device. The measured
+//! time does not include what is computed once per surface.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use geosweep::Stop;
@@ -19,7 +19,7 @@ fn vulkan_pairwise(c: &mut Criterion) {
         let points = side * side;
         let surface = Builtin::Sphere.surface(side, side).expect("built-in surfaces fit");
         let on_device = solver.upload(&surface).expect("small surfaces fit");
-        // Every eighth row of the matrix, in runs of neighbours.
+        // The sources are an eighth of all grid points, in runs of 64 neighbours.
         let sources: Vec<_> = (0..points).filter(|i| i / 64 % 8 == 0).map(Some).collect();
         let mut rows = vec![0.0; sources.len() * points];
         for (name, stop) in [("one iteration", Stop::after(1)), ("converged", CONVERGED)] {

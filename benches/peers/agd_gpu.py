@@ -99,7 +99,7 @@ class Agd(Solver):
             entries["factoringRadius"] = self.setting.radius
         if self.mode == "gpu":
             entries["solver"] = self.setting.solver
-            # It refuses arrays of NumPy beside those of CuPy.
+            # agd does not accept NumPy arrays together with CuPy arrays.
             for name in ("dims", "origin", "seed"):
                 entries[name] = entries[name].tolist()
         if not self.grid.present.all():
@@ -222,7 +222,7 @@ def measured(
             distances = solver.solve(source)
             whole, solve = time.perf_counter() - clock, solver.seconds or 0.0
             times.append((whole - solve, solve))
-    except Exception as error:  # One setting that fails must not cost the others.
+    except Exception as error:  # A failing setting must not stop the others.
         return report.Row(
             surface, size, solver.name, failure=f"{type(error).__name__}: {error}".splitlines()[0]
         )

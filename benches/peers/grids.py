@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-# Diagonals whose lengths differ by less than this fraction count as equal, so that rounding
-# does not scatter diagonals over a plane.
+# The relative difference below which two diagonals count as equally long. It keeps rounding from
+# choosing diagonals at random on a plane.
 TIE = 1e-4
 
 

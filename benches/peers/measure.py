@@ -20,7 +20,7 @@ import numpy as np
 from grids import Grid
 from solvers import Place, Solver
 
-# Libraries that would start threads read these when they are loaded.
+# Libraries that start threads read these variables when they are loaded.
 THREADS = (
     "OMP_NUM_THREADS",
     "OPENBLAS_NUM_THREADS",
@@ -29,7 +29,7 @@ THREADS = (
     "RAYON_NUM_THREADS",
 )
 
-# A solver is not asked again once its repeats have taken this long, in seconds.
+# The total time of repeats, in seconds, after which a solver is not run again.
 LONG = 15.0
 
 
@@ -87,7 +87,7 @@ def _child(
         if cores:
             _confine(cores)
         sender.send(_measure(make(), Grid.load(positions), source, repeats, cores))
-    except Exception as error:  # Whatever a peer raises is its result.
+    except Exception as error:  # Any exception of a peer is its result.
         traceback.print_exc()
         sender.send(
             Failure(f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}")
@@ -102,7 +102,7 @@ def _confine(cores: int) -> None:
 
 
 def _measure(solver: Solver, grid: Grid, source: Place, repeats: int, cores: int) -> Result:
-    # No part of anyone's set-up: the triangles, which are given to all, and loading of modules.
+    # The triangles, which all solvers get, and the loading of modules do not count as set-up.
     _ = grid.faces
     for module in solver.needs:
         importlib.import_module(module)

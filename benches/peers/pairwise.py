@@ -42,7 +42,7 @@ class Gdist(Solver):
         return self.grid.to_map(gdist.compute_gdist(self.grid.vertices, self.grid.faces, start))
 
 
-# How many sources each peer solves for: seconds, not minutes.
+# The number of sources for each peer. It keeps the time at seconds instead of minutes.
 PEERS: dict[Callable[[], Solver], int] = {GeometryCentralHeat: 512, Exact: 128, Gdist: 64}
 
 OURS = {
@@ -103,7 +103,7 @@ def peer(maker: Callable[[], Solver], grid: Grid, count: int, processes: int) ->
     parts = [places[start::processes] for start in range(processes)]
     arguments = (maker, grid.positions)
     with ProcessPoolExecutor(processes, initializer=_prepare, initargs=arguments) as pool:
-        # So that all processes are set up before any clock starts.
+        # A first call without sources sets up all processes before the clocks start.
         list(pool.map(_rows, [[] for _ in parts]))
         done = list(pool.map(_rows, parts))
     seconds = max(taken for taken, _ in done)
@@ -143,7 +143,7 @@ def table(results: list[Result]) -> str:
     for result in results:
         ratio = ""
         if result not in own:
-            # An exact method on the mesh is as far from truth as the mesh.
+            # A method that is exact on the mesh has the error of the mesh.
             better = [one for one in own if one.error <= result.error]
             ratio = ", ".join(f"{one.rate / result.rate:.0f} ({one.name[9:]})" for one in better)
         lines.append(
@@ -174,7 +174,7 @@ def main() -> None:
             continue
         try:
             results.append(peer(maker, grid, count, options.processes))
-        except Exception as error:  # A peer's failure is a line, not the end of the run.
+        except Exception as error:  # A failing peer does not end the run.
             print(f"{maker().name}: {error}", file=sys.stderr)
     print(table(results))
 

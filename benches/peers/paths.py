@@ -27,12 +27,13 @@ from report import fraction
 from solvers import WAVEFRONTS, Exact, Place
 from terrain import CROPS, SIZE, SOURCES, SPACING, crop_of_heights, lifted
 
-# Starts for each crop and source, no nearer to it than so many cells.
+# The number of starts for each crop and source, and their least distance from the source in cells.
 STARTS = 25
 FAR_ENOUGH = 5
-# Between places at which two paths are compared, in cells.
+# The distance between the places at which two paths are compared, in cells.
 STEP = 0.1
-# A path that leaves the exact one by more went another way, about as short.
+# The distance from the exact path, in cells, beyond which a path took another route of about the
+# same length.
 ANOTHER_WAY = 2.0
 
 
@@ -225,7 +226,7 @@ def line(found: list[tuple[Case, list[Traced]]]) -> str:
     excess = np.array(
         [on_triangles(grid, path.places) / exact.length - 1 for grid, path, exact in pairs]
     )
-    # Nothing on the triangles is shorter than the exact path.
+    # No path on the triangles is shorter than the exact path.
     assert excess.min() > -1e-6, excess.min()
     cells = np.array([apart(path.places, exact.places) for _, path, exact in pairs])
     same = cells <= ANOTHER_WAY

@@ -8,7 +8,7 @@ import numpy as np
 
 Place = tuple[int, int]
 
-# What `geosweep builtin` writes; see the documentation of `surface::builtin::Builtin`.
+# The surfaces that `geosweep builtin` writes; see the documentation of `surface::builtin::Builtin`.
 TURN = 1.5 * np.pi
 CYLINDER_HEIGHT = 3.0
 CONE_SLOPE = 0.5

@@ -23,7 +23,7 @@ from grids import Grid
 
 Place = tuple[int, int]
 
-# Everything, as a peer's longest distance.
+# A longest distance for peers that is larger than any distance on the surfaces.
 FAR = 1e9
 
 
@@ -33,7 +33,7 @@ class Solver:
     name = ""
     needs: tuple[str, ...] = ()
     seconds: float | None = None
-    # Whether what `solve` does besides solving is set-up, which could be kept but is not.
+    # Whether `solve` also repeats set-up, whose result could be kept but is not.
     sets_up_each_time = False
 
     def suits(self, surface: str) -> bool:
@@ -227,9 +227,9 @@ class HamiltonFastMarching(Solver):
         self.input["seed"] = np.array(source, dtype=float)
         with np.errstate(
             invalid="ignore"
-        ):  # agd divides by the length of a zero vector at the source.
+        ):  # agd divides by zero at the source, where a vector has no length.
             output = self.input.Run()
-        # Stencils depend on the metric alone, but are computed anew in each run.
+        # Stencils depend only on the metric but are computed again in each run.
         self.seconds = float(output["FMCPUTime"])
         return np.asarray(output["values"])
 
@@ -316,7 +316,7 @@ def peers() -> dict[str, Callable[[], Solver]]:
 
 def lacks(solver: Solver) -> str | None:
     """The first package that a solver needs and this Python has not, if any."""
-    # Found but not loaded: each peer is loaded in a process of its own.
+    # The package is looked up without loading it, since each peer is loaded in its own process.
     packages = (module.partition(".")[0] for module in solver.needs)
     return next(
         (package for package in packages if importlib.util.find_spec(package) is None), None

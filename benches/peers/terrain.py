@@ -26,13 +26,13 @@ from report import fraction
 from solvers import Exact, Place, Solver, geosweep_solvers, lacks, peers
 
 ELEVATION = Path(__file__).resolve().parents[2] / "examples" / "data" / "jacksboro.png"
-# Metres between columns and between rows, from the README beside the elevation model.
+# The metres between columns and between rows, from the README next to the elevation model.
 SPACING = (74.573, 92.475)
 SIZE = 65
 FINER = 4
-# Row and column of each crop's first point. The last holds the highest point of all.
+# The row and column of each crop's first point. The last crop contains the highest point of all.
 CROPS = ((20, 40), (60, 300), (170, 150), (265, 185))
-# Off the centre, and near a corner, where paths are longest.
+# One source off the centre, and one near a corner, where paths are longest.
 SOURCES = ((20, 27), (60, 4))
 
 

@@ -1,13 +1,15 @@
-//! Areas on the surface.
+//! Computes areas on a surface.
 
 use rayon::prelude::*;
 
 use crate::Surface;
 use crate::surface::triangles;
 
-/// The area of a surface, in its unit squared, without any slowness: of the triangles that its
-/// cells are cut into, from north-west to south-east, and of the halves of cells beside a missing
-/// corner.
+/// Computes the area of a surface, in the surface's unit squared.
+///
+/// The area is the sum over the triangles of the grid. Each cell is split along its diagonal from north-west
+/// to south-east; a cell with one missing corner counts as a single triangle. A slowness does not change the
+/// area.
 ///
 /// ```
 /// use geosweep::{Spacing, Surface, geometry::area};
@@ -19,17 +21,17 @@ use crate::surface::triangles;
 pub fn area(surface: &Surface) -> f64 {
     let there = |index: usize| surface.present()[index];
     let of_row = |row| of_triangles(surface, row, there).map(|(_, area)| area).sum::<f64>();
-    // In order, so that the sum does not depend on the number of threads.
+    // The sum runs in row order, so that it does not depend on the number of threads.
     let rows: Vec<f64> = rows(surface).map(of_row).collect();
     rows.into_iter().sum()
 }
 
-/// The rows of cells.
+/// Returns the rows of cells.
 pub(super) fn rows(surface: &Surface) -> impl IndexedParallelIterator<Item = usize> {
     surface.chart().rows_of_cells().into_par_iter()
 }
 
-/// The triangles of a row of cells between points that are `there`, each with its area.
+/// Returns the triangles of the row `row` of cells, each with its area. `there` tells which points exist.
 pub(super) fn of_triangles(
     surface: &Surface,
     row: usize,

@@ -1,14 +1,14 @@
-//! A map between and beyond its grid points.
+//! Interpolates a distance map between its grid points, and extrapolates it beyond them.
 //!
-//! What is interpolated is the square of the time since the start. From a point source on a
-//! developable surface it is a quadratic along any straight line, through the source too; beside
-//! a source curve it is one across it; and it is smooth wherever the map itself is. Where fronts
-//! meet, both have a kink, and each side is continued from its own points alone.
+//! The interpolated quantity is the square of the time since the start. For a point source on a developable
+//! surface this square is quadratic along any straight line, also through the source. Beside a source curve
+//! it is quadratic across the curve. It is smooth wherever the map itself is smooth. Where two wavefronts
+//! meet, the map and its square have a kink; there each side is extrapolated from its own points alone.
 
 use crate::DistanceMap;
 use crate::surface::{Chart, Direction};
 
-/// Squared times since the start, at grid points.
+/// The squared times since the start, at grid points.
 #[derive(Clone, Copy)]
 pub(super) struct Arrivals<'a> {
     pub chart: Chart,
@@ -17,7 +17,7 @@ pub(super) struct Arrivals<'a> {
 }
 
 impl<'a> Arrivals<'a> {
-    /// `start` is the initial value of the sources, the smallest of several.
+    /// Wraps a map. `start` is the smallest initial value of the sources.
     pub fn new(map: &'a DistanceMap, start: f64) -> Self {
         Self { chart: map.chart, distances: &map.distances, start }
     }
@@ -26,12 +26,12 @@ impl<'a> Arrivals<'a> {
         self.distances[index].is_finite()
     }
 
-    /// The arrival time at a grid point.
+    /// Returns the arrival time at the grid point `index`.
     pub fn time(&self, index: usize) -> f32 {
         self.distances[index]
     }
 
-    /// The square of a time since the start.
+    /// Returns the square of the time since the start, for the arrival time `time`.
     pub fn squared(&self, time: f64) -> f64 {
         (time - self.start).powi(2)
     }
@@ -40,15 +40,16 @@ impl<'a> Arrivals<'a> {
         self.squared(f64::from(self.distances[index]))
     }
 
-    /// The squared time so many steps from a point, if the grid has that point and it is reached.
+    /// Returns the squared time `steps` grid steps away from a point. Returns `None` if the grid has no such
+    /// point or the map does not reach it.
     fn along(&self, from: (usize, usize), to: Direction, steps: isize) -> Option<f64> {
         let (row, col) = self.chart.along(from, to, steps)?;
         let index = self.chart.index(row, col);
         self.is_reached(index).then(|| self.squared_at(index))
     }
 
-    /// Where on the edge from a point (0) to its neighbour (1) the map has a time that lies
-    /// between theirs.
+    /// Returns where on the edge from a point (0) to its neighbour (1) the map has the value `time`, which
+    /// lies between the values at the two ends.
     pub fn crossing(&self, from: (usize, usize), to: Direction, time: f64) -> f64 {
         let at = |steps| self.along(from, to, steps);
         let (Some(a), Some(b)) = (at(0), at(1)) else { return 0.5 };
@@ -58,7 +59,8 @@ impl<'a> Arrivals<'a> {
         };
         let bends = [bend(at(-1), a, Some(b)), bend(Some(a), b, at(2))];
         match bends {
-            // Fronts meet on this edge: the earlier of both, each continued by itself.
+            // Two wavefronts meet on this edge. The time is the earlier of both, each extrapolated from its
+            // own side.
             [Some(p), Some(q)] if p < 0.0 && q < 0.0 => {
                 let ahead = bend(at(-2), at(-1).unwrap_or(a), Some(a));
                 let behind = bend(Some(b), at(2).unwrap_or(b), at(3));
@@ -75,7 +77,7 @@ impl<'a> Arrivals<'a> {
                 solve(target, |s| from_a(s).min(from_b(1.0 - s)))
             }
             [Some(p), Some(q)] => {
-                // Near a kink on one side the other side's points know better.
+                // If there is a kink beyond one end, the second difference at the other end is more accurate.
                 let smooth = (p - q).abs() <= 0.5 * (p.abs() + q.abs());
                 let least = if p.abs() < q.abs() { p } else { q };
                 let (p, q) = if smooth { (p, q) } else { (least, least) };
@@ -92,8 +94,8 @@ impl<'a> Arrivals<'a> {
     }
 }
 
-/// Where a function takes a value that lies between those at 0 and 1, by regula falsi after
-/// Illinois.
+/// Returns where a function on [0, 1] takes the value `target`, which lies between the function's values at 0
+/// and 1. The method is regula falsi in the Illinois variant.
 fn solve(target: f64, function: impl Fn(f64) -> f64) -> f64 {
     let (mut a, mut b) = (0.0, 1.0);
     let (mut at_a, mut at_b) = (function(a) - target, function(b) - target);

@@ -1,4 +1,4 @@
-//! From the segments that triangles hold to polylines.
+//! Joins the segments inside triangles into polylines.
 
 use std::collections::BTreeMap;
 
@@ -6,8 +6,8 @@ use rayon::prelude::*;
 
 use super::Curve;
 
-/// A directed piece of a curve between two nodes. Of the same curves, given by `key`, at most one
-/// segment starts at a node and at most one ends there.
+/// A directed segment between two nodes. Segments with the same `key` belong to the same set of curves.
+/// Within such a set at most one segment starts at a node, and at most one ends there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Segment<K> {
     pub key: K,
@@ -15,10 +15,10 @@ pub(super) struct Segment<K> {
     pub to: u64,
 }
 
-/// Vertices closer than this, in grid steps, are one.
+/// The distance, in grid steps, up to which two vertices count as one.
 const SAME: f64 = 1e-9;
 
-/// Joins segments into the longest curves they make, ordered by key, open ones first.
+/// Joins segments into curves of maximal length. The curves are sorted by key, open curves first.
 pub(super) fn join<K: Copy + Ord + Send + Sync>(
     mut segments: Vec<Segment<K>>,
     place: impl Fn(K, u64) -> [f64; 2] + Sync,
@@ -58,8 +58,8 @@ pub(super) fn join<K: Copy + Ord + Send + Sync>(
     curves
 }
 
-/// Joins segments without a direction into the longest ways that pass through nodes of two segments
-/// alone. A closed one repeats its first node.
+/// Joins undirected segments into polylines of maximal length that pass only through nodes of exactly two
+/// segments. A closed polyline repeats its first node.
 pub(super) fn ways(segments: &[[u64; 2]]) -> Vec<Vec<u64>> {
     let mut at: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
     for (index, ends) in segments.iter().enumerate() {
@@ -68,7 +68,7 @@ pub(super) fn ways(segments: &[[u64; 2]]) -> Vec<Vec<u64>> {
     let mut taken = vec![false; segments.len()];
     let mut ways = Vec::new();
     let passes = |node: &u64| at[node].len() == 2;
-    // Those with ends first.
+    // Polylines with free ends or junctions come first, closed ones after them.
     let starts = at.keys().filter(|node| !passes(node)).chain(at.keys());
     for &start in starts {
         for &first in &at[&start] {
@@ -89,7 +89,7 @@ pub(super) fn ways(segments: &[[u64; 2]]) -> Vec<Vec<u64>> {
     ways
 }
 
-/// Without repeated vertices; `None` if no curve is left.
+/// Removes repeated vertices. Returns `None` if too few vertices are left.
 fn simplified(mut vertices: Vec<[f64; 2]>, closed: bool) -> Option<Curve> {
     let same = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) <= SAME;
     vertices.dedup_by(|a, b| same(*a, *b));

@@ -1,4 +1,5 @@
-//! Curves of equal distance, by marching triangles in the parameter domain (paper, section 6.3).
+//! Computes contours, curves of equal distance, by marching triangles in the parameter domain (paper, section
+//! 6.3).
 
 use rayon::prelude::*;
 
@@ -10,40 +11,40 @@ use crate::shown::exact;
 use crate::surface::{Edge, triangles};
 use crate::{DistanceMap, Sources};
 
-/// Where contours are wanted.
+/// The levels of contours.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Levels {
-    /// At these distances.
+    /// The given distances.
     List(Vec<f64>),
-    /// So many, equally spaced between the start and the largest distance.
+    /// The given number of levels, equally spaced between the start and the largest distance.
     Count(usize),
-    /// At all multiples of a distance beyond the start.
+    /// All multiples of the given distance beyond the start.
     Spacing(f64),
 }
 
-/// Why there are no such levels.
+/// The reason why levels are not usable.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LevelError {
     /// A level is NaN or infinite.
     #[error("contour level {0} is not finite")]
     NotFinite(f64),
-    /// A spacing is zero, negative or not finite.
+    /// The spacing is zero, negative or not finite.
     #[error("contours {} apart cannot be drawn; the spacing must be positive and finite", exact(*.0))]
     Spacing(f64),
-    /// Too many levels.
+    /// There are too many levels.
     #[error("{} contour levels are too many; the limit is {MOST_LEVELS}", exact(.0.round()))]
     TooMany(f64),
 }
 
-/// The most levels of one call.
+/// The largest number of levels in one call.
 pub const MOST_LEVELS: usize = 65_535;
 
 impl Levels {
-    /// The levels on a map from some sources, ascending, each once.
+    /// Returns the levels on the map `map` of `sources`, in ascending order and without duplicates.
     ///
     /// # Errors
-    /// If a level or the spacing makes no sense, or there would be more than [`MOST_LEVELS`].
+    /// If a level or the spacing is not usable, or there would be more than [`MOST_LEVELS`].
     pub fn on(&self, map: &DistanceMap, sources: &Sources) -> Result<Vec<f64>, LevelError> {
         let (low, high) = (sources.start(), map.report.max_distance);
         let too_many = |count: f64| {
@@ -66,7 +67,7 @@ impl Levels {
                 if !(*step > 0.0 && step.is_finite()) {
                     return Err(LevelError::Spacing(*step));
                 }
-                // With the largest distance, if that is a multiple but for rounding.
+                // The largest distance is included if it is a multiple up to rounding.
                 let top = high + crest::rounding(low, high);
                 let (first, last) = ((low / step).floor() + 1.0, (top / step).floor());
                 too_many(last - first + 1.0)?;
@@ -79,26 +80,30 @@ impl Levels {
     }
 }
 
-/// The points at some distance.
+/// The contour of one level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contour {
     /// The distance.
     pub level: f64,
-    /// Closed curves, and open ones that end at the surface's border, at holes or where the map
-    /// ends. Nearer points lie to the left of each as seen in a picture of the grid, rows
-    /// downwards: curves around the source run counter-clockwise.
+    /// The curves of the contour. Each is either closed, or open with its ends at the surface's border, at a
+    /// hole or at the limit of the map.
+    ///
+    /// Nearer points lie to the left of each curve, as seen in a picture of the grid with rows downwards.
+    /// Curves around the source run counter-clockwise.
     pub curves: Vec<Curve>,
 }
 
-/// The contours of a map at some levels, in their order; see [`Levels::on`]. A level that the map
-/// does not have, below its start or above its largest distance, has no curves.
+/// Computes the contours of a map at the given levels, in the order of `levels`; see [`Levels::on`]. A level
+/// below the map's start or above its largest distance has no curves.
 ///
-/// Vertices lie on the grid's lines and cells' diagonals, where a cubic of the squared distance
-/// through four points in line takes the level: exactly on circles in the plane, however near the
-/// source. Where fronts meet, the curve's corner is cut inside a triangle. A contour that passes
-/// between grid points without separating any, around a source inside a cell for example, is not
-/// found. Curves at the largest distance, as along a border that is equally far everywhere, join the grid
-/// points that have it, but for rounding; a single one is no curve.
+/// Vertices lie on the grid's lines and on diagonals of cells. On each line the squared distance is
+/// interpolated by a cubic through four points. On circles in the plane this is exact, however close to the
+/// source. Where wavefronts meet, the corner of the curve is cut inside one triangle.
+///
+/// A contour that passes between grid points without separating any of them is not found, for example around
+/// a source inside a cell. Curves at the largest distance connect the grid points that have this distance up
+/// to rounding, for example along a border that is equally far everywhere. A single such point makes no
+/// curve.
 ///
 /// ```
 /// use geosweep::geometry::{Levels, contours};
@@ -149,11 +154,11 @@ pub fn contours(map: &DistanceMap, sources: &Sources, levels: &[f64]) -> Vec<Con
     levels.iter().map(of_level).collect()
 }
 
-/// The segments of all levels in all triangles, keyed by the level's index.
+/// Returns the segments of all levels in all triangles. Keys are the indices of the levels.
 fn march(arrivals: &Arrivals, levels: &[f64]) -> Vec<Segment<u32>> {
     const MISSING: u32 = u32::MAX;
     let chart = arrivals.chart;
-    // How many levels a point has passed: the distance there is at least as large.
+    // The number of levels that are at most the distance of the point.
     let passed = |index: usize| {
         let time = f64::from(arrivals.time(index));
         if !time.is_finite() {
@@ -173,7 +178,8 @@ fn march(arrivals: &Arrivals, levels: &[f64]) -> Vec<Segment<u32>> {
             }
             let there = counts.map(|count| count != MISSING);
             let times = corners.map(|index| arrivals.time(index));
-            // Along the diagonal that the map rises on, so that curves cross it.
+            // Splits the cell along the diagonal with the larger change of the map, so that curves cross the
+            // diagonal.
             let falling = (times[0] - times[3]).abs() >= (times[1] - times[2]).abs();
             for triangle in triangles(there, falling) {
                 march_triangle(triangle, &counts, |level, out, back| {
@@ -188,8 +194,8 @@ fn march(arrivals: &Arrivals, levels: &[f64]) -> Vec<Segment<u32>> {
     chart.rows_of_cells().into_par_iter().flat_map_iter(row_of_cells).collect()
 }
 
-/// Calls `found` with each level that passes through a triangle, and the edges on which the way
-/// around it leaves the nearer part and comes back.
+/// Calls `found` with each level that crosses a triangle, and with the edges at which the boundary of the
+/// triangle leaves and re-enters the nearer part.
 fn march_triangle(
     triangle: &[usize; 3],
     counts: &[u32; 4],

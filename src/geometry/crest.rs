@@ -1,24 +1,25 @@
-//! Curves at a map's largest distance. No point is farther, so that nothing crosses that level: the curves join
-//! the points that have it.
+//! Finds curves at a map's largest distance. No point is farther, so no edge crosses that level; the curves
+//! connect the points that have the largest distance.
 
 use super::Curve;
 use super::arrivals::Arrivals;
 use super::chains::ways;
 use crate::surface::Chart;
 
-/// Rounding of a largest distance in single precision, which adds up on the way to it...
+/// The rounding error of a largest distance in single precision that accumulates along the path, as a
+/// fraction of the distance since the start.
 const ON_THE_WAY: f64 = 2e-6;
-/// ... and rounding of its digits.
+/// The rounding error of the stored value, as a fraction of it.
 const OF_DIGITS: f64 = 4.0 * f32::EPSILON as f64;
 
-/// By how much distances may lie below the largest and count as equal.
+/// Returns by how much a distance may lie below the largest one and still count as equal.
 pub(super) fn rounding(start: f64, largest: f64) -> f64 {
     let rounding = ON_THE_WAY * (largest - start) + OF_DIGITS * largest.abs().max(start.abs());
     if rounding.is_finite() { rounding.max(0.0) } else { 0.0 }
 }
 
-/// The curves along grid edges between points that are at least so far. Nearer points lie to their left, where
-/// they lie on one side only.
+/// Returns the curves along grid edges between points whose distance is at least `least`. If nearer points
+/// lie on one side of a curve only, that side is the left.
 pub(super) fn curves(arrivals: &Arrivals, least: f64) -> Vec<Curve> {
     let chart = arrivals.chart;
     let is_top = |index: usize| {
@@ -26,7 +27,8 @@ pub(super) fn curves(arrivals: &Arrivals, least: f64) -> Vec<Curve> {
         time.is_finite() && time >= least
     };
     let top = |(row, col): (usize, usize)| is_top(chart.index(row, col));
-    // Whether a corner of a cell, given by its first one, is nearer. A plateau has its border alone.
+    // Whether a corner of the cell is nearer; the cell is given by its first corner. Of a plateau only the
+    // border is kept.
     let falls = |row: Option<usize>, col: Option<usize>| {
         let (Some(row), Some(col)) = (row, col) else { return false };
         let corners = [(row, col), (row, col + 1), (row + 1, col), (row + 1, col + 1)];
@@ -54,7 +56,7 @@ pub(super) fn curves(arrivals: &Arrivals, least: f64) -> Vec<Curve> {
             edges.push([here, south].map(number));
         }
         if below && right {
-            // Across a cell only where no way along its sides leads.
+            // Diagonals are used only where no path along the sides of the cell exists.
             let tops = [here, east, south, across].map(top);
             if tops == [true, false, false, true] && falls(Some(row), Some(col)) {
                 edges.push([here, across].map(number));
@@ -81,7 +83,8 @@ fn curve(arrivals: &Arrivals, way: &[u64]) -> Curve {
     Curve { vertices, closed }
 }
 
-/// Whether more points on the left are nearer than on the right, as seen on the grid with rows downwards.
+/// Whether the points to the left are nearer overall than the points to the right, as seen on the grid with
+/// rows downwards.
 fn is_left_nearer(arrivals: &Arrivals, points: &[(usize, usize)]) -> bool {
     let Chart { rows, cols } = arrivals.chart;
     let mut balance = 0.0;

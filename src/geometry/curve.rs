@@ -1,20 +1,20 @@
-//! Curves in the parameter domain, and what they are on the surface.
+//! Represents curves in the parameter domain, and lifts and measures them on the surface.
 
 use glam::{DVec2, DVec3};
 
 use crate::Surface;
 use crate::surface::{Sample, grid_crossings};
 
-/// A polyline in the parameter domain, its vertices anywhere between grid points.
+/// A polyline in the parameter domain. Its vertices may lie anywhere between grid points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
-    /// Row and column of each vertex, fractional, in order.
+    /// The row and column of each vertex, fractional, in order.
     pub vertices: Vec<[f64; 2]>,
-    /// Whether the last vertex is joined to the first, which is not repeated.
+    /// Whether the last vertex is connected to the first. The first vertex is not repeated.
     pub closed: bool,
 }
 
-/// Why a curve cannot be taken to the surface.
+/// The reason why a curve cannot be lifted to the surface or measured on it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CurveError {
@@ -32,17 +32,17 @@ pub enum CurveError {
 }
 
 impl Curve {
-    /// The vertices with the first repeated at the end of a closed curve.
+    /// Returns the vertices. For a closed curve the first vertex is repeated at the end.
     pub fn points(&self) -> impl Iterator<Item = [f64; 2]> {
         let first = self.vertices.first().filter(|_| self.closed);
         self.vertices.iter().chain(first).copied()
     }
 
-    /// Each vertex in space: bilinear between the four grid points around it, linear between
-    /// three beside a hole.
+    /// Returns the position of each vertex in space. The interpolation is bilinear between the four grid
+    /// points around the vertex, and linear between three points beside a hole.
     ///
     /// # Errors
-    /// If the surface has no positions, or not at a vertex.
+    /// If the surface has no positions, or a vertex lies off the surface.
     ///
     /// ```
     /// use geosweep::{Spacing, Surface, geometry::Curve};
@@ -61,8 +61,9 @@ impl Curve {
         self.vertices.iter().map(place).collect()
     }
 
-    /// Length on the surface, in its unit, without any slowness: of the straight steps between
-    /// the places where the curve crosses the grid's lines.
+    /// Returns the length of the curve on the surface, in the surface's unit. The length is the sum of the
+    /// straight segments between the places where the curve crosses the grid's lines. A slowness does not
+    /// change it.
     ///
     /// # Errors
     /// If a part of the curve lies off the surface.

@@ -1,18 +1,18 @@
-//! What can be wrong with a map that something is to be made of.
+//! Defines the errors of distance maps that are given as inputs.
 
 use crate::surface::SourceError;
 
-/// Why distances and sources cannot be the map of a surface.
+/// The reason why distances and sources cannot be the map of a surface.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MapError {
     /// A source does not lie on the surface.
     #[error(transparent)]
     Source(#[from] SourceError),
-    /// The distances are not those of the surface's points.
+    /// The number of distances differs from the number of grid points.
     #[error("{found} distances do not fill a grid of {rows} x {cols} points")]
     Shape {
-        /// How many there are.
+        /// Number of distances.
         found: usize,
         /// Rows of the grid.
         rows: usize,

@@ -1,4 +1,5 @@
-//! What people do with a distance map.
+//! Computes geometry from distance maps: contours, geodesic paths, Voronoi regions, offset curves, cut loci,
+//! even samples and canonical forms.
 
 mod area;
 mod arrivals;

@@ -1,14 +1,14 @@
-//! The points of a map in the order in which its fronts reach them.
+//! Orders the points of a map by arrival time.
 
 use rayon::prelude::*;
 
 use super::MapError;
 use crate::surface::{Chart, Real};
 
-/// A map as a bordered array, in which points that are not reached have [`Real::FAR`].
+/// Copies a map into a bordered array. Points that the map does not reach get [`Real::FAR`].
 ///
 /// # Errors
-/// If there is not a distance for each grid point.
+/// If the number of distances differs from the number of grid points.
 pub(super) fn bordered(chart: Chart, distances: &[f32]) -> Result<Vec<f32>, MapError> {
     let Chart { rows, cols } = chart;
     if distances.len() != chart.points() {
@@ -17,26 +17,26 @@ pub(super) fn bordered(chart: Chart, distances: &[f32]) -> Result<Vec<f32>, MapE
     let mut times = vec![f32::FAR; chart.bordered_points()];
     chart.rows_mut(&mut times).zip(distances.par_chunks(cols)).for_each(|(line, distances)| {
         for (time, &distance) in line.iter_mut().zip(distances) {
-            // Adding zero leaves no -0, which would come before 0 without being smaller.
+            // Adding zero turns -0 into 0. Otherwise -0 would be ordered before 0 although it is not smaller.
             *time = if distance.is_finite() { distance + 0.0 } else { f32::FAR };
         }
     });
     Ok(times)
 }
 
-/// Where a point comes among all: a number that is smaller the earlier the point is reached, and of
-/// equally early ones the smaller its index.
+/// Returns the rank of a point: a number that is smaller for points that are reached earlier. Among points
+/// with equal times, the point with the smaller index has the smaller rank.
 pub(super) fn rank(time: f32, point: usize) -> u64 {
-    // The bits of negative numbers grow downwards.
+    // For negative numbers, the order of the bits is reversed.
     let bits = time.to_bits();
     let ordered = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
     (u64::from(ordered) << 32) | point as u64
 }
 
-/// The indices of all points that are reached, the earliest first; of equally early ones that with
-/// the smaller index.
+/// Returns the indices of all reached points, the earliest first. Points with equal times are sorted by
+/// index.
 ///
-/// Into many buckets first: times are spread evenly enough for each to stay short.
+/// Points are first distributed into many buckets. Times are spread evenly enough to keep each bucket short.
 pub(super) fn by_arrival(times: &[f32]) -> Vec<u32> {
     const IN_BUCKET: usize = 16;
     let is_reached = |time: f32| time < f32::FAR;
@@ -45,7 +45,7 @@ pub(super) fn by_arrival(times: &[f32]) -> Vec<u32> {
     let last = reached().reduce(|| first, f32::max);
     let buckets = times.len() / IN_BUCKET + 1;
     let per_time = if last > first { (buckets - 1) as f32 / (last - first) } else { 0.0 };
-    // Rounding keeps the order, and a number that is too large saturates.
+    // Rounding does not change the order. A conversion of too large a number saturates.
     let bucket = |time: f32| (((time - first) * per_time) as usize).min(buckets - 1);
     let mut ends = vec![0u32; buckets];
     for &time in times.iter().filter(|&&time| is_reached(time)) {
@@ -62,7 +62,7 @@ pub(super) fn by_arrival(times: &[f32]) -> Vec<u32> {
         *place += 1;
     }
     let time = |point: u32| times[point as usize];
-    // Now each knows its end.
+    // Now each entry of `ends` is the end of its bucket.
     let mut rest = order.as_mut_slice();
     let mut parts = Vec::new();
     let mut start = 0;

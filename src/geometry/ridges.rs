@@ -1,4 +1,5 @@
-//! Where fronts meet: the map's kinks, the cut locus of its sources.
+//! Finds ridges: the lines where wavefronts meet, which are the kinks of the map and the cut locus of its
+//! sources.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,13 +12,13 @@ use super::spokes::Spokes;
 use super::{Curve, MapError};
 use crate::surface::{Chart, Direction, Edge, EdgeLengths, Real, ring, triangles};
 
-/// A line on which fronts from different directions meet.
+/// A line on which wavefronts from different directions meet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ridge {
-    /// The line, from end to end or junction to junction; its direction means nothing.
+    /// The line, which runs between free ends and junctions. Its direction has no meaning.
     pub curve: Curve,
-    /// The angle between the fronts' directions at each vertex, in degrees, up to 180, where they meet
-    /// head-on. From `least_angle` on at free ends, in between also somewhat less.
+    /// The angle between the wavefronts' directions at each vertex, in degrees. It is at most 180, where they
+    /// meet head-on. At free ends it is at least `least_angle`; in between it may be somewhat less.
     pub angles: Vec<f64>,
 }
 
@@ -28,34 +29,37 @@ struct Kink {
     angle: f64,
 }
 
-/// Where a line goes on with at least the least angle, it may have less by this factor: the grid lets
-/// angles that are nearly constant along a ridge vary so that it would be in pieces. As in Canny's
-/// detector of edges in images, which has two thresholds.
+/// The factor by which the angle may be below the least angle where a ridge continues. On the grid, angles
+/// that are nearly constant along a ridge vary, and the ridge would otherwise fall into pieces. Canny's edge
+/// detector uses two thresholds in the same way.
 const WEAK: f64 = 0.6;
-/// Lines that are shorter, in cells, and stand alone or branch off, are the grid's.
+/// The length, in cells, below which a line that stands alone or branches off is an artefact of the grid.
 const SHORT: f64 = 4.0;
 
-/// The lines on which a converged map has a kink since fronts meet there at an angle of at least
-/// `least_angle` degrees: borders between sources as well as the cut locus of each, behind holes
-/// and hills and between the parts of a curve. The `edges` are the surface's.
+/// Computes the lines on which a converged map has a kink, since wavefronts meet there at an angle of at
+/// least `least_angle` degrees.
 ///
-/// The criterion: at each grid point the direction is that of the ray that brings the first front,
-/// over the base of one of its triangles, never across a kink. An edge has a kink if the directions
-/// at its ends, in the metric between them, include at least the least angle and run towards one
-/// another, or at least not apart, where the ridge runs along the edge; it lies where both fronts,
-/// straight on from either end, arrive at once. Ridges run through triangles from edge to edge with a
-/// kink; where all three edges have one they meet at the middle of the three places. Between places
-/// with the least angle a ridge goes on where there is three fifths of it. Lines of less than four cells
-/// are left out.
+/// They are the borders between the regions of several sources and the cut locus of each source: behind holes
+/// and hills, and between the parts of a curve. `edges` are the edge lengths of the surface.
 ///
-/// Rays are those of circular fronts: beside a curve, at some cells' distance from it, they are off
-/// by up to half a cell over that distance.
+/// The criterion is as follows. The direction at a grid point is that of the ray that arrives first across
+/// the base of one of its triangles. Such a ray never crosses a kink. An edge has a kink if two conditions
+/// hold for the directions at its ends, in the metric between them. They include at least the least angle,
+/// and they converge. If the ridge runs along the edge, it suffices that they do not diverge. The kink lies
+/// where both wavefronts, continued straight from either end, arrive at once.
 ///
-/// Below some 20 degrees discretisation begins to look like kinks, near sources first. Fronts that
+/// Ridges run through triangles from one edge with a kink to another. If all three edges have a kink, the
+/// ridges meet at the mean of the three places. Between places with the least angle, a ridge continues where
+/// the angle is at least three fifths of it. Lines of less than four cells are left out.
+///
+/// Rays are those of circular wavefronts. At a distance of some cells beside a source curve, they are off by
+/// up to half a cell over that distance.
+///
+/// Below some 20 degrees discretisation errors begin to look like kinks, near sources first. Wavefronts that
 /// meet at a single point, as in the middle of a circle, leave a star of a few cells.
 ///
 /// # Errors
-/// If there is not a distance for each grid point.
+/// If the number of distances differs from the number of grid points.
 ///
 /// ```
 /// use geosweep::geometry::ridges;
@@ -86,12 +90,12 @@ pub fn ridges(
         rows.flat_map_iter(|row| rays.march(row, cosine)).collect();
     let mut kinks: BTreeMap<u64, Kink> = BTreeMap::new();
     for (node, kink) in found.iter().flat_map(|(nodes, ends)| nodes.iter().zip(ends)) {
-        // A grid point has those of all its edges.
+        // A node at a grid point belongs to several edges. It has the largest of their angles.
         let known = kinks.entry(*node).or_insert(*kink);
         known.angle = known.angle.max(kink.angle);
     }
     let segments = found.iter().map(|(nodes, _)| [nodes[0].min(nodes[1]), nodes[0].max(nodes[1])]);
-    // Between two grid points there is a triangle on either side.
+    // A segment between two grid points is found twice, since there is a triangle on either side.
     let segments: BTreeSet<[u64; 2]> = segments.collect();
 
     let least = least_angle.to_radians();
@@ -101,7 +105,8 @@ pub fn ridges(
         let closed = way.len() > 3 && way[0] == way[way.len() - 1];
         let way = if closed { &way[1..] } else { &way[..] };
         let (first, last) = (way[0], way[way.len() - 1]);
-        // Where three ways would have met, and one has gone, the others go straight on.
+        // If one of three ridges at the middle of a triangle has been removed, the other two are connected
+        // directly.
         let is_vertex = |node: u64| node == first || node == last || !is_of_triangle(chart, node);
         let way = || way.iter().filter(|node| is_vertex(**node)).map(|node| kinks[node]);
         let vertices = way().map(|kink| kink.place.to_array()).collect();
@@ -123,7 +128,7 @@ fn neighbours(segments: &BTreeSet<[u64; 2]>) -> Neighbours {
     neighbours
 }
 
-/// Leaves out segments from free ends on until a node is strong, and what has no strong node.
+/// Removes segments from free ends up to the first strong node, and components without a strong node.
 fn without_weak_ends(
     mut segments: BTreeSet<[u64; 2]>,
     is_strong: impl Fn(u64) -> bool,
@@ -133,7 +138,7 @@ fn without_weak_ends(
     let mut ends: Vec<u64> =
         beside.keys().copied().filter(|&node| is_weak_end(&beside, node)).collect();
     while let Some(end) = ends.pop() {
-        // Both ends of a segment may be weak, of which one was first.
+        // If both ends of a segment are weak, the segment has been removed from its other end.
         let Some(inward) = beside.get_mut(&end).and_then(BTreeSet::pop_first) else { continue };
         segments.remove(&[end.min(inward), end.max(inward)]);
         beside.get_mut(&inward).expect("segments have two ends").remove(&end);
@@ -152,8 +157,8 @@ fn without_weak_ends(
     segments
 }
 
-/// The ways that segments make, without what is short: ways with a free end, loops, and of two ways
-/// between the same nodes the longer one. What is left goes straight on.
+/// Joins segments into polylines and removes short ones. These are polylines with a free end, loops, and the
+/// longer of two short polylines between the same nodes. The remaining polylines are joined.
 fn without_short_ways(
     mut segments: BTreeSet<[u64; 2]>,
     place: impl Fn(u64) -> DVec2,
@@ -168,9 +173,9 @@ fn without_short_ways(
             .map(|way| (length(&way), way))
             .collect();
         found.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-        // The nodes that short ways lead between, shortest first.
+        // The pairs of nodes that short polylines connect, visited in order of length.
         let mut connected = BTreeSet::new();
-        // One at a node and time, since two others may become one that is long.
+        // At each node only one polyline is removed per pass, since two others may then join into a long one.
         let mut changed = BTreeSet::new();
         let count = segments.len();
         for (length, way) in &found {
@@ -195,28 +200,28 @@ fn without_short_ways(
     }
 }
 
-/// Whether a node is the middle of a triangle, not on an edge or at a grid point.
+/// Returns whether a node is the middle of a triangle, and not on an edge or at a grid point.
 fn is_of_triangle(chart: Chart, node: u64) -> bool {
     node.checked_sub(Edge::end(chart)).is_some_and(|number| number % 3 > 0)
 }
 
-/// How the first front arrives at a point.
+/// The arrival of the first wavefront at a point.
 #[derive(Clone, Copy, Debug, Default)]
 struct Ray {
-    /// In steps of rows and columns, of length one on the surface; zero at sources and where no
-    /// front arrives.
+    /// The direction in steps of rows and columns, with unit length on the surface. It is zero at sources and
+    /// where no wavefront arrives.
     direction: Vec2,
-    /// The metric in those steps, by row, mixed, by column.
+    /// The metric in steps of rows and columns: its row, mixed and column coefficients.
     metric: Vec3,
 }
 
-/// A kink nearer than this to a grid point, in shares of the edge, lies at it.
+/// The distance from a grid point, as a fraction of the edge, up to which a kink lies at the point.
 const AT_POINT: f64 = 1e-4;
-/// Directions that part by this much of what they could, over an edge of that length, may as well
-/// meet: the ridge runs along the edge, and rounding decides on which side of it.
+/// How much directions may diverge and still count as meeting, as a fraction of the largest possible
+/// divergence over the edge. There the ridge runs along the edge, and rounding decides on which side of it.
 const ALONG: f64 = 0.1;
 
-/// A map, and the directions in which its fronts arrive, in bordered arrays.
+/// A map and the directions in which its wavefronts arrive, in bordered arrays.
 struct ArrivingRays<'a> {
     spokes: Spokes<'a>,
     times: Vec<f32>,
@@ -224,7 +229,7 @@ struct ArrivingRays<'a> {
     arrivals: Vec<Ray>,
 }
 
-/// A point by its index in a bordered array, and where it lies.
+/// A point, as its index in a bordered array and its place.
 #[derive(Clone, Copy)]
 struct Point {
     index: usize,
@@ -232,7 +237,7 @@ struct Point {
 }
 
 impl Point {
-    /// Its index in row-major order without a border.
+    /// Returns the row-major index without a border.
     fn number(self, chart: Chart) -> usize {
         chart.index(self.place.x as usize, self.place.y as usize)
     }
@@ -252,7 +257,7 @@ impl<'a> ArrivingRays<'a> {
         self.times[point] < f32::FAR
     }
 
-    /// How the first front arrives at a point over bases that it has passed.
+    /// Returns how the first wavefront arrives at a point, across bases that it has already passed.
     fn ray(&self, point: usize) -> Ray {
         if !self.is_reached(point) {
             return Ray::default();
@@ -273,8 +278,8 @@ impl<'a> ArrivingRays<'a> {
         Ray { direction: direction.as_vec2(), metric: DVec3::new(rr, rc, cc).as_vec3() }
     }
 
-    /// The kink on the edge between two neighbours, if there is one, and its node: the edge, or a
-    /// grid point that the ridge passes through. `cosine` is that of the least angle.
+    /// Returns the kink on the edge between two neighbours, if there is one, and its node. The node is the
+    /// edge, or a grid point through which the ridge passes. `cosine` is the cosine of the least angle.
     fn kink(&self, [from, to]: [Point; 2], cosine: f64) -> Option<(u64, Kink)> {
         let arrivals = [from, to].map(|end| self.arrivals[end.index]);
         let [a, b] = arrivals.map(|arrival| arrival.direction.as_dvec2());
@@ -286,7 +291,7 @@ impl<'a> ArrivingRays<'a> {
         let metric = DMat2::from_cols_array(&[rr, rc, rc, cc]);
         let (of_a, of_b) = (metric * a, metric * b);
         let (dot, squares) = (a.dot(of_b), a.dot(of_a) * b.dot(of_b));
-        // By how much the fronts' times would change from end to end.
+        // The changes of both wavefronts' times from one end to the other.
         let step = to.place - from.place;
         let [rise_a, rise_b] = [of_a, of_b].map(|slope| slope.dot(step));
         let between = dot / squares.sqrt();
@@ -313,7 +318,7 @@ impl<'a> ArrivingRays<'a> {
         Some((node, Kink { place: from.place + share * step, angle }))
     }
 
-    /// The pieces of ridges in a row of cells: nodes and what is there.
+    /// Returns the ridge segments in a row of cells: their nodes and the kinks there.
     fn march(&self, row: usize, cosine: f64) -> Vec<([u64; 2], [Kink; 2])> {
         let chart = self.spokes.chart();
         let mut found = Vec::new();
@@ -329,7 +334,7 @@ impl<'a> ArrivingRays<'a> {
                     self.kink([points[a.min(b)], points[a.max(b)]], cosine)
                 };
                 let kinks: [Option<(u64, Kink)>; 3] = std::array::from_fn(kink);
-                // Two edges have the same one where it lies at the point that they share.
+                // Two edges have the same kink if it lies at the point that they share.
                 let same = |j: usize, k: usize| match (kinks[j], kinks[k]) {
                     (Some((a, _)), Some((b, _))) => a == b,
                     _ => false,

@@ -1,6 +1,8 @@
-//! The farthest point, and samples that cover a surface evenly: each the farthest point from all
-//! before (Eldar, Lindenbaum, Porat and Zeevi, "The farthest point strategy for progressive image
-//! sampling", IEEE Transactions on Image Processing 6(9), 1997).
+//! Finds the farthest point of a map, and samples that cover a surface evenly.
+//!
+//! Each sample is the farthest point from all previous samples (Eldar, Lindenbaum, Porat and Zeevi, "The
+//! farthest point strategy for progressive image sampling", IEEE Transactions on Image Processing 6(9),
+//! 1997).
 
 use rayon::prelude::*;
 
@@ -10,23 +12,23 @@ use crate::surface::{Chart, EdgeLengths, Real, Seed};
 use crate::update::SourceKind;
 use crate::{Error, Options, Sources, Surface};
 
-/// A grid point that lies farthest from all sources.
+/// The grid point farthest from all sources.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Farthest<R = f32> {
-    /// Its row.
+    /// The row of the point.
     pub row: usize,
-    /// Its column.
+    /// The column of the point.
     pub col: usize,
-    /// Its distance; +infinity if no source reaches it.
+    /// The distance of the point; +infinity if no source reaches it.
     pub distance: R,
 }
 
-/// The farthest of the points that a map reaches, the first in row-major order of several;
-/// from a single source its distance is the eccentricity of the source. `None` if no distance is
-/// finite.
+/// Returns the farthest point that a map reaches. If several points are equally far, the first in row-major
+/// order is returned. For a single source, the distance is the eccentricity of the source. Returns `None` if
+/// no distance is finite.
 ///
 /// # Panics
-/// If the distances do not fill the grid.
+/// If the number of distances differs from the number of grid points.
 ///
 /// ```
 /// use geosweep::geometry::farthest;
@@ -45,7 +47,8 @@ pub fn farthest<R: Real>(chart: Chart, distances: &[R]) -> Option<Farthest<R>> {
     farthest_where(chart, row, |_, distance| distance.is_finite())
 }
 
-/// The farthest of the points that `counts` tells by their index and distance.
+/// Returns the farthest of the points for which `counts` is true; `counts` gets the index and the distance of
+/// a point.
 fn farthest_where<'a, R: Real>(
     chart: Chart,
     distances: impl Fn(usize) -> &'a [R] + Sync,
@@ -60,12 +63,11 @@ fn farthest_where<'a, R: Real>(
     (0..chart.rows).into_par_iter().filter_map(in_row).reduce_with(later)
 }
 
-/// Farthest-point sampling: an endless iterator that takes the farthest grid point as the next
-/// sample, until every point is one. Each sample updates the map only where it is the nearest
-/// one.
+/// Farthest-point sampling: an iterator that yields the farthest grid point as the next sample, until every
+/// point is a sample. Each sample updates the map only where it is the nearest sample.
 ///
-/// While there are points that no sample reaches, the next sample is the first of them in
-/// row-major order, so that every part of the surface has a sample before any has two.
+/// While there are points that no sample reaches, the next sample is the first of them in row-major order.
+/// Every connected part of the surface therefore gets a sample before any part gets a second one.
 ///
 /// ```
 /// use geosweep::geometry::{Farthest, FarthestPoints};
@@ -86,20 +88,20 @@ pub struct FarthestPoints<'a> {
     surface: &'a Surface,
     solver: RotatedScan<'a, f32>,
     sources: Sources,
-    /// The smallest initial value, from which the solver counts.
+    /// The smallest initial value. The times of the solver are relative to it.
     start: f64,
     stop: Stop,
 }
 
 impl<'a> FarthestPoints<'a> {
-    /// Starts from the map of some sources, which count as samples, as [`Options::default`] has it
-    /// on the CPU. The `edges` are the surface's.
+    /// Starts from the map of the sources `first`, which count as samples. The map is computed with
+    /// [`Options::default`] on the CPU. `edges` are the edge lengths of `surface`.
     ///
     /// # Errors
-    /// If a source lies off the surface, or there is none.
+    /// If a source lies off the surface, or there is no source.
     ///
     /// # Panics
-    /// If the edges are those of a surface of another size.
+    /// If `edges` belong to a surface of another size.
     pub fn new(
         surface: &'a Surface,
         edges: &'a EdgeLengths<f32>,
@@ -112,7 +114,7 @@ impl<'a> FarthestPoints<'a> {
         seeds.iter_mut().for_each(|seed| seed.time -= start);
         let options = Options::default();
         let stop = options.stop::<f32>(surface)?;
-        // There will be more than the first.
+        // The wavefront must suit several sources, since more samples follow.
         let wavefront = options.wavefront_of(surface, SourceKind::several(first))?;
         let seeds = wavefront.seeds(surface, seeds);
         let mut solver = RotatedScan::new(edges, wavefront);
@@ -120,8 +122,8 @@ impl<'a> FarthestPoints<'a> {
         Ok(Self { surface, solver, sources: first.clone(), start, stop })
     }
 
-    /// The farthest point, which is the next sample: of those that no sample reaches the first.
-    /// `None` once no point lies away from all samples.
+    /// Returns the farthest point, which becomes the next sample. If some points are not reached, the first
+    /// of them is returned. Returns `None` if every point coincides with a sample.
     pub fn farthest(&self) -> Option<Farthest> {
         let (chart, present) = (self.surface.chart(), self.surface.present());
         let times = |row: usize| self.solver.row(row);
@@ -137,19 +139,19 @@ impl<'a> FarthestPoints<'a> {
         })
     }
 
-    /// The covering radius: no point is farther from all samples. +infinity while there are points
-    /// that none reaches.
+    /// Returns the covering radius: the largest distance of a point from its nearest sample. It is +infinity
+    /// while there are points that no sample reaches.
     pub fn radius(&self) -> f32 {
         self.farthest().map_or(self.start as f32, |farthest| farthest.distance)
     }
 
-    /// All samples, in order, after the sources that were given.
+    /// Returns all samples in order, preceded by the sources given to [`Self::new`].
     pub fn sources(&self) -> &Sources {
         &self.sources
     }
 
-    /// The distance of each grid point from the nearest sample, row-major; +infinity at holes and
-    /// where no sample reaches.
+    /// Returns the distance of each grid point from the nearest sample, row-major. It is +infinity at holes
+    /// and where no sample reaches.
     pub fn distances(&self) -> Vec<f32> {
         let mut distances = self.solver.distances();
         distances.iter_mut().for_each(|distance| *distance += self.start as f32);
@@ -160,7 +162,8 @@ impl<'a> FarthestPoints<'a> {
 impl Iterator for FarthestPoints<'_> {
     type Item = Farthest;
 
-    /// Takes the farthest point as a sample; its distance is the covering radius before.
+    /// Takes the farthest point as a sample. The distance of the sample is the covering radius before this
+    /// step.
     fn next(&mut self) -> Option<Farthest> {
         let farthest = self.farthest()?;
         let Farthest { row, col, .. } = farthest;

@@ -1,11 +1,10 @@
-//! The neighbours of a point and the triangles between them, in bordered arrays.
+//! Accesses the neighbours of a point and the triangles between them, in bordered arrays.
 
 use glam::{DMat2, DVec2};
 
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, Real, ring};
 
-/// Towards one neighbour: where it lies, and the lengths of the edge to it and of the one from it
-/// to the next neighbour.
+/// One neighbour: its index offset, the edge to it, and the edge from it to the next neighbour.
 #[derive(Clone, Copy, Debug)]
 struct Spoke {
     offset: isize,
@@ -35,33 +34,35 @@ impl<'a> Spokes<'a> {
         self.edges.chart()
     }
 
-    /// The index of a neighbour.
+    /// Returns the index of the neighbour in direction `to`.
     #[inline]
     pub(super) fn neighbour(&self, point: usize, to: usize) -> usize {
         point.wrapping_add_signed(self.spokes[to].offset)
     }
 
-    /// The indices of all neighbours.
+    /// Returns the indices of all eight neighbours.
     #[inline]
     pub(super) fn neighbours(&self, point: usize) -> impl Iterator<Item = usize> {
         self.spokes.iter().map(move |spoke| point.wrapping_add_signed(spoke.offset))
     }
 
-    /// Length of the edge to a neighbour, [`Real::FAR`] if there is none.
+    /// Returns the length of the edge to a neighbour, or [`Real::FAR`] if there is no such edge.
     #[inline]
     pub(super) fn length(&self, point: usize, to: usize) -> f64 {
         wide(self.edges.at(point, self.spokes[to].edge))
     }
 
-    /// Length of the edge from a neighbour to the next.
+    /// Returns the length of the edge from a neighbour to the next neighbour.
     #[inline]
     pub(super) fn base(&self, point: usize, to: usize) -> f64 {
         wide(self.edges.at(point, self.spokes[to].base))
     }
 
-    /// When the ray of a circular front arrives at a point over the base between a neighbour and the
-    /// next, and where it crosses the base, from 0 to 1. The times since the start at both are
-    /// infinite where they are not known; `None` if neither is, or no edge leads there.
+    /// Returns when the ray of a circular wavefront arrives at a point across the base between a neighbour
+    /// and the next one, and where it crosses the base, from 0 to 1.
+    ///
+    /// `since` holds the times since the start at both neighbours, infinite where they are not known. Returns
+    /// `None` if neither is known or no edge leads to the point.
     pub(super) fn ray(&self, point: usize, to: usize, since: [f64; 2]) -> Option<(f64, f64)> {
         let next = ring::next(to);
         let [a, b] = [to, next].map(|to| self.length(point, to));
@@ -78,7 +79,7 @@ impl<'a> Spokes<'a> {
         if !(base > 0.0 && base < f64::FAR) {
             return Some(edge);
         }
-        // The front's centre, with the base from (0, 0) to (base, 0), and the point.
+        // Positions of the wavefront's centre and of the point, with the base from (0, 0) to (base, 0).
         let place = |to_first: f64, to_last: f64| {
             let along = 0.5 * (base + (to_first - to_last) * (to_first + to_last) / base);
             DVec2::new(along, (to_first * to_first - along * along).max(0.0).sqrt())
@@ -91,15 +92,16 @@ impl<'a> Spokes<'a> {
         Some((centre.distance(DVec2::new(here.x, -here.y)), share))
     }
 
-    /// The first of the rays that arrive at a point, given the times since the start at its
-    /// neighbours: when, over which base, and where it crosses that.
+    /// Returns the first ray that arrives at a point: its time, its base, and where it crosses the base.
+    /// `since` holds the times since the start at the neighbours.
     pub(super) fn first_ray(&self, point: usize, since: &[f64; 8]) -> Option<(f64, usize, f64)> {
         let ray = |to: usize| {
             let (time, share) = self.ray(point, to, [since[to], since[ring::next(to)]])?;
             Some((time, to, share))
         };
         let earlier = |a: &(f64, usize, f64), b: &(f64, usize, f64)| a.0.total_cmp(&b.0);
-        // Nearly always beside the neighbour over which the way along an edge is shortest.
+        // The ray nearly always crosses a base next to the neighbour with the shortest path along an edge.
+        // The other bases are tried only if it does not.
         let (mut shortest, mut nearest) = (f64::FAR, None);
         for (to, &since) in since.iter().enumerate().filter(|&(_, &since)| since < f64::FAR) {
             let along = since + self.length(point, to);
@@ -116,7 +118,7 @@ impl<'a> Spokes<'a> {
         (0..8).filter_map(ray).min_by(earlier)
     }
 
-    /// The metric around a point in steps of rows and columns, from the edges that are there.
+    /// Returns the metric at a point in steps of rows and columns, estimated from the edges that exist.
     pub(super) fn metric(&self, point: usize) -> DMat2 {
         let mean_square = |directions: [Direction; 2]| {
             let lengths = directions.map(|to| self.length(point, to as usize));
@@ -139,7 +141,7 @@ impl<'a> Spokes<'a> {
         if metric.determinant() > 0.0 { metric } else { DMat2::IDENTITY }
     }
 
-    /// Length of the longest edge of a point.
+    /// Returns the length of the longest edge of a point.
     #[inline]
     pub(super) fn longest(&self, point: usize) -> f32 {
         let lengths = self.spokes.iter().map(|spoke| self.edges.at(point, spoke.edge));
@@ -147,7 +149,7 @@ impl<'a> Spokes<'a> {
     }
 }
 
-/// A length in double precision, in which "no such edge" is another number.
+/// Converts a length to double precision, in which the value for a missing edge differs.
 #[inline]
 fn wide(length: f32) -> f64 {
     if length < f32::FAR { f64::from(length) } else { f64::FAR }

@@ -1,32 +1,33 @@
-//! Which maps are computed side by side.
+//! Groups sources into batches whose maps are computed side by side.
 
 use std::ops::Range;
 
 use crate::cpu::PairwiseScan;
 use crate::surface::{Chart, Surface};
 
-/// Maps to compute together.
+/// Sources whose maps are computed together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Batch {
-    /// Grid points.
+    /// The sources, as indices of grid points.
     pub sources: Vec<usize>,
-    /// For each source its place among those asked for; nobody may want it.
+    /// The position of each source in the list of requested sources; `None` if it was not requested.
     pub places: Vec<Option<usize>>,
 }
 
-/// How the sources of a whole matrix are grouped.
+/// Groups the sources of a whole matrix.
 ///
-/// The maps of a batch are updated wherever one of them changes, so their sources should lie close
-/// together: blocks of 4 x 4 points cost less than 16 in a row, planar maps by a tenth and converged
-/// ones by a sixth at 64 x 64 points. But then rows of the matrix are ready only band by band.
+/// The maps of a batch are updated wherever one of them changes, so their sources should be close together.
+/// At 64 x 64 points, blocks of 4 x 4 points cost less than 16 points in a row: a tenth less for planar maps
+/// and a sixth less for converged ones. But with blocks, rows of the matrix are completed only band by band.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Batches {
     chart: Chart,
-    /// Rows of the grid in a block.
+    /// The number of grid rows in a block.
     rows: usize,
 }
 
-/// Bytes of the matrix that a band of blocks may have, so that a few can be held.
+/// The largest size of a band of blocks, in bytes of the matrix. It is small enough that a few bands fit in
+/// memory.
 const BAND: usize = 16 << 20;
 
 impl Batches {
@@ -38,16 +39,16 @@ impl Batches {
         Self { chart, rows: if band <= BAND { rows } else { 1 } }
     }
 
-    /// The most sources that are computed together, in one batch or several.
+    /// Returns the largest number of sources in a group. A group is one batch or several.
     pub fn most(&self) -> usize {
         if self.rows == 1 { Self::LANES } else { self.rows * self.chart.cols }
     }
 
-    /// Splits sources, in order, into groups, each with the batches for it.
+    /// Splits sources, in order, into groups, each with its batches.
     ///
-    /// What else is in a batch can change a map's last bits. So sources that follow one another are
-    /// in the batches of the whole matrix, filled up with neighbours that nobody wants; other lists
-    /// fill the lanes as they come.
+    /// The other sources of a batch can change the last bits of a map. So consecutive sources are computed in
+    /// the same batches as for the whole matrix; these are completed with neighbours that were not requested.
+    /// Other lists fill the lanes in order.
     pub fn split(self, sources: &[usize]) -> impl Iterator<Item = (Range<usize>, Vec<Batch>)> {
         let mut begin = 0;
         std::iter::from_fn(move || {
@@ -77,13 +78,13 @@ impl Batches {
         })
     }
 
-    /// The sources, all neighbours in the order of the matrix, that are computed with one.
+    /// Returns the group of a source: a range of consecutive sources.
     fn group(&self, source: usize) -> Range<usize> {
         let begin = source - source % self.most();
         begin..self.chart.points().min(begin + self.most())
     }
 
-    /// The batches of a group.
+    /// Returns the batches of a group.
     fn blocks(&self, group: &Range<usize>) -> impl Iterator<Item = Vec<usize>> {
         let lines: Vec<Range<usize>> = if self.rows == 1 {
             vec![group.clone()]
@@ -98,13 +99,13 @@ impl Batches {
     }
 }
 
-/// Sources, and `None` in place of holes.
+/// Returns the sources with `None` in place of holes.
 pub(super) fn without_holes(surface: &Surface, sources: &[usize]) -> Vec<Option<usize>> {
     let present = surface.present();
     sources.iter().map(|&source| present[source].then_some(source)).collect()
 }
 
-/// How many of the sources from the first on follow one another.
+/// Returns the number of consecutive sources from the first on.
 fn following(sources: &[usize]) -> usize {
     let breaks = sources.windows(2).position(|pair| pair[1] != pair[0] + 1);
     breaks.map_or(sources.len(), |last| last + 1)

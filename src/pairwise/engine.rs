@@ -1,4 +1,4 @@
-//! What computes rows: one interface over the engines.
+//! Computes rows of the matrix: one interface to all engines.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::surface::{EdgeLengths, Seed, Surface};
 use crate::vulkan::{Method, PairwiseOnDevice, Solution, Solver, SurfaceOnDevice};
 use crate::{Convergence, Engine, Error, Stop, Wavefront};
 
-/// An engine, ready for a surface.
+/// An engine, prepared for a surface.
 pub(super) struct RowEngine<'a> {
     surface: &'a Surface,
     wavefront: Wavefront,
@@ -17,24 +17,24 @@ pub(super) struct RowEngine<'a> {
 }
 
 enum Kind<'a> {
-    /// Batches of maps.
+    /// Batches of maps in SIMD lanes.
     Lanes(LaneEngine<'a>),
-    /// A map for each thread.
+    /// One map per thread.
     Maps(EdgeLengths<f32>),
-    /// The reference, a map for each thread.
+    /// Fast marching, the reference, with one map per thread.
     FastMarching(EdgeLengths<f32>, Connections<f32>),
-    /// Maps on a device.
+    /// Maps on a Vulkan device.
     Vulkan(Box<OnDevice>),
 }
 
 struct OnDevice {
-    /// For batches of maps; without, they are computed one after another.
+    /// The solver of batches. Without it, maps are computed one after another.
     pairwise: Option<PairwiseOnDevice>,
     surface: SurfaceOnDevice,
     solver: Solver,
 }
 
-/// How a map comes about that was marched.
+/// The convergence of a map from fast marching, which takes a single pass.
 const MARCHED: Convergence = Convergence { iterations: 1, residual: 0.0 };
 
 impl<'a> RowEngine<'a> {
@@ -84,7 +84,7 @@ impl<'a> RowEngine<'a> {
         self.wavefront
     }
 
-    /// The engine that has a symmetric initialisation.
+    /// Returns the engine that supports symmetric initialisation, if this is the one.
     pub fn lanes(&self) -> Option<&LaneEngine<'a>> {
         match &self.kind {
             Kind::Lanes(lanes) => Some(lanes),
@@ -92,7 +92,7 @@ impl<'a> RowEngine<'a> {
         }
     }
 
-    /// Bytes held for the surface and for the work of so many threads.
+    /// Returns the number of bytes held for the surface and for the work of `threads` threads.
     pub fn bytes(&self, threads: usize) -> usize {
         match &self.kind {
             Kind::Lanes(lanes) => lanes.bytes(threads),
@@ -100,7 +100,7 @@ impl<'a> RowEngine<'a> {
                 edges.bytes() + threads * RotatedScan::new(edges, self.wavefront).bytes()
             }
             Kind::FastMarching(edges, _) => {
-                // Front, flag and a few entries of the heap for a point, and further connections.
+                // For each point: the front, a flag, a few entries of the heap, and additional connections.
                 edges.bytes() + threads * edges.chart().bordered_points() * 64
             }
             Kind::Vulkan(device) => {
@@ -110,7 +110,7 @@ impl<'a> RowEngine<'a> {
         }
     }
 
-    /// The least number of rows that keeps so many threads at work.
+    /// Returns the smallest number of rows that keeps `threads` threads busy.
     pub fn rows_at_once(&self, threads: usize) -> usize {
         match &self.kind {
             Kind::Lanes(lanes) => lanes.rows_at_once(threads),
@@ -119,7 +119,7 @@ impl<'a> RowEngine<'a> {
         }
     }
 
-    /// How many of the sources to compute together, about so many, without splitting a batch.
+    /// Returns how many of the sources to compute together: about `about`, but without splitting a batch.
     pub fn whole_batches(&self, sources: &[usize], about: usize) -> usize {
         match &self.kind {
             Kind::Lanes(lanes) => lanes.whole_batches(sources, about),
@@ -127,8 +127,8 @@ impl<'a> RowEngine<'a> {
         }
     }
 
-    /// Computes the rows of some sources; a hole's is +infinity. `done` is told how many rows have
-    /// been added, from any thread.
+    /// Computes the rows of some sources. The row of a hole is +infinity. `done` is called with the number of
+    /// rows that have been added, from any thread.
     pub fn solve(
         &mut self,
         sources: &[usize],
@@ -157,7 +157,7 @@ impl<'a> RowEngine<'a> {
                         (MARCHED, fast_marching_with(edges, split, &[seed], wavefront).distances())
                     },
                 );
-                // The rows of holes are marched as well.
+                // Rows of holes count as marched too.
                 Ok(marched.worse(MARCHED))
             }
             Kind::Vulkan(device) => {
@@ -194,13 +194,13 @@ impl<'a> RowEngine<'a> {
     }
 }
 
-/// Whether maps are computed in batches: updates there see a point's neighbours alone, and not the points that split
-/// obtuse triangles.
+/// Returns whether maps can be computed in batches. The updates of a batch use only a point's neighbours, and
+/// not the points that split obtuse triangles.
 fn in_batches(edges: &EdgeLengths<f32>) -> bool {
     edges.obtuse_triangles().is_none()
 }
 
-/// Fills each row by a map of its own, one for each thread at a time; a hole's is +infinity.
+/// Fills each row with a map of its own, one map per thread at a time. The row of a hole is +infinity.
 fn map_by_map<Solver>(
     surface: &Surface,
     sources: &[usize],

@@ -1,4 +1,4 @@
-//! Rows in lanes: batches of maps on all threads.
+//! Computes rows in SIMD lanes, in batches of maps on all threads.
 
 use rayon::prelude::*;
 
@@ -7,19 +7,19 @@ use crate::cpu::PairwiseScan;
 use crate::surface::{EdgeLengths, Surface};
 use crate::{Convergence, Stop, Wavefront};
 
-/// The batches of a surface on the CPU, for the fronts that have any.
+/// The batched engine of a surface on the CPU, for wavefronts that support batches.
 pub(super) struct LaneEngine<'a> {
     surface: &'a Surface,
     scan: PairwiseScan,
     batches: Batches,
 }
 
-/// Rows that are done before others start from them. Threads need a few batches to share; more
-/// rows, and less is known on average.
+/// The number of rows in a generation; later rows start from completed generations. A generation needs a few
+/// batches for the threads to share. With more rows, less is known on average when a row starts.
 const GENERATION: usize = 256;
 
 impl<'a> LaneEngine<'a> {
-    /// `None` if maps of the wavefront are not computed side by side.
+    /// Prepares the engine. Returns `None` if maps of this wavefront cannot be computed side by side.
     pub fn new(
         surface: &'a Surface,
         edges: &EdgeLengths<f32>,
@@ -29,24 +29,25 @@ impl<'a> LaneEngine<'a> {
         Some(Self { surface, scan, batches })
     }
 
-    /// Bytes held for the surface and for the work of so many threads.
+    /// Returns the number of bytes held for the surface and for the work of `threads` threads.
     pub fn bytes(&self, threads: usize) -> usize {
         let (shared, batch) = self.scan.bytes();
         shared + threads * batch
     }
 
-    /// The least number of rows that keeps so many threads at work.
+    /// Returns the smallest number of rows that keeps `threads` threads busy.
     pub fn rows_at_once(&self, threads: usize) -> usize {
         self.batches.most().max(PairwiseScan::LANES * threads)
     }
 
-    /// How many of the sources to compute together, at most so many but for a single group.
+    /// Returns how many of the sources to compute together. It is at most `most`, unless a single group is
+    /// larger.
     pub fn whole_batches(&self, sources: &[usize], most: usize) -> usize {
         let ends = self.batches.split(sources).map(|(group, _)| group.end);
         ends.take_while(|&end| end <= most.max(self.batches.most())).last().unwrap_or(0)
     }
 
-    /// Computes the rows of some sources. `done` is told how many have been added.
+    /// Computes the rows of some sources. `done` is called with the number of rows that have been added.
     pub fn solve(
         &self,
         sources: &[usize],
@@ -72,7 +73,7 @@ impl<'a> LaneEngine<'a> {
         solved.reduce(|| Convergence::NONE, Convergence::worse)
     }
 
-    /// Computes the whole matrix by the symmetric initialisation (paper, eq. 20).
+    /// Computes the whole matrix with the symmetric initialisation (paper, eq. 20).
     pub fn solve_by_symmetry<E: Send>(
         &self,
         stop: Stop,

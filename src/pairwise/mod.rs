@@ -1,5 +1,5 @@
-//! All pairs: the matrix of the geodesic distances between the points of a surface (paper,
-//! sections 5.1 and 6.1), whole or row by row.
+//! Computes all-pairs matrices: the geodesic distances between all points of a surface (paper, sections 5.1
+//! and 6.1), as a whole or row by row.
 //!
 //! ```
 //! use geosweep::pairwise::Pairwise;
@@ -37,11 +37,11 @@ use engine::RowEngine;
 pub use report::PairwiseReport;
 pub use rows::Rows;
 
-/// Computes rows of the distance matrix of a surface, with everything that they share ready.
+/// Computes rows of the distance matrix of a surface. Data that all rows share is prepared once.
 ///
-/// The matrix has a row and a column for each grid point, in row-major order of the grid. A hole's
-/// row and column are +infinity, as is every distance between points that no path joins. The two
-/// distances between two points are computed apart, and differ by the solver's error.
+/// The matrix has one row and one column for each grid point, in row-major order of the grid. The row and
+/// column of a hole are +infinity, and so are the distances between points that no path connects. The two
+/// distances of a pair of points are computed independently and differ by the solver's error.
 pub struct Pairwise<'a> {
     surface: &'a Surface,
     engine: RowEngine<'a>,
@@ -49,17 +49,17 @@ pub struct Pairwise<'a> {
 }
 
 impl<'a> Pairwise<'a> {
-    /// Prepares a surface. Options mean what they mean for a single map, but for
-    /// [`Options::schedule`], which rows do not have, and
-    /// [`Engine::Auto`](crate::Engine::Auto), which is the CPU here. That computes sixteen maps at
-    /// once in the lanes of one instruction stream ([`PairwiseScan`](crate::cpu::PairwiseScan)),
-    /// curved wavefronts map by map ([`RotatedScan`](crate::cpu::RotatedScan)), on all of rayon's
-    /// threads.
+    /// Prepares a surface. Options have the same meaning as for a single map, with two exceptions.
+    /// [`Options::schedule`] must not be set, since rows do not have a schedule.
+    /// [`Engine::Auto`](crate::Engine::Auto) means the CPU.
+    ///
+    /// The CPU computes sixteen maps at once in SIMD lanes ([`PairwiseScan`](crate::cpu::PairwiseScan)).
+    /// Curved wavefronts are computed map by map ([`RotatedScan`](crate::cpu::RotatedScan)). All of rayon's
+    /// threads are used.
     ///
     /// # Errors
-    /// If an option is out of range or does not suit the surface, a schedule is given, an edge of the
-    /// surface is too long or too short for single precision, or the Vulkan device asked for cannot be
-    /// used.
+    /// If an option is out of range or does not suit the surface, a schedule is set, an edge of the surface
+    /// is too long or too short for single precision, or the requested Vulkan device cannot be used.
     pub fn new(surface: &'a Surface, options: &Options) -> Result<Self, Error> {
         let stop = options.stop::<f32>(surface)?;
         if options.schedule.is_some() {
@@ -74,22 +74,23 @@ impl<'a> Pairwise<'a> {
         Ok(Self { surface, engine, stop })
     }
 
-    /// Number of grid points: of the matrix's rows and of its columns.
+    /// Returns the number of grid points, which is the number of the matrix's rows and of its columns.
     pub fn points(&self) -> usize {
         self.surface.chart().points()
     }
 
-    /// Bytes held while rows are computed, beside the surface and a matrix in memory.
+    /// Returns the number of bytes held while rows are computed, not counting the surface and a matrix in
+    /// memory.
     pub fn bytes(&self) -> usize {
         let held = self.engine.bytes(rayon::current_num_threads());
         held + 2 * self.wave() * self.points() * size_of::<f32>()
     }
 
-    /// Computes the whole matrix, row-major. `done` is told how many rows have been added, from
-    /// any thread.
+    /// Computes the whole matrix, row-major. `done` is called with the number of rows that have been added,
+    /// from any thread.
     ///
     /// # Errors
-    /// If memory does not suffice, or the Vulkan device fails.
+    /// If there is too little memory, or the Vulkan device fails.
     pub fn matrix(
         &mut self,
         done: impl Fn(usize) + Sync,
@@ -101,14 +102,15 @@ impl<'a> Pairwise<'a> {
         Ok((matrix, self.report(sources.len(), convergence, start.elapsed())))
     }
 
-    /// The same with the symmetric initialisation (paper, eq. 20): rows are computed in
-    /// generations, and distances to the points of earlier ones are those back from them. So the
-    /// matrix is symmetric but for the blocks of a generation on its diagonal. Where `done` fails,
-    /// nothing more is begun.
+    /// Computes the whole matrix with the symmetric initialisation (paper, eq. 20).
+    ///
+    /// Rows are computed in generations. Distances to the points of earlier generations are copied from the
+    /// rows of those points. So the matrix is symmetric except for the blocks of a generation on its
+    /// diagonal. If `done` fails, no more rows are started.
     ///
     /// # Errors
-    /// As [`Self::matrix`]; and if the wavefront is curved, which would need curvatures there too,
-    /// or the engine has no such start; and those of `done`.
+    /// As for [`Self::matrix`]; if the wavefront is curved, since its start would need curvatures as well; if
+    /// the engine does not support this initialisation; and any error of `done`.
     pub fn matrix_by_symmetry<E: From<Error> + Send>(
         &mut self,
         done: impl Fn(usize) -> Result<(), E> + Sync,
@@ -124,11 +126,11 @@ impl<'a> Pairwise<'a> {
         Ok((matrix, self.report(self.points(), convergence, start.elapsed())))
     }
 
-    /// Computes the distances between some points alone, given by the index of their grid point: a
-    /// k x k matrix for k points, row-major. `done` is told how many rows have been added.
+    /// Computes the distances among some points only: a k x k matrix for k points, row-major. Points are
+    /// given by their grid indices. `done` is called with the number of rows that have been added.
     ///
     /// # Errors
-    /// As [`Self::rows`].
+    /// As for [`Self::rows`].
     pub fn among(
         &mut self,
         points: &[usize],
@@ -147,16 +149,15 @@ impl<'a> Pairwise<'a> {
         Ok((matrix, report))
     }
 
-    /// Computes the rows of some sources, given by the index of their grid point, and hands them
-    /// over in that order, some at a time, while the next are computed. An error of `sink` ends
-    /// the work.
+    /// Computes the rows of some sources, given by their grid indices, and passes them to `sink` in that
+    /// order. `sink` gets several rows at a time, while the next rows are computed. An error of `sink` ends
+    /// the computation.
     ///
-    /// On the CPU a row of sources that follow one another is, to the bit, the row of the whole
-    /// matrix.
+    /// On the CPU, a row of consecutive sources is bit-identical to the row of the whole matrix.
     ///
     /// # Errors
-    /// Those of `sink`; if a source is outside the grid, memory does not suffice or the Vulkan
-    /// device fails.
+    /// Any error of `sink`; if a source is outside the grid, there is too little memory, or the Vulkan device
+    /// fails.
     pub fn rows<E: From<Error> + Send>(
         &mut self,
         sources: &[usize],
@@ -169,14 +170,14 @@ impl<'a> Pairwise<'a> {
             return Err(Error::Options(message).into());
         }
         let (wave, stop, engine) = (self.wave(), self.stop, &mut self.engine);
-        // In rayon's own threads from the first wave to the last: woken up anew for each, they are
-        // often put on one core.
+        // The work stays on rayon's own threads from the first wave to the last. Threads that are woken up
+        // for each wave often end up on the same core.
         let (convergence, time) =
             rayon::scope(|_| rows::stream(engine, sources, points, wave, stop, sink))?;
         Ok(self.report(sources.len(), convergence, time))
     }
 
-    /// Rows that are computed before they are handed over: enough to keep all threads at work.
+    /// Returns the number of rows computed before they are passed on: enough to keep all threads busy.
     fn wave(&self) -> usize {
         const BYTES: usize = 16 << 20;
         let row = self.points() * size_of::<f32>();

@@ -1,39 +1,40 @@
-//! How rows of the matrix were computed.
+//! Reports how rows of the matrix were computed.
 
 use std::time::Duration;
 
 use crate::Wavefront;
 
-/// How rows of a distance matrix were computed.
+/// A report on the computation of rows of a distance matrix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairwiseReport {
-    /// `vulkan`, `cpu` or `fast-marching`.
+    /// The engine: `vulkan`, `cpu` or `fast-marching`.
     pub engine: &'static str,
-    /// Name of the Vulkan device.
+    /// The name of the Vulkan device, if one was used.
     pub device: Option<String>,
-    /// The front assumed inside a triangle.
+    /// The shape of the wavefront assumed inside a triangle.
     pub wavefront: Wavefront,
-    /// Number of rows.
+    /// The number of rows.
     pub rows: usize,
-    /// Number of grid points, which is that of columns.
+    /// The number of grid points, which is the number of columns.
     pub points: usize,
-    /// Iterations of four scans of the map that took most.
+    /// The number of iterations, of four scans each, of the map that took most.
     pub iterations: u32,
     /// The largest of the maps' residuals; see [`Report::residual`](crate::Report::residual).
     pub residual: f64,
-    /// What the residual had to meet.
+    /// The tolerance that the residual had to meet.
     pub tolerance: f64,
-    /// From the first map's start to the last one's end, with what was done with rows in between.
+    /// The time from the start of the first map to the end of the last one. It includes what was done with
+    /// rows in between.
     pub solve_time: Duration,
 }
 
 impl PairwiseReport {
-    /// Whether all maps met the tolerance before the iterations ran out.
+    /// Returns whether all maps met the tolerance before the limit of iterations was reached.
     pub fn converged(&self) -> bool {
         self.residual <= self.tolerance
     }
 
-    /// Distances a second.
+    /// Returns the number of distances per second.
     pub fn distances_per_second(&self) -> f64 {
         (self.rows * self.points) as f64 / self.solve_time.as_secs_f64()
     }

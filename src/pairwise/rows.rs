@@ -1,4 +1,4 @@
-//! Rows handed over as they are done.
+//! Streams rows of the matrix while they are computed.
 
 use std::time::{Duration, Instant};
 
@@ -10,21 +10,21 @@ use crate::{Convergence, Error, Stop};
 /// Rows of the matrix that have just been computed.
 #[derive(Clone, Copy, Debug)]
 pub struct Rows<'a> {
-    /// Their sources, by the index of the grid point.
+    /// The sources of the rows, as indices of grid points.
     pub sources: &'a [usize],
-    /// The distances, a row for each source.
+    /// The distances, one row for each source.
     pub distances: &'a [f32],
 }
 
 impl<'a> Rows<'a> {
-    /// Each source with its row.
+    /// Returns each source with its row.
     pub fn iter(&self) -> impl Iterator<Item = (usize, &'a [f32])> + use<'a> {
         let points = self.distances.len() / self.sources.len().max(1);
         self.sources.iter().copied().zip(self.distances.chunks_exact(points.max(1)))
     }
 }
 
-/// Room for rows of a matrix, in memory that is there: all threads have touched it.
+/// Allocates memory for rows of a matrix. All threads touch it once, so that its pages are mapped.
 pub(super) fn room(rows: usize, points: usize) -> Result<Vec<f32>, Error> {
     let count = rows.checked_mul(points);
     let room = count.and_then(|count| bytemuck::try_zeroed_vec(count).ok());
@@ -33,7 +33,7 @@ pub(super) fn room(rows: usize, points: usize) -> Result<Vec<f32>, Error> {
     Ok(room)
 }
 
-/// Computes rows, `wave` at a time, and hands each wave over while the next is computed.
+/// Computes rows, `wave` at a time. Each wave is passed to `sink` while the next one is computed.
 pub(super) fn stream<E: From<Error> + Send>(
     engine: &mut RowEngine,
     sources: &[usize],

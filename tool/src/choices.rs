@@ -1,16 +1,16 @@
-//! The library's choices as options: their own names, and what each means.
+//! Parses the library's choices as options, by their own names, with a line of help for each.
 
 use std::fmt::Display;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use geosweep::Wavefront;
 
-/// A choice that may be left open. An alias, since clap takes a plain `Option` for an option that
-/// may be left out.
+/// A choice that may be left open. It is an alias, since clap takes a plain `Option` as an option that may be
+/// omitted.
 pub type Choice<T> = Option<T>;
 
-/// One of some values, by the names that the library prints them with; a hyphen stands for a space.
-/// Each comes with its line of help, or with an empty one.
+/// Parses one of several values by the name that the library prints. A hyphen stands for a space. Each value
+/// has a line of help, which may be empty.
 pub fn one_of<T>(table: &[(T, &'static str)]) -> impl TypedValueParser<Value = T> + use<T>
 where
     T: Clone + Display + Send + Sync + 'static,
@@ -18,7 +18,8 @@ where
     one_of_with_alias(table, None)
 }
 
-/// The same, where a name is understood that is also said for another.
+/// Parses one of several values, like [`one_of`]. `alias` is an additional name and the name that it stands
+/// for.
 pub fn one_of_with_alias<T>(
     table: &[(T, &'static str)],
     alias: Option<(&'static str, &'static str)>,
@@ -29,7 +30,7 @@ where
     parser(table.iter().map(named).collect(), alias)
 }
 
-/// One of some values, or `auto`, which leaves the choice open.
+/// Parses one of several values, or `auto`, which leaves the choice open.
 pub fn auto_or<T>(
     help: &'static str,
     table: &[(T, &'static str)],
@@ -42,7 +43,7 @@ where
     parser(std::iter::once(auto).chain(table.iter().map(named)).collect(), None)
 }
 
-/// One of some values, or else a name that leaves the choice open.
+/// Parses one of several values, or a given name that leaves the choice open.
 pub fn one_of_or<T>(
     table: &[(T, &'static str)],
     (name, help): (&'static str, &'static str),
@@ -55,7 +56,7 @@ where
     parser(table.iter().map(named).chain([open]).collect(), None)
 }
 
-/// A name, its help, and what it stands for.
+/// The name of a value, its line of help, and the value.
 type Entry<T> = (String, &'static str, T);
 
 fn named<T: Clone + Display>((value, help): &(T, &'static str)) -> Entry<T> {
@@ -92,12 +93,12 @@ where
     })
 }
 
-/// All wavefronts' names, for help.
+/// Returns the names of all wavefronts, for help texts.
 pub fn wavefront_names() -> String {
     Wavefront::EVERY.map(Wavefront::name).join(", ")
 }
 
-/// A wavefront's name in figures and reports for people.
+/// Returns the name of a wavefront as shown in figures and reports.
 pub fn label(wavefront: Wavefront) -> &'static str {
     match wavefront {
         Wavefront::PointSource => "point-source",

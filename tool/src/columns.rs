@@ -1,11 +1,12 @@
-//! Tables as Markdown in columns, which is also what a terminal shows.
+//! Formats tables as Markdown with aligned columns, which a terminal shows as they are.
 
 use std::fmt::{self, Display, Formatter};
 
-/// Lines of so many cells under their heads.
+/// A table of `N` columns with heads.
 pub struct Columns<'a, const N: usize> {
     pub heads: [&'a str; N],
-    /// Which columns hold text, to the left; numbers are to the right.
+    /// The columns that hold text and are aligned to the left. All others hold numbers and are aligned to the
+    /// right.
     pub texts: &'a [usize],
     pub lines: Vec<[String; N]>,
 }
@@ -37,12 +38,12 @@ impl<const N: usize> Display for Columns<'_, N> {
     }
 }
 
-/// A share as a percentage, or nothing.
+/// Formats a share as a percentage. Returns an empty string for `None`.
 pub fn percent(share: Option<f64>) -> String {
     share.map_or(String::new(), |share| format!("{:.0} %", 100.0 * share))
 }
 
-/// With two digits or all before the point.
+/// Formats a number with two significant digits, or with all digits before the point.
 pub fn digits(number: f64) -> String {
     let decimals = if number < 0.995 { 2 } else { usize::from(number < 9.95) };
     format!("{number:.decimals$}")

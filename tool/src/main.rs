@@ -1,4 +1,4 @@
-//! The command-line tool `geosweep`: distance maps from files to files.
+//! The command-line tool `geosweep`, which computes distance maps from files to files.
 
 mod ceilings;
 mod choices;
@@ -95,7 +95,7 @@ enum Command {
     Notices,
 }
 
-/// Status for errors; 1 is left to `compare` and `tune` for "they differ", as in diff.
+/// The exit status for errors. 1 means that maps differ, in `compare` and `tune`, as in diff.
 const TROUBLE: u8 = 2;
 
 fn main() -> ExitCode {
@@ -136,11 +136,11 @@ fn main() -> ExitCode {
     })
 }
 
-/// Help and version go to standard output, errors in the tool's own form to standard error. A command
-/// without any arguments asks for help.
+/// Prints what clap returns instead of arguments. Help and version go to standard output. Errors go to
+/// standard error in the tool's own form. A command without any arguments prints its help.
 fn usage_exit(usage: &clap::Error) -> ExitCode {
     if usage.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        // As above.
+        // An error is ignored for the same reason as below.
         let _ = terminal::print(usage.render().to_string().trim_end());
         ExitCode::SUCCESS
     } else if usage.use_stderr() {
@@ -148,13 +148,13 @@ fn usage_exit(usage: &clap::Error) -> ExitCode {
         say("error", text.strip_prefix("error: ").unwrap_or(&text).trim_end());
         ExitCode::from(TROUBLE)
     } else {
-        // A reader that has closed the pipe has read enough.
+        // An error is ignored: a reader that has closed the pipe has read enough.
         let _ = usage.print();
         ExitCode::SUCCESS
     }
 }
 
-/// What clap says, with excerpts of the arguments that it quotes.
+/// Returns clap's message with long quoted arguments shortened.
 fn in_short(usage: &clap::Error) -> String {
     let mut text = usage.render().to_string();
     for (_, value) in usage.context() {
@@ -165,7 +165,7 @@ fn in_short(usage: &clap::Error) -> String {
     text
 }
 
-/// Whether the reader of standard output has gone.
+/// Returns whether the error means that the reader of standard output has closed it.
 fn is_broken_pipe(error: &(dyn Error + 'static)) -> bool {
     error.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
 }

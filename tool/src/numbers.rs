@@ -1,4 +1,4 @@
-//! Numbers in one argument.
+//! Parses numbers in arguments.
 
 use geosweep::io::GridFrame;
 use geosweep::shown::{exact, excerpt};
@@ -13,7 +13,7 @@ impl Numbers {
     }
 }
 
-/// Finite numbers with commas between them.
+/// Parses finite numbers separated by commas.
 pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
     let number = |text: &str| match text.trim().parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
@@ -22,19 +22,19 @@ pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
     text.split(',').map(number).collect()
 }
 
-/// A place on the grid, which may be fractional.
+/// Parses a place on the grid, which may be fractional.
 pub fn place(text: &str) -> Result<[f64; 2], String> {
     let place = numbers(text)?.try_into();
     place.map_err(|_| "a place is a row and a column: R,C".into())
 }
 
-/// A place in map coordinates.
+/// Parses a place in map coordinates.
 pub fn coordinates(text: &str) -> Result<[f64; 2], String> {
     let place = numbers(text)?.try_into();
     place.map_err(|_| "a place is x (easting, longitude) and y (northing, latitude): X,Y".into())
 }
 
-/// Row and column of map coordinates that an option gives.
+/// Converts map coordinates from the option `option` to row and column.
 pub fn place_xy(option: &str, frame: &GridFrame, [x, y]: [f64; 2]) -> Result<[f64; 2], String> {
     frame.place([x, y]).map_err(|reason| format!("{option} {},{}: {reason}", exact(x), exact(y)))
 }

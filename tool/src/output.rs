@@ -1,4 +1,5 @@
-//! Output files: named by what is in them, neither inputs nor one another, whole or not at all.
+//! Writes output files. Their names must suit their contents and differ from inputs and from one another.
+//! Files appear whole or not at all.
 
 use std::error::Error;
 use std::fmt;
@@ -11,8 +12,8 @@ use geosweep::io::{IoError, OutputFile, StagedFile};
 use crate::picture::Canvas;
 use crate::terminal::{Spinner, say};
 
-/// A file to write, checked before the work begins; `what` ends with the verb, as in "a picture
-/// is".
+/// Returns a file to write, checked before the computation starts. `what` ends with the verb, as in "a
+/// picture is".
 pub fn output_file(path: &Path, what: &str, extension: &str) -> Result<OutputFile, Box<dyn Error>> {
     if path.extension().is_none_or(|found| !found.eq_ignore_ascii_case(extension)) {
         let name = path.display();
@@ -21,7 +22,7 @@ pub fn output_file(path: &Path, what: &str, extension: &str) -> Result<OutputFil
     Ok(OutputFile::new(path)?)
 }
 
-/// The same where a file is wanted.
+/// Returns the file to write, if one is requested.
 pub fn wanted_file(
     path: Option<&PathBuf>,
     what: &str,
@@ -30,18 +31,18 @@ pub fn wanted_file(
     path.map(|path| output_file(path, what, extension)).transpose()
 }
 
-/// A picture to write.
+/// Returns a picture to write.
 pub fn png_output(path: &Path) -> Result<OutputFile, Box<dyn Error>> {
     output_file(path, "a picture is", "png")
 }
 
-/// The same where a picture is wanted.
+/// Returns the picture to write, if one is requested.
 pub fn wanted_png(path: Option<&PathBuf>) -> Result<Option<OutputFile>, Box<dyn Error>> {
     path.map(|path| png_output(path)).transpose()
 }
 
-/// Refuses to write a file twice, or over an input: the same file under two names is rare and
-/// worth an error before anything is lost.
+/// Refuses to write a file twice or over an input. Two names for the same file are rare and worth an error
+/// before anything is lost.
 pub fn check_outputs<'a>(
     outputs: &[&OutputFile],
     inputs: impl Iterator<Item = &'a Path>,
@@ -64,7 +65,7 @@ pub fn check_outputs<'a>(
     Ok(())
 }
 
-/// Draws a picture and writes it, yet without its name.
+/// Draws a picture and writes it. The file does not have its final name yet.
 pub fn stage_picture(
     output: OutputFile,
     draw: impl FnOnce() -> Canvas,
@@ -74,12 +75,12 @@ pub fn stage_picture(
     output.stage(|writer| picture.write_png(writer))
 }
 
-/// Writes a text, yet without its name.
+/// Writes a text. The file does not have its final name yet.
 pub fn stage_text(output: OutputFile, text: &str) -> Result<StagedFile, IoError> {
     output.stage(|writer| writer.write_all(text.as_bytes()))
 }
 
-/// Gives all files their names, once all are written.
+/// Moves all files to their final names, once all are written.
 pub fn commit(staged: impl IntoIterator<Item = StagedFile>) -> Result<Written, IoError> {
     let mut written = Written::default();
     for file in staged {
@@ -106,7 +107,7 @@ impl fmt::Display for Written {
     }
 }
 
-/// Says in one line what a command has done, part by part, and what it has written.
+/// Prints one line that says what a command has done, part by part, and what it has written.
 pub fn done(parts: impl IntoIterator<Item = String>, written: &Written) {
     let parts = parts.into_iter().chain([written.to_string()]);
     let parts: Vec<_> = parts.filter(|part| !part.is_empty()).collect();

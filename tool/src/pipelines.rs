@@ -1,4 +1,5 @@
-//! Where the tool keeps what Vulkan drivers have compiled, so that the next call starts at once.
+//! Chooses where the tool keeps compiled pipelines of Vulkan drivers, so that the next call starts without
+//! delay.
 
 use std::env;
 use std::path::PathBuf;
@@ -6,10 +7,10 @@ use std::path::PathBuf;
 use etcetera::BaseStrategy;
 use geosweep::vulkan;
 
-/// Names another folder; 0 stands for none.
+/// The environment variable that names another folder; 0 stands for none.
 const VARIABLE: &str = "GEOSWEEP_PIPELINES";
 
-/// Has Vulkan solvers keep their pipelines in the user's cache folder.
+/// Makes Vulkan solvers keep their pipelines in the user's cache folder.
 pub fn keep() {
     let folder = match env::var_os(VARIABLE) {
         Some(none) if none.is_empty() || none == "0" => None,

@@ -1,4 +1,4 @@
-//! The precision of maps, as an argument and in reports.
+//! Represents the precision of maps, as an argument and in reports.
 
 use std::fmt;
 
@@ -30,12 +30,12 @@ impl fmt::Display for Precision {
     }
 }
 
-/// The numbers of maps in a precision, and how the library computes such maps.
+/// The number type of maps in a precision, and the library's functions for such maps.
 pub trait Number: Real + MapValue + Serialize {
     const PRECISION: Precision;
-    /// The map.
+    /// Computes a map.
     const MAP: Solve<DistanceMap<Self>>;
-    /// The map with estimated errors.
+    /// Computes a map with estimated errors.
     const ESTIMATE: Solve<ErrorEstimate<Self>>;
 }
 
@@ -53,7 +53,7 @@ impl Number for f64 {
     const ESTIMATE: Solve<ErrorEstimate<f64>> = estimate_error_f64;
 }
 
-/// What is done in whichever precision is asked for.
+/// A task that runs in either precision.
 pub trait InPrecision {
     type Result;
 
@@ -61,7 +61,7 @@ pub trait InPrecision {
 }
 
 impl Precision {
-    /// The one place where a precision becomes a type.
+    /// Runs a task in this precision. This is the only place where a precision becomes a type.
     pub fn run<T: InPrecision>(self, task: T) -> T::Result {
         match self {
             Self::Single => task.run::<f32>(),

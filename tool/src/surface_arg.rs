@@ -1,4 +1,4 @@
-//! What surface the user names: a file, or a built-in one with its size.
+//! Parses the surface argument: a file, or a built-in surface with its size.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -18,7 +18,7 @@ pub enum SurfaceArg {
 }
 
 impl SurfaceArg {
-    /// Only built-in names need be text; a file's name may be any.
+    /// Parses an argument. Only built-in names must be valid text; a file name may be arbitrary.
     pub fn parse(arg: OsString) -> Result<Self, String> {
         match arg.to_str() {
             Some(text) if text.starts_with(SizedBuiltin::PREFIX) => text.parse().map(Self::Builtin),
@@ -27,7 +27,7 @@ impl SurfaceArg {
     }
 }
 
-/// A built-in surface at some size.
+/// A built-in surface at a given size.
 #[derive(Clone, Debug)]
 pub struct SizedBuiltin {
     builtin: Builtin,
@@ -46,7 +46,7 @@ impl SizedBuiltin {
 impl FromStr for SizedBuiltin {
     type Err = String;
 
-    /// Reads `NAME:ROWSxCOLS`, with or without `builtin:` before it.
+    /// Parses `NAME:ROWSxCOLS`, with or without `builtin:` before it.
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.strip_prefix(Self::PREFIX).unwrap_or(text);
         let form = || {

@@ -1,4 +1,4 @@
-//! What a person sees while the tool runs and when it ends: lines, notes, signs of life.
+//! Prints what the user sees while the tool runs and when it ends: results, notes and progress.
 
 use std::error::Error;
 use std::fmt::Display;
@@ -11,13 +11,13 @@ use geosweep::shown::shortened;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Serialize, Serializer};
 
-/// What a command ends with: a status, or a message for people.
+/// The result of a command: an exit status, or an error message.
 pub type Outcome = Result<ExitCode, Box<dyn Error>>;
 
-/// Whether only warnings and errors are wanted.
+/// Whether to print only warnings and errors.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// From now on, nothing but warnings and errors.
+/// Suppresses everything except warnings and errors from now on.
 pub fn be_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
@@ -26,7 +26,7 @@ fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Says something on standard error; nothing can be done if that is closed.
+/// Prints a message on standard error. A failure is ignored, since it could not be reported.
 pub fn say(kind: &str, message: impl Display) {
     if !is_quiet() || ["warning", "error"].contains(&kind) {
         let message = message.to_string();
@@ -36,10 +36,10 @@ pub fn say(kind: &str, message: impl Display) {
     }
 }
 
-/// Most characters of a word in a message: more than any name of a file that a person reads.
+/// The largest number of characters of a word in a message. Any file name that a person reads is shorter.
 const LONGEST_WORD: usize = 300;
 
-/// So many of something.
+/// Formats a count with its noun in the singular or plural.
 pub fn counted(count: impl Into<u64>, what: &str) -> String {
     match count.into() {
         1 => format!("1 {what}"),
@@ -55,10 +55,10 @@ pub fn print(line: impl Display) -> io::Result<()> {
     })
 }
 
-/// Raised whenever a name in the JSON of a command is taken away or means something else.
+/// The version of the JSON output. It is raised whenever a name is removed or changes its meaning.
 const JSON_VERSION: u32 = 1;
 
-/// What a command prints with --json: docs/geosweep.schema.json describes it.
+/// The output of a command with --json, described by docs/geosweep.schema.json.
 #[derive(Serialize)]
 struct Json<'a, T> {
     version: u32,
@@ -67,12 +67,12 @@ struct Json<'a, T> {
     value: &'a T,
 }
 
-/// Prints an object as JSON, in one line, with the version of its names and the command that it is of.
+/// Prints an object as JSON, in one line, with the version and the command.
 pub fn print_json(command: &str, value: &impl Serialize) -> io::Result<()> {
     print(serde_json::to_string(&Json { version: JSON_VERSION, command, value })?)
 }
 
-/// Things under one name.
+/// A list under a single name.
 pub struct List<'a, T>(pub &'static str, pub &'a [T]);
 
 impl<T: Serialize> Serialize for List<'_, T> {
@@ -81,7 +81,7 @@ impl<T: Serialize> Serialize for List<'_, T> {
     }
 }
 
-/// A sign of life on a terminal while it lives.
+/// A spinner on a terminal, shown until it is dropped.
 pub struct Spinner(ProgressBar);
 
 impl Spinner {
@@ -101,12 +101,12 @@ impl Drop for Spinner {
     }
 }
 
-/// A bar on a terminal, and nothing elsewhere.
+/// Returns a progress bar on a terminal. Elsewhere nothing is shown.
 pub fn progress(steps: usize) -> ProgressBar {
     bar(steps, "{wide_msg} {bar:30} {pos}/{len}")
 }
 
-/// A bar for the rows of a matrix, of which some were there before, with the time left.
+/// Returns a progress bar for the rows of a matrix, with the remaining time. `done` rows were there before.
 pub fn progress_of_rows(rows: usize, done: usize) -> ProgressBar {
     let bar = bar(rows, "computing distances {bar:30} {human_pos}/{human_len} rows, {eta} left");
     bar.set_position(done as u64);

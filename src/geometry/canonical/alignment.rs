@@ -1,24 +1,25 @@
-//! How far two forms of the same points differ.
+//! Aligns two forms of the same points and measures how much they differ.
 
 use nalgebra::DMatrix;
 
-/// The rigid motion that takes one set of points nearest to another.
+/// The result of moving one set of points as close as possible to another by a rigid motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Alignment {
     /// The moved points, row-major.
     pub moved: Vec<f64>,
-    /// The root mean square of the distances between corresponding points, over the root mean
-    /// square of the fixed points' distances from their mean: 0 for congruent forms, at most 1.
+    /// The root mean square of the distances between corresponding points, divided by the root mean square of
+    /// the fixed points' distances from their mean. It is 0 for congruent forms and at most 1.
     pub deviation: f64,
 }
 
-/// Moves points onto fixed ones in the same order by the rotation or reflection and the
-/// translation that leave the least sum of squared distances (W. Kabsch 1976; orthogonal
-/// Procrustes analysis, P. H. Schönemann 1966). Reflections are allowed, since distances do not
-/// tell a form from its mirror image.
+/// Moves the points `moving` onto the points `fixed`, which are in the same order.
+///
+/// The motion is the rotation or reflection and the translation with the smallest sum of squared distances
+/// (W. Kabsch 1976; orthogonal Procrustes analysis, P. H. Schönemann 1966). Reflections are allowed, since
+/// distances do not distinguish a form from its mirror image.
 ///
 /// # Panics
-/// If the arrays differ in length, or hold no whole number of points.
+/// If the arrays differ in length, or their length is not a multiple of `dimensions`.
 pub fn align(moving: &[f64], fixed: &[f64], dimensions: usize) -> Alignment {
     assert_eq!(moving.len(), fixed.len(), "as many points in both forms");
     assert_eq!(fixed.len() % dimensions, 0, "a whole number of points");

@@ -1,10 +1,10 @@
-//! Classical scaling: the form whose scalar products fit best, by the largest eigenvalues.
+//! Computes classical scaling: the form whose scalar products fit best, from the largest eigenvalues.
 //!
-//! For the matrix D2 of squared distances and the centring J = I - 11^T / n, the scalar products
-//! of centred points are B = -J D2 J / 2 (Torgerson 1952). Only products of B with vectors are
-//! formed, in one pass over the distances for several vectors at once; its largest eigenvalues
-//! come from a block Krylov space. Plain power iteration would find the largest magnitudes, and
-//! geodesic distances have negative eigenvalues among them.
+//! Let D2 be the matrix of squared distances and J = I - 11^T / n the centring matrix. The scalar products of
+//! the centred points are B = -J D2 J / 2 (Torgerson 1952). B itself is never formed. Its product with
+//! several vectors takes one pass over the distances. The largest eigenvalues of B come from a block Krylov
+//! space. Plain power iteration would find the eigenvalues of largest magnitude, and some of those are
+//! negative for geodesic distances.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use rayon::prelude::*;
@@ -14,17 +14,18 @@ use super::guttman::{BLOCK, LANES, ROWS, total};
 use crate::cpu::Instructions;
 use crate::lanes::Loop;
 
-/// Vectors beyond the dimensions asked for, so that the last eigenvalues converge as fast as the
-/// first.
+/// The number of extra vectors in a block, beyond the requested dimensions. They make the last eigenvalues
+/// converge as fast as the first.
 const SPARE: usize = 2;
-/// Blocks of the Krylov space at most...
+/// The largest number of blocks in the Krylov space.
 const MOST_BLOCKS: usize = 12;
-/// ... and the relative change of the wanted eigenvalues below which no more are added. A start
-/// need not be better, and the errors of single precision are not far below.
+/// The relative change of the requested eigenvalues below which no more blocks are added. The form is only
+/// the start of SMACOF, so it need not be more accurate. The rounding errors of single precision are not far
+/// below.
 const SETTLED: f64 = 1e-5;
 
-/// The coordinates, row-major, in the order of falling eigenvalues. Dimensions without a positive
-/// eigenvalue are left flat.
+/// Returns the coordinates, row-major, by descending eigenvalue. Dimensions without a positive eigenvalue are
+/// zero.
 pub(super) fn classical_scaling(
     distances: &Distances,
     dimensions: usize,
@@ -62,7 +63,7 @@ pub(super) fn classical_scaling(
     }
 }
 
-/// Centred vectors without structure, the same on every machine.
+/// Returns centred pseudo-random vectors, which are the same on every machine.
 fn start(points: usize, width: usize) -> DMatrix<f64> {
     let number = |row, col| {
         let hash = ((row * width + col + 1) as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -80,14 +81,14 @@ fn centre(vectors: &mut DMatrix<f64>) {
     }
 }
 
-/// An orthonormal basis of what the vectors add to a basis.
+/// Returns an orthonormal basis of the part of `vectors` that is orthogonal to `basis`.
 fn orthonormal(basis: &DMatrix<f64>, mut vectors: DMatrix<f64>) -> DMatrix<f64> {
-    // Twice, since the first time leaves the rounding of large parts.
+    // The projection is repeated, since the first pass leaves the rounding errors of large components.
     for _ in 0..2 {
         vectors -= basis * basis.tr_mul(&vectors);
     }
     let mut block = vectors.qr().q();
-    // Directions that had vanished come back as anything.
+    // The QR decomposition fills vanished directions with arbitrary vectors, which may overlap the basis.
     block -= basis * basis.tr_mul(&block);
     block.qr().q()
 }
@@ -99,7 +100,7 @@ fn beside(left: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
     both
 }
 
-/// The products of B with some centred vectors.
+/// Returns the products of B with centred vectors.
 fn products(
     distances: &Distances,
     vectors: &DMatrix<f64>,
@@ -119,7 +120,7 @@ fn products(
     products
 }
 
-/// The products of one row of squared distances with all vectors.
+/// The product of one row of squared distances with all vectors.
 struct Row<'a> {
     planes: &'a [f32],
     distances: &'a [f32],

@@ -1,4 +1,4 @@
-//! The matrix of all pairwise distances, checked.
+//! Holds and checks the matrix of all pairwise distances.
 
 use std::ops::RangeInclusive;
 
@@ -6,16 +6,19 @@ use rayon::prelude::*;
 
 use super::CanonicalError;
 
-/// How far the two distances between the same points may differ, as a fraction of the largest
-/// distance of the matrix. The planar wavefront's are off by up to a few hundredths on coarse
-/// grids; what differs more is no matrix of distances.
+/// The largest allowed difference between the two distances of a pair of points, as a fraction of the largest
+/// distance of the matrix.
+///
+/// On coarse grids the distances of a planar wavefront differ by up to a few hundredths. A matrix with larger
+/// differences is not a matrix of distances.
 pub const ASYMMETRY: f32 = 0.05;
 
-/// The range of the largest distance: squares stay within single precision.
+/// The allowed range of the largest distance. Within it, squared distances stay in the range of single
+/// precision.
 pub const EXTENT: RangeInclusive<f32> = 1e-15..=1e15;
 
-/// The distances between all pairs of n points: an n x n matrix, symmetric, with zeros on its
-/// diagonal and finite values everywhere.
+/// The distances between all pairs of n points: a symmetric n x n matrix with a zero diagonal and finite
+/// values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Distances {
     points: usize,
@@ -23,13 +26,12 @@ pub struct Distances {
 }
 
 impl Distances {
-    /// Checks a matrix, row-major, and replaces both distances between two points by their mean.
+    /// Checks a row-major matrix and replaces the two distances of each pair of points by their mean.
     ///
     /// # Errors
-    /// If the matrix is not square; if a distance is NaN, negative, infinite (one point cannot be
-    /// reached from another), or not zero on the diagonal; if the largest one is zero or outside
-    /// [`EXTENT`]; or if the two distances between the same points differ by more than
-    /// [`ASYMMETRY`] of the largest one.
+    /// If the matrix is not square; if a distance is NaN, negative, infinite (one point cannot be reached
+    /// from another), or not zero on the diagonal; if the largest distance is zero or outside [`EXTENT`]; or
+    /// if the two distances of a pair of points differ by more than [`ASYMMETRY`] times the largest distance.
     pub fn new(points: usize, values: Vec<f32>) -> Result<Self, CanonicalError> {
         if points.checked_mul(points) != Some(values.len()) {
             return Err(CanonicalError::NotSquare { values: values.len(), points });
@@ -40,12 +42,14 @@ impl Distances {
         Ok(distances)
     }
 
-    /// The distances within the largest set of points that reach each other, and which points
-    /// these are, in order. Others, be they holes or separate pieces of a surface, have rows of
-    /// +infinity and are left out, since nothing says where to place them.
+    /// Returns the distances within the largest set of points that reach each other, and the indices of these
+    /// points in ascending order.
+    ///
+    /// All other points are left out: holes, whose rows are +infinity, and points on separate pieces of the
+    /// surface. The distances do not say where to place them.
     ///
     /// # Errors
-    /// As [`Distances::new`].
+    /// As for [`Distances::new`].
     pub fn of_largest_piece(
         points: usize,
         values: Vec<f32>,
@@ -65,21 +69,21 @@ impl Distances {
         Ok((piece.map_err(|error| error.renumbered(&kept))?, kept))
     }
 
-    /// Number of points, n.
+    /// Returns the number of points, n.
     pub fn points(&self) -> usize {
         self.points
     }
 
-    /// The distances from a point to all points.
+    /// Returns the distances from a point to all points.
     ///
     /// # Panics
-    /// If there is no such point.
+    /// If the index `point` is out of range.
     pub fn row(&self, point: usize) -> &[f32] {
         &self.values[point * self.points..][..self.points]
     }
 
-    /// Takes the mean of both triangles of the matrix, tile by tile, so that rows and columns
-    /// stay in the cache.
+    /// Replaces both triangles of the matrix by their mean, tile by tile, so that rows and columns stay in
+    /// the cache.
     fn symmetrise(&mut self, tolerance: f32) -> Result<(), CanonicalError> {
         const TILE: usize = 64;
         let points = self.points;
@@ -109,7 +113,7 @@ impl Distances {
     }
 }
 
-/// The largest distance, if all are usable.
+/// Returns the largest distance, or an error if a distance is not usable.
 fn check(points: usize, values: &[f32]) -> Result<f32, CanonicalError> {
     let row = |(from, row): (usize, &[f32])| {
         let mut largest = 0.0f32;
@@ -131,7 +135,7 @@ fn check(points: usize, values: &[f32]) -> Result<f32, CanonicalError> {
         Ok(largest)
     };
     let rows = values.par_chunks(points.max(1)).enumerate().map(row);
-    // The first error in row-major order, whatever the threads do.
+    // Rows are collected before errors are looked at, so that the first error in row-major order is reported.
     let rows: Vec<_> = rows.collect();
     let largest = rows.into_iter().try_fold(0.0f32, |largest, row| row.map(|row| largest.max(row)));
     match largest? {
@@ -141,15 +145,15 @@ fn check(points: usize, values: &[f32]) -> Result<f32, CanonicalError> {
     }
 }
 
-/// The points of the largest set within which all reach each other; of sets of one size, the one
-/// with the first point.
+/// Returns the points of the largest set whose points all reach each other. If several sets have this size,
+/// the set with the first point is returned.
 fn largest_piece(points: usize, values: &[f32]) -> Vec<usize> {
     let mut left: Vec<usize> = (0..points).collect();
     let mut largest = Vec::new();
     while let Some(&first) = left.first() {
         let row = &values[first * points..][..points];
-        // Reaching each other is transitive in any matrix of path lengths; where it is not, the
-        // checks of the piece find it. Not-a-number is left for them too.
+        // In a matrix of path lengths, reachability is transitive. A matrix in which it is not, or which
+        // contains NaN, is rejected by the later check of the piece.
         let reached = |&to: &usize| to == first || row[to] != f32::INFINITY;
         let (piece, others): (Vec<_>, Vec<_>) = left.into_iter().partition(reached);
         if piece.len() > largest.len() {
@@ -157,7 +161,7 @@ fn largest_piece(points: usize, values: &[f32]) -> Vec<usize> {
         }
         left = others;
     }
-    // A hole reaches nothing, not even itself.
+    // A hole does not reach any point, not even itself.
     if let [only] = largest[..] {
         largest.retain(|_| values[only * points + only] != f32::INFINITY);
     }
@@ -165,7 +169,7 @@ fn largest_piece(points: usize, values: &[f32]) -> Vec<usize> {
 }
 
 impl CanonicalError {
-    /// With the numbers that points have in the whole matrix.
+    /// Replaces the indices within a piece by the indices in the whole matrix. `kept` maps one to the other.
     fn renumbered(self, kept: &[usize]) -> Self {
         match self {
             Self::NotANumber { from, to } => Self::NotANumber { from: kept[from], to: kept[to] },

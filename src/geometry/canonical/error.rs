@@ -1,18 +1,18 @@
-//! What can go wrong, said so that the message tells what to do.
+//! Defines the errors of canonical forms. Each message says what to do.
 
-/// Why there is no canonical form.
+/// The reason why a canonical form cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CanonicalError {
-    /// The array is no square matrix.
+    /// The array is not a square matrix.
     #[error(
         "{values} values are no matrix of {points} x {points} distances, which has {}",
         .points * .points
     )]
     NotSquare {
-        /// Number of values given.
+        /// Number of values in the array.
         values: usize,
-        /// Number of points said.
+        /// Number of points that the caller stated.
         points: usize,
     },
     /// A distance is not a number.
@@ -35,7 +35,7 @@ pub enum CanonicalError {
         /// The distance.
         distance: f32,
     },
-    /// A point is away from itself.
+    /// The distance of a point from itself is not zero.
     #[error(
         "the distance from point {point} to itself is {distance}, not 0: this is no matrix of distances"
     )]
@@ -45,7 +45,7 @@ pub enum CanonicalError {
         /// The distance.
         distance: f32,
     },
-    /// Both directions differ by more than a solver's error.
+    /// The two distances of a pair of points differ by more than a solver's error.
     #[error(
         "the distance from point {from} to point {to} is {there}, and {back} back; a matrix of \
          distances is symmetric but for errors below {} of the largest, so symmetrise it if this \
@@ -57,9 +57,9 @@ pub enum CanonicalError {
         from: usize,
         /// Column of the matrix.
         to: usize,
-        /// One distance.
+        /// The distance in one direction.
         there: f32,
-        /// The other.
+        /// The distance in the other direction.
         back: f32,
     },
     /// No path leads from one point to another.
@@ -73,18 +73,18 @@ pub enum CanonicalError {
         /// Column of the matrix.
         to: usize,
     },
-    /// There is nothing to embed in so many dimensions.
+    /// There are too few points for the requested number of dimensions.
     #[error("{points} points do not span {dimensions} dimensions; at least {} are needed", .dimensions + 1)]
     TooFewPoints {
         /// Number of points.
         points: usize,
-        /// Dimensions asked for.
+        /// Requested number of dimensions.
         dimensions: usize,
     },
     /// All distances are zero.
     #[error("all distances are zero: there is no form")]
     NoExtent,
-    /// Squares of the distances leave the range of single precision.
+    /// Squared distances are outside the range of single precision.
     #[error(
         "the largest distance is {largest:e}; choose a unit of length in which it lies between \
          {:e} and {:e}",
@@ -95,17 +95,17 @@ pub enum CanonicalError {
         /// The largest distance.
         largest: f32,
     },
-    /// The start has another size than the form.
+    /// The number of starting coordinates does not match the form.
     #[error(
         "the start has {found} coordinates; {points} points in {dimensions} dimensions have {}",
         .points * .dimensions
     )]
     StartSize {
-        /// Number of coordinates given.
+        /// Number of coordinates in the start.
         found: usize,
         /// Number of points.
         points: usize,
-        /// Dimensions asked for.
+        /// Requested number of dimensions.
         dimensions: usize,
     },
     /// A coordinate of the start is NaN or infinite.
@@ -113,7 +113,7 @@ pub enum CanonicalError {
     StartNotFinite {
         /// The point.
         point: usize,
-        /// The coordinate, from 0 on.
+        /// The axis of the coordinate, from 0.
         axis: usize,
     },
     /// An option is out of its range.

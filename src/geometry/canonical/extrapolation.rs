@@ -1,30 +1,31 @@
-//! Extrapolation of a fixed-point iteration from its last steps.
+//! Accelerates a fixed-point iteration by extrapolating from its last steps.
 
 use std::collections::VecDeque;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-/// Steps that are remembered.
+/// The number of steps that the extrapolation uses.
 const MEMORY: usize = 8;
-/// Added to the diagonal of the normal equations, relative to its largest entry: steps that are
-/// nearly parallel must not get huge coefficients of opposite signs.
+/// The regularisation, added to the diagonal of the normal equations relative to the largest diagonal entry.
+/// It prevents nearly parallel steps from getting huge coefficients of opposite signs.
 const REGULARISATION: f64 = 1e-10;
 
-/// Anderson's acceleration (1965; Walker and Ni, "Anderson acceleration for fixed-point
-/// iterations", 2011), which for linear iterations is what reduced-rank extrapolation does in
-/// cycles (Rosman, Bronstein, Bronstein, Sidi and Kimmel, "Fast multidimensional scaling using
-/// vector extrapolation", 2008, for SMACOF), renewed at every step.
+/// Anderson acceleration (1965; Walker and Ni, "Anderson acceleration for fixed-point iterations", 2011).
+///
+/// For linear iterations it is equivalent to reduced-rank extrapolation, which works in cycles (Rosman,
+/// Bronstein, Bronstein, Sidi and Kimmel, "Fast multidimensional scaling using vector extrapolation", 2008,
+/// for SMACOF). Anderson acceleration extrapolates anew at every step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Extrapolation {
-    /// Changes of residual and of image from one accepted iterate to the next, oldest first.
+    /// The changes of residual and image between consecutive accepted iterates, oldest first.
     steps: VecDeque<[DVector<f64>; 2]>,
 }
 
-/// A place and where the iteration takes it.
+/// The image of an iterate under the fixed-point map, and its residual.
 #[derive(Clone, Debug)]
 pub(super) struct Iterate {
     pub image: DVector<f64>,
-    /// Image less place.
+    /// The image minus the iterate.
     pub residual: DVector<f64>,
 }
 
@@ -37,7 +38,7 @@ impl Iterate {
 }
 
 impl Extrapolation {
-    /// Takes note of a step.
+    /// Records the step from one accepted iterate to the next.
     pub fn note(&mut self, from: &Iterate, to: &Iterate) {
         if self.steps.len() == MEMORY {
             self.steps.pop_front();
@@ -49,8 +50,8 @@ impl Extrapolation {
         self.steps.clear();
     }
 
-    /// The place where the residual would vanish if it were as linear as the steps so far say, in
-    /// the sense of least squares; `None` if nothing is known.
+    /// Returns the point at which the residual would vanish if it were linear, by a least-squares fit to the
+    /// recorded steps. Returns `None` without usable steps.
     pub fn from(&self, iterate: &Iterate) -> Option<DVector<f64>> {
         let count = self.steps.len();
         let residual = |k: usize| &self.steps[k][0];

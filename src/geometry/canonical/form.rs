@@ -1,19 +1,23 @@
-//! The canonical form, and how well it fits.
+//! Holds a canonical form and measures how well it fits.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// Points in Euclidean space whose straight distances fit given ones.
+/// Points in Euclidean space whose straight-line distances approximate given distances.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CanonicalForm {
-    /// Number of coordinates of a point, K.
+    /// The number of coordinates of a point, K.
     pub dimensions: usize,
-    /// n x K coordinates, row-major, in the unit of the distances: centred, along the form's
-    /// principal axes, the widest first, with the farthest point's coordinate positive on each.
+    /// The n x K coordinates, row-major, in the unit of the distances.
+    ///
+    /// The form is centred. Its axes are the principal axes, the widest first. On each axis the coordinate of
+    /// the farthest point is positive.
     pub coordinates: Vec<f64>,
-    /// The raw stress, the sum over i < j of (d_ij - delta_ij)^2 for straight distances d and given
-    /// ones delta: of the start, then after each iteration. It never rises.
+    /// The raw stress of the start and after each iteration. It never increases.
+    ///
+    /// The raw stress is the sum over i < j of (d_ij - delta_ij)^2, where d are the straight-line distances
+    /// and delta the given distances.
     pub stresses: Vec<f64>,
-    /// Whether the stress settled before the iterations ran out.
+    /// Whether the stress settled before the limit of iterations was reached.
     pub converged: bool,
 }
 
@@ -28,24 +32,24 @@ impl CanonicalForm {
         Self { dimensions, coordinates, stresses, converged }
     }
 
-    /// Number of points, n.
+    /// Returns the number of points, n.
     pub fn points(&self) -> usize {
         self.coordinates.len() / self.dimensions
     }
 
-    /// Iterations made.
+    /// Returns the number of iterations.
     pub fn iterations(&self) -> usize {
         self.stresses.len() - 1
     }
 
-    /// The raw stress.
+    /// Returns the raw stress.
     pub fn raw_stress(&self) -> f64 {
         self.stresses.last().copied().unwrap_or_default()
     }
 
-    /// Kruskal's stress-1, the square root of the raw stress over the sum over i < j of d_ij^2.
+    /// Returns Kruskal's stress-1: the square root of the raw stress divided by the sum over i < j of d_ij^2.
     pub fn stress_1(&self) -> f64 {
-        // For centred points that sum is n times the sum of their squares.
+        // For centred points, the sum of d_ij^2 is n times the sum of squared coordinates.
         let squares: f64 = self.coordinates.iter().map(|coordinate| coordinate.powi(2)).sum();
         (self.raw_stress() / (squares * self.points() as f64)).sqrt()
     }

@@ -1,4 +1,4 @@
-//! One pass over all pairs: the stress of a form, and its Guttman transform.
+//! Computes the stress of a form and its Guttman transform, in one pass over all pairs.
 
 use rayon::prelude::*;
 
@@ -6,24 +6,26 @@ use super::Distances;
 use crate::cpu::Instructions;
 use crate::lanes::Loop;
 
-/// Pairs that are worked on at once: few enough to stay in the first cache, and to be summed in
-/// single precision before the sum goes on in double.
+/// The number of pairs in a block. A block fits the first-level cache and is short enough to be summed in
+/// single precision; sums over blocks are in double precision.
 pub(super) const BLOCK: usize = 512;
-/// Independent sums, so that the compiler can keep them in lanes.
+/// The number of independent partial sums, which lets the compiler keep them in SIMD lanes.
 pub(super) const LANES: usize = 16;
-/// Rows that one thread takes at a time.
+/// The number of rows that a thread takes at a time.
 pub(super) const ROWS: usize = 16;
 
-/// The Guttman transform of a form, as long as the form, and the form's raw stress.
+/// The Guttman transform of a form, of the same length as the form, and the raw stress of the form.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Transformed {
     pub form: Vec<f64>,
     pub stress: f64,
 }
 
-/// Computes the raw stress of a form X, half the sum over i and j of (d_ij - delta_ij)^2, and its
-/// Guttman transform B(X) X / n for unit weights, in which point i is the mean over j of
-/// delta_ij (x_i - x_j) / d_ij. Pairs of coinciding points count as zero (as any value would do).
+/// Computes the raw stress of a form X and its Guttman transform.
+///
+/// The raw stress is half the sum over i and j of (d_ij - delta_ij)^2. The Guttman transform for unit weights
+/// is B(X) X / n: point i is the mean over j of delta_ij (x_i - x_j) / d_ij. Pairs of coinciding points
+/// contribute zero; any other value would be valid too.
 pub(super) fn transform(
     distances: &Distances,
     dimensions: usize,
@@ -46,22 +48,22 @@ pub(super) fn transform(
             stress
         })
         .collect();
-    // In order, so that the sum is the same for any number of threads.
+    // The sum runs in row order, so that it does not depend on the number of threads.
     Transformed { form: transformed, stress: 0.5 * stresses.iter().sum::<f64>() }
 }
 
-/// Coordinates in single precision, all of one axis after the other.
+/// Converts coordinates to single precision and stores them axis by axis.
 pub(super) fn planes(form: &[f64], dimensions: usize) -> Vec<f32> {
     let axes = (0..dimensions).flat_map(|axis| form.iter().skip(axis).step_by(dimensions));
     axes.map(|&coordinate| coordinate as f32).collect()
 }
 
-/// All pairs of one point.
+/// All pairs of one point with the others.
 struct Row<'a> {
     planes: &'a [f32],
     point: usize,
     distances: &'a [f32],
-    /// Becomes the sum over j of delta_ij (x_i - x_j) / d_ij.
+    /// Receives the sum over j of delta_ij (x_i - x_j) / d_ij.
     out: &'a mut [f64],
 }
 
@@ -79,7 +81,7 @@ impl Loop for Row<'_> {
             let distances = &distances[start..points.min(start + BLOCK)];
             let ratios = &mut ratios[..distances.len()];
             let axes = || planes.chunks_exact(points).map(|plane| (plane[point], &plane[start..]));
-            // More than zero, so that coinciding points give a number, times zero.
+            // A positive start makes the ratio of coinciding points finite. It is then multiplied by zero.
             ratios.fill(f32::MIN_POSITIVE);
             for (here, there) in axes() {
                 for (square, &there) in ratios.iter_mut().zip(there) {
@@ -95,7 +97,7 @@ impl Loop for Row<'_> {
     }
 }
 
-/// From squared distances d^2 to ratios delta / d; returns the sum of (d - delta)^2.
+/// Replaces squared distances d^2 by ratios delta / d. Returns the sum of (d - delta)^2.
 #[inline(always)]
 fn compare(squares: &mut [f32], distances: &[f32]) -> f64 {
     #[inline(always)]
@@ -118,7 +120,7 @@ fn compare(squares: &mut [f32], distances: &[f32]) -> f64 {
     total(sums)
 }
 
-/// The sum of ratio (here - there).
+/// Returns the sum of ratio * (here - there).
 #[inline(always)]
 fn pull(ratios: &[f32], here: f32, there: &[f32]) -> f64 {
     let mut sums = [0.0; LANES];

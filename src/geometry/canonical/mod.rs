@@ -1,15 +1,15 @@
-//! Canonical forms: surfaces placed in Euclidean space so that straight distances are as near as
-//! possible to the geodesic ones.
+//! Computes canonical forms: points in Euclidean space whose straight-line distances approximate the geodesic
+//! distances of a surface (multidimensional scaling).
 //!
-//! A bending changes no geodesic distance, so that all bendings of a surface share one canonical
-//! form, up to rotation, reflection and translation: an isometry-invariant signature (A. Elad and
-//! R. Kimmel, "On bending invariant signatures for surfaces", IEEE PAMI 25(10), 2003; the paper,
-//! section 6.4 and figure 8).
+//! Bending a surface changes no geodesic distance. All bendings of a surface therefore share one canonical
+//! form, up to rotation, reflection and translation. The form is an isometry-invariant signature (A. Elad and
+//! R. Kimmel, "On bending invariant signatures for surfaces", IEEE PAMI 25(10), 2003; the paper, section 6.4
+//! and figure 8).
 //!
-//! [`canonical_form`] minimises the raw stress, the sum over all pairs i < j of
-//! (|x_i - x_j| - delta_ij)^2, by scaling by majorisation of a complicated function (SMACOF; J. de
-//! Leeuw and W. J. Heiser 1980): each Guttman transform lowers it. It starts from classical
-//! scaling and extrapolates from step to step.
+//! [`canonical_form`] minimises the raw stress, the sum over all pairs i < j of (|x_i - x_j| - delta_ij)^2.
+//! The method is scaling by majorisation of a complicated function (SMACOF; J. de Leeuw and W. J. Heiser
+//! 1980): each Guttman transform lowers the stress. The iteration starts from classical scaling and
+//! extrapolates from step to step.
 //!
 //! ```
 //! use geosweep::geometry::canonical::{Distances, FormOptions, align, canonical_form};

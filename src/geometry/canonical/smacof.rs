@@ -1,4 +1,4 @@
-//! Least-squares scaling by majorisation (SMACOF), accelerated.
+//! Computes least-squares scaling by majorisation (SMACOF) with extrapolation.
 
 use super::classical::classical_scaling;
 use super::extrapolation::{Extrapolation, Iterate};
@@ -6,28 +6,30 @@ use super::guttman::{Transformed, transform};
 use super::{CanonicalError, CanonicalForm, Distances};
 use crate::cpu::Instructions;
 
-/// Default of [`FormOptions::tolerance`].
+/// The default of [`FormOptions::tolerance`].
 pub const DEFAULT_TOLERANCE: f64 = 1e-4;
-/// Iterations that must change little before the stress counts as settled: extrapolated steps
-/// are of all sizes.
+/// The number of consecutive iterations with a small change after which the stress counts as settled. A
+/// single one is not enough, since extrapolated steps vary in size.
 const CALM: u32 = 2;
-/// The stress at which distances agree but for the rounding of single precision, relative to the
-/// sum of their squares.
+/// The stress, relative to the sum of squared distances, at which the distances agree up to the rounding of
+/// single precision.
 const ROUNDING: f64 = 1e-13;
 
-/// How to compute a canonical form.
+/// The options of a canonical form.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FormOptions {
-    /// Number of coordinates of a point, K.
+    /// The number of coordinates of a point, K.
     pub dimensions: usize,
-    /// Stop when the stress falls by less than this fraction in each of two iterations.
+    /// The relative decrease of the stress below which the computation stops, if two iterations in a row stay
+    /// below it.
     pub tolerance: f64,
-    /// Stop after this many iterations. Each is one pass over all pairs, or two where an
-    /// extrapolated step fails.
+    /// The largest number of iterations. Each takes one pass over all pairs, or two if an extrapolated step
+    /// fails.
     pub iterations: usize,
-    /// Where to start from.
+    /// The start of the iteration.
     pub start: Start,
-    /// Extrapolate from the last steps; else each iteration is a Guttman transform and no more.
+    /// Whether to extrapolate from the last steps. Without extrapolation each iteration is one Guttman
+    /// transform.
     pub extrapolate: bool,
 }
 
@@ -43,34 +45,37 @@ impl Default for FormOptions {
     }
 }
 
-/// What majorisation starts from. It ends in a minimum of the stress, which need not be the least
-/// one, and never leaves a plane that it starts in.
+/// The start of the majorisation.
+///
+/// Majorisation ends in a local minimum of the stress, which need not be the global one. A start that lies in
+/// a plane never leaves it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Start {
-    /// The form by classical scaling.
+    /// The form from classical scaling.
     #[default]
     Classical,
-    /// These n x K coordinates, row-major.
+    /// The given n x K coordinates, row-major.
     Form(Vec<f64>),
 }
 
 /// The state after an iteration, for a progress bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// Iterations made.
+    /// The number of iterations so far.
     pub iteration: usize,
     /// The raw stress.
     pub stress: f64,
-    /// By which fraction the stress fell.
+    /// The relative decrease of the stress in this iteration.
     pub change: f64,
 }
 
-/// Computes the canonical form of a matrix of distances: the points whose straight distances fit
-/// best, by least squares with a weight of 1 for every pair.
+/// Computes the canonical form of a matrix of distances.
+///
+/// The straight-line distances of the form fit the given distances best by least squares, with weight 1 for
+/// every pair.
 ///
 /// # Errors
-/// If there are too few points for the dimensions, an option is out of its range, or the start
-/// does not fit.
+/// If there are too few points for the dimensions, an option is out of range, or the start does not fit.
 pub fn canonical_form(
     distances: &Distances,
     options: &FormOptions,
@@ -78,10 +83,10 @@ pub fn canonical_form(
     canonical_form_with(distances, options, |_| ())
 }
 
-/// As [`canonical_form`], and calls `after` with each step.
+/// Computes the canonical form like [`canonical_form`], and calls `after` with each step.
 ///
 /// # Errors
-/// As [`canonical_form`].
+/// As for [`canonical_form`].
 pub fn canonical_form_with(
     distances: &Distances,
     options: &FormOptions,
@@ -121,8 +126,7 @@ pub fn canonical_form_with(
             (ahead, there, less)
         });
         if less >= stress {
-            // A Guttman transform fails to lower the stress at a minimum only, as far as single
-            // precision can tell.
+            // A Guttman transform lowers the stress except at a minimum, up to single precision.
             converged = true;
             break;
         }
@@ -165,7 +169,7 @@ impl FormOptions {
     }
 }
 
-/// Over all pairs i < j.
+/// Returns the sum of squared distances over all pairs i < j.
 fn sum_of_squares(distances: &Distances) -> f64 {
     let square = |&distance: &f32| f64::from(distance).powi(2);
     let row = |point| distances.row(point).iter().map(square).sum::<f64>();

@@ -1,4 +1,4 @@
-//! Offset curves: what lies at a distance from a curve on one side of it (paper, figure 7).
+//! Computes offset curves: the points at a given distance on one side of a curve (paper, figure 7).
 
 mod sides;
 
@@ -7,17 +7,17 @@ use crate::surface::{EdgeLengths, Source, Sources};
 use crate::{DistanceMap, Surface};
 use sides::Sides;
 
-/// A side of a curve in its own direction, as seen in a picture of the grid, rows downwards.
+/// A side of a directed curve, as seen in a picture of the grid with rows downwards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Side {
-    /// North of a curve that runs eastwards.
+    /// The left side: north of a curve that runs eastwards.
     Left,
-    /// South of a curve that runs eastwards.
+    /// The right side: south of a curve that runs eastwards.
     Right,
 }
 
 impl Side {
-    /// The name used on the command line and in files.
+    /// Returns the name used on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Left => "left",
@@ -32,37 +32,38 @@ impl std::fmt::Display for Side {
     }
 }
 
-/// Why there are no offset curves.
+/// The reason why offset curves cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OffsetError {
-    /// The map is not that of the surface and the sources.
+    /// The map does not belong to the surface and the sources.
     #[error(transparent)]
     Map(#[from] MapError),
-    /// A source has no sides.
+    /// A source is a point and has no sides.
     #[error(
         "source {source_index} is a point, which has no left and right side; offsets on one side need curves"
     )]
     NoSides {
-        /// Its place among the sources, from 0.
+        /// The index of the source, from 0.
         source_index: usize,
     },
 }
 
-/// The curves at some distances on one side of the sources, which are curves, open or closed: in
-/// the order of `levels`, the map's values there.
+/// Computes the curves at the given distances on one side of the sources. The sources must be curves, open or
+/// closed. The result is in the order of `levels`, which are values of the map.
 ///
-/// They are the [`contours`] of the map of these sources on this surface, with converged values of
-/// any engine, cut where the side changes; for both sides take the contours themselves. A point is
-/// on the side on which the shortest path from it meets its nearest source. Around an open end the
-/// two sides meet on the curve's prolongation, so that each has a quarter of a circle there.
-/// Offsets less than a cell away from the curve have gaps.
+/// `map` is the map of these sources on this surface, with converged values of any engine. The offset curves
+/// are its [`contours`], cut where the side changes. For both sides, take the contours themselves.
+///
+/// A point is on the side on which its shortest path meets the nearest source. Around an open end the two
+/// sides meet on the prolongation of the curve, so each side has a quarter of a circle there. Offsets less
+/// than a cell away from the curve have gaps.
 ///
 /// # Errors
-/// If a source is a point or lies off the surface, or the map has another size.
+/// If a source is a point or lies off the surface, or the map has another size than the surface.
 ///
 /// # Panics
-/// If the edges are those of a surface of another size.
+/// If `edges` belong to a surface of another size.
 ///
 /// ```
 /// use geosweep::geometry::{Side, offset_curves};
@@ -110,20 +111,21 @@ pub fn offset_curves(
     Ok(contours(map, sources, levels).into_iter().map(cut).collect())
 }
 
-/// The side at a vertex of a contour, which lies on an edge between two grid points.
+/// Returns the side at a vertex of a contour. The vertex lies on an edge between two grid points.
 fn side_at(sides: &Sides, [row, col]: [f64; 2]) -> f64 {
     let (down, right) = (row.fract(), col.fract());
     let (row, col) = (row as usize, col as usize);
     let (next_row, next_col) = (row + usize::from(down > 0.0), col + usize::from(right > 0.0));
-    // A diagonal that rises has the one fraction where that which falls has the other.
+    // On a rising diagonal the fractions of row and column add up to one; on a falling diagonal they are
+    // equal.
     if down > 0.0 && right > 0.0 && (down - right).abs() > (down + right - 1.0).abs() {
         return sides.on_edge([(row, next_col), (next_row, col)], down);
     }
     sides.on_edge([(row, col), (next_row, next_col)], down.max(right))
 }
 
-/// The parts of a curve whose vertices have a positive `side`, up to where that is zero between
-/// vertices.
+/// Returns the parts of a curve on which `side` is positive. Each part ends where `side`, linear between
+/// vertices, becomes zero.
 fn cut(curve: &Curve, side: &[f64]) -> Vec<Curve> {
     let count = curve.vertices.len();
     let on = |k: usize| side[k % count] > 0.0;

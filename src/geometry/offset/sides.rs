@@ -1,10 +1,11 @@
-//! On which side of a source curve each point lies.
+//! Determines on which side of a source curve each grid point lies.
 //!
-//! What is carried along the fronts' way is the angle between the prolongation of the curve at its
-//! end and the ray that leaves that end towards the point, positive to the left: a quarter turn
-//! beside the curve, and anything between around an open end. Unlike a side it changes smoothly
-//! where no fronts meet, so that the prolongation does not drift along the grid's directions.
-//! Between two points in whose times it is weighted it is exact in the plane.
+//! The computation propagates an angle along the wavefront's rays. The angle lies between the prolongation of
+//! the curve at its end and the ray that leaves that end towards the point, positive to the left. It is a
+//! quarter turn beside the curve and takes every value in between around an open end. Unlike a side, the
+//! angle changes smoothly where no wavefronts meet; so the prolongation does not drift along the grid's
+//! directions. Between two points the angle is interpolated with the times as weights, which is exact in the
+//! plane.
 
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::FRAC_PI_2;
@@ -17,24 +18,25 @@ use crate::geometry::order::{bordered, by_arrival, rank};
 use crate::geometry::spokes::Spokes;
 use crate::surface::{EdgeLengths, Real, Source, Sources, Surface, ring};
 
-/// Angles by point.
+/// The angle at each point.
 pub(super) struct Sides<'a> {
     spokes: Spokes<'a>,
     times: Vec<f32>,
     start: f64,
-    /// Cosine and sine of each; NaN at points that are not visited.
+    /// The cosine and sine of each angle; NaN at points that have not been visited.
     angles: Vec<Vec2>,
 }
 
-/// The first ray that arrives at a point: over which base, and where it crosses that.
+/// The first ray to arrive at a point: the base of the triangle that it crosses, and where it crosses that
+/// base.
 #[derive(Clone, Copy)]
 struct Ray {
     base: u8,
     share: f32,
 }
 
-/// Rows and columns around an open end in which angles are measured, not carried: the map's own
-/// error where the front's bend jumps turns its rays nearby.
+/// The number of rows and columns around an open end in which angles are measured instead of propagated. The
+/// curvature of the wavefront jumps there, and the error of the map turns the rays nearby.
 const AROUND_END: usize = 8;
 
 impl<'a> Sides<'a> {
@@ -57,9 +59,9 @@ impl<'a> Sides<'a> {
                 let Some(nearest) = nearest(vertices, at, sides.spokes.metric(point)) else {
                     continue;
                 };
-                // Of several curves the one that the map's front came from.
+                // If several curves are near, the curve whose wavefront reaches this point first is taken.
                 let late = f64::from(sides.times[point]) - initial - nearest.distance;
-                // The map's front came from somewhere else, or around something.
+                // Here the map's wavefront came from another curve or around an obstacle.
                 let other =
                     !(-0.1..0.3).contains(&(late / nearest.distance.max(f64::MIN_POSITIVE)));
                 if !is_seed && other {
@@ -72,7 +74,7 @@ impl<'a> Sides<'a> {
                 }
             }
         }
-        // Where rays run does not depend on angles, and takes longest.
+        // The rays do not depend on the angles. Finding them takes the most time, so it runs in parallel.
         let ray = |point: usize| {
             let here = rank(sides.times[point], point);
             let is_before = |other: usize| rank(sides.times[other], other) < here;
@@ -96,7 +98,7 @@ impl<'a> Sides<'a> {
         (f64::from(self.times[point]) - self.start).max(0.0)
     }
 
-    /// The ray that comes to a point from those of its neighbours that `counts` tells.
+    /// Returns the first ray that arrives at a point from those neighbours for which `counts` is true.
     fn ray(&self, point: usize, counts: impl Fn(usize) -> bool) -> Option<Ray> {
         let since = std::array::from_fn(|to| {
             let neighbour = self.spokes.neighbour(point, to);
@@ -107,21 +109,21 @@ impl<'a> Sides<'a> {
             .map(|(_, base, share)| Ray { base: base as u8, share: share as f32 })
     }
 
-    /// Carries the angle to a point whose earlier neighbours have been visited.
+    /// Propagates the angle to a point whose earlier neighbours have been visited.
     fn visit(&mut self, point: usize, ray: Option<Ray>) {
         if self.is_known(point) {
             return;
         }
         let angle = ray.map(|ray| self.along(point, ray)).filter(|angle| !angle.is_nan());
         let angle = angle.or_else(|| {
-            // One that comes from where no angle is known does not count.
+            // A ray that comes from points without an angle does not count.
             let ray = self.ray(point, |other| self.is_known(other))?;
             Some(self.along(point, ray))
         });
         self.angles[point] = angle.unwrap_or(Vec2::NAN);
     }
 
-    /// The angle that a ray brings to a point.
+    /// Returns the angle that a ray carries to a point.
     fn along(&self, point: usize, Ray { base, share }: Ray) -> Vec2 {
         let ends =
             [usize::from(base), ring::next(base.into())].map(|to| self.spokes.neighbour(point, to));
@@ -135,14 +137,14 @@ impl<'a> Sides<'a> {
         }
     }
 
-    /// The side at a place on the edge between two grid points, as an angle.
+    /// Returns the side at a place on the edge between two grid points, as an angle.
     pub(super) fn on_edge(&self, ends: [(usize, usize); 2], share: f64) -> f64 {
         let points = ends.map(|(row, col)| self.spokes.chart().bordered(row, col));
         let [a, b] = points.map(|point| self.angles[point].as_dvec2().to_angle());
         let [since_a, since_b] = points.map(|point| f64::from(self.times[point]) - self.start);
         let to = |to: &usize| self.spokes.neighbour(points[0], *to) == points[1];
         let length = (0..8).find(to).map_or(0.0, |to| self.spokes.length(points[0], to));
-        // The curve itself lies between them; the map falls towards it from the later end.
+        // The curve itself lies between the two points. The map decreases towards it from the later point.
         if since_a + since_b <= 1.01 * length {
             return if since_a > since_b { a } else { b };
         }
@@ -150,8 +152,8 @@ impl<'a> Sides<'a> {
     }
 }
 
-/// The grid points at which the angle is measured: those that the curve seeds (true), and those
-/// around its ends, unless something else is nearer.
+/// Returns the grid points at which the angle is measured: the points that the curve seeds (true), and points
+/// around its ends (false). The latter do not count if another source is nearer.
 fn beside(surface: &Surface, source: &Source) -> Result<BTreeMap<(usize, usize), bool>, MapError> {
     let Source::Curve { vertices, .. } = source else { return Ok(BTreeMap::new()) };
     let mut points = BTreeMap::new();
@@ -164,13 +166,13 @@ fn beside(surface: &Surface, source: &Source) -> Result<BTreeMap<(usize, usize),
     Ok(points)
 }
 
-/// The place of a curve that is nearest to a point.
+/// The place on a curve nearest to a point, as the distance and the angle there.
 struct Foot {
     distance: f64,
     angle: f64,
 }
 
-/// As if the surface were flat around the point.
+/// Returns the nearest place on a curve, as if the surface were flat around the point.
 fn nearest(vertices: &[DVec2], at: DVec2, metric: DMat2) -> Option<Foot> {
     let dot = |a: DVec2, b: DVec2| a.dot(metric * b);
     let near = |a: &DVec2, b: &DVec2| {
@@ -195,7 +197,7 @@ fn nearest(vertices: &[DVec2], at: DVec2, metric: DMat2) -> Option<Foot> {
         let length = dot(along, along).sqrt();
         if length > 0.0 { along / length } else { DVec2::ZERO }
     };
-    // Positive to the left of a direction, with rows downwards.
+    // Positive to the left of `along`, with rows downwards.
     let left = |along: DVec2, away: DVec2| along.x * away.y - along.y * away.x;
     let (last, here) = (vertices.len() - 2, direction(index));
     let closed = vertices[0] == vertices[vertices.len() - 1];
@@ -205,13 +207,13 @@ fn nearest(vertices: &[DVec2], at: DVec2, metric: DMat2) -> Option<Foot> {
         1.0 if index < last => Some(direction(index + 1)),
         0.0 if closed => Some(direction(last)),
         1.0 if closed => Some(direction(0)),
-        // An open end.
+        // The nearest place is an open end of the curve.
         0.0 | 1.0 => None,
         _ => Some(here),
     };
     let angle = match other {
         _ if distance == 0.0 => 0.0,
-        // At a corner the side is that of both pieces together.
+        // At a corner of the curve, the two adjoining segments together decide the side.
         Some(other) => FRAC_PI_2.copysign(left(here + other, away)),
         None => {
             let outwards = if share == 0.0 { -here } else { here };

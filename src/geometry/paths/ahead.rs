@@ -1,5 +1,5 @@
-//! The next lines of several paths where nothing bends them much, for a fraction of what searches
-//! cost.
+//! Advances several paths at once, in SIMD lanes, where they run on nearly straight. This costs a fraction of
+//! a search.
 
 use glam::DVec2;
 
@@ -11,29 +11,29 @@ use super::tracer::Tracer;
 use crate::lanes::{Instructions, Loop};
 use crate::surface::Chart;
 
-/// Paths that go on side by side: twice as many as the widest vectors hold in double precision, so
-/// that one half is at work while the other one waits for roots.
+/// The number of paths that advance side by side. It is twice the width of the widest vectors in double
+/// precision, so that one half computes while the other waits for square roots.
 pub(super) const LANES: usize = 16;
 
-/// A heading that leaves a cell within less than this part of itself leaves it over the edge that it
-/// came by.
+/// A path that would leave a cell within less than this fraction of its heading leaves it over the edge by
+/// which it entered.
 const LEAVES_AT_ONCE: f64 = 1e-9;
 
-/// A line across a cell.
+/// A straight line across a cell.
 pub(super) struct Crossed {
-    /// Where it ends, as a place that leads into the next cell.
+    /// The end of the line, as the entry into the next cell.
     pub end: Entry,
-    /// Arrival time there.
+    /// The arrival time at the end.
     pub time: f64,
     pub length: f64,
-    /// The cell, by its north-western corner.
+    /// The cell, given by its north-western corner.
     pub cell: usize,
 }
 
-/// A number for each path.
+/// One number for each path.
 type Lanes = [f64; LANES];
 
-/// The cells that paths have come to, and the lines across them.
+/// The cells that paths are about to cross, and the lines across them.
 #[derive(Default)]
 pub(super) struct Ahead {
     entries: [Option<Entry>; LANES],
@@ -42,7 +42,8 @@ pub(super) struct Ahead {
 }
 
 impl Ahead {
-    /// A path that has come to a cell, since some moment and at a time `below`.
+    /// Puts a path into the lane `lane`. The path enters a cell at `entry` in the direction `heading`.
+    /// `moment` is the time from which squared times are counted; `below` is the arrival time at the entry.
     #[inline(always)]
     pub(super) fn enter(
         &mut self,
@@ -60,7 +61,7 @@ impl Ahead {
         self.entries[lane] = Some(entry);
     }
 
-    /// Finds the lines of all.
+    /// Computes the lines of all lanes.
     pub(super) fn look(&mut self, tracer: &Tracer) {
         let instructions = Instructions::best();
         instructions.run(&mut self.headings);
@@ -96,9 +97,11 @@ impl Ahead {
         instructions.run(cells);
     }
 
-    /// The line across the cell that a path has come to, if it ends on the side to which the line
-    /// before points and fits the arrival time, so that a search would find nothing better:
-    /// but beside sources, at corners of holes and where fronts meet, it does.
+    /// Returns the line across the cell of a lane, and empties the lane.
+    ///
+    /// The line is returned only if it ends on the side to which the previous line points, and fits the
+    /// arrival time. A search would then find nothing better. Beside sources, at corners of holes and where
+    /// wavefronts meet, a search is needed.
     #[inline(always)]
     pub(super) fn take(&mut self, chart: Chart, lane: usize) -> Option<Crossed> {
         let Entry { north_west, corner, .. } = self.entries[lane].take()?;
@@ -110,17 +113,17 @@ impl Ahead {
     }
 }
 
-/// Where straight lines on the grid leave cells.
+/// Straight lines in grid coordinates, and where they leave their cells.
 #[derive(Default)]
 struct Headings {
-    /// Row and column in the cell.
+    /// The row and column within the cell.
     inside: [Lanes; 2],
-    /// By rows and by columns.
+    /// The direction, by rows and by columns.
     heading: [Lanes; 2],
-    /// Which of the cell's [`SIDES`] the line leaves it by, and at which share of it.
+    /// The side of the cell by which the line leaves, one of [`SIDES`]. `near` is the fraction of that side.
     side: [u64; LANES],
     near: Lanes,
-    /// Whether it does so elsewhere than it came.
+    /// Whether the line leaves at another place than it entered.
     leaves: [bool; LANES],
 }
 
@@ -148,25 +151,25 @@ impl Loop for &mut Headings {
     }
 }
 
-/// Where lines across cells arrive first.
+/// Lines across cells: the inputs of the search for the earliest arrival, and its results.
 #[derive(Default)]
 struct Cells {
     moment: Lanes,
-    /// Arrival times where the lines start.
+    /// The arrival times at the starts of the lines.
     below: Lanes,
-    /// Shares of the sides that they start on.
+    /// The fractions of the sides on which the lines start.
     share: Lanes,
-    /// Near where they end on those ahead.
+    /// Estimates of the fractions of the opposite sides at which the lines end.
     share_ahead: Lanes,
-    /// Of the sides that they start on.
+    /// The lengths of the sides on which the lines start.
     own_length: Lanes,
-    /// From either end of these to either end of those ahead.
+    /// The distances from either end of the starting side to either end of the side ahead.
     across: [[Lanes; 2]; 2],
-    /// Of the sides ahead.
+    /// The lengths of the sides ahead.
     length: Lanes,
-    /// At four points in a row, the middle ones being the ends of the sides ahead.
+    /// The arrival times at four points in a row. The middle two are the ends of the side ahead.
     times: [Lanes; 4],
-    /// At which shares the lines end, the arrival times there, and the lines' lengths.
+    /// The fractions at which the lines end, the arrival times there, and the lengths of the lines.
     found: [Lanes; 3],
     is_good: [bool; LANES],
 }

@@ -1,11 +1,13 @@
-//! Paths from where fronts meet, by way of a map of the surroundings of their start.
+//! Shortens paths that start where wavefronts meet, by a map of the surroundings of their start.
 //!
-//! Beside the cut locus the map's values come in part from the front on the other side and are early,
-//! and so a path that starts there runs along it, longer than it need be. A few cells further on the
-//! shortest path has left it behind: on the cut locus it leads away to one side or the other, and none
-//! from elsewhere comes near it. So where a path has become longer than the map's value, a map of the
-//! distances from its start tells the shortest ways to places some cells away, and from those places
-//! paths are traced on.
+//! Beside the cut locus some values of the map come from the wavefront on the other side and are too early. A
+//! path that starts there therefore runs along the cut locus and becomes too long. A few cells further on,
+//! the shortest path has left the cut locus: shortest paths lead away from it to one side or the other, and
+//! no path from elsewhere comes near it.
+//!
+//! So if a path is longer than the map's value, a map of the distances from the path's start is computed. It
+//! gives the shortest paths to places some cells away. From those places the path is traced further on the
+//! original map.
 
 use std::iter::once;
 
@@ -21,19 +23,20 @@ use crate::cpu::RotatedScan;
 use crate::surface::{Block, EdgeLengths, Seed, Sources};
 use crate::update::Wavefront;
 
-/// Paths that are longer than the map's value by less than this part of it are left as they are: a
-/// quarter of what they may be.
+/// The relative excess over the map's value up to which a path is left as it is: a quarter of the accepted
+/// error.
 const TOO_LONG: f64 = 5e-4;
-/// How far the map around a start goes, in cells.
+/// The extent of the map around a start, in cells.
 const REACH: usize = 16;
-/// Places on its border from which the rest of the way is traced.
+/// The number of places on the map's rim from which the rest of the path is traced.
 const TRIED: usize = 12;
-/// And then beside the best of them, in cells.
+/// The offsets, in cells, of further places that are tried beside the best of these.
 const BESIDE: [f64; 6] = [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75];
-/// Converged to the rounding of single precision.
+/// The solver converges to the rounding of single precision.
 const STOP: Stop = Stop { tolerance: 1e-6, iterations: 100 };
 
-/// Places on a block's outermost lines beside a point there, all in the block's rows and columns.
+/// Returns places on the outermost lines of a block beside the point `at`, which lies on such a line. All
+/// places are in the rows and columns of the block.
 fn beside(block: &Block, at: DVec2) -> impl Iterator<Item = DVec2> {
     let chart = block.chart();
     let is_row = at.x == 0.0 || at.x == chart.last().0 as f64;
@@ -42,10 +45,10 @@ fn beside(block: &Block, at: DVec2) -> impl Iterator<Item = DVec2> {
     places.filter(move |&place| chart.holds(place))
 }
 
-/// A way over a place of a window.
+/// A path that passes through the place `at` of a window.
 struct Way {
     at: DVec2,
-    /// From there back to the window's start.
+    /// The path from `at` back to the start, in the window.
     first: Trace,
     rest: Trace,
 }
@@ -57,7 +60,7 @@ impl Way {
 }
 
 impl Trace {
-    /// When the front arrives at its start by this way.
+    /// Returns the arrival time at the start along this path.
     fn arrival(&self) -> f64 {
         self.initial + self.length
     }
@@ -68,7 +71,7 @@ impl Trace {
 }
 
 impl Tracer<'_> {
-    /// A trace, or a shorter one from the same start where it is longer than the map's value.
+    /// Returns `trace`, or a shorter path from the same start if `trace` is longer than the map's value.
     pub(super) fn shortest(&self, trace: Trace) -> Trace {
         if !trace.is_too_long() {
             return trace;
@@ -79,8 +82,8 @@ impl Tracer<'_> {
         }
     }
 
-    /// The shortest way over the rim of a window around a path's start, if that does not reach as
-    /// far as its source.
+    /// Returns the shortest path that crosses the rim of a window around the start of `trace`. Returns `None`
+    /// if the source lies in the window.
     fn around(&self, trace: &Trace) -> Option<Trace> {
         let (&start, &end) = (trace.vertices.first()?, trace.vertices.last()?);
         let chart = self.chart();
@@ -107,7 +110,7 @@ impl Tracer<'_> {
             Some(way) if way.time() < by_point.time() => way,
             _ => by_point,
         };
-        // But for the start, which is exact.
+        // The start itself is skipped and taken from the caller, since that is exact.
         let back = first.vertices.iter().rev().skip(1).map(|&vertex| vertex + window.origin());
         Some(Trace {
             vertices: once(start).chain(back).chain(rest.vertices.into_iter().skip(1)).collect(),
@@ -117,7 +120,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// The shortest way over one of some places in a window.
+    /// Returns the shortest path through one of several places in a window.
     fn over(&self, near: &Tracer, origin: DVec2, places: &[DVec2]) -> Option<Way> {
         let rests: Vec<_> = places.iter().map(|&at| at + origin).collect();
         let ways = near.traces(places).into_iter().zip(self.traces(&rests)).zip(places);
@@ -127,7 +130,7 @@ impl Tracer<'_> {
         .min_by(|a, b| a.time().total_cmp(&b.time()))
     }
 
-    /// The map of the distances from a place within a window.
+    /// Computes the map of the distances from the place `start` within a window.
     fn near<'a>(
         &self,
         start: DVec2,

@@ -1,19 +1,19 @@
-//! The corners of holes, which paths bend around.
+//! Finds the corners of holes, around which paths bend.
 
 use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::surface::{Chart, Direction, is_corner};
 
-/// The corners of holes in the region that a front reaches.
+/// The corners of holes in the region that the map reaches.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Corners {
-    /// For each point of the bordered array; empty if there are none.
+    /// Whether each point of the bordered array is a corner. Empty if the map reaches all points.
     is_corner: Vec<bool>,
 }
 
 impl Corners {
-    /// By the arrival times in a bordered array.
+    /// Finds the corners from the arrival times in a bordered array.
     pub(super) fn new(chart: Chart, times: &[f32]) -> Self {
         let is_reached = |time: &f32| *time < f32::INFINITY;
         if (0..chart.rows).all(|row| chart.row_of(times, row).iter().all(is_reached)) {
@@ -34,17 +34,18 @@ impl Corners {
         Self { is_corner: corners }
     }
 
-    /// Whether there are none at all.
+    /// Returns whether there are no holes, and so no corners.
     pub(super) fn is_none(&self) -> bool {
         self.is_corner.is_empty()
     }
 
-    /// Whether a point of the bordered array is one.
+    /// Returns whether a point of the bordered array is a corner.
     pub(super) fn is_corner(&self, point: usize) -> bool {
         self.is_corner.get(point) == Some(&true)
     }
 
-    /// The corners at the ends of the edge that a place lies on, or at the place.
+    /// Returns the corners at the ends of the edge on which the place `at` lies, or the corner at the place
+    /// itself.
     pub(super) fn beside(&self, chart: Chart, at: DVec2) -> impl Iterator<Item = DVec2> {
         let on_edge = at.x.fract() == 0.0 || at.y.fract() == 0.0;
         let (first, last) = (at.floor(), at.ceil());

@@ -1,4 +1,4 @@
-//! Paths from their starts to their sources, and the parts of them that many have in common.
+//! Represents traced paths and the parts that many paths share.
 
 use std::collections::HashMap;
 use std::sync::{Arc, PoisonError, RwLock};
@@ -7,44 +7,44 @@ use glam::DVec2;
 
 use super::place::Stuck;
 
-/// A path's trace: its vertices from the start to the source.
+/// A complete path, with its vertices from the start to the source.
 pub(super) struct Trace {
     pub vertices: Vec<DVec2>,
-    /// Arrival time at its start.
+    /// The arrival time at the start.
     pub time: f64,
     pub length: f64,
     pub source: usize,
-    /// The source's initial value.
+    /// The initial value of the source.
     pub initial: f64,
 }
 
-/// A path to its source, the last part of which may be that of other paths too.
+/// A path to its source. Its last part may be shared with other paths.
 #[derive(Clone, Debug)]
 pub(super) struct Course {
-    /// From the start to the source, or to the corner where the rest begins.
+    /// The vertices from the start to the source, or to the corner at which the shared part begins.
     pub vertices: Vec<DVec2>,
-    /// Arrival time at the start.
+    /// The arrival time at the start.
     pub time: f64,
-    /// From the start to the source.
+    /// The length of the whole path, from the start to the source.
     pub length: f64,
     pub source: usize,
-    /// The source's initial value.
+    /// The initial value of the source.
     pub initial: f64,
     pub rest: Option<Arc<Course>>,
 }
 
-/// Where a rest begins.
+/// The key of a shared part: the place and time from which it starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Key {
-    /// The corner, a point of the bordered array.
+    /// The corner of a hole, a point of the bordered array.
     pub corner: usize,
-    /// Bits of the moment that squares of times count from.
+    /// The bits of the time from which squared times are counted.
     moment: u64,
 }
 
 pub(super) type Rest = Result<Arc<Course>, Stuck>;
 
-/// The paths from corners of holes that have been traced.
+/// The paths from corners of holes that have been traced so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rests(Arc<RwLock<HashMap<Key, Rest>>>);
 
@@ -69,7 +69,7 @@ impl Key {
 }
 
 impl Course {
-    /// All its vertices, with those of the rest.
+    /// Returns the path with the vertices of its shared parts appended.
     pub(super) fn trace(self) -> Trace {
         let Self { mut vertices, time, length, source, initial, rest } = self;
         let rests = || std::iter::successors(rest.as_deref(), |rest| rest.rest.as_deref());

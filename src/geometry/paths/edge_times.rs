@@ -1,47 +1,49 @@
-//! Arrival times along an edge, and where a straight line to it arrives first.
+//! Interpolates arrival times along an edge and finds the straight line to the edge that arrives first.
 
-/// Arrival times between two neighbouring grid points, from the squares of those at four points
-/// in a row: squares, since the square of the distance from a point is smooth even there.
+/// The arrival times between two neighbouring grid points.
+///
+/// They are interpolated from the squared times at four points in a row. Squares are used, since the squared
+/// distance from a point is smooth even at that point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EdgeTimes {
-    /// The smallest initial value, which times are taken relative to.
+    /// The time from which squared times are counted: the smallest initial value.
     start: f64,
-    /// Square at the first end.
+    /// The squared time at the first end.
     first: f64,
-    /// From there to that at the other end.
+    /// The difference of the squared times, second end minus first end.
     rise: f64,
-    /// Second differences at both ends.
+    /// The second differences of the squared times at both ends.
     bends: [f64; 2],
-    /// Times at both ends since the start.
+    /// The times at both ends since the start.
     since: [f64; 2],
     length: f64,
 }
 
-/// Second differences that differ by more than this factor have a kink between them.
+/// The ratio of second differences above which there is a kink between them.
 const KINK: f64 = crate::constants::KINK;
 
-/// How much faster times may change than the way is long, in shares of an edge: curved edges, and
-/// a metric that changes.
+/// How much more than the edge's length times may change along an edge, as a fraction of the length. It
+/// allows for curved edges and for a metric that changes.
 const MARGIN: f64 = crate::constants::MARGIN;
 
-/// Where a straight line crosses an edge.
+/// The place where a straight line crosses an edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crossing {
-    /// From the first end (0) to the other (1).
+    /// The place on the edge, from the first end (0) to the second (1).
     pub share: f64,
-    /// Arrival time there.
+    /// The arrival time at the place.
     pub time: f64,
-    /// From there to where the line starts.
+    /// The distance from the place to the start of the line.
     pub distance: f64,
 }
 
 impl EdgeTimes {
-    /// The second and the third of four points in a row are the edge's ends; `length` is
-    /// its own. The times at the outer two are infinite where there is no such point.
+    /// Interpolates between the second and the third of four points in a row, which are the ends of an edge
+    /// of the length `length`. The times at the outer two points are infinite if there is no such point.
     ///
-    /// A cubic where the surface is smooth. Where fronts meet, one of the second differences sees
-    /// the kink and the other one, the smaller, does not. With neither neighbour, the front is
-    /// taken for a circular one around a point of the plane.
+    /// Where the surface is smooth, the interpolation is a cubic. Where wavefronts meet, one of the two
+    /// second differences contains the kink; the other, which is the smaller one, is used for both ends. If
+    /// both outer points are missing, the wavefront is taken for a circle around a point of the plane.
     #[inline(always)]
     pub(super) fn new(start: f64, times: [f64; 4], length: f64) -> Self {
         let since = times.map(|time| (time - start).max(0.0));
@@ -49,12 +51,12 @@ impl EdgeTimes {
         let length_squared = length * length;
         let rise = last - first;
         let (left, right) = (before + last - 2.0 * first, first + after - 2.0 * last);
-        // One that is missing is infinite, and so the larger.
+        // A missing second difference is infinite, and therefore the larger one.
         let is_left_small = left.abs() < right.abs();
         let small = if is_left_small { left } else { right };
         let large = if is_left_small { right } else { left };
         let is_smooth = (small * large > 0.0) & (large.abs() < KINK * small.abs());
-        // Not where its centre would lie beside the edge: two fronts meet there.
+        // If the centre of the circle would lie beside the edge, two wavefronts meet on the edge.
         let is_circle = (rise.abs() >= length_squared) | (first.min(last) >= length_squared);
         let circle = if is_circle { 2.0 * length_squared } else { 0.0 };
         let one = if small.abs() < f64::INFINITY { small } else { circle };
@@ -64,7 +66,8 @@ impl EdgeTimes {
         Self { bends: bends.map(|bend| if is_distance { bend } else { 0.0 }), ..times }
     }
 
-    /// Whether the time half-way differs from those at the ends by no more than the way is long.
+    /// Returns whether the time half-way differs from the times at the ends by no more than the distance to
+    /// them.
     #[inline(always)]
     fn is_distance(&self) -> bool {
         let [first, last] = self.since;
@@ -73,7 +76,7 @@ impl EdgeTimes {
         (middle <= latest * latest) & ((earliest <= 0.0) | (middle >= earliest * earliest))
     }
 
-    /// The square of the time since the start, and its two derivatives.
+    /// Returns the squared time since the start, and its first two derivatives by `share`.
     #[inline(always)]
     fn squared(&self, share: f64) -> (f64, f64, f64) {
         let Self { first, rise, bends: [left, right], .. } = *self;
@@ -85,25 +88,26 @@ impl EdgeTimes {
         (value, slope, rest * left + share * right)
     }
 
-    /// Arrival time at a share of the edge.
+    /// Returns the arrival time at the fraction `share` of the edge.
     pub(super) fn time(&self, share: f64) -> f64 {
         let time = self.squared(share).0.max(0.0).sqrt();
         self.start + time.max(self.earliest(share))
     }
 
-    /// As late as the way from either end allows, since the start.
+    /// Returns a lower bound of the time since the start: the distance to either end limits how much earlier
+    /// it can be.
     #[inline(always)]
     fn earliest(&self, share: f64) -> f64 {
         let [first, last] = self.since;
         (first - share * self.length).max(last - (1.0 - share) * self.length)
     }
 
-    /// Where the straight line to a place crosses the edge that arrives there first: the smallest
-    /// sum of arrival time and distance. `ends` are the squared distances of the edge's ends from
-    /// the place.
+    /// Returns where the straight line to a place crosses the edge so that it arrives there first, which
+    /// minimises the sum of arrival time and distance. `ends` are the squared distances of the edge's ends
+    /// from the place.
     ///
-    /// Newton's method between brackets: the sum is convex but where fronts meet, and then the
-    /// better end will do.
+    /// The method is Newton's between brackets. The sum is convex except where wavefronts meet; there the
+    /// better end of the edge is good enough.
     pub(super) fn crossing(&self, ends: [f64; 2]) -> Crossing {
         let (low, high) = (self.sum(0.0, ends), self.sum(1.0, ends));
         let share = if low.slope() < 0.0 && high.slope() > 0.0 {
@@ -134,7 +138,7 @@ impl EdgeTimes {
         self.crossing_at(share, ends)
     }
 
-    /// The line that meets the edge at a right angle, or ends at its nearer end.
+    /// Returns the line that meets the edge at a right angle, or ends at the nearer end of the edge.
     pub(super) fn foot(&self, ends: [f64; 2]) -> Crossing {
         let share = 0.5 + 0.5 * (ends[0] - ends[1]) / (self.length * self.length);
         self.crossing_at(share.clamp(0.0, 1.0), ends)
@@ -145,8 +149,8 @@ impl EdgeTimes {
         Crossing { share, time: self.time(share), distance: square.max(0.0).sqrt() }
     }
 
-    /// The same near a share that is known well, for less, and whether two steps of Newton's method
-    /// settle strictly between the ends.
+    /// Computes [`Self::crossing`] at lower cost from a good estimate `share`. Also returns whether at most
+    /// two steps of Newton's method converge to a place strictly between the ends.
     #[inline(always)]
     pub(super) fn crossing_near(&self, share: f64, ends: [f64; 2]) -> (Crossing, bool) {
         let (first, [is_one, first_settled]) = self.newton(share, ends);
@@ -159,13 +163,13 @@ impl EdgeTimes {
         (crossing, is_one & (first_settled | (is_other & second_settled)))
     }
 
-    /// A step of Newton's method: what it leads to, whether that is a smallest sum strictly between
-    /// the ends, and whether it is exact enough.
+    /// Performs a step of Newton's method. Returns its result, whether that result is a minimum strictly
+    /// between the ends, and whether it is accurate enough.
     #[inline(always)]
     fn newton(&self, share: f64, ends: [f64; 2]) -> (Crossing, [bool; 2]) {
         let [p, q] = self.squares(share, ends);
         let [p_root, q_root] = [p, q].map(|square| square.value.sqrt());
-        // The sum's derivatives but for common factors, without a division.
+        // The derivatives of the sum up to a common factor, which avoids a division.
         let slope = 2.0 * p.value * q.value * (p.slope * q_root + q.slope * p_root);
         let bend = p.bend_of_root() * q.value * q_root + q.bend_of_root() * p.value * p_root;
         let change = -slope / bend;
@@ -174,13 +178,14 @@ impl EdgeTimes {
         let [time, distance] =
             [p.root(p_root, half * q_root), q.root(q_root, half * p_root)].map(|t| t.after(change));
         let is_inside = (bend > 0.0) & (share > 0.0) & (share < 1.0);
-        // What is left is of the order of the square, over the way to the edge in its lengths.
+        // The remaining error is of the order of the squared change, divided by the distance to the edge in
+        // lengths of the edge.
         let is_exact = change * change * self.length < 1e-5 * distance;
         let time = self.start + time.max(self.earliest(share));
         (Crossing { share, time, distance }, [is_inside, is_exact])
     }
 
-    /// Arrival time since the start and distance together at a share of the edge.
+    /// Returns the sum of the arrival time since the start and the distance, at a fraction of the edge.
     fn sum(&self, share: f64, ends: [f64; 2]) -> Sum {
         let root = |square: Term| {
             let root = square.value.sqrt();
@@ -189,7 +194,7 @@ impl EdgeTimes {
         Sum { terms: self.squares(share, ends).map(root) }
     }
 
-    /// The squares of both, not quite zero.
+    /// Returns the squares of arrival time and distance, bounded away from zero.
     #[inline(always)]
     fn squares(&self, share: f64, ends: [f64; 2]) -> [Term; 2] {
         let floor = 1e-16 * self.length * self.length;
@@ -200,7 +205,8 @@ impl EdgeTimes {
         })
     }
 
-    /// The squared distance of a place from a share of the edge, and its first two derivatives.
+    /// Returns the squared distance of a place from the fraction `share` of the edge, and its first two
+    /// derivatives.
     #[inline(always)]
     fn away(&self, share: f64, ends: [f64; 2]) -> (f64, f64, f64) {
         let (length_squared, rise) = (self.length * self.length, ends[1] - ends[0]);
@@ -210,7 +216,7 @@ impl EdgeTimes {
     }
 }
 
-/// A function at a share of an edge, and its first two derivatives.
+/// A function of the fraction of an edge: its value and its first two derivatives.
 #[derive(Clone, Copy)]
 struct Term {
     value: f64,
@@ -219,27 +225,28 @@ struct Term {
 }
 
 impl Term {
-    /// Its root, given the value of that and a half over it.
+    /// Returns the square root of the function. `value` is the value of the root, and `half` is 0.5 /
+    /// `value`.
     #[inline(always)]
     fn root(self, value: f64, half: f64) -> Self {
         let slope = self.slope * half;
         Self { value, slope, bend: (self.bend - 2.0 * slope * slope) * half }
     }
 
-    /// The second derivative of its root, times four and the root's third power.
+    /// Returns the second derivative of the square root, times four times the third power of the root.
     #[inline(always)]
     fn bend_of_root(self) -> f64 {
         2.0 * self.bend * self.value - self.slope * self.slope
     }
 
-    /// Its value a small change of the share further.
+    /// Returns the value after a small change of the fraction.
     #[inline(always)]
     fn after(self, change: f64) -> f64 {
         self.value + change * (self.slope + 0.5 * change * self.bend)
     }
 }
 
-/// A sum of two.
+/// The sum of two functions.
 #[derive(Clone, Copy)]
 struct Sum {
     terms: [Term; 2],

@@ -1,4 +1,4 @@
-//! Where a path enters a cell.
+//! Represents the place where a path enters a cell.
 
 use glam::DVec2;
 
@@ -6,21 +6,22 @@ use super::cell::{ALONG, SIDES};
 use super::place::Place;
 use crate::surface::{Chart, Direction};
 
-/// Where a path enters a cell.
+/// The place where a path enters a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
     pub north_west: usize,
-    /// Its row and column.
+    /// The row and column of the north-western corner.
     pub corner: DVec2,
-    /// Over which of the cell's [`SIDES`], and at which share of it.
+    /// The side of the cell that the path crosses, one of [`SIDES`]. `share` is the fraction of that side.
     pub side: usize,
     pub share: f64,
 }
 
-// Inlined, all that goes with every line: numbers that are stored one by one and read back as one
-// would wait for one another.
+// These functions are inlined, since they run for every line. Otherwise, numbers would be stored one by one
+// and read back together, and the load would stall until all stores are done.
 impl Entry {
-    /// That of a place on the edge of the cell `from` which a path comes, into the one beyond.
+    /// Returns the entry into the cell beyond the edge on which `place` lies. The path comes through the cell
+    /// `from`.
     pub(super) fn beyond(chart: Chart, place: Place, from: usize) -> Option<Self> {
         let Place::Edge { first, along, share } = place else { return None };
         let (back, sides) = match along {
@@ -32,7 +33,7 @@ impl Entry {
         Some(Self { north_west, corner: chart.bordered_place(north_west), side, share })
     }
 
-    /// The same place as one that leads out of a cell.
+    /// Converts the place by which a path leaves a cell into the entry into the next cell.
     #[inline(always)]
     pub(super) fn across(
         chart: Chart,
@@ -51,16 +52,16 @@ impl Entry {
         Self { north_west, corner, side: SIDES.len() - 1 - side, share }
     }
 
-    /// Row and column in the cell.
+    /// Returns the row and column within the cell.
     #[inline(always)]
     pub(super) fn inside(&self) -> DVec2 {
-        // Corners count rows by two and columns by one.
+        // Corner indices are 2 * row + column.
         let [first, last] =
             SIDES[self.side].map(|corner| DVec2::new((corner / 2) as f64, (corner % 2) as f64));
         first + self.share * (last - first)
     }
 
-    /// Row and column.
+    /// Returns the row and column of the place.
     #[inline(always)]
     pub(super) fn at(&self) -> DVec2 {
         self.corner + self.inside()

@@ -1,4 +1,4 @@
-//! Where paths end: the sources, cell by cell.
+//! Stores the sources, where paths end, by grid cell.
 
 use std::collections::HashMap;
 
@@ -7,43 +7,45 @@ use glam::DVec2;
 use super::cell::{CellLengths, Weights};
 use crate::surface::{Chart, Source, Sources, corner_weights, grid_crossings};
 
-/// The part of a source that lies in one cell: a straight segment, or a point.
+/// The part of a source that lies in one cell: a straight segment or a point.
 #[derive(Clone, Debug)]
 struct Goal {
     source: usize,
     initial: f64,
-    /// Rows and columns of its ends, and their weights.
+    /// The rows and columns of both ends. `weights` are the weights of these places in the cell.
     ends: [DVec2; 2],
     weights: [Weights; 2],
 }
 
-/// The nearest place of a source in a cell.
+/// The place of a source in a cell that is nearest to a given place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NearestSource {
-    /// Which source.
+    /// The index of the source.
     pub source: usize,
-    /// Row and column.
+    /// The row and column of the place.
     pub at: DVec2,
-    /// Arrival time at the source.
+    /// The arrival time at the source, which is its initial value.
     pub time: f64,
     pub distance: f64,
 }
 
-/// The sources, by the cells they touch.
+/// The sources, indexed by the cells that they touch.
 #[derive(Clone, Debug)]
 pub(super) struct Goals {
-    /// For each cell, by its north-western corner in a bordered array.
+    /// Whether a source touches each cell. Cells are given by their north-western corners in a bordered
+    /// array.
     touched: Vec<bool>,
-    /// The first and the last of them.
+    /// The first and the last cell that a source touches.
     range: [usize; 2],
     by_cell: HashMap<usize, Vec<Goal>>,
 }
 
-/// Places closer than this to a grid line, in cells, lie on it.
+/// The distance, in cells, up to which a place counts as lying on a grid line.
 const ON_LINE: f64 = 1e-9;
 
 impl Goals {
-    /// `there` tells which points of the bordered array are points of the surface.
+    /// Distributes the sources over the cells. `there` tells which points of the bordered array are points of
+    /// the surface.
     pub(super) fn new(chart: Chart, sources: &Sources, there: impl Fn(usize) -> bool) -> Self {
         let mut goals = Self {
             touched: vec![false; chart.bordered_points()],
@@ -94,14 +96,14 @@ impl Goals {
         }
     }
 
-    /// Whether a source lies in a cell.
+    /// Returns whether a source touches a cell.
     pub(super) fn touches(&self, north_west: usize) -> bool {
         let [first, last] = self.range;
         (first..=last).contains(&north_west) && self.touched[north_west]
     }
 
-    /// The place of a source in a cell from which the front arrives first at a place there, over
-    /// a straight line.
+    /// Returns the place of a source in a cell from which the wavefront arrives first at `place`, along a
+    /// straight line.
     pub(super) fn nearest(
         &self,
         north_west: usize,
@@ -133,7 +135,8 @@ impl Goal {
     }
 }
 
-/// The grid line before a coordinate, or the two cells' beside the line that it lies on.
+/// Returns the grid line before a coordinate. For a coordinate on a grid line, returns the starts of both
+/// adjoining cells.
 fn before(x: f64) -> impl Iterator<Item = f64> {
     let line = x.round();
     let lines = if (x - line).abs() < ON_LINE {

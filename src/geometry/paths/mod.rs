@@ -1,18 +1,20 @@
-//! Geodesic paths: shortest paths from any place back to the source (paper, section 6.3).
+//! Traces geodesic paths: shortest paths from any place back to the source (paper, section 6.3).
 //!
-//! A path follows the direction in which the arrival time falls fastest, -G^-1 grad t (eq. 21).
-//! Plain gradients mix both sides where fronts meet, and know nothing near a source or a corner
-//! of a hole. So each step asks for what the gradient stands for, as the solvers do: of all
-//! straight lines across the cell, in the cell's own lengths, the one on which the front arrives
-//! first (the Hopf-Lax form of eq. 5). Arrival times along the cell's sides come from cubics
-//! through the squares of the map's values. The steps are as long as the cells, which bounds their
-//! error to second order; lines end at grid points where a path bends around the corner of a hole,
-//! and at the source where it lies in the cell. Most lines run on nearly straight: where the one
-//! that does fits the arrival time, no other is looked for. Around corners of holes the path is then
-//! drawn taut.
+//! A path follows the direction of steepest descent of the arrival time, -G^-1 grad t (eq. 21). Gradients
+//! from finite differences mix both sides where wavefronts meet, and are wrong near a source or a corner of a
+//! hole. So each step solves the problem behind the gradient, as the solvers do. Among all straight lines
+//! across the cell, measured in the cell's own lengths, it takes the line on which the wavefront arrives
+//! first (the Hopf-Lax form of eq. 5). Arrival times along the cell's sides come from cubics through the
+//! squares of the map's values.
 //!
-//! Where fronts meet, the map's values are early, and a path from there would run along it. One that
-//! turns out longer than the map's value is looked for once more, by a map of its start's surroundings.
+//! Steps are as long as the cells, which bounds their error to second order. A line ends at a grid point
+//! where the path bends around the corner of a hole, and at the source if the source lies in the cell. Most
+//! lines run on nearly straight: if the straight continuation fits the arrival time, no other line is
+//! searched for. Afterwards the path is pulled taut around the corners of holes.
+//!
+//! Where wavefronts meet, the map's values are too early, and a path from there would run along the cut
+//! locus. A path that turns out longer than the map's value is traced again with a map of the surroundings of
+//! its start.
 
 mod ahead;
 mod around;
@@ -44,31 +46,31 @@ use tracer::Tracer;
 /// A shortest path from a place to a source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
-    /// From the start to the source, both exact; a single vertex if the start is at the source.
-    /// Vertices lie on the grid's edges, between which the path is straight.
+    /// The path from the start to the source; both ends are exact. The vertices lie on the grid's edges, and
+    /// the path is straight between them. If the start is at the source, there is a single vertex.
     pub curve: Curve,
-    /// The map's value at the start: at a grid point that of the map, elsewhere the earliest
-    /// arrival over a straight line across the cell.
+    /// The map's value at the start. Between grid points it is the earliest arrival along a straight line
+    /// across the cell.
     pub distance: f64,
-    /// The path's own length, measured as the map measures, so that together with the source's
-    /// initial value it is `distance` but for the error of both: in the surface's unit of length,
-    /// along arcs ([`crate::EdgeRule`]), times the slowness if there is one.
+    /// The length of the path, measured like the map: in the surface's unit of length, along arcs
+    /// ([`crate::EdgeRule`]), times the slowness if there is one. The length plus the source's initial value
+    /// equals `distance` up to the errors of both.
     pub length: f64,
-    /// Which of the sources, in the order given.
+    /// The index of the source, in the order in which the sources were given.
     pub source: usize,
 }
 
-/// Why there is no path.
+/// The reason why there is no path.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PathError {
     /// A source does not lie on the surface.
     #[error(transparent)]
     Source(#[from] SourceError),
-    /// The distances are not those of the surface's points.
+    /// The number of distances differs from the number of grid points.
     #[error("{found} distances do not fill a grid of {rows} x {cols} points")]
     Shape {
-        /// How many there are.
+        /// Number of distances.
         found: usize,
         /// Rows of the grid.
         rows: usize,
@@ -101,7 +103,7 @@ pub enum PathError {
         /// Column of the start.
         col: f64,
     },
-    /// No front reaches the start.
+    /// No wavefront reaches the start.
     #[error("start {row},{col} cannot be reached from any source: holes lie between them")]
     Unreachable {
         /// Row of the start.
@@ -125,14 +127,14 @@ pub enum PathError {
     },
 }
 
-/// Paths that one thread traces in one go: many to one that waits for the longest of them.
+/// The number of paths that a thread traces together. Many paths advance while one waits for the longest.
 const TOGETHER: usize = 64;
 
-/// A distance map, ready for tracing paths.
+/// A distance map, prepared for tracing paths.
 ///
-/// Paths that come to the same corner of a hole are one from there on. It is traced for the first of them
-/// and kept for others, of this call and later ones, at 16 bytes for each cell on the way to the next
-/// corner.
+/// All paths that come to the same corner of a hole are identical from there on. This part is traced for the
+/// first path and kept for other paths of this call and of later calls. It takes 16 bytes for each cell up to
+/// the next corner.
 ///
 /// ```
 /// use geosweep::geometry::Paths;
@@ -156,13 +158,13 @@ const TOGETHER: usize = 64;
 pub struct Paths<'a> {
     surface: &'a Surface,
     tracer: Tracer<'a>,
-    /// A place of the first source.
+    /// A place on the first source.
     around: DVec2,
 }
 
 impl<'a> Paths<'a> {
-    /// `distances` is the map of these sources on this surface, row-major, as in
-    /// [`crate::DistanceMap::distances`]. The `edges` are the surface's.
+    /// Prepares a map for tracing. `distances` is the map of these sources on this surface, row-major, as in
+    /// [`crate::DistanceMap::distances`]. `edges` are the edge lengths of `surface`.
     ///
     /// # Errors
     /// [`PathError::Shape`] and [`PathError::Source`].
@@ -193,35 +195,37 @@ impl<'a> Paths<'a> {
         Ok(Self { surface, tracer, around })
     }
 
-    /// Follows the map alone, as the paths on a device do ([`crate::vulkan::embed::Paths`]).
+    /// Follows the map alone, like the paths on a device ([`crate::vulkan::embed::Paths`]).
     ///
-    /// Where fronts meet the map is early, and a path from there can run along it for a while, by up
-    /// to 8e-3 of its length too long on the built-in face at 257 x 257 points. Otherwise one that is
-    /// longer than the map's value is looked for again, with a small map of its start's surroundings
-    /// and some twenty more paths: few are on smooth surfaces, but on rough ones many. And around each
-    /// corner of a hole a path along the map is too long by up to a twentieth of a cell; otherwise it
-    /// is drawn taut there.
+    /// Where wavefronts meet, the map is too early, and a path from there can run along the cut locus for a
+    /// while. Such a path is up to 8e-3 of its length too long on the built-in face at 257 x 257 points.
+    /// Without this option, a path that is longer than the map's value is traced again. This takes a small
+    /// map of the surroundings of its start and some twenty more paths. On smooth surfaces few paths are
+    /// traced again, on rough surfaces many.
+    ///
+    /// A path along the map is also too long by up to a twentieth of a cell around each corner of a hole.
+    /// Without this option it is pulled taut there.
     #[must_use]
     pub fn along_the_map(mut self) -> Self {
         self.tracer.shortens = false;
-        // Those kept are taut.
+        // The paths kept so far are taut.
         self.tracer.rests = Rests::default();
         self
     }
 
-    /// The path from a place, as fractional row and column, to its source.
+    /// Traces the path from a place, given as fractional row and column, to its source.
     ///
     /// # Errors
-    /// If the place is outside the grid, in a hole or not reached by any source, or the map is not
-    /// that of the sources ([`PathError::Lost`]).
+    /// If the place is outside the grid, in a hole or not reached by any source, or the map is not the map of
+    /// the sources ([`PathError::Lost`]).
     pub fn trace(&self, start: [f64; 2]) -> Result<Path, PathError> {
         self.trace_some(&[start]).remove(0)
     }
 
-    /// The paths from many places, in their order, traced in parallel.
+    /// Traces the paths from many places in parallel. The result is in the order of `starts`.
     pub fn trace_all(&self, starts: &[[f64; 2]]) -> Vec<Result<Path, PathError>> {
-        // Those from neighbouring directions run side by side, and so what one of them has read is at
-        // hand for the next.
+        // Paths from neighbouring directions run side by side, so that data read for one is in the cache for
+        // the next.
         let direction = |&[row, col]: &[f64; 2]| (col - self.around.y).atan2(row - self.around.x);
         let mut order: Vec<(f64, usize)> =
             starts.iter().enumerate().map(|(number, start)| (direction(start), number)).collect();
@@ -236,7 +240,7 @@ impl<'a> Paths<'a> {
         paths.into_iter().map(|(_, path)| path).collect()
     }
 
-    /// The paths from some places, in their order, by one thread.
+    /// Traces the paths from some places on one thread. The result is in the order of `starts`.
     fn trace_some(&self, starts: &[[f64; 2]]) -> Vec<Result<Path, PathError>> {
         let places: Vec<_> = starts.iter().map(|&start| self.place(start)).collect();
         let there: Vec<_> = places.iter().flatten().copied().collect();
@@ -261,7 +265,7 @@ impl<'a> Paths<'a> {
             .collect()
     }
 
-    /// The place that a path starts from, if a front reaches it.
+    /// Returns the place from which a path starts, if a wavefront reaches it.
     fn place(&self, [row, col]: [f64; 2]) -> Result<DVec2, PathError> {
         let (chart, start) = (self.surface.chart(), DVec2::new(row, col));
         if !chart.holds(start) {

@@ -1,27 +1,28 @@
-//! Where a path is.
+//! Represents the position of a path on the grid.
 
 use glam::DVec2;
 
 use super::cell::Weights;
 use crate::surface::{Chart, Direction};
 
-/// Where a path is.
+/// The position of a path.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Place {
-    /// At a point of the bordered array.
+    /// A point of the bordered array.
     Point(usize),
-    /// On the edge to the next point to the east or south, at a share of its length.
+    /// A place on the edge from `first` to the next point to the east or south, at the fraction `share` of
+    /// the edge.
     Edge { first: usize, along: Direction, share: f64 },
-    /// In a cell.
+    /// A place inside a cell.
     Inside { north_west: usize, weights: Weights },
 }
 
-/// Where a path cannot go on.
+/// The place (row, column) at which a path cannot go on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stuck(pub DVec2);
 
 impl Place {
-    /// Row and column.
+    /// Returns the row and column.
     pub(super) fn at(self, chart: Chart) -> DVec2 {
         match self {
             Self::Point(point) => chart.bordered_place(point),
@@ -34,7 +35,8 @@ impl Place {
         }
     }
 
-    /// The cells that it lies in, by their north-western corners, its weights there, and how many they are.
+    /// Returns the cells that contain the place, with the place's weights in each, and the number of these
+    /// cells. Cells are given by their north-western corners.
     pub(super) fn cells(self, chart: Chart) -> ([(usize, Weights); 4], usize) {
         use Direction::{North, NorthWest, West};
         let none = (0, [0.0; 4]);

@@ -1,8 +1,9 @@
-//! What paths have in common: from the corner of a hole on, all that come to it are one.
+//! Shares the parts that paths have in common. All paths that come to the corner of a hole are identical from
+//! there on.
 //!
-//! Around holes many paths bend at few corners, and on winding ways most of each path is also most of the
-//! others. So a path is followed to the first corner that it comes to. What comes after that is traced and
-//! drawn taut once, from corner to corner down to the source, and kept.
+//! Around holes many paths bend at few corners, and on winding paths most of a path is shared with the
+//! others. So a path is followed to the first corner that it reaches. The part after the corner is traced and
+//! pulled taut once, from corner to corner down to the source, and kept.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -14,7 +15,8 @@ use super::place::{Place, Stuck};
 use super::tracer::Tracer;
 use super::walk::{Head, HeadEnd};
 
-/// That of the corner that a path comes to, by squares of times that count from some moment.
+/// Returns the key of the corner that a path reaches. `moment` is the time from which squared times are
+/// counted.
 fn corner((head, moment): (&Result<Head, Stuck>, f64)) -> Option<Key> {
     match head.as_ref().ok()?.end {
         HeadEnd::Corner(corner) => Some(Key::new(corner, moment)),
@@ -23,13 +25,13 @@ fn corner((head, moment): (&Result<Head, Stuck>, f64)) -> Option<Key> {
 }
 
 impl Tracer<'_> {
-    /// The paths from some places to their sources, drawn taut if the tracer's are. Each is what it
-    /// would be alone.
+    /// Traces the paths from some places to their sources, and pulls them taut if `shortens` is set. Each
+    /// result is the same as if the path were traced alone.
     pub(super) fn traces(&self, starts: &[DVec2]) -> Vec<Result<Trace, Stuck>> {
         let walks: Vec<_> = starts.iter().map(|&start| (start, self.start)).collect();
         let mut courses = self.courses(&walks);
-        // Squares of times are smooth at a source if they count from its own initial value, which is
-        // known once a path has found it.
+        // Squared times are smooth at a source if they are counted from its own initial value. That value is
+        // known once the path has found the source, so such paths are traced again.
         let later = |(number, course): (usize, &Result<Course, Stuck>)| {
             let Course { source, initial, .. } = course.as_ref().ok()?;
             (*initial != self.start).then_some((number, *source, (starts[number], *initial)))
@@ -44,7 +46,7 @@ impl Tracer<'_> {
         courses.into_iter().map(|course| course.map(Course::trace)).collect()
     }
 
-    /// The paths from some places, by squares of times that count from some moments.
+    /// Traces the paths from some places. Each walk has the time from which its squared times are counted.
     fn courses(&self, walks: &[(DVec2, f64)]) -> Vec<Result<Course, Stuck>> {
         let heads = self.heads(walks);
         let moments = walks.iter().map(|&(_, moment)| moment);
@@ -52,7 +54,7 @@ impl Tracer<'_> {
         heads.into_iter().zip(moments).map(|(head, moment)| self.course(head?, moment)).collect()
     }
 
-    /// Sees that the paths from some corners are kept.
+    /// Traces and keeps the paths from the given corners.
     fn trace_rests(&self, mut keys: BTreeSet<Key>) {
         let mut heads = HashMap::new();
         loop {
@@ -66,7 +68,7 @@ impl Tracer<'_> {
             keys = keys.iter().filter_map(|key| corner((&heads[key], key.moment()))).collect();
         }
         let mut heads: Vec<_> = heads.into_iter().collect();
-        // The times fall from corner to corner.
+        // Arrival times decrease from corner to corner, so each path's rest is kept before the path needs it.
         heads.sort_by(|(a, _), (b, _)| self.time(a.corner).total_cmp(&self.time(b.corner)));
         for (key, head) in heads {
             let course = head.and_then(|head| self.course(head, key.moment()));
@@ -74,7 +76,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// The whole path, if that from the corner where its head ends is kept.
+    /// Completes a path from its head. The path from the corner at which the head ends must have been kept.
     fn course(&self, head: Head, moment: f64) -> Result<Course, Stuck> {
         let Head { vertices, time, length, end } = head;
         let course = match end {

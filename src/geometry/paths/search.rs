@@ -1,4 +1,4 @@
-//! The next line of a path, looked for among all straight lines across a cell.
+//! Searches for the next line of a path among all straight lines across a cell.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -12,14 +12,14 @@ use super::place::Place;
 use super::tracer::Tracer;
 use crate::surface::{Chart, Direction, EdgeSlot, FAR};
 
-/// One straight line of a path.
+/// A straight line of a path across a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CellLine {
     pub end: End,
-    /// Arrival time at its end.
+    /// The arrival time at the end of the line.
     pub time: f64,
     pub length: f64,
-    /// The cell that it crosses.
+    /// The cell that the line crosses.
     pub cell: usize,
 }
 
@@ -34,9 +34,12 @@ impl CellLine {
         self.time + self.length
     }
 
-    /// Whether it is better than another one from where the front arrives at a time: earlier, if
-    /// both or neither of them fall. One that does not, to the other side of a point that is later
-    /// than its surroundings, may be so short that it is hardly late, and leads to and fro.
+    /// Returns whether this line is better than `other`, both starting at a place with the arrival time
+    /// `time`.
+    ///
+    /// The earlier line is better if both descend or neither does. Otherwise the descending line is better. A
+    /// line that does not descend, to the other side of a point that is later than its surroundings, may be
+    /// so short that it is hardly late, and the path would go back and forth.
     fn is_better(&self, other: &Self, time: f64) -> bool {
         let falls =
             |line: &Self| time - line.time >= LEAST_FALL * line.length - ROUNDING * time.abs();
@@ -46,34 +49,37 @@ impl CellLine {
         }
     }
 
-    /// Whether it arrives no later than the map says, so that no other can be much better.
+    /// Returns whether the line arrives no later than the map's value. Then no other line can be much better.
     fn fits(&self, time: f64) -> bool {
         fits(self.time, self.length, time)
     }
 }
 
-/// The same for a line of a length that ends at a time.
+/// Returns whether a line of the given length, which ends at the time `end`, fits the arrival time `time` at
+/// its start.
 #[inline(always)]
 pub(super) fn fits(end: f64, length: f64, time: f64) -> bool {
     end + length <= time + FITS * length + ROUNDING * time.abs()
 }
 
-/// A line that ends nearer than this to a grid point, in shares of the edge, ends there.
+/// The distance, as a fraction of the edge, within which a line that ends near a grid point is moved to the
+/// point.
 pub(super) const AT_POINT: f64 = crate::constants::AT_POINT;
-/// A straight line to the source in sight is preferred to others by this part of its length; and a
-/// line that fits the arrival time as well needs no other to be compared with.
+/// The fraction of its length by which a straight line to a visible source is preferred to other lines. A
+/// line that fits the arrival time within this fraction is not compared with others.
 const FITS: f64 = crate::constants::FITS;
-/// Maps are rounded to single precision, which over short lines is more than that part of them:
-/// such a part of the arrival time.
+/// The rounding of a map to single precision, as a fraction of the arrival time. Over short lines it exceeds
+/// the fractions of the length.
 const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
-/// A line falls if it does so by this part of its length.
+/// The fraction of its length by which a line must decrease the time to count as descending.
 const LEAST_FALL: f64 = crate::constants::LEAST_FALL;
-/// Areas whose square is a smaller part of the fourth power of a side are no triangles.
+/// The smallest squared area of a triangle, as a fraction of the fourth power of a side.
 const FLAT: f64 = 1e-14;
 
 impl Tracer<'_> {
-    /// The straight line across a cell, ending lower than `below`, on which the front arrives
-    /// first; the cell beside the one the path comes `from` is tried first.
+    /// Returns the straight line across a cell on which the wavefront arrives first and which ends at a time
+    /// below `below`. If the path comes from the cell `from`, the cell on the other side of the edge is tried
+    /// first. `moment` is the time from which squared times are counted.
     pub(super) fn line(
         &self,
         moment: f64,
@@ -112,7 +118,7 @@ impl Tracer<'_> {
         in_sight.or(best)
     }
 
-    /// Looks for a better line through a cell.
+    /// Searches one cell for a line better than `best`.
     fn cross(
         &self,
         moment: f64,
@@ -134,7 +140,7 @@ impl Tracer<'_> {
         };
         for (side, along) in SIDES.into_iter().zip(ALONG) {
             let [a, b] = side;
-            // The place's own edge, or an edge that ends there.
+            // Skips the edge on which the place lies, and edges that end at the place.
             let own = weights[a] + weights[b];
             let is_own = match support {
                 1 => own > 0.0,
@@ -147,7 +153,7 @@ impl Tracer<'_> {
             let points = side.map(|corner| cell.corners[corner]);
             let (ends, length) = (side.map(|corner| squares[corner]), cell.length(side));
             let is_flat = !is_triangle(ends, length * length);
-            // A start that lies on a side as far as one can tell.
+            // The place lies on this side up to rounding.
             let is_beside =
                 is_flat && support > 2 && length > 0.0 && ends[0].max(ends[1]) < NO_EDGE;
             if reached[a] && reached[b] && (is_beside || !is_flat) {
@@ -155,7 +161,7 @@ impl Tracer<'_> {
                 let crossing = if is_beside { times.foot(ends) } else { times.crossing(ends) };
                 let end = usize::from(crossing.share > 0.5);
                 let away = (crossing.share - end as f64).abs();
-                // A line past a point later than its own start does not end there.
+                // A line past a point that is later than its own start does not end at that point.
                 let at_point = away == 0.0 || away < AT_POINT && self.time(points[end]) < below;
                 if at_point {
                     let length = ends[end].max(0.0).sqrt();
@@ -166,7 +172,7 @@ impl Tracer<'_> {
                 }
                 continue;
             }
-            // Without a triangle paths run along edges.
+            // Where there is no triangle, paths run along edges.
             for (end, corner) in side.into_iter().enumerate() {
                 let along = support == 1 || weights[corner] > 0.0 || support > 2;
                 if reached[corner] && along && ends[end] < NO_EDGE {
@@ -177,9 +183,10 @@ impl Tracer<'_> {
         }
     }
 
-    /// The way along edges from a point to one where the front has arrived earlier than `below`,
-    /// or that has a source beside it, over no later points than needed: across points that
-    /// coincide, as at a pole, and out of pits that rounding leaves between long triangles.
+    /// Returns a path along edges from a point to a point whose arrival time is below `below`.
+    ///
+    /// The path avoids late points as far as possible. It crosses points that coincide, as at a pole, and
+    /// leaves local minima that rounding produces between long triangles.
     pub(super) fn detour(&self, from: usize, below: f64) -> Option<Vec<usize>> {
         let Chart { rows, cols } = self.chart();
         let mut back = HashMap::from([(from, from)]);
@@ -211,7 +218,7 @@ impl Tracer<'_> {
     }
 }
 
-/// Whether a place and an edge, both given by squared lengths, span a triangle.
+/// Returns whether a place and an edge span a triangle. Both are given by squared lengths.
 #[inline(always)]
 pub(super) fn is_triangle(ends: [f64; 2], base: f64) -> bool {
     let skew = ends[1] - ends[0] - base;

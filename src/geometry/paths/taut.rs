@@ -1,15 +1,15 @@
-//! Paths drawn taut around the corners of holes.
+//! Pulls paths taut around the corners of holes.
 //!
-//! Behind a corner that shortest paths bend around, arrival times grow with the distance from it as from
-//! a source; but their squares count from elsewhere, and cubics do not follow the tip of a cone. In the
-//! last cells before the corner a traced path strays by some hundredths of a cell, and so is too long
-//! by a part of a cell at each corner: first order, and no better.
+//! Behind a corner around which shortest paths bend, arrival times grow with the distance from the corner as
+//! from a source. But their squares are counted from elsewhere, and cubics do not reproduce the tip of a
+//! cone. In the last cells before the corner a traced path deviates by some hundredths of a cell. At each
+//! corner it is therefore too long by a fraction of a cell, which is an error of first order.
 //!
-//! So a path that comes by a corner is led over it, on lines that are straight in rows and columns, where
-//! that makes it shorter as measured in the cells' own lengths. The lines become longer as long as that
-//! saves more. On a flat floor they reach from corner to corner and are exact. On a curved surface a line
-//! is longer than the shortest path by the third power of its length, and replaces only the cells near
-//! the corner; further on what cubics make of the cone is better by the sixth power of the distance.
+//! So a path that passes a corner is led through the corner, on lines that are straight in rows and columns,
+//! if that makes it shorter as measured in the cells' own lengths. These lines are lengthened while that
+//! saves more. On a flat floor they reach from corner to corner and are exact. On a curved surface a line is
+//! longer than the shortest path by the third power of its length, so it replaces only the cells near the
+//! corner. Further away the interpolation by cubics is more accurate, by the sixth power of the distance.
 
 use std::sync::Arc;
 
@@ -20,20 +20,22 @@ use super::course::Course;
 use super::tracer::Tracer;
 use crate::surface::{corner_weights, grid_crossings};
 
-/// Whether a path is to be led over a corner is decided by lines over as many of its vertices.
+/// The number of vertices on each side of a corner that decide whether the path is led through the corner.
 const NEAR: usize = 8;
-/// What saves less than this part of its length is left: edges are measured in single precision.
+/// The smallest saving, as a fraction of the length. Smaller ones are ignored, since edges are measured in
+/// single precision.
 const LEAST: f64 = 1e-7;
-/// Places closer than this to a grid line, in cells, lie on it, and those closer to each other are one.
+/// The distance, in cells, up to which a place counts as lying on a grid line, and two places count as one.
 const ON_LINE: f64 = 1e-9;
 
 /// A straight line between a corner and a vertex before or after it.
 #[derive(Clone, Copy, Debug)]
 struct CornerLine {
-    /// The vertex.
+    /// The index of the vertex.
     end: usize,
     length: f64,
-    /// Length of the path that it replaces, from the vertex nearest to the corner on that side.
+    /// The length of the part of the path that the line replaces, from the vertex nearest to the corner on
+    /// that side.
     way: f64,
 }
 
@@ -43,23 +45,23 @@ impl CornerLine {
     }
 }
 
-/// What is shorter than part of a path: one straight line or two.
+/// One or two straight lines that are shorter than a part of a path.
 struct Shortcut {
-    /// The vertices that it is between.
+    /// The indices of the vertices at both ends of that part.
     ends: [usize; 2],
-    /// The corner that it bends at, if it does.
+    /// The corner at which the shortcut bends, if it does.
     corner: Option<DVec2>,
     saves: f64,
 }
 
-/// A path that has been added to another one.
+/// A shared path that has been appended to another path.
 struct Shared {
     rest: Arc<Course>,
-    /// How many of the last vertices are still its own.
+    /// The number of vertices at the end that still belong to the shared path.
     left: usize,
 }
 
-/// A path beside a corner.
+/// A path that passes a corner.
 struct BesideCorner<'a> {
     tracer: &'a Tracer<'a>,
     vertices: &'a [DVec2],
@@ -67,8 +69,8 @@ struct BesideCorner<'a> {
 }
 
 impl BesideCorner<'_> {
-    /// The straight way over the corner, or past it, where that saves anything. The path is beside
-    /// the corner from its vertex `first` on; it changes after the vertex `fixed` only.
+    /// Returns the straight lines through the corner, or past it, if they save anything. The path is beside
+    /// the corner from the vertex `first` on. Only the part after the vertex `fixed` changes.
     fn shortcut(&self, fixed: usize, first: usize) -> Option<Shortcut> {
         let (tracer, vertices) = (self.tracer, self.vertices);
         let end = vertices.len() - 1;
@@ -79,7 +81,7 @@ impl BesideCorner<'_> {
         let beside = vertices[first..].iter().take_while(|at| is_beside(at)).count();
         let own = (first..first + beside).find(|&at| vertices[at] == self.corner);
         let nearest = [first.saturating_sub(1), (first + beside).min(end)];
-        // Most paths pass by.
+        // Most paths pass the corner on a straight line.
         let around = nearest[0].saturating_sub(NEAR).max(fixed)..=(nearest[1] + NEAR).min(end);
         let chord = vertices[*around.start()].distance(vertices[*around.end()]);
         if vertices[first] != self.corner && extent(&vertices[around]) <= (1.0 + LEAST) * chord {
@@ -95,7 +97,7 @@ impl BesideCorner<'_> {
             }
         }
         let (replaced, over) = (way + before.way + after.way, before.length + after.length);
-        // Maps that are late beside a shadow's border lead paths to corners that they need not touch.
+        // Maps that are late beside the border of a shadow lead paths to corners that they need not touch.
         let past = tracer.straight(vertices[before.end], vertices[after.end]);
         let past = past.filter(|past| *past < (1.0 - LEAST) * over);
         let length = past.unwrap_or(over);
@@ -103,7 +105,7 @@ impl BesideCorner<'_> {
         let kept =
             |line: CornerLine| own.filter(|&own| past.is_none() && self.is_straight(own, line.end));
         let ends = [before, after].map(|line| kept(line).unwrap_or(line.end));
-        // Where both lines stay there is nothing to lead another way, whatever rounding saves.
+        // If both lines stay, there is nothing to change, whatever rounding seems to save.
         let changes = ends[0] < ends[1];
         (changes && length < (1.0 - LEAST) * replaced).then_some(Shortcut {
             ends,
@@ -112,16 +114,18 @@ impl BesideCorner<'_> {
         })
     }
 
-    /// The line between the corner and a vertex.
+    /// Returns the line between the corner and a vertex.
     fn line(&self, end: usize) -> Option<CornerLine> {
         let to = self.vertices[end];
         let length = if to == self.corner { 0.0 } else { self.tracer.straight(self.corner, to)? };
         Some(CornerLine { end, length, way: 0.0 })
     }
 
-    /// A line to some vertex from the one nearest to the corner to the last one on that side: as many
-    /// further as `counts` says first, and twice as many, to what it says last, while the line stays
-    /// on the surface and saves no less.
+    /// Lengthens a line by moving its end from the vertex `nearest` to the corner towards the vertex `last`
+    /// on that side.
+    ///
+    /// The line is extended by the first number of `counts` of vertices, which then doubles up to the second
+    /// number. It stops when the line would leave the surface or save less.
     fn lengthen(
         &self,
         mut line: CornerLine,
@@ -134,7 +138,7 @@ impl BesideCorner<'_> {
         while count <= most {
             let far = count.min(reach);
             let end = if last < nearest { nearest - far } else { nearest + far };
-            // Nothing is saved where the path is straight already.
+            // On a straight part of the path nothing is saved.
             if !self.is_straight(line.end, end) {
                 let (Some(longer), Some(way)) = (self.line(end), self.way(line.end, end)) else {
                     break;
@@ -153,31 +157,32 @@ impl BesideCorner<'_> {
         line
     }
 
-    /// Length of the path between two vertices.
+    /// Returns the length of the path between two vertices.
     fn way(&self, a: usize, b: usize) -> Option<f64> {
         let vertices = &self.vertices[a.min(b)..=a.max(b)];
         vertices.windows(2).map(|ends| self.tracer.across(ends[0], ends[1])).sum()
     }
 
-    /// Whether the line to a vertex and the path from there to another one are one line.
+    /// Returns whether the line to the vertex `a` and the path from there to the vertex `b` form one straight
+    /// line.
     fn is_straight(&self, a: usize, b: usize) -> bool {
         let to = |end: usize| self.corner.distance(self.vertices[end]);
         to(a) + extent(&self.vertices[a.min(b)..=a.max(b)]) <= (1.0 + LEAST) * to(b)
     }
 }
 
-/// Length of a path in rows and columns.
+/// Returns the length of a path in grid coordinates (rows and columns).
 fn extent(vertices: &[DVec2]) -> f64 {
     vertices.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
 }
 
 impl Tracer<'_> {
-    /// A path led straight to the corners that it bends at and away.
+    /// Pulls a path taut: leads it straight to and from the corners at which it bends.
     pub(super) fn taut(&self, mut course: Course) -> Course {
         if self.corners.is_none() {
             return course;
         }
-        // The last corner that the path is led over.
+        // The last corner through which the path has been led.
         let mut fixed = 0;
         let mut at = 0;
         let mut shared = None;
@@ -197,7 +202,7 @@ impl Tracer<'_> {
                 }
                 at += 1;
             }
-            // What follows is taut already.
+            // The remaining vertices come from a shared path, which is taut already.
             if let Some(Shared { left, rest }) = &shared
                 && fixed + left >= course.vertices.len()
             {
@@ -211,7 +216,8 @@ impl Tracer<'_> {
         course
     }
 
-    /// What is shorter over a corner that a path, fixed up to a vertex, is beside from another one on.
+    /// Returns a shortcut at a corner that the path passes from the vertex `at` on. The path is fixed up to
+    /// the vertex `fixed`.
     fn shortcut(&self, vertices: &[DVec2], fixed: usize, at: usize) -> Option<Shortcut> {
         let is_new = |corner: &DVec2| {
             at == 0 || self.corners_beside(vertices[at - 1]).all(|before| before != *corner)
@@ -221,7 +227,8 @@ impl Tracer<'_> {
         corners.map(beside).find_map(|path| path.shortcut(fixed, at))
     }
 
-    /// Leads a path another way: the vertices where that bends, if it does, and where it ends.
+    /// Replaces a part of a path by a shortcut. Returns the index of the vertex at which the shortcut bends,
+    /// if it does, and the index of its end.
     fn take(&self, course: &mut Course, shortcut: &Shortcut) -> (Option<usize>, usize) {
         let &Shortcut { ends: [first, last], corner, saves } = shortcut;
         let (from, to) = (course.vertices[first], course.vertices[last]);
@@ -240,8 +247,8 @@ impl Tracer<'_> {
         (bend, end)
     }
 
-    /// Adds the rest of a path where that begins at a corner beside a vertex, so that it can be drawn
-    /// taut there.
+    /// Appends the shared rest of a path if that begins at a corner beside the vertex `at`, so that the path
+    /// can be pulled taut there.
     fn join(&self, course: &mut Course, at: usize) -> Option<Shared> {
         let end = *course.vertices.last()?;
         if self.corners_beside(course.vertices[at]).all(|corner| corner != end) {
@@ -257,7 +264,8 @@ impl Tracer<'_> {
         self.corners.beside(self.chart(), at)
     }
 
-    /// Where a line that is straight in rows and columns crosses the grid's, between its ends.
+    /// Returns the places between `a` and `b` at which a line that is straight in rows and columns crosses
+    /// the grid's lines.
     fn cuts(&self, a: DVec2, b: DVec2) -> Vec<DVec2> {
         let on_line = |x: f64| if (x - x.round()).abs() < ON_LINE { x.round() } else { x };
         let mut cuts: Vec<_> = grid_crossings(a, b)
@@ -270,13 +278,13 @@ impl Tracer<'_> {
         cuts
     }
 
-    /// The length of such a line, if it stays where a front arrives.
+    /// Returns the length of such a line, if a wavefront reaches all of it.
     fn straight(&self, a: DVec2, b: DVec2) -> Option<f64> {
         let cuts = grid_crossings(a, b);
         cuts.windows(2).map(|ends| self.across(a.lerp(b, ends[0]), a.lerp(b, ends[1]))).sum()
     }
 
-    /// The length of a part of one that lies in one cell.
+    /// Returns the length of a part of such a line that lies in one cell.
     fn across(&self, a: DVec2, b: DVec2) -> Option<f64> {
         let corner = (0.5 * (a + b)).floor();
         let north_west = self.chart().bordered_at(corner);

@@ -1,4 +1,5 @@
-//! What paths are traced through: a map, the lengths of edges, and where paths bend and end.
+//! Holds the data through which paths are traced: a map, the lengths of edges, and the places where paths
+//! bend and end.
 
 use glam::DVec2;
 
@@ -9,17 +10,17 @@ use super::goals::Goals;
 use super::place::Place;
 use crate::surface::{Chart, Direction, EdgeLengths, EdgeSlot, corner_weights};
 
-/// What a tracer knows.
+/// A map prepared for tracing.
 #[derive(Clone, Debug)]
 pub(super) struct Tracer<'a> {
     pub edges: &'a EdgeLengths<f32>,
-    /// Arrival times in a bordered array, infinite where no front arrives.
+    /// The arrival times in a bordered array, infinite where no wavefront arrives.
     pub times: Vec<f32>,
-    /// The smallest initial value.
+    /// The smallest initial value of the sources.
     pub start: f64,
     pub goals: Goals,
     pub corners: Corners,
-    /// Whether paths are made shorter than the map alone has them.
+    /// Whether paths are shortened beyond what the map alone gives.
     pub shortens: bool,
     pub rests: Rests,
 }
@@ -37,12 +38,13 @@ impl Tracer<'_> {
         self.times[point] < f32::INFINITY
     }
 
-    /// Whether the surface is there and a front arrives; rows and columns inside the grid.
+    /// Returns whether the place is on the surface and a wavefront reaches it. The place must be inside the
+    /// grid.
     pub(super) fn reaches(&self, at: DVec2) -> bool {
         self.place(at).is_some()
     }
 
-    /// The place at a row and column, if it has been reached.
+    /// Returns the place at a row and column, if a wavefront reaches it.
     pub(super) fn place(&self, at: DVec2) -> Option<Place> {
         let (row, col) = (at.x as usize, at.y as usize);
         let (v, u) = (at.x.fract(), at.y.fract());
@@ -65,12 +67,12 @@ impl Tracer<'_> {
         }
     }
 
-    /// Row and column of a place.
+    /// Returns the row and column of a place.
     pub(super) fn at(&self, place: Place) -> DVec2 {
         place.at(self.chart())
     }
 
-    /// The reached corners of the cells that a place lies in, and how far they are.
+    /// Returns the reached corners of the cells that contain a place, and their distances from it.
     pub(super) fn corners(&self, place: Place) -> impl Iterator<Item = (usize, f64)> {
         let (cells, count) = place.cells(self.chart());
         cells.into_iter().take(count).flat_map(|(north_west, weights)| {
@@ -83,7 +85,8 @@ impl Tracer<'_> {
         })
     }
 
-    /// The arrival times at the ends of an edge and at the points next to them in its line.
+    /// Returns the arrival times at the ends of an edge and at the next points on the same line: four points
+    /// in a row.
     #[inline]
     pub(super) fn times_along(&self, [first, last]: [usize; 2]) -> [f64; 4] {
         let step = last - first;
@@ -98,7 +101,7 @@ impl Tracer<'_> {
         self.edges.at(a, EdgeSlot::new(self.chart(), 0, to)).into()
     }
 
-    /// The earliest of a place's own grid points.
+    /// Returns the earliest of the grid points of the edge or cell in which the place lies.
     pub(super) fn lower_end(&self, place: Place) -> usize {
         let (cells, _) = place.cells(self.chart());
         let (north_west, weights) = cells[0];

@@ -1,4 +1,4 @@
-//! Paths on their way from cell to cell, several side by side.
+//! Advances paths from cell to cell, several side by side.
 
 use glam::DVec2;
 
@@ -8,50 +8,52 @@ use super::place::{Place, Stuck};
 use super::search::End;
 use super::tracer::Tracer;
 
-/// Bands of times from the latest start to the source: of 1200 x 1200 points each is some fifty
-/// cells wide, so that nearby paths read the same few kilobytes. One band would take an eighth more.
+/// The number of bands of times between the latest start and the source. At 1200 x 1200 points a band is some
+/// fifty cells wide, so that nearby paths read the same few kilobytes. With a single band tracing takes an
+/// eighth longer.
 const BANDS: f64 = 24.0;
 
-/// A path as far as it has been followed.
+/// The traced part of a path, up to its end or its first corner.
 #[derive(Debug)]
 pub(super) struct Head {
     pub vertices: Vec<DVec2>,
-    /// Arrival time at its start.
+    /// The arrival time at the start.
     pub time: f64,
     pub length: f64,
     pub end: HeadEnd,
 }
 
-/// Where following a path ends.
+/// The place at which the tracing of a path ends.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum HeadEnd {
     Source {
         source: usize,
-        /// Its initial value.
+        /// The initial value of the source.
         initial: f64,
     },
-    /// At the corner of a hole, a point of the bordered array: from there on, all paths are one.
+    /// The corner of a hole, a point of the bordered array. From there on all paths are identical.
     Corner(usize),
 }
 
-/// A path under way.
+/// A path that is being traced.
 struct Walk {
-    /// Squares of times count from here.
+    /// The time from which squared times are counted.
     moment: f64,
     place: Place,
-    /// Arrival time there.
+    /// The arrival time at the place.
     time: f64,
-    /// The cell that it has come through.
+    /// The cell through which the path has come.
     from: usize,
-    /// Where it enters the next cell, and from which direction, if it has one.
+    /// The entry into the next cell and the direction there, if there is one.
     entry: Option<(Entry, DVec2)>,
-    /// The earliest of the grid points passed, and left, not for a later one.
+    /// The earliest time of the grid points that the path has passed. The path does not go back to a later
+    /// point.
     lowest: f64,
-    /// Arrival time at the start.
+    /// The arrival time at the start.
     arrival: f64,
     vertices: Vec<DVec2>,
     length: f64,
-    /// From the start to each vertex.
+    /// The length of the path from the start to each vertex.
     lengths: Vec<f64>,
     lines: usize,
 }
@@ -92,15 +94,15 @@ impl Walk {
         Ok(())
     }
 
-    /// Every line falls, so that none can be taken twice; a path that takes more lines than there
-    /// are edges falls by less and less.
+    /// Counts a line, and fails if there are too many. Every line descends, so none can be taken twice. A
+    /// path with more lines than the grid has edges descends by less and less and is lost.
     fn count(&mut self, tracer: &Tracer) -> Result<(), Stuck> {
         self.lines += 1;
         let is_lost = self.lines > 4 * tracer.chart().points() + 64;
         if is_lost { Err(Stuck(tracer.at(self.place))) } else { Ok(()) }
     }
 
-    /// Goes one line further, found by a search, and tells where it has ended.
+    /// Advances by one line, found by a search. Returns where the tracing ends, if it does.
     fn go_on(&mut self, tracer: &Tracer) -> Result<Option<HeadEnd>, Stuck> {
         self.count(tracer)?;
         if let Place::Point(point) = self.place {
@@ -117,7 +119,7 @@ impl Walk {
         self.length += line.length;
         match line.end {
             End::Source(source, at) => {
-                // A path that starts at its source is a single place.
+                // A path that starts at its source has a single vertex.
                 if self.vertices.last() != Some(&at) {
                     self.vertices.push(at);
                 }
@@ -138,7 +140,7 @@ impl Walk {
         }
     }
 
-    /// Where the path now enters a cell.
+    /// Updates the entry into the next cell.
     fn head(&mut self, tracer: &Tracer) {
         self.entry = match self.vertices[..] {
             [.., before, at] => {
@@ -149,14 +151,14 @@ impl Walk {
         };
     }
 
-    /// Leaves a place from which no line falls.
+    /// Leaves a place from which no line descends.
     fn detour(&mut self, tracer: &Tracer) -> Result<(), Stuck> {
         let (vertices, lengths) = (&mut self.vertices, &mut self.lengths);
         let stuck = || Stuck(tracer.at(self.place));
         let point = tracer.lower_end(self.place);
         let detour = tracer.detour(point, self.lowest).ok_or_else(stuck)?;
         let at = tracer.at(Place::Point(point));
-        // Back at a point that it has passed, a path goes on from there without the loop.
+        // If the path returns to a point that it has passed, the loop is removed.
         if let Some(passed) = vertices.iter().position(|vertex| *vertex == at) {
             vertices.truncate(passed + 1);
             lengths.truncate(passed + 1);
@@ -184,11 +186,12 @@ impl Walk {
 }
 
 impl Tracer<'_> {
-    /// The paths from some places to the first corner of a hole that they come to, or to their
-    /// sources, by squares of times that count from some moments. Each is what it would be alone.
+    /// Traces the paths from some places to the first corner of a hole that they reach, or to their sources.
+    /// Each start has the time from which its squared times are counted. Each result is the same as if the
+    /// path were traced alone.
     ///
-    /// They go down together, the latest first and a band of times after the other, so that what one
-    /// of them has read is at hand for those beside it.
+    /// The paths descend together, the latest first, one band of times after another. Data read for one path
+    /// is then in the cache for those beside it.
     pub(super) fn heads(&self, starts: &[(DVec2, f64)]) -> Vec<Result<Head, Stuck>> {
         let mut heads: Vec<_> = starts.iter().map(|&(start, _)| Err(Stuck(start))).collect();
         let walk = |&(start, moment): &_| Walk::new(self, start, moment).ok();
@@ -197,7 +200,7 @@ impl Tracer<'_> {
         let time = |walk: &Walk| walk.time;
         while let Some(latest) = walks.iter().flatten().map(time).max_by(f64::total_cmp) {
             let until = if latest < f64::INFINITY {
-                // At its source a map can be earlier than the initial value, by rounding.
+                // At its source, a map can be earlier than the initial value by rounding.
                 latest - *band.get_or_insert(((latest - self.start) / BANDS).max(0.0))
             } else {
                 latest
@@ -207,7 +210,7 @@ impl Tracer<'_> {
         heads
     }
 
-    /// Takes those that are no earlier down to a time, or to their ends.
+    /// Traces all paths whose time is at least `until`, until they are below `until` or end.
     fn descend(
         &self,
         walks: &mut [Option<Walk>],

@@ -1,4 +1,4 @@
-//! Borders between regions, by marching triangles.
+//! Finds the borders between Voronoi regions by marching triangles.
 
 use std::collections::HashMap;
 
@@ -10,23 +10,23 @@ use super::{Border, NO_REGION};
 use crate::geometry::chains::{Segment, join};
 use crate::surface::{Cell, Edge, triangles};
 
-/// A triangle with several regions, and what part of it each has.
+/// A triangle that several regions share, and the fraction of its area that each region has.
 #[derive(Clone, Debug)]
 pub(super) struct Split {
     pub points: [usize; 3],
-    /// Regions may come twice.
+    /// The labels and their fractions. A region may appear twice.
     pub parts: [(u32, f64); 3],
 }
 
-/// No more edges than this lie between a triangle and the place where its regions meet.
+/// The largest number of edges between a triangle and the place where its three regions meet.
 const FARTHEST: usize = 4;
 
-/// Where the three regions of a triangle meet.
+/// The place where the three regions of a triangle meet.
 #[derive(Clone, Copy)]
 struct Junction {
     place: DVec2,
-    /// The edge of the triangle beyond which that is, between the corners of two regions: that of the
-    /// third reaches across it.
+    /// The edge of the triangle beyond which the place lies. Its ends are in two of the regions; the third
+    /// region extends across this edge.
     beyond: Option<[usize; 2]>,
 }
 
@@ -35,14 +35,14 @@ struct Mixed<'a, 'b> {
     fronts: &'a SourceFronts<'b>,
     points: [usize; 3],
     labels: [u32; 3],
-    /// The node of the junction in it, should it have one.
+    /// The node number of the triangle's junction, if it has one.
     junction: u64,
 }
 
-/// Borders and split triangles.
+/// Returns the borders and the triangles that several regions share.
 pub(super) fn march(fronts: &SourceFronts, labels: &[u32]) -> (Vec<Border>, Vec<Split>) {
     let chart = fronts.chart();
-    // Junctions are nodes beyond all edges, two to a cell.
+    // Junctions are numbered after all edges, two for each cell.
     let junctions = Edge::end(chart);
     let of_cell = |cell: Cell| {
         let corners = cell.indices(chart);
@@ -69,7 +69,7 @@ pub(super) fn march(fronts: &SourceFronts, labels: &[u32]) -> (Vec<Border>, Vec<
     let rows = chart.rows_of_cells().into_par_iter();
     let mixed: Vec<Mixed> = rows.flat_map_iter(of_row).collect();
     let segments = mixed.par_iter().flat_map_iter(Mixed::segments).collect();
-    // The triangle across an edge of another one.
+    // Returns the triangle on the other side of an edge of a triangle.
     let across = |points: [usize; 3], edge: [usize; 2]| {
         let [a, b] = edge.map(|point| chart.position(point));
         let is_across = |other: &Mixed| {
@@ -77,8 +77,8 @@ pub(super) fn march(fronts: &SourceFronts, labels: &[u32]) -> (Vec<Border>, Vec<
         };
         chart.cells_between(a, b).flat_map(of_cell).find(is_across)
     };
-    // The edges between a triangle and the place where its regions meet, if that lies on the way of
-    // the border between two of them.
+    // Returns the edges between a triangle and the place where its regions meet. Returns `None` if that place
+    // is not on the course of the border between two of them.
     let passed = |triangle: &Mixed, Junction { place, beyond }: Junction| {
         let (mut points, mut edge, mut passed) = (triangle.points, beyond?, Vec::new());
         for _ in 0..FARTHEST {
@@ -91,7 +91,7 @@ pub(super) fn march(fronts: &SourceFronts, labels: &[u32]) -> (Vec<Border>, Vec<
         }
         None
     };
-    // The nodes that lie where three regions meet.
+    // The nodes that lie at places where three regions meet.
     let mut places: HashMap<u64, DVec2> = HashMap::new();
     for triangle in mixed.iter().filter(|triangle| triangle.has_junction()) {
         let junction = triangle.junction();
@@ -111,7 +111,7 @@ pub(super) fn march(fronts: &SourceFronts, labels: &[u32]) -> (Vec<Border>, Vec<
     (borders.collect(), mixed.par_iter().map(Mixed::split).collect())
 }
 
-/// Where a border crosses an edge.
+/// Returns the place where a border crosses an edge.
 fn edge_place(fronts: &SourceFronts, labels: &[u32], edge: Edge, regions: [u32; 2]) -> DVec2 {
     let chart = fronts.chart();
     let ((row, col), to) = edge.ends(chart);
@@ -132,7 +132,7 @@ impl Mixed<'_, '_> {
         a != b && b != c && c != a
     }
 
-    /// Of a triangle with two regions, its edge between them that is not the one given.
+    /// Returns the edge between the two regions of the triangle that is not the edge `entry`.
     fn exit(&self, entry: [usize; 2]) -> Option<[usize; 2]> {
         let edge = |k: usize| [k, (k + 1) % 3];
         let is_exit = |[a, b]: &[usize; 2]| {
@@ -143,7 +143,8 @@ impl Mixed<'_, '_> {
         Some(exit.map(|corner| self.points[corner]))
     }
 
-    /// Its edges between regions, counter-clockwise, with the labels before and after.
+    /// Returns the edges of the triangle between two regions, counter-clockwise, with the labels at their
+    /// start and end.
     fn crossed(&self) -> impl Iterator<Item = (Edge, [u32; 2])> {
         (0..3).filter_map(|k| {
             let (first, last) = (k, (k + 1) % 3);
@@ -153,8 +154,8 @@ impl Mixed<'_, '_> {
         })
     }
 
-    /// Each with the region of the smaller number to its left: it begins where the way around the
-    /// triangle leaves that region.
+    /// Returns the border segments in the triangle. Each has the region with the smaller number on its left:
+    /// it begins where the boundary of the triangle leaves that region.
     fn segments(&self) -> Vec<Segment<[u32; 2]>> {
         let crossed: Vec<_> =
             self.crossed().map(|(edge, labels)| (edge.number(), labels)).collect();
@@ -170,8 +171,8 @@ impl Mixed<'_, '_> {
         vec![Segment { key: [a.min(b), a.max(b)], from, to }]
     }
 
-    /// Where three regions meet: where three fronts arrive at once, the differences of their squared
-    /// times linear between the corners, and beyond them.
+    /// Returns the place where three wavefronts arrive at once. The differences of their squared times are
+    /// linear between the corners, and extrapolated beyond them.
     fn junction(&self) -> Junction {
         let weights = self.junction_weights();
         let outside: Vec<usize> = (0..3).filter(|&k| weights[k] < 0.0).collect();
@@ -182,15 +183,17 @@ impl Mixed<'_, '_> {
         Junction { place: (0..3).map(|k| weights[k] * self.place(k)).sum(), beyond }
     }
 
-    /// The junction, or the place on the triangle's rim next to it.
+    /// Returns the junction if it lies in the triangle, and otherwise a place on the triangle's boundary near
+    /// it.
     fn junction_place(&self) -> DVec2 {
-        // Where one region reaches between the corners of the two others it lies outside.
+        // The junction lies outside if one region extends between the corners of the other two.
         let weights = self.junction_weights().max(DVec3::ZERO);
         let weights = weights / weights.element_sum();
         (0..3).map(|k| weights[k] * self.place(k)).sum()
     }
 
-    /// Barycentric; equal ones where the fronts are not known.
+    /// Returns the barycentric coordinates of the junction. They are equal where the wavefronts are not
+    /// known.
     fn junction_weights(&self) -> DVec3 {
         let squares = self.labels.map(|label| {
             let at = |k: usize| self.fronts.squared(self.points[k], label);
@@ -232,7 +235,7 @@ impl Mixed<'_, '_> {
             };
             [0, 1, 2].map(of_corner)
         } else {
-            // The corner that is alone.
+            // The corner whose label differs from the two others.
             let alone = (0..3).find(|k| self.labels[(k + 1) % 3] == self.labels[(k + 2) % 3]);
             let k = alone.unwrap_or(0);
             let [next, previous] = [(k + 1) % 3, (k + 2) % 3];
@@ -243,7 +246,7 @@ impl Mixed<'_, '_> {
     }
 }
 
-/// Twice, by the shoelace formula.
+/// Returns twice the signed area of a polygon, by the shoelace formula.
 fn signed_area(places: &[DVec2]) -> f64 {
     let next = places.iter().cycle().skip(1);
     places.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum()

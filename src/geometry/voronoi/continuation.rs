@@ -1,19 +1,19 @@
-//! How the fronts of sources go on from point to point: when one arrives, given when it has reached the
-//! neighbours.
+//! Propagates the wavefronts of sources from point to point: computes when a wavefront arrives at a point
+//! from its arrival times at the neighbours.
 
 use crate::cpu::{Visited, settled};
 use crate::geometry::spokes::Spokes;
 use crate::surface::{Real, Source, Sources, max, min, ring};
 use crate::update::{Triangle, Wavefront, planar, point_source};
 
-/// How the front of a source is continued.
+/// The kind and initial value of a source's wavefront.
 #[derive(Clone, Copy, Debug)]
 struct Origin {
     wavefront: Wavefront,
     initial: f64,
 }
 
-/// The updates of sources' fronts, each by its label.
+/// The updates of the sources' wavefronts, indexed by label.
 pub(super) struct Continuation<'a> {
     spokes: Spokes<'a>,
     origins: Vec<Origin>,
@@ -28,7 +28,7 @@ impl<'a> Continuation<'a> {
         &self.spokes
     }
 
-    /// From the start of a front to its arrival somewhere.
+    /// Returns the time between the start of a wavefront and its arrival at the time `time`.
     pub(super) fn since(&self, label: u32, time: f64) -> f64 {
         if time < f64::FAR {
             max(time - self.origins[label as usize].initial, 0.0)
@@ -37,7 +37,8 @@ impl<'a> Continuation<'a> {
         }
     }
 
-    /// When a front arrives at a point from its neighbours, given the times since its start there.
+    /// Returns when a wavefront arrives at a point from its neighbours. `since` holds the times since its
+    /// start at the neighbours, and `lengths` the lengths of the edges to them.
     pub(super) fn arrival(
         &self,
         point: usize,
@@ -60,8 +61,9 @@ impl<'a> Continuation<'a> {
             let triangle = self.triangle(point, ends, since, ends.map(|to| lengths[to]));
             self.through(label, triangle)
         };
-        // Nearly always beside the neighbour over which the way along an edge is shortest, and on
-        // the side where the next one is shorter.
+        // The wavefront nearly always comes through a triangle at the neighbour with the shortest path along
+        // an edge, on the side where the next neighbour has the shorter path. The other triangles are tried
+        // only if it does not.
         let [right, left] = [ring::previous(nearest), ring::next(nearest)];
         let [to_right, to_left] = [right, left].map(|to| since[to] + lengths[to]);
         let beside = if to_right < to_left { [right, nearest] } else { [nearest, right] };
@@ -70,9 +72,11 @@ impl<'a> Continuation<'a> {
         self.origins[label as usize].initial + first
     }
 
-    /// When a front arrives at a point through the two triangles beside one of its edges; `None` if it
-    /// is settled that it does not before `now`. Of the times since its start at the neighbours, those at
-    /// the end of the edge and on either side of that count.
+    /// Returns when a wavefront arrives at a point through the two triangles on either side of one of its
+    /// edges. Returns `None` if a cheap bound shows that it does not arrive before `now`.
+    ///
+    /// Only three entries of `since`, the times since its start at the neighbours, are used: at the end of
+    /// the edge and on either side of it.
     pub(super) fn arrival_beside(
         &self,
         point: usize,
@@ -100,7 +104,7 @@ impl<'a> Continuation<'a> {
         Some(initial + min(left, right))
     }
 
-    /// The triangle of a point with two neighbours, one beside the other.
+    /// Returns the triangle of a point with two adjacent neighbours.
     #[inline(always)]
     fn triangle(
         &self,
@@ -114,7 +118,7 @@ impl<'a> Continuation<'a> {
         Triangle { t1, t2, l1, l2, c: self.spokes.base(point, first) }
     }
 
-    /// The time since a front's start at which it arrives through a triangle.
+    /// Returns the time since a wavefront's start at which it arrives through a triangle.
     #[inline(always)]
     fn through(&self, label: u32, triangle: Triangle<f64>) -> f64 {
         let Triangle { t1, t2, l1, l2, .. } = triangle;

@@ -1,8 +1,8 @@
-//! A first guess of which source each point belongs to, and where it is in doubt.
+//! Guesses the nearest source of each point, and finds the points at which the guess is uncertain.
 //!
-//! A point takes the label of the earliest of its neighbours. That is right wherever all the
-//! neighbours before it have that label too, and so all those before them: everywhere but near
-//! sources and borders. Only there, fronts need to be followed one by one.
+//! A point takes the label of the earliest of its neighbours. The label is right if all earlier neighbours
+//! have the same label, and so do all points before them. This holds everywhere except near sources and
+//! borders. Only there, wavefronts need to be propagated one by one.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -14,21 +14,23 @@ use crate::geometry::spokes::Spokes;
 use crate::lanes::{Instructions, Loop};
 use crate::surface::{Direction, Real};
 
-/// Labels by the earliest neighbours alone.
+/// Labels taken from the earliest neighbours.
 pub(super) struct Guess {
-    /// For each point of the bordered array; [`NO_REGION`] where nothing arrives, or where a map
-    /// that is not converged has a pit.
+    /// The label of each point of the bordered array. It is [`NO_REGION`] where no wavefront arrives and
+    /// where a map that has not converged has a local minimum.
     pub labels: Vec<u32>,
-    /// The points that are sources' or have a source beside them, or two labels before them.
+    /// The points that a source seeds, their neighbours, and the points whose earlier neighbours have another
+    /// label.
     pub doubtful: Vec<u32>,
 }
 
-/// Set in what stands for a label that is not known yet: which neighbour has the same one, in the
-/// order of their indices.
+/// The flag of a link, which stands in for a label that is not known yet. A link is the number of the
+/// neighbour with the same label, in the order of indices.
 const LINK: u32 = 1 << 31;
 
 impl Guess {
-    /// `seeds` are the points that sources seed, each with the label of the first of them.
+    /// Guesses all labels. `seeds` are the points that sources seed, each with the label of its first
+    /// wavefront.
     pub(super) fn new(spokes: &Spokes, times: &[f32], seeds: &[(usize, u32)]) -> Self {
         let chart = spokes.chart();
         let mut labels: Vec<AtomicU32> = times.iter().map(|_| AtomicU32::new(NO_REGION)).collect();
@@ -73,8 +75,8 @@ impl Guess {
     }
 }
 
-/// Gives a point the label at the end of its links, and all on the way. What other threads find
-/// there is the same.
+/// Gives the label at the end of a chain of links to all points of the chain. Other threads that follow the
+/// same chain write the same values.
 fn resolve(labels: &[AtomicU32], offsets: &[isize; 8], point: usize) {
     let next = |point: usize| {
         let link = labels[point].load(Relaxed);
@@ -99,9 +101,9 @@ fn resolve(labels: &[AtomicU32], offsets: &[isize; 8], point: usize) {
     }
 }
 
-/// Links each point of a row to the earliest of the neighbours that come before it.
+/// A pass that links each point of a row to its earliest neighbour that comes before it.
 struct Earliest<'a> {
-    /// Times of the row and of those beside it.
+    /// The times of the row and of the rows above and below it.
     around: [&'a [f32]; 3],
     line: &'a mut [AtomicU32],
 }
@@ -114,7 +116,8 @@ impl Loop for Earliest<'_> {
         let Self { around, line } = self;
         let [above, beside, below] = around.map(|row| &row[..line.len() + 2]);
         for (point, line) in line.iter_mut().enumerate() {
-            // In the order of their indices, so that the first of equally early ones is kept.
+            // Neighbours are compared in the order of their indices, so that the first of equally early ones
+            // is kept.
             let mut earliest = (f32::FAR, NO_REGION);
             earliest = earlier(earliest, above[point], LINK);
             earliest = earlier(earliest, above[point + 1], LINK | 1);
@@ -137,10 +140,10 @@ fn earlier((earliest, link): (f32, u32), time: f32, to: u32) -> (f32, u32) {
     (if is_earlier { time } else { earliest }, if is_earlier { to } else { link })
 }
 
-/// Finds which points of a row have no label, or a neighbour with another one: those get other
-/// numbers than zero.
+/// A pass that marks, by a number other than zero, the points of a row without a label or with a neighbour of
+/// another label.
 struct Differences<'a> {
-    /// Labels of the row and of those beside it.
+    /// The labels of the row and of the rows above and below it.
     around: [&'a [u32]; 3],
     differences: &'a mut [u32],
 }

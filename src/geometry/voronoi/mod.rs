@@ -1,4 +1,4 @@
-//! Geodesic Voronoi regions: what is nearest to which source (paper, section 6.3).
+//! Computes geodesic Voronoi regions: the points nearest to each source (paper, section 6.3).
 
 mod borders;
 mod continuation;
@@ -18,18 +18,18 @@ use crate::surface::{EdgeLengths, Sources};
 use borders::Split;
 use source_fronts::SourceFronts;
 
-/// The label of points that belong to no region: holes, and what no source reaches.
+/// The label of points in no region: holes, and points that no source reaches.
 pub const NO_REGION: u32 = u32::MAX;
 
-/// The regions of the points nearest to each of several sources, and the borders between them.
+/// The Voronoi regions of several sources, and the borders between them.
 #[derive(Clone, Debug)]
 pub struct Voronoi {
-    /// For each grid point, row-major, the number of its nearest source in the order in which they
-    /// were given, counting from 0, or [`NO_REGION`].
+    /// The label of each grid point, row-major: the index of its nearest source, or [`NO_REGION`]. Sources
+    /// are numbered from 0 in the order in which they were given.
     pub labels: Vec<u32>,
-    /// The borders, from junction to junction.
+    /// The borders. Each runs from junction to junction.
     pub borders: Vec<Border>,
-    /// What the triangles on borders have of each region.
+    /// The triangles on borders, with the fraction of each region.
     splits: Vec<Split>,
     regions: usize,
 }
@@ -37,32 +37,33 @@ pub struct Voronoi {
 /// A border between two regions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Border {
-    /// The regions on its left and on its right, as seen in a picture of the grid, rows
-    /// downwards; the smaller number first.
+    /// The regions on the left and on the right of the border, as seen in a picture of the grid with rows
+    /// downwards. The smaller number comes first.
     pub regions: [u32; 2],
-    /// The border itself.
+    /// The curve of the border.
     pub curve: Curve,
 }
 
 impl Voronoi {
-    /// The Voronoi regions of sources: `distances` is their converged map on this surface, of any
-    /// engine, row-major, as in [`crate::DistanceMap::distances`]. The `edges` are the surface's.
+    /// Computes the Voronoi regions of sources. `distances` is their converged map on this surface, of any
+    /// engine, row-major, as in [`crate::DistanceMap::distances`]. `edges` are the edge lengths of `surface`.
     ///
-    /// A point as far from two sources belongs to the first of them, and so does everything of two
-    /// sources that are the same. A region without a grid point is empty.
+    /// A point that is equally far from two sources belongs to the first of them. If two sources are the
+    /// same, all their points belong to the first. A region without a grid point is empty.
     ///
-    /// Near borders the fronts of both sources are followed across the border, circular ones from
-    /// points and straight ones from curves, and the border is where they arrive at once, linear
-    /// between grid points; so it is as exact for sources side by side as for distant ones. On
-    /// plane, cylinder and sphere of 129 x 129 points it lies within 0.07 of a cell of the exact
-    /// bisector of two points, a cell apart or many. A junction of three regions lies where three
-    /// fronts arrive at once, in a triangle with a corner in each or a few beside it.
+    /// Near borders the wavefronts of both sources are propagated across the border: circular ones from
+    /// points, and straight ones from curves. The border is where they arrive at once, by linear
+    /// interpolation between grid points. So it is as accurate for sources side by side as for distant ones.
+    /// On plane, cylinder and sphere of 129 x 129 points it lies within 0.07 of a cell of the exact bisector
+    /// of two points, whether they are one cell apart or many. A junction of three regions lies where three
+    /// wavefronts arrive at once. It is in a triangle with a corner in each region, or in a triangle a few
+    /// away from it.
     ///
     /// # Errors
-    /// If a source lies off the surface, or the distances are not as many as the grid has points.
+    /// If a source lies off the surface, or the number of distances differs from the number of grid points.
     ///
     /// # Panics
-    /// If the edges are those of a surface of another size.
+    /// If `edges` belong to a surface of another size.
     ///
     /// ```
     /// use geosweep::geometry::Voronoi;
@@ -93,25 +94,27 @@ impl Voronoi {
         Ok(Self { labels, borders, splits, regions: sources.iter().count() })
     }
 
-    /// The number of regions, one for each source, empty ones included.
+    /// Returns the number of regions: one for each source, empty ones included.
     pub fn regions(&self) -> usize {
         self.regions
     }
 
-    /// The Delaunay graph: all pairs of regions with a common border, each with the smaller number
-    /// first, in order.
+    /// Returns the edges of the Delaunay graph: all pairs of regions with a common border, in ascending
+    /// order. In each pair the smaller number comes first.
     pub fn neighbours(&self) -> Vec<[u32; 2]> {
         let pairs: BTreeSet<_> = self.borders.iter().map(|border| border.regions).collect();
         pairs.into_iter().collect()
     }
 
-    /// The area of each region on the surface, in its unit squared, without any slowness: of the
-    /// triangles that cells are cut into, those on borders shared out along the border. The sum is
-    /// the area of the surface as far as the sources reach: [`super::area`] if they reach all of
-    /// it.
+    /// Returns the area of each region on the surface, in the surface's unit squared. A slowness does not
+    /// change it.
+    ///
+    /// Areas are sums over the triangles into which cells are split. A triangle on a border is divided along
+    /// the border. The sum of all areas is the area of the part of the surface that the sources reach; if
+    /// they reach all of it, it equals [`super::area`].
     ///
     /// # Panics
-    /// If the surface has another size than that of the regions.
+    /// If `surface` has another size than the regions.
     pub fn areas(&self, surface: &Surface) -> Vec<f64> {
         assert_eq!(surface.chart().points(), self.labels.len(), "the surface has another size");
         let inside = |index: usize| self.labels[index] != NO_REGION;
@@ -125,7 +128,7 @@ impl Voronoi {
             }
             areas
         };
-        // In order, so that the sums do not depend on the number of threads.
+        // The sums run in row order, so that they do not depend on the number of threads.
         let rows: Vec<Vec<f64>> = rows(surface).map(of_row).collect();
         let mut areas = vec![0.0; self.regions];
         for row in rows {

@@ -1,15 +1,14 @@
-//! Which source's front reaches a point first, and when the next ones do.
+//! Determines which source's wavefront reaches a point first, and when the following ones arrive.
 //!
-//! Labels that are handed from neighbour to neighbour drift along the grid's directions where a
-//! border runs almost along the fronts' way, as behind a close pair of sources; and a converged map
-//! itself mixes both fronts there, since updates at the border start from points on either side.
-//! So near borders each source's front is followed by itself, across the border and beyond it
-//! until it is late by two edges: enough for both ends of an edge that crosses the border to know
-//! both fronts. Elsewhere a point's label is that of all its earlier neighbours, and its time is
-//! the map's.
+//! Labels copied from neighbour to neighbour drift along the grid's directions where a border runs almost
+//! parallel to the characteristics, as behind a close pair of sources. The converged map itself mixes both
+//! wavefronts there, since updates at the border use points on either side. So near borders each source's
+//! wavefront is propagated separately, across the border and beyond it, until it is late by two edges. Both
+//! ends of an edge that crosses the border then know both wavefronts. Elsewhere a point has the label of all
+//! its earlier neighbours, and the time of the map.
 //!
-//! Points are visited in the order in which they are reached; but those whose label is a guess
-//! that nothing before them contradicts need no visit.
+//! Points are visited in the order of their arrival times. Points whose guessed label agrees with all points
+//! before them need no visit.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -25,32 +24,33 @@ use crate::geometry::order::bordered;
 use crate::geometry::spokes::Spokes;
 use crate::surface::{Chart, EdgeLengths, Real, Sources, Surface, max, min, ring};
 
-/// A front that may reach a point.
+/// A wavefront that may reach a point.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     label: u32,
-    /// When it does, as far as is known.
+    /// The arrival time at the point, as far as it is known.
     time: f64,
-    /// Since its start, at the point's neighbours.
+    /// The times since the wavefront's start, at the point's neighbours.
     since: [f64; 8],
-    /// Which of those it has reached, and the last of these times.
+    /// The set of neighbours that the wavefront has reached, one bit each. `last` is the latest of their
+    /// times.
     known: u8,
     last: f64,
 }
 
-/// The fronts at all points of a bordered array, as they are followed.
+/// The wavefronts at all points of a bordered array, while they are propagated.
 pub(super) struct SourceFronts<'a> {
     continuation: Continuation<'a>,
     start: f64,
     known: KnownFronts,
-    /// The ranks of points to be visited: of those known to be from the first, the earliest last, and
-    /// of others; and which they are.
+    /// The ranks of points to visit that are known from the start, the earliest last. `queue` holds the ranks
+    /// of points added later, and `is_queued` tells which points are in either.
     ahead: Vec<u64>,
     queue: BinaryHeap<Reverse<u64>>,
     is_queued: Vec<bool>,
-    /// Fronts whose arrival at a point its neighbours have yet to hear of.
+    /// The point and label of arrivals that have not been passed on to the neighbours yet.
     news: Vec<(u32, u32)>,
-    /// Where the candidates of a point are gathered.
+    /// Reused memory for the candidates of a point.
     room: Vec<Candidate>,
 }
 
@@ -66,7 +66,7 @@ impl<'a> SourceFronts<'a> {
         Ok(fronts)
     }
 
-    /// With guesses alone, and all points to visit that they leave in doubt.
+    /// Starts from guesses, and queues all points at which the guess is uncertain.
     fn before(
         surface: &Surface,
         edges: &'a EdgeLengths<f32>,
@@ -98,7 +98,7 @@ impl<'a> SourceFronts<'a> {
         })
     }
 
-    /// Visits what is in the queue, and what that adds to it.
+    /// Visits all queued points, including those queued on the way.
     fn follow(&mut self) {
         while let Some(rank) = self.next() {
             self.known.advance(rank);
@@ -116,7 +116,7 @@ impl<'a> SourceFronts<'a> {
         self.known.advance(u64::MAX);
     }
 
-    /// Takes the first point that is to be visited.
+    /// Takes the earliest queued point.
     fn next(&mut self) -> Option<u64> {
         match (self.ahead.last(), self.queue.peek()) {
             (Some(known), Some(Reverse(other))) if known < other => self.ahead.pop(),
@@ -136,7 +136,7 @@ impl<'a> SourceFronts<'a> {
         }
     }
 
-    /// The neighbours that are yet to come of a point whose label was guessed wrong.
+    /// Queues the later neighbours of a point whose guessed label was wrong.
     fn enqueue_after(&mut self, point: usize) {
         for to in 0..8 {
             let neighbour = self.spokes().neighbour(point, to);
@@ -179,7 +179,7 @@ impl<'a> SourceFronts<'a> {
             }
         }
         for front in &found {
-            // Nobody has to be told who knows of a front before it comes here.
+            // Neighbours that already know of a wavefront when it arrives here need not be told.
             let since = self.continuation.since(front.label, front.time);
             if front.known != visited || since < front.last {
                 self.news.push((point as u32, front.label));
@@ -191,8 +191,8 @@ impl<'a> SourceFronts<'a> {
         }
     }
 
-    /// All fronts that a point's neighbours have, and those of sources beside it; which neighbours
-    /// have any; and whether all have one alone.
+    /// Returns all wavefronts that reach a point's neighbours or start beside it. Also returns which
+    /// neighbours have any, and whether each of these has a single one.
     fn candidates(&mut self, point: usize, lengths: &[f64; 8]) -> (Vec<Candidate>, u8, bool) {
         let mut found = std::mem::take(&mut self.room);
         found.clear();
@@ -224,7 +224,7 @@ impl<'a> SourceFronts<'a> {
         (found, visited, is_alone)
     }
 
-    /// Tells a point's neighbours of a front that has reached it.
+    /// Passes a wavefront that has reached a point on to the neighbours.
     fn tell(&mut self, point: usize, label: u32) {
         let time = self.known.time(point, label);
         for to in 0..8 {
@@ -241,7 +241,8 @@ impl<'a> SourceFronts<'a> {
             if time >= latest {
                 continue;
             }
-            // Through the two triangles on either side of the edge between them.
+            // The wavefront arrives through the two triangles on either side of the edge between the two
+            // points.
             let back = ring::opposite(to);
             let mut since = [f64::FAR; 8];
             for to in [ring::previous(back), back, ring::next(back)] {
@@ -259,7 +260,7 @@ impl<'a> SourceFronts<'a> {
         }
     }
 
-    /// The label of each grid point, row-major.
+    /// Returns the label of each grid point, row-major.
     pub(super) fn labels(&self) -> Vec<u32> {
         let chart = self.chart();
         let mut labels = vec![NONE; chart.points()];
@@ -277,16 +278,16 @@ impl<'a> SourceFronts<'a> {
         self.spokes().chart()
     }
 
-    /// The square of the time at which a front arrives at a point of the grid, since the first
-    /// start, if it is known there. Differences of squares are linear in the plane.
+    /// Returns the squared time at which a wavefront arrives at a grid point, counted from the earliest
+    /// start, if the wavefront is known there. Differences of squared times are linear in the plane.
     pub(super) fn squared(&self, index: usize, label: u32) -> Option<f64> {
         let (row, col) = self.chart().position(index);
         let time = self.known.time(self.chart().bordered(row, col), label);
         (time < f64::FAR).then(|| self.square(time))
     }
 
-    /// Where on the edge between two points of different regions both fronts arrive at once: from
-    /// the first (0) to the second (1).
+    /// Returns where on the edge between two points of different regions both wavefronts arrive at once, from
+    /// the first point (0) to the second (1).
     pub(super) fn meeting(&self, points: [usize; 2], labels: [u32; 2]) -> f64 {
         match points.map(|point| self.lead(point, labels)) {
             [Some(here), Some(there)] if here > there => (here / (here - there)).clamp(0.0, 1.0),
@@ -294,8 +295,8 @@ impl<'a> SourceFronts<'a> {
         }
     }
 
-    /// By how much the squared time of the second front is later than that of the first, if both
-    /// are known at a point of the grid.
+    /// Returns the squared time of the second wavefront minus that of the first at a grid point, if both are
+    /// known there.
     fn lead(&self, index: usize, labels: [u32; 2]) -> Option<f64> {
         let (row, col) = self.chart().position(index);
         let mut times = [f64::FAR; 2];
@@ -312,9 +313,11 @@ impl<'a> SourceFronts<'a> {
     }
 }
 
-/// Up to when fronts count at a point, given when the first arrives and its longest edge. Over an
-/// edge from one region to another each front comes by the length of that edge after the other
-/// one's, at most, and is known there that much later.
+/// Returns the time up to which wavefronts count at a point, from the first arrival and the length of the
+/// longest edge.
+///
+/// Over an edge from one region to another, each wavefront arrives later than the other by at most the length
+/// of the edge. The other end of the edge therefore gets to know it that much later.
 fn latest(first: f64, longest: f64) -> f64 {
     first + 2.0 * longest * (1.0 + 1e-6)
 }

@@ -1,18 +1,17 @@
-//! Where the fronts of sources start.
+//! Determines where the wavefronts of sources start.
 
 use crate::geometry::MapError;
 use crate::surface::{Chart, Source, Sources, Surface};
 
-/// A front at a point that its source seeds.
+/// The start of a wavefront at a point that its source seeds.
 pub(super) struct Start {
-    /// In a bordered array.
+    /// The index of the point in a bordered array.
     pub point: usize,
     pub label: u32,
     pub time: f64,
 }
 
-/// The fronts at the points that sources seed. Of two sources that are the same the second has
-/// none.
+/// Returns the starts of all sources. If two sources are the same, the second has none.
 pub(super) fn starts(
     chart: Chart,
     surface: &Surface,
@@ -33,7 +32,7 @@ pub(super) fn starts(
     Ok(starts)
 }
 
-/// The points that sources seed, each with the label of the first front there.
+/// Returns the points that sources seed, each with the label of the first wavefront there.
 pub(super) fn first_labels(starts: &[Start]) -> Vec<(usize, u32)> {
     let mut order: Vec<&Start> = starts.iter().collect();
     order.sort_by(|a, b| {

@@ -1,4 +1,4 @@
-//! What devices and processors can do at best, and what that says of a map's time.
+//! Reports the peak rates of devices and processors, and compares a map's time with them.
 
 mod shares;
 
@@ -8,7 +8,8 @@ use serde::Serialize;
 use crate::choices::label;
 pub use shares::{Shares, Work};
 
-/// What a device can do at best, in bytes, triangles and seconds.
+/// The peak rates of a device, in bytes and triangles per second, and the durations of its commands, in
+/// seconds.
 #[derive(Clone, Copy, Serialize)]
 pub struct DeviceCeilings {
     copy: f64,
@@ -22,7 +23,7 @@ pub struct DeviceCeilings {
     read_back: f64,
 }
 
-/// What some threads can do at best.
+/// The peak rates of a number of threads.
 #[derive(Clone, Copy, Serialize)]
 pub struct CpuCeilings {
     threads: usize,
@@ -30,7 +31,7 @@ pub struct CpuCeilings {
     triangles: Triangles,
 }
 
-/// Updates from one triangle a second.
+/// The peak number of updates from one triangle per second, by wavefront.
 #[derive(Clone, Copy, Serialize)]
 struct Triangles {
     planar: f64,

@@ -1,41 +1,45 @@
-//! What a map takes at least, and how long that takes at the ceilings of a machine.
+//! Estimates the least work of a map, and how long it takes at the peak rates of a machine.
 //!
-//! Counted is what a point's update needs by itself, once: what is computed twice at the borders of
-//! workgroups, and what caches save, is not.
+//! The estimate counts what the update of each point needs, once. It counts neither what is computed twice at
+//! the borders of workgroups, nor what caches save.
 
 use geosweep::vulkan::profile::{PassRecord, SolveProfile, SubmissionRecord};
 use geosweep::{Wavefront, cpu, vulkan};
 use serde::Serialize;
 
-/// Bytes and updates of a map, and the commands that bring them about.
+/// The bytes and updates of a map, and the commands that perform them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Work {
-    /// Bytes read and written.
+    /// The number of bytes read and written.
     pub bytes: Option<u64>,
-    /// Updates from one triangle; unknown for tiles, which do not tell how often they iterate.
+    /// The number of updates from one triangle. It is unknown for tiles, which do not report their
+    /// iterations.
     pub triangles: Option<u64>,
-    /// Dispatches, each with its barrier.
+    /// The number of dispatches, each with its barrier.
     pub dispatches: u64,
-    /// Those that visit nothing: beyond convergence, or where nothing can change.
+    /// The number of dispatches that visit nothing, since the map has converged or nothing can change.
     pub skipped_dispatches: u64,
     pub submissions: u64,
 }
 
-/// The share of a map's time that a part of its work would take at the ceiling, on its own.
+/// The time that each part of a map's work would take alone at the peak rate, as a fraction of the map's
+/// time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Shares {
-    /// Moving the bytes.
+    /// The share of moving the bytes.
     pub data: Option<f64>,
-    /// Computing the updates.
+    /// The share of computing the updates.
     pub arithmetic: Option<f64>,
-    /// Empty dispatches and submissions.
+    /// The share of empty dispatches and submissions.
     pub dispatches: Option<f64>,
 }
 
 impl Work {
-    /// Of rotated scans on the CPU: for each visit a point's arrival time read and written, four
-    /// lengths of edges; curved fronts have their curvature and the surface's besides, and those with
-    /// anchors, in place of edges, the anchor and where holes are.
+    /// Estimates the work of rotated scans on the CPU.
+    ///
+    /// Each visit reads and writes the arrival time of a point, and reads four edge lengths. Curved fronts
+    /// also access their own curvature and that of the surface. Anchored fronts access the anchor and the
+    /// hole flags instead of edges.
     pub fn on_cpu((visits, updates): (u64, u64), wavefront: Wavefront) -> Self {
         let bytes = match wavefront {
             Wavefront::Planar | Wavefront::PointSource => 24,
@@ -45,13 +49,13 @@ impl Work {
         Self { bytes: Some(bytes * visits), triangles: Some(2 * updates), ..Self::default() }
     }
 
-    /// Of a map on a device, as a profile of every dispatch tells.
+    /// Sums the work of a map on a device, from a profile of every dispatch.
     pub fn on_device(profile: &SolveProfile) -> Self {
         let is_step = |pass: &&PassRecord| pass.kind.is_step();
         let steps: Vec<_> = profile.passes().filter(is_step).collect();
         let idle = steps.iter().filter(|pass| pass.is_idle()).count();
         let has_steps = |found: &&SubmissionRecord| found.passes.iter().any(|pass| is_step(&pass));
-        // Only what visits texels updates them.
+        // Only passes that visit texels update them.
         let updates = steps.iter().filter(|pass| pass.area.is_some());
         Self {
             bytes: steps.iter().map(|pass| pass.work.bytes()).sum(),
@@ -63,7 +67,8 @@ impl Work {
     }
 }
 
-/// The ceiling of updates of a wavefront, of those from triangles; fronts with anchors are not.
+/// Returns the peak rate of a wavefront's updates. Anchored fronts are not updated from triangles and have
+/// none.
 fn rate_of(wavefront: Wavefront, triangles: [f64; 3]) -> Option<f64> {
     triangles.get(wavefront as usize).copied()
 }

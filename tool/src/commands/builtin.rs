@@ -1,4 +1,4 @@
-//! `geosweep builtin`: built-in surfaces as files.
+//! Implements `geosweep builtin`, which writes built-in surfaces to files.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -1,4 +1,4 @@
-//! `geosweep canonical`: from a surface or a matrix of distances to its canonical form.
+//! Implements `geosweep canonical`, which computes the canonical form of a surface or a distance matrix.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -89,7 +89,7 @@ Examples:
     )
 }
 
-/// So many that a matrix of their distances can be held.
+/// Parses a number of points. The limit keeps the matrix of their distances small enough for memory.
 fn points(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(points @ 2..=16384) => Ok(points),
@@ -177,13 +177,13 @@ impl Args {
     }
 }
 
-/// The distances between all points, and what the points are.
+/// The distances between all points, and the grid of the points.
 struct Pairs {
-    /// The grid that they form.
+    /// The grid that the points form, if there is one.
     chart: Option<Chart>,
     points: usize,
     matrix: Vec<f32>,
-    /// Points that are no holes.
+    /// The number of points that are not holes.
     given: usize,
 }
 
@@ -235,8 +235,8 @@ impl Pairs {
     }
 }
 
-/// Every k-th row and column for the smallest k that leaves at most so many points, and their
-/// indices.
+/// Returns the grid of every k-th row and column, and the indices of its points. `k` is the smallest step
+/// that leaves at most `most` points.
 fn every_few(surface: &Surface, most: usize) -> (Chart, Vec<usize>) {
     let whole = surface.chart();
     let count = |points: usize, step: usize| (points - 1) / step + 1;
@@ -250,12 +250,12 @@ fn every_few(surface: &Surface, most: usize) -> (Chart, Vec<usize>) {
     (chart, (0..chart.points()).map(index).collect())
 }
 
-/// The form's points among all.
+/// The form's points among all points.
 struct Placed {
     chart: Option<Chart>,
     points: usize,
     dimensions: usize,
-    /// NaN where a point is left out.
+    /// The coordinates, NaN at points that are left out.
     coordinates: Vec<f64>,
 }
 
@@ -276,7 +276,7 @@ impl Placed {
         }
     }
 
-    /// The first three coordinates, or as many as there are and zeros.
+    /// Returns the first three coordinates of each point. Missing coordinates are zero.
     fn positions(&self) -> Vec<DVec3> {
         let place = |place: &[f64]| {
             let axis = |axis: usize| place.get(axis).copied().unwrap_or_default();
@@ -286,7 +286,7 @@ impl Placed {
     }
 }
 
-/// The files to write, checked before the work begins.
+/// The files to write. They are checked before the computation starts.
 struct Outputs {
     form: OutputFile,
     is_ply: bool,
@@ -311,7 +311,7 @@ impl Outputs {
         Ok(Self { form, is_ply, picture })
     }
 
-    /// Writes all files, then gives them their names.
+    /// Writes all files, then moves them to their final names.
     fn write(self, placed: &Placed) -> Result<Written, Box<dyn Error>> {
         let positions = placed.positions();
         let form = if self.is_ply {

@@ -1,4 +1,4 @@
-//! `geosweep compare`: how far two maps are apart.
+//! Implements `geosweep compare`, which measures the difference of two maps.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -51,15 +51,15 @@ fn tolerance(text: &str) -> Result<f64, String> {
 
 #[derive(Serialize)]
 struct Comparison {
-    /// Largest difference, relative to `scale`.
+    /// The largest difference, relative to `scale`.
     max_difference: f64,
-    /// Mean difference, relative to `scale`.
+    /// The mean difference, relative to `scale`.
     mean_difference: f64,
-    /// Row and column of the largest difference.
+    /// The row and column of the largest difference.
     at: Option<(usize, usize)>,
-    /// Largest finite magnitude of B; without one, differences are as they are.
+    /// The largest finite magnitude of B. If there is none, differences are absolute.
     scale: Option<f64>,
-    /// Points finite in both.
+    /// The number of points that are finite in both maps.
     compared: usize,
     only_in_a: usize,
     only_in_b: usize,
@@ -88,7 +88,7 @@ pub fn run(args: &Args) -> Outcome {
     Ok(if comparison.equal { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// A map whose values are distances, or +infinity.
+/// Reads a map and checks that its values are distances or +infinity.
 fn read(path: &Path) -> Result<Grid<f64>, Box<dyn Error>> {
     let map = read_map(path)?;
     let wrong = |value: &f64| value.is_nan() || *value == f64::NEG_INFINITY;

@@ -1,4 +1,4 @@
-//! `geosweep contours`: curves of equal distance.
+//! Implements `geosweep contours`, which computes curves of equal distance.
 
 use std::path::PathBuf;
 

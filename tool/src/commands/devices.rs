@@ -1,4 +1,5 @@
-//! `geosweep devices`: what Vulkan offers, and what devices and processor can do at best.
+//! Implements `geosweep devices`, which lists Vulkan devices and measures the peak rates of devices and
+//! processor.
 
 use std::process::ExitCode;
 
@@ -49,7 +50,7 @@ struct Device<'a> {
     kind: &'a str,
     api_version: &'a str,
     driver: &'a str,
-    /// What it lacks; empty for a usable device.
+    /// The requirements that the device does not meet; empty for a usable device.
     unmet: &'a [String],
     #[serde(skip_serializing_if = "Option::is_none")]
     ceilings: Option<DeviceCeilings>,
@@ -99,7 +100,7 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Powers of two, and all that the machine has.
+/// Returns the powers of two below the number of hardware threads, and that number.
 fn thread_counts() -> impl Iterator<Item = usize> {
     let all = std::thread::available_parallelism().map_or(1, usize::from);
     let powers = std::iter::successors(Some(1), |count| Some(2 * count));

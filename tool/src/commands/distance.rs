@@ -1,4 +1,4 @@
-//! `geosweep distance`: from a surface and sources to a map.
+//! Implements `geosweep distance`, which computes a map from a surface and sources.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -122,7 +122,7 @@ impl InPrecision for &Args {
     }
 }
 
-/// What is written and reported.
+/// A map and its estimated errors, as they are written and reported.
 struct Solved<R> {
     map: DistanceMap<R>,
     estimate: Option<Estimate<R>>,
@@ -163,7 +163,7 @@ impl<R: Number> Solved<R> {
 }
 
 impl Args {
-    /// What the user should know though the map is there.
+    /// Prints notes about the map that the user should know.
     fn comment<R>(&self, surface: &Surface, solved: &Solved<R>, options: &Options) {
         let report = &solved.map.report;
         problem::comment(report, options);
@@ -191,7 +191,7 @@ impl Args {
     }
 }
 
-/// The files to write, checked before the work begins.
+/// The files to write. They are checked before the computation starts.
 struct Outputs {
     map: Option<(OutputFile, MapFormat)>,
     error: Option<(OutputFile, MapFormat)>,
@@ -210,7 +210,7 @@ impl Outputs {
         Ok(Self { map, error, picture })
     }
 
-    /// Writes all files, then gives them their names.
+    /// Writes all files, then moves them to their final names.
     fn write<R: Number>(
         self,
         scene: &Scene,
@@ -240,7 +240,7 @@ impl Outputs {
     }
 }
 
-/// A map to write, in the format that its name says.
+/// Returns the output file of a map, in the format that its extension names.
 fn map_output(
     path: &Path,
     precision: Precision,

@@ -1,4 +1,4 @@
-//! Files that say of each point in which region it lies.
+//! Writes files that hold the region of each point.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use geosweep::geometry::{NO_REGION, Voronoi};
 use geosweep::io::{GeoTags, IoError, OutputFile, StagedFile, write_labels_tiff, write_npy};
 use geosweep::surface::Chart;
 
-/// A file for labels, if one is wanted.
+/// Returns the output file for labels, if one is requested.
 pub fn labels_output(path: Option<&PathBuf>) -> Result<Option<OutputFile>, Box<dyn Error>> {
     let output = |path: &PathBuf| {
         if !has_extension(path, &["npy", "tif", "tiff"]) {
@@ -21,7 +21,7 @@ pub fn labels_output(path: Option<&PathBuf>) -> Result<Option<OutputFile>, Box<d
     path.map(output).transpose()
 }
 
-/// Writes labels as int32 (M, N), -1 where there is none; yet without the file's name.
+/// Writes labels as int32 (M, N), with -1 where there is none. The file does not have its final name yet.
 pub fn stage_labels(
     output: OutputFile,
     chart: Chart,

@@ -1,4 +1,4 @@
-//! Curves at some distances, as files, pictures and reports.
+//! Writes and reports curves at given distances.
 
 use std::ops::Range;
 use std::process::ExitCode;
@@ -15,18 +15,18 @@ use crate::picture::{Canvas, Look, MapPicture, rgb, scale_of};
 use crate::problem::{CurveFiles, MapReport, Problem, done_with_map};
 use crate::terminal::{Outcome, print_json, say};
 
-/// Contours or offset curves of a map.
+/// The contours or offset curves of a map.
 pub struct LevelCurves {
     pub command: &'static str,
     pub kind: &'static str,
-    /// On which side of the sources they are, if only there.
+    /// The side of the sources on which the curves lie, if it is a single one.
     pub side: Option<Side>,
     pub problem: Problem,
     pub found: Vec<Contour>,
 }
 
 impl LevelCurves {
-    /// Writes and reports all that is wanted.
+    /// Writes all requested files and reports.
     pub fn write(mut self, files: CurveFiles, quantity: &str, json: bool) -> Outcome {
         let lengths = self.lengths()?;
         let picture = self.problem.picture.take();
@@ -48,7 +48,7 @@ impl LevelCurves {
         Ok(ExitCode::SUCCESS)
     }
 
-    /// The lengths of all curves, level by level.
+    /// Returns the lengths of all curves, grouped by level.
     fn lengths(&self) -> Result<Vec<Vec<f64>>, CurveError> {
         let surface = &self.problem.scene.surface;
         let of =
@@ -56,7 +56,7 @@ impl LevelCurves {
         self.found.iter().map(of).collect()
     }
 
-    /// Names of what polylines carry.
+    /// Returns the names of the attributes of polylines.
     fn attributes(&self) -> &'static [&'static str] {
         let all = &["level", "length", "side"];
         if self.side.is_some() { all } else { &all[..2] }
@@ -67,7 +67,7 @@ impl LevelCurves {
         let scale = scale_of(map, sources);
         let mut polylines = Vec::new();
         for (contour, lengths) in self.found.iter().zip(lengths) {
-            // The scale's light end is hard to see on white.
+            // The light end of the scale is hard to see on white.
             let color = rgb(scale.color(contour.level as f32).map(|channel| 0.85 * channel));
             for (curve, &length) in contour.curves.iter().zip(lengths) {
                 let mut polyline = Polyline::new(self.kind, curve.clone(), scene.shape())?
@@ -122,13 +122,13 @@ impl Level {
             curves: curves.len(),
             closed: curves.iter().filter(|curve| curve.closed).count(),
             vertices: curves.iter().map(|curve| curve.vertices.len()).sum(),
-            // The sum of nothing is -0.
+            // An empty sum is -0; adding 0.0 makes it 0.
             length: 0.0 + lengths.iter().sum::<f64>(),
         }
     }
 }
 
-/// Names the levels that have no curve, or perhaps a part of it.
+/// Prints notes about the levels that have no curve, or perhaps only a part of it.
 pub fn comment(found: &[Contour], problem: &Problem) -> Result<(), SourceError> {
     let Problem { scene, sources, map, .. } = problem;
     let levels = |which: &dyn Fn(&Contour) -> bool| {
@@ -168,7 +168,7 @@ pub fn comment(found: &[Contour], problem: &Problem) -> Result<(), SourceError> 
     Ok(())
 }
 
-/// Why levels that the map has give no curve.
+/// Returns why levels within the map's range have no curve.
 fn why_none<'a>(levels: impl Iterator<Item = &'a Contour>, problem: &Problem) -> String {
     let chart = problem.scene.surface.chart();
     let line = match (chart.rows, chart.cols) {
@@ -196,19 +196,19 @@ fn why_none<'a>(levels: impl Iterator<Item = &'a Contour>, problem: &Problem) ->
     )
 }
 
-/// Says from where to where distances run.
+/// Describes the range of the distances.
 pub fn range(map: &DistanceMap) -> String {
     let [low, high] = extent(map).map(|distance| seven_digits(distance.into()));
     format!("the distances on the grid run from {low} to {high}")
 }
 
-/// The smallest and the largest distance on the grid.
+/// Returns the smallest and the largest distance on the grid.
 fn extent(map: &DistanceMap) -> [f32; 2] {
     let reached = map.distances.iter().copied().filter(|distance| distance.is_finite());
     [reached.fold(f32::INFINITY, f32::min), map.report.max_distance as f32]
 }
 
-/// The distances from a source to the points of the grid beside it.
+/// Returns the range of distances from a source to the grid points next to it.
 fn beside(source: &Source, surface: &Surface) -> Result<Range<f64>, SourceError> {
     let seeds = Sources::from_iter([source.clone()]).seeds(surface)?;
     Ok(source.initial()..seeds.iter().map(|seed| seed.time).fold(source.initial(), f64::max))

@@ -1,15 +1,16 @@
-//! What Vulkan devices say of themselves, as far as it bears on maps.
+//! Reports the limits of Vulkan devices that matter for maps.
 
 use std::error::Error;
 
 use geosweep::ash::{self, vk};
 use geosweep::vulkan::requirements;
 
-/// A table a device, in the order of `geosweep devices`.
+/// Returns one table per device, in the order of `geosweep devices`.
 pub fn of_devices() -> Result<Vec<String>, Box<dyn Error>> {
     let application = vk::ApplicationInfo::default().api_version(requirements::API_VERSION);
     let info = vk::InstanceCreateInfo::default().application_info(&application);
-    // SAFETY: the loader is Vulkan's; the instance goes before its entry, and after all that is asked of it.
+    // SAFETY: the loader is Vulkan's. The instance is destroyed before its entry is dropped, and after its
+    // last use.
     unsafe {
         let entry = ash::Entry::load()?;
         let instance = entry.create_instance(&info, None)?;
@@ -41,7 +42,7 @@ fn table(instance: &ash::Instance, device: vk::PhysicalDevice) -> String {
     };
     let family = |family: &vk::QueueFamilyProperties| {
         let (count, bits) = (family.queue_count, family.timestamp_valid_bits);
-        // Bars would end the cell.
+        // A bar would end the cell of the table.
         let flags = format!("{:?}", family.queue_flags).replace(" | ", ", ");
         format!("{count} of {flags} with timestamps of {bits} bits")
     };

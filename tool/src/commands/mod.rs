@@ -1,7 +1,8 @@
-//! What users run: maps, matrices, curves and regions from files to files; devices and profiles.
+//! Implements the commands for users: maps, matrices, curves and regions from files to files, and devices and
+//! profiles.
 //!
-//! A file a command, and below them what several share: level curves, curves over a map, labels of
-//! regions, samples.
+//! There is one file per command. Further files hold what several commands share: level curves, curves over a
+//! map, labels of regions, and samples.
 
 pub mod builtin;
 pub mod canonical;

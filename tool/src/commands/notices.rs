@@ -1,10 +1,10 @@
-//! `geosweep notices`: what the tool contains of others, and under which licences.
+//! Implements `geosweep notices`, which prints the third-party code in the tool and its licences.
 
 use std::process::ExitCode;
 
 use crate::terminal::{Outcome, print};
 
-/// Made from the packages by tests/tool/notices.rs.
+/// The text, generated from the packages by tests/tool/notices.rs.
 const NOTICES: &str = include_str!("../../THIRD-PARTY.txt");
 
 pub fn run() -> Outcome {

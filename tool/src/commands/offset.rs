@@ -1,4 +1,4 @@
-//! `geosweep offset`: curves at some distances from curves.
+//! Implements `geosweep offset`, which computes curves at given distances from curves.
 
 use std::path::PathBuf;
 

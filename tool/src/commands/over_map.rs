@@ -1,4 +1,4 @@
-//! Pictures of curves over a map and a few of its contours.
+//! Draws curves over a map with a few of its contours.
 
 use geosweep::geometry::contours;
 use geosweep::{DistanceMap, Sources};
@@ -6,7 +6,7 @@ use geosweep::{DistanceMap, Sources};
 use crate::picture::{Canvas, Line, Look, MapPicture, Mark, round_levels, scale_of};
 use crate::problem::Scene;
 
-/// More contours would hide the curves.
+/// The largest number of contours. More would hide the curves.
 const MOST_LINES: f64 = 20.0;
 
 pub fn draw_over_map(

@@ -1,4 +1,4 @@
-//! `geosweep path`: shortest paths back to the sources.
+//! Implements `geosweep path`, which traces shortest paths back to the sources.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -128,7 +128,7 @@ impl Args {
     }
 }
 
-/// How long the paths are, for people.
+/// Describes the range of the paths' lengths.
 fn lengths(rows: &[Row], unit: Option<&str>) -> String {
     let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
     let range = |of: fn(&Row) -> Option<f64>, unit: &str| {
@@ -149,7 +149,7 @@ fn lengths(rows: &[Row], unit: Option<&str>) -> String {
     }
 }
 
-/// Names of what a path's polyline carries.
+/// The names of the attributes of a path's polyline.
 const ATTRIBUTES: [&str; 4] = ["distance", "length", "surface_length", "source"];
 
 fn polylines(paths: &[Path], rows: &[Row], scene: &Scene) -> Result<Vec<Polyline>, CurveError> {
@@ -192,7 +192,7 @@ impl Row {
             distance: problem.double_at(from).unwrap_or(*distance),
             length: *length,
             time: is_slowed.then_some(*length),
-            // Without a slowness the path's own length is the more accurate one, along arcs.
+            // Without a slowness, the path's own length is more accurate, since it is measured along arcs.
             surface_length: if is_slowed { curve.length(surface)? } else { *length },
             source: *source,
             vertices: curve.vertices.len(),

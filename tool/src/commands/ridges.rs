@@ -1,4 +1,4 @@
-//! `geosweep ridges`: where fronts meet, the cut locus of the sources.
+//! Implements `geosweep ridges`, which finds where wavefronts meet: the cut locus of the sources.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -92,7 +92,7 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Names of what a ridge's polyline carries.
+/// The names of the attributes of a ridge's polyline.
 const ATTRIBUTES: [&str; 3] = ["length", "least_angle", "largest_angle"];
 
 fn polylines(ridges: &[Ridge], rows: &[Row], scene: &Scene) -> Result<Vec<Polyline>, CurveError> {

@@ -1,4 +1,4 @@
-//! `geosweep sample`: points spread over a surface.
+//! Implements `geosweep sample`, which spreads points over a surface.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -87,7 +87,7 @@ pub fn run(args: &Args) -> Outcome {
     let first = args.first.unwrap_or_else(|| middle(surface));
     let sampled = farthest_points(surface, &edges, first, args.count);
     let (points, samples) = sampled.map_err(|error| match error {
-        // The source is a sample here.
+        // The message says `--first`, since here the source is a sample.
         geosweep::Error::Source(error) => error.to_string().replacen("source", "--first", 1).into(),
         error => Box::<dyn Error>::from(error),
     })?;

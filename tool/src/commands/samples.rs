@@ -1,4 +1,4 @@
-//! Points that are far from one another.
+//! Computes points that are far from one another.
 
 use geosweep::geometry::{Farthest, FarthestPoints};
 use geosweep::surface::EdgeLengths;
@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::terminal::{progress, say};
 
-/// So many samples, or as many as there are points, and the map from them.
+/// Computes `count` samples, or as many as there are points, and the map from them.
 pub fn farthest_points<'a>(
     surface: &'a Surface,
     edges: &'a EdgeLengths<f32>,
@@ -31,7 +31,7 @@ pub fn farthest_points<'a>(
     Ok((points, samples))
 }
 
-/// The point of the surface that is next to the middle of the grid.
+/// Returns the point of the surface nearest to the middle of the grid.
 pub fn middle(surface: &Surface) -> [f64; 2] {
     let chart = surface.chart();
     let from_middle = |&index: &usize| {
@@ -43,7 +43,7 @@ pub fn middle(surface: &Surface) -> [f64; 2] {
     [row as f64, col as f64]
 }
 
-/// A sample, and how far it was from all before it.
+/// A sample, and its distance from all previous samples.
 #[derive(Serialize)]
 pub struct Sample {
     pub row: f64,

@@ -1,4 +1,4 @@
-//! `geosweep voronoi`: which part of a surface is nearest to which source.
+//! Implements `geosweep voronoi`, which finds the part of a surface nearest to each source.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -102,7 +102,7 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Names of what a border's polyline carries.
+/// The names of the attributes of a border's polyline.
 const ATTRIBUTES: [&str; 3] = ["left", "right", "length"];
 
 fn polylines(voronoi: &Voronoi, scene: &Scene) -> Result<Vec<Polyline>, CurveError> {

@@ -1,8 +1,8 @@
-//! Lists in arguments: of sizes, and of whatever is compared.
+//! Parses lists in arguments: sizes, and the things to compare.
 
 use geosweep::shown::excerpt;
 
-/// Points a side, as an argument.
+/// Parses a number of points per side.
 pub fn size(text: &str) -> Result<usize, String> {
     const RANGE: std::ops::RangeInclusive<usize> = 2..=16384;
     match text.trim().parse() {
@@ -16,7 +16,7 @@ pub fn size(text: &str) -> Result<usize, String> {
     }
 }
 
-/// Sizes in order, each once.
+/// Returns sizes in ascending order without duplicates.
 pub fn ascending(sizes: &[usize]) -> Vec<usize> {
     let mut sizes = sizes.to_vec();
     sizes.sort_unstable();
@@ -24,7 +24,7 @@ pub fn ascending(sizes: &[usize]) -> Vec<usize> {
     sizes
 }
 
-/// What was asked for, each once, or else the default.
+/// Returns the requested values without duplicates, or the default if none are requested.
 pub fn or_else<T: Clone + PartialEq>(asked: &[T], default: impl FnOnce() -> Vec<T>) -> Vec<T> {
     let mut unique = if asked.is_empty() { default() } else { Vec::new() };
     for one in asked {

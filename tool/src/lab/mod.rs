@@ -1,5 +1,5 @@
-//! The laboratory: how accurate and how fast the engines are, what suits a device, and the paper's
-//! figures and tables.
+//! Implements the laboratory commands: the accuracy and speed of the engines, the tuning of a device, and the
+//! paper's figures and tables.
 
 pub mod accuracy;
 pub mod bench;

@@ -1,4 +1,4 @@
-//! Where reports go.
+//! Publishes reports to files and standard output.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -9,20 +9,20 @@ use serde::Serialize;
 use crate::output::{commit, done, stage_text};
 use crate::terminal::{Outcome, print, print_json};
 
-/// A report in Markdown, the same as JSON, and what is drawn of it.
+/// A report as Markdown and as JSON, with its pictures.
 pub struct Publication<'a, T> {
-    /// That prints it.
+    /// The command that publishes the report.
     pub command: &'static str,
     pub markdown: String,
     /// The file for the Markdown, if any.
     pub output: Option<OutputFile>,
-    /// Pictures, written but for their names.
+    /// The pictures, written but not moved to their final names yet.
     pub pictures: Vec<StagedFile>,
     pub rows: &'a T,
 }
 
 impl<T: Serialize> Publication<'_, T> {
-    /// Writes the files; then prints the JSON if it is wanted, else the Markdown if it has no file.
+    /// Writes the files. Then prints the JSON if `json` is set, and otherwise the Markdown if it has no file.
     pub fn publish(self, json: bool) -> Outcome {
         let is_written = self.output.is_some();
         let text = self.output.map(|output| stage_text(output, &self.markdown)).transpose()?;

@@ -1,4 +1,4 @@
-//! Built-in surfaces with the distances that solvers are held against.
+//! Provides built-in surfaces with reference distances.
 
 use geosweep::accuracy::Errors;
 use geosweep::surface::SurfaceError;
@@ -15,7 +15,8 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// The source lies at a fraction of the rows and of the columns, at the nearest point.
+    /// Creates the grid and computes its distances. `source` is given as fractions of the rows and columns,
+    /// and moved to the nearest point.
     pub fn new(builtin: Builtin, points: usize, source: [f64; 2]) -> Result<Self, SurfaceError> {
         let surface = builtin.surface(points, points)?;
         let source = source.map(|fraction| (fraction * (points - 1) as f64).round());
@@ -27,7 +28,7 @@ impl Reference {
         Sources::point(self.source[0], self.source[1])
     }
 
-    /// Computes the map from some sources: how, and how far it is from the reference.
+    /// Computes the map from some sources. Returns the report and the errors relative to the reference.
     pub fn solve(
         &self,
         sources: &Sources,

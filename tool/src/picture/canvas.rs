@@ -1,13 +1,13 @@
-//! An RGB picture in memory.
+//! Provides an RGB picture in memory.
 
 use std::io::{self, Write};
 
 use geosweep::glam::Vec2;
 
-/// A colour from 0 to 1 in each channel, as displayed (sRGB).
+/// A colour with channels from 0 to 1, as displayed (sRGB).
 pub type Color = [f32; 3];
 
-/// Row-major pixels.
+/// A picture with row-major pixels.
 #[derive(Clone)]
 pub struct Canvas {
     pub width: usize,
@@ -15,7 +15,7 @@ pub struct Canvas {
     pub pixels: Vec<Color>,
 }
 
-/// Between `a` (0) and `b` (1).
+/// Interpolates between `a` (0) and `b` (1).
 pub fn mix(a: Color, b: Color, t: f32) -> Color {
     std::array::from_fn(|k| a[k] + (b[k] - a[k]) * t)
 }
@@ -25,13 +25,13 @@ impl Canvas {
         Self { width, height, pixels: vec![color; width * height] }
     }
 
-    /// Lays a colour over a pixel, as opaque as `alpha` says.
+    /// Blends a colour over a pixel with the opacity `alpha`.
     pub fn blend(&mut self, x: usize, y: usize, color: Color, alpha: f32) {
         let pixel = &mut self.pixels[y * self.width + x];
         *pixel = mix(*pixel, color, alpha);
     }
 
-    /// Copies another picture to a place inside this one.
+    /// Copies another picture into this one, with its top left corner at (`x`, `y`).
     pub fn paste(&mut self, x: usize, y: usize, other: &Self) {
         for (row, line) in other.pixels.chunks(other.width).enumerate() {
             let start = (y + row) * self.width + x;
@@ -39,15 +39,15 @@ impl Canvas {
         }
     }
 
-    /// Draws a straight line with round ends, or a disc, with smooth edges.
+    /// Draws a straight line with round ends, or a disc, antialiased.
     pub fn stroke(&mut self, from: Vec2, to: Vec2, radius: f32, color: Color) {
         self.polyline(&[from, to], radius, color);
     }
 
-    /// Draws lines from point to point with round ends and joints and smooth edges.
+    /// Draws a polyline with round ends and joints, antialiased.
     pub fn polyline(&mut self, points: &[Vec2], radius: f32, color: Color) {
-        // Pieces overlap at their joints; each pixel is painted once, as far as any piece covers
-        // it.
+        // Segments overlap at their joints. Each pixel is painted once, with the largest coverage by any
+        // segment.
         let mut covered: Vec<(usize, f32)> = Vec::new();
         for ends in points.windows(2) {
             self.cover(ends[0], ends[1], radius, |index, coverage| covered.push((index, coverage)));
@@ -59,7 +59,7 @@ impl Canvas {
         }
     }
 
-    /// The pixels that a straight line covers, and how much of them.
+    /// Calls `found` with each pixel that a straight line covers, and its coverage.
     fn cover(&self, from: Vec2, to: Vec2, radius: f32, mut found: impl FnMut(usize, f32)) {
         let reach = Vec2::splat(radius + 1.0);
         let low = (from.min(to) - reach).max(Vec2::ZERO).as_usizevec2();
@@ -70,7 +70,7 @@ impl Canvas {
                 let center = Vec2::new(x as f32, y as f32);
                 let t = (center - from).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
                 let distance = center.distance(from + along * t.clamp(0.0, 1.0));
-                // A line thinner than a pixel covers its width of it.
+                // A line thinner than a pixel covers only its width of the pixel.
                 let coverage = (radius + 0.5 - distance).clamp(0.0, (2.0 * radius).min(1.0));
                 if coverage > 0.0 {
                     found(y * self.width + x, coverage);
@@ -79,7 +79,7 @@ impl Canvas {
         }
     }
 
-    /// Fills a triangle with smooth edges.
+    /// Fills a triangle, antialiased.
     pub fn triangle(&mut self, corners: [Vec2; 3], color: Color) {
         let [a, b, c] = corners;
         let turn = (b - a).perp_dot(c - a).signum();
@@ -97,7 +97,7 @@ impl Canvas {
         }
     }
 
-    /// Eight bits a channel.
+    /// Returns the pixels in eight bits per channel.
     fn bytes(&self) -> Vec<u8> {
         let byte = |channel: &f32| (channel.clamp(0.0, 1.0) * 255.0).round() as u8;
         self.pixels.iter().flatten().map(byte).collect()
@@ -107,7 +107,7 @@ impl Canvas {
         let size = |n: usize| u32::try_from(n).map_err(io::Error::other);
         let mut encoder = png::Encoder::new(writer, size(self.width)?, size(self.height)?);
         encoder.set_color(png::ColorType::Rgb);
-        // The highest takes ten times as long for a tenth less.
+        // The highest level takes ten times as long for a tenth less.
         encoder.set_compression(png::Compression::Balanced);
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&self.bytes())?;

@@ -1,4 +1,4 @@
-//! From distances to colours.
+//! Maps distances to colours.
 
 use std::collections::BTreeSet;
 
@@ -6,20 +6,20 @@ use colorous::{TABLEAU10, VIRIDIS};
 
 use super::canvas::{Color, mix};
 
-/// What text and axes are drawn on...
+/// The background of text and axes.
 pub const PAPER: Color = [1.0, 1.0, 1.0];
-/// ... and in.
+/// The colour of text and axes.
 pub const INK: Color = [0.2, 0.2, 0.2];
-/// The surface is not there.
+/// The colour of holes in the surface.
 pub const HOLE: Color = [0.87, 0.87, 0.87];
-/// The surface is there and no source reaches it.
+/// The colour of points of the surface that no source reaches.
 pub const UNREACHED: Color = [0.45, 0.45, 0.47];
-/// Hatching over it.
+/// The hatching over [`UNREACHED`].
 pub const HATCHING: Color = [0.56, 0.56, 0.58];
 
 const SHADES: usize = 1024;
 
-/// Maps the range of a map to a perceptually uniform scale.
+/// A perceptually uniform colour scale over the range of a map.
 pub struct Scale {
     pub low: f32,
     pub high: f32,
@@ -27,7 +27,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// The scale over some finite values.
+    /// Returns the scale over the range of some finite values.
     pub fn over(values: impl Iterator<Item = f32>) -> Self {
         let range = (f32::INFINITY, f32::NEG_INFINITY);
         let (low, high) = values.fold(range, |(low, high), v| (low.min(v), high.max(v)));
@@ -43,14 +43,14 @@ impl Scale {
         self.shades[t.round() as usize]
     }
 
-    /// Where in the range a value lies, from 0 to 1.
+    /// Returns the position of a value in the range, from 0 to 1.
     pub fn fraction(&self, value: f32) -> f32 {
         let t = (value - self.low) / (self.high - self.low).max(f32::MIN_POSITIVE);
         t.clamp(0.0, 1.0)
     }
 }
 
-/// A colour for each of some regions, such that neighbours differ and no colour is rare.
+/// Returns a colour for each region. Neighbouring regions have different colours, and no colour is rare.
 pub fn region_colors(regions: usize, neighbours: &[[u32; 2]]) -> Vec<Color> {
     // Light enough for shading and dark borders.
     const LIGHTENING: f32 = 0.3;
@@ -75,8 +75,8 @@ pub fn region_colors(regions: usize, neighbours: &[[u32; 2]]) -> Vec<Color> {
     chosen.into_iter().flatten().map(|color| palette[color]).collect()
 }
 
-/// Regions in an order in which each has few neighbours among those that follow it: on a map at most
-/// five. So if the last is coloured first, each finds a colour that its neighbours leave.
+/// Returns regions in an order in which each has few neighbours among those after it: at most five on a map.
+/// If regions are coloured from last to first, each finds a colour that its neighbours do not have.
 fn fewest_first(beside: &[Vec<usize>]) -> Vec<usize> {
     let mut degree: Vec<_> = beside.iter().map(Vec::len).collect();
     let mut left: BTreeSet<_> = degree.iter().copied().zip(0..).collect();
@@ -93,12 +93,12 @@ fn fewest_first(beside: &[Vec<usize>]) -> Vec<usize> {
     order
 }
 
-/// How bright a colour looks, from 0 to 1.
+/// Returns the perceived brightness of a colour, from 0 to 1.
 pub fn luma([r, g, b]: Color) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
-/// What lines are drawn in over a ground: light over dark, dark over light.
+/// Returns the colour of lines over a background: light over dark, and dark over light.
 pub fn ink_over(ground: Color) -> Color {
     if luma(ground) < 0.5 { [1.0, 1.0, 1.0] } else { [0.05, 0.05, 0.1] }
 }

@@ -1,4 +1,4 @@
-//! Pictures of canonical forms.
+//! Draws canonical forms.
 
 use std::borrow::Cow;
 
@@ -9,29 +9,29 @@ use super::canvas::Canvas;
 use super::colors::{INK, PAPER, Scale};
 use super::scene::{Mesh, Scene, Stroke, View};
 
-/// A grid or single points, seen in space.
+/// A grid or a set of points, seen in space.
 pub struct FormPicture<'a> {
-    /// NaN where a point is missing.
+    /// The positions, NaN where a point is missing.
     pub positions: Cow<'a, [DVec3]>,
-    /// The grid that the points are of, if they are.
+    /// The grid of the points, if they form one.
     pub chart: Option<Chart>,
-    /// The direction towards the viewer, and what is upwards.
+    /// The direction towards the viewer. `up` is the upward direction.
     pub toward: DVec3,
     pub up: DVec3,
-    /// Width and height, in pixels.
+    /// The width and height, in pixels.
     pub size: [usize; 2],
 }
 
 const SIZE: [usize; 2] = [1200, 900];
-/// Lines along rows and along columns, about.
+/// The approximate number of lines along rows and along columns.
 const LINES: usize = 16;
-/// Half the width of the grid's lines, and of single points, in pixels.
+/// Half the width of grid lines, in pixels. `POINT` is the radius of single points.
 const LINE: f32 = 0.8;
 const POINT: f32 = 4.0;
 
 impl<'a> FormPicture<'a> {
-    /// A form of a grid as its rows and columns lie, else along its principal axes: from above its
-    /// widest one, or as flat as it is.
+    /// Chooses the view of a form. A grid is shown with its rows and columns upright. Other points are shown
+    /// along the form's principal axes: from above the widest one, or straight on if the form is flat.
     pub fn new(positions: &'a [DVec3], chart: Option<Chart>) -> Self {
         if let Some(picture) = chart.and_then(|chart| Self::upright(positions, chart)) {
             return picture;
@@ -43,9 +43,8 @@ impl<'a> FormPicture<'a> {
         Self { positions: positions.into(), chart, toward, up, size: SIZE }
     }
 
-    /// With rows downwards and columns rightwards, unless these have no direction on the whole. Of
-    /// a form and its mirror image, which have the same distances, the one that bulges towards the
-    /// viewer.
+    /// Returns the view with rows downwards and columns to the right, unless these have no overall direction.
+    /// A form and its mirror image have the same distances; the one that bulges towards the viewer is shown.
     fn upright(positions: &'a [DVec3], chart: Chart) -> Option<Self> {
         let right = mean_step(positions, chart, [0, 1]);
         let up = -mean_step(positions, chart, [1, 0]);
@@ -80,7 +79,7 @@ impl<'a> FormPicture<'a> {
         Scene { view, mesh: &mesh, strokes: &strokes, background: PAPER }.draw()
     }
 
-    /// Coloured along the grid's columns, or along the form's widest axis.
+    /// Returns the mesh, coloured along the grid's columns or along the form's widest axis.
     fn mesh(&self) -> Mesh {
         let along = |(index, at): (usize, &DVec3)| match self.chart {
             Some(chart) => chart.position(index).1 as f32,
@@ -97,7 +96,7 @@ impl<'a> FormPicture<'a> {
         }
     }
 
-    /// Points without a surface, the farthest first, each with a dark rim.
+    /// Returns points without a surface as discs with dark rims, the farthest first.
     fn discs(&self, mesh: &Mesh, view: &View) -> Vec<Stroke> {
         let mut order: Vec<usize> =
             (0..self.positions.len()).filter(|&index| self.positions[index].is_finite()).collect();
@@ -118,7 +117,7 @@ fn is_flat(positions: &[DVec3]) -> bool {
     positions.iter().all(|at| !at.is_finite() || at.z == 0.0)
 }
 
-/// The mean way from a point to the one so many rows and columns further on.
+/// Returns the mean vector from a point to the one `down` rows and `right` columns further on.
 fn mean_step(positions: &[DVec3], chart: Chart, [down, right]: [usize; 2]) -> DVec3 {
     let step = |index: usize| {
         let (row, col) = chart.position(index);
@@ -133,7 +132,7 @@ fn mean_step(positions: &[DVec3], chart: Chart, [down, right]: [usize; 2]) -> DV
     sum / f64::from(count.max(1))
 }
 
-/// Whether points are the nearer to the viewer the nearer they are to the middle, by and large.
+/// Returns whether points near the middle are, overall, nearer to the viewer.
 fn bulges(positions: &[DVec3], toward: DVec3) -> bool {
     let present = || positions.iter().filter(|at| at.is_finite());
     let count = present().count().max(1) as f64;
@@ -144,7 +143,8 @@ fn bulges(positions: &[DVec3], toward: DVec3) -> bool {
     present().map(slope).sum::<f64>() <= 0.0
 }
 
-/// Some rows and columns of the grid, the outermost among them, as far as no point is missing.
+/// Returns some rows and columns of the grid, including the outermost. They are split where points are
+/// missing.
 fn grid_lines(chart: Chart, positions: &[DVec3]) -> Vec<Stroke> {
     let some = |count: usize| {
         let step = (count / LINES).max(1);

@@ -1,4 +1,4 @@
-//! Surfaces over what becomes of them, side by side.
+//! Draws surfaces side by side, each above its form.
 
 use super::canvas::Canvas;
 use super::colors::{INK, PAPER};
@@ -13,16 +13,16 @@ pub struct Exhibit<'a> {
     pub form: FormPicture<'a>,
 }
 
-/// Exhibits from left to right; all pictures are of one size.
+/// Exhibits from left to right. All pictures have the same size.
 pub struct Gallery<'a> {
     pub exhibits: &'a [Exhibit<'a>],
 }
 
 const TEXT: usize = 30;
-/// Height of a line of text with what is around it.
+/// The height of a line of text, including the space around it.
 const LINE: usize = 2 * TEXT;
 
-/// A picture under its title.
+/// A picture below its title.
 pub struct Tile {
     pub title: String,
     /// Whether the title is a heading.
@@ -46,7 +46,7 @@ impl Gallery<'_> {
     }
 }
 
-/// Rows of pictures of about one size, in columns as wide as the widest.
+/// Arranges pictures of similar size in rows and columns. Each column is as wide as the widest picture.
 pub fn tiled(rows: &[Vec<Tile>]) -> Canvas {
     let size = |side: fn(&Canvas) -> usize| {
         rows.iter().flatten().map(|tile| side(&tile.picture)).max().unwrap_or_default()

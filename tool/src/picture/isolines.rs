@@ -1,22 +1,22 @@
-//! Lines of equal distance at round values.
+//! Draws lines of equal distance at round values.
 
 use super::canvas::{Color, mix};
 use super::colors::{Scale, ink_over, luma};
 
-/// No more lines than this over the whole range suit a picture of one map; steps being round,
-/// there are at least 12.
+/// The largest number of lines that suits a picture of one map. Since steps are round, there are at least 12
+/// lines.
 pub const MOST_LINES: f64 = 30.0;
-/// Every so many lines one is stronger, and named in the legend.
+/// Every fifth line is stronger, and named in the legend.
 const STRONG: i64 = 5;
 
-/// Values at all multiples of a round step.
+/// Lines at all multiples of a round step.
 pub struct Isolines {
     pub step: f64,
-    /// Width of a line in units of the usual one: large pictures need stronger lines.
+    /// The width of a line, relative to the usual one. Large pictures need wider lines.
     pub thickness: f32,
 }
 
-/// One line: a multiple of the step.
+/// A line, as a multiple of the step.
 #[derive(Clone, Copy)]
 pub struct Isoline {
     multiple: i64,
@@ -24,24 +24,24 @@ pub struct Isoline {
 }
 
 impl Isolines {
-    /// At most so many lines.
+    /// Returns at most `most_lines` lines.
     pub fn over(scale: &Scale, most_lines: f64, thickness: f32) -> Self {
         let range = f64::from(scale.high) - f64::from(scale.low);
         Self { step: round_step(range / most_lines), thickness }
     }
 
-    /// The line nearest to a value.
+    /// Returns the line nearest to a value.
     pub fn nearest(&self, value: f64) -> Isoline {
         self.at((value / self.step).round() as i64)
     }
 
-    /// All lines in a range, from low to high.
+    /// Returns all lines in a range, in ascending order.
     pub fn within(&self, low: f64, high: f64) -> impl Iterator<Item = Isoline> {
         let (first, last) = ((low / self.step).ceil() as i64, (high / self.step).floor() as i64);
         (first..=last).map(|multiple| self.at(multiple))
     }
 
-    /// The distance between strong lines.
+    /// Returns the distance between strong lines.
     pub fn strong_step(&self) -> f64 {
         STRONG as f64 * self.step
     }
@@ -50,8 +50,8 @@ impl Isolines {
         Isoline { multiple, value: multiple as f64 * self.step }
     }
 
-    /// How much of a pixel the nearest line covers, where the value changes by `slope` per
-    /// pixel; lines that come closer than a few pixels fade.
+    /// Returns the nearest line and how much of a pixel it covers, where the value changes by `slope` per
+    /// pixel. Lines that are only a few pixels apart fade.
     pub fn coverage(&self, value: f64, slope: f64) -> (Isoline, f32) {
         let line = self.nearest(value);
         if slope <= 0.0 {
@@ -66,7 +66,7 @@ impl Isolines {
     }
 }
 
-/// At most so many round values within a scale.
+/// Returns at most `most` round values within a scale.
 pub fn round_levels(scale: &Scale, most: f64) -> Vec<f64> {
     let lines = Isolines::over(scale, most, 1.0);
     let within = lines.within(f64::from(scale.low), f64::from(scale.high));
@@ -82,7 +82,8 @@ impl Isoline {
         if self.is_strong() { 0.9 } else { 0.45 }
     }
 
-    /// The line over a ground: light over the dark end of the scale, dark over the light one.
+    /// Blends the line over the colour `ground`. The line is light over the dark end of the scale, and dark
+    /// over the light end.
     pub fn over(self, ground: Color, scale: &Scale, coverage: f32) -> Color {
         let ink = ink_over(scale.color(self.value as f32));
         let (weak, strong) = if luma(ink) > 0.5 { (0.38, 0.8) } else { (0.36, 0.7) };
@@ -90,7 +91,7 @@ impl Isoline {
     }
 }
 
-/// The smallest of 1, 2, 5 times a power of ten that is not smaller than `least`.
+/// Returns the smallest number of the form 1, 2 or 5 times a power of ten that is at least `least`.
 fn round_step(least: f64) -> f64 {
     if least.is_nan() || least <= 0.0 {
         return 1.0;

@@ -1,4 +1,4 @@
-//! The colour bar beside the picture.
+//! Draws the colour bar next to a picture.
 
 use geosweep::glam::Vec2;
 
@@ -7,20 +7,20 @@ use super::colors::{INK, PAPER, Scale, ink_over};
 use super::isolines::Isolines;
 use super::text::Pen;
 
-/// Colours, lines and their values.
+/// A legend of colours, lines and their values.
 pub struct Legend<'a> {
-    /// What the values are.
+    /// The name of the quantity.
     pub quantity: &'a str,
     pub scale: &'a Scale,
     pub lines: Lines<'a>,
 }
 
-/// The lines that the picture has.
+/// The lines in the picture.
 #[derive(Clone, Copy)]
 pub enum Lines<'a> {
-    /// At all multiples of a step.
+    /// Lines at all multiples of a step.
     Every(&'a Isolines),
-    /// At these values, ascending.
+    /// Lines at the given values, ascending.
     At(&'a [f64]),
 }
 
@@ -33,14 +33,15 @@ struct Bar {
 }
 
 impl Legend<'_> {
-    /// The size of the text that suits a picture of one map.
+    /// Returns the size of text that suits a picture of one map, in pixels.
     pub fn text_size(picture: &Canvas) -> usize {
         (picture.width.max(picture.height) / 45).clamp(18, 40)
     }
 
-    /// The picture on white paper with this legend to its right, and where the picture's first
-    /// pixel is. All measures follow the size of the text, in pixels; the bar begins below the
-    /// picture's first `above` rows of pixels, or where it has room for its name.
+    /// Draws the picture on a white background with this legend to its right. Also returns the position of
+    /// the picture's first pixel. All sizes are proportional to `size`, the size of the text in pixels. The
+    /// bar starts below the picture's first `above` rows of pixels, or further down if its title needs the
+    /// space.
     pub fn beside(&self, picture: &Canvas, size: usize, above: usize) -> (Canvas, Vec2) {
         let pen = Pen::new(size as f32);
         let above = above.max(3 * size / 2);
@@ -72,7 +73,7 @@ impl Legend<'_> {
         (canvas, Vec2::new(left as f32, top as f32))
     }
 
-    /// The colours from the largest value down, with the lines that the picture has.
+    /// Draws the colours from the largest value down, with the picture's lines.
     fn draw_scale(&self, canvas: &mut Canvas, bar: &Bar) {
         let (low, high) = (f64::from(self.scale.low), f64::from(self.scale.high));
         let slope = (high - low) / bar.height as f64;
@@ -100,8 +101,9 @@ impl Legend<'_> {
         }
     }
 
-    /// The strong lines or as many of the given ones as have room, each a part of the bar as long as
-    /// `room`, or the smallest value where there is none; from low to high.
+    /// Returns the labels in ascending order. They are at strong lines, or at as many of the given lines as
+    /// fit; each takes the fraction `room` of the bar. If there is no such line, the label is at the smallest
+    /// value.
     fn labels(&self, room: f64) -> Vec<(f64, String)> {
         let (low, high) = (f64::from(self.scale.low), f64::from(self.scale.high));
         let within = |value: &f64| (low..=high).contains(value);
@@ -127,7 +129,7 @@ impl Legend<'_> {
     }
 }
 
-/// Ascending values without those too near the one before.
+/// Returns ascending values without those closer than `least` to the previous one.
 fn apart(values: impl Iterator<Item = f64>, least: f64) -> Vec<f64> {
     let mut kept: Vec<f64> = Vec::new();
     for value in values {
@@ -139,14 +141,14 @@ fn apart(values: impl Iterator<Item = f64>, least: f64) -> Vec<f64> {
 }
 
 impl Bar {
-    /// The row that stands for a value.
+    /// Returns the row of pixels of a value.
     fn y(&self, scale: &Scale, value: f64) -> usize {
         let down = (1.0 - scale.fraction(value as f32)) * (self.height - 1) as f32;
         self.top + down.round() as usize
     }
 }
 
-/// How to write multiples of a step, all in the same way.
+/// The format of a series of numbers.
 enum NumberFormat {
     Decimals(usize),
     Exponent,
@@ -165,7 +167,8 @@ impl NumberFormat {
         }
     }
 
-    /// For values that are no multiples of a round step: as many digits as tell them apart.
+    /// Returns the format with as many digits as distinguish the values, which are not multiples of a round
+    /// step.
     fn telling_apart(values: &[f64], largest: f64) -> Self {
         let gaps = values.windows(2).map(|pair| pair[1] - pair[0]);
         let alone = values.first().map_or(1.0, |first| first.abs());
@@ -192,7 +195,7 @@ impl NumberFormat {
     }
 }
 
-/// A number by itself, to three or more digits.
+/// Formats a single number with three or more significant digits.
 pub fn number(value: f64) -> String {
     let magnitude = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
     match (-3.0..6.0).contains(&magnitude) {
@@ -201,7 +204,7 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// `12 500`, with a thin space.
+/// Formats a number with thin spaces between thousands, as in `12 500`.
 fn with_thousands(value: f64) -> String {
     let number = format!("{value:.0}");
     let first_digit = number.len() - number.trim_start_matches('-').len();

@@ -1,5 +1,4 @@
-//! Pictures of distance maps, colours and lines of equal distance over the shaded surface; and
-//! plots.
+//! Draws distance maps, with colours and lines of equal distance over the shaded surface, and plots.
 
 mod canvas;
 mod colors;
@@ -42,15 +41,15 @@ pub use stencils::scan_figure;
 pub use swatches::Swatches;
 pub use visits::{Visit, Visits};
 
-/// What is drawn.
+/// A picture of a distance map.
 pub struct Picture<'a> {
-    /// The surface that was solved for.
+    /// The surface on which the map was computed.
     pub surface: &'a Surface,
     /// The same grid with positions, for shading and proportions.
     pub shape: &'a Surface,
     pub map: &'a DistanceMap,
     pub sources: &'a Sources,
-    /// What the map's values are, with their unit.
+    /// The quantity and unit of the map's values.
     pub quantity: &'a str,
 }
 
@@ -75,18 +74,19 @@ impl Picture<'_> {
     }
 }
 
-/// The scale over a map's distances.
+/// Returns the colour scale over a map's distances.
 pub fn scale_of(map: &DistanceMap, sources: &Sources) -> Scale {
     let distances = map.distances.iter().copied().filter(|distance| distance.is_finite());
     Scale::over(distances.chain([start(sources)]))
 }
 
-/// The smallest distance, which need not occur at a grid point.
+/// Returns the smallest distance, which need not occur at a grid point.
 fn start(sources: &Sources) -> f32 {
     sources.start() as f32
 }
 
-/// Mean distance between columns over mean distance between rows, heights seen from above.
+/// Returns the mean distance between columns divided by the mean distance between rows. Heights are seen from
+/// above.
 fn aspect(shape: &Surface) -> f64 {
     if let Geometry::Heights { spacing, .. } = shape.geometry() {
         return spacing.dx / spacing.dy;
@@ -111,14 +111,14 @@ fn mean_step(shape: &Surface, to: Direction) -> f64 {
     sum / f64::from(count)
 }
 
-/// Points as discs and curves as bands, white with a dark rim, over a picture whose first pixel
-/// is at `corner`.
+/// Draws points as discs and curves as bands, white with dark rims. `corner` is the position of the picture's
+/// first pixel.
 fn mark_sources(canvas: &mut Canvas, view: View, corner: Vec2, sources: &Sources) {
     const RIM: [f32; 3] = [0.1, 0.1, 0.1];
     const FILL: [f32; 3] = [1.0, 1.0, 1.0];
     let size = view.thickness();
     let pixel = |at: &DVec2| corner + view.pixel(*at);
-    // All rims first, so that a curve's pieces and crossing sources join.
+    // All rims are drawn first, so that a curve's segments and crossing sources join.
     for (color, wider) in [(RIM, 1.6 * size), (FILL, 0.0)] {
         for source in sources.iter() {
             match source {
@@ -127,7 +127,7 @@ fn mark_sources(canvas: &mut Canvas, view: View, corner: Vec2, sources: &Sources
                     canvas.stroke(center, center, 5.5 * size + wider, color);
                 }
                 Source::Curve { vertices, .. } => {
-                    // Twice the first, so that a single vertex shows too.
+                    // The first vertex is repeated, so that a single vertex is visible too.
                     let pixels: Vec<Vec2> =
                         vertices.first().into_iter().chain(vertices).map(pixel).collect();
                     canvas.polyline(&pixels, 1.8 * size + wider, color);

@@ -1,4 +1,4 @@
-//! Several maps of one surface side by side, with one legend.
+//! Draws several maps of one surface side by side, with one legend.
 
 use geosweep::glam::Vec2;
 use geosweep::{Sources, Surface};
@@ -12,10 +12,10 @@ use super::relief::Relief;
 use super::text::Pen;
 use super::{aspect, mark_sources, start};
 
-/// One map with its title.
+/// A map with its title.
 pub struct Panel<'a> {
     pub title: String,
-    /// A second, lighter line.
+    /// A second title line, in lighter type.
     pub subtitle: String,
     /// One value per grid point, infinite where there is none.
     pub values: &'a [f32],
@@ -28,16 +28,16 @@ pub struct Panels<'a> {
     pub panels: &'a [Panel<'a>],
 }
 
-/// Pixels on the long side of a panel.
+/// The longer side of a panel, in pixels.
 const LONG_SIDE: f64 = 480.0;
-/// Size of the text: legible when four panels are scaled to the width of a page.
+/// The size of text. It is legible when four panels are scaled to the width of a page.
 const TEXT: usize = 36;
 const GAP: usize = TEXT;
-/// Height of title and subtitle.
+/// The height of title and subtitle.
 const TITLES: usize = 5 * TEXT / 2;
-/// Pictures are scaled down on a page, so that lines are drawn stronger...
+/// The relative width of lines. They are wider, since pictures are scaled down on a page.
 const THICKNESS: f32 = 1.5;
-/// ... and panels leave room for more lines along a winding corridor than across a plain.
+/// The largest number of lines. A winding corridor has room for more lines than a plain.
 const MOST_LINES: f64 = 60.0;
 
 impl Panels<'_> {

@@ -1,4 +1,4 @@
-//! Plots with logarithmic axes, side by side on a sheet, their lines labelled where they end.
+//! Draws plots with logarithmic axes, side by side on a sheet. Lines are labelled at their ends.
 
 use geosweep::glam::Vec2;
 
@@ -11,9 +11,9 @@ use super::text::Pen;
 pub struct Sheet {
     pub plots: Vec<Plot>,
     pub columns: usize,
-    /// Width and height of a plot's frame, in pixels.
+    /// The width and height of a plot's frame, in pixels.
     pub frame: [usize; 2],
-    /// What the kinds of lines mean.
+    /// The meanings of the kinds of lines.
     pub key: Vec<(Line, String)>,
 }
 
@@ -29,47 +29,47 @@ pub struct Plot {
 /// A logarithmic axis.
 #[derive(Clone)]
 pub struct Axis {
-    /// What is along it; empty where a neighbouring plot says it.
+    /// The title of the axis. It is empty if a neighbouring plot shows it.
     pub title: String,
     pub low: f64,
     pub high: f64,
     pub ticks: Vec<(f64, String)>,
-    /// Whether ticks are written at: not where a neighbouring plot has the same.
+    /// Whether ticks have labels. They have none if a neighbouring plot has the same ticks.
     pub labelled: bool,
 }
 
 /// A line through measured points.
 pub struct Series {
-    /// Written where the line ends, unless empty.
+    /// The label at the end of the line, unless empty.
     pub label: String,
     pub color: Color,
     pub line: Line,
-    /// Only positive values appear.
+    /// The points. Only positive values are drawn.
     pub points: Vec<[f64; 2]>,
 }
 
-/// How a line looks.
+/// The style of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Line {
     Solid,
-    /// Thinner, and without marks.
+    /// A thinner line without marks.
     Dashed,
-    /// Thinner, with small marks.
+    /// A thinner line with small marks.
     Thin,
 }
 
-/// Light lines for comparison from one place, y proportional to powers of x.
+/// Light reference lines from one point, on which y is proportional to powers of x.
 #[derive(Clone)]
 pub struct Slopes {
-    /// Where they begin, as fractions of the frame rightwards and upwards.
+    /// The common start, as fractions of the frame rightwards and upwards.
     pub from: [f32; 2],
-    /// How far they go, as a fraction of the frame's width.
+    /// The extent of the lines, as a fraction of the frame's width.
     pub width: f32,
-    /// Each with its name.
+    /// The powers, each with its name.
     pub powers: Vec<(f32, &'static str)>,
 }
 
-/// Colours that can be told apart with any kind of sight (Okabe and Ito 2008), dark enough for
+/// Colours that can be distinguished with any kind of colour vision (Okabe and Ito 2008), dark enough for
 /// text on white.
 pub const COLORS: [Color; 6] = [
     rgb(0x00_62_9b),
@@ -86,26 +86,26 @@ const fn rgb(hex: u32) -> Color {
 
 const GRID: Color = [0.9, 0.9, 0.9];
 const AXIS: Color = [0.45, 0.45, 0.45];
-/// What others do, for comparison.
+/// The colour of other solvers, for comparison.
 pub const OTHERS: Color = [0.55, 0.55, 0.55];
-/// Slopes and their names.
+/// The colour of reference slopes and their names.
 const LIGHT: Color = [0.62, 0.62, 0.62];
 
-/// Size of the text: sheets are about 1900 pixels wide and shown half as large.
+/// The size of text. Sheets are about 1900 pixels wide and shown at half size.
 const TEXT: f32 = 28.0;
 const TITLE: f32 = 31.0;
-/// Between things that belong together.
+/// The gap between related elements.
 const NEAR: f32 = 12.0;
 const LINE_HEIGHT: f32 = 1.2 * TEXT;
-/// Title and the name of the y axis above a frame.
+/// The height of the title and the name of the y axis above a frame.
 const HEADER: f32 = 2.6 * TITLE;
-/// From the end of a line to its label.
+/// The distance from the end of a line to its label.
 const LEADER: f32 = 26.0;
 const MARGIN: f32 = 28.0;
 
 impl Axis {
-    /// Ticks at powers of ten over the positive ones of some values; between them where there
-    /// are fewer than two.
+    /// Returns an axis with ticks at powers of ten over the positive values. If there are fewer than two,
+    /// further ticks are added between them.
     pub fn decades(title: &str, values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = values
             .filter(|&value| value > 0.0)
@@ -124,13 +124,14 @@ impl Axis {
         Self { title: title.into(), low, high, ticks, labelled: true }
     }
 
-    /// The same beside or below a plot that has it too, where it need not be written again.
+    /// Returns a copy of the axis for a plot next to one that shows it already, or for one that shows it
+    /// (`labelled`).
     pub fn written(&self, labelled: bool) -> Self {
         let title = if labelled { self.title.clone() } else { String::new() };
         Self { title, labelled, ..self.clone() }
     }
 
-    /// Ticks at some values, each written as it is.
+    /// Returns an axis with ticks at the given values, each labelled with its value.
     pub fn at(title: &str, values: &[usize]) -> Self {
         let ends = values.iter().fold((usize::MAX, 0), |(a, b), &n| (a.min(n), b.max(n)));
         let ticks = values.iter().map(|&value| (value as f64, value.to_string())).collect();
@@ -138,18 +139,18 @@ impl Axis {
         Self { title: title.into(), low, high, ticks, labelled: true }
     }
 
-    /// Where a value lies, from 0 to 1.
+    /// Returns the position of a value on the axis, from 0 to 1.
     fn fraction(&self, value: f64) -> f32 {
         (value / self.low).ln() as f32 / self.span()
     }
 
-    /// Powers of e from end to end.
+    /// Returns the natural logarithm of the ratio of both ends.
     fn span(&self) -> f32 {
         (self.high / self.low).ln() as f32
     }
 }
 
-/// `2×10⁻³`, or `10⁻³` for a factor of 1.
+/// Formats a power of ten as `2×10⁻³`, or as `10⁻³` for a factor of 1.
 fn power_text(factor: f64, power: i32) -> String {
     let superscript = |digit: char| match digit {
         '-' => '⁻',
@@ -173,7 +174,7 @@ struct Frame<'a> {
     size: Vec2,
 }
 
-/// Space around the frames of a row or column.
+/// The space before and after the frames of a row or column.
 #[derive(Clone, Copy, Default)]
 struct Margins {
     before: f32,
@@ -312,7 +313,7 @@ impl Frame<'_> {
     fn draw_slopes(&self, canvas: &mut Canvas, pens: &Pens, slopes: &Slopes) {
         let [right, up] = slopes.from;
         let from = self.origin + self.size * Vec2::new(right, 1.0 - up);
-        // Pixels per factor of e along either axis.
+        // The pixels per factor of e along both axes.
         let scale = self.size / Vec2::new(self.plot.x.span(), self.plot.y.span());
         let width = slopes.width * self.size.x;
         for (power, name) in &slopes.powers {
@@ -322,8 +323,8 @@ impl Frame<'_> {
         }
     }
 
-    /// The names of the lines to the right of the frame, apart from one another, each led to by
-    /// a thin line from where its own ends.
+    /// Draws the names of the lines to the right of the frame, without overlaps. A thin line connects each
+    /// name with the end of its line.
     fn draw_labels(&self, canvas: &mut Canvas, pens: &Pens) {
         let named = self.plot.series.iter().filter(|series| !series.label.is_empty());
         let mut ends: Vec<_> =
@@ -331,7 +332,7 @@ impl Frame<'_> {
         ends.sort_by(|(_, a), (_, b)| a.y.total_cmp(&b.y));
         let wanted: Vec<_> = ends.iter().map(|(_, end)| end.y).collect();
         let right = self.origin.x + self.size.x;
-        // From the title's line on, to where the ticks are written.
+        // The range from the line of the title down to the labels of the ticks.
         let room = [self.origin.y - HEADER + 0.5 * TITLE, self.origin.y + self.size.y];
         let places = within(apart(&wanted, LINE_HEIGHT), room, LINE_HEIGHT);
         for ((series, end), y) in ends.into_iter().zip(places) {
@@ -345,7 +346,7 @@ impl Frame<'_> {
 
 impl Line {
     fn draw(self, canvas: &mut Canvas, points: &[Vec2], color: Color) {
-        // A dash of length `on` begins at every multiple of `period` along the line.
+        // A dash of length `on` starts at every multiple of `period` along the line.
         let (radius, on, period) = match self {
             Self::Solid => (2.2, f32::MAX, f32::MAX),
             Self::Dashed => (1.3, 13.0, 22.0),
@@ -377,8 +378,8 @@ impl Line {
     }
 }
 
-/// As many labels at regular intervals, the last among them, as do not touch: each has its middle
-/// and its extent along the axis.
+/// Returns as many labels as fit without overlap, at regular intervals and including the last one. Each label
+/// has its middle and its extent along the axis.
 fn sparse<T>(labels: Vec<(f32, f32, T)>) -> Vec<(f32, f32, T)> {
     let last = labels.len().saturating_sub(1);
     let taken = |index: usize, every: usize| (last - index).is_multiple_of(every);
@@ -393,10 +394,10 @@ fn sparse<T>(labels: Vec<(f32, f32, T)>) -> Vec<(f32, f32, T)> {
     indexed.filter(|(index, _)| taken(*index, every)).map(|(_, label)| label).collect()
 }
 
-/// Places in the same order at least `gap` apart and, in the least-squares sense, as near as can
-/// be to those wanted, which must be ascending (pool adjacent violators).
+/// Returns places in the same order that are at least `gap` apart and as close as possible to the wanted
+/// ones, by least squares (pool adjacent violators). `wanted` must be ascending.
 fn apart(wanted: &[f32], gap: f32) -> Vec<f32> {
-    // Less their gaps, places need only be ascending: runs that are not share their mean.
+    // After subtracting the gaps, places only need to be ascending. Runs that are not take their mean.
     let mut runs: Vec<(f32, usize)> = Vec::new();
     for (index, place) in wanted.iter().enumerate() {
         let mut run = (place - index as f32 * gap, 1);
@@ -411,7 +412,7 @@ fn apart(wanted: &[f32], gap: f32) -> Vec<f32> {
     places.enumerate().map(|(index, place)| place + index as f32 * gap).collect()
 }
 
-/// The same places, moved into a range as far as there is room in it for all.
+/// Moves places into a range as far as it has room for all.
 fn within(places: Vec<f32>, [low, high]: [f32; 2], gap: f32) -> Vec<f32> {
     let last = places.len().saturating_sub(1);
     let moved = |(index, place): (usize, f32)| {

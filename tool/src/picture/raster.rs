@@ -1,4 +1,4 @@
-//! From grid points to pixels: which pixel shows what of a surface.
+//! Maps grid points to pixels: determines which part of a surface each pixel shows.
 
 use geosweep::glam::{DVec2, Vec2};
 use geosweep::surface::Chart;
@@ -9,13 +9,13 @@ use super::colors::{HATCHING, HOLE, Scale, UNREACHED};
 use super::isolines::Isolines;
 use super::relief::{Relief, shade};
 
-/// Small grids are enlarged to so many pixels on the long side, large ones reduced to so many.
+/// The range of the longer side, in pixels. Smaller grids are enlarged to the lower bound, and larger ones
+/// reduced to the upper.
 const LONG_SIDE: std::ops::RangeInclusive<f64> = 900.0..=2000.0;
-/// A narrow strip is still visible, if not in proportion.
+/// The smallest length of a side, in pixels. A narrow strip stays visible, although not in proportion.
 const SHORT_SIDE: f64 = 60.0;
 
-/// Where the grid lies in the picture: its outermost points in the middle of the outermost
-/// pixels.
+/// The position of the grid in the picture. Its outermost points lie in the middle of the outermost pixels.
 #[derive(Clone, Copy)]
 pub struct View {
     pub chart: Chart,
@@ -24,13 +24,13 @@ pub struct View {
 }
 
 impl View {
-    /// `aspect` is the distance between columns over that between rows.
+    /// Returns a view of a grid. `aspect` is the distance between columns divided by that between rows.
     pub fn new(chart: Chart, aspect: f64) -> Self {
         let points = chart.cols.max(chart.rows) as f64;
         Self::with_long_side(chart, aspect, points.clamp(*LONG_SIDE.start(), *LONG_SIDE.end()))
     }
 
-    /// With so many pixels on the long side.
+    /// Returns a view with the given number of pixels on the longer side.
     pub fn with_long_side(chart: Chart, aspect: f64, long_side: f64) -> Self {
         let steps = |points: usize| (points - 1).max(1) as f64;
         let (width, height) = (steps(chart.cols) * aspect, steps(chart.rows));
@@ -39,18 +39,18 @@ impl View {
         Self { chart, width: pixels(width), height: pixels(height) }
     }
 
-    /// Size of marks and lines: 1 for about a thousand pixels on the long side.
+    /// Returns the relative size of marks and lines. It is 1 for about a thousand pixels on the longer side.
     pub fn thickness(self) -> f32 {
         (self.width.max(self.height) as f32 / 1000.0).max(1.0)
     }
 
-    /// Grid steps per pixel: rows downwards, columns rightwards.
+    /// Returns the grid steps per pixel: rows downwards and columns rightwards.
     fn steps(self) -> DVec2 {
         let steps = |points: usize, pixels: usize| (points - 1) as f64 / (pixels - 1) as f64;
         DVec2::new(steps(self.chart.rows, self.height), steps(self.chart.cols, self.width))
     }
 
-    /// The pixel (x, y) of a place (row, column).
+    /// Returns the pixel (x, y) of a place (row, column).
     pub fn pixel(self, at: DVec2) -> Vec2 {
         let steps = self.steps();
         // A single row or column lies in the middle of its strip.
@@ -60,14 +60,14 @@ impl View {
         DVec2::new(along(at.y, steps.y, self.width), along(at.x, steps.x, self.height)).as_vec2()
     }
 
-    /// The place (row, column) of a pixel.
+    /// Returns the place (row, column) of a pixel.
     fn place(self, x: f64, y: f64) -> DVec2 {
         let last = DVec2::new((self.chart.rows - 1) as f64, (self.chart.cols - 1) as f64);
         (self.steps() * DVec2::new(y, x)).clamp(DVec2::ZERO, last)
     }
 }
 
-/// A map over a surface, as it appears.
+/// A map over a surface, as it is drawn.
 pub struct Raster<'a> {
     pub view: View,
     pub present: &'a [bool],
@@ -77,29 +77,29 @@ pub struct Raster<'a> {
     pub paint: Paint<'a>,
 }
 
-/// What the ground is painted in.
+/// The colours of the surface.
 #[derive(Clone, Copy)]
 pub enum Paint<'a> {
-    /// The values on a scale, perhaps with lines.
+    /// The values on a scale, optionally with lines.
     Values(&'a Scale, Option<&'a Isolines>),
-    /// A colour per grid point.
+    /// One colour per grid point.
     Colors(&'a [Color]),
 }
 
-/// What surrounds a place: the cell's corners, their weights, and the nearest one.
+/// The surroundings of a place: the cell's corners, their weights, and the nearest corner.
 struct Around {
     corners: [(usize, usize, f64); 4],
     nearest: (usize, usize),
 }
 
-/// Change of the value per row and per column at each grid point, if known beforehand.
+/// The change of the value per row and per column at each grid point, if precomputed.
 type Slopes = Option<Vec<DVec2>>;
 
 impl Raster<'_> {
     pub fn draw(&self) -> Canvas {
         let View { width, height, .. } = self.view;
         let steps = self.view.steps().max_element();
-        // Several samples a pixel smooth the borders of holes, and average what is reduced.
+        // Several samples per pixel smooth the borders of holes, and average reduced grids.
         let samples = (steps.ceil() as usize).clamp(2, 3);
         let slopes = self.slopes();
         let pixel = |index: usize| self.pixel(index % width, index / width, samples, &slopes);
@@ -107,8 +107,8 @@ impl Raster<'_> {
         Canvas { width, height, pixels }
     }
 
-    /// The slopes at all grid points, where lines are drawn and pixels are more than points: most
-    /// points are asked for many times.
+    /// Precomputes the slopes at all grid points if lines are drawn and there are more pixels than points.
+    /// Most points are then used many times.
     fn slopes(&self) -> Slopes {
         let View { chart, width, height } = self.view;
         if !matches!(self.paint, Paint::Values(_, Some(_))) || chart.points() > width * height {
@@ -156,7 +156,7 @@ impl Raster<'_> {
         }
     }
 
-    /// The colour between grid points that have one.
+    /// Interpolates the colour between those grid points that have one.
     fn blended(&self, colors: &[Color], around: &Around) -> Color {
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
         for &(row, col, weight) in &around.corners {
@@ -185,8 +185,8 @@ impl Raster<'_> {
         Around { corners, nearest }
     }
 
-    /// The value between grid points, bilinear; beside a hole, missing corners are continued
-    /// from the nearest point, so that lines run straight into the hole's border.
+    /// Interpolates the value bilinearly. Next to a hole, missing corners are extrapolated from the nearest
+    /// point, so that lines run straight into the hole's border.
     fn value(&self, around: &Around) -> f64 {
         let corner = |&(row, col, weight): &(usize, usize, f64)| {
             let value = self.at(row, col).unwrap_or_else(|| self.continued(around, row, col));
@@ -204,7 +204,7 @@ impl Raster<'_> {
         value + along(row, near_row, (1, 0)) + along(col, near_col, (0, 1))
     }
 
-    /// The mean of the differences to both neighbours in a direction, as far as they exist.
+    /// Returns the mean of the differences to both neighbours in a direction, as far as they exist.
     fn difference(&self, row: usize, col: usize, down: isize, right: isize) -> f64 {
         let [ahead, behind] = self.differences(row, col, down, right);
         match (ahead, behind) {
@@ -222,7 +222,7 @@ impl Raster<'_> {
         })
     }
 
-    /// Change of the value per pixel.
+    /// Returns the change of the value per pixel.
     fn slope(&self, around: &Around, slopes: &Slopes) -> f64 {
         let (mut slope, mut weights) = (DVec2::ZERO, 0.0);
         for &(row, col, weight) in &around.corners {
@@ -238,8 +238,8 @@ impl Raster<'_> {
         (slope / weights * self.view.steps()).length()
     }
 
-    /// Change of the value per row and per column at a grid point. On a ridge, where fronts meet,
-    /// the mean of both sides would vanish and lines would swell, hence the larger side.
+    /// Returns the change of the value per row and per column at a grid point, from the side with the larger
+    /// change. On a ridge, where wavefronts meet, the mean of both sides would vanish and lines would widen.
     fn larger_slope(&self, row: usize, col: usize) -> DVec2 {
         let larger = |down, right| {
             let sides = self.differences(row, col, down, right).into_iter().flatten();
@@ -260,7 +260,7 @@ impl Raster<'_> {
         sum / weights
     }
 
-    /// The value at a grid point, if there is one.
+    /// Returns the value at a grid point, if there is one.
     fn at(&self, row: usize, col: usize) -> Option<f64> {
         let Chart { rows, cols } = self.view.chart;
         let value = *self.values.get(row * cols + col).filter(|_| row < rows && col < cols)?;

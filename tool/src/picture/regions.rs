@@ -1,4 +1,4 @@
-//! Pictures of Voronoi regions.
+//! Draws Voronoi regions.
 
 use geosweep::geometry::{Border, NO_REGION, Voronoi};
 use geosweep::{Sources, Surface};
@@ -9,17 +9,17 @@ use super::curves::{CurvePicture, Key, Line, Look, mark_all, number_all};
 use super::legend::number;
 use super::raster::Paint;
 
-/// Regions in colours of their own, with borders and sources.
+/// A picture of regions in different colours, with borders and sources.
 pub struct Regions<'a> {
-    /// The surface that was solved for.
+    /// The surface on which the map was computed.
     pub surface: &'a Surface,
     /// The same grid with positions.
     pub shape: &'a Surface,
     pub sources: &'a Sources,
-    /// The distances from them.
+    /// The distances from the sources.
     pub values: &'a [f32],
     pub voronoi: &'a Voronoi,
-    /// The regions' areas, and their unit, where a legend is wanted.
+    /// The regions' areas and their unit, if a legend is drawn.
     pub areas: Option<(&'a [f64], Option<&'a str>)>,
 }
 

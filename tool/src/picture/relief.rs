@@ -1,4 +1,4 @@
-//! Hill shading: how brightly each grid point is lit from the north-west.
+//! Computes hill shading: how brightly each grid point is lit from the north-west.
 
 use geosweep::Surface;
 use geosweep::glam::DVec3;
@@ -7,16 +7,16 @@ use rayon::prelude::*;
 
 use super::canvas::{Color, mix};
 
-/// Brightness per grid point relative to level ground (1); empty where nothing is known.
+/// The brightness of each grid point, relative to level ground (1). Empty if it is not known.
 pub struct Relief(Vec<f32>);
 
-/// Terrain is drawn as steep as this on the mean (root mean square of its slopes)...
+/// The slope that terrain is exaggerated to, as the root mean square of its slopes.
 const WANTED_SLOPE: f64 = 0.5;
-/// ... but never flatter than it is, nor steeper than this many times.
+/// The largest exaggeration of heights. Terrain is never drawn flatter than it is.
 const LARGEST_EXAGGERATION: f64 = 12.0;
 
 impl Relief {
-    /// Level ground.
+    /// Returns the relief of level ground.
     pub fn level() -> Self {
         Self(Vec::new())
     }
@@ -40,7 +40,7 @@ impl Relief {
     }
 }
 
-/// Differences between neighbours, with heights exaggerated.
+/// Differences between neighbouring points, with exaggerated heights.
 pub struct Tangents<'a> {
     pub shape: &'a Surface,
     pub exaggeration: f64,
@@ -52,7 +52,8 @@ impl Tangents<'_> {
         Some(position * DVec3::new(1.0, 1.0, self.exaggeration))
     }
 
-    /// From the neighbour on the other side to the one on this side, or as far as there is one.
+    /// Returns half the vector between the two neighbours along a direction. If there is only one, returns
+    /// the step to or from it.
     pub fn along(&self, row: usize, col: usize, to: Direction) -> Option<DVec3> {
         let here = self.position(row, col)?;
         let at = |to| {
@@ -73,7 +74,7 @@ impl Tangents<'_> {
         east.cross(south).try_normalize()
     }
 
-    /// The mean of some direction over a sample of the surface.
+    /// Returns the mean of a direction over a sample of the surface.
     pub fn mean(&self, direction: impl Fn(usize, usize) -> Option<DVec3>) -> DVec3 {
         let chart = self.shape.chart();
         let every = (chart.points() / 10_000).max(1);
@@ -87,7 +88,7 @@ impl Tangents<'_> {
     }
 }
 
-/// How many times their height terrains are drawn.
+/// Returns the factor by which the heights of terrain are exaggerated.
 pub fn exaggeration(shape: &Surface) -> f64 {
     let Geometry::Heights { spacing, .. } = shape.geometry() else { return 1.0 };
     let plain = Tangents { shape, exaggeration: 1.0 };
@@ -105,21 +106,21 @@ pub fn exaggeration(shape: &Surface) -> f64 {
     if slope > 0.0 { (WANTED_SLOPE / slope).clamp(1.0, LARGEST_EXAGGERATION) } else { 1.0 }
 }
 
-/// Light from one side, in the surface's space.
+/// Directional light, in the surface's space.
 struct Light {
     direction: DVec3,
-    /// Part of the light that comes from everywhere.
+    /// The fraction of ambient light.
     ambient: f64,
     level: f64,
 }
 
 impl Light {
-    /// From the top left of the picture, 45 degrees high over the surface's mean plane.
+    /// Returns light from the top left of the picture, 45 degrees above the surface's mean plane.
     fn north_west(tangents: &Tangents) -> Self {
         let up = tangents.mean(|row, col| tangents.normal(row, col));
         let east = tangents.mean(|row, col| tangents.along(row, col, Direction::East));
-        // A closed surface has no mean plane: it is lit from beside the z axis, and softly,
-        // since it turns away from the light.
+        // A closed surface has no mean plane. It is lit from beside the z axis, and softly, since parts of it
+        // face away from the light.
         let closed = up.length() < 0.3;
         let up = if closed { DVec3::Z } else { up.normalize() };
         let east = east.reject_from_normalized(up);
@@ -139,8 +140,8 @@ impl Light {
     }
 }
 
-/// A colour as bright as the relief says: darkened in the shade, though never so much that it
-/// cannot be told, lightened towards white in the light, and unchanged on level ground.
+/// Applies a brightness to a colour. In the shade the colour is darkened, but stays distinguishable. In the
+/// light it is lightened towards white. On level ground it does not change.
 pub fn shade(color: Color, brightness: f32) -> Color {
     const DARKENING: f32 = 0.4;
     const LIGHTENING: f32 = 0.7;

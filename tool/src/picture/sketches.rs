@@ -1,4 +1,4 @@
-//! Drawings of what is computed: a grid on a surface, and the update of a point from a triangle.
+//! Draws the subject of the computation: a grid on a surface, and the update of a point from a triangle.
 
 use geosweep::glam::{DVec2, DVec3, Vec2};
 
@@ -7,19 +7,19 @@ use super::colors::{INK, PAPER};
 use super::gallery::{Tile, tiled};
 use super::text::Pen;
 
-/// Pixels of a panel.
+/// The width of a panel, in pixels. `HEIGHT` is its height.
 const WIDTH: usize = 640;
 const HEIGHT: usize = 520;
-/// Lines of the grid in each direction.
+/// The number of grid lines in each direction.
 const LINES: usize = 8;
-/// The grid point that is drawn with its triangle: row and column.
+/// The row and column of the grid point that is drawn with its triangle.
 const POINT: [usize; 2] = [4, 3];
 const ACCENT: Color = [0.86, 0.37, 0.2];
 const FILL: Color = [0.73, 0.85, 0.92];
 const FRONT: Color = [0.2, 0.5, 0.7];
 const PALE: Color = [0.72, 0.72, 0.72];
 
-/// The grid, the surface over it, and the update: what the paper's figures 1 and 2 are about.
+/// Draws the grid, the surface over it, and the update: the subject of the paper's figures 1 and 2.
 pub fn update_figure() -> Canvas {
     let tile = |title: &str, picture| Tile { title: title.into(), heading: false, picture };
     tiled(&[vec![
@@ -29,12 +29,13 @@ pub fn update_figure() -> Canvas {
     ]])
 }
 
-/// Where a place of the grid, from 0 to 1 rightwards and downwards, lies in the first panel.
+/// Returns where a place of the grid lies in the first panel. Places run from 0 to 1, rightwards and
+/// downwards.
 fn in_domain(at: DVec2) -> Vec2 {
     (DVec2::new(120.0, 60.0) + 400.0 * at).as_vec2()
 }
 
-/// Where its point on a hill lies in the second, seen from above at an angle.
+/// Returns where a place lies on a hill in the second panel, seen from above at an angle.
 fn on_surface(at: DVec2) -> Vec2 {
     let hill = (-6.0 * (at - DVec2::new(0.5, 0.45)).length_squared()).exp();
     let (right, away) = (at.x - 0.5, 0.5 - at.y);
@@ -43,7 +44,7 @@ fn on_surface(at: DVec2) -> Vec2 {
         .as_vec2()
 }
 
-/// Lines of the grid, a point with its two directions, and one of its triangles.
+/// Draws the lines of a grid, a point with its two directions, and one of its triangles.
 fn grid(place: fn(DVec2) -> Vec2) -> Canvas {
     const STEPS: usize = 48;
     let mut canvas = Canvas::new(WIDTH, HEIGHT, PAPER);
@@ -64,7 +65,7 @@ fn grid(place: fn(DVec2) -> Vec2) -> Canvas {
     }
     let [x0, x1, x2] = corners;
     canvas.polyline(&[x1, x2, x0], 1.8, INK);
-    // Each direction as long as two steps would be if the surface went on straight.
+    // Each direction has the length of two steps of the tangent.
     let pen = Pen::bold(28.0);
     let (east, south) = (at(row, col + 0.01) - x0, at(row + 0.01, col) - x0);
     for (way, name) in [(east, "ξ₁"), (south, "ξ₂")] {
@@ -84,12 +85,12 @@ fn grid(place: fn(DVec2) -> Vec2) -> Canvas {
     canvas
 }
 
-/// A triangle with the straight front that has reached two of its corners, and goes on to the third.
+/// Draws a triangle with a planar wavefront that has reached two of its corners and goes on to the third.
 fn triangle() -> Canvas {
     let mut canvas = Canvas::new(WIDTH, HEIGHT, PAPER);
     let [x0, x1, x2] = [[400.0, 80.0], [250.0, 315.0], [480.0, 310.0]].map(Vec2::from);
     canvas.triangle([x0, x1, x2], FILL);
-    // The front's direction, and where its distance from the source is zero.
+    // The direction of the wavefront, and a point at which its distance from the source is zero.
     let n = Vec2::new(0.24, -0.97).normalize();
     let source = Vec2::new(330.0, 440.0);
     let time = |point: Vec2| (point - source).dot(n);
@@ -107,7 +108,7 @@ fn triangle() -> Canvas {
         (x2, "t₂", Vec2::new(20.0, 6.0)),
         (x0, "t₀", Vec2::new(-22.0, 4.0)),
     ] {
-        // From the source's line at a right angle, as far as the front has come.
+        // The arrow runs from the source's line at a right angle up to the wavefront.
         let foot = point - time(point) * n;
         arrow(&mut canvas, foot, point - 11.0 * n, FRONT);
         write_around(&mut canvas, &plain, foot.lerp(point, 0.45) + aside, name, FRONT);
@@ -134,7 +135,7 @@ fn arrow(canvas: &mut Canvas, tail: Vec2, tip: Vec2, color: Color) {
     }
 }
 
-/// Text with its middle at a place.
+/// Writes a text with its middle at a place.
 fn write_around(canvas: &mut Canvas, pen: &Pen, at: Vec2, text: &str, color: Color) {
     pen.write(canvas, at.x - 0.5 * pen.width(text), at.y, text, color);
 }

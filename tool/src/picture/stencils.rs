@@ -1,4 +1,4 @@
-//! Drawings of scans: what a point is updated from, and which updates wait for which.
+//! Draws scans: the points from which each point is updated, and which updates depend on which.
 
 use geosweep::glam::Vec2;
 use geosweep::surface::Direction::{self, *};
@@ -8,8 +8,8 @@ use super::colors::{INK, PAPER, Scale, ink_over};
 use super::gallery::{Tile, tiled};
 use super::text::Pen;
 
-/// A scan: its name, the neighbours that it updates a point from, counter-clockwise, and the ways
-/// in which it goes, the fast one last; of one way, all points across it are updated at once.
+/// A scan: its name, the neighbours from which it updates a point (counter-clockwise), and its directions,
+/// the fast one last. In a scan of one direction, all points across it are updated at once.
 struct Scan {
     name: &'static str,
     from: [Direction; 3],
@@ -23,7 +23,7 @@ const RASTER: [Scan; 4] = [
     Scan { name: "right-up", from: [West, SouthWest, South], order: &[North, East] },
     Scan { name: "left-up", from: [South, SouthEast, East], order: &[North, West] },
 ];
-/// The second row.
+/// The second row of figure 3.
 const ROTATED: [Scan; 4] = [
     Scan { name: "down", from: [NorthEast, North, NorthWest], order: &[South] },
     Scan { name: "up", from: [SouthWest, South, SouthEast], order: &[North] },
@@ -31,7 +31,7 @@ const ROTATED: [Scan; 4] = [
     Scan { name: "left", from: [SouthEast, East, NorthEast], order: &[West] },
 ];
 
-/// Pixels of a stencil's side, and between points.
+/// The side of a stencil, in pixels. `STEP` is the distance between points.
 const STENCIL: usize = 400;
 const STEP: f32 = 104.0;
 const DISC: f32 = 15.0;
@@ -39,7 +39,7 @@ const ACCENT: Color = [0.86, 0.37, 0.2];
 const FILLS: [Color; 2] = [[0.56, 0.74, 0.86], [0.73, 0.85, 0.92]];
 const PALE: Color = [0.78, 0.78, 0.78];
 
-/// Stencils of the eight scans in two rows over the order of updates of two of them.
+/// Draws stencils of the eight scans in two rows, above the order of updates of two of them.
 pub fn scan_figure() -> Canvas {
     let stencil =
         |scan: &Scan| Tile { title: scan.name.into(), heading: false, picture: stencil(scan) };
@@ -66,7 +66,7 @@ fn step(to: Direction) -> Vec2 {
     Vec2::new(right as f32, down as f32)
 }
 
-/// A point among its neighbours, and the triangles that it is updated from.
+/// Draws a point among its neighbours, and the triangles from which it is updated.
 fn stencil(scan: &Scan) -> Canvas {
     let mut canvas = Canvas::new(STENCIL, STENCIL, PAPER);
     let middle = Vec2::splat(0.5 * STENCIL as f32);
@@ -75,7 +75,7 @@ fn stencil(scan: &Scan) -> Canvas {
         canvas.triangle([middle, at(ends[0]), at(ends[1])], fill);
     }
     for to in [North, West, South, East] {
-        // The grid around the middle: each side of the square, and through the middle.
+        // The grid around the middle: each side of the square, and the lines through the middle.
         let across = STEP * step(to.next().next());
         canvas.polyline(&[at(to) - across, at(to) + across], 1.0, PALE);
         canvas.polyline(&[middle, at(to)], 1.0, PALE);
@@ -93,12 +93,12 @@ fn stencil(scan: &Scan) -> Canvas {
     canvas
 }
 
-/// The scan's order: a short arrow for the slow way at its side, a long one for the fast way.
+/// Draws the scan's order: a short arrow for the slow direction, and a long one for the fast direction.
 fn arrows(canvas: &mut Canvas, scan: &Scan) {
     let middle = Vec2::splat(0.5 * STENCIL as f32);
     let ways = scan.order.iter().rev();
     for (&way, half) in ways.zip([0.95 * STEP, 0.45 * STEP]) {
-        // On the side that is done last, where no triangle is.
+        // The arrow is on the side that the scan reaches last, where there is no triangle.
         let aside = match way {
             East | West => {
                 if scan.order.contains(&North) {
@@ -124,7 +124,7 @@ fn arrows(canvas: &mut Canvas, scan: &Scan) {
     }
 }
 
-/// Points of a grid with the step in which each is updated, and what they wait for.
+/// Draws points of a grid with the step in which each is updated, and the points that each depends on.
 fn order(scan: &Scan) -> Canvas {
     const POINTS: usize = 6;
     const SPACE: f32 = 112.0;
@@ -135,7 +135,7 @@ fn order(scan: &Scan) -> Canvas {
         SPACE * (Vec2::new(col as f32, row as f32) + 0.5) + Vec2::new(30.0, 0.0)
     };
     let first = |row: usize, col: usize| {
-        // From the corner or the side where the scan begins; these here go right and down.
+        // Steps are counted from the corner or side at which the scan starts. These scans go right and down.
         1 + if scan.order.len() == 2 { row + col } else { col }
     };
     let steps = first(POINTS - 1, POINTS - 1) as f32;

@@ -1,4 +1,4 @@
-//! Colours and what they stand for, beside the picture.
+//! Draws colours and their meanings next to a picture.
 
 use geosweep::glam::Vec2;
 
@@ -6,15 +6,16 @@ use super::canvas::{Canvas, Color};
 use super::colors::{INK, PAPER};
 use super::text::Pen;
 
-/// A title over squares of colour with their names.
+/// A title above coloured squares with their names.
 pub struct Swatches<'a> {
     pub title: &'a str,
     pub entries: &'a [(Color, String)],
 }
 
 impl Swatches<'_> {
-    /// The picture on white paper with these to its right, as many as there is room for, and where
-    /// the picture's first pixel is. All measures follow the size of the text, in pixels.
+    /// Draws the picture on a white background with as many of these to its right as fit. Also returns the
+    /// position of the picture's first pixel. All sizes are proportional to `size`, the size of the text in
+    /// pixels.
     pub fn beside(&self, picture: &Canvas, size: usize) -> (Canvas, Vec2) {
         let pen = Pen::new(size as f32);
         let line = 3 * size / 2;

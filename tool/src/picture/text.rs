@@ -1,4 +1,4 @@
-//! Lines of text on a canvas.
+//! Writes lines of text on a canvas.
 
 use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
 
@@ -24,12 +24,12 @@ impl Pen {
         Self { font, scale: PxScale::from(size) }
     }
 
-    /// Width of a line of text, in pixels.
+    /// Returns the width of a line of text, in pixels.
     pub fn width(&self, text: &str) -> f32 {
         self.glyphs(text).last().map_or(0.0, |(_, end)| end)
     }
 
-    /// Writes from `x` on, with the middle of the digits' height at `y`.
+    /// Writes a text that starts at `x`, with the middle of the digits' height at `y`.
     pub fn write(&self, canvas: &mut Canvas, x: f32, y: f32, text: &str, color: Color) {
         let digits = self.font.glyph_id('0').with_scale(self.scale);
         let height = self.font.outline_glyph(digits).map_or(0.0, |o| o.px_bounds().height());
@@ -47,7 +47,7 @@ impl Pen {
         }
     }
 
-    /// Glyphs from 0 on, each with the place where the next one begins.
+    /// Returns glyphs that start at 0, each with the position of the next one.
     fn glyphs(&self, text: &str) -> impl Iterator<Item = (ab_glyph::Glyph, f32)> {
         let font = self.font.as_scaled(self.scale);
         let mut previous = None;

@@ -1,4 +1,4 @@
-//! Which points of a surface some passes have visited, pass by pass.
+//! Draws which points of a surface have been visited, pass by pass.
 
 use geosweep::glam::Vec2;
 use geosweep::{Sources, Surface};
@@ -17,7 +17,7 @@ pub struct Visit {
     pub colors: Vec<Color>,
 }
 
-/// Visits in rows, with what the colours stand for.
+/// Visits in rows, with the meanings of the colours.
 pub struct Visits<'a> {
     pub surface: &'a Surface,
     /// The same grid with positions, for proportions.
@@ -27,7 +27,7 @@ pub struct Visits<'a> {
     pub key: Swatches<'a>,
 }
 
-/// Pixels on the long side of a grid.
+/// The longer side of a grid, in pixels.
 const LONG_SIDE: f64 = 460.0;
 const GAP: usize = 40;
 const TEXT: usize = 26;
@@ -35,13 +35,13 @@ const TEXT: usize = 26;
 impl Visits<'_> {
     pub fn draw(&self) -> Canvas {
         let view = View::with_long_side(self.surface.chart(), aspect(self.shape), LONG_SIDE);
-        // What was visited when is easier to see without hills.
+        // The order of visits is easier to see without hills.
         let relief = Relief::level();
         let tile = |visit: &Visit| {
             let raster = Raster {
                 view,
                 present: self.surface.present(),
-                // All points have a colour.
+                // All points have a colour, so no value is infinite.
                 values: &vec![0.0; visit.colors.len()],
                 relief: &relief,
                 paint: Paint::Colors(&visit.colors),
@@ -49,7 +49,7 @@ impl Visits<'_> {
             let picture = raster.draw();
             let (width, height) = (picture.width + GAP, picture.height + 3 * GAP / 4);
             let mut framed = Canvas::new(width, height, PAPER);
-            // Sources at the border are marked beyond it.
+            // The margin has room for marks of sources at the border.
             let corner = [GAP / 2, GAP / 4];
             framed.paste(corner[0], corner[1], &picture);
             let corner = Vec2::from_array(corner.map(|pixels| pixels as f32));

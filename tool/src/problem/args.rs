@@ -1,5 +1,5 @@
-//! What the commands on curves share: their arguments on surface, sources, solver and picture, and
-//! what is done with those before their own work.
+//! Holds what the commands on curves share: the arguments for surface, sources, solver and picture, and the
+//! steps before their own work.
 
 use std::error::Error;
 use std::path::Path;
@@ -30,20 +30,20 @@ pub struct ProblemArgs {
     picture: PictureArgs,
 }
 
-/// A map, and where a picture of what is made of it goes.
+/// A map, and the output of a picture of what is computed from it.
 pub struct Problem {
     pub scene: Scene,
     pub sources: Sources,
-    /// In single precision, perhaps rounded.
+    /// The map in single precision, which may have been rounded.
     pub map: DistanceMap,
-    /// In double precision, if it was computed so.
+    /// The map in double precision, if it was computed so.
     double: Option<DistanceMap<f64>>,
     pub picture: Option<(OutputFile, Look)>,
 }
 
 impl ProblemArgs {
-    /// Solves, after all checks that need no solution: of the outputs, which are curves and the
-    /// picture and perhaps one of another kind, against the inputs, of which `input` is another.
+    /// Computes the map, after all checks that do not need it. The outputs are checked against the inputs.
+    /// Outputs are the curves, the picture and possibly `output`; `input` is an additional input.
     pub fn solve(
         &self,
         curves: &CurveFiles,
@@ -77,24 +77,24 @@ impl ProblemArgs {
         }
     }
 
-    /// What a map's values are, with their unit.
+    /// Returns the quantity and unit of the map's values.
     pub fn quantity(&self, scene: &Scene) -> String {
         self.picture.quantity(scene)
     }
 
-    /// The unit of lengths, if it is known.
+    /// Returns the unit of lengths, if it is known.
     pub fn unit<'a>(&'a self, scene: &Scene) -> Option<&'a str> {
         self.picture.unit(scene)
     }
 }
 
 impl Problem {
-    /// What the JSON says of the map.
+    /// Returns the JSON report of the map.
     pub fn report(&self) -> MapReport<'_> {
         MapReport::new(&self.scene.surface, &self.map, self.double.as_ref())
     }
 
-    /// The map's value at a place, if that is a grid point and the map is in double precision.
+    /// Returns the map's value at a place, if the place is a grid point and the map is in double precision.
     pub fn double_at(&self, [row, col]: [f64; 2]) -> Option<f64> {
         let map = self.double.as_ref()?;
         let is_point = row.fract() == 0.0 && col.fract() == 0.0;

@@ -1,4 +1,4 @@
-//! Files of curves.
+//! Writes files of curves.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -8,11 +8,11 @@ use geosweep::surface::Geometry;
 
 use super::Scene;
 
-/// Files to write the same curves to, each in the format that its name says.
+/// The files to which the same curves are written, each in the format that its extension names.
 pub struct CurveFiles(Vec<(OutputFile, CurveFormat)>);
 
 impl CurveFiles {
-    /// Checks names and places before the work begins.
+    /// Checks the names and folders of the files before the computation starts.
     pub fn new(paths: &[PathBuf]) -> Result<Self, IoError> {
         let file = |path: &PathBuf| {
             let format = CurveFormat::of(path)?;
@@ -25,7 +25,7 @@ impl CurveFiles {
         self.0.iter().map(|(file, _)| file)
     }
 
-    /// Refuses formats that ask more of the surface than it has, before anything is computed.
+    /// Rejects formats that the surface does not support, before anything is computed.
     pub fn check(&self, scene: &Scene) -> Result<(), String> {
         let bare = matches!(scene.shape().geometry(), Geometry::Metric(_));
         for (file, format) in &self.0 {
@@ -44,8 +44,7 @@ impl CurveFiles {
         Ok(())
     }
 
-    /// Writes the curves, with attributes of these names, to all files, which have yet to be given their
-    /// names.
+    /// Writes the curves with their attributes to all files. The files do not have their final names yet.
     pub fn stage(
         self,
         scene: &Scene,

@@ -1,5 +1,5 @@
-//! The arguments that all commands on a distance map share: the surface, the sources and the
-//! solver; and the map they give.
+//! Holds what all commands on a distance map share: the arguments for the surface, the sources and the
+//! solver, and the computation of the map.
 
 mod args;
 mod curve_files;
@@ -29,12 +29,12 @@ use crate::output::{Written, done};
 use crate::precision::Number;
 use crate::terminal::{Spinner, counted, say};
 
-/// A sentence on the built-in surfaces for the end of a command's help.
+/// Returns a sentence on the built-in surfaces for the end of a command's help.
 pub fn builtin_names() -> String {
     format!("Built-in surfaces:\n  {}; sheared-plane@DEGREES says by what angle.", Builtin::names())
 }
 
-/// The map from some sources, with what the user should know of it.
+/// Computes the map from some sources, and prints notes that the user should know.
 pub fn solve<R: Number>(
     scene: &Scene,
     sources: &Sources,
@@ -49,7 +49,7 @@ pub fn solve<R: Number>(
     Ok(map)
 }
 
-/// All files that are read.
+/// Returns all files that are read.
 pub fn inputs<'a>(
     surface: &'a SurfaceArgs,
     sources: &'a SourceArgs,
@@ -57,7 +57,7 @@ pub fn inputs<'a>(
     surface.inputs().chain(sources.files()).map(AsRef::as_ref)
 }
 
-/// What the user should know though the map is there.
+/// Prints notes on how the map was computed that the user should know.
 pub fn comment(report: &Report, options: &Options) {
     if let Some(reason) = &report.fallback {
         say("warning", format_args!("computed on the CPU, since the GPU failed: {reason}"));
@@ -74,12 +74,12 @@ pub fn comment(report: &Report, options: &Options) {
     }
 }
 
-/// Says what was computed, how, and what was written.
+/// Prints what was computed, how, and what was written.
 pub fn done_with_map(scene: &Scene, report: &Report, written: &Written) {
     done_with(scene, report, [], written);
 }
 
-/// The same, with what was made of the map.
+/// Prints what was computed, how, what was made of the map (`made`), and what was written.
 pub fn done_with(
     scene: &Scene,
     report: &Report,
@@ -116,13 +116,13 @@ pub fn done_with(
     done(parts.into_iter().chain(made), written);
 }
 
-/// How a map has come to its end.
+/// Describes how the computation of a map ended.
 pub fn convergence(iterations: u32, converged: bool) -> String {
     let state = if converged { "converged" } else { "not converged" };
     format!("{state} after {}", counted(iterations, "iteration"))
 }
 
-/// A time with two or three digits.
+/// Formats a time with two or three digits.
 pub fn seconds(time: Duration) -> String {
     let seconds = time.as_secs_f64();
     match seconds {
@@ -132,11 +132,11 @@ pub fn seconds(time: Duration) -> String {
     }
 }
 
-/// Says where start values leave too few of a precision's digits to the distances.
+/// Prints a note if start values leave too few digits of a precision for the distances.
 pub fn comment_on_starts<R: Real>(surface: &Surface, sources: &Sources) {
     let rounded = |start: f64| start.abs() * 0.5 * R::epsilon().wide();
     let largest = sources.iter().map(|source| source.initial().abs()).fold(0.0, f64::max);
-    // Surfaces are measured only where it may matter.
+    // Edge lengths are computed only if start values may matter.
     if largest == 0.0 {
         return;
     }
@@ -159,7 +159,7 @@ pub fn comment_on_starts<R: Real>(surface: &Surface, sources: &Sources) {
     }
 }
 
-/// Says where so many edges lie in a row that the rounding of their lengths adds up.
+/// Prints a note if so many edges lie in a row that the rounding errors of their lengths add up.
 pub fn comment_on_size<R: Real>(surface: &Surface) {
     let most = surface.rows().max(surface.cols());
     if most as f64 * R::epsilon().wide() > ROUNDING {
@@ -176,11 +176,11 @@ pub fn comment_on_size<R: Real>(surface: &Surface) {
 const DIAGONALS: [Direction; 4] =
     [Direction::NorthEast, Direction::NorthWest, Direction::SouthEast, Direction::SouthWest];
 
-/// Says where points are not reached that touch reached ones by a corner alone, as on a line of a mask that a
-/// person sees as connected.
+/// Prints a note on unreached points that touch reached points only at a corner, as on a line of a mask that
+/// looks connected.
 pub fn comment_on_corners<R: Real>(surface: &Surface, map: &DistanceMap<R>) {
     let Report { points, reached, converged, .. } = map.report;
-    // Before the end of the iterations fronts may still be on their way.
+    // If the iterations ended early, wavefronts may still be on their way.
     if reached == points || !converged {
         return;
     }
@@ -210,10 +210,10 @@ pub fn comment_on_corners<R: Real>(surface: &Surface, map: &DistanceMap<R>) {
     }
 }
 
-/// Rounding of distances that is worth a word, as a fraction of a typical edge.
+/// The rounding error of distances from which on a note is printed, as a fraction of a typical edge.
 const ROUNDING: f64 = 1e-3;
 
-/// The mean length of the edges along rows and columns.
+/// Returns the mean length of the edges along rows and columns.
 fn mean_edge(edges: &EdgeLengths<f32>) -> Option<f64> {
     let chart = edges.chart();
     let (mut sum, mut count) = (0.0, 0u32);
@@ -229,7 +229,7 @@ fn mean_edge(edges: &EdgeLengths<f32>) -> Option<f64> {
     (count > 0).then(|| sum / f64::from(count))
 }
 
-/// Nothing where the user has said after how many iterations to stop.
+/// Prints a warning that the map has not converged, unless the user has limited the iterations.
 pub fn warn_of_no_convergence(options: &Options, iterations: u32, residual: f64, tolerance: f64) {
     if options.iterations.is_some() {
         return;

@@ -1,4 +1,4 @@
-//! Pictures of curves on a surface.
+//! Chooses pictures of curves on a surface.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ use crate::numbers::numbers;
 use crate::output::wanted_png;
 use crate::picture::Look;
 
-/// Pixels of a shaded picture's longer side.
+/// The longer side of a shaded picture, in pixels.
 const LONG_SIDE: usize = 1200;
 
 #[derive(clap::Args)]
@@ -53,12 +53,12 @@ fn direction(text: &str) -> Result<DVec3, String> {
 }
 
 impl PictureArgs {
-    /// The picture to write, if one is wanted.
+    /// Returns the picture to write, if one is requested.
     pub fn output(&self) -> Result<Option<OutputFile>, Box<dyn Error>> {
         wanted_png(self.picture.as_ref())
     }
 
-    /// How to look at a surface.
+    /// Returns the view of a surface.
     pub fn look(&self, scene: &Scene) -> Result<Look, String> {
         let bare = matches!(scene.shape().geometry(), Geometry::Metric(_));
         let shaded = match self.view {
@@ -76,7 +76,7 @@ impl PictureArgs {
         }
     }
 
-    /// What a map's values are, with their unit.
+    /// Returns the quantity and unit of the map's values.
     pub fn quantity(&self, scene: &Scene) -> String {
         scene.quantity(self.unit(scene))
     }

@@ -1,4 +1,4 @@
-//! How to solve: the options of every command that computes a map.
+//! Holds the solver options of every command that computes a map.
 
 use geosweep::vulkan::Schedule;
 use geosweep::{DeviceChoice, Engine, Options, Wavefront};
@@ -70,7 +70,7 @@ const ENGINES: [(Engine, &str); 4] = [
     ),
 ];
 
-/// What many call it.
+/// A common name for the Vulkan engine.
 const GPU: (&str, &str) = ("gpu", "vulkan");
 
 const BEST_SCHEDULE: &str = "What is best on the device";

@@ -1,4 +1,4 @@
-//! Where distances start.
+//! Reads the sources of distances.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -59,7 +59,8 @@ fn with_start(numbers: Vec<f64>) -> Option<[f64; 3]> {
 }
 
 impl SourceArgs {
-    /// The sources: points as rows and columns, points in map coordinates, points of files, then curves.
+    /// Returns the sources: points as rows and columns, points in map coordinates, points of files, then
+    /// curves.
     pub fn sources(&self, frame: &GridFrame) -> Result<Sources, Box<dyn Error>> {
         let mut sources = Sources::default();
         for &[row, col, start] in &self.source {
@@ -100,13 +101,13 @@ impl SourceArgs {
         Ok(sources)
     }
 
-    /// The files that sources are read from.
+    /// Returns the files that sources are read from.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         self.source_curve.iter().chain(&self.source_points)
     }
 }
 
-/// Says what of a file is not used, and what is assumed of it.
+/// Prints which parts of a file are not used, and what is assumed about it.
 pub fn remark(path: &std::path::Path, file: &PlaceFile, frame: &GridFrame) {
     for remark in file.remarks(frame) {
         say("note", format_args!("{}: {remark}", path.display()));

@@ -1,4 +1,4 @@
-//! How a map was computed, for reports.
+//! Reports how a map was computed.
 
 use geosweep::geometry::farthest;
 use geosweep::surface::Seam;
@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::precision::{Number, Precision};
 
-/// What the JSON of every command on a map says about it.
+/// The part of the JSON output on the map, which every command on a map prints.
 #[derive(Serialize)]
 pub struct MapSummary<'a, R = f32> {
     precision: Precision,
@@ -32,7 +32,7 @@ pub struct MapSummary<'a, R = f32> {
     sharp_edges: Option<f64>,
 }
 
-/// The same in whichever precision the map was computed.
+/// The report in the precision in which the map was computed.
 #[derive(Serialize)]
 #[serde(untagged)]
 pub enum MapReport<'a> {
@@ -41,7 +41,7 @@ pub enum MapReport<'a> {
 }
 
 impl<'a> MapReport<'a> {
-    /// Of a map in single precision, or of the one in double precision that it is rounded from.
+    /// Reports on a map in single precision, or on the map in double precision from which it was rounded.
     pub fn new(
         surface: &Surface,
         map: &'a DistanceMap,

@@ -1,4 +1,4 @@
-//! What surface distances are measured on.
+//! Reads the surface on which distances are measured.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -67,22 +67,22 @@ fn spacing(text: &str) -> Result<Spacing, String> {
     }
 }
 
-/// The surface that is solved for, and the one that is drawn.
+/// The surface on which the map is computed, and the surface that is drawn.
 pub struct Scene {
     pub surface: Surface,
-    /// Where lengths come from a metric of their own, the surface that has positions.
+    /// The surface that has positions, if lengths come from a separate metric.
     shape: Option<Surface>,
-    /// The map coordinates of its points, or why they are not known.
+    /// The map coordinates of the points, or why they are not known.
     pub georeference: Result<Georeference, String>,
-    /// The coordinate reference system of these, or why it is not known.
+    /// The coordinate reference system of the map coordinates, or why it is not known.
     pub system: Result<CoordinateSystem, String>,
-    /// What places a GeoTIFF of the same grid.
+    /// The tags that georeference a GeoTIFF of the same grid.
     pub geo_tags: Option<GeoTags>,
     /// The unit of lengths, if the file has one.
     pub unit: Option<&'static str>,
 }
 
-/// A surface as its file or name gives it.
+/// A surface as read from a file or made by name.
 struct Given {
     surface: Surface,
     georeference: Result<Georeference, String>,
@@ -94,7 +94,7 @@ struct Given {
 impl Scene {
     fn read(args: &SurfaceArgs) -> Result<Self, Box<dyn Error>> {
         let Given { surface: given, georeference, system, geo_tags, unit } = args.read_surface()?;
-        // Lengths may come from a metric, which says nothing of seams.
+        // Seams are taken from the positions, since a metric does not define them.
         let mut seams = given.seams();
         let (rows, cols) = (given.rows(), given.cols());
         let place = georeference.as_ref().ok();
@@ -131,12 +131,12 @@ impl Scene {
             );
         }
         let surface = surface.with_edge_rule(args.edges.unwrap_or_default());
-        // A slowness makes times of lengths, another metric may be in another unit.
+        // With a slowness, lengths become times. A separate metric may be in another unit.
         let unit = unit.filter(|_| shape.is_none() && surface.slowness().is_none());
         Ok(Self { surface, shape, georeference, system, geo_tags, unit })
     }
 
-    /// Where places on the surface lie in map coordinates.
+    /// Returns the map coordinates of places on the surface.
     pub fn frame(&self) -> GridFrame {
         GridFrame { chart: self.surface.chart(), georeference: self.georeference.clone() }
     }
@@ -145,7 +145,7 @@ impl Scene {
         self.shape.as_ref().unwrap_or(&self.surface)
     }
 
-    /// What a map's values are, with their unit.
+    /// Returns the quantity and unit of the map's values.
     pub fn quantity(&self, unit: Option<&str>) -> String {
         let name = if self.surface.slowness().is_some() { "travel time" } else { "distance" };
         unit.map_or(name.into(), |unit| format!("{name} ({unit})"))
@@ -157,7 +157,7 @@ impl SurfaceArgs {
         Scene::read(self)
     }
 
-    /// The surface's file, if it comes from one.
+    /// Returns the surface's file, if it comes from one.
     pub fn file(&self) -> Option<&PathBuf> {
         match &self.surface {
             SurfaceArg::File(path) => Some(path),
@@ -165,7 +165,7 @@ impl SurfaceArgs {
         }
     }
 
-    /// The files that are read.
+    /// Returns the files that are read.
     pub fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
         let optional =
             [self.file(), self.mask.as_ref(), self.slowness.as_ref(), self.metric.as_ref()];
@@ -212,7 +212,7 @@ impl SurfaceArgs {
                     );
                 }
                 let georeference = file.georeference().map_err(|error| error.to_string());
-                // A spacing that is given may be in any unit.
+                // A spacing from the command line may be in any unit.
                 let unit = file.unit().filter(|_| self.spacing.is_none());
                 let system = file.system().map_err(|error| error.to_string());
                 let geo_tags = file.geo_tags().cloned();
@@ -223,7 +223,7 @@ impl SurfaceArgs {
     }
 }
 
-/// Says that the surface turns too far from point to point to be smooth, and what may be the matter.
+/// Prints a warning if the surface turns too far from point to point to be smooth, with a likely cause.
 fn warn_of_resolution(surface: &Surface, args: &SurfaceArgs) {
     let Some(Resolution { sharp_edges, .. }) = surface.resolution() else { return };
     if sharp_edges <= MOST_SHARP {
@@ -243,10 +243,10 @@ fn warn_of_resolution(surface: &Surface, args: &SurfaceArgs) {
     say("warning", said);
 }
 
-/// The share of sharp edges from which on a surface is not resolved: creases of built-in surfaces have less.
+/// The largest fraction of sharp edges of a resolved surface. Creases of built-in surfaces have less.
 const MOST_SHARP: f64 = 0.1;
 
-/// Says that paths end at seams, and what helps.
+/// Prints a warning that paths end at seams, and what helps.
 fn warn_of_seams(seams: &[Seam]) {
     if seams.is_empty() {
         return;

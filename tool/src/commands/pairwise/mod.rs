@@ -1,4 +1,4 @@
-//! `geosweep pairwise`: the distances between all points of a surface.
+//! Implements `geosweep pairwise`, which computes the distances between all points of a surface.
 
 mod sources;
 
@@ -113,14 +113,14 @@ Examples:
     )
 }
 
-/// Whether the user has asked to stop.
+/// Whether the user has interrupted the program.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 fn is_interrupted() -> bool {
     INTERRUPTED.load(Ordering::SeqCst)
 }
 
-/// Why rows stopped coming.
+/// The reason why no more rows are computed.
 #[derive(Debug, thiserror::Error)]
 enum Stopped {
     #[error(transparent)]
@@ -162,7 +162,7 @@ pub fn run(args: &Args) -> Outcome {
     let disk_bytes = matrix.as_ref().map_or(0, |_| layout.bytes());
     say("note", needs(layout, memory_bytes, disk_bytes));
 
-    // A second interruption ends the program as it would have without this.
+    // A second interruption ends the program immediately, as it would without this handler.
     ctrlc::set_handler(|| {
         if INTERRUPTED.swap(true, Ordering::SeqCst) {
             std::process::exit(130);
@@ -234,7 +234,7 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The files to write, checked before the work begins.
+/// The files to write. They are checked before the computation starts.
 struct Outputs {
     matrix: Option<OutputFile>,
     labels: Option<OutputFile>,
@@ -252,7 +252,7 @@ impl Outputs {
 }
 
 impl Args {
-    /// The rows' grid points, and the values that their distances start with.
+    /// Returns the grid points of the rows, and the start values of their distances.
     fn sources(&self, scene: &Scene) -> Result<(Vec<usize>, Vec<f64>), Box<dyn Error>> {
         let surface = &scene.surface;
         let points = surface.chart().points();
@@ -267,8 +267,8 @@ impl Args {
         Ok((sources, starts))
     }
 
-    /// What a matrix that is not finished ends with. What is there is good, whatever has failed
-    /// since; but nothing goes on with a matrix that was computed in memory.
+    /// Handles a matrix that was not finished. The rows written so far are valid, whatever failed after them.
+    /// A matrix computed in memory cannot be resumed.
     fn stopped(&self, stopped: Stopped, file: Option<MatrixFile>, layout: MatrixLayout) -> Outcome {
         let rows = file.as_ref().map_or(0, MatrixFile::rows);
         if self.from_symmetry {
@@ -287,7 +287,7 @@ impl Args {
         }
     }
 
-    /// All that the bytes of the matrix depend on.
+    /// Returns everything that determines the bytes of the matrix.
     fn provenance(
         &self,
         surface: &Surface,
@@ -326,7 +326,7 @@ impl Args {
     }
 }
 
-/// Points that are far from one another, and what is nearest to each.
+/// Points that are far from one another, and the region nearest to each.
 struct Samples {
     points: Vec<usize>,
     regions: Voronoi,
@@ -368,7 +368,7 @@ fn row_by_row(
     })
 }
 
-/// Rows with the start value of each added to its distances.
+/// Returns rows with the start value of each added to its distances.
 fn started<'a>(rows: &Rows, starts: &mut impl Iterator<Item = &'a f64>) -> Vec<f32> {
     let row = |((_, distances), start): ((usize, &[f32]), &f64)| {
         let later = |distance: &f32| (f64::from(*distance) + start) as f32;
@@ -397,7 +397,7 @@ fn by_symmetry(
     Ok(report)
 }
 
-/// What will be taken, before anything is.
+/// Describes the disk space and memory that the matrix will take.
 fn needs(layout: MatrixLayout, memory: usize, disk: u64) -> String {
     let sizes: Vec<_> = layout.shape().iter().map(usize::to_string).collect();
     let mib = |bytes: u64| bytes.div_ceil(1 << 20);

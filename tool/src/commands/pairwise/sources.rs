@@ -1,4 +1,4 @@
-//! Which rows of the matrix.
+//! Parses which rows of the matrix to compute.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use geosweep::shown::excerpt;
 
 use crate::problem::remark;
 
-/// Rows of the matrix, as given.
+/// The rows of the matrix, as given on the command line.
 #[derive(Clone, Debug)]
 pub enum RowsOf {
     Range(Range<usize>),
@@ -20,7 +20,7 @@ impl FromStr for RowsOf {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        // A path that leads upwards has two points too, and a slash beside them.
+        // A path such as `../file` contains two dots as well, but also a slash next to them.
         let file = || Ok(Self::File(text.into()));
         let Some((first, end)) = text.split_once("..") else { return file() };
         if [first, end].iter().any(|end| end.contains(['/', '\\', '.'])) {
@@ -50,7 +50,7 @@ impl RowsOf {
         }
     }
 
-    /// Their grid points, by row-major index, and the values that distances from them start with.
+    /// Returns the grid points of the rows, as row-major indices, and the start values of their distances.
     pub fn points(&self, frame: &GridFrame) -> Result<Vec<(usize, f64)>, String> {
         let points = frame.chart.points();
         match self {

@@ -1,4 +1,4 @@
-//! What has become slower since an earlier profile.
+//! Compares a profile with an earlier one.
 
 use std::fmt::{self, Display, Formatter};
 use std::fs;
@@ -11,7 +11,7 @@ use super::file::{Setting, Summary};
 use super::kinds::median;
 use crate::columns::{Columns, digits};
 
-/// What is read of an earlier profile.
+/// The parts of an earlier profile that are used.
 #[derive(Deserialize)]
 pub struct Earlier {
     #[serde(flatten)]
@@ -33,7 +33,7 @@ struct EarlierTotal {
 }
 
 impl Earlier {
-    /// What was timed, if this tool has such a grain.
+    /// Returns the grain of the timestamps, if this version of the tool has such a grain.
     pub fn grain(&self) -> Option<Grain> {
         Grain::ALL.into_iter().find(|grain| grain.name() == self.setting.grain)
     }
@@ -47,15 +47,15 @@ impl Earlier {
     }
 }
 
-/// Two profiles, kind by kind.
+/// The comparison of two profiles, kind by kind.
 #[derive(Serialize)]
 pub struct Comparison {
-    /// What differs between what the two are of; they should be compared with care.
+    /// The differences in what was profiled. If there are any, the comparison needs care.
     pub differences: Vec<String>,
     pub changes: Vec<Change>,
 }
 
-/// A profile with what has changed since an earlier one.
+/// A profile and its comparison with an earlier one.
 #[derive(Serialize)]
 pub struct Whole<'a> {
     #[serde(flatten)]
@@ -64,16 +64,16 @@ pub struct Whole<'a> {
     pub against: Option<&'a Comparison>,
 }
 
-/// How the time of a kind of pass has changed.
+/// The change of the time of one kind of pass.
 #[derive(Serialize)]
 pub struct Change {
     pub name: String,
-    /// Medians; `None` where there is no such pass, or no time.
+    /// The median times; `None` if there is no such pass or no time.
     pub before_seconds: Option<f64>,
     pub now_seconds: Option<f64>,
-    /// Relative to before.
+    /// The change, relative to the earlier time.
     pub change: Option<f64>,
-    /// Largest difference of a run from the median of its own profile, relative to that.
+    /// The largest deviation of a run from the median of its own profile, relative to that median.
     pub noise: Option<f64>,
     pub verdict: Verdict,
 }
@@ -81,17 +81,17 @@ pub struct Change {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Every run now took longer than every run before.
+    /// Every run now took longer than every earlier run.
     Slower,
-    /// Every run now took less time than every run before.
+    /// Every run now took less time than every earlier run.
     Faster,
-    /// The runs overlap.
+    /// The times of the runs overlap.
     WithinNoise,
-    /// One of the profiles has a single run, so that their noise is not known.
+    /// One of the profiles has a single run, so the noise is not known.
     OneRun,
-    /// Only now.
+    /// The kind exists only in the new profile.
     New,
-    /// Only before.
+    /// The kind exists only in the earlier profile.
     Gone,
     /// At least one of the profiles has no times.
     NoTimes,
@@ -178,7 +178,8 @@ impl Change {
     }
 }
 
-/// Largest difference of a run from the median, relative to it; `None` for a single run.
+/// Returns the largest deviation of a run from the median, relative to the median. Returns `None` for a
+/// single run.
 fn noise(runs: &[f64]) -> Option<f64> {
     let middle = median(runs).filter(|&middle| middle > 0.0 && runs.len() > 1)?;
     Some(runs.iter().map(|run| (run - middle).abs()).fold(0.0, f64::max) / middle)

@@ -1,4 +1,4 @@
-//! A profile as JSON.
+//! Defines the JSON format of a profile.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -18,7 +18,7 @@ pub struct Summary {
     pub iterations: u32,
     pub residual: f64,
     pub converged: bool,
-    /// By name whether there, or why not.
+    /// The capabilities by name: whether each is available, or why not.
     pub capabilities: BTreeMap<&'static str, Offered>,
     pub ceilings: DeviceCeilings,
     pub executables: Vec<Executable>,
@@ -27,19 +27,19 @@ pub struct Summary {
     pub total: Total,
 }
 
-/// What two profiles must share to be compared.
+/// The settings that two profiles must share to be comparable.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Setting {
     pub device: String,
     pub driver: String,
     pub rows: usize,
     pub cols: usize,
-    /// At once. Profiles of before there was a choice do not tell, nor of the grain.
+    /// The number of maps computed at once. Older profiles have neither this field nor `grain`.
     #[serde(default = "one")]
     pub maps: usize,
     pub schedule: String,
     pub wavefront: String,
-    /// What is timed.
+    /// The grain of the timestamps.
     #[serde(default = "scans")]
     pub grain: String,
 }
@@ -59,7 +59,7 @@ pub enum Offered {
     Not(String),
 }
 
-/// A pipeline as its driver runs it.
+/// A pipeline as compiled by its driver.
 #[derive(Serialize)]
 pub struct Executable {
     pub pipeline: String,
@@ -77,7 +77,7 @@ pub struct KindRow {
     pub seconds: Vec<f64>,
     pub median_seconds: Option<f64>,
     pub median_pass_seconds: Option<f64>,
-    /// Of the time of all passes.
+    /// The share of the time of all passes.
     pub share: Option<f64>,
     pub texels: Option<u64>,
     pub skipped: Option<u64>,
@@ -88,17 +88,17 @@ pub struct KindRow {
     pub shares: Shares,
 }
 
-/// Seconds of each run.
+/// The times of each run, in seconds.
 #[derive(Serialize)]
 pub struct Total {
-    /// All passes, on the device.
+    /// The time of all passes on the device.
     pub passes: Vec<f64>,
-    /// The share of the passes in the command buffers' time on the device, in a run in which that
-    /// was measured.
+    /// The share of the passes in the time of the command buffers on the device, from a run in which both
+    /// were measured.
     pub share_of_command_buffers: Option<f64>,
-    /// By the host's clock.
+    /// The time on the host's clock.
     pub host: Vec<f64>,
-    /// By the host's clock, without profiling.
+    /// The time on the host's clock without profiling.
     pub host_without_profiling: Vec<f64>,
 }
 
@@ -168,7 +168,7 @@ impl KindRow {
         }
     }
 
-    /// The share of the texels that bounds, lists and convergence have saved.
+    /// Returns the share of the texels that bounds, lists and convergence have saved.
     pub fn skipped_share(&self) -> Option<f64> {
         let (texels, skipped) = (self.texels? as f64, self.skipped? as f64);
         (texels + skipped > 0.0).then(|| skipped / (texels + skipped))

@@ -1,4 +1,4 @@
-//! The passes of all runs by kind.
+//! Groups the passes of all runs by kind.
 
 use geosweep::vulkan::profile::{PassRecord, SolveProfile, Work as Needed};
 
@@ -9,29 +9,29 @@ use crate::ceilings::{Shares, Work};
 #[derive(Clone, Debug)]
 pub struct Kind {
     pub name: &'static str,
-    /// Records of one map.
+    /// The number of records in one map.
     pub count: usize,
-    /// Dispatches of one map.
+    /// The number of dispatches in one map.
     pub dispatches: u64,
-    /// What they do in one map.
+    /// The work of these passes in one map.
     pub work: Needed,
     pub invocations: Option<u64>,
-    /// Of each run, in the order of the runs; empty without timestamps.
+    /// The seconds of each run, in the order of the runs. Empty without timestamps.
     pub seconds: Vec<f64>,
-    /// Of one pass in the median.
+    /// The median time of one pass.
     pub median_pass: Option<f64>,
-    /// Of its time at the device's ceilings.
+    /// The shares of the time at the device's peak rates.
     pub shares: Shares,
 }
 
-/// Passes that visit nothing, of whatever kind.
+/// The name for passes of any kind that visit nothing.
 pub const IDLE: &str = "idle passes";
 
 fn name(pass: &PassRecord) -> &'static str {
     if pass.is_idle() { IDLE } else { pass.kind.name() }
 }
 
-/// The middle of some numbers, or between the two in the middle.
+/// Returns the median of some numbers. For an even count it is the mean of the middle two.
 pub fn median(numbers: &[f64]) -> Option<f64> {
     let mut sorted = numbers.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -39,7 +39,7 @@ pub fn median(numbers: &[f64]) -> Option<f64> {
     Some(0.5 * (sorted[low] + sorted[high]))
 }
 
-/// By the time that they take, the longest first; without times in their order.
+/// Returns all kinds, sorted by time, the longest first. Without times they are in order of appearance.
 pub fn kinds(measured: &Measured) -> Vec<Kind> {
     let mut names = Vec::new();
     for pass in measured.counted.passes() {

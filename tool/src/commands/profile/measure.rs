@@ -1,4 +1,4 @@
-//! The measurements.
+//! Performs the measurements of a profile.
 
 use std::error::Error;
 use std::time::Duration;
@@ -14,20 +14,20 @@ use super::renderdoc::Capture;
 use super::subject::{Of, Solved, Subject};
 use crate::terminal::{progress, say};
 
-/// What is measured, and how often.
+/// What to measure, and how often.
 pub struct Wanted<'a> {
     pub surface: &'a Surface,
     pub of: Of<'a>,
     pub options: &'a Options,
     pub repeat: u32,
     pub without: &'a [Capability],
-    /// What is timed; `None` for whatever disturbs the map little.
+    /// The grain of the timestamps; `None` for the finest grain that slows the map down only a little.
     pub grain: Option<Grain>,
-    /// Whether to look what each block of lines, or each round of tiles, visits.
+    /// Whether to record what each block of lines or each round of tiles visits.
     pub visits: bool,
 }
 
-/// All of it.
+/// The results of all measurements.
 pub struct Measured {
     pub device: String,
     pub driver: String,
@@ -38,24 +38,25 @@ pub struct Measured {
     pub solved: Solved,
     pub wavefront: Wavefront,
     pub grain: Grain,
-    /// What a finer grain, scans, would have added to a map's time, if that was too much.
+    /// The time that timestamps of each scan would have added, relative to a map's time, if this was too
+    /// much.
     pub by_scans: Option<f64>,
     pub iterations: u32,
     pub residual: f64,
     pub converged: bool,
-    /// Timed, in the order in which they were run.
+    /// The timed runs, in order.
     pub runs: Vec<SolveProfile>,
-    /// By the host's clock, each beside a run, without profiling.
+    /// The times on the host's clock without profiling, one next to each run.
     pub plain: Vec<Duration>,
-    /// With invocations, and the time of whole command buffers; not timed otherwise.
+    /// A run with invocation counts and the time of whole command buffers. Its other times are not used.
     pub counted: SolveProfile,
-    /// Block by block, with lists of tiles, if wanted; not timed either.
+    /// A run with visits block by block and lists of tiles, if requested. Its times are not used either.
     pub visits: Option<SolveProfile>,
     pub executables: Vec<Executable>,
 }
 
 impl Measured {
-    /// The run with the median time.
+    /// Returns the run with the median time.
     pub fn median_run(&self) -> &SolveProfile {
         let mut runs: Vec<_> = self.runs.iter().collect();
         runs.sort_by_key(|run| (run.pass_nanoseconds(), run.time));
@@ -63,13 +64,13 @@ impl Measured {
     }
 }
 
-/// Measures what is wanted.
+/// Performs the requested measurements.
 pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Box<dyn Error>> {
     let Wanted { surface, options, .. } = *wanted;
     let choice = device(&options.engine)?;
     let bar = progress(wanted.repeat as usize + 3);
     bar.set_message("ceilings");
-    // RenderDoc would take the device of the ceilings for the one to capture.
+    // RenderDoc would capture the device of the peak-rate measurement instead of the solver's.
     let captured = capture.is_some();
     let ceilings = |choice: &DeviceChoice| vulkan::Ceilings::measure(choice);
     let before = if captured { None } else { Some(ceilings(choice)?) };
@@ -133,8 +134,8 @@ pub fn measure(wanted: &Wanted, capture: Option<Capture>) -> Result<Measured, Bo
     })
 }
 
-/// The finest grain, up to scans, whose timestamps add little to a map's time, and what those of
-/// scans would add, if it is coarser.
+/// Returns the finest grain, scans at most, whose timestamps add little to a map's time. If it is coarser
+/// than scans, also returns what timestamps of scans would add.
 fn grain_for(
     subject: &mut Subject,
     solver: &mut Solver,
@@ -153,7 +154,7 @@ fn grain_for(
     Ok(finest(added(Grain::Scans)?, added(Grain::Iterations)?))
 }
 
-/// Of grains that add so much to a map's time.
+/// Chooses the grain from the relative time that timestamps of scans and of iterations add.
 fn finest(by_scans: f64, by_iterations: f64) -> (Grain, Option<f64>) {
     if by_scans <= ADDED {
         (Grain::Scans, None)
@@ -164,9 +165,9 @@ fn finest(by_scans: f64, by_iterations: f64) -> (Grain, Option<f64>) {
     }
 }
 
-/// What timestamps may add to a map's time.
+/// The largest relative time that timestamps may add to a map.
 const ADDED: f64 = 0.025;
-/// The shortest of so many maps is taken for an undisturbed one.
+/// The number of maps whose shortest time counts as undisturbed.
 const UNDISTURBED: u32 = 3;
 
 fn device(engine: &Engine) -> Result<&DeviceChoice, String> {

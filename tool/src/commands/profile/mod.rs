@@ -1,4 +1,5 @@
-//! `geosweep profile`: every pass of a map on a Vulkan device, its cost and what bounds it.
+//! Implements `geosweep profile`, which reports every pass of a map on a Vulkan device, its cost and what
+//! bounds it.
 
 mod against;
 mod file;
@@ -143,7 +144,7 @@ pub fn run(args: &Args) -> Outcome {
         options: &options,
         repeat: args.repeat,
         without: &args.without,
-        // The same kinds of records are to be compared.
+        // The same grain as in the earlier profile makes the records comparable.
         grain: args.grain.or(earlier.as_ref().and_then(Earlier::grain)),
         visits: args.picture.is_some(),
     };
@@ -168,7 +169,7 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The files to write, checked before the work begins.
+/// The files to write. They are checked before the computation starts.
 struct Outputs {
     trace: Option<OutputFile>,
     csv: Option<OutputFile>,
@@ -186,7 +187,7 @@ impl Outputs {
         Ok(Self { trace, csv, picture })
     }
 
-    /// Writes all files, then gives them their names.
+    /// Writes all files, then moves them to their final names.
     fn write(
         self,
         measured: &Measured,

@@ -1,11 +1,11 @@
-//! The passes of a map as a table, a line for each.
+//! Writes the passes of a map as a table, one line per pass.
 
 use std::io::{self, Write};
 
 use geosweep::vulkan::profile::{PassRecord, SolveProfile};
 use serde::Serialize;
 
-/// Empty cells are not known.
+/// A line of the table. Empty cells are unknown values.
 #[derive(Serialize)]
 struct Line {
     submission: usize,

@@ -1,4 +1,4 @@
-//! Which texels each scan has visited, or which tiles each round.
+//! Draws which texels each scan has visited, or which tiles each round has visited.
 
 use geosweep::Sources;
 use geosweep::surface::Chart;
@@ -11,13 +11,13 @@ use crate::columns::digits;
 use crate::picture::{Canvas, Color, Scale, Swatches, Visit, Visits};
 use crate::problem::Scene;
 
-/// Nothing is visited there.
+/// The colour of points that were not visited.
 const SKIPPED: Color = [0.80, 0.80, 0.81];
-/// Visited in a round before, and not in this one.
+/// The colour of points visited in an earlier round, and not in this one.
 const BEFORE: Color = [0.66, 0.80, 0.88];
-/// Visited in this round.
+/// The colour of points visited in this round.
 const NOW: Color = [0.86, 0.42, 0.18];
-/// Drawn side by side, and one above the other.
+/// The number of pictures side by side. `DOWN` is the number of rows of pictures.
 const ACROSS: usize = 4;
 const DOWN: usize = 4;
 
@@ -41,7 +41,7 @@ pub fn draw(
 
 type Key = (&'static str, Vec<(Color, String)>);
 
-/// As many of some numbers as are wanted, evenly from the first to the last.
+/// Returns up to `wanted` of the numbers below `count`, evenly spaced from the first to the last.
 fn spread(count: usize, wanted: usize) -> Vec<usize> {
     match count.min(wanted) {
         shown @ (0 | 1) => (0..shown).collect(),
@@ -49,8 +49,8 @@ fn spread(count: usize, wanted: usize) -> Vec<usize> {
     }
 }
 
-/// What some passes are, and the share of the texels that they have visited; their time in a run
-/// without other counts.
+/// Returns the title of a picture: what the passes are, the share of the texels that they visited, and their
+/// time. The time is from a run without other counts.
 fn title(what: String, passes: &[PassRecord], run: &SolveProfile) -> String {
     let sum = |of: fn(&PassRecord) -> Option<u64>| passes.iter().map(of).sum::<Option<u64>>();
     let counts = sum(|pass| pass.work.texels).zip(sum(|pass| pass.work.skipped));
@@ -61,16 +61,16 @@ fn title(what: String, passes: &[PassRecord], run: &SolveProfile) -> String {
     let same =
         |pass: &&PassRecord| (pass.kind, pass.iteration) == (passes[0].kind, passes[0].iteration);
     let taken: Vec<_> = run.passes().filter(same).map(|pass| pass.nanoseconds).collect();
-    // Coarser records have no time of a scan.
+    // Records of a coarser grain have no time of a scan.
     let taken = taken.into_iter().reduce(|a, b| Some(a? + b?)).flatten();
     let taken = taken.map(|nanoseconds| format!(", {} ms", digits(1e-6 * nanoseconds as f64)));
     format!("{what}{}{}", share.unwrap_or_default(), taken.unwrap_or_default())
 }
 
-/// A row of scans, or updates of all points, for the first iteration and for the last that visits anything, coloured by the order
-/// of blocks.
+/// Returns one row of pictures for the first iteration and one for the last iteration that visits anything.
+/// Each row shows the scans, or the updates of all points, coloured by the order of blocks.
 fn scans(measured: &Measured, visits: &SolveProfile) -> (Vec<Vec<Visit>>, Key) {
-    // Counts visit no points.
+    // Passes that count points do not visit any.
     let is_scan = |pass: &&PassRecord| pass.kind.is_step() && pass.area.is_some();
     let scans: Vec<PassRecord> = visits.passes().filter(is_scan).copied().collect();
     let iterations: Vec<&[PassRecord]> = scans
@@ -107,7 +107,7 @@ fn in_order(chart: Chart, passes: &[PassRecord], scale: &Scale) -> Vec<Color> {
     let visits = passes.iter().enumerate().filter(|(_, pass)| !pass.is_idle());
     for (number, area) in visits.filter_map(|(k, pass)| Some((k, pass.area?))) {
         let color = scale.color(number as f32 / last);
-        // Two rows and columns of points a texel, after the border of one texel.
+        // A texel has two rows and two columns of points. The image has a border of one texel.
         let points = |[first, end]: [u32; 2], most: usize| {
             let point = |texel: u32| (2 * (texel as usize - 1)).min(most);
             point(first)..point(end)
@@ -121,7 +121,7 @@ fn in_order(chart: Chart, passes: &[PassRecord], scale: &Scale) -> Vec<Color> {
     colors
 }
 
-/// Some of the rounds, evenly from the first to the last.
+/// Returns some of the rounds, evenly spaced from the first to the last.
 fn rounds(measured: &Measured, visits: &SolveProfile) -> (Vec<Vec<Visit>>, Key) {
     let chart = measured.chart;
     let tile = measured.tuning.tile as usize;

@@ -1,4 +1,4 @@
-//! A capture by RenderDoc, through its in-application interface.
+//! Captures a map with RenderDoc, through its in-application interface.
 
 #[cfg(not(target_vendor = "apple"))]
 mod interface {
@@ -10,7 +10,7 @@ mod interface {
     pub struct Capture(RenderDoc<V100>);
 
     impl Capture {
-        /// Must come before the device is opened.
+        /// Connects to RenderDoc. This must happen before the device is opened.
         pub fn new() -> Result<Self, String> {
             RenderDoc::new().map(Self).map_err(|error| {
                 format!(
@@ -20,7 +20,8 @@ mod interface {
             })
         }
 
-        /// Captures what is submitted meanwhile on the only device of this process: the file's name.
+        /// Captures what `work` submits to the only device of this process. Also returns the name of the
+        /// capture's file.
         pub fn around<T>(mut self, work: impl FnOnce() -> T) -> (T, Result<String, String>) {
             let before = self.0.get_num_captures();
             self.0.start_frame_capture(null(), null());
@@ -36,7 +37,7 @@ mod interface {
 
 #[cfg(target_vendor = "apple")]
 mod interface {
-    /// RenderDoc, which does not run here.
+    /// A stand-in for systems on which RenderDoc does not run.
     pub struct Capture;
 
     impl Capture {

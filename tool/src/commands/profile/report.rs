@@ -1,4 +1,4 @@
-//! A profile as Markdown, which is also what a terminal shows.
+//! Formats a profile as Markdown, which a terminal shows as it is.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -11,7 +11,7 @@ use super::measure::Measured;
 use crate::choices::label;
 use crate::columns::{Columns, digits, percent};
 
-/// What to say.
+/// The contents of the report.
 pub struct Report<'a> {
     pub measured: &'a Measured,
     pub summary: &'a Summary,
@@ -108,7 +108,7 @@ fn line(kind: &KindRow) -> [String; 13] {
     ]
 }
 
-/// The shortest and the longest run, in milliseconds.
+/// Formats the shortest and the longest run, in milliseconds.
 fn range(seconds: &[f64]) -> String {
     let fold = |pick: fn(f64, f64) -> f64| seconds.iter().copied().reduce(pick);
     match fold(f64::min).zip(fold(f64::max)) {
@@ -129,7 +129,7 @@ impl Report<'_> {
                 100.0 * share
             )?;
         }
-        // Other work on the machine only adds to what the host sees.
+        // The best times are compared, since other work on the machine only adds to the host's times.
         let best = |seconds: &[f64]| seconds.iter().copied().reduce(f64::min);
         let found = best(&total.host).zip(best(&total.host_without_profiling));
         if let Some((watched, plain)) = found {

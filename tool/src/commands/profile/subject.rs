@@ -1,4 +1,4 @@
-//! What is computed while it is profiled: a map, or the maps of many sources at once.
+//! Computes what is profiled: a map, or the maps of many sources at once.
 
 use std::time::{Duration, Instant};
 
@@ -9,16 +9,16 @@ use geosweep::vulkan::{
 };
 use geosweep::{Options, Sources, Surface};
 
-/// What the profile is of.
+/// The kind of computation to profile.
 #[derive(Clone, Copy)]
 pub enum Of<'a> {
-    /// The map from some sources.
+    /// A map from the given sources.
     Map(&'a Sources),
-    /// A batch of maps at once, as they are computed for a matrix.
+    /// A batch of maps at once, as computed for a matrix.
     Pairwise(Option<PairwiseSchedule>),
 }
 
-/// Computes it as often as is wanted.
+/// The subject of a profile, which can be computed repeatedly.
 pub struct Subject {
     on_device: SurfaceOnDevice,
     method: Method,
@@ -26,19 +26,19 @@ pub struct Subject {
 }
 
 enum Maps {
-    /// From seeds.
+    /// A map from seeds.
     One(Vec<Seed>),
     Batch(Box<Batch>),
 }
 
-/// Maps at once.
+/// Several maps at once.
 struct Batch {
     pairwise: PairwiseOnDevice,
     sources: Vec<Option<usize>>,
     rows: Vec<f32>,
 }
 
-/// In which way it was computed.
+/// How the subject was computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solved {
     Map(Schedule),
@@ -46,7 +46,7 @@ pub enum Solved {
 }
 
 impl Solved {
-    /// The schedule's name in reports.
+    /// Returns the name of the schedule, for reports.
     pub fn schedule(self) -> String {
         match self {
             Self::Map(schedule) => schedule.name().into(),
@@ -62,7 +62,7 @@ impl Solved {
     }
 }
 
-/// What has come of it.
+/// The outcome of a computation.
 pub struct Ended {
     pub solved: Solved,
     pub iterations: u32,
@@ -70,7 +70,8 @@ pub struct Ended {
 }
 
 impl Subject {
-    /// By the method that the options mean; for maps at once as if from one of their sources.
+    /// Prepares the subject with the method that the options select. A batch uses the method for a map from
+    /// one of its sources.
     pub fn new(
         solver: &Solver,
         surface: &Surface,
@@ -85,7 +86,7 @@ impl Subject {
         let maps = match *of {
             Of::Map(sources) => {
                 let mut seeds = sources.seeds(surface)?;
-                // As for a map, which adds the smallest start value in the end.
+                // As for a map, seeds start from zero; the smallest start value is added at the end.
                 let start = seeds.iter().map(|seed| seed.time).fold(f64::INFINITY, f64::min);
                 seeds.iter_mut().for_each(|seed| seed.time -= start);
                 Maps::One(method.wavefront.seeds(surface, seeds))
@@ -93,7 +94,7 @@ impl Subject {
             Of::Pairwise(schedule) => {
                 let pairwise = solver.pairwise(&on_device, method.wavefront, schedule)?;
                 let (present, points) = (surface.present(), surface.chart().points());
-                // Neighbours, as in a matrix whose rows are computed in their order.
+                // The sources are consecutive points, as for rows of a matrix in their order.
                 let count = pairwise.batch().min(points);
                 let first = (points - count) / 2;
                 let source = |point: usize| present[point].then_some(point);
@@ -109,7 +110,7 @@ impl Subject {
         self.method
     }
 
-    /// Without profiling: how long it takes.
+    /// Computes the subject without profiling. Returns the time that it took.
     pub fn solve(&mut self, solver: &mut Solver) -> Result<Duration, VulkanError> {
         let Self { on_device, method, maps } = self;
         match maps {
@@ -123,7 +124,7 @@ impl Subject {
         }
     }
 
-    /// With it.
+    /// Computes the subject with profiling.
     pub fn profile(
         &mut self,
         solver: &mut Solver,

@@ -1,9 +1,11 @@
-//! A map as a trace in the Chrome format, which Perfetto opens.
+//! Writes a map as a trace in the Chrome format, which Perfetto opens.
 //!
-//! The format: "Trace Event Format", Google, "JSON Object Format" with complete events (`X`) and
-//! metadata (`M`); times in microseconds. Perfetto is stricter: some versions cut times off at whole
-//! nanoseconds (`CoerceToTs` in `src/trace_processor/importers/json`), and all leave out events that
-//! overlap others of their track in part, be it by one (`slice_drop_overlapping_complete_event`).
+//! The format is "Trace Event Format", Google, "JSON Object Format", with complete events (`X`) and metadata
+//! (`M`). Times are in microseconds.
+//!
+//! Perfetto is stricter than the format. Some versions truncate times to whole nanoseconds (`CoerceToTs` in
+//! `src/trace_processor/importers/json`). All versions drop events that partly overlap others of their track,
+//! even by one nanosecond (`slice_drop_overlapping_complete_event`).
 
 use std::io::{self, Write};
 
@@ -14,7 +16,7 @@ use super::measure::Measured;
 use crate::choices::label;
 
 const PROCESS: u32 = 1;
-/// The track of what the host does, and that of the device.
+/// The track of the host. `DEVICE` is the track of the device.
 const HOST: u32 = 1;
 const DEVICE: u32 = 2;
 
@@ -63,8 +65,8 @@ pub fn write(writer: &mut impl Write, measured: &Measured, run: &SolveProfile) -
     writer.write_all(b"\n")
 }
 
-/// The events of a submission on the device, which begins no sooner than the last has ended: when
-/// it ends.
+/// Adds the events of a submission on the device, which starts no earlier than `last`, the end of the
+/// previous one. Returns its end.
 fn device_events(
     events: &mut Vec<Value>,
     number: usize,
@@ -95,7 +97,7 @@ fn device_events(
     end
 }
 
-/// What is known of a pass.
+/// Returns the known properties of a pass.
 fn details(pass: &PassRecord) -> Value {
     let work = &pass.work;
     let numbers = [
@@ -124,7 +126,7 @@ fn named(what: &str, thread: Option<u32>, name: &str) -> Value {
     event
 }
 
-/// A complete event, from one nanosecond to another.
+/// Returns a complete event between two times in nanoseconds.
 fn span(thread: u32, category: &str, name: &str, [begin, end]: [i64; 2], args: Value) -> Value {
     json!({
         "ph": "X",
@@ -138,8 +140,8 @@ fn span(thread: u32, category: &str, name: &str, [begin, end]: [i64; 2], args: V
     })
 }
 
-/// With a hundredth of a nanosecond more, so that readers that round on their way cut off at the right
-/// one. Exact for two hours.
+/// Converts nanoseconds to microseconds. A hundredth of a nanosecond is added, so that readers that round and
+/// then truncate get the right nanosecond. Exact for two hours.
 fn microseconds(nanoseconds: i64) -> f64 {
     (nanoseconds as f64 + 0.01) / 1e3
 }

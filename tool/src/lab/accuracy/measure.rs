@@ -1,4 +1,4 @@
-//! The measurements.
+//! Performs the measurements of accuracy.
 
 use std::time::Duration;
 
@@ -11,14 +11,14 @@ use crate::lab::reference::Reference;
 use crate::precision::Precision;
 use crate::terminal::progress;
 
-/// One map: how accurate it is, and what it took.
+/// The errors and the cost of one map.
 pub struct Measurement {
     pub builtin: Builtin,
     pub wavefront: Wavefront,
-    /// Points a side.
+    /// The number of points per side.
     pub points: usize,
     pub errors: Errors,
-    /// Of the mean error, from the size before.
+    /// The order of convergence of the mean error, from the previous size to this one.
     pub order: Option<f64>,
     pub iterations: u32,
     pub time: Duration,
@@ -41,7 +41,7 @@ pub struct Row {
     solve_seconds: f64,
 }
 
-/// Measures each surface with each of its wavefronts at each size, and returns them in this order.
+/// Measures each surface with each of its wavefronts at each size. Results are in this order.
 pub fn all(
     cases: &[(Builtin, Vec<Wavefront>)],
     sizes: &[usize],
@@ -70,8 +70,8 @@ pub fn all(
     Ok(measured)
 }
 
-/// Where the source lies, as fractions of rows and columns: off every line of symmetry, and a
-/// point of every grid of 32 k + 1 points.
+/// Returns the place of the source, as fractions of rows and columns. It lies off every line of symmetry, and
+/// on a point of every grid of 32 k + 1 points.
 fn source(builtin: Builtin) -> [f64; 2] {
     match builtin {
         Builtin::Maze => [0.0, 0.0],
@@ -105,7 +105,7 @@ impl Measurement {
         })
     }
 
-    /// The power of the spacing with which the mean error falls.
+    /// Returns the order of convergence: the power of the spacing with which the mean error decreases.
     fn order_from(&self, coarser: &Self) -> Option<f64> {
         let cells = |measurement: &Self| (measurement.points - 1) as f64;
         let order = (coarser.errors.mean_relative / self.errors.mean_relative).log2()
@@ -128,8 +128,8 @@ impl Measurement {
     }
 }
 
-/// The shortest time of several solves, of more where they are short: other work on the machine
-/// only ever adds.
+/// Returns the shortest time of several solves. Short solves are repeated more often. Other work on the
+/// machine can only add to a time.
 fn shortest(
     first: Duration,
     mut again: impl FnMut() -> Result<Duration, Error>,

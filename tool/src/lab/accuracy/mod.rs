@@ -1,4 +1,4 @@
-//! `geosweep accuracy`: how far maps are from exact distances, and what that costs.
+//! Implements `geosweep accuracy`, which compares maps with exact distances and measures their cost.
 
 mod measure;
 mod peers;
@@ -123,7 +123,7 @@ pub fn run(args: &Args) -> Outcome {
     .publish(args.json)
 }
 
-/// Anchors are for floor plans.
+/// Returns the wavefronts that suit a surface. Anchored wavefronts are for floor plans only.
 fn suited_to(builtin: Builtin, size: usize) -> Vec<Wavefront> {
     match builtin.surface(size, size) {
         Ok(surface) if surface.is_floor_plan() => Wavefront::EVERY.to_vec(),
@@ -131,7 +131,7 @@ fn suited_to(builtin: Builtin, size: usize) -> Vec<Wavefront> {
     }
 }
 
-/// The files to write, checked before the work begins.
+/// The files to write. They are checked before the computation starts.
 struct Outputs {
     report: Option<OutputFile>,
     plots: Option<[OutputFile; 2]>,
@@ -147,7 +147,7 @@ impl Outputs {
         Ok(Self { report, plots: plots.transpose()? })
     }
 
-    /// The folder of the plots as seen from the report, if it lies below the report's own.
+    /// Returns the folder of the plots relative to the report, if it lies below the report's folder.
     fn plots_link(&self, args: &Args) -> Option<PathBuf> {
         let folder = args.plots.as_deref()?.canonicalize().ok()?;
         let report = std::path::absolute(args.output.as_deref()?).ok()?;
@@ -155,7 +155,7 @@ impl Outputs {
     }
 }
 
-/// Error against size and error against time.
+/// Draws the plots of error against size and of error against time.
 fn draw(
     [size, time]: [OutputFile; 2],
     measured: &[Measurement],

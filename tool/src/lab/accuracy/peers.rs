@@ -1,4 +1,4 @@
-//! What other solvers achieve, measured elsewhere and read from a table.
+//! Reads the results of other solvers, measured elsewhere, from a table.
 
 use std::error::Error;
 use std::path::Path;
@@ -11,35 +11,36 @@ use serde::Deserialize;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Peer {
     pub builtin: Builtin,
-    /// Points a side.
+    /// The number of points per side.
     pub points: usize,
     pub solver: String,
     pub seconds: f64,
-    /// Mean relative error.
+    /// The mean relative error.
     pub mean: f64,
 }
 
-/// A row of the table; other columns are left alone.
+/// A row of the table. Other columns are ignored.
 #[derive(Deserialize)]
 struct Row {
     surface: String,
     size: String,
     solver: String,
-    /// Empty if the solver did not finish.
+    /// The time; empty if the solver did not finish.
     seconds: Option<f64>,
     mean_error: Option<f64>,
 }
 
-/// Reads a CSV table with at least the columns surface, size, solver, seconds and mean_error. Rows
-/// of geosweep itself, but for those in double precision, and of solvers that did not finish are left
-/// out.
+/// Reads a CSV table with at least the columns surface, size, solver, seconds and mean_error.
+///
+/// Rows of solvers that did not finish are left out. So are rows of geosweep itself, except those in double
+/// precision.
 pub fn read(path: &Path) -> Result<Vec<Peer>, Box<dyn Error>> {
     let text =
         std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
     parse(&text).map_err(|problem| format!("{}: {problem}", path.display()).into())
 }
 
-/// Rows by solver, then surface, then size.
+/// Parses a table. The result is sorted by solver, then surface, then size.
 fn parse(text: &str) -> Result<Vec<Peer>, String> {
     let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let mut peers = Vec::new();

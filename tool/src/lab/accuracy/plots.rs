@@ -1,4 +1,4 @@
-//! The measurements as plots, one for each surface.
+//! Plots the measurements, one plot per surface.
 
 use geosweep::Wavefront;
 use geosweep::surface::builtin::Builtin;
@@ -8,14 +8,14 @@ use crate::picture::plot::{Axis, COLORS, Color, Line, OTHERS, Plot, Series, Shee
 use super::measure::Measurement;
 use super::peers::Peer;
 
-/// Names of the plots' files: by size and by time.
+/// The names of the plots' files: by size and by time.
 pub const FILES: [&str; 2] = ["accuracy-size.png", "accuracy-time.png"];
 
 const COLUMNS: usize = 3;
-/// As high as the names of all solvers.
+/// The width and height of a plot. The height fits the names of all solvers.
 const FRAME: [usize; 2] = [470, 520];
 
-/// The errors against the number of points a side.
+/// Plots the errors against the number of points per side.
 pub fn by_size(measured: &[Measurement], peers: &[Peer]) -> Sheet {
     let peer_sizes = peers.iter().map(|peer| peer.points);
     let mut sizes: Vec<_> = measured.iter().map(|m| m.points).chain(peer_sizes).collect();
@@ -39,7 +39,7 @@ pub fn by_size(measured: &[Measurement], peers: &[Peer]) -> Sheet {
     sheet(measured, peers, [x, y], &[mean, max], of_peer, key)
 }
 
-/// The mean error against the time it takes.
+/// Plots the mean error against the time.
 pub fn by_time(measured: &[Measurement], peers: &[Peer]) -> Sheet {
     let seconds = |m: &Measurement| m.time.as_secs_f64();
     let x = Axis::decades(
@@ -73,13 +73,14 @@ fn title(builtin: Builtin) -> String {
     }
 }
 
-/// The colour of a wavefront, by its name.
+/// Returns the colour of a wavefront, by its name.
 fn color(name: &str) -> Color {
     let index = Wavefront::EVERY.iter().position(|wavefront| wavefront.name() == name);
     COLORS[index.unwrap_or(Wavefront::EVERY.len())]
 }
 
-/// Of what was measured apart: in double precision a wavefront has its colour, and all others have one.
+/// Returns the colour and line of a solver that was measured separately. A wavefront in double precision has
+/// its own colour, and all other solvers share one.
 fn look(solver: &str) -> (Color, Line) {
     match solver.split_once(", double precision") {
         Some((wavefront, _)) => (color(wavefront), Line::Solid),
@@ -87,15 +88,15 @@ fn look(solver: &str) -> (Color, Line) {
     }
 }
 
-/// What is drawn of a series of measurements.
+/// How a series of measurements is drawn.
 struct Curve {
     line: Line,
-    /// Whether the wavefront is written where the line ends.
+    /// Whether the name of the wavefront is written at the end of the line.
     named: bool,
     point: fn(&Measurement) -> [f64; 2],
 }
 
-/// A plot for each surface, all with the same axes.
+/// Returns a plot for each surface. All plots have the same axes.
 fn sheet(
     measured: &[Measurement],
     peers: &[Peer],
@@ -135,7 +136,7 @@ fn sheet(
             title: title(of_surface[0].builtin),
             x: x.written(lowest),
             y: y.written(leftmost),
-            // The later ones lie above.
+            // Later series are drawn over earlier ones.
             series: of_peers.chain(of_wavefronts.flat_map(series)).collect(),
             slopes: None,
         }

@@ -1,4 +1,4 @@
-//! The measurements as Markdown.
+//! Formats the measurements as Markdown.
 
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
@@ -11,18 +11,18 @@ use super::peers::Peer;
 use super::{Args, plots};
 use crate::precision::Precision;
 
-/// What to say.
+/// The contents of the report.
 pub struct Report<'a> {
     pub args: &'a Args,
-    /// Where the plots are, as seen from the report.
+    /// The folder of the plots, relative to the report.
     pub plots: Option<PathBuf>,
-    /// By surface, then wavefront, then size.
+    /// The measurements, sorted by surface, then wavefront, then size.
     pub measured: &'a [Measurement],
-    /// By solver, then surface, then size.
+    /// The results of other solvers, sorted by solver, then surface, then size.
     pub peers: &'a [Peer],
 }
 
-/// Below this the error is rounding, which has no order.
+/// Returns the error below which only rounding remains. Rounding has no order of convergence.
 fn rounding(precision: Precision) -> f64 {
     match precision {
         Precision::Single => 1e-6,
@@ -110,7 +110,7 @@ clone of the repository, `ci/figures` writes this report and draws all figures a
         Ok(())
     }
 
-    /// The largest size at a glance.
+    /// Writes an overview of the largest size.
     fn summary(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Some(largest) = self.measured.iter().map(|m| m.points).max() else { return Ok(()) };
         writeln!(f, "## At {largest} x {largest} points\n")?;
@@ -130,7 +130,7 @@ clone of the repository, `ci/figures` writes this report and draws all figures a
         Ok(())
     }
 
-    /// Other solvers on the same surfaces.
+    /// Writes the results of other solvers on the same surfaces.
     fn peers(&self, f: &mut Formatter<'_>) -> fmt::Result {
         if self.peers.is_empty() {
             return Ok(());
@@ -172,7 +172,7 @@ fn table(f: &mut Formatter<'_>, of_surface: &[Measurement], rounding: f64) -> fm
     Ok(())
 }
 
-/// With two or more significant digits.
+/// Formats a time in milliseconds with two or more significant digits.
 fn milliseconds(seconds: f64) -> String {
     let milliseconds = 1e3 * seconds;
     let decimals = if milliseconds < 1.0 { 2 } else { usize::from(milliseconds < 10.0) };

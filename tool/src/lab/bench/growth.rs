@@ -1,30 +1,30 @@
-//! How time grows with the number of points.
+//! Measures how the time grows with the number of points.
 
 use serde::Serialize;
 
 use super::measure::Timing;
 
-/// Over the sizes of one surface, wavefront and method.
+/// The growth over the sizes of one surface, wavefront and method.
 #[derive(Serialize)]
 pub struct Growth {
     pub surface: String,
     pub wavefront: &'static str,
     pub engine: &'static str,
     pub schedule: &'static str,
-    /// Points of the smallest and the largest map.
+    /// The numbers of points of the smallest and the largest map.
     pub from: usize,
     pub to: usize,
-    /// Time is proportional to this power of the number of points: the least-squares line through
-    /// the logarithms of points and median times.
+    /// The exponent: time is proportional to this power of the number of points. It is the slope of the
+    /// least-squares line through the logarithms of points and median times.
     pub exponent: f64,
 }
 
-/// Fewer sizes say little.
+/// The smallest number of sizes. With fewer the exponent says little.
 const FEWEST_SIZES: usize = 3;
 
 impl Growth {
-    /// Of all that were timed at enough sizes; timings of one surface and wavefront follow one
-    /// another.
+    /// Computes the growth of everything that was timed at enough sizes. Timings of the same surface and
+    /// wavefront must be consecutive.
     pub fn of(timings: &[Timing]) -> Vec<Self> {
         let mut found = Vec::new();
         for maps in timings.chunk_by(|a, b| a.surface == b.surface && a.wavefront == b.wavefront) {
@@ -55,7 +55,7 @@ impl Growth {
     }
 }
 
-/// Of the least-squares line through the logarithms of points.
+/// Returns the slope of the least-squares line through the logarithms of points.
 fn slope(points: impl Iterator<Item = [f64; 2]>) -> f64 {
     let points: Vec<_> = points.map(|point| point.map(f64::ln)).collect();
     let mean = |k: usize| points.iter().map(|point| point[k]).sum::<f64>() / points.len() as f64;

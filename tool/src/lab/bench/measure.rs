@@ -1,4 +1,4 @@
-//! The measurements.
+//! Performs the measurements of a benchmark.
 
 use std::error::Error;
 use std::time::{Duration, Instant};
@@ -16,7 +16,7 @@ use super::surface::BenchSurface;
 use crate::ceilings::{Shares, Work};
 use crate::terminal::{progress, say};
 
-/// An engine, with one of its schedules where it has several.
+/// An engine, with one of its schedules if it has several.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     Cpu,
@@ -42,49 +42,50 @@ impl Method {
     }
 }
 
-/// What is measured.
+/// What to measure.
 pub struct Plan {
     pub surfaces: Vec<BenchSurface>,
-    /// Ascending.
+    /// The sizes in ascending order.
     pub sizes: Vec<usize>,
     pub wavefronts: Vec<Wavefront>,
     pub methods: Vec<Method>,
     pub device: DeviceChoice,
-    /// The device's own, if none is given.
+    /// The tuning; `None` for the device's own.
     pub tuning: Option<Tuning>,
-    /// Stop after so many, converged or not.
+    /// The number of iterations after which maps stop, converged or not.
     pub iterations: Option<u32>,
-    /// A method whose map takes longer is stopped, and left out at this size and larger ones.
+    /// The longest time of a map. A method that takes longer is stopped, and left out at this size and larger
+    /// ones.
     pub limit: Duration,
-    /// What has not begun after so long is left out, smaller sizes first.
+    /// The total time after which no further map is started. Smaller sizes come first.
     pub budget: Option<Duration>,
-    /// Runs go on for so long.
+    /// The time for which runs of a map are repeated.
     pub long_enough: Duration,
 }
 
-/// A map, timed.
+/// The timing of a map.
 pub struct Timing {
     pub surface: BenchSurface,
     pub rows: usize,
     pub cols: usize,
-    /// Without holes.
+    /// The number of points, without holes.
     pub points: usize,
     pub wavefront: Wavefront,
     pub method: Method,
-    /// Edge lengths and room for the solver, or the upload.
+    /// The time of edge lengths and of memory for the solver, or of the upload.
     pub set_up: Duration,
-    /// Of each run, ascending.
+    /// The times of all runs, ascending.
     pub times: Vec<Duration>,
     pub iterations: u32,
     pub converged: bool,
-    /// Held by the solver, edge lengths included.
+    /// The number of bytes that the solver holds, edge lengths included.
     pub bytes: Option<u64>,
     pub work: Option<Work>,
     pub shares: Shares,
 }
 
 impl Timing {
-    /// Half the distance of the quartiles.
+    /// Returns half the interquartile range, in seconds.
     pub fn spread(&self) -> f64 {
         let at = |fraction: f64| {
             let index = ((self.times.len() - 1) as f64 * fraction).round() as usize;
@@ -104,20 +105,20 @@ impl Timing {
     }
 }
 
-/// All of it.
+/// The results of all measurements.
 pub struct Measurements {
-    /// By surface, wavefront, size and method.
+    /// The timings, sorted by surface, wavefront, size and method.
     pub timings: Vec<Timing>,
     pub cpu: Option<cpu::Ceilings>,
     pub device: Option<(String, vulkan::Ceilings)>,
 }
 
-/// The scans of the CPU engine run two at a time.
+/// The largest number of threads: the CPU engine runs two scans at a time.
 const MOST_THREADS: usize = 2;
 const FEWEST_RUNS: usize = 3;
 const MOST_RUNS: usize = 20;
 
-/// Measures what is planned.
+/// Performs the planned measurements.
 pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
     let sizes = |surface: &BenchSurface| surface.sizes(&plan.sizes);
     let maps: usize = plan.surfaces.iter().map(|surface| sizes(surface).len()).sum();
@@ -127,7 +128,8 @@ pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
     let mut bench = Bench {
         plan,
         bar,
-        // Looked at for what maps take alone, so that nothing else is asked of the device.
+        // Profiles are used only for the work of a map, so no optional capability is requested from the
+        // device.
         solver: on_device
             .then(|| {
                 let solver = Solver::for_profiling(&plan.device, &Capability::ALL)?;
@@ -143,7 +145,7 @@ pub fn all(plan: &Plan) -> Result<Measurements, Box<dyn Error>> {
         begin: Instant::now(),
         timings: Vec::new(),
     };
-    // The small ones first, of all surfaces: what a budget cuts off is the large ones.
+    // Small sizes of all surfaces come first, so that a budget cuts off the large ones.
     let mut too_slow = vec![Vec::new(); plan.surfaces.len()];
     for place in 0..plan.surfaces.iter().map(|surface| sizes(surface).len()).max().unwrap_or(0) {
         for (surface, too_slow) in plan.surfaces.iter().zip(&mut too_slow) {
@@ -174,13 +176,13 @@ struct Bench<'a> {
     solver: Option<Solver>,
     cpu: cpu::Ceilings,
     device: Option<vulkan::Ceilings>,
-    /// On the surface at hand.
+    /// The combinations that were too slow on the current surface.
     too_slow: Vec<(Wavefront, Method)>,
     begin: Instant,
     timings: Vec<Timing>,
 }
 
-/// A surface at some size, and what it takes to solve on it.
+/// A surface at some size, with what a solver needs on it.
 #[derive(Clone, Copy)]
 struct Task<'a> {
     name: &'a BenchSurface,
@@ -189,7 +191,7 @@ struct Task<'a> {
     stop: Stop,
 }
 
-/// What one run tells.
+/// The result of one run.
 struct Run {
     time: Duration,
     iterations: u32,
@@ -234,7 +236,7 @@ impl Bench<'_> {
         self.on_device(&task)
     }
 
-    /// Whether a method is to be timed, or has been too slow before.
+    /// Returns whether a method is to be timed. It is not if it has been too slow before.
     fn is_wanted(&self, wavefront: Wavefront, method: Method) -> bool {
         let is_planned = self.plan.methods.contains(&method);
         let too_slow = self.too_slow.contains(&(wavefront, method));
@@ -324,7 +326,7 @@ impl Bench<'_> {
                 if !is_timed {
                     continue;
                 }
-                // What it takes, once more and not timed.
+                // The work is determined in a separate run that is not timed.
                 let detail = Detail { grain: Grain::Blocks, ..Detail::default() };
                 let (_, profile) = solver.profile(surface, task.seeds, how(task.stop), detail)?;
                 let work = Work::on_device(&profile);
@@ -337,7 +339,8 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Times a method: once to warm up, then several times. Whether it has kept to the limit.
+    /// Times a method: a warm-up run, then several timed runs. Returns whether the method has kept to the
+    /// limit.
     fn time(
         &mut self,
         task: &Task,
@@ -399,15 +402,15 @@ impl Bench<'_> {
     }
 }
 
-/// What the first run has come to.
+/// The result of the warm-up run.
 struct Warmed {
     last: Run,
-    /// Whether it is the whole map.
+    /// Whether the map was completed.
     is_whole: bool,
 }
 
-/// A map in portions, each from the start with up to twice the iterations of the last, so that one that
-/// would take longer than the limit is given up soon after.
+/// Computes a map in portions. Each portion starts anew, with up to twice the iterations of the previous one.
+/// So a map that would take longer than the limit is given up soon after the limit.
 fn warm_up(
     task: &Task,
     limit: Duration,
@@ -420,7 +423,7 @@ fn warm_up(
         if last.residual <= stop.tolerance || stop.iterations == task.stop.iterations {
             return Ok(Warmed { last, is_whole: true });
         }
-        // As many as the time is expected to allow.
+        // The number of iterations that are expected to fit the limit.
         let pace = limit.as_secs_f64() / last.time.as_secs_f64().max(f64::MIN_POSITIVE);
         let most = (f64::from(stop.iterations) * pace) as u32;
         iterations = most.min(2 * stop.iterations);

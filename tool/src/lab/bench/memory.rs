@@ -1,10 +1,11 @@
-//! Whether a surface fits the machine.
+//! Checks whether a surface fits the machine's memory.
 
-/// Bytes of a point: its position and its lengths in double and single precision, both engines,
-/// and a map.
+/// The number of bytes per point: its position, its edge lengths in double and single precision, both
+/// engines, and a map.
 const POINT_BYTES: usize = 150;
 
-/// Whether so many points fit the memory that is left, where the system tells (Linux).
+/// Returns whether `points` points fit the available memory. If the system does not report it (only Linux
+/// does), returns true.
 pub fn fits(points: usize) -> bool {
     let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
     available(&text).is_none_or(|bytes| points.saturating_mul(POINT_BYTES) < bytes)

@@ -1,4 +1,4 @@
-//! `geosweep bench`: how long maps take, and what bounds them.
+//! Implements `geosweep bench`, which measures how long maps take and what bounds them.
 
 mod growth;
 mod measure;
@@ -118,7 +118,7 @@ const ENGINES: [(Engine, &str); 3] = [
 
 const TABLE_2: [usize; 9] = [150, 200, 400, 600, 800, 1000, 1200, 2048, 4096];
 
-/// A duration, as an argument.
+/// Parses a duration in seconds.
 pub fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(seconds) if (0.0..=1e6).contains(&seconds) => Ok(seconds),

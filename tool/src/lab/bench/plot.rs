@@ -1,4 +1,4 @@
-//! Time against the number of points, one plot for each surface and wavefront.
+//! Plots time against the number of points, one plot per surface and wavefront.
 
 use crate::choices::label;
 use crate::picture::plot::{Axis, COLORS, Line, Plot, Series, Sheet, Slopes};
@@ -8,7 +8,7 @@ use super::measure::{Method, Timing};
 const COLUMNS: usize = 3;
 const FRAME: [usize; 2] = [430, 340];
 
-/// The plots of timings in which those of one surface and wavefront follow one another.
+/// Returns the plots. Timings of the same surface and wavefront must be consecutive.
 pub fn by_points(timings: &[Timing], methods: &[Method]) -> Sheet {
     let x = Axis::decades("points", timings.iter().map(|timing| timing.points as f64));
     let y = Axis::decades("seconds for a map", timings.iter().map(Timing::median));

@@ -1,4 +1,4 @@
-//! The measurements as Markdown, which is also what a terminal shows, and as JSON.
+//! Formats the measurements as Markdown, which a terminal shows as it is, and as JSON.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -38,7 +38,7 @@ struct Device<'a> {
     ceilings: DeviceCeilings,
 }
 
-/// All of it as JSON.
+/// All results as JSON.
 #[derive(Serialize)]
 pub struct Summary<'a> {
     cpu: Option<CpuCeilings>,
@@ -83,7 +83,7 @@ impl From<&Timing> for Map {
     }
 }
 
-/// What to say.
+/// The contents of the report.
 pub struct Report<'a> {
     pub measured: &'a Measurements,
     pub machine: Option<&'a str>,
@@ -132,7 +132,7 @@ impl Report<'_> {
     }
 }
 
-/// One line for each size and method, in columns.
+/// Writes one line for each size and method, in aligned columns.
 fn table(f: &mut Formatter<'_>, maps: &[Timing]) -> fmt::Result {
     let heads = [
         "points",
@@ -149,7 +149,7 @@ fn table(f: &mut Formatter<'_>, maps: &[Timing]) -> fmt::Result {
         "dispatches",
     ];
     let lines = maps.iter().map(line).collect();
-    // The names of engine and schedule are text.
+    // The columns of engine and schedule hold text.
     write!(f, "{}", Columns { heads, texts: &[1, 2], lines })
 }
 

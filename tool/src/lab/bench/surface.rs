@@ -1,4 +1,4 @@
-//! What is solved on: built-in surfaces, real terrain, the user's own.
+//! Provides the surfaces of benchmarks: built-in surfaces, real terrain, and the user's own files.
 
 use std::error::Error;
 use std::fmt::{self, Display, Formatter};
@@ -9,19 +9,19 @@ use geosweep::shown::excerpt;
 use geosweep::surface::builtin::Builtin;
 use geosweep::{Spacing, Surface};
 
-/// A surface of any size, or of its own.
+/// A surface that can be made at any size, or a file of a fixed size.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BenchSurface {
     Builtin(Builtin),
-    /// The elevation model in examples/data, as rough from point to point at every size: its north-
-    /// western corner, or beyond its own size what mirrors at its borders show.
+    /// The elevation model in examples/data. Its roughness from point to point is the same at every size: a
+    /// small size takes its north-western corner, and a size beyond its own mirrors it at its borders.
     Terrain,
     File(PathBuf),
 }
 
 const TERRAIN: &str = "terrain";
 const ELEVATIONS: &[u8] = include_bytes!("../../../data/jacksboro.png");
-/// See examples/data/README.md.
+/// The spacing of the elevation model; see examples/data/README.md.
 const ELEVATION_SPACING: Spacing = Spacing { dx: 74.573, dy: 92.475 };
 
 impl BenchSurface {
@@ -38,7 +38,7 @@ impl BenchSurface {
         format!("{}, {TERRAIN}", Builtin::names())
     }
 
-    /// A name, or a file that exists.
+    /// Parses a name or the path of an existing file.
     pub fn parse(text: &str) -> Result<Self, String> {
         if text == TERRAIN {
             return Ok(Self::Terrain);
@@ -54,7 +54,7 @@ impl BenchSurface {
         }
     }
 
-    /// The sizes to solve at: as asked, or the file's own.
+    /// Returns the sizes to solve at: the requested ones, or the size of the file.
     pub fn sizes(&self, asked: &[usize]) -> Vec<Option<usize>> {
         match self {
             Self::File(_) => vec![None],
@@ -62,7 +62,7 @@ impl BenchSurface {
         }
     }
 
-    /// A surface with so many points a side; `None` stands for a file's own size.
+    /// Returns the surface with `side` points per side. `None` stands for a file's own size.
     pub fn surface(&self, side: Option<usize>) -> Result<Surface, Box<dyn Error>> {
         match (self, side) {
             (Self::Builtin(builtin), Some(side)) => Ok(builtin.surface(side, side)?),
@@ -72,8 +72,8 @@ impl BenchSurface {
         }
     }
 
-    /// Row and column of the source: near a corner, so that fronts cross the whole grid; in the
-    /// maze where its corridor begins.
+    /// Returns the row and column of the source. It lies near a corner, so that the wavefront crosses the
+    /// whole grid. In the maze it lies at the beginning of the corridor.
     pub fn source(&self, surface: &Surface) -> (usize, usize) {
         let wanted = match self {
             Self::Builtin(Builtin::Maze) => (0, 0),
@@ -110,7 +110,7 @@ fn terrain(side: usize) -> Result<Surface, Box<dyn Error>> {
     Ok(Surface::from_heights(side, side, heights.collect(), ELEVATION_SPACING)?)
 }
 
-/// The index below `count` that an index shows between mirrors at 0 and at the last one.
+/// Returns the index below `count` to which an index is reflected by mirrors at 0 and at the last index.
 fn mirrored(index: usize, count: usize) -> usize {
     let last = count - 1;
     last.abs_diff((index + last) % (2 * last))

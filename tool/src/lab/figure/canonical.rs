@@ -1,4 +1,4 @@
-//! `geosweep figure canonical`: the paper's figure 8.
+//! Implements `geosweep figure canonical`: the paper's figure 8.
 
 use std::error::Error;
 use std::f64::consts::PI;
@@ -44,9 +44,9 @@ Examples:
   geosweep figure canonical -o canonical.png
   geosweep figure canonical --size 33 --json -o canonical.png";
 
-/// A panel's width and height, in pixels.
+/// The width and height of a panel, in pixels.
 const PANEL: [usize; 2] = [520, 460];
-/// Angles of the bendings from helicoid (0) to catenoid (90), in degrees, with their titles.
+/// The angles of the bendings from helicoid (0) to catenoid (90), in degrees, with their titles.
 const BENDINGS: [(f64, &str); 3] = [(0.0, "helicoid"), (45.0, "between both"), (90.0, "catenoid")];
 
 fn columns(text: &str) -> Result<usize, String> {
@@ -56,7 +56,7 @@ fn columns(text: &str) -> Result<usize, String> {
     }
 }
 
-/// A surface, its form in the pose it is shown in, and how to look at both.
+/// A surface, its form in the pose in which it is shown, and the view of both.
 struct Study {
     title: &'static str,
     surface: Surface,
@@ -64,7 +64,7 @@ struct Study {
     form: Vec<DVec3>,
     stress_1: f64,
     deviation: Option<f64>,
-    /// The directions to the viewer of surface and form.
+    /// The directions from surface and form to the viewer.
     toward: [DVec3; 2],
     up: DVec3,
 }
@@ -109,7 +109,7 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Bonnet's bending of the helicoid to the catenoid, three quarters of a turn of it.
+/// Returns a surface of Bonnet's bending from the helicoid to the catenoid, over three quarters of a turn.
 fn bending(size: usize, degrees: f64) -> Result<Surface, geosweep::Error> {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let along = |k: usize| k as f64 / (size - 1) as f64 - 0.5;
@@ -123,7 +123,7 @@ fn bending(size: usize, degrees: f64) -> Result<Surface, geosweep::Error> {
 }
 
 impl Study {
-    /// The form is turned onto a given one, else onto the surface.
+    /// Computes a surface's form and aligns it with a given form, or else with the surface.
     fn new(
         title: &'static str,
         surface: Surface,

@@ -1,4 +1,4 @@
-//! `geosweep figure convergence`: the paper's figure 5, and what better wavefronts make of it.
+//! Implements `geosweep figure convergence`: the paper's figure 5, with more accurate wavefronts beside it.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -50,9 +50,10 @@ Examples:
   geosweep figure convergence -o convergence.png --csv convergence.csv
   geosweep figure convergence --sizes 33,65,129 --json -o convergence.png";
 
-/// Where the source lies, as fractions of rows and columns: on every grid of the default sizes.
+/// The place of the source, as fractions of rows and columns. It is a point of every grid of the default
+/// sizes.
 const SOURCE: [f64; 2] = [0.25, 0.375];
-/// Radius of the disc of exact values.
+/// The radius of the disc of exact values.
 const RADIUS: f64 = 0.15;
 
 const SHEARED: Builtin = Builtin::ShearedPlane { degrees: Builtin::DEFAULT_SHEAR };
@@ -65,12 +66,12 @@ const SURFACES: [(Builtin, &str); 5] = [
     (Builtin::Cone, "cone"),
 ];
 const IN_THE_PAPER: usize = 3;
-/// Width and height of a plot, in pixels.
+/// The width and height of a plot, in pixels.
 const FRAME: [usize; 2] = [450, 500];
 /// The wavefronts whose converged maps are shown beside the paper's figure.
 const CONVERGED: &[Wavefront] = &[Wavefront::PointSource, Wavefront::Curved];
 
-/// What a map starts from.
+/// The start of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 enum Start {
@@ -78,27 +79,28 @@ enum Start {
     Disc,
 }
 
-/// One map's error.
+/// The error of one map.
 #[derive(Clone, Serialize)]
 struct Row {
     surface: String,
     wavefront: &'static str,
     source: Start,
     iterations: u32,
-    /// Points a side.
+    /// The number of points per side.
     side: usize,
     mean_relative_error: f64,
 }
 
-/// One line of a plot, with how its maps are made.
+/// One line of a plot, and how its maps are computed.
 struct Study {
     builtin: Builtin,
-    /// How the surface is called and coloured in the figure.
+    /// The name of the surface in the figure. `color` is its colour.
     label: &'static str,
     color: Color,
     wavefront: Wavefront,
     start: Start,
-    /// By the paper's directed raster scans; else converged, as the tool's CPU engine does.
+    /// Whether to run one iteration of the paper's directed raster scans. Otherwise the tool's CPU engine
+    /// computes a converged map.
     one_iteration: bool,
     line: Line,
 }
@@ -129,8 +131,8 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The lines of each plot: the paper's, from a point and from a disc, then one plot for each of
-/// [`CONVERGED`].
+/// Returns the lines of each plot. The first plot has the paper's, from a point and from a disc. One plot
+/// follows for each of [`CONVERGED`].
 fn studies() -> Vec<Vec<Study>> {
     let surfaces = || SURFACES.into_iter().zip(COLORS);
     let starts = [(Start::Point, Line::Solid), (Start::Disc, Line::Dashed)];
@@ -188,14 +190,14 @@ impl Study {
         sizes.iter().map(row).collect()
     }
 
-    /// Iterations and errors of the map from some sources.
+    /// Returns the iterations and errors of the map from some sources.
     fn solve(
         &self,
         reference: &Reference,
         sources: &Sources,
     ) -> Result<(u32, Errors), geosweep::Error> {
         if self.one_iteration {
-            // The tool's own engines scan in another order.
+            // The tool's own engines scan in another order than the paper.
             let edges = EdgeLengths::<f32>::new(&reference.surface)?;
             let seeds = sources.seeds(&reference.surface)?;
             let solution = raster_scan(&edges, &seeds, self.wavefront, Stop::after(1));

@@ -1,4 +1,4 @@
-//! `geosweep figure face`: the paper's figure 7.
+//! Implements `geosweep figure face`: the paper's figure 7.
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -32,17 +32,18 @@ wavefront.
 Example:
   geosweep figure face -o face.png";
 
-/// The face's grid, and the tip of its nose.
+/// The size of the face's grid. `NOSE` is the tip of its nose.
 const SIZE: [usize; 2] = [183, 155];
 const NOSE: [f64; 2] = [103.0, 77.0];
-/// Pixels of a panel's longer side.
+/// The longer side of a panel, in pixels.
 const PANEL: usize = 680;
-/// Paths start around the face: how many, and how far out as a part of the grid's half.
+/// The number of paths, which start around the face. `REACH` is the distance of their starts from the middle,
+/// as fractions of half the grid.
 const PATHS: usize = 24;
 const REACH: [f64; 2] = [0.9, 0.86];
-/// Sites of the Voronoi diagram.
+/// The number of sites of the Voronoi diagram.
 const SITES: usize = 20;
-/// Between contours and between offset curves.
+/// The distance between contours. `OFFSET_STEP` is that between offset curves.
 const CONTOUR_STEP: f64 = 10.0;
 const OFFSET_STEP: f64 = 8.0;
 
@@ -114,7 +115,7 @@ impl Face {
         })
     }
 
-    /// The distances with their contours, what is drawn over them, and the sources.
+    /// Draws the distances with their contours, what lies over them, and the sources.
     fn with_levels(
         &self,
         sources: &Sources,
@@ -152,10 +153,10 @@ impl Face {
         Ok(regions.draw(LOOK))
     }
 
-    /// Points of the surface at random, the same ones each time.
+    /// Returns pseudo-random points of the surface, which are the same each time.
     fn sites(&self) -> Sources {
         let chart = self.surface.chart();
-        // Knuth's linear congruential generator, of which the upper bits are random enough.
+        // Knuth's linear congruential generator. Its upper bits are random enough.
         let mut state = 8u64;
         let mut random = || {
             state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -170,7 +171,7 @@ impl Face {
     }
 }
 
-/// A curve over both eyes...
+/// Returns a curve over both eyes.
 fn brow() -> Vec<[f64; 2]> {
     let at = |k: usize| {
         let t = k as f64 / 40.0 - 0.5;
@@ -179,7 +180,7 @@ fn brow() -> Vec<[f64; 2]> {
     (0..=40).map(at).collect()
 }
 
-/// ... and one along the mouth.
+/// Returns a curve along the mouth.
 fn mouth() -> Vec<[f64; 2]> {
     let at = |k: usize| {
         let t = k as f64 / 20.0 - 0.5;

@@ -1,4 +1,4 @@
-//! `geosweep figure maze`: the paper's figure 6.
+//! Implements `geosweep figure maze`: the paper's figure 6.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -41,14 +41,14 @@ Examples:
   geosweep figure maze -o maze.png
   geosweep figure maze --size 401 --json -o maze.png";
 
-/// Where the corridor begins: its corner.
+/// The corner at which the corridor begins.
 const SOURCE: [f64; 2] = [0.0, 0.0];
-/// The iterations that the paper shows.
+/// The numbers of iterations that the paper shows.
 const ITERATIONS: [u32; 3] = [1, 2, 3];
-/// More than any maze takes.
+/// A number of iterations that suffices for any maze.
 const ENOUGH: u32 = 1000;
 
-/// The map after some iterations.
+/// The map after a number of iterations.
 #[derive(Serialize)]
 struct Stage {
     iterations: u32,
@@ -73,7 +73,7 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// After each of [`ITERATIONS`] and, if more are needed, at the end.
+/// Returns the maps after each of [`ITERATIONS`] and, if more are needed, the converged map.
 fn stages(surface: &Surface, sources: &Sources) -> Result<Vec<Stage>, geosweep::Error> {
     let edges = EdgeLengths::new(surface)?;
     let seeds = sources.seeds(surface)?;

@@ -1,4 +1,4 @@
-//! `geosweep figure`: figures of the paper, redrawn with this crate.
+//! Implements `geosweep figure`, which redraws figures of the paper with this crate.
 
 mod canonical;
 mod convergence;
@@ -72,7 +72,7 @@ struct AllArgs {
     machine: Option<String>,
 }
 
-/// All figures in the paper's order.
+/// All figures in the paper's order, with the extensions of their files.
 const ALL: [(&str, &str); 8] = [
     ("update", "png"),
     ("scans", "png"),

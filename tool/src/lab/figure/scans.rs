@@ -1,4 +1,4 @@
-//! `geosweep figure scans`: the paper's figures 3 and 4.
+//! Implements `geosweep figure scans`: the paper's figures 3 and 4.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -1,15 +1,16 @@
-//! What the tables beside the paper's have in common.
+//! Holds what the tables beside the paper's tables share.
 
-/// The rows of one of the paper's tables: points a side, and what it says of such a grid.
+/// The rows of one of the paper's tables: the number of points per side, and the paper's values for such a
+/// grid.
 pub struct Paper<const ROWS: usize, const N: usize>(pub [(usize, [f64; N]); ROWS]);
 
 impl<const ROWS: usize, const N: usize> Paper<ROWS, N> {
-    /// Points a side of its grids.
+    /// Returns the numbers of points per side.
     pub fn sides(&self) -> [usize; ROWS] {
         self.0.map(|(side, _)| side)
     }
 
-    /// The cells about a grid, empty where the paper has none of so many points a side.
+    /// Returns the cells for a grid. They are empty if the paper has no grid of this size.
     pub fn cells<const M: usize>(
         &self,
         side: usize,
@@ -20,7 +21,7 @@ impl<const ROWS: usize, const N: usize> Paper<ROWS, N> {
     }
 }
 
-/// The machine, at the end of a phrase.
+/// Returns the machine as the end of a phrase.
 pub fn on_a(machine: Option<&String>) -> String {
     machine.map_or(String::new(), |machine| format!(" on a {machine}"))
 }

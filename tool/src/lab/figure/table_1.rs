@@ -1,4 +1,4 @@
-//! `geosweep figure table-1`: the paper's table 1.
+//! Implements `geosweep figure table-1`: the paper's table 1.
 
 use std::error::Error;
 use std::fmt::{self, Display, Formatter};
@@ -54,7 +54,7 @@ Examples:
   geosweep figure table-1
   geosweep figure table-1 --sizes 32,64 --runs 3 --json";
 
-/// Seconds of the raster scan and of fast marching on an AMD Opteron with SSE2 in 2008.
+/// The seconds of the raster scan and of fast marching on an AMD Opteron with SSE2 in 2008.
 const PAPER: Paper<6, 2> = Paper([
     (32, [0.1541, 1.2824]),
     (44, [0.5156, 5.5156]),
@@ -144,14 +144,15 @@ impl Row {
     }
 }
 
-/// The median time of a whole matrix, and half the spread of the middle half of the runs.
+/// Returns the median time of a whole matrix, and half the interquartile range of the runs.
 fn median(surface: &Surface, options: &Options, runs: usize) -> Result<(f64, f64), Box<dyn Error>> {
     let mut pairwise = Pairwise::new(surface, options)?;
     let run = |_| {
         let (_, PairwiseReport { solve_time, .. }) = pairwise.matrix(|_| ())?;
         Ok(solve_time.as_secs_f64())
     };
-    // On rayon's own threads: woken up anew for each short run, they are often put on one core.
+    // The runs stay on rayon's own threads. Threads that are woken up for each short run often end up on the
+    // same core.
     let all = |_: &_| (0..runs).map(run).collect::<Result<Vec<f64>, geosweep::Error>>();
     let mut seconds = rayon::scope(all)?;
     seconds.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! `geosweep figure table-2`: the paper's table 2.
+//! Implements `geosweep figure table-2`: the paper's table 2.
 
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
@@ -52,7 +52,7 @@ Examples:
   geosweep figure table-2
   geosweep figure table-2 --sizes 150,400 --json";
 
-/// Milliseconds of an iteration, and megabytes, on an nVidia 7950 GT in 2008.
+/// The milliseconds of an iteration, and the megabytes, on an nVidia 7950 GT in 2008.
 const PAPER: Paper<7, 2> = Paper([
     (150, [111.0, 1.62]),
     (200, [120.8, 2.88]),
@@ -63,7 +63,7 @@ const PAPER: Paper<7, 2> = Paper([
     (1200, [736.2, 103.68]),
 ]);
 
-/// An engine at one size.
+/// The times of an engine at one size.
 #[derive(Serialize)]
 struct Row {
     engine: &'static str,
@@ -112,7 +112,7 @@ pub fn run(args: &Args) -> Outcome {
 }
 
 impl Row {
-    /// Both of the same method on the same grid.
+    /// Combines two timings of the same method on the same grid.
     fn new(once: &Timing, converged: &Timing) -> Self {
         Self {
             engine: once.method.engine(),
@@ -165,7 +165,7 @@ those of one iteration on an nVidia 7950 GT in 2008.
 |---:|---|---:|---:|---:|---:|---:|---:|---:|"
         )?;
         self.rows.iter().try_for_each(|row| {
-            // Of other shapes the paper has none.
+            // The paper has square grids only.
             let side = if row.rows == row.cols { row.rows } else { 0 };
             let [time, bytes] =
                 PAPER.cells(side, |[time, bytes]| [format!("{time:.0}"), format!("{bytes:.1}")]);

@@ -1,4 +1,4 @@
-//! `geosweep figure update`: what the paper's figures 1 and 2 are about, in a drawing of our own.
+//! Implements `geosweep figure update`: the subject of the paper's figures 1 and 2, in a drawing of our own.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -1,4 +1,5 @@
-//! A renderer without a screen: a device, a queue, an allocator, a command buffer, two timestamps.
+//! Provides a renderer without a screen: a device, a queue, an allocator, a command buffer and two
+//! timestamps.
 
 use std::error::Error;
 use std::time::{Duration, Instant};
@@ -10,20 +11,20 @@ use geosweep::gpu_allocator::vulkan::{
 };
 use geosweep::vulkan::requirements;
 
-/// Freed when it is dropped, which waits for the device.
+/// A headless renderer. Dropping it waits for the device and frees everything.
 pub struct Host {
     pub device: ash::Device,
     pub physical_device: vk::PhysicalDevice,
     pub instance: ash::Instance,
-    /// `None` once it is dropped.
+    /// The allocator; `None` after it was dropped.
     allocator: Option<Allocator>,
     queue: vk::Queue,
     pool: vk::CommandPool,
     commands: vk::CommandBuffer,
     fence: vk::Fence,
-    /// Null where the queue has no timestamps.
+    /// The timestamps; null if the queue does not support them.
     timestamps: vk::QueryPool,
-    /// Nanoseconds of a tick, and the bits that count.
+    /// The nanoseconds per tick, and the mask of valid bits.
     tick: (f64, u64),
     _entry: ash::Entry,
 }
@@ -34,20 +35,21 @@ pub struct Buffer {
     allocation: Allocation,
 }
 
-/// How long a frame took.
+/// The times of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Times {
     pub record: Duration,
-    /// From the submission to its end.
+    /// The time from the submission to its end.
     pub host: Duration,
-    /// Between the timestamps.
+    /// The time between the timestamps.
     pub device: Option<Duration>,
 }
 
 impl Host {
-    /// On the device with this place in [`geosweep::vulkan::devices`].
+    /// Opens the device with the index `index` in [`geosweep::vulkan::devices`].
     pub fn new(index: usize) -> Result<Self, Box<dyn Error>> {
-        // SAFETY: the loader is loaded once and outlives what is made of it; all is destroyed in `drop`.
+        // SAFETY: the loader is loaded once and outlives everything created from it. Everything is destroyed
+        // in `drop`.
         unsafe {
             let entry = ash::Entry::load()?;
             let application = vk::ApplicationInfo::default().api_version(requirements::API_VERSION);
@@ -59,13 +61,13 @@ impl Host {
     }
 
     /// # Safety
-    /// The instance is of the entry; on an error it is left.
+    /// `instance` was created from `entry`. On an error the caller must destroy it.
     unsafe fn of_instance(
         entry: ash::Entry,
         instance: ash::Instance,
         index: usize,
     ) -> Result<Self, Box<dyn Error>> {
-        // SAFETY: handles are those of this instance and device; what is made is kept.
+        // SAFETY: all handles belong to this instance and device. What is created is kept.
         unsafe {
             let found = instance.enumerate_physical_devices()?;
             let physical_device = *found.get(index).ok_or("the device is gone")?;
@@ -124,14 +126,15 @@ impl Host {
         self.allocator.as_mut().expect("it is alive until it is dropped")
     }
 
-    /// Records, submits and waits.
+    /// Records a command buffer, submits it and waits for its end.
     pub fn run(
         &self,
         record: impl FnOnce(vk::CommandBuffer) -> Result<(), Box<dyn Error>>,
     ) -> Result<Times, Box<dyn Error>> {
         let Self { device, commands, fence, timestamps, .. } = self;
         let has_timestamps = *timestamps != vk::QueryPool::null();
-        // SAFETY: handles are this host's, and the command buffer is not in use: each run waits for its end.
+        // SAFETY: the handles belong to this host. The command buffer is not in use, since each run waits for
+        // its end.
         unsafe {
             let begin = Instant::now();
             let info = vk::CommandBufferBeginInfo::default()
@@ -168,7 +171,7 @@ impl Host {
         }
     }
 
-    /// A buffer of the device's with these bytes.
+    /// Creates a device-local buffer with the given bytes.
     pub fn buffer_of(&mut self, bytes: &[u8]) -> Result<Buffer, Box<dyn Error>> {
         use vk::BufferUsageFlags as Usage;
         let size = bytes.len() as u64;
@@ -179,7 +182,7 @@ impl Host {
         let made = self.buffer(size, usage, MemoryLocation::GpuOnly)?;
         let regions = [vk::BufferCopy::default().size(size)];
         self.run(|commands| {
-            // SAFETY: both are alive until the run has ended.
+            // SAFETY: both buffers are alive until the run has ended.
             unsafe {
                 self.device.cmd_copy_buffer(commands, staging.handle, made.handle, &regions);
             };
@@ -208,7 +211,7 @@ impl Host {
             linear: true,
             allocation_scheme: AllocationScheme::GpuAllocatorManaged,
         })?;
-        // SAFETY: the memory is as the buffer requires.
+        // SAFETY: the memory meets the buffer's requirements.
         unsafe {
             self.device.bind_buffer_memory(handle, allocation.memory(), allocation.offset())?;
         }
@@ -217,7 +220,7 @@ impl Host {
 
     /// Frees a buffer that no command uses any more.
     pub fn free(&mut self, buffer: Buffer) -> Result<(), Box<dyn Error>> {
-        // SAFETY: all runs have ended.
+        // SAFETY: all runs have ended, so no command uses the buffer.
         unsafe { self.device.destroy_buffer(buffer.handle, None) };
         Ok(self.allocator().free(buffer.allocation)?)
     }
@@ -225,9 +228,9 @@ impl Host {
 
 impl Drop for Host {
     fn drop(&mut self) {
-        // SAFETY: each is destroyed once, after the device has come to rest, and the instance last.
+        // SAFETY: each handle is destroyed once, after the device has become idle, and the instance last.
         unsafe {
-            // A lost device is at rest, too.
+            // A lost device is idle too, so the error is ignored.
             let _ = self.device.device_wait_idle();
             self.device.destroy_query_pool(self.timestamps, None);
             self.device.destroy_fence(self.fence, None);

@@ -1,4 +1,4 @@
-//! The measurements.
+//! Performs the measurements of frames.
 
 use std::error::Error;
 use std::time::{Duration, Instant};
@@ -13,53 +13,53 @@ use geosweep::{DeviceChoice, Stop, Wavefront};
 use super::host::{Buffer, Host, Times};
 use crate::terminal::{progress, say};
 
-/// What is measured.
+/// What to measure.
 pub struct Plan {
-    /// Ascending.
+    /// The sizes in ascending order.
     pub sizes: Vec<usize>,
     pub schedules: Vec<Schedule>,
     pub wavefront: Wavefront,
     pub device: DeviceChoice,
     pub frames: u32,
-    /// Of scans, at most.
+    /// The largest number of iterations of scans.
     pub iterations: u32,
-    /// No further frames of a size and schedule after so long.
+    /// The time after which no further frames of a size and schedule are started.
     pub limit: Duration,
 }
 
-/// Frames of a size and schedule.
+/// The timing of the frames of a size and schedule.
 pub struct Timing {
     pub chart: Chart,
     pub schedule: Schedule,
     pub wavefront: Wavefront,
     pub frames: usize,
     pub converged: usize,
-    /// Medians.
+    /// The median number of iterations. The following times are medians too.
     pub iterations: u32,
     pub device: Option<Duration>,
     pub host: Duration,
     pub record: Duration,
-    /// On the host's clock.
+    /// The longest time on the host's clock.
     pub worst: Duration,
-    /// Of the surface.
+    /// The number of bytes of the surface.
     pub bytes: u64,
 }
 
-/// All of it.
+/// The results of all measurements.
 pub struct Measured {
     pub device: String,
     pub timings: Vec<Timing>,
 }
 
-/// Phases of the motion: as many buffers of vertices.
+/// The number of phases of the motion. There is one buffer of vertices per phase.
 const PHASES: usize = 8;
 const WARM_UP: usize = 3;
-/// Bytes of a vertex: three floats.
+/// The number of bytes of a vertex: three floats.
 const STRIDE: usize = 12;
 
-/// Measures what is planned.
+/// Performs the planned measurements.
 pub fn measure(plan: &Plan) -> Result<Measured, Box<dyn Error>> {
-    // Which it is, and that it will do, is the library's to say.
+    // The library decides which device is used, and checks that it is suitable.
     let name = vulkan::Solver::new(&plan.device)?.device_name().to_owned();
     let index = match plan.device {
         DeviceChoice::Index(index) => index,
@@ -127,7 +127,7 @@ fn of_schedule(
     let stop = Stop { tolerance: 1e-4, iterations: 10_000 };
     let method = Method { wavefront: plan.wavefront, schedule: Some(schedule), stop };
     let iterations = match schedule {
-        // A front crosses a tile or a point in a round.
+        // In a round, a wavefront crosses one tile or one point.
         Schedule::Tiles => u32::MAX,
         Schedule::AllPoints => (2 * chart.rows) as u32,
         Schedule::Raster => plan.iterations,
@@ -137,7 +137,7 @@ fn of_schedule(
     let begin = Instant::now();
     let mut number = 0;
     while times.len() < plan.frames as usize {
-        // One goes before, and at least one counts.
+        // One frame is run before, and at least one is counted.
         let is_late = begin.elapsed() > plan.limit;
         if is_late && !times.is_empty() {
             say(
@@ -191,19 +191,20 @@ fn of_schedule(
     }))
 }
 
-/// Of values of which there is at least one: the lower of the two in the middle.
+/// Returns the median of at least one value. For an even count it is the lower of the middle two.
 fn median<T: Ord + Copy>(mut values: Vec<T>) -> T {
     values.sort_unstable();
     values[(values.len() - 1) / 2]
 }
 
-/// Where a source is in a frame, along a side: it moves by half a cell and stays on the grid.
+/// Returns the position of a source in a frame, along a side. It moves by half a cell per frame and stays on
+/// the grid.
 fn source(number: usize, side: usize) -> f32 {
     let last = (side - 1) as f32;
     (0.3 * last + 0.5 * number as f32) % last
 }
 
-/// The vertices of a sheet with a wave that travels across it.
+/// Returns the vertices of a sheet with a wave that travels across it.
 fn sheet(chart: Chart, phase: usize) -> Vec<u8> {
     let turn = std::f32::consts::TAU;
     let step = turn / chart.rows.max(chart.cols) as f32;

@@ -1,4 +1,4 @@
-//! `geosweep frames`: what a map costs in a renderer's frame.
+//! Implements `geosweep frames`, which measures the cost of a map in a renderer's frame.
 
 mod host;
 mod measure;

@@ -1,4 +1,4 @@
-//! The measurements as Markdown, which is also what a terminal shows, and as JSON.
+//! Formats the measurements as Markdown, which a terminal shows as it is, and as JSON.
 
 use std::fmt::{self, Display, Formatter};
 use std::time::Duration;
@@ -25,7 +25,7 @@ struct Row {
     bytes: u64,
 }
 
-/// All of it as JSON.
+/// All results as JSON.
 #[derive(Serialize)]
 pub struct Summary<'a> {
     device: &'a str,
@@ -52,7 +52,7 @@ impl<'a> Summary<'a> {
     }
 }
 
-/// What to say.
+/// The contents of the report.
 pub struct Report<'a>(pub &'a Measured);
 
 impl Display for Report<'_> {

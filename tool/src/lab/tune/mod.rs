@@ -1,4 +1,4 @@
-//! `geosweep tune`: which portions and which schedule suit a Vulkan device.
+//! Implements `geosweep tune`, which finds the portions and the schedule that suit a Vulkan device.
 
 mod report;
 mod suggest;

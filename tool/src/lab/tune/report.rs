@@ -1,4 +1,4 @@
-//! The measurements as Markdown, which is also what a terminal shows, and as JSON.
+//! Formats the measurements as Markdown, which a terminal shows as it is, and as JSON.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -35,7 +35,7 @@ struct MapJson {
     best_seconds: f64,
     untuned_seconds: f64,
     iterations: u32,
-    /// `None` where one reaches a point and the other does not.
+    /// The difference; `None` if one map reaches a point and the other does not.
     difference: Option<f64>,
 }
 
@@ -59,7 +59,7 @@ struct ChoiceJson {
     best: Option<&'static str>,
 }
 
-/// All of it as JSON.
+/// All results as JSON.
 #[derive(Serialize)]
 pub struct Summary<'a> {
     device: &'a str,
@@ -119,7 +119,7 @@ impl<'a> Summary<'a> {
     }
 }
 
-/// What to say.
+/// The contents of the report.
 pub struct Report<'a>(pub &'a Swept);
 
 impl Display for Report<'_> {
@@ -148,7 +148,7 @@ impl Display for Report<'_> {
 }
 
 impl Report<'_> {
-    /// A column for each task: there are as many as were asked for.
+    /// Writes the rows of a schedule, with one column for each task.
     fn rows(&self, f: &mut Formatter<'_>, schedule: Schedule) -> fmt::Result {
         let Swept { tasks, rows, .. } = self.0;
         let of_schedule: Vec<_> = rows.iter().filter(|row| row.schedule == schedule).collect();

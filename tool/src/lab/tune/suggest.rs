@@ -1,13 +1,13 @@
-//! What is best.
+//! Suggests the best portions.
 
 use geosweep::vulkan::{Schedule, Tuning};
 
 use super::sweep::{Knob, Row, Swept};
 
-/// A value is worth a change from so many times the time.
+/// The ratio of times below which a change of value is worthwhile.
 const WORTH: f64 = 0.97;
 
-/// The best value of each knob, where it is worth it and the maps are the same.
+/// Returns the best value of each knob, if it is worthwhile and the maps are the same.
 pub fn suggested(untuned: Tuning, rows: &[Row]) -> Tuning {
     let mut tuning = untuned;
     for knob in [Knob::Lines, Knob::Width, Knob::Tile, Knob::Inner] {
@@ -20,7 +20,7 @@ pub fn suggested(untuned: Tuning, rows: &[Row]) -> Tuning {
             tuning = knob.set(tuning, value);
         }
     }
-    // A group has room for its lines: what each is best by itself may not fit together.
+    // A group must have room for its lines. Values that are best separately may not fit together.
     let room = |tuning: &Tuning| tuning.scan_width > 2 * (tuning.scan_lines - 1);
     if !room(&tuning) {
         tuning = Tuning { scan_width: untuned.scan_width, ..tuning };
@@ -31,8 +31,8 @@ pub fn suggested(untuned: Tuning, rows: &[Row]) -> Tuning {
     tuning
 }
 
-/// The number in a submission that is best for a schedule, if it is worth it; what is by default is by the
-/// size of the grid, and the same number means another thing to each schedule.
+/// Returns the best number per submission for a schedule, if it is worthwhile. The default depends on the
+/// grid size, and the number has a different meaning for each schedule.
 pub fn together(rows: &[Row], schedule: Schedule) -> Option<(u32, f64)> {
     let of_knob = |row: &&Row| row.schedule == schedule && row.knob == Knob::Together;
     rows.iter()
@@ -43,10 +43,10 @@ pub fn together(rows: &[Row], schedule: Schedule) -> Option<(u32, f64)> {
         .filter(|&(_, ratio)| ratio < WORTH)
 }
 
-/// Which schedule is the faster one on a task.
+/// The faster schedule on a task.
 pub struct Choice {
     pub task: usize,
-    /// The best times, with the portions that are suggested or without; in seconds.
+    /// The best times with the suggested or the untuned portions, in seconds.
     pub raster: Option<f64>,
     pub tiles: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! The measurements.
+//! Performs the measurements of tuning.
 
 use std::error::Error;
 use std::time::{Duration, Instant};
@@ -12,35 +12,35 @@ use super::suggest::suggested;
 use crate::lab::bench::BenchSurface;
 use crate::terminal::{progress, say};
 
-/// What is measured.
+/// What to measure.
 pub struct Plan {
     pub surfaces: Vec<BenchSurface>,
-    /// Ascending.
+    /// The sizes in ascending order.
     pub sizes: Vec<usize>,
     pub wavefront: Wavefront,
     pub device: DeviceChoice,
-    /// Maps that take longer untuned are left out.
+    /// The longest untuned time of a map. Maps that take longer are left out.
     pub limit: Duration,
-    /// What has not begun after so long is left out.
+    /// The total time after which no further measurement is started.
     pub budget: Duration,
-    /// Timed runs of a map.
+    /// The number of timed runs of a map.
     pub runs: usize,
-    /// Fewer values.
+    /// Whether to try fewer values.
     pub quick: bool,
 }
 
-/// A number that is changed.
+/// A number that is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Knob {
-    /// None: the device's own portions.
+    /// No number: the device's own portions.
     Untuned,
     Lines,
     Width,
     Tile,
     Inner,
-    /// Iterations of raster scans, or rounds of tiles, in a submission.
+    /// The number of iterations of raster scans, or of rounds of tiles, in a submission.
     Together,
-    /// All that are suggested.
+    /// All suggested numbers together.
     Suggested,
 }
 
@@ -57,7 +57,7 @@ impl Knob {
         }
     }
 
-    /// Portions with another value.
+    /// Returns `tuning` with this number set to `value`.
     pub fn set(self, tuning: Tuning, value: u32) -> Tuning {
         match self {
             Self::Untuned | Self::Suggested => tuning,
@@ -73,7 +73,7 @@ impl Knob {
 /// The schedules that have portions.
 pub const SCHEDULES: [Schedule; 2] = [Schedule::Raster, Schedule::Tiles];
 
-/// What is changed for a schedule, and the values that are tried.
+/// Returns the numbers that are varied for a schedule, and the values that are tried.
 fn knobs(schedule: Schedule, quick: bool) -> Vec<(Knob, &'static [u32])> {
     match (schedule, quick) {
         (Schedule::Tiles, false) => vec![
@@ -95,40 +95,42 @@ fn knobs(schedule: Schedule, quick: bool) -> Vec<(Knob, &'static [u32])> {
     }
 }
 
-/// A surface that is solved on.
+/// A surface to solve on.
 pub struct Task {
     pub name: String,
     pub surface: Surface,
     seeds: Vec<Seed>,
 }
 
-/// A map with some portions.
+/// The timing of a map with certain portions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
-    /// Of [`Swept::tasks`].
+    /// The index of the task in [`Swept::tasks`].
     pub task: usize,
     pub best: Duration,
-    /// Of the untuned map, timed in turn with it: devices and what else they do change from minute to minute.
+    /// The best time of the untuned map, timed in turn with this one. Devices and their other load change
+    /// from minute to minute.
     pub untuned: Duration,
     pub iterations: u32,
-    /// From the untuned map, relative to its largest distance; infinite where one reaches a point and the
-    /// other does not.
+    /// The largest difference from the untuned map, relative to its largest distance. It is infinite if one
+    /// map reaches a point and the other does not.
     pub difference: f64,
 }
 
-/// All maps with some portions.
+/// All maps with the same portions.
 pub struct Row {
     pub schedule: Schedule,
     pub knob: Knob,
     pub value: u32,
     pub maps: Vec<Map>,
-    /// Why the device has no room for it.
+    /// The reason why the device cannot use the value, if it cannot.
     pub refused: Option<String>,
-    /// Of the times to the untuned ones: the geometric mean.
+    /// The geometric mean of the ratios to the untuned times.
     pub ratio: Option<f64>,
 }
 
-/// Larger differences from the untuned map are a fault: each stops at changes of a tenth of that.
+/// The largest acceptable difference from the untuned map. Larger ones are errors, since each map stops at
+/// changes of a tenth of it.
 pub const SAME: f64 = 1e-5;
 
 impl Row {
@@ -137,14 +139,15 @@ impl Row {
     }
 }
 
-/// All of it.
+/// The results of all measurements.
 pub struct Swept {
     pub device: String,
     pub wavefront: Wavefront,
     pub tasks: Vec<Task>,
     pub untuned: Tuning,
     pub suggested: Tuning,
-    /// By schedule: untuned, each value of each knob, and what is suggested, if it is another.
+    /// The rows, sorted by schedule: untuned, each value of each knob, and the suggested values if they
+    /// differ from the untuned ones.
     pub rows: Vec<Row>,
     pub left_out: Vec<String>,
 }
@@ -155,7 +158,7 @@ impl Swept {
     }
 }
 
-/// Measures what is planned.
+/// Performs the planned measurements.
 pub fn sweep(plan: &Plan) -> Result<Swept, Box<dyn Error>> {
     let values: usize = SCHEDULES
         .iter()
@@ -225,7 +228,7 @@ struct Tuner<'a> {
     references: [Vec<Option<Vec<f32>>>; SCHEDULES.len()],
 }
 
-/// Of [`SCHEDULES`].
+/// Returns the index of a schedule in [`SCHEDULES`].
 fn place(schedule: Schedule) -> usize {
     SCHEDULES.iter().position(|&other| other == schedule).expect("only these are tuned")
 }
@@ -236,7 +239,7 @@ impl Tuner<'_> {
         self.left_out.push(what);
     }
 
-    /// The untuned maps, which the others are held against.
+    /// Measures the untuned maps, with which the others are compared.
     fn untuned(&mut self, plain: &mut Solver, schedule: Schedule) -> Result<Row, Box<dyn Error>> {
         self.bar.set_message(format!("{schedule}, untuned"));
         self.references[place(schedule)] = vec![None; self.tasks.len()];
@@ -264,7 +267,7 @@ impl Tuner<'_> {
         Ok(Row { schedule, knob: Knob::Untuned, value: 0, maps, refused: None, ratio })
     }
 
-    /// Maps with other portions; `None` if there is no time left.
+    /// Measures maps with other portions. Returns `None` if there is no time left.
     fn row(
         &mut self,
         plain: &mut Solver,
@@ -300,7 +303,7 @@ impl Tuner<'_> {
         Ok(Some(row))
     }
 
-    /// The map that others are held against; `None` if it takes more than the limit.
+    /// Measures the untuned map of a task. Returns `None` if it takes longer than the limit.
     fn untuned_map(
         &self,
         solver: &mut Solver,
@@ -308,7 +311,8 @@ impl Tuner<'_> {
         task: usize,
     ) -> Result<Option<(Map, Vec<f32>)>, VulkanError> {
         let mut run = Run::new(self, solver, schedule, task)?;
-        // A few iterations tell whether the whole is out of reach; the first compile the shaders.
+        // The first iterations compile the shaders. A few more show whether the whole map would exceed the
+        // limit.
         run.solve(1)?;
         if run.solve(4)?.time > self.plan.limit {
             return Ok(None);
@@ -326,7 +330,7 @@ impl Tuner<'_> {
         Ok(Some((map, found.distances)))
     }
 
-    /// A map by each of two solvers in turn.
+    /// Measures a map with two solvers in turn.
     fn map(
         &self,
         solver: &mut Solver,
@@ -357,7 +361,7 @@ struct Run<'a> {
     seeds: &'a [Seed],
     wavefront: Wavefront,
     schedule: Schedule,
-    /// Iterations that any map converges in.
+    /// A number of iterations in which any map converges.
     most: u32,
 }
 
@@ -382,14 +386,14 @@ impl<'a> Run<'a> {
     }
 }
 
-/// The geometric mean of times to those of the untuned maps beside them.
+/// Returns the geometric mean of the ratios to the untuned times.
 fn ratio(maps: &[Map]) -> Option<f64> {
     let of = |map: &Map| (map.best.as_secs_f64() / map.untuned.as_secs_f64()).ln();
     let mean = maps.iter().map(of).sum::<f64>() / maps.len() as f64;
     (!maps.is_empty()).then(|| mean.exp())
 }
 
-/// Relative to the largest distance of the reference.
+/// Returns the largest difference, relative to the largest distance of the reference.
 fn difference(found: &[f32], reference: &[f32]) -> f64 {
     let finite = |&distance: &f32| distance.is_finite();
     let largest = reference.iter().copied().filter(finite).fold(f32::MIN_POSITIVE, f32::max);

@@ -1,4 +1,4 @@
-//! The parameter domain, with relief.
+//! Draws curves over the parameter domain with relief.
 
 use geosweep::glam::Vec2;
 

@@ -1,4 +1,4 @@
-//! Curves and marks on a surface: from above as a map, or shaded in space.
+//! Draws curves and marks on a surface, either as a map from above or shaded in space.
 
 mod map;
 mod over_map;
@@ -18,16 +18,16 @@ use super::swatches::Swatches;
 use super::text::Pen;
 pub use over_map::MapPicture;
 
-/// What is drawn.
+/// A picture of curves on a surface.
 pub struct CurvePicture<'a> {
-    /// The surface that was solved for.
+    /// The surface on which the map was computed.
     pub surface: &'a Surface,
     /// The same grid with positions.
     pub shape: &'a Surface,
     /// One value per grid point, infinite where there is none.
     pub values: &'a [f32],
     pub paint: Paint<'a>,
-    /// In the order of drawing; all rims lie under all lines.
+    /// The lines in the order of drawing. All rims are drawn below all lines.
     pub lines: &'a [Line],
     pub marks: &'a [Mark],
     pub names: &'a [Name],
@@ -36,9 +36,9 @@ pub struct CurvePicture<'a> {
 
 /// A polyline in the parameter domain.
 pub struct Line {
-    /// Rows and columns.
+    /// The rows and columns of the vertices.
     pub vertices: Vec<[f64; 2]>,
-    /// Half its width, in pixels of a picture of about a thousand.
+    /// Half the width, in pixels of a picture of about a thousand pixels.
     pub radius: f32,
     pub color: Color,
     pub rim: Option<Color>,
@@ -51,15 +51,15 @@ pub struct Mark {
     pub color: Color,
 }
 
-/// A word beside a place, over all else.
+/// A word next to a place, drawn over everything else.
 pub struct Name {
     pub at: [f64; 2],
     pub text: String,
 }
 
-/// What explains the colours.
+/// The legend that explains the colours.
 pub enum Key<'a> {
-    /// A scale of the quantity, with lines at these values.
+    /// A scale of the quantity, with lines at the given values.
     Scale {
         quantity: &'a str,
         scale: &'a Scale,
@@ -73,19 +73,19 @@ pub enum Key<'a> {
     Nothing,
 }
 
-/// From where.
+/// The kind of view.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Look {
-    /// As a map: the parameter domain with relief.
+    /// A map: the parameter domain with relief.
     Map,
-    /// In space, from the side that shows most or from a direction; so many pixels on the longer
-    /// side.
+    /// A view in space, from the given direction or from the side that shows most. `long_side` is the longer
+    /// side of the picture, in pixels.
     Space { toward: Option<DVec3>, long_side: usize },
 }
 
 const WHITE: Color = [1.0; 3];
 
-/// Contours over the colours of a scale: plainly, or faintly where they are not what matters.
+/// Returns contours over the colours of a scale. They are faint unless `plain` is set.
 pub fn contour_lines(contours: &[Contour], scale: &Scale, plain: bool) -> Vec<Line> {
     let line = |level: f64, curve: &Curve| {
         let ground = scale.color(level as f32);
@@ -99,22 +99,22 @@ pub fn contour_lines(contours: &[Contour], scale: &Scale, plain: bool) -> Vec<Li
     contours.iter().flat_map(lines).collect()
 }
 
-/// Of lines that are what matters: against every colour of the scale.
+/// The colour of important lines, which contrasts with every colour of the scale.
 const BOLD: Color = [1.0, 0.42, 0.25];
 
-/// A path, and a mark where it starts.
+/// Returns a path, and a mark at its start.
 pub fn path_line(path: &Path) -> (Line, Mark) {
     let vertices = path.curve.vertices.clone();
     let mark = Mark { at: vertices[0], radius: 3.5, color: BOLD };
     (Line { vertices, radius: 1.5, color: BOLD, rim: Some(RIM) }, mark)
 }
 
-/// A line on which fronts meet.
+/// Returns the line of a ridge.
 pub fn ridge_line(ridge: &Ridge) -> Line {
     Line { vertices: ridge.curve.points().collect(), radius: 1.5, color: BOLD, rim: Some(RIM) }
 }
 
-/// Sources, white with dark rims.
+/// Returns the sources as white marks and lines with dark rims.
 pub fn mark_all(sources: &Sources) -> (Vec<Line>, Vec<Mark>) {
     let (mut lines, mut marks) = (Vec::new(), Vec::new());
     for source in sources.iter() {
@@ -131,7 +131,7 @@ pub fn mark_all(sources: &Sources) -> (Vec<Line>, Vec<Mark>) {
     (lines, marks)
 }
 
-/// The number of each source, beside it; of curves, beside their middle.
+/// Returns the number of each source, next to it. For a curve it is next to the middle.
 pub fn number_all(sources: &Sources) -> Vec<Name> {
     let name = |(number, source): (usize, &Source)| {
         let at = match source {
@@ -143,12 +143,12 @@ pub fn number_all(sources: &Sources) -> Vec<Name> {
     sources.iter().enumerate().map(name).collect()
 }
 
-/// A colour in eight bits a channel.
+/// Converts a colour to eight bits per channel.
 pub fn rgb(color: Color) -> [u8; 3] {
     color.map(|channel| (channel.clamp(0.0, 1.0) * 255.0).round() as u8)
 }
 
-/// Rim of marks, and the room that it takes.
+/// The colour of rims. `RIM_WIDTH` is their width in pixels.
 const RIM: Color = [0.1, 0.1, 0.1];
 const RIM_WIDTH: f32 = 1.6;
 
@@ -169,7 +169,7 @@ impl CurvePicture<'_> {
         }
     }
 
-    /// Writes the names, given where their places are in the picture.
+    /// Writes the names. `pixel` returns where a place is in the picture.
     fn write_names(
         &self,
         canvas: &mut Canvas,
@@ -191,7 +191,7 @@ impl CurvePicture<'_> {
         }
     }
 
-    /// Polylines with their half widths in pixels and colours, in the order of drawing.
+    /// Returns polylines with their half widths in pixels and their colours, in the order of drawing.
     fn strokes(&self, thickness: f32) -> impl Iterator<Item = (Vec<[f64; 2]>, f32, Color)> {
         let rims = self.lines.iter().filter_map(move |line| {
             let radius = line.radius * thickness + RIM_WIDTH;

@@ -1,4 +1,4 @@
-//! A map with some of its contours, its sources, and what was found on it.
+//! Draws a map with some of its contours, its sources, and curves computed from it.
 
 use geosweep::geometry::Contour;
 use geosweep::{DistanceMap, Sources, Surface};
@@ -7,20 +7,20 @@ use super::{CurvePicture, Key, Line, Look, Mark, contour_lines, mark_all};
 use crate::picture::raster::Paint;
 use crate::picture::{Canvas, scale_of};
 
-/// What is drawn.
+/// A picture of curves over a map.
 pub struct MapPicture<'a> {
-    /// The surface that was solved for.
+    /// The surface on which the map was computed.
     pub surface: &'a Surface,
     /// The same grid with positions.
     pub shape: &'a Surface,
     pub map: &'a DistanceMap,
     pub sources: &'a Sources,
     pub contours: &'a [Contour],
-    /// Whether contours are the only curves, and not under others.
+    /// Whether contours are the only curves. Otherwise they are drawn faintly.
     pub plain: bool,
-    /// What was found.
+    /// The curves and marks computed from the map.
     pub curves: (Vec<Line>, Vec<Mark>),
-    /// What the map's values are, with their unit, for a key.
+    /// The quantity and unit of the map's values, if a legend is drawn.
     pub quantity: Option<&'a str>,
 }
 

@@ -1,4 +1,4 @@
-//! How a surface is turned towards the viewer.
+//! Turns a surface towards the viewer.
 
 use geosweep::Surface;
 use geosweep::glam::DVec3;
@@ -6,24 +6,26 @@ use geosweep::surface::{Direction, Geometry};
 
 use super::super::relief::{Tangents, exaggeration};
 
-/// From the surface's space to that of the picture, and the camera there.
+/// The transformation from the surface's space to the picture's space, and the camera there.
 pub struct Pose {
-    /// Factor of heights.
+    /// The factor of heights.
     pub exaggeration: f64,
-    /// A mirror's normal. Heights have y along the rows, which is a left-handed space.
+    /// The normal of a mirror. It is set for heights, whose y axis runs along the rows, which gives a
+    /// left-handed space.
     mirror: Option<DVec3>,
     pub toward: DVec3,
     pub up: DVec3,
 }
 
-/// A surface whose mean normal is shorter is closed, or nearly.
+/// The length of the mean normal below which a surface is closed, or nearly.
 const CLOSED: f64 = 0.3;
-/// A surface whose mean normal is longer is flat and seen straight on.
+/// The length of the mean normal above which a surface is flat and seen straight on.
 const FLAT: f64 = 0.9999;
 
 impl Pose {
-    /// Terrain is seen from the south, half from above; other open surfaces from the side to which
-    /// they bulge, rows downwards and columns to the right; closed ones from beside the z axis.
+    /// Chooses the view of a surface. Terrain is seen obliquely from the south. Other open surfaces are seen
+    /// from the side to which they bulge, with rows downwards and columns to the right. Closed surfaces are
+    /// seen from beside the z axis.
     pub fn of(shape: &Surface, toward: Option<DVec3>) -> Self {
         let heights = matches!(shape.geometry(), Geometry::Heights { .. });
         let exaggeration = exaggeration(shape);
@@ -53,7 +55,7 @@ impl Pose {
         Self { exaggeration, mirror, toward: toward.unwrap_or(own), up }
     }
 
-    /// A place of the surface in the picture's space.
+    /// Transforms a position on the surface to the picture's space.
     pub fn place(&self, position: DVec3) -> DVec3 {
         let position = position * DVec3::new(1.0, 1.0, self.exaggeration);
         match self.mirror {
@@ -63,7 +65,8 @@ impl Pose {
     }
 }
 
-/// 1 if the surface's middle lies before its border in the direction of the normal, else -1.
+/// Returns 1 if the surface's middle lies in front of its border in the direction of the normal, and
+/// otherwise -1.
 fn bulge(shape: &Surface, normal: DVec3) -> f64 {
     let chart = shape.chart();
     let is_inner = |row, col| Direction::ALL.iter().all(|&to| shape.has_edge(row, col, to));

@@ -1,4 +1,4 @@
-//! The surface shaded, in space.
+//! Draws curves on the shaded surface in space.
 
 use geosweep::Surface;
 use geosweep::geometry::Curve;
@@ -14,7 +14,7 @@ use super::CurvePicture;
 use super::pose::Pose;
 
 const SHORTEST_SIDE: usize = 240;
-/// The finest mesh, points a side: about one point a pixel.
+/// The largest number of mesh points per side, which is about one point per pixel.
 const FINEST: usize = 1200;
 
 impl CurvePicture<'_> {
@@ -42,7 +42,7 @@ impl CurvePicture<'_> {
         canvas
     }
 
-    /// The surface, or every few points of it.
+    /// Returns the mesh of the surface, or of every k-th point of it.
     fn mesh(&self, pose: &Pose) -> Mesh {
         let whole = self.surface.chart();
         let every = (whole.rows.max(whole.cols) / FINEST).max(1);
@@ -70,7 +70,7 @@ impl CurvePicture<'_> {
     }
 }
 
-/// A camera whose picture is as wide or high as the surface asks.
+/// Returns a camera whose picture has the width and height that the surface needs.
 fn fitted(pose: &Pose, mesh: &Mesh, long_side: usize) -> View {
     let fit = |width, height| View::fit(pose.toward, pose.up, mesh.present(), width, height);
     let square = fit(long_side, long_side);
@@ -84,7 +84,8 @@ fn fitted(pose: &Pose, mesh: &Mesh, long_side: usize) -> View {
     fit(pixels(part.x), pixels(part.y))
 }
 
-/// A curve on the surface, in steps of at most half a cell; in pieces where a part of it is off.
+/// Returns a curve on the surface, in steps of at most half a cell. It is split where a part of it is off the
+/// surface.
 fn lifted(shape: &Surface, vertices: &[[f64; 2]], pose: &Pose) -> Vec<Vec<DVec3>> {
     let mut fine: Vec<[f64; 2]> = vertices.first().copied().into_iter().collect();
     for ends in vertices.windows(2) {

@@ -1,4 +1,4 @@
-//! A band of rows of the picture, sample by sample.
+//! Draws a band of rows of the picture, sample by sample.
 
 use geosweep::glam::{Vec2, Vec3};
 
@@ -6,15 +6,16 @@ use super::super::canvas::{Color, mix};
 use super::light::lit;
 use super::mesh::Seen;
 
-/// Samples a pixel along each side.
+/// The number of samples per pixel along each side.
 const SIDE: usize = 4;
-/// Strokes are seen if they lie this much behind the surface, in pixels: their vertices are on
-/// the surface and the straight pieces between them a little off it.
+/// The depth, in pixels, by which a stroke may lie behind the surface and still be visible. Its vertices are
+/// on the surface, and the straight segments between them slightly off it.
 const LIFT: f32 = 1.5;
-/// A surface steeper than this, in pixels of depth per pixel, hides half of a stroke's width.
+/// The largest slope that counts, in pixels of depth per pixel. A steeper surface hides half of a stroke's
+/// width.
 const STEEPEST: f32 = 4.0;
 
-/// What is in the pixels of some rows.
+/// The contents of the pixels of some rows.
 pub struct Band {
     top: usize,
     width: usize,
@@ -27,10 +28,10 @@ pub struct Band {
 #[derive(Clone, Copy)]
 struct Hit {
     depth: f32,
-    /// Depth per pixel across the picture.
+    /// The change of depth per pixel in the picture.
     slope: f32,
     triangle: u32,
-    /// Weights of the first two corners.
+    /// The weights of the first two corners.
     weights: [f32; 2],
 }
 
@@ -43,12 +44,12 @@ impl Band {
         Self { top, width, rows, hits: vec![NOTHING; samples], colors: Vec::new() }
     }
 
-    /// From pixels to samples, counted from the band's first one.
+    /// Converts pixels to samples, counted from the band's first one.
     fn sample(&self, pixel: Vec2) -> Vec2 {
         (pixel - Vec2::new(0.0, self.top as f32) + 0.5) * SIDE as f32 - 0.5
     }
 
-    /// The samples between two places: columns and rows.
+    /// Returns the ranges of columns and rows of the samples between two places.
     fn within(&self, low: Vec2, high: Vec2) -> [std::ops::Range<usize>; 2] {
         let range = |low: f32, high: f32, count: usize| {
             let end = (high.floor() + 1.0).clamp(0.0, count as f32) as usize;
@@ -63,7 +64,7 @@ impl Band {
         let [a, b, c] = corners.map(|corner| self.sample(corner.truncate()));
         let area = (b - a).perp_dot(c - a);
         let [columns, rows] = self.within(a.min(b).min(c), a.max(b).max(c));
-        // Seen from the side, or with a missing corner.
+        // The triangle is seen edge-on or has a missing corner.
         if area.is_nan() || area.abs() < 1e-9 {
             return;
         }
@@ -75,7 +76,8 @@ impl Band {
                 let first = (c - b).perp_dot(at - b) / area;
                 let second = (a - c).perp_dot(at - c) / area;
                 let third = 1.0 - first - second;
-                // A little over the edge, so that rounding leaves no gap between neighbours.
+                // The tolerance extends the triangle slightly, so that rounding leaves no gap between
+                // neighbours.
                 if first.min(second).min(third) < -1e-5 {
                     continue;
                 }
@@ -88,7 +90,7 @@ impl Band {
         }
     }
 
-    /// Colours the samples by what they hit.
+    /// Colours the samples by the triangles that they hit.
     pub fn shade(&mut self, seen: &Seen, background: Color) {
         let color = |hit: &Hit| {
             if hit.triangle == u32::MAX {
@@ -103,7 +105,7 @@ impl Band {
                 normal += weight * seen.normals[corner];
                 color = std::array::from_fn(|k| color[k] + weight * seen.colors[corner][k]);
             }
-            // Both sides are lit alike. On the picture y points downwards, hence the sign.
+            // Both sides are lit in the same way. In the picture y points downwards, hence the sign.
             let [a, b, c] = corners.map(|corner| seen.places[corner].truncate());
             let faces_away = (b - a).perp_dot(c - a) > 0.0;
             lit(color, if faces_away { -normal } else { normal })
@@ -144,7 +146,7 @@ impl Band {
         }
     }
 
-    /// Takes the mean of each pixel's samples.
+    /// Averages the samples of each pixel.
     pub fn resolve(&self, pixels: &mut [Color]) {
         for (index, pixel) in pixels.iter_mut().enumerate() {
             let (x, y) = (index % self.width * SIDE, index / self.width * SIDE);
@@ -158,7 +160,7 @@ impl Band {
     }
 }
 
-/// Depth per pixel of the plane through three places.
+/// Returns the change of depth per pixel of the plane through three places.
 fn slope([a, b, c]: [Vec3; 3]) -> f32 {
     let normal = (b - a).cross(c - a);
     (normal.truncate().length() / normal.z.abs().max(f32::MIN_POSITIVE)).min(1e6)

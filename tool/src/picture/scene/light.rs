@@ -1,23 +1,23 @@
-//! How a surface looks in the light.
+//! Computes the lighting of a surface.
 
 use geosweep::glam::Vec3;
 
 use super::super::canvas::{Color, mix};
 
-/// Where the light comes from, beside the viewer: from the upper left.
+/// The direction of the light: from the viewer's side and the upper left.
 const LIGHT: Vec3 = Vec3::new(-0.48, 0.60, 0.64);
-/// Light from all around; more of it from above.
+/// The strength of ambient light. `SKY` is the additional strength from above.
 const AMBIENT: f32 = 0.54;
 const SKY: f32 = 0.06;
-/// Light from one side, which reaches around the surface: what turns away has its shape too, and colours
-/// of a dark scale do not become black there.
+/// The strength of directional light, which wraps around the surface. Parts that face away keep their shape
+/// too, and dark colours do not become black there.
 const DIFFUSE: f32 = 0.44;
-/// A soft highlight: its strength, and how sharp it is.
+/// The strength of a soft highlight. `SHARPNESS` is its exponent.
 const HIGHLIGHT: f32 = 0.22;
 const SHARPNESS: f32 = 28.0;
 
-/// The colour under the light. The normal of the side that is seen points rightwards, upwards,
-/// towards the viewer, and need not have length 1.
+/// Returns a colour under the light. `normal` is the normal of the visible side, as (rightwards, upwards,
+/// towards the viewer). It need not have unit length.
 pub fn lit(color: Color, normal: Vec3) -> Color {
     let normal = normal.normalize_or(Vec3::Z);
     let light = LIGHT.normalize();

@@ -1,4 +1,4 @@
-//! Triangles over the points of a grid.
+//! Builds triangles over the points of a grid.
 
 use geosweep::glam::{DVec3, Vec3};
 use geosweep::surface::Chart;
@@ -6,41 +6,41 @@ use geosweep::surface::Chart;
 use super::super::canvas::Color;
 use super::view::View;
 
-/// Triangles with a colour at each vertex.
+/// Triangles with one colour per vertex.
 pub struct Mesh {
     pub positions: Vec<DVec3>,
     pub colors: Vec<Color>,
     pub triangles: Vec<[u32; 3]>,
-    /// Unit normals, the mean over the triangles around each vertex.
+    /// The unit normals, each the mean over the triangles around a vertex.
     normals: Vec<DVec3>,
 }
 
-/// A mesh as a view shows it.
+/// A mesh as seen in a view.
 pub struct Seen<'a> {
-    /// Pixels and depth; see [`View::pixel`].
+    /// The pixels and depths; see [`View::pixel`].
     pub places: Vec<Vec3>,
-    /// Rightwards, upwards, towards the viewer.
+    /// The normals, as (rightwards, upwards, towards the viewer).
     pub normals: Vec<Vec3>,
     pub colors: &'a [Color],
     pub triangles: &'a [[u32; 3]],
 }
 
 impl Mesh {
-    /// Two triangles for each cell of a grid, split along its shorter diagonal; one where a
-    /// corner is missing (NaN), none where more are. One position and colour per grid point,
-    /// row-major.
+    /// Builds two triangles for each cell of a grid, split along its shorter diagonal. A cell with one
+    /// missing corner (NaN) has one triangle, and a cell with more missing corners has none. There is one
+    /// position and one colour per grid point, row-major.
     pub fn of_grid(chart: Chart, positions: Vec<DVec3>, colors: Vec<Color>) -> Self {
         let triangles = grid_triangles(chart, &positions);
         Self::new(positions, colors, triangles)
     }
 
-    /// One colour per position; triangles as indices of positions, in any orientation.
+    /// Builds a mesh with one colour per position. Triangles are indices of positions, in any orientation.
     pub fn new(positions: Vec<DVec3>, colors: Vec<Color>, triangles: Vec<[u32; 3]>) -> Self {
         assert_eq!(positions.len(), colors.len(), "one colour per position");
         let mut normals = vec![DVec3::ZERO; positions.len()];
         for triangle in &triangles {
             let [a, b, c] = triangle.map(|corner| positions[corner as usize]);
-            // As long as twice the triangle's area, so that slivers count little.
+            // The length is twice the triangle's area, so that slivers count little.
             let normal = (b - a).cross(c - a);
             triangle.iter().for_each(|&corner| normals[corner as usize] += normal);
         }
@@ -48,7 +48,7 @@ impl Mesh {
         Self { positions, colors, triangles, normals }
     }
 
-    /// The positions that are there, for [`View::fit`].
+    /// Returns the positions that are not missing, for [`View::fit`].
     pub fn present(&self) -> impl Iterator<Item = DVec3> + Clone {
         self.positions.iter().copied().filter(|position| position.is_finite())
     }
@@ -63,7 +63,7 @@ impl Mesh {
     }
 }
 
-/// The triangles of a grid whose missing points are NaN; see [`Mesh::of_grid`].
+/// Returns the triangles of a grid whose missing points are NaN; see [`Mesh::of_grid`].
 pub fn grid_triangles(chart: Chart, positions: &[DVec3]) -> Vec<[u32; 3]> {
     let mut triangles = Vec::with_capacity(2 * chart.points());
     for row in 1..chart.rows {

@@ -1,8 +1,8 @@
-//! Surfaces seen in space: shaded triangles with curves and marks on them.
+//! Draws surfaces in space: shaded triangles with curves and marks on them.
 //!
-//! Drawn in software: triangles go through a depth buffer with sixteen samples a pixel, bands of
-//! rows side by side. Strokes are as wide as asked on the picture and are hidden by what lies
-//! before them.
+//! Drawing is done in software. Triangles go through a depth buffer with sixteen samples per pixel, in bands
+//! of rows in parallel. Strokes have a fixed width in the picture, and are hidden by what lies in front of
+//! them.
 
 mod band;
 mod light;
@@ -17,24 +17,24 @@ use band::Band;
 pub use mesh::{Mesh, grid_triangles};
 pub use view::View;
 
-/// A mesh and what is drawn on it.
+/// A mesh and the strokes on it.
 pub struct Scene<'a> {
     pub view: View,
     pub mesh: &'a Mesh,
-    /// In the order of drawing: the later over the earlier.
+    /// The strokes in the order of drawing. Later ones are drawn over earlier ones.
     pub strokes: &'a [Stroke],
     pub background: Color,
 }
 
-/// A polyline on or near the surface, with round ends and joints; of one vertex, a disc.
+/// A polyline on or near the surface, with round ends and joints. With a single vertex it is a disc.
 pub struct Stroke {
     pub vertices: Vec<DVec3>,
-    /// Half its width, in pixels.
+    /// Half the width, in pixels.
     pub radius: f32,
     pub color: Color,
 }
 
-/// Rows of pixels that are drawn at once.
+/// The number of rows of pixels in a band.
 const BAND: usize = 16;
 
 impl Scene<'_> {
@@ -67,11 +67,11 @@ impl Scene<'_> {
         canvas
     }
 
-    /// The items that reach into each band, given the rows from which and to which each one goes.
+    /// Returns the items that reach into each band. `extents` are the first and last rows of the items.
     fn bins(&self, extents: impl Iterator<Item = (f32, f32)>) -> Vec<Vec<usize>> {
         let count = self.view.height.div_ceil(BAND);
         let mut bins = vec![Vec::new(); count];
-        // Pixels reach half a row further than their centres.
+        // Pixels extend half a row beyond their centres.
         let band = |row: f32| ((row + 0.5) / BAND as f32).floor().max(0.0) as usize;
         for (index, (top, bottom)) in extents.enumerate() {
             if bottom >= -0.5 {

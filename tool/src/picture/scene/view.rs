@@ -1,28 +1,28 @@
-//! From space to pixels.
+//! Projects points in space to pixels.
 
 use geosweep::glam::{DVec3, Vec3};
 
-/// An orthographic camera: parallel lines stay parallel and lengths across the line of sight are
-/// true wherever they lie.
+/// An orthographic camera. Parallel lines stay parallel, and lengths across the line of sight are true
+/// everywhere.
 #[derive(Clone, Copy)]
 pub struct View {
     right: DVec3,
     up: DVec3,
     toward: DVec3,
-    /// What is shown in the middle of the picture.
+    /// The point in the middle of the picture.
     center: DVec3,
-    /// Pixels per unit of length.
+    /// The pixels per unit of length.
     scale: f64,
     pub width: usize,
     pub height: usize,
 }
 
-/// Part of the picture, on each side, that stays free.
+/// The fraction of the picture that stays free on each side.
 const MARGIN: f64 = 0.04;
 
 impl View {
-    /// Seen from the direction `toward`, with `up` upwards in the picture as far as possible, and
-    /// so large that all points fit.
+    /// Returns a view from the direction `toward`, with `up` upwards in the picture as far as possible. The
+    /// scale is the largest at which all points fit.
     pub fn fit(
         toward: DVec3,
         up: DVec3,
@@ -47,14 +47,14 @@ impl View {
         Self { right, up, toward, center, scale, width, height }
     }
 
-    /// The pixel (x, y) of a point, and how far it is before the middle, all in pixels.
+    /// Returns the pixel (x, y) of a point, and its distance in front of the middle, all in pixels.
     pub fn pixel(&self, point: DVec3) -> Vec3 {
         let middle = DVec3::new((self.width - 1) as f64, (self.height - 1) as f64, 0.0) / 2.0;
         let seen = self.turn(point - self.center) * self.scale;
         (middle + DVec3::new(seen.x, -seen.y, seen.z)).as_vec3()
     }
 
-    /// A direction as seen: rightwards, upwards, towards the viewer.
+    /// Returns a direction as seen by the viewer: (rightwards, upwards, towards the viewer).
     pub fn turn(&self, direction: DVec3) -> DVec3 {
         DVec3::new(direction.dot(self.right), direction.dot(self.up), direction.dot(self.toward))
     }
