@@ -67,6 +67,9 @@ pub struct GeosweepSources {
     pub count: u32,
     /// The number of the surface's source buffer, if there is no array.
     pub buffer: u32,
+    /// Bytes beyond the first source that the surface has in that buffer, as in a ring of which each frame has
+    /// another part; a multiple of 4.
+    pub offset: u64,
 }
 
 /// What a frame takes.
@@ -81,6 +84,9 @@ pub struct GeosweepFrame {
     pub points: u32,
     /// Which image of distances is written.
     pub slot: u32,
+    /// Bytes beyond where the surface has these points in their buffer, as in a ring of which each frame has another
+    /// part; a multiple of 4.
+    pub points_offset: u64,
     /// Where the fronts start.
     pub sources: GeosweepSources,
     /// The passes, made by the surface's solver for a grid of the surface's size.
@@ -128,7 +134,11 @@ pub(super) unsafe fn sources<'a>(
     name: &str,
 ) -> Result<SourceInput<'a>, Failure> {
     if given.sources.is_null() && given.count == 0 {
-        return Ok(SourceInput::Buffer(given.buffer as usize));
+        return Ok(SourceInput::BufferAt { number: given.buffer as usize, offset: given.offset });
+    }
+    if given.offset != 0 {
+        let reason = format!("is {}, and the sources are an array", given.offset);
+        return Err(Failure::argument(&name.replace(".sources", ".offset"), reason));
     }
     // SAFETY: the caller's promise.
     let sources = unsafe { list(given.sources, given.count, INLINE_SOURCES, name) }?;

@@ -11,6 +11,7 @@
 #define GEOSWEEP_HPP
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -186,6 +187,15 @@ public:
         check(geosweep_surface_write_points(get(), number, data, mask));
     }
 
+    /* Other buffers and images in place of those the surface was made with; frames in flight keep theirs. */
+    void set_points(uint32_t number, const GeosweepPoints &points) {
+        check(geosweep_surface_set_points(get(), number, &points));
+    }
+
+    void set_sources(uint32_t number, const GeosweepSourceBuffer &sources) {
+        check(geosweep_surface_set_sources(get(), number, &sources));
+    }
+
     void prepare(VkCommandBuffer commands) const { check(geosweep_record_prepare(get(), commands)); }
 
     GeosweepImage frame(VkCommandBuffer commands, const GeosweepFrame &frame) const {
@@ -198,8 +208,8 @@ public:
         check(geosweep_record_begin(get(), commands, before));
     }
 
-    void measure(VkCommandBuffer commands, uint32_t points) const {
-        check(geosweep_record_measure(get(), commands, points));
+    void measure(VkCommandBuffer commands, uint32_t points, uint64_t offset = 0) const {
+        check(geosweep_record_measure(get(), commands, points, offset));
     }
 
     void solve(VkCommandBuffer commands, const GeosweepSources &sources, const Plan &plan) const {
@@ -236,6 +246,18 @@ public:
     /* There will be no submission of the slot's last recording. */
     void discard(uint32_t slot) const { check(geosweep_surface_discard(get(), slot)); }
 
+    /* There will be none of what was recorded last into a command buffer, for a slot or not. */
+    void discard_commands(VkCommandBuffer commands) const {
+        check(geosweep_surface_discard_commands(get(), commands));
+    }
+
+    /* From what geosweep_record_outcome_to has copied. */
+    GeosweepOutcome outcome_from(const uint8_t *bytes) const {
+        GeosweepOutcome how = GeosweepOutcome();
+        check(geosweep_outcome_from_bytes(get(), bytes, &how));
+        return how;
+    }
+
     /* Whether the slot's last recording has run, and if so how it went. */
     bool outcome(uint32_t slot, GeosweepOutcome &how) const {
         GeosweepStatus status = geosweep_surface_outcome(get(), slot, &how);
@@ -244,6 +266,17 @@ public:
         return true;
     }
 };
+
+/*
+ * Records frames of several surfaces so that they run beside one another, with the barriers of one. Their images are
+ * those of Surface::image.
+ */
+template <std::size_t count>
+void frames(VkCommandBuffer commands, const Surface *const (&surfaces)[count], const GeosweepFrame (&frames)[count]) {
+    const GeosweepSurface *handles[count];
+    for (std::size_t number = 0; number < count; number++) handles[number] = surfaces[number]->get();
+    check(geosweep_record_frames(handles, frames, static_cast<uint32_t>(count), commands, nullptr));
+}
 
 /* What each pass of a frame takes: GeosweepFrame::profile is its get(). */
 class Profile : public Owned<GeosweepProfile, geosweep_profile_destroy> {
@@ -283,6 +316,9 @@ public:
         return curves;
     }
 
+    /* After the surface's inputs were set anew. */
+    void rebind(const Surface &surface) { check(geosweep_contours_rebind(get(), surface.get())); }
+
     GeosweepCurves record(const Surface &surface, VkCommandBuffer commands, const GeosweepContourFrame &frame) const {
         GeosweepCurves curves = GeosweepCurves();
         check(geosweep_record_contours(surface.get(), commands, get(), &frame, &curves));
@@ -305,6 +341,9 @@ public:
         return curves;
     }
 
+    /* After the surface's inputs were set anew. */
+    void rebind(const Surface &surface) { check(geosweep_paths_rebind(get(), surface.get())); }
+
     GeosweepCurves record(const Surface &surface, VkCommandBuffer commands, const GeosweepPathFrame &frame) const {
         GeosweepCurves curves = GeosweepCurves();
         check(geosweep_record_paths(surface.get(), commands, get(), &frame, &curves));
@@ -326,6 +365,9 @@ public:
         check(geosweep_regions_labels(get(), &labels));
         return labels;
     }
+
+    /* After the surface's inputs were set anew. */
+    void rebind(const Surface &surface) { check(geosweep_regions_rebind(get(), surface.get())); }
 
     GeosweepLabels record(const Surface &surface, VkCommandBuffer commands, const GeosweepRegionFrame &frame) const {
         GeosweepLabels labels = GeosweepLabels();

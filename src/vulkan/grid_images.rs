@@ -171,6 +171,13 @@ impl GridImages {
         unsafe { record.read_volatile() }
     }
 
+    /// All of them, in mapped memory: of an embedded grid one for each image of distances, and a last one of which
+    /// only the serial is written.
+    pub(crate) fn records(&self) -> &[Record] {
+        let count = self.results.len() + 1;
+        bytemuck::cast_slice(&self.outcome.read()[..count * size_of::<Record>()])
+    }
+
     /// Whether there is room for a slowness beside the Gaussian curvature.
     pub(crate) fn is_slowed(&self) -> bool {
         self.slowed
@@ -258,7 +265,8 @@ fn buffer_infos(
             (CpuToGpu, 1, ("read-back", bytes, GpuToCpu))
         }
         Purpose::Embedded { results, .. } => {
-            (GpuOnly, results.max(1), ("sources", INLINE_SOURCES * SOURCE_BYTES, GpuOnly))
+            // One more says how far the device has come.
+            (GpuOnly, results.max(1) + 1, ("sources", INLINE_SOURCES * SOURCE_BYTES, GpuOnly))
         }
     };
     let anchors = if matches!(purpose, Purpose::Headless { .. }) { ANCHOR_BYTES } else { 0 };

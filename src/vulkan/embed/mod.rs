@@ -55,17 +55,22 @@
 //! ```
 
 mod access;
+mod bound_sets;
 mod contours;
 mod curves;
+mod flight;
 mod host_sets;
+mod input_sets;
 mod inputs;
 mod paths;
 mod plan;
+mod rebinding;
 mod recording;
 mod regions;
 mod solver;
 mod state;
 mod surface;
+mod together;
 
 pub use super::device_memory::{DeviceMemory, MemoryBlock, MemoryRequest};
 pub use super::point_kind::PointKind;
@@ -79,3 +84,4 @@ pub use recording::{Frame, Recording};
 pub use regions::{RegionBuffer, RegionFrame, Regions};
 pub use solver::{Solver, Tools};
 pub use surface::{Outcome, PackedTimes, ResultImage, Surface, SurfaceInfo};
+pub use together::SurfaceFrame;

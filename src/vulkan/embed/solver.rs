@@ -34,8 +34,9 @@ pub struct Tools {
     /// tell what they have made of pipelines, by [`Solver::executables`].
     pub executables: bool,
     /// Recordings are checked for what costs a look at mapped memory: with several slots, a slot that is
-    /// recorded while its last recording has not run is an error. While you develop; a recording that is
-    /// thrown away counts, unless its command buffer is recorded anew.
+    /// recorded while its last recording has not run is an error, and recordings without an outcome are followed
+    /// too ([`super::Surface::is_in_flight`]), for which each gets a fill and two barriers more. While you develop;
+    /// a recording that is thrown away counts, unless its command buffer is recorded anew.
     pub checks: bool,
 }
 

@@ -1,6 +1,7 @@
 //! The embedding interface, used by a renderer of the tests' own.
 
 mod capture;
+mod changes;
 mod costs;
 mod creation;
 mod curves;
@@ -22,6 +23,7 @@ mod render;
 mod resolution;
 mod stage;
 mod surroundings;
+mod together;
 
 /// It checks that every frame has converged.
 #[test]
