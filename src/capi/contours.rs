@@ -6,7 +6,7 @@ use ash::vk;
 
 use super::arguments::{Output, list, reference};
 use super::curves::GeosweepCurves;
-use super::frame::GeosweepAccess;
+use super::frame::{GeosweepAccess, access};
 use super::objects::{exclusive, hand_out, land, object, take};
 use super::plan::chart;
 use super::record::{output_unless_null, record};
@@ -144,7 +144,7 @@ pub unsafe extern "C" fn geosweep_record_contours(
                 levels,
                 start: given.start,
                 points: given.points as usize,
-                reader: given.reader.into(),
+                reader: access(given.reader, "frame->reader")?,
             },
         )?;
         if let Some(output) = output {

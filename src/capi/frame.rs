@@ -19,7 +19,8 @@ pub const GEOSWEEP_POINTS_UNCHANGED: u32 = 0xFFFF_FFFF;
 pub const GEOSWEEP_STRAIGHT: f32 = 1e-30;
 const _: () = assert!(GEOSWEEP_STRAIGHT == PointSource::STRAIGHT);
 
-/// How you use what you share with us, as one side of a barrier. All zero: nothing to wait for.
+/// How you use what you share with us, as one side of a barrier. All zero: nothing to wait for. An access without a
+/// stage is an error.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepAccess {
@@ -101,13 +102,21 @@ pub struct GeosweepFrame {
     pub profile: *const GeosweepProfile,
 }
 
-impl From<GeosweepAccess> for Access {
-    fn from(access: GeosweepAccess) -> Self {
-        let GeosweepAccess { stages, access } = access;
-        // Vulkan has no barrier without a stage.
-        let none = stages.is_empty();
-        Access::new(if none { Self::NONE.stages } else { stages }, access)
+pub(super) fn access(given: GeosweepAccess, name: &str) -> Result<Access, Failure> {
+    let GeosweepAccess { stages, access } = given;
+    if !stages.is_empty() {
+        return Ok(Access::new(stages, access));
     }
+    if !access.is_empty() {
+        let reason = format!(
+            "is 0, and the access beside it is {:#x}: stages of VkPipelineStageFlags2 above the 32nd bit are no \
+             VkPipelineStageFlags, in which a copy is VK_PIPELINE_STAGE_TRANSFER_BIT",
+            access.as_raw()
+        );
+        return Err(Failure::argument(&format!("{name}.stages"), reason));
+    }
+    // Vulkan has no barrier without a stage.
+    Ok(Access::NONE)
 }
 
 pub(super) fn reader(given: GeosweepReader, name: &str) -> Result<Reader, Failure> {
@@ -116,7 +125,9 @@ pub(super) fn reader(given: GeosweepReader, name: &str) -> Result<Reader, Failur
         let reason = format!("is {}, in which no image can be read", layout.as_raw());
         return Err(Failure::argument(&format!("{name}layout"), reason));
     }
-    Ok(Reader { access: access.into(), layout })
+    let access = self::access(access, "access");
+    let access = access.map_err(|failure| failure.inside(name))?;
+    Ok(Reader { access, layout })
 }
 
 pub(super) fn unreached(given: f32, name: &str) -> Result<f32, Failure> {

@@ -41,7 +41,15 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+
+// Vulkan's types. With volk, which wants Vulkan's headers without prototypes, include volk.h before this header, or
+// define GEOSWEEP_VULKAN_HEADER as <volk.h>; so with any other header that declares them.
+#ifdef GEOSWEEP_VULKAN_HEADER
+#include GEOSWEEP_VULKAN_HEADER
+#else
 #include <vulkan/vulkan_core.h>
+#endif
+
 
 // The version of this header, which `geosweep_solver_create` compares with the library's: it
 // grows with each change that makes programs compile or run differently.
@@ -290,6 +298,17 @@ typedef struct GeosweepSolverInfo {
     const struct GeosweepAllocator *allocator;
 } GeosweepSolverInfo;
 
+// An image of yours for the distances of a slot, in place of one that the surface makes, so that a render graph may give
+// its memory to others meanwhile. `VK_FORMAT_R32_SFLOAT`, 2D, of cols x rows texels or more, with usage
+// `VK_IMAGE_USAGE_STORAGE_BIT` and that of its readers. What is there is thrown away, whatever its layout is; who has
+// used the memory before is waited for by `GeosweepFrame::before`, or by a barrier of yours.
+typedef struct GeosweepHostImage {
+    // The image.
+    VkImage image;
+    // A view of it.
+    VkImageView view;
+} GeosweepHostImage;
+
 // The points of a surface, one a grid point, row by row: in a buffer or an image of yours on the
 // device, read whenever a recording measures them, or in the program's memory, copied at once.
 // Exactly one of `buffer`, `view` and `data` is not null.
@@ -370,6 +389,10 @@ typedef struct GeosweepSurfaceInfo {
     const uint32_t *queue_families;
     // How many.
     uint32_t queue_family_count;
+    // Images of yours for the distances, one a slot; null for images that the surface makes.
+    const struct GeosweepHostImage *results;
+    // How many: 0 or as many as slots.
+    uint32_t result_count;
     // Where points may come from, by number: one for each frame in flight, say.
     const struct GeosweepPoints *points;
     // How many.
@@ -473,7 +496,8 @@ typedef struct GeosweepSource {
     float curvature;
 } GeosweepSource;
 
-// How you use what you share with us, as one side of a barrier. All zero: nothing to wait for.
+// How you use what you share with us, as one side of a barrier. All zero: nothing to wait for. An access without a
+// stage is an error.
 typedef struct GeosweepAccess {
     // In which stages.
     VkPipelineStageFlags stages;
@@ -682,7 +706,8 @@ const char *geosweep_last_error(void);
 enum GeosweepStatus geosweep_requirements(struct GeosweepRequirements *requirements);
 
 // Asks whether a physical device will do, before a device is created on it. If not, the status is
-// `GEOSWEEP_STATUS_UNSUPPORTED`, and the message names all that is missing.
+// `GEOSWEEP_STATUS_UNSUPPORTED`, and the message names all that is missing. An instance for Vulkan 1.0 will not do
+// either, of which devices alone tell: one is created and destroyed.
 enum GeosweepStatus geosweep_check_device(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
                                           VkInstance instance,
                                           VkPhysicalDevice physical_device);
@@ -758,6 +783,12 @@ enum GeosweepStatus geosweep_surface_set_points(struct GeosweepSurface *surface,
 enum GeosweepStatus geosweep_surface_set_sources(struct GeosweepSurface *surface,
                                                  uint32_t number,
                                                  const struct GeosweepSourceBuffer *sources);
+
+// Replaces your image for the distances of a slot, of a surface that was made with images of yours: recordings from now on
+// write this one, and frames in flight go on with the one that they were recorded for.
+enum GeosweepStatus geosweep_surface_set_result(struct GeosweepSurface *surface,
+                                                uint32_t slot,
+                                                const struct GeosweepHostImage *image);
 
 // Gives the image of distances of a slot. `layout` is that of the reader for which it was recorded
 // last.

@@ -7,7 +7,7 @@ use ash::vk::Handle;
 
 use super::arguments::{Output, list, reference};
 use super::curves::GeosweepCurves;
-use super::frame::{GeosweepAccess, GeosweepSources, sources};
+use super::frame::{GeosweepAccess, GeosweepSources, access, sources};
 use super::objects::{exclusive, hand_out, land, object, take};
 use super::record::{output_unless_null, record};
 use super::solver::{GeosweepSolver, Shared};
@@ -151,11 +151,11 @@ pub unsafe extern "C" fn geosweep_record_paths(
         let curves = recording.points_at(given.points_offset).paths(
             &paths.paths,
             &embed::PathFrame {
-                before: given.before.into(),
+                before: access(given.before, "frame->before")?,
                 starts,
                 sources,
                 points: given.points as usize,
-                reader: given.reader.into(),
+                reader: access(given.reader, "frame->reader")?,
             },
         )?;
         if let Some(output) = output {

@@ -8,7 +8,7 @@ use ash::vk::Handle;
 use super::arguments::{Output, list, reference};
 use super::frame::{
     GEOSWEEP_POINTS_UNCHANGED, GeosweepAccess, GeosweepFrame, GeosweepReader, GeosweepSources,
-    plan, reader, sources, unreached,
+    access, plan, reader, sources, unreached,
 };
 use super::objects::object;
 use super::plan::GeosweepPlan;
@@ -112,7 +112,7 @@ unsafe fn frame_of<'a>(
     };
     let points = (given.points != GEOSWEEP_POINTS_UNCHANGED).then_some(given.points as usize);
     Ok(embed::Frame {
-        before: given.before.into(),
+        before: access(given.before, "frame->before")?,
         points,
         sources,
         plan,
@@ -193,7 +193,7 @@ pub unsafe extern "C" fn geosweep_record_begin(
     before: GeosweepAccess,
 ) -> GeosweepStatus {
     let append = |_: &_, recording: Recording| {
-        recording.begin(before.into());
+        recording.begin(access(before, "before")?);
         Ok(())
     };
     // SAFETY: the caller's promise.
@@ -311,8 +311,9 @@ pub unsafe extern "C" fn geosweep_record_outcome_to(
     offset: u64,
     after: GeosweepAccess,
 ) -> GeosweepStatus {
-    let append =
-        |_: &_, recording: Recording| Ok(recording.outcome_to(buffer, offset, after.into())?);
+    let append = |_: &_, recording: Recording| {
+        Ok(recording.outcome_to(buffer, offset, access(after, "after")?)?)
+    };
     // SAFETY: the caller's promise.
     unsafe { record(surface, commands, append) }
 }
@@ -379,7 +380,8 @@ pub unsafe extern "C" fn geosweep_record_lookup(
 ) -> GeosweepStatus {
     let append = |_: &_, recording: Recording| {
         let unreached = self::unreached(unreached, "unreached")?;
-        Ok(recording.lookup(number as usize, unreached, before.into(), after.into())?)
+        let (before, after) = (access(before, "before")?, access(after, "after")?);
+        Ok(recording.lookup(number as usize, unreached, before, after)?)
     };
     // SAFETY: the caller's promise.
     unsafe { record(surface, commands, append) }
@@ -393,7 +395,7 @@ pub unsafe extern "C" fn geosweep_record_end(
     after: GeosweepAccess,
 ) -> GeosweepStatus {
     let append = |_: &_, recording: Recording| {
-        recording.end(after.into());
+        recording.end(access(after, "after")?);
         Ok(())
     };
     // SAFETY: the caller's promise.

@@ -6,7 +6,7 @@ use ash::vk;
 
 use super::arguments::{Output, reference};
 use super::choices::{WavefrontNumber, wavefront};
-use super::frame::{GeosweepAccess, GeosweepSources, sources};
+use super::frame::{GeosweepAccess, GeosweepSources, access, sources};
 use super::objects::{exclusive, hand_out, land, object, take};
 use super::plan::chart;
 use super::record::{output_unless_null, record};
@@ -139,9 +139,9 @@ pub unsafe extern "C" fn geosweep_record_regions(
         let labels = recording.regions(
             &regions.regions,
             &embed::RegionFrame {
-                before: given.before.into(),
+                before: access(given.before, "frame->before")?,
                 sources,
-                reader: given.reader.into(),
+                reader: access(given.reader, "frame->reader")?,
             },
         )?;
         if let Some(output) = output {

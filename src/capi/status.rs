@@ -54,6 +54,11 @@ impl Failure {
         Self { status: GeosweepStatus::NotReady, message: message.into() }
     }
 
+    /// Of a member, whose struct has this name with a dot behind it.
+    pub(super) fn inside(self, name: &str) -> Self {
+        Self { message: format!("{name}{}", self.message), ..self }
+    }
+
     /// Of one of several frames.
     pub(super) fn of_frame(self, number: usize) -> Self {
         Self { message: format!("frames[{number}]: {}", self.message), ..self }
@@ -109,6 +114,11 @@ fn message(error: &VulkanError) -> String {
         VulkanError::NoMap => {
             "the surface has no map yet: geosweep_record_frame or geosweep_record_solve \
                                comes before this, and geosweep_record_measure takes the map away"
+                .into()
+        }
+        VulkanError::OwnResults => {
+            "the surface was made with images of distances of its own: give it yours as \
+                                    GeosweepSurfaceInfo::results"
                 .into()
         }
         VulkanError::OldInput { what, number } => format!(

@@ -9,7 +9,9 @@ use super::objects::{exclusive, hand_out, in_flight, land, object, take};
 use super::points::{Arrays, Copied, Form, GeosweepPoints};
 use super::solver::{GeosweepSolver, Shared};
 use super::status::{Failure, GeosweepStatus, guard};
-use super::surface_info::{GeosweepSourceBuffer, GeosweepSurfaceInfo, Wanted, name};
+use super::surface_info::{
+    GeosweepHostImage, GeosweepSourceBuffer, GeosweepSurfaceInfo, Wanted, name,
+};
 use crate::surface::EdgeRule;
 use crate::vulkan::embed;
 
@@ -316,6 +318,23 @@ pub unsafe extern "C" fn geosweep_surface_set_sources(
         let sources = embed::SourceBuffer { buffer, offset, count };
         let Shared { device, solver, .. } = &*surface.shared;
         Ok(surface.surface.set_sources(device, solver, number as usize, &sources)?)
+    })
+}
+
+/// Replaces your image for the distances of a slot, of a surface that was made with images of yours: recordings from now on
+/// write this one, and frames in flight go on with the one that they were recorded for.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_surface_set_result(
+    surface: *mut GeosweepSurface,
+    slot: u32,
+    image: *const GeosweepHostImage,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (surface, image) =
+            unsafe { (exclusive(surface, "surface")?, reference(image, "image")?) };
+        let device = &surface.shared.device;
+        Ok(surface.surface.set_result(device, slot as usize, (*image).into())?)
     })
 }
 

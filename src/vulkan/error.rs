@@ -195,6 +195,12 @@ pub enum VulkanError {
          first frame, or record it again in the same command buffer as that"
     )]
     PreparationLost,
+    /// The surface has images of distances of its own.
+    #[error(
+        "the surface was made with images of distances of its own: give it the host's when it is made \
+         (SurfaceInfo::results)"
+    )]
+    OwnResults,
     /// Points or sources are replaced while all of their descriptors are in use.
     #[error(
         "the surface's {what} {number} are replaced again while recordings that read them have not run: wait for \

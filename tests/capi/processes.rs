@@ -9,7 +9,8 @@ use geosweep::capi::*;
 
 use crate::host::{Host, HostBuffer};
 use crate::session::{
-    RASTER, Session, frame, last_error, method, ok, solver_info, surface_info, zero,
+    RASTER, Session, entry, frame, get_instance_proc_addr, last_error, method, ok, solver_info,
+    surface_info, zero,
 };
 
 const ROWS: u32 = 90;
@@ -130,7 +131,45 @@ fn destroyed<T>(
     told
 }
 
-const MISTAKES: [Mistake; 12] = [
+const MISTAKES: [Mistake; 14] = [
+    Mistake {
+        name: "an access whose stage was cut off",
+        make: |layers| {
+            let scene = Scene::new(layers, true);
+            let access = vk::AccessFlags::TRANSFER_WRITE;
+            let before = GeosweepAccess { stages: vk::PipelineStageFlags::empty(), access };
+            let frame = GeosweepFrame { before, ..scene.frame() };
+            let mut told = String::new();
+            scene.record(false, |commands| unsafe {
+                told = said(geosweep_record_frame(scene.surface, commands, &frame, null_mut()));
+                said(geosweep_record_end(scene.surface, commands, before));
+                said(geosweep_record_begin(scene.surface, commands, before));
+                let access = before;
+                let reader = GeosweepReader { access, layout: vk::ImageLayout::GENERAL };
+                let frame = GeosweepFrame { reader, ..scene.frame() };
+                let refused = geosweep_record_frame(scene.surface, commands, &frame, null_mut());
+                assert!(said(refused).contains("frame->reader.access.stages is 0"));
+            });
+            scene.end();
+            told
+        },
+        told: "frame->before.stages is 0, and the access beside it is 0x1000",
+    },
+    Mistake {
+        name: "an instance for Vulkan 1.0",
+        make: |_| {
+            let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_0);
+            let info = vk::InstanceCreateInfo::default().application_info(&application);
+            let instance = unsafe { entry().create_instance(&info, None) }.unwrap();
+            let device = unsafe { instance.enumerate_physical_devices() }.unwrap()[0];
+            let told = said(unsafe {
+                geosweep_check_device(get_instance_proc_addr(), instance.handle(), device)
+            });
+            unsafe { instance.destroy_instance(None) };
+            told
+        },
+        told: "was created for Vulkan 1.0, and 1.1 is needed",
+    },
     Mistake {
         name: "a surface with two frames among those recorded together",
         make: |layers| {

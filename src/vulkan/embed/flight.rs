@@ -78,6 +78,11 @@ impl Flight {
         self.serial.load(Relaxed).wrapping_add(1).max(1)
     }
 
+    /// The serial of the last recording.
+    pub(super) fn last(&self) -> u32 {
+        self.serial.load(Relaxed)
+    }
+
     /// Whether the device may still be at a recording of this serial or one before; 0 is none. Of one whose serial
     /// was never given out nothing is known.
     pub(super) fn waits_for(&self, serial: u32) -> bool {

@@ -4,6 +4,7 @@ use ash::vk;
 
 use super::input_sets::{InputSet, versions};
 use super::inputs::{Lookup, PointMemory, Points, SourceBuffer};
+use super::outputs::HostImage;
 use crate::constants::WORKGROUP;
 use crate::surface::Chart;
 use crate::vulkan::VulkanError;
@@ -138,12 +139,15 @@ impl HostSet {
 #[derive(Debug)]
 pub(super) struct HostSets {
     pub(super) pool: vk::DescriptorPool,
-    pub(super) results: Vec<HostSet>,
+    pub(super) results: Vec<InputSet>,
     pub(super) inline_sources: HostSet,
     pub(super) points: Vec<InputSet>,
     pub(super) sources: Vec<InputSet>,
     pub(super) lookups: Vec<HostSet>,
 }
+
+/// What the host gives a surface: images of distances, points, sources and lookups.
+pub(super) type Hosts<'a> = (&'a [HostImage], &'a [Points], &'a [SourceBuffer], &'a [Lookup]);
 
 /// What a set is made of.
 #[derive(Clone, Copy, Debug)]
@@ -183,13 +187,17 @@ impl HostSets {
         pipelines: &Pipelines,
         limits: &Limits,
         grid: &GridImages,
-        (points, sources, lookups): (&[Points], &[SourceBuffer], &[Lookup]),
+        (results, points, sources, lookups): Hosts,
     ) -> Result<Self, VulkanError> {
+        let versions = versions(grid.slots);
+        // Images of our own are never replaced.
+        let of_results = if results.is_empty() { 1 } else { versions };
+        let views = grid.results.iter().map(|image| image.view);
+        let views = views.chain(results.iter().map(|image| image.view));
         let mut contents: Vec<_> =
-            grid.results.iter().map(|image| Content::Result(image.view)).collect();
+            views.flat_map(|view| std::iter::repeat_n(Content::Result(view), of_results)).collect();
         let on = (device, limits);
         contents.push(inline_sources_content(on, grid)?);
-        let versions = versions(grid.results.len());
         for points in points {
             let content = points_content(on, points, grid.chart)?;
             contents.extend(std::iter::repeat_n(content, versions));
@@ -211,7 +219,7 @@ impl HostSets {
         let mut sets = sets.into_iter();
         Ok(Self {
             pool,
-            results: sets.by_ref().take(grid.results.len()).collect(),
+            results: InputSet::each(grid.slots, of_results, &mut sets),
             inline_sources: sets.next().expect("every surface has this set"),
             points: InputSet::each(points.len(), versions, &mut sets),
             sources: InputSet::each(sources.len(), versions, &mut sets),

@@ -55,6 +55,12 @@ impl InputSet {
         self.versions[self.current].used.store(flight.coming(), Relaxed);
     }
 
+    /// A recording writes what the host gives, after the outcome of its slot, if it has one.
+    pub(super) fn is_written(&self, flight: &Flight, has_note: bool) {
+        let serial = if has_note { flight.coming() } else { flight.last() };
+        self.versions[self.current].used.store(serial, Relaxed);
+    }
+
     /// Whether a recording that reads the input may not have run.
     pub(super) fn is_in_flight(&self, flight: &Flight) -> bool {
         self.versions.iter().any(|version| flight.waits_for(version.used.load(Relaxed)))

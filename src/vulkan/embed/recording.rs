@@ -145,7 +145,7 @@ impl<'a> Recording<'a> {
     }
 
     pub(super) fn record_note(&self, serial: u32) {
-        self.recorder.mark(self.surface.grid.results.len(), serial);
+        self.recorder.mark(self.surface.grid.slots, serial);
     }
 
     /// Whether a frame can be recorded; records nothing. The image that it will write.
@@ -368,7 +368,9 @@ impl<'a> Recording<'a> {
         let layouts = (vk::ImageLayout::UNDEFINED, general);
         recorder.image_barrier(result.image, before, SHADER_WRITE, layouts);
         let size = result::Push { grid: grid_size(chart), unreached };
-        let set = surface.sets.results[slot].set;
+        let results = &surface.sets.results[slot];
+        results.is_written(&surface.flight, self.solver.checks);
+        let set = results.set().set;
         recorder.host_pass(recorder.pipelines.of(RESULT), set, &size, texels);
         let layouts = (general, reader.layout);
         recorder.image_barrier(result.image, SHADER_WRITE, reader.access.side(), layouts);

@@ -89,11 +89,7 @@ impl Solver {
         let properties = unsafe { instance.get_physical_device_properties(physical_device) };
         let mut unmet = requirements::unmet(instance, physical_device);
         if requirements::is_for_vulkan_1_0(instance, device) {
-            unmet.push(
-                "its instance was created for Vulkan 1.0, and 1.1 is needed: say so in \
-                        VkApplicationInfo::apiVersion"
-                    .into(),
-            );
+            unmet.push(requirements::FOR_VULKAN_1_0.into());
         }
         if !unmet.is_empty() {
             let name = properties.device_name_as_c_str().unwrap_or(c"unnamed");

@@ -8,6 +8,7 @@ use ash::vk;
 use super::flight::Flight;
 use super::host_sets::HostSets;
 use super::inputs::{Lookup, Points, SourceBuffer};
+use super::outputs::HostImage;
 use super::recording::nth;
 use super::solver::Solver;
 use super::state::State;
@@ -35,6 +36,9 @@ pub struct SurfaceInfo<'a> {
     /// readers, which may be the same. If they differ, no ownership needs to be transferred between
     /// them; if this is empty, it does.
     pub queue_families: &'a [u32],
+    /// Images of the host's for the distances, one a slot; none for images that the surface makes. See
+    /// [`HostImage`].
+    pub results: &'a [HostImage],
     /// Where points may come from, by number: one for each frame in flight, say. If any has a slowness, the surface takes
     /// 4 bytes a point more, pipelines are made for it of all schedules and wavefronts that the solver has then, and
     /// planar fronts take the place of circular ones.
@@ -53,6 +57,7 @@ impl SurfaceInfo<'_> {
             edge_rule: EdgeRule::default(),
             slots: 1,
             queue_families: &[],
+            results: &[],
             points: &[],
             sources: &[],
             lookups: &[],
@@ -69,12 +74,22 @@ impl SurfaceInfo<'_> {
 
     fn purpose<'a>(&self, families: &'a [u32]) -> Purpose<'a> {
         let slowed = self.points.iter().any(|points| points.slowness.is_some());
-        Purpose::Embedded { results: self.slots.max(1), families, slowed }
+        let slots = self.slots.max(1);
+        let results = if self.results.is_empty() { slots } else { 0 };
+        Purpose::Embedded { slots, results, families, slowed }
     }
 
-    fn check(&self) -> Result<(), SurfaceError> {
+    fn check(&self) -> Result<(), VulkanError> {
         let Chart { rows, cols } = self.chart;
-        if rows == 0 || cols == 0 { Err(SurfaceError::Empty { rows, cols }) } else { Ok(()) }
+        if rows == 0 || cols == 0 {
+            return Err(SurfaceError::Empty { rows, cols }.into());
+        }
+        let (given, slots) = (self.results.len(), self.slots.max(1));
+        if given != 0 && given != slots {
+            let reason = format!("there are {given} of them for {slots} slots");
+            return Err(VulkanError::HostBuffer { what: "distances", reason });
+        }
+        self.results.iter().try_for_each(HostImage::check)
     }
 }
 
@@ -86,6 +101,8 @@ impl SurfaceInfo<'_> {
 pub struct Surface {
     pub(super) grid: GridImages,
     pub(super) sets: HostSets,
+    /// Images of the host's for distances, if the surface has none of its own.
+    pub(super) results: Vec<HostImage>,
     pub(super) points: Vec<Points>,
     pub(super) sources: Vec<SourceBuffer>,
     pub(super) lookup_counts: Vec<u32>,
@@ -94,7 +111,8 @@ pub struct Surface {
     pub(super) edge_rule: EdgeRule,
 }
 
-/// An image that holds distances, made with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`.
+/// An image that holds distances: the surface's, made with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`, or the
+/// host's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ResultImage {
     /// The image.
@@ -167,10 +185,11 @@ impl Surface {
             solver.make_passes_with_slowness(device)?;
         }
         let mut grid = GridImages::new(device, allocator, pipelines, size, purpose)?;
-        let host = (info.points, info.sources, info.lookups);
+        let host = (info.results, info.points, info.sources, info.lookups);
         match HostSets::new(device, pipelines, &solver.limits, &grid, host) {
             Ok(sets) => Ok(Self {
                 sets,
+                results: info.results.to_vec(),
                 points: info.points.to_vec(),
                 sources: info.sources.to_vec(),
                 lookup_counts: info.lookups.iter().map(|lookup| lookup.count).collect(),
@@ -210,22 +229,21 @@ impl Surface {
 
     /// How many images of distances there are.
     pub fn slots(&self) -> usize {
-        self.grid.results.len()
+        self.grid.slots
     }
 
     /// The image of distances of a slot, one texel a grid point: column to the right, row down.
     /// `layout` is that of the [`super::Reader`] it was last recorded for.
     pub fn result(&self, slot: usize, layout: vk::ImageLayout) -> Result<ResultImage, VulkanError> {
-        let images = &self.grid.results;
-        let image = images.get(slot).ok_or(VulkanError::NoSuch {
-            what: "slots",
-            number: slot,
-            count: images.len(),
-        })?;
+        nth(&self.sets.results, "slots", slot)?;
+        let (image, view) = match self.results.get(slot) {
+            Some(image) => (image.image, image.view),
+            None => (self.grid.results[slot].image, self.grid.results[slot].view),
+        };
         let Chart { rows, cols } = self.grid.chart;
         let extent = vk::Extent2D { width: cols as u32, height: rows as u32 };
         let format = RESULT_FORMAT;
-        Ok(ResultImage { image: image.image, view: image.view, format, extent, layout })
+        Ok(ResultImage { image, view, format, extent, layout })
     }
 
     /// The packed arrival times that all slots share: valid after a recording until the next one.

@@ -13,6 +13,7 @@ mod faults;
 mod frames;
 mod inputs;
 mod misuse;
+mod outputs;
 mod pipelines;
 mod queues;
 mod readme;
