@@ -10,6 +10,7 @@
 //     void look_at_turns(ivec2 at)                      how far the surface turns at a point
 
 #include "tag.glsl"
+#include "progress.glsl"
 
 float separation(ivec2 at, ivec2 step);
 void look_at_turns(ivec2 at);
@@ -26,7 +27,9 @@ float edge_length(ivec2 at, ivec2 step) {
     bool diagonal = step.x != 0 && step.y != 0;
     bool beside = is_present(at + ivec2(step.x, 0)) || is_present(at + ivec2(0, step.y));
     if (diagonal && !beside) return FAR;
-    return 0.5 * (load(at).slowness + load(at + step).slowness) * separation(at, step);
+    float apart = separation(at, step);
+    if (!(apart > 0.0 && apart < FAR)) atomicAdd(no_length, 1u);
+    return 0.5 * (load(at).slowness + load(at + step).slowness) * apart;
 }
 
 // Tagged if it jumps there.

@@ -19,8 +19,10 @@ layout(set = 0, binding = 4) restrict buffer Progress {
     uint visits[VISIT_WORDS]; // a bit for each dispatch of a scan that has visited its block, for profiles
     float typical_edge; // about as long as the surface's edges along rows and columns are; 0 if it has none
     // What a renderer is to know of its input, which no iteration changes.
+    uint prepared;    // the number that the surface's last preparation to run has written
     uint passed_over; // sources of the map that reach no point
     uint holes;       // points that cannot be used; NEVER_MEASURED before there are any edges
+    uint no_length;   // edges between points that can be used, of length 0 or beyond FAR
     // Of some of the edges, see turns.glsl.
     uint sharp;       // those at whose ends normals differ by much
     uint compared;    // all

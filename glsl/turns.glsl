@@ -1,8 +1,6 @@
 // How sharply the surface turns from point to point, for a renderer to know whether its grid resolves it.
 // Twin: src/surface/resolution.rs, where it is explained.
 
-#include "progress.glsl"
-
 // The unit normal at a point all four of whose neighbours are there, or zero.
 vec3 normal_inside(ivec2 at) {
     bool inside = is_present(at) && goes_on(at, ivec2(1, 0)) && goes_on(at, ivec2(0, 1));

@@ -60,6 +60,15 @@ impl<T> Output<T> {
         Ok(Self(pointer))
     }
 
+    /// Writes an entry of what is an array.
+    ///
+    /// # Safety
+    /// There is room for so many.
+    pub(super) unsafe fn write_at(&self, index: usize, value: T) {
+        // SAFETY: required; as for a single one.
+        unsafe { self.0.add(index).write(value) };
+    }
+
     pub(super) fn write(self, value: T) {
         // SAFETY: checked, or required, when this was made. What was there is of no interest, and
         // may not be initialized.

@@ -6,8 +6,8 @@ use ash::vk;
 
 use super::arguments::{Output, list, reference};
 use super::curves::GeosweepCurves;
-use super::frame::GeosweepAccess;
-use super::objects::{hand_out, object, take};
+use super::frame::{GeosweepAccess, access};
+use super::objects::{exclusive, hand_out, land, object, take};
 use super::plan::chart;
 use super::record::{output_unless_null, record};
 use super::solver::{GeosweepSolver, Shared};
@@ -40,6 +40,8 @@ pub struct GeosweepContourFrame {
     pub start: f32,
     /// The number of the surface's points to which contours are lifted.
     pub points: u32,
+    /// Bytes beyond where the surface has these points, as `GeosweepFrame::points_offset`.
+    pub points_offset: u64,
     /// How you read the contours, this frame and the frame before: the stages
     /// `VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT` and `VK_PIPELINE_STAGE_VERTEX_INPUT_BIT` with
     /// `VK_ACCESS_INDIRECT_COMMAND_READ_BIT` and `VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT` as a rule.
@@ -136,13 +138,13 @@ pub unsafe extern "C" fn geosweep_record_contours(
             let given = reference(frame, "frame")?;
             (output, contours, given, levels(given)?)
         };
-        let curves = recording.contours(
+        let curves = recording.points_at(given.points_offset).contours(
             &contours.contours,
             &embed::ContourFrame {
                 levels,
                 start: given.start,
                 points: given.points as usize,
-                reader: given.reader.into(),
+                reader: access(given.reader, "frame->reader")?,
             },
         )?;
         if let Some(output) = output {
@@ -169,13 +171,35 @@ unsafe fn levels<'a>(given: &GeosweepContourFrame) -> Result<LevelInput<'a>, Fai
     unsafe { list(levels, level_count, MOST_LEVELS, "frame->levels") }.map(LevelInput::List)
 }
 
-/// Destroys contours, before or after their surface. No submitted work may still use them. Null is
+/// Has contours read the surface's points that were replaced since they were made, by
+/// `geosweep_surface_set_points`. Recordings in flight go on with those before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_contours_rebind(
+    contours: *mut GeosweepContours,
+    surface: *const GeosweepSurface,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (of, surface) =
+            unsafe { (exclusive(contours, "contours")?, object(surface, "surface")?) };
+        let Shared { device, solver, .. } = &*surface.shared;
+        Ok(of.contours.rebind(device, solver, &surface.surface)?)
+    })
+}
+
+/// Destroys contours, before or after their surface. No submitted work may still use them, which a
+/// solver with checks looks at. Null is
 /// fine.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_contours_destroy(
     contours: *mut GeosweepContours,
 ) -> GeosweepStatus {
     guard(|| {
+        // SAFETY: the caller's promise.
+        let Some(_) = (unsafe { land(contours, "contours", |of| of.contours.is_in_flight()) })?
+        else {
+            return Ok(());
+        };
         // SAFETY: the caller's promise.
         let Some(contours) = unsafe { take(contours, "contours") }? else { return Ok(()) };
         let GeosweepContours { shared, mut contours } = contours;

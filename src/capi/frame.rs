@@ -19,7 +19,8 @@ pub const GEOSWEEP_POINTS_UNCHANGED: u32 = 0xFFFF_FFFF;
 pub const GEOSWEEP_STRAIGHT: f32 = 1e-30;
 const _: () = assert!(GEOSWEEP_STRAIGHT == PointSource::STRAIGHT);
 
-/// How you use what you share with us, as one side of a barrier. All zero: nothing to wait for.
+/// How you use what you share with us, as one side of a barrier. All zero: nothing to wait for. An access without a
+/// stage is an error.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct GeosweepAccess {
@@ -67,6 +68,9 @@ pub struct GeosweepSources {
     pub count: u32,
     /// The number of the surface's source buffer, if there is no array.
     pub buffer: u32,
+    /// Bytes beyond the first source that the surface has in that buffer, as in a ring of which each frame has
+    /// another part; a multiple of 4.
+    pub offset: u64,
 }
 
 /// What a frame takes.
@@ -81,6 +85,9 @@ pub struct GeosweepFrame {
     pub points: u32,
     /// Which image of distances is written.
     pub slot: u32,
+    /// Bytes beyond where the surface has these points in their buffer, as in a ring of which each frame has another
+    /// part; a multiple of 4.
+    pub points_offset: u64,
     /// Where the fronts start.
     pub sources: GeosweepSources,
     /// The passes, made by the surface's solver for a grid of the surface's size.
@@ -95,13 +102,21 @@ pub struct GeosweepFrame {
     pub profile: *const GeosweepProfile,
 }
 
-impl From<GeosweepAccess> for Access {
-    fn from(access: GeosweepAccess) -> Self {
-        let GeosweepAccess { stages, access } = access;
-        // Vulkan has no barrier without a stage.
-        let none = stages.is_empty();
-        Access::new(if none { Self::NONE.stages } else { stages }, access)
+pub(super) fn access(given: GeosweepAccess, name: &str) -> Result<Access, Failure> {
+    let GeosweepAccess { stages, access } = given;
+    if !stages.is_empty() {
+        return Ok(Access::new(stages, access));
     }
+    if !access.is_empty() {
+        let reason = format!(
+            "is 0, and the access beside it is {:#x}: stages of VkPipelineStageFlags2 above the 32nd bit are no \
+             VkPipelineStageFlags, in which a copy is VK_PIPELINE_STAGE_TRANSFER_BIT",
+            access.as_raw()
+        );
+        return Err(Failure::argument(&format!("{name}.stages"), reason));
+    }
+    // Vulkan has no barrier without a stage.
+    Ok(Access::NONE)
 }
 
 pub(super) fn reader(given: GeosweepReader, name: &str) -> Result<Reader, Failure> {
@@ -110,7 +125,9 @@ pub(super) fn reader(given: GeosweepReader, name: &str) -> Result<Reader, Failur
         let reason = format!("is {}, in which no image can be read", layout.as_raw());
         return Err(Failure::argument(&format!("{name}layout"), reason));
     }
-    Ok(Reader { access: access.into(), layout })
+    let access = self::access(access, "access");
+    let access = access.map_err(|failure| failure.inside(name))?;
+    Ok(Reader { access, layout })
 }
 
 pub(super) fn unreached(given: f32, name: &str) -> Result<f32, Failure> {
@@ -128,7 +145,11 @@ pub(super) unsafe fn sources<'a>(
     name: &str,
 ) -> Result<SourceInput<'a>, Failure> {
     if given.sources.is_null() && given.count == 0 {
-        return Ok(SourceInput::Buffer(given.buffer as usize));
+        return Ok(SourceInput::BufferAt { number: given.buffer as usize, offset: given.offset });
+    }
+    if given.offset != 0 {
+        let reason = format!("is {}, and the sources are an array", given.offset);
+        return Err(Failure::argument(&name.replace(".sources", ".offset"), reason));
     }
     // SAFETY: the caller's promise.
     let sources = unsafe { list(given.sources, given.count, INLINE_SOURCES, name) }?;

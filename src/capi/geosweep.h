@@ -41,15 +41,24 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+
+// Vulkan's types. With volk, which wants Vulkan's headers without prototypes, include volk.h before this header, or
+// define GEOSWEEP_VULKAN_HEADER as <volk.h>; so with any other header that declares them.
+#ifdef GEOSWEEP_VULKAN_HEADER
+#include GEOSWEEP_VULKAN_HEADER
+#else
 #include <vulkan/vulkan_core.h>
+#endif
+
 
 // The version of this header, which `geosweep_solver_create` compares with the library's: it
 // grows with each change that makes programs compile or run differently.
-#define GEOSWEEP_HEADER_VERSION 6
+#define GEOSWEEP_HEADER_VERSION 7
 
 // For `GeosweepSolverInfo::flags`, while you develop: what costs a little is checked as well. With several slots,
-// one that is recorded while its last recording has not run is an error, and so is destroying a surface that
-// such a recording uses; objects are told from those destroyed before, of which a few bytes are kept.
+// one that is recorded while its last recording has not run is an error, and so is destroying what a recording
+// uses, whatever was recorded, or writing points that it reads; objects are told from those destroyed before, of
+// which a few bytes are kept. Recordings get a fill and two barriers more for it.
 #define GEOSWEEP_SOLVER_CHECKS 1
 
 // For `GeosweepFrame::points`: the points have not changed since the last frame.
@@ -59,7 +68,7 @@
 #define GEOSWEEP_STRAIGHT 1e-30
 
 // Bytes of the record that `geosweep_record_outcome_to` copies.
-#define GEOSWEEP_OUTCOME_BYTES 60
+#define GEOSWEEP_OUTCOME_BYTES 68
 
 // Bytes of a curve's record in a `GeosweepCurves`: from draw to draw, and what
 // `geosweep_curve_record_from_bytes` reads.
@@ -289,6 +298,17 @@ typedef struct GeosweepSolverInfo {
     const struct GeosweepAllocator *allocator;
 } GeosweepSolverInfo;
 
+// An image of yours for the distances of a slot, in place of one that the surface makes, so that a render graph may give
+// its memory to others meanwhile. `VK_FORMAT_R32_SFLOAT`, 2D, of cols x rows texels or more, with usage
+// `VK_IMAGE_USAGE_STORAGE_BIT` and that of its readers. What is there is thrown away, whatever its layout is; who has
+// used the memory before is waited for by `GeosweepFrame::before`, or by a barrier of yours.
+typedef struct GeosweepHostImage {
+    // The image.
+    VkImage image;
+    // A view of it.
+    VkImageView view;
+} GeosweepHostImage;
+
 // The points of a surface, one a grid point, row by row: in a buffer or an image of yours on the
 // device, read whenever a recording measures them, or in the program's memory, copied at once.
 // Exactly one of `buffer`, `view` and `data` is not null.
@@ -369,6 +389,10 @@ typedef struct GeosweepSurfaceInfo {
     const uint32_t *queue_families;
     // How many.
     uint32_t queue_family_count;
+    // Images of yours for the distances, one a slot; null for images that the surface makes.
+    const struct GeosweepHostImage *results;
+    // How many: 0 or as many as slots.
+    uint32_t result_count;
     // Where points may come from, by number: one for each frame in flight, say.
     const struct GeosweepPoints *points;
     // How many.
@@ -420,6 +444,10 @@ typedef struct GeosweepOutcome {
     // How many grid points are holes: those with something that is not finite or too large, beyond an image
     // that is too small, or a slowness that is negative. Compare it with those you have made.
     uint32_t holes;
+    // How many edges between points that can be used have no length: 0, as between points at one place, or more than
+    // fits a number. A pole or a seam has its own, of which you know; more of them are vertices that were zeroed, or
+    // not written yet.
+    uint32_t edges_without_length;
     // How many of the map's sources reach no point: off the grid, in holes, or with a time that is no number
     // below 1e30. Unused entries of a buffer count.
     uint32_t passed_over;
@@ -468,7 +496,8 @@ typedef struct GeosweepSource {
     float curvature;
 } GeosweepSource;
 
-// How you use what you share with us, as one side of a barrier. All zero: nothing to wait for.
+// How you use what you share with us, as one side of a barrier. All zero: nothing to wait for. An access without a
+// stage is an error.
 typedef struct GeosweepAccess {
     // In which stages.
     VkPipelineStageFlags stages;
@@ -485,6 +514,9 @@ typedef struct GeosweepSources {
     uint32_t count;
     // The number of the surface's source buffer, if there is no array.
     uint32_t buffer;
+    // Bytes beyond the first source that the surface has in that buffer, as in a ring of which each frame has
+    // another part; a multiple of 4.
+    uint64_t offset;
 } GeosweepSources;
 
 // How you read an image of distances, this frame and whenever you read that image before. With an
@@ -506,6 +538,9 @@ typedef struct GeosweepFrame {
     uint32_t points;
     // Which image of distances is written.
     uint32_t slot;
+    // Bytes beyond where the surface has these points in their buffer, as in a ring of which each frame has another
+    // part; a multiple of 4.
+    uint64_t points_offset;
     // Where the fronts start.
     struct GeosweepSources sources;
     // The passes, made by the surface's solver for a grid of the surface's size.
@@ -571,6 +606,8 @@ typedef struct GeosweepContourFrame {
     float start;
     // The number of the surface's points to which contours are lifted.
     uint32_t points;
+    // Bytes beyond where the surface has these points, as `GeosweepFrame::points_offset`.
+    uint64_t points_offset;
     // How you read the contours, this frame and the frame before: the stages
     // `VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT` and `VK_PIPELINE_STAGE_VERTEX_INPUT_BIT` with
     // `VK_ACCESS_INDIRECT_COMMAND_READ_BIT` and `VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT` as a rule.
@@ -594,6 +631,8 @@ typedef struct GeosweepPathFrame {
     uint32_t start_count;
     // The number of the surface's points to which paths are lifted.
     uint32_t points;
+    // Bytes beyond where the surface has these points, as `GeosweepFrame::points_offset`.
+    uint64_t points_offset;
     // All sources of the map, those added to it too.
     struct GeosweepSources sources;
     // How you read the paths, this frame and the frame before, as of `GeosweepContourFrame`.
@@ -667,7 +706,8 @@ const char *geosweep_last_error(void);
 enum GeosweepStatus geosweep_requirements(struct GeosweepRequirements *requirements);
 
 // Asks whether a physical device will do, before a device is created on it. If not, the status is
-// `GEOSWEEP_STATUS_UNSUPPORTED`, and the message names all that is missing.
+// `GEOSWEEP_STATUS_UNSUPPORTED`, and the message names all that is missing. An instance for Vulkan 1.0 will not do
+// either, of which devices alone tell: one is created and destroyed.
 enum GeosweepStatus geosweep_check_device(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
                                           VkInstance instance,
                                           VkPhysicalDevice physical_device);
@@ -721,12 +761,34 @@ enum GeosweepStatus geosweep_surface_create(const struct GeosweepSolver *solver,
 enum GeosweepStatus geosweep_surface_bytes(const struct GeosweepSurface *surface, uint64_t *bytes);
 
 // Replaces points that were given in the program's memory, by others with the same offset and
-// stride. No submitted work may still read them: keep as many as there are frames in flight.
-// Recordings that measure them find the new ones.
+// stride. No submitted work may still read them, which a solver with checks looks at: keep as many as there are
+// frames in flight. Recordings that measure them find the new ones.
 enum GeosweepStatus geosweep_surface_write_points(struct GeosweepSurface *surface,
                                                   uint32_t number,
                                                   const float *data,
                                                   const uint8_t *mask);
+
+// Replaces points in a buffer or an image of yours by others: recordings from now on read these. With a slowness only
+// if some points of the surface have had one from the start. Frames in flight go on with the points that they were
+// recorded for, which stay alive until these have run. It is an error if more is in flight than the surface has slots.
+// Edges are those of the old points until they are measured, and contours and paths are lifted to the new ones
+// after `geosweep_contours_rebind` and `geosweep_paths_rebind`. Command buffers that are submitted again and again are
+// recorded anew.
+enum GeosweepStatus geosweep_surface_set_points(struct GeosweepSurface *surface,
+                                                uint32_t number,
+                                                const struct GeosweepPoints *points);
+
+// Replaces a buffer that sources may come from, as `geosweep_surface_set_points` does points; paths and regions need
+// `geosweep_paths_rebind` and `geosweep_regions_rebind`.
+enum GeosweepStatus geosweep_surface_set_sources(struct GeosweepSurface *surface,
+                                                 uint32_t number,
+                                                 const struct GeosweepSourceBuffer *sources);
+
+// Replaces your image for the distances of a slot, of a surface that was made with images of yours: recordings from now on
+// write this one, and frames in flight go on with the one that they were recorded for.
+enum GeosweepStatus geosweep_surface_set_result(struct GeosweepSurface *surface,
+                                                uint32_t slot,
+                                                const struct GeosweepHostImage *image);
 
 // Gives the image of distances of a slot. `layout` is that of the reader for which it was recorded
 // last.
@@ -749,6 +811,11 @@ enum GeosweepStatus geosweep_surface_outcome(const struct GeosweepSurface *surfa
 // Says that the last recording for a slot was thrown away and will never run, to a solver with checks.
 enum GeosweepStatus geosweep_surface_discard(const struct GeosweepSurface *surface,
                                              uint32_t slot);
+
+// Says that what was recorded last for the surface into a command buffer was thrown away and will never run, whatever
+// it was, to a solver with checks.
+enum GeosweepStatus geosweep_surface_discard_commands(const struct GeosweepSurface *surface,
+                                                      VkCommandBuffer commands);
 
 // Destroys a surface with its images. No submitted work may still use it, which a solver with checks looks
 // at. Null is fine.
@@ -792,6 +859,17 @@ enum GeosweepStatus geosweep_record_frame(const struct GeosweepSurface *surface,
                                           const struct GeosweepFrame *frame,
                                           struct GeosweepImage *result);
 
+// Records frames of several surfaces so that they run beside one another: each as `geosweep_record_frame` does, with the
+// passes of all between the same barriers. `count` surfaces of one size and plan have the barriers of one: recorded one
+// after another they would run one after another. `surfaces` and `frames` have `count` entries, at most 64, and no
+// surface is there twice; all are of one solver, and no frame has a profile. Gives the images of distances to
+// `results`, which has room for as many, unless that is null.
+enum GeosweepStatus geosweep_record_frames(const struct GeosweepSurface *const *surfaces,
+                                           const struct GeosweepFrame *frames,
+                                           uint32_t count,
+                                           VkCommandBuffer commands,
+                                           struct GeosweepImage *results);
+
 // Records the start of a frame, one call after another: waits for what you have written, and for
 // recordings of this surface before.
 enum GeosweepStatus geosweep_record_begin(const struct GeosweepSurface *surface,
@@ -799,10 +877,11 @@ enum GeosweepStatus geosweep_record_begin(const struct GeosweepSurface *surface,
                                           struct GeosweepAccess before);
 
 // Measures the surface's edges from its points with this number. The map is lost: `solve` comes
-// next.
+// next. `offset` is as `GeosweepFrame::points_offset`.
 enum GeosweepStatus geosweep_record_measure(const struct GeosweepSurface *surface,
                                             VkCommandBuffer commands,
-                                            uint32_t points);
+                                            uint32_t points,
+                                            uint64_t offset);
 
 // Computes a new map, with as many iterations as the plan holds, less those after convergence.
 enum GeosweepStatus geosweep_record_solve(const struct GeosweepSurface *surface,
@@ -838,8 +917,10 @@ enum GeosweepStatus geosweep_record_outcome_to(const struct GeosweepSurface *sur
                                                uint64_t offset,
                                                struct GeosweepAccess after);
 
-// Reads the record that `geosweep_record_outcome_to` has copied: `GEOSWEEP_OUTCOME_BYTES` bytes.
-enum GeosweepStatus geosweep_outcome_from_bytes(const uint8_t *bytes,
+// Reads the record that `geosweep_record_outcome_to` has copied: `GEOSWEEP_OUTCOME_BYTES` bytes. It is an error
+// if they are of another surface, or if the surface's preparation has not run before.
+enum GeosweepStatus geosweep_outcome_from_bytes(const struct GeosweepSurface *surface,
+                                                const uint8_t *bytes,
                                                 struct GeosweepOutcome *outcome);
 
 // Writes the map to the slot's image of distances, for a reader. Waits for the reader of commands
@@ -905,7 +986,13 @@ enum GeosweepStatus geosweep_record_contours(const struct GeosweepSurface *surfa
                                              const struct GeosweepContourFrame *frame,
                                              struct GeosweepCurves *result);
 
-// Destroys contours, before or after their surface. No submitted work may still use them. Null is
+// Has contours read the surface's points that were replaced since they were made, by
+// `geosweep_surface_set_points`. Recordings in flight go on with those before.
+enum GeosweepStatus geosweep_contours_rebind(struct GeosweepContours *contours,
+                                             const struct GeosweepSurface *surface);
+
+// Destroys contours, before or after their surface. No submitted work may still use them, which a
+// solver with checks looks at. Null is
 // fine.
 enum GeosweepStatus geosweep_contours_destroy(struct GeosweepContours *contours);
 
@@ -942,7 +1029,13 @@ enum GeosweepStatus geosweep_record_paths(const struct GeosweepSurface *surface,
                                           const struct GeosweepPathFrame *frame,
                                           struct GeosweepCurves *result);
 
-// Destroys paths, before or after their surface. No submitted work may still use them. Null is fine.
+// Has paths read the surface's points and sources that were replaced since they were made, by
+// `geosweep_surface_set_points` and `geosweep_surface_set_sources`. Recordings in flight go on with those before.
+enum GeosweepStatus geosweep_paths_rebind(struct GeosweepPaths *paths,
+                                          const struct GeosweepSurface *surface);
+
+// Destroys paths, before or after their surface. No submitted work may still use them, which a
+// solver with checks looks at. Null is fine.
 enum GeosweepStatus geosweep_paths_destroy(struct GeosweepPaths *paths);
 
 // Says how many bytes of device memory regions will take, before they are made: 24 a grid point.
@@ -973,7 +1066,13 @@ enum GeosweepStatus geosweep_record_regions(const struct GeosweepSurface *surfac
                                             const struct GeosweepRegionFrame *frame,
                                             struct GeosweepLabels *result);
 
-// Destroys regions, before or after their surface. No submitted work may still use them. Null is fine.
+// Has regions read the surface's sources that were replaced since they were made, by
+// `geosweep_surface_set_sources`. Recordings in flight go on with those before.
+enum GeosweepStatus geosweep_regions_rebind(struct GeosweepRegions *regions,
+                                            const struct GeosweepSurface *surface);
+
+// Destroys regions, before or after their surface. No submitted work may still use them, which a solver
+// with checks looks at. Null is fine.
 enum GeosweepStatus geosweep_regions_destroy(struct GeosweepRegions *regions);
 
 // Makes room for the passes of frames of a surface with this plan, which go to a queue of this family;

@@ -11,6 +11,7 @@
 #define GEOSWEEP_HPP
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -42,17 +43,108 @@ inline void check_destroyed(GeosweepStatus status) {
     if (status != GEOSWEEP_STATUS_SUCCESS) GEOSWEEP_NOT_DESTROYED(geosweep_last_error());
 }
 
-/* An access, as one side of a barrier. */
-inline GeosweepAccess access(VkPipelineStageFlags stages, VkAccessFlags accesses) {
-    GeosweepAccess made = {stages, accesses};
+/*
+ * An access of VkPipelineStageFlags2 and VkAccessFlags2, as the flags of 32 bits say it: copies, resolves, blits and
+ * clears are transfers, the parts of vertex input are that, and sampled and stored shader accesses are shader
+ * accesses. What has no such name throws std::invalid_argument.
+ */
+inline GeosweepAccess access_from(uint64_t stages, uint64_t accesses) {
+    struct Name {
+        uint64_t bits;
+        uint32_t is;
+    };
+    const uint64_t one = 1;
+    const Name of_stages[] = {
+        {one << 32 | one << 33 | one << 34 | one << 35, VK_PIPELINE_STAGE_TRANSFER_BIT},
+        {one << 36 | one << 37, VK_PIPELINE_STAGE_VERTEX_INPUT_BIT},
+        {one << 38, VK_PIPELINE_STAGE_ALL_GRAPHICS_BIT},
+    };
+    const Name of_accesses[] = {
+        {one << 32 | one << 33, VK_ACCESS_SHADER_READ_BIT},
+        {one << 34, VK_ACCESS_SHADER_WRITE_BIT},
+    };
+    const uint64_t low = 0xffffffff;
+    uint32_t in = static_cast<uint32_t>(stages & low), how = static_cast<uint32_t>(accesses & low);
+    for (const Name &name : of_stages) {
+        if (stages & name.bits) in |= name.is;
+        stages &= ~name.bits;
+    }
+    for (const Name &name : of_accesses) {
+        if (accesses & name.bits) how |= name.is;
+        accesses &= ~name.bits;
+    }
+    if ((stages | accesses) & ~low) throw std::invalid_argument("stages or accesses that have no name of 32 bits");
+    GeosweepAccess made = {in, how};
     return made;
 }
 
+/* An access, as one side of a barrier: of flags of 32 bits, or of 64 as synchronization2 has them. */
+template <class Stages, class Accesses>
+GeosweepAccess access(Stages stages, Accesses accesses) {
+    return access_from(static_cast<uint64_t>(stages), static_cast<uint64_t>(accesses));
+}
+
 /* Sampled in these stages. */
-inline GeosweepReader sampled(VkPipelineStageFlags stages) {
+template <class Stages>
+GeosweepReader sampled(Stages stages) {
     GeosweepReader made = {access(stages, VK_ACCESS_SHADER_READ_BIT), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
     return made;
 }
+
+/*
+ * Structs of geosweep.h by names, in C++11 too: each starts from the usual choices, and the calls that change one give it
+ * back. geosweep::Method(GEOSWEEP_WAVEFRONT_CURVED).tolerated(1e-5).in_a_recording(8)
+ */
+struct Method : GeosweepMethod {
+    explicit Method(GeosweepWavefront of) : GeosweepMethod() {
+        wavefront = of;
+        tolerance = 1e-4;
+        most_iterations = 100;
+        iterations = 8;
+    }
+    Method &by(GeosweepSchedule of) { return schedule = of, *this; }
+    Method &tolerated(double most) { return tolerance = most, *this; }
+    Method &in_all(uint32_t most) { return most_iterations = most, *this; }
+    Method &in_a_recording(uint32_t count) { return iterations = count, *this; }
+};
+
+struct Points : GeosweepPoints {
+    /* Positions in a buffer, so many bytes apart. */
+    Points(VkBuffer of, uint64_t apart) : GeosweepPoints() { buffer = of, stride = apart; }
+    /* Positions in an image, in the layout in which it is whenever it is read. */
+    Points(VkImageView of, VkImageLayout in) : GeosweepPoints() { view = of, layout = in; }
+    Points &from(uint64_t bytes) { return offset = bytes, *this; }
+    Points &heights(double columns_apart, double rows_apart) {
+        return kind = GEOSWEEP_POINT_KIND_HEIGHTS, dx = columns_apart, dy = rows_apart, *this;
+    }
+    Points &metric() { return kind = GEOSWEEP_POINT_KIND_METRIC, *this; }
+    Points &slowed_by(uint32_t which_float) { return slowness = which_float, *this; }
+};
+
+/* The arrays are the program's, and are not needed once the surface is made. */
+struct SurfaceInfo : GeosweepSurfaceInfo {
+    SurfaceInfo(uint32_t of_rows, uint32_t of_cols) : GeosweepSurfaceInfo() {
+        rows = of_rows, cols = of_cols, slots = 1;
+    }
+    SurfaceInfo &in_flight(uint32_t frames) { return slots = frames, *this; }
+    SurfaceInfo &measured_by(GeosweepEdgeRule rule) { return edge_rule = rule, *this; }
+    SurfaceInfo &with(const GeosweepPoints *of, std::size_t count) {
+        return points = of, point_count = static_cast<uint32_t>(count), *this;
+    }
+    /* Images of yours for the distances, one a slot. */
+    SurfaceInfo &into(const GeosweepHostImage *of, std::size_t count) {
+        return results = of, result_count = static_cast<uint32_t>(count), *this;
+    }
+    SurfaceInfo &with(const GeosweepSourceBuffer *of, std::size_t count) {
+        return sources = of, source_count = static_cast<uint32_t>(count), *this;
+    }
+    SurfaceInfo &with(const GeosweepLookup *of, std::size_t count) {
+        return lookups = of, lookup_count = static_cast<uint32_t>(count), *this;
+    }
+    SurfaceInfo &shared_by(const std::vector<uint32_t> &families) {
+        return queue_families = families.data(), queue_family_count = static_cast<uint32_t>(families.size()), *this;
+    }
+};
 
 /* A solver's info with the header's version in it, and nothing else. */
 inline GeosweepSolverInfo solver_info() {
@@ -131,6 +223,14 @@ public:
     T *get() const { return object_.get(); }
     const Solver &solver() const { return solver_; }
 
+    Owned(Owned &&) = default;
+    /* What was here goes before its solver does, which refuses to go first. */
+    Owned &operator=(Owned &&other) noexcept {
+        object_ = std::move(other.object_);
+        solver_ = std::move(other.solver_);
+        return *this;
+    }
+
 protected:
     explicit Owned(const Solver &solver) : solver_(solver) {}
 
@@ -186,6 +286,20 @@ public:
         check(geosweep_surface_write_points(get(), number, data, mask));
     }
 
+    /* Other buffers and images in place of those the surface was made with; frames in flight keep theirs. */
+    void set_points(uint32_t number, const GeosweepPoints &points) {
+        check(geosweep_surface_set_points(get(), number, &points));
+    }
+
+    void set_sources(uint32_t number, const GeosweepSourceBuffer &sources) {
+        check(geosweep_surface_set_sources(get(), number, &sources));
+    }
+
+    /* Another image of yours for a slot, of a surface that was made with such. */
+    void set_result(uint32_t slot, const GeosweepHostImage &image) {
+        check(geosweep_surface_set_result(get(), slot, &image));
+    }
+
     void prepare(VkCommandBuffer commands) const { check(geosweep_record_prepare(get(), commands)); }
 
     GeosweepImage frame(VkCommandBuffer commands, const GeosweepFrame &frame) const {
@@ -198,8 +312,8 @@ public:
         check(geosweep_record_begin(get(), commands, before));
     }
 
-    void measure(VkCommandBuffer commands, uint32_t points) const {
-        check(geosweep_record_measure(get(), commands, points));
+    void measure(VkCommandBuffer commands, uint32_t points, uint64_t offset = 0) const {
+        check(geosweep_record_measure(get(), commands, points, offset));
     }
 
     void solve(VkCommandBuffer commands, const GeosweepSources &sources, const Plan &plan) const {
@@ -236,6 +350,18 @@ public:
     /* There will be no submission of the slot's last recording. */
     void discard(uint32_t slot) const { check(geosweep_surface_discard(get(), slot)); }
 
+    /* There will be none of what was recorded last into a command buffer, for a slot or not. */
+    void discard_commands(VkCommandBuffer commands) const {
+        check(geosweep_surface_discard_commands(get(), commands));
+    }
+
+    /* From what geosweep_record_outcome_to has copied. */
+    GeosweepOutcome outcome_from(const uint8_t *bytes) const {
+        GeosweepOutcome how = GeosweepOutcome();
+        check(geosweep_outcome_from_bytes(get(), bytes, &how));
+        return how;
+    }
+
     /* Whether the slot's last recording has run, and if so how it went. */
     bool outcome(uint32_t slot, GeosweepOutcome &how) const {
         GeosweepStatus status = geosweep_surface_outcome(get(), slot, &how);
@@ -243,6 +369,42 @@ public:
         check(status);
         return true;
     }
+};
+
+/*
+ * Records frames of several surfaces so that they run beside one another, with the barriers of one. Their images are
+ * those of Surface::image.
+ */
+template <std::size_t count>
+void frames(VkCommandBuffer commands, const Surface *const (&surfaces)[count], const GeosweepFrame (&frames)[count]) {
+    const GeosweepSurface *handles[count];
+    for (std::size_t number = 0; number < count; number++) handles[number] = surfaces[number]->get();
+    check(geosweep_record_frames(handles, frames, static_cast<uint32_t>(count), commands, nullptr));
+}
+
+/* A frame of a plan, by names: of points 0 for slot 0, unless it is told otherwise. */
+struct Frame : GeosweepFrame {
+    Frame(const Plan &of, const GeosweepReader &by) : GeosweepFrame() {
+        plan = of.get(), reader = by, unreached = -1.0f;
+    }
+    Frame &after(const GeosweepAccess &writes) { return before = writes, *this; }
+    Frame &from(uint32_t which_points, uint64_t offset = 0) {
+        return points = which_points, points_offset = offset, *this;
+    }
+    Frame &unchanged() { return points = GEOSWEEP_POINTS_UNCHANGED, *this; }
+    Frame &to(uint32_t which_slot) { return slot = which_slot, *this; }
+    /* Where nothing arrives. */
+    Frame &else_is(float value) { return unreached = value, *this; }
+    /* An array that is there until the frame is recorded. */
+    Frame &around(const GeosweepSource *of, std::size_t count) {
+        sources = GeosweepSources();
+        return sources.sources = of, sources.count = static_cast<uint32_t>(count), *this;
+    }
+    Frame &around_buffer(uint32_t number, uint64_t offset = 0) {
+        sources = GeosweepSources();
+        return sources.buffer = number, sources.offset = offset, *this;
+    }
+    Frame &timed_by(const GeosweepProfile *taking_down) { return profile = taking_down, *this; }
 };
 
 /* What each pass of a frame takes: GeosweepFrame::profile is its get(). */
@@ -283,6 +445,9 @@ public:
         return curves;
     }
 
+    /* After the surface's inputs were set anew. */
+    void rebind(const Surface &surface) { check(geosweep_contours_rebind(get(), surface.get())); }
+
     GeosweepCurves record(const Surface &surface, VkCommandBuffer commands, const GeosweepContourFrame &frame) const {
         GeosweepCurves curves = GeosweepCurves();
         check(geosweep_record_contours(surface.get(), commands, get(), &frame, &curves));
@@ -305,6 +470,9 @@ public:
         return curves;
     }
 
+    /* After the surface's inputs were set anew. */
+    void rebind(const Surface &surface) { check(geosweep_paths_rebind(get(), surface.get())); }
+
     GeosweepCurves record(const Surface &surface, VkCommandBuffer commands, const GeosweepPathFrame &frame) const {
         GeosweepCurves curves = GeosweepCurves();
         check(geosweep_record_paths(surface.get(), commands, get(), &frame, &curves));
@@ -326,6 +494,9 @@ public:
         check(geosweep_regions_labels(get(), &labels));
         return labels;
     }
+
+    /* After the surface's inputs were set anew. */
+    void rebind(const Surface &surface) { check(geosweep_regions_rebind(get(), surface.get())); }
 
     GeosweepLabels record(const Surface &surface, VkCommandBuffer commands, const GeosweepRegionFrame &frame) const {
         GeosweepLabels labels = GeosweepLabels();

@@ -107,6 +107,38 @@ pub(super) unsafe fn exclusive<'a, T: Object>(
     }
 }
 
+/// An object that is to be destroyed; `None` for null. With checks refused while a recording that uses it has not
+/// run.
+///
+/// # Safety
+/// As of [`object`].
+pub(super) unsafe fn land<'a, T: Object>(
+    pointer: *const T,
+    name: &str,
+    is_in_flight: impl FnOnce(&T) -> bool,
+) -> Result<Option<&'a T>, Failure> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: required.
+    let of: &T = unsafe { object(pointer, name) }?;
+    match of.shared().has_checks() && is_in_flight(of) {
+        true => Err(in_flight(name, "is destroyed and a recording of it has not run")),
+        false => Ok(Some(of)),
+    }
+}
+
+/// Something waits for a recording.
+pub(super) fn in_flight(name: &str, what: &str) -> Failure {
+    Failure::argument(
+        name,
+        format!(
+            "{what}: wait for the fence of its submission, or say by geosweep_surface_discard or \
+             geosweep_surface_discard_commands that there will be none"
+        ),
+    )
+}
+
 /// An object back from the program; `None` for null. With checks its place is kept, so that whoever uses it once
 /// more is told.
 ///

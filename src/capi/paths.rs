@@ -7,8 +7,8 @@ use ash::vk::Handle;
 
 use super::arguments::{Output, list, reference};
 use super::curves::GeosweepCurves;
-use super::frame::{GeosweepAccess, GeosweepSources, sources};
-use super::objects::{hand_out, object, take};
+use super::frame::{GeosweepAccess, GeosweepSources, access, sources};
+use super::objects::{exclusive, hand_out, land, object, take};
 use super::record::{output_unless_null, record};
 use super::solver::{GeosweepSolver, Shared};
 use super::status::{Failure, GeosweepStatus, guard};
@@ -44,6 +44,8 @@ pub struct GeosweepPathFrame {
     pub start_count: u32,
     /// The number of the surface's points to which paths are lifted.
     pub points: u32,
+    /// Bytes beyond where the surface has these points, as `GeosweepFrame::points_offset`.
+    pub points_offset: u64,
     /// All sources of the map, those added to it too.
     pub sources: GeosweepSources,
     /// How you read the paths, this frame and the frame before, as of `GeosweepContourFrame`.
@@ -146,14 +148,14 @@ pub unsafe extern "C" fn geosweep_record_paths(
                 sources(&given.sources, "frame->sources.sources")?,
             )
         };
-        let curves = recording.paths(
+        let curves = recording.points_at(given.points_offset).paths(
             &paths.paths,
             &embed::PathFrame {
-                before: given.before.into(),
+                before: access(given.before, "frame->before")?,
                 starts,
                 sources,
                 points: given.points as usize,
-                reader: given.reader.into(),
+                reader: access(given.reader, "frame->reader")?,
             },
         )?;
         if let Some(output) = output {
@@ -182,10 +184,30 @@ unsafe fn starts<'a>(given: &GeosweepPathFrame) -> Result<StartInput<'a>, Failur
     Ok(StartInput::Buffer { buffer: start_buffer, offset: start_offset, count: start_count })
 }
 
-/// Destroys paths, before or after their surface. No submitted work may still use them. Null is fine.
+/// Has paths read the surface's points and sources that were replaced since they were made, by
+/// `geosweep_surface_set_points` and `geosweep_surface_set_sources`. Recordings in flight go on with those before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_paths_rebind(
+    paths: *mut GeosweepPaths,
+    surface: *const GeosweepSurface,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (of, surface) = unsafe { (exclusive(paths, "paths")?, object(surface, "surface")?) };
+        let Shared { device, solver, .. } = &*surface.shared;
+        Ok(of.paths.rebind(device, solver, &surface.surface)?)
+    })
+}
+
+/// Destroys paths, before or after their surface. No submitted work may still use them, which a
+/// solver with checks looks at. Null is fine.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_paths_destroy(paths: *mut GeosweepPaths) -> GeosweepStatus {
     guard(|| {
+        // SAFETY: the caller's promise.
+        let Some(_) = (unsafe { land(paths, "paths", |of| of.paths.is_in_flight()) })? else {
+            return Ok(());
+        };
         // SAFETY: the caller's promise.
         let Some(paths) = unsafe { take(paths, "paths") }? else { return Ok(()) };
         let GeosweepPaths { shared, mut paths } = paths;

@@ -5,19 +5,21 @@ use std::sync::Arc;
 use ash::vk;
 use ash::vk::Handle;
 
-use super::arguments::{Output, reference};
+use super::arguments::{Output, list, reference};
 use super::frame::{
     GEOSWEEP_POINTS_UNCHANGED, GeosweepAccess, GeosweepFrame, GeosweepReader, GeosweepSources,
-    plan, reader, sources, unreached,
+    access, plan, reader, sources, unreached,
 };
 use super::objects::object;
 use super::plan::GeosweepPlan;
+use super::solver::Shared;
 use super::status::{Failure, GeosweepStatus, guard};
 use super::surface::{GeosweepImage, GeosweepOutcome, GeosweepSurface};
 use crate::vulkan::embed::{self, Recording, SourceInput};
+use crate::vulkan::record::MOST_TOGETHER;
 
 /// Bytes of the record that `geosweep_record_outcome_to` copies.
-pub const GEOSWEEP_OUTCOME_BYTES: u32 = 60;
+pub const GEOSWEEP_OUTCOME_BYTES: u32 = 68;
 const _: () = assert!(GEOSWEEP_OUTCOME_BYTES as usize == embed::Outcome::BYTES);
 
 /// Records for a surface.
@@ -65,22 +67,12 @@ pub unsafe extern "C" fn geosweep_record_frame(
 ) -> GeosweepStatus {
     let append = |surface: &GeosweepSurface, recording: Recording| {
         // SAFETY: the caller's promise.
-        let (output, given, plan, sources) = unsafe {
+        let (output, given, frame) = unsafe {
             let output = output_unless_null(result)?;
             let given = reference(frame, "frame")?;
-            let plan = plan(given.plan, surface, "frame->plan")?;
-            (output, given, plan, sources(&given.sources, "frame->sources.sources")?)
+            (output, given, frame_of(surface, given)?)
         };
-        let points = (given.points != GEOSWEEP_POINTS_UNCHANGED).then_some(given.points as usize);
-        let frame = embed::Frame {
-            before: given.before.into(),
-            points,
-            sources,
-            plan,
-            slot: given.slot as usize,
-            reader: reader(given.reader, "frame->reader.")?,
-            unreached: unreached(given.unreached, "frame->unreached")?,
-        };
+        let recording = recording.points_at(given.points_offset);
         let recording = match given.profile.is_null() {
             true => recording,
             false => {
@@ -105,6 +97,93 @@ pub unsafe extern "C" fn geosweep_record_frame(
     unsafe { record(surface, commands, append) }
 }
 
+/// A frame of a surface, checked as far as C has to.
+///
+/// # Safety
+/// The pointers of the frame are null or what they say.
+unsafe fn frame_of<'a>(
+    surface: &GeosweepSurface,
+    given: &GeosweepFrame,
+) -> Result<embed::Frame<'a>, Failure> {
+    // SAFETY: the caller's promise.
+    let (plan, sources) = unsafe {
+        let plan = plan(given.plan, surface, "frame->plan")?;
+        (plan, sources(&given.sources, "frame->sources.sources")?)
+    };
+    let points = (given.points != GEOSWEEP_POINTS_UNCHANGED).then_some(given.points as usize);
+    Ok(embed::Frame {
+        before: access(given.before, "frame->before")?,
+        points,
+        sources,
+        plan,
+        slot: given.slot as usize,
+        reader: reader(given.reader, "frame->reader.")?,
+        unreached: unreached(given.unreached, "frame->unreached")?,
+    })
+}
+
+/// Records frames of several surfaces so that they run beside one another: each as `geosweep_record_frame` does, with the
+/// passes of all between the same barriers. `count` surfaces of one size and plan have the barriers of one: recorded one
+/// after another they would run one after another. `surfaces` and `frames` have `count` entries, at most 64, and no
+/// surface is there twice; all are of one solver, and no frame has a profile. Gives the images of distances to
+/// `results`, which has room for as many, unless that is null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_record_frames(
+    surfaces: *const *const GeosweepSurface,
+    frames: *const GeosweepFrame,
+    count: u32,
+    commands: vk::CommandBuffer,
+    results: *mut GeosweepImage,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (surfaces, given, results) = unsafe {
+            let surfaces = list(surfaces, count, MOST_TOGETHER, "surfaces")?;
+            let given = list(frames, count, MOST_TOGETHER, "frames")?;
+            (surfaces, given, output_unless_null(results)?)
+        };
+        if commands.is_null() {
+            return Err(Failure::argument("commands", "is the null handle"));
+        }
+        let mut shared: Option<&Arc<Shared>> = None;
+        let mut frames = [const { None }; MOST_TOGETHER];
+        for (number, (&surface, given)) in surfaces.iter().zip(given).enumerate() {
+            let in_frame = |failure: Failure| failure.of_frame(number);
+            // SAFETY: the caller's promise.
+            let surface = unsafe { object(surface, "its surface") }.map_err(in_frame)?;
+            if !Arc::ptr_eq(shared.get_or_insert(&surface.shared), &surface.shared) {
+                let failure =
+                    Failure::argument("its surface", "is of another solver than the first");
+                return Err(in_frame(failure));
+            }
+            if !given.profile.is_null() {
+                let failure = Failure::argument(
+                    "frame->profile",
+                    "is not null: frames recorded together are not profiled",
+                );
+                return Err(in_frame(failure));
+            }
+            // SAFETY: the caller's promise.
+            let frame = unsafe { frame_of(surface, given) }.map_err(in_frame)?;
+            let (surface, points_at) = (&surface.surface, given.points_offset);
+            frames[number] = Some(embed::SurfaceFrame { surface, frame, points_at });
+        }
+        let (Some(shared), [Some(first), ..]) = (shared, frames) else { return Ok(()) };
+        let frames: [_; MOST_TOGETHER] =
+            std::array::from_fn(|number| frames[number].unwrap_or(first));
+        let frames = &frames[..count as usize];
+        shared.solver.record_frames(&shared.device, commands, frames)?;
+        if let Some(results) = results {
+            for (number, of) in frames.iter().enumerate() {
+                let image = of.surface.result(of.frame.slot, of.frame.reader.layout)?;
+                // SAFETY: there is room for `count` of them, by the caller's promise.
+                unsafe { results.write_at(number, image.into()) };
+            }
+        }
+        Ok(())
+    })
+}
+
 /// Records the start of a frame, one call after another: waits for what you have written, and for
 /// recordings of this surface before.
 #[unsafe(no_mangle)]
@@ -114,7 +193,7 @@ pub unsafe extern "C" fn geosweep_record_begin(
     before: GeosweepAccess,
 ) -> GeosweepStatus {
     let append = |_: &_, recording: Recording| {
-        recording.begin(before.into());
+        recording.begin(access(before, "before")?);
         Ok(())
     };
     // SAFETY: the caller's promise.
@@ -122,14 +201,16 @@ pub unsafe extern "C" fn geosweep_record_begin(
 }
 
 /// Measures the surface's edges from its points with this number. The map is lost: `solve` comes
-/// next.
+/// next. `offset` is as `GeosweepFrame::points_offset`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_record_measure(
     surface: *const GeosweepSurface,
     commands: vk::CommandBuffer,
     points: u32,
+    offset: u64,
 ) -> GeosweepStatus {
-    let append = |_: &_, recording: Recording| Ok(recording.measure(points as usize)?);
+    let append =
+        |_: &_, recording: Recording| Ok(recording.points_at(offset).measure(points as usize)?);
     // SAFETY: the caller's promise.
     unsafe { record(surface, commands, append) }
 }
@@ -230,26 +311,30 @@ pub unsafe extern "C" fn geosweep_record_outcome_to(
     offset: u64,
     after: GeosweepAccess,
 ) -> GeosweepStatus {
-    let append =
-        |_: &_, recording: Recording| Ok(recording.outcome_to(buffer, offset, after.into())?);
+    let append = |_: &_, recording: Recording| {
+        Ok(recording.outcome_to(buffer, offset, access(after, "after")?)?)
+    };
     // SAFETY: the caller's promise.
     unsafe { record(surface, commands, append) }
 }
 
-/// Reads the record that `geosweep_record_outcome_to` has copied: `GEOSWEEP_OUTCOME_BYTES` bytes.
+/// Reads the record that `geosweep_record_outcome_to` has copied: `GEOSWEEP_OUTCOME_BYTES` bytes. It is an error
+/// if they are of another surface, or if the surface's preparation has not run before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_outcome_from_bytes(
+    surface: *const GeosweepSurface,
     bytes: *const u8,
     outcome: *mut GeosweepOutcome,
 ) -> GeosweepStatus {
     guard(|| {
         const BYTES: usize = embed::Outcome::BYTES;
         // SAFETY: the caller's promise.
-        let (bytes, output) = unsafe {
+        let (surface, bytes, output) = unsafe {
             let output = Output::new(outcome, "outcome")?;
-            (reference(bytes.cast::<[u8; BYTES]>(), "bytes")?, output)
+            let bytes = reference(bytes.cast::<[u8; BYTES]>(), "bytes")?;
+            (object(surface, "surface")?, bytes, output)
         };
-        output.write(embed::Outcome::from_bytes(bytes).into());
+        output.write(surface.surface.outcome_from(bytes)?.into());
         Ok(())
     })
 }
@@ -295,7 +380,8 @@ pub unsafe extern "C" fn geosweep_record_lookup(
 ) -> GeosweepStatus {
     let append = |_: &_, recording: Recording| {
         let unreached = self::unreached(unreached, "unreached")?;
-        Ok(recording.lookup(number as usize, unreached, before.into(), after.into())?)
+        let (before, after) = (access(before, "before")?, access(after, "after")?);
+        Ok(recording.lookup(number as usize, unreached, before, after)?)
     };
     // SAFETY: the caller's promise.
     unsafe { record(surface, commands, append) }
@@ -309,7 +395,7 @@ pub unsafe extern "C" fn geosweep_record_end(
     after: GeosweepAccess,
 ) -> GeosweepStatus {
     let append = |_: &_, recording: Recording| {
-        recording.end(after.into());
+        recording.end(access(after, "after")?);
         Ok(())
     };
     // SAFETY: the caller's promise.

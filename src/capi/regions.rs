@@ -6,8 +6,8 @@ use ash::vk;
 
 use super::arguments::{Output, reference};
 use super::choices::{WavefrontNumber, wavefront};
-use super::frame::{GeosweepAccess, GeosweepSources, sources};
-use super::objects::{hand_out, object, take};
+use super::frame::{GeosweepAccess, GeosweepSources, access, sources};
+use super::objects::{exclusive, hand_out, land, object, take};
 use super::plan::chart;
 use super::record::{output_unless_null, record};
 use super::solver::{GeosweepSolver, Shared};
@@ -139,9 +139,9 @@ pub unsafe extern "C" fn geosweep_record_regions(
         let labels = recording.regions(
             &regions.regions,
             &embed::RegionFrame {
-                before: given.before.into(),
+                before: access(given.before, "frame->before")?,
                 sources,
-                reader: given.reader.into(),
+                reader: access(given.reader, "frame->reader")?,
             },
         )?;
         if let Some(output) = output {
@@ -153,10 +153,31 @@ pub unsafe extern "C" fn geosweep_record_regions(
     unsafe { record(surface, commands, append) }
 }
 
-/// Destroys regions, before or after their surface. No submitted work may still use them. Null is fine.
+/// Has regions read the surface's sources that were replaced since they were made, by
+/// `geosweep_surface_set_sources`. Recordings in flight go on with those before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_regions_rebind(
+    regions: *mut GeosweepRegions,
+    surface: *const GeosweepSurface,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (of, surface) =
+            unsafe { (exclusive(regions, "regions")?, object(surface, "surface")?) };
+        let Shared { device, solver, .. } = &*surface.shared;
+        Ok(of.regions.rebind(device, solver, &surface.surface)?)
+    })
+}
+
+/// Destroys regions, before or after their surface. No submitted work may still use them, which a solver
+/// with checks looks at. Null is fine.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_regions_destroy(regions: *mut GeosweepRegions) -> GeosweepStatus {
     guard(|| {
+        // SAFETY: the caller's promise.
+        let Some(_) = (unsafe { land(regions, "regions", |of| of.regions.is_in_flight()) })? else {
+            return Ok(());
+        };
         // SAFETY: the caller's promise.
         let Some(regions) = unsafe { take(regions, "regions") }? else { return Ok(()) };
         let GeosweepRegions { shared, mut regions } = regions;

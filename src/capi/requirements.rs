@@ -60,7 +60,8 @@ pub unsafe extern "C" fn geosweep_requirements(
 }
 
 /// Asks whether a physical device will do, before a device is created on it. If not, the status is
-/// `GEOSWEEP_STATUS_UNSUPPORTED`, and the message names all that is missing.
+/// `GEOSWEEP_STATUS_UNSUPPORTED`, and the message names all that is missing. An instance for Vulkan 1.0 will not do
+/// either, of which devices alone tell: one is created and destroyed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_check_device(
     get_instance_proc_addr: GetInstanceProcAddr,
@@ -71,9 +72,32 @@ pub unsafe extern "C" fn geosweep_check_device(
         // SAFETY: the caller's promise.
         let instance =
             unsafe { loader::instance(get_instance_proc_addr, instance, physical_device) }?;
-        let unmet = requirements::unmet(&instance, physical_device);
+        let mut unmet = requirements::unmet(&instance, physical_device);
+        if unmet.is_empty() && is_for_vulkan_1_0(&instance, physical_device) {
+            unmet.push(requirements::FOR_VULKAN_1_0.into());
+        }
         if unmet.is_empty() { Ok(()) } else { Err(Failure::unsupported(unmet.join("; "))) }
     })
+}
+
+/// Whether devices of the instance know no function of Vulkan 1.1. Loaders hand out functions of instances that these
+/// were not created for.
+fn is_for_vulkan_1_0(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> bool {
+    let Some(family) = requirements::compute_queue_family(instance, physical_device) else {
+        return false;
+    };
+    let queues =
+        [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
+    let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
+    // SAFETY: the physical device is from this instance, and has the family.
+    let Ok(device) = (unsafe { instance.create_device(physical_device, &info, None) }) else {
+        // The program will be told so too, by its own call.
+        return false;
+    };
+    let is_old = requirements::is_for_vulkan_1_0(instance, &device);
+    // SAFETY: nothing was made from it.
+    unsafe { device.destroy_device(None) };
+    is_old
 }
 
 /// Finds a queue family for compute, one without graphics if there is one: on large GPUs that is

@@ -16,11 +16,12 @@ use crate::vulkan::{VulkanError, embed};
 
 /// The version of this header, which `geosweep_solver_create` compares with the library's: it
 /// grows with each change that makes programs compile or run differently.
-pub const GEOSWEEP_HEADER_VERSION: u32 = 6;
+pub const GEOSWEEP_HEADER_VERSION: u32 = 7;
 
 /// For `GeosweepSolverInfo::flags`, while you develop: what costs a little is checked as well. With several slots,
-/// one that is recorded while its last recording has not run is an error, and so is destroying a surface that
-/// such a recording uses; objects are told from those destroyed before, of which a few bytes are kept.
+/// one that is recorded while its last recording has not run is an error, and so is destroying what a recording
+/// uses, whatever was recorded, or writing points that it reads; objects are told from those destroyed before, of
+/// which a few bytes are kept. Recordings get a fill and two barriers more for it.
 pub const GEOSWEEP_SOLVER_CHECKS: u32 = 1;
 
 /// Passes to make, at most; there are nine kinds.

@@ -54,6 +54,16 @@ impl Failure {
         Self { status: GeosweepStatus::NotReady, message: message.into() }
     }
 
+    /// Of a member, whose struct has this name with a dot behind it.
+    pub(super) fn inside(self, name: &str) -> Self {
+        Self { message: format!("{name}{}", self.message), ..self }
+    }
+
+    /// Of one of several frames.
+    pub(super) fn of_frame(self, number: usize) -> Self {
+        Self { message: format!("frames[{number}]: {}", self.message), ..self }
+    }
+
     pub(super) fn unsupported(message: String) -> Self {
         Self { status: GeosweepStatus::Unsupported, message }
     }
@@ -63,6 +73,9 @@ impl From<VulkanError> for Failure {
     fn from(error: VulkanError) -> Self {
         use GeosweepStatus as S;
         use VulkanError as E;
+        if let E::OfFrame { number, source } = error {
+            return Self::from(*source).of_frame(number);
+        }
         let status = match &error {
             E::NotRun { .. } => S::NotReady,
             E::Unusable { .. } => S::Unsupported,
@@ -103,6 +116,15 @@ fn message(error: &VulkanError) -> String {
                                comes before this, and geosweep_record_measure takes the map away"
                 .into()
         }
+        VulkanError::OwnResults => {
+            "the surface was made with images of distances of its own: give it yours as \
+                                    GeosweepSurfaceInfo::results"
+                .into()
+        }
+        VulkanError::OldInput { what, number } => format!(
+            "the surface's {what} {number} were replaced after its contours, paths or regions were made: call \
+             geosweep_contours_rebind, geosweep_paths_rebind or geosweep_regions_rebind first"
+        ),
         error => error.without_other_engines(),
     }
 }

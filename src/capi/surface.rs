@@ -5,11 +5,13 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::arguments::{Output, reference};
-use super::objects::{exclusive, hand_out, object, take};
-use super::points::{Arrays, Copied, Form};
+use super::objects::{exclusive, hand_out, in_flight, land, object, take};
+use super::points::{Arrays, Copied, Form, GeosweepPoints};
 use super::solver::{GeosweepSolver, Shared};
 use super::status::{Failure, GeosweepStatus, guard};
-use super::surface_info::{GeosweepSurfaceInfo, Wanted, name};
+use super::surface_info::{
+    GeosweepHostImage, GeosweepSourceBuffer, GeosweepSurfaceInfo, Wanted, name,
+};
 use crate::surface::EdgeRule;
 use crate::vulkan::embed;
 
@@ -66,6 +68,10 @@ pub struct GeosweepOutcome {
     /// How many grid points are holes: those with something that is not finite or too large, beyond an image
     /// that is too small, or a slowness that is negative. Compare it with those you have made.
     pub holes: u32,
+    /// How many edges between points that can be used have no length: 0, as between points at one place, or more than
+    /// fits a number. A pole or a seam has its own, of which you know; more of them are vertices that were zeroed, or
+    /// not written yet.
+    pub edges_without_length: u32,
     /// How many of the map's sources reach no point: off the grid, in holes, or with a time that is no number
     /// below 1e30. Unused entries of a buffer count.
     pub passed_over: u32,
@@ -90,6 +96,7 @@ impl From<embed::Outcome> for GeosweepOutcome {
             converged,
             measured,
             holes,
+            edges_without_length,
             passed_over,
             resolution,
         } = outcome;
@@ -99,6 +106,7 @@ impl From<embed::Outcome> for GeosweepOutcome {
             residual,
             iterations,
             holes,
+            edges_without_length,
             passed_over,
             sharp_edges,
             is_rough,
@@ -225,8 +233,8 @@ pub unsafe extern "C" fn geosweep_surface_bytes(
 }
 
 /// Replaces points that were given in the program's memory, by others with the same offset and
-/// stride. No submitted work may still read them: keep as many as there are frames in flight.
-/// Recordings that measure them find the new ones.
+/// stride. No submitted work may still read them, which a solver with checks looks at: keep as many as there are
+/// frames in flight. Recordings that measure them find the new ones.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_write_points(
     surface: *mut GeosweepSurface,
@@ -237,6 +245,12 @@ pub unsafe extern "C" fn geosweep_surface_write_points(
     guard(|| {
         // SAFETY: the caller's promise.
         let surface = unsafe { exclusive(surface, "surface") }?;
+        let at = number as usize;
+        let has_checks = surface.shared.has_checks();
+        if has_checks && surface.surface.points_in_flight(at).unwrap_or(false) {
+            let what = format!("is {number}, and a recording that reads these points has not run");
+            return Err(in_flight("number", &what));
+        }
         let (chart, edge_rule) = (surface.surface.chart(), surface.edge_rule);
         let count = surface.copied.len();
         let copied = surface.copied.get_mut(number as usize).ok_or_else(|| {
@@ -251,6 +265,76 @@ pub unsafe extern "C" fn geosweep_surface_write_points(
         let read = unsafe { copied.layout.read(arrays, chart, edge_rule, "") }?;
         copied.write(&read);
         Ok(())
+    })
+}
+
+/// Replaces points in a buffer or an image of yours by others: recordings from now on read these. With a slowness only
+/// if some points of the surface have had one from the start. Frames in flight go on with the points that they were
+/// recorded for, which stay alive until these have run. It is an error if more is in flight than the surface has slots.
+/// Edges are those of the old points until they are measured, and contours and paths are lifted to the new ones
+/// after `geosweep_contours_rebind` and `geosweep_paths_rebind`. Command buffers that are submitted again and again are
+/// recorded anew.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_surface_set_points(
+    surface: *mut GeosweepSurface,
+    number: u32,
+    points: *const GeosweepPoints,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (surface, points) =
+            unsafe { (exclusive(surface, "surface")?, reference(points, "points")?) };
+        let Form::OnDevice(points) = Form::of(points, "points")? else {
+            let reason = "is not null, and only points in a buffer or an image can be set: write \
+                          others by geosweep_surface_write_points";
+            return Err(Failure::argument("points->data", reason));
+        };
+        let number = number as usize;
+        if surface.copied.get(number).is_some_and(Option::is_some) {
+            let reason = format!(
+                "is {number}, and those points were copied from the program's memory: write others by \
+                 geosweep_surface_write_points"
+            );
+            return Err(Failure::argument("number", reason));
+        }
+        let Shared { device, solver, .. } = &*surface.shared;
+        Ok(surface.surface.set_points(device, solver, number, &points)?)
+    })
+}
+
+/// Replaces a buffer that sources may come from, as `geosweep_surface_set_points` does points; paths and regions need
+/// `geosweep_paths_rebind` and `geosweep_regions_rebind`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_surface_set_sources(
+    surface: *mut GeosweepSurface,
+    number: u32,
+    sources: *const GeosweepSourceBuffer,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (surface, sources) =
+            unsafe { (exclusive(surface, "surface")?, reference(sources, "sources")?) };
+        let GeosweepSourceBuffer { buffer, offset, count } = *sources;
+        let sources = embed::SourceBuffer { buffer, offset, count };
+        let Shared { device, solver, .. } = &*surface.shared;
+        Ok(surface.surface.set_sources(device, solver, number as usize, &sources)?)
+    })
+}
+
+/// Replaces your image for the distances of a slot, of a surface that was made with images of yours: recordings from now on
+/// write this one, and frames in flight go on with the one that they were recorded for.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_surface_set_result(
+    surface: *mut GeosweepSurface,
+    slot: u32,
+    image: *const GeosweepHostImage,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (surface, image) =
+            unsafe { (exclusive(surface, "surface")?, reference(image, "image")?) };
+        let device = &surface.shared.device;
+        Ok(surface.surface.set_result(device, slot as usize, (*image).into())?)
     })
 }
 
@@ -319,23 +403,36 @@ pub unsafe extern "C" fn geosweep_surface_discard(
     })
 }
 
+/// Says that what was recorded last for the surface into a command buffer was thrown away and will never run, whatever
+/// it was, to a solver with checks.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_surface_discard_commands(
+    surface: *const GeosweepSurface,
+    commands: vk::CommandBuffer,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        unsafe { object(surface, "surface") }?.surface.discard_commands(commands);
+        Ok(())
+    })
+}
+
 /// Destroys a surface with its images. No submitted work may still use it, which a solver with checks looks
 /// at. Null is fine.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_surface_destroy(surface: *mut GeosweepSurface) -> GeosweepStatus {
     guard(|| {
-        if surface.is_null() {
-            return Ok(());
-        }
         // SAFETY: the caller's promise.
-        let of = unsafe { object(surface, "surface") }?;
-        let waits = of.surface.in_flight().filter(|_| of.shared.has_checks());
-        if let Some(slot) = waits {
-            let reason = format!(
-                "is destroyed and its last recording for slot {slot} has not run: wait for the fence of its \
-                 submission, or say by geosweep_surface_discard that there will be none"
-            );
-            return Err(Failure::argument("surface", reason));
+        let landed = unsafe { land(surface, "surface", |of| of.surface.is_in_flight()) };
+        if let Err(failure) = landed {
+            // SAFETY: the caller's promise.
+            let slot = unsafe { object(surface, "surface") }?.surface.in_flight();
+            let of_slot = |slot| {
+                let what =
+                    format!("is destroyed and its last recording for slot {slot} has not run");
+                in_flight("surface", &what)
+            };
+            return Err(slot.map_or(failure, of_slot));
         }
         // SAFETY: the caller's promise.
         let Some(surface) = unsafe { take(surface, "surface") }? else { return Ok(()) };

@@ -47,6 +47,19 @@ pub struct GeosweepLookup {
     pub count: u32,
 }
 
+/// An image of yours for the distances of a slot, in place of one that the surface makes, so that a render graph may give
+/// its memory to others meanwhile. `VK_FORMAT_R32_SFLOAT`, 2D, of cols x rows texels or more, with usage
+/// `VK_IMAGE_USAGE_STORAGE_BIT` and that of its readers. What is there is thrown away, whatever its layout is; who has
+/// used the memory before is waited for by `GeosweepFrame::before`, or by a barrier of yours.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct GeosweepHostImage {
+    /// The image.
+    pub image: vk::Image,
+    /// A view of it.
+    pub view: vk::ImageView,
+}
+
 /// What a surface is made for. Images and buffers stay yours: they must be alive whenever
 /// a recording that reads them runs. The arrays are not needed after the call, and may be null
 /// where their count is 0.
@@ -68,6 +81,10 @@ pub struct GeosweepSurfaceInfo {
     pub queue_families: *const u32,
     /// How many.
     pub queue_family_count: u32,
+    /// Images of yours for the distances, one a slot; null for images that the surface makes.
+    pub results: *const GeosweepHostImage,
+    /// How many: 0 or as many as slots.
+    pub result_count: u32,
     /// Where points may come from, by number: one for each frame in flight, say.
     pub points: *const GeosweepPoints,
     /// How many.
@@ -82,12 +99,20 @@ pub struct GeosweepSurfaceInfo {
     pub lookup_count: u32,
 }
 
+impl From<GeosweepHostImage> for embed::HostImage {
+    fn from(image: GeosweepHostImage) -> Self {
+        let GeosweepHostImage { image, view } = image;
+        Self { image, view }
+    }
+}
+
 /// What is asked for, checked.
 pub(super) struct Wanted<'a> {
     pub(super) chart: Chart,
     pub(super) edge_rule: EdgeRule,
     slots: usize,
     families: &'a [u32],
+    results: Vec<embed::HostImage>,
     pub(super) points: Vec<Form>,
     sources: Vec<embed::SourceBuffer>,
     lookups: Vec<embed::Lookup>,
@@ -103,10 +128,11 @@ impl<'a> Wanted<'a> {
             return Err(Failure::argument("info->slots", reason));
         }
         // SAFETY: the caller's promise.
-        let (families, points, sources, lookups) = unsafe {
+        let (families, results, points, sources, lookups) = unsafe {
             let families = info.queue_families;
             (
                 list(families, info.queue_family_count, MOST, "info->queue_families")?,
+                list(info.results, info.result_count, MOST, "info->results")?,
                 list(info.points, info.point_count, MOST, "info->points")?,
                 list(info.sources, info.source_count, MOST, "info->sources")?,
                 list(info.lookups, info.lookup_count, MOST, "info->lookups")?,
@@ -127,6 +153,7 @@ impl<'a> Wanted<'a> {
             edge_rule: edge_rule(info.edge_rule, "info->edge_rule")?,
             slots: slots as usize,
             families,
+            results: results.iter().map(|&image| image.into()).collect(),
             points: points.iter().enumerate().map(form).collect::<Result<_, _>>()?,
             sources: sources.collect(),
             lookups: lookups.collect(),
@@ -139,6 +166,7 @@ impl<'a> Wanted<'a> {
             edge_rule: self.edge_rule,
             slots: self.slots,
             queue_families: self.families,
+            results: &self.results,
             points,
             sources: &self.sources,
             lookups: &self.lookups,

@@ -2,6 +2,8 @@
 
 use ash::vk;
 
+use super::record::MOST_TOGETHER;
+
 /// A side of a barrier: pipeline stages and the kinds of access in them.
 pub(crate) type Access = (vk::PipelineStageFlags, vk::AccessFlags);
 
@@ -77,17 +79,10 @@ pub(crate) fn image(
     image: vk::Image,
     before: Access,
     after: Access,
-    (old_layout, new_layout): (vk::ImageLayout, vk::ImageLayout),
+    layouts: (vk::ImageLayout, vk::ImageLayout),
 ) {
-    let barrier = vk::ImageMemoryBarrier::default()
-        .src_access_mask(before.1)
-        .dst_access_mask(after.1)
-        .old_layout(old_layout)
-        .new_layout(new_layout)
-        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-        .image(image)
-        .subresource_range(COLOR);
+    let barrier = ImageBarrier { image, before, after, layouts };
+    let barrier = barrier.info();
     // SAFETY: the command buffer is being recorded on the device that the image is from.
     unsafe {
         device.cmd_pipeline_barrier(
@@ -99,6 +94,56 @@ pub(crate) fn image(
             &[],
             &[barrier],
         );
+    }
+}
+
+/// What an image is brought from and to.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ImageBarrier {
+    pub(crate) image: vk::Image,
+    pub(crate) before: Access,
+    pub(crate) after: Access,
+    pub(crate) layouts: (vk::ImageLayout, vk::ImageLayout),
+}
+
+impl ImageBarrier {
+    fn info(&self) -> vk::ImageMemoryBarrier<'static> {
+        vk::ImageMemoryBarrier::default()
+            .src_access_mask(self.before.1)
+            .dst_access_mask(self.after.1)
+            .old_layout(self.layouts.0)
+            .new_layout(self.layouts.1)
+            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .image(self.image)
+            .subresource_range(COLOR)
+    }
+}
+
+/// Several barriers as one: the stages of all, the accesses of those over all memory, and images.
+pub(crate) fn merged(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    before: Access,
+    after: Access,
+    images: &[ImageBarrier],
+) {
+    if images.is_empty() {
+        return memory(device, commands, before, after);
+    }
+    let all = vk::MemoryBarrier::default().src_access_mask(before.1).dst_access_mask(after.1);
+    let all = [all];
+    // Images alone have nothing to do with other memory.
+    let all = if (before.1 | after.1).is_empty() { &all[..0] } else { &all[..] };
+    let mut infos = [vk::ImageMemoryBarrier::default(); MOST_TOGETHER];
+    for (info, image) in infos.iter_mut().zip(images) {
+        *info = image.info();
+    }
+    let images = &infos[..images.len()];
+    let none = vk::DependencyFlags::empty();
+    // SAFETY: the command buffer is being recorded on the device that the images are from.
+    unsafe {
+        device.cmd_pipeline_barrier(commands, before.0, after.0, none, all, &[], images);
     }
 }
 

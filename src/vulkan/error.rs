@@ -189,6 +189,54 @@ pub enum VulkanError {
         /// The slot.
         slot: usize,
     },
+    /// The device has never seen the surface's preparation.
+    #[error(
+        "the surface's preparation was recorded and has not run, so that its maps are wrong: submit it before its \
+         first frame, or record it again in the same command buffer as that"
+    )]
+    PreparationLost,
+    /// The surface has images of distances of its own.
+    #[error(
+        "the surface was made with images of distances of its own: give it the host's when it is made \
+         (SurfaceInfo::results)"
+    )]
+    OwnResults,
+    /// Points or sources are replaced while all of their descriptors are in use.
+    #[error(
+        "the surface's {what} {number} are replaced again while recordings that read them have not run: wait for \
+         the fence of a frame, or use as many slots as frames in flight"
+    )]
+    InputInFlight {
+        /// Points or sources.
+        what: &'static str,
+        /// Their number.
+        number: usize,
+    },
+    /// Contours, paths or regions were made before an input of their surface was replaced.
+    #[error(
+        "the surface's {what} {number} were replaced after its contours, paths or regions were made: call their \
+         rebind first"
+    )]
+    OldInput {
+        /// Points or sources.
+        what: &'static str,
+        /// Their number.
+        number: usize,
+    },
+    /// One of several frames that are recorded together cannot be.
+    #[error("frame {number} of those recorded together, counted from 0: {source}")]
+    OfFrame {
+        /// Its number.
+        number: usize,
+        /// What is wrong with it.
+        source: Box<VulkanError>,
+    },
+    /// Two of the frames that are recorded together are of one surface.
+    #[error(
+        "its surface has another frame among them: frames of one surface follow one another, in recordings of \
+         their own"
+    )]
+    TwiceTogether,
     /// A surface was used after it was destroyed.
     #[error("the surface was destroyed before")]
     Destroyed,

@@ -37,12 +37,19 @@ pub(crate) enum Purpose<'a> {
     /// buffers of 4 bytes a point, up to 16 MiB, each. Behind the edges is room for anchors. Surfaces whose slowness is
     /// uneven have it on the device too, 4 bytes a point.
     Headless { slowed: bool },
-    /// All stays on the device, and there are so many images of distances, used by these queue
-    /// families.
-    Embedded { results: usize, families: &'a [u32], slowed: bool },
+    /// All stays on the device, for so many frames in flight, and there are so many images of distances, used by
+    /// these queue families.
+    Embedded { slots: usize, results: usize, families: &'a [u32], slowed: bool },
 }
 
 impl Purpose<'_> {
+    fn slots(self) -> usize {
+        match self {
+            Self::Headless { .. } => 0,
+            Self::Embedded { slots, .. } => slots,
+        }
+    }
+
     /// Whether there is a slowness beside the Gaussian curvature.
     fn is_slowed(self) -> bool {
         match self {
@@ -61,6 +68,8 @@ pub(crate) struct GridImages {
     pub(crate) edges: Image,
     pub(crate) gaussian: Image,
     slowed: bool,
+    /// Frames in flight.
+    pub(crate) slots: usize,
     pub(crate) fronts: [Image; 2],
     pub(crate) results: Vec<Image>,
     pub(crate) progress: Buffer,
@@ -133,6 +142,7 @@ impl GridImages {
             edges,
             gaussian,
             slowed: purpose.is_slowed(),
+            slots: purpose.slots(),
             fronts: [fronts0, fronts1],
             results,
             progress,
@@ -169,6 +179,13 @@ impl GridImages {
         // SAFETY: the record is there. The device may be writing it, of which whoever asks too early learns
         // by its serial.
         unsafe { record.read_volatile() }
+    }
+
+    /// All of them, in mapped memory: of an embedded grid one for each frame in flight, and a last one of which
+    /// only the serial is written.
+    pub(crate) fn records(&self) -> &[Record] {
+        let count = self.slots + 1;
+        bytemuck::cast_slice(&self.outcome.read()[..count * size_of::<Record>()])
     }
 
     /// Whether there is room for a slowness beside the Gaussian curvature.
@@ -257,8 +274,9 @@ fn buffer_infos(
             let bytes = band_rows(chart, size_of::<f32>(), most) * chart.cols * size_of::<f32>();
             (CpuToGpu, 1, ("read-back", bytes, GpuToCpu))
         }
-        Purpose::Embedded { results, .. } => {
-            (GpuOnly, results.max(1), ("sources", INLINE_SOURCES * SOURCE_BYTES, GpuOnly))
+        Purpose::Embedded { slots, .. } => {
+            // One more says how far the device has come.
+            (GpuOnly, slots + 1, ("sources", INLINE_SOURCES * SOURCE_BYTES, GpuOnly))
         }
     };
     let anchors = if matches!(purpose, Purpose::Headless { .. }) { ANCHOR_BYTES } else { 0 };

@@ -35,7 +35,7 @@ pub mod plan;
 mod point_kind;
 pub mod profile;
 mod progress;
-mod record;
+pub(crate) mod record;
 pub mod requirements;
 mod schedule;
 mod schedules;

@@ -63,8 +63,11 @@ impl Outcome {
 #[repr(C)]
 pub(crate) struct Record {
     pub(crate) outcome: Outcome,
+    /// The number of the surface's last preparation that has run.
+    pub(crate) prepared: u32,
     pub(crate) passed_over: u32,
     pub(crate) holes: u32,
+    pub(crate) no_length: u32,
     pub(crate) sharp: u32,
     pub(crate) compared: u32,
     pub(crate) continued: u32,
@@ -107,12 +110,15 @@ pub(crate) mod offset {
     pub(crate) const VISITS: u64 = offset_of!(Progress, visits) as u64;
 
     /// What is known of a renderer's input: the last part, which no start of a map touches.
-    pub(crate) const INPUT: u64 = offset_of!(Progress, passed_over) as u64;
-    pub(crate) const PASSED_OVER: Range<u64> = INPUT..POINTS.start;
+    pub(crate) const INPUT: u64 = PREPARED.start;
+    pub(crate) const PREPARED: Range<u64> =
+        offset_of!(Progress, prepared) as u64..PASSED_OVER.start;
+    pub(crate) const PASSED_OVER: Range<u64> =
+        offset_of!(Progress, passed_over) as u64..POINTS.start;
     /// What is known of its points.
     pub(crate) const POINTS: Range<u64> = offset_of!(Progress, holes) as u64..BYTES;
     pub(crate) const INPUT_BYTES: u64 = BYTES - INPUT;
-    pub(crate) const INPUT_IN_RECORD: u64 = offset_of!(Record, passed_over) as u64;
+    pub(crate) const INPUT_IN_RECORD: u64 = offset_of!(Record, prepared) as u64;
     pub(crate) const SERIAL_IN_RECORD: u64 = offset_of!(Record, serial) as u64;
     const _: () = assert!(INPUT_IN_RECORD + INPUT_BYTES == SERIAL_IN_RECORD);
 }

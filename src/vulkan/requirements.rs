@@ -110,6 +110,10 @@ pub fn unmet(instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> V
     unmet
 }
 
+/// What is said of such an instance.
+pub(crate) const FOR_VULKAN_1_0: &str = "its instance was created for Vulkan 1.0, and 1.1 is needed: say so in \
+                                         VkApplicationInfo::apiVersion";
+
 /// Whether a device knows no function of Vulkan 1.1: its instance was created for 1.0, and so is the device
 /// whatever the driver can.
 pub(crate) fn is_for_vulkan_1_0(instance: &ash::Instance, device: &ash::Device) -> bool {

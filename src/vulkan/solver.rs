@@ -395,7 +395,7 @@ impl Solver {
     ) -> Result<(), VulkanError> {
         submitter.record(commands, |device, buffer, profile| {
             let pipelines = &self.for_device.pipelines;
-            let commands = Commands { device, buffer, pipelines, profile };
+            let commands = Commands { device, buffer, pipelines, profile, turn: None };
             append(Recorder { commands, grid });
         })
     }

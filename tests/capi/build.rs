@@ -107,8 +107,12 @@ pub fn check_syntax(file: &Path, standard: &str) {
 /// Compiles a program and links it.
 pub fn compile(source: &Path, program: &Path, linkage: Linkage) {
     let library = library();
-    let mut compiler = compiler("CC", "cc");
-    compiler.args(["-std=c99", "-O1", "-g", "-o"]).arg(program).arg(source);
+    let is_cpp = source.extension() == Some(OsStr::new("cpp"));
+    let (variable, usual, standard) =
+        if is_cpp { ("CXX", "c++", "-std=c++17") } else { ("CC", "cc", "-std=c99") };
+    let mut compiler = compiler(variable, usual);
+    compiler.args(["-I", &format!("{ROOT}/examples/cpp")]);
+    compiler.args([standard, "-O1", "-g", "-o"]).arg(program).arg(source);
     match linkage {
         Linkage::Shared => {
             compiler.arg("-L").arg(library).arg("-lgeosweep");

@@ -59,6 +59,7 @@ fn a_renderer_in_cpp_finds_the_package_and_has_the_map() {
         "lib/libgeosweep.a",
         "lib/pkgconfig/geosweep.pc",
         "share/doc/geosweep/embedding.md",
+        "share/doc/geosweep/cpp.md",
         "share/doc/geosweep/LICENSE-MIT",
         "share/doc/geosweep/THIRD-PARTY.txt",
         "share/doc/geosweep/examples/embed.c",

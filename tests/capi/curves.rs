@@ -247,7 +247,7 @@ fn what_cannot_be_used_is_named() {
     unsafe { ok(geosweep_contours_curves(contours, &mut curves)) };
     let start_buffer = curves.buffer;
     let in_buffer = GeosweepPathFrame { starts: null(), start_buffer, ..path_frame };
-    let no_sources = GeosweepSources { sources: null(), count: 2, buffer: 0 };
+    let no_sources = GeosweepSources { sources: null(), count: 2, ..zero() };
     let (record_contours, record_paths) = (geosweep_record_contours, geosweep_record_paths);
     unsafe {
         all_wrong! {

@@ -18,6 +18,7 @@ mod header;
 mod maps;
 mod memory;
 mod misuse;
+mod processes;
 mod profile;
 mod programs;
 mod session;

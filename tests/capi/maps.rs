@@ -214,7 +214,7 @@ fn a_map_in_parts_is_the_map_of_one_frame() {
     let none: GeosweepAccess = zero();
     let after =
         GeosweepAccess { stages: vk::PipelineStageFlags::HOST, access: vk::AccessFlags::HOST_READ };
-    let inline = GeosweepSources { sources: both.as_ptr(), count: 1, buffer: 0 };
+    let inline = GeosweepSources { sources: both.as_ptr(), count: 1, ..zero() };
     let from_buffer: GeosweepSources = zero();
     let (mut parts, mut map) = (0, Vec::new());
     for start in [&inline, &from_buffer] {
@@ -225,7 +225,7 @@ fn a_map_in_parts_is_the_map_of_one_frame() {
                 if goes_on {
                     ok(geosweep_record_resume(surface, commands, single));
                 } else if std::ptr::eq(start, &inline) {
-                    ok(geosweep_record_measure(surface, commands, 0));
+                    ok(geosweep_record_measure(surface, commands, 0, 0));
                     ok(geosweep_record_solve(surface, commands, start, single));
                 } else {
                     ok(geosweep_record_add(surface, commands, start, single));
@@ -237,7 +237,9 @@ fn a_map_in_parts_is_the_map_of_one_frame() {
                 geosweep_record_result(surface, commands, 0, COPY, unreached, image)
             });
             let mut outcome: GeosweepOutcome = zero();
-            ok(unsafe { geosweep_outcome_from_bytes(record.bytes().as_ptr(), &mut outcome) });
+            ok(unsafe {
+                geosweep_outcome_from_bytes(surface, record.bytes().as_ptr(), &mut outcome)
+            });
             let own = session.outcome(surface);
             assert_eq!((outcome.iterations, outcome.converged), (own.iterations, own.converged));
             (goes_on, parts) = (true, parts + 1);

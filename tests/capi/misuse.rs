@@ -77,14 +77,14 @@ fn null_is_named_wherever_it_is_given() {
             geosweep_surface_packed(surface, null_mut()) => "packed is null",
             geosweep_surface_outcome(none, 0, &mut zero()) => "surface is null",
             geosweep_surface_outcome(surface, 0, null_mut()) => "outcome is null",
-            geosweep_outcome_from_bytes(null(), &mut zero()) => "bytes is null",
-            geosweep_outcome_from_bytes([0; 32].as_ptr(), null_mut()) => "outcome is null",
+            geosweep_outcome_from_bytes(surface, null(), &mut zero()) => "bytes is null",
+            geosweep_outcome_from_bytes(surface, [0; 80].as_ptr(), null_mut()) => "outcome is null",
             geosweep_record_prepare(none, commands) => "surface is null",
             geosweep_record_prepare(surface, no_commands) => "commands is the null handle",
             geosweep_record_frame(none, commands, &frame, &mut image) => "surface is null",
             geosweep_record_frame(surface, commands, null(), &mut image) => "frame is null",
             geosweep_record_begin(none, commands, access) => "surface is null",
-            geosweep_record_measure(none, commands, 0) => "surface is null",
+            geosweep_record_measure(none, commands, 0, 0) => "surface is null",
             geosweep_record_solve(none, commands, &sources, plan) => "surface is null",
             geosweep_record_solve(surface, commands, null(), plan) => "sources is null",
             geosweep_record_solve(surface, commands, &sources, null()) => "plan is null",
@@ -125,7 +125,7 @@ fn a_solver_is_made_of_what_can_be_used() {
         status
     };
     all_wrong! {
-        create(&zero()) => "info->header_version is 0, and this library was built with header 6",
+        create(&zero()) => "info->header_version is 0, and this library was built with header 7",
         create(&GeosweepSolverInfo { get_instance_proc_addr: None, ..good }) => "is null",
         create(&GeosweepSolverInfo { instance: vk::Instance::null(), ..good }) => "instance is",
         create(&GeosweepSolverInfo { device: vk::Device::null(), ..good }) => "device is the null",
@@ -289,7 +289,7 @@ fn what_is_refused_records_nothing() {
     let nowhere = at(f32::NAN, 1.0);
     let late = [GeosweepSource { time: f32::INFINITY, ..inside[0] }];
     let sources = |sources: &[GeosweepSource]| frame(plan, sources).sources;
-    let null_sources = GeosweepSources { sources: null(), count: 2, buffer: 0 };
+    let null_sources = GeosweepSources { sources: null(), count: 2, ..zero() };
     let undefined = GeosweepReader { layout: vk::ImageLayout::UNDEFINED, ..COPY };
     let none: GeosweepAccess = zero();
     all_wrong! {
@@ -310,7 +310,7 @@ fn what_is_refused_records_nothing() {
     }
     unsafe {
         all_wrong! {
-            geosweep_record_measure(surface, commands, 3) => "number 3",
+            geosweep_record_measure(surface, commands, 3, 0) => "number 3",
             geosweep_record_solve(surface, commands, &null_sources, plan) => "sources->sources is null",
             geosweep_record_solve(surface, commands, &good.sources, larger) => "another size",
             geosweep_record_add(surface, commands, &sources(&outside), plan) => "9",

@@ -26,10 +26,23 @@ fn the_header_compiles_in_c_and_cpp() {
     let folder = scratch("header");
     let twice = "#include \"geosweep.h\"\n#include \"geosweep.h\"\n";
     let guide = read("docs/embedding.md");
-    let [objects] = blocks(&guide, "cpp")[..] else { panic!("one block of C++ is in the guide") };
+    let page = read("docs/cpp.md");
+    let [frame_in_cpp, together] = blocks(&page, "cpp")[..] else {
+        panic!("a frame and frames together are on the page for C++")
+    };
     let in_c = blocks(&guide, "c");
     let [frame, curves] = in_c[..] else { panic!("a frame and its curves are in the guide, in C") };
-    let with_objects = format!("#include \"geosweep.hpp\"\n#include \"geosweep.hpp\"\n{objects}");
+    let objects = "#include \"geosweep.hpp\"\n#include \"geosweep.hpp\"\n";
+    let with_objects = format!("{objects}{frame_in_cpp}{together}");
+    // Volk's header by what it does: it wants no prototypes, since it declares variables of their names.
+    let volk = "#pragma once\n#define VK_NO_PROTOTYPES\n#include <vulkan/vulkan_core.h>\n\
+                extern PFN_vkCreateInstance vkCreateInstance;\n";
+    fs::write(folder.join("volk.h"), volk).unwrap();
+    let header = folder.join("volk.h");
+    let with_volk = format!(
+        "#define GEOSWEEP_VULKAN_HEADER \"{}\"\n{twice}#include \"{0}\"\n",
+        header.display()
+    );
     // Headers of a program's own need no header of ours.
     let forward = format!(
         "struct GeosweepSurface;\nstruct GeosweepFrame;\n\
@@ -50,7 +63,10 @@ fn the_header_compiles_in_c_and_cpp() {
     for (name, standard, source) in [
         ("twice.c", "c99", twice),
         ("twice.cpp", "c++11", twice),
-        ("objects.cpp", "c++11", &with_objects),
+        ("objects.cpp", "c++11", objects),
+        ("page.cpp", "c++17", &with_objects),
+        ("volk.c", "c99", &with_volk),
+        ("volk.cpp", "c++11", &with_volk),
         ("forward.cpp", "c++11", &forward),
         ("frame.c", "c99", &with_frame),
         ("frame.cpp", "c++20", &with_frame),
@@ -128,6 +144,16 @@ fn the_frame_of_the_guide_compiles_and_runs() {
     let run = validated(&folder.join("snippet"));
     assert_eq!(run.findings, Vec::<String>::new(), "{}", run.printed);
     assert!(run.printed.contains("the snippet's map is right"), "{}", run.printed);
+}
+
+/// Objects that are assigned and moved, and accesses of 64 bits.
+#[test]
+fn objects_in_cpp_are_destroyed_once_and_in_order() {
+    let program = scratch("objects").join("objects");
+    compile(&Path::new(ROOT).join("tests/capi/objects.cpp"), &program, Linkage::Shared);
+    let run = validated(&program);
+    assert_eq!(run.findings, Vec::<String>::new(), "{}", run.printed);
+    assert!(run.printed.contains("are as they should"), "{}", run.printed);
 }
 
 /// Both libraries hold all functions of the header: a program that takes the address of each links.

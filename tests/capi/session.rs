@@ -98,7 +98,7 @@ pub const COPY: GeosweepReader = GeosweepReader {
 
 pub fn frame(plan: *const GeosweepPlan, sources: &[GeosweepSource]) -> GeosweepFrame {
     let (sources, count) = (sources.as_ptr(), sources.len() as u32);
-    let sources = GeosweepSources { sources, count, buffer: 0 };
+    let sources = GeosweepSources { sources, count, ..zero() };
     GeosweepFrame { sources, plan, reader: COPY, unreached: f32::INFINITY, ..zero() }
 }
 

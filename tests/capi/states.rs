@@ -76,7 +76,7 @@ fn what_comes_before_what_it_needs_is_refused() {
     all_wrong! {
         record(&good) => "geosweep_record_prepare",
         record(&unchanged) => "geosweep_record_prepare",
-        unsafe { geosweep_record_measure(surface, commands, 0) } => "geosweep_record_prepare",
+        unsafe { geosweep_record_measure(surface, commands, 0, 0) } => "geosweep_record_prepare",
     }
     ok(unsafe { geosweep_record_prepare(surface, commands) });
     no_map("geosweep_record_frame or geosweep_record_solve comes before this");
@@ -200,6 +200,83 @@ fn checks_look_at_slots_in_flight() {
         ok(geosweep_plan_destroy(plan));
     }
     session.end([]);
+}
+
+/// Parts of a buffer by an offset, and other buffers in place of those a surface was made with.
+#[test]
+fn inputs_change_from_frame_to_frame() {
+    let mut session = Session::new(Host::with_synchronization_validation());
+    let count = (ROWS * COLS) as usize;
+    // Planes that rise along rows, ever steeper.
+    let heights = |steep: f32| (0..count as u32).map(move |index| steep * (index / COLS) as f32);
+    let ring: Vec<f32> = heights(0.0).chain(heights(1.0)).collect();
+    let ring = session.host.buffer_of(&ring);
+    let other = session.host.buffer_of(&heights(3.0).collect::<Vec<_>>());
+    let entries = session.host.buffer_of(&[0.0, 4.0, 0.0, 0.0, 11.0, 4.0, 0.0, 0.0]);
+    let kind = GeosweepPointKind::Heights as i32;
+    let points =
+        [GeosweepPoints { kind, dx: 1.0, dy: 1.0, buffer: ring.handle, stride: 4, ..zero() }];
+    let buffers = [GeosweepSourceBuffer { buffer: entries.handle, count: 1, ..zero() }];
+    let info = GeosweepSurfaceInfo {
+        sources: buffers.as_ptr(),
+        source_count: 1,
+        ..surface_info(ROWS, COLS, &points)
+    };
+    let surface = session.surface(&info);
+    let plan = session.plan(ROWS, COLS, &method(GeosweepWavefront::Curved, 12));
+    let good = GeosweepFrame { sources: zero(), ..frame(plan, &[]) };
+    // From the source's row down its column.
+    let mut along = |points_offset, source, row: u32, words: f32| {
+        let sources = GeosweepSources { offset: source, ..zero() };
+        let map = session.map(surface, &GeosweepFrame { points_offset, sources, ..good });
+        let found = map[(row * COLS + 4) as usize];
+        assert!((found - words).abs() < 1e-4, "{found}, not {words}");
+    };
+    let part = 4 * count as u64;
+    along(0, 0, 11, 11.0);
+    along(part, 0, 11, 11.0 * 2.0_f32.sqrt());
+    along(part, 16, 0, 11.0 * 2.0_f32.sqrt());
+    let replaced = GeosweepPoints { buffer: other.handle, ..points[0] };
+    ok(unsafe { geosweep_surface_set_points(surface, 0, &replaced) });
+    along(0, 0, 11, 11.0 * 10.0_f32.sqrt());
+    let later = GeosweepSourceBuffer { offset: 16, ..buffers[0] };
+    ok(unsafe { geosweep_surface_set_sources(surface, 0, &later) });
+    along(0, 0, 0, 11.0 * 10.0_f32.sqrt());
+    let flat = GeosweepFrame { points_offset: 1 << 30, ..good };
+    let astray = GeosweepFrame { points_offset: 2, ..good };
+    let inline = [geosweep_source_at(3.0, 4.0)];
+    let both = GeosweepFrame {
+        sources: GeosweepSources { sources: inline.as_ptr(), count: 1, buffer: 0, offset: 16 },
+        ..good
+    };
+    let commands = session.host.commands();
+    session.host.begin(commands);
+    let record = |frame: &GeosweepFrame| unsafe {
+        geosweep_record_frame(surface, commands, frame, null_mut())
+    };
+    let in_program =
+        GeosweepPoints { buffer: vk::Buffer::null(), data: inline.as_ptr().cast(), ..points[0] };
+    unsafe {
+        all_wrong! {
+            record(&flat) => "offset 1073741824 is beyond the",
+            record(&astray) => "offset 2 is no multiple of 4",
+            record(&both) => "frame->sources.offset is 16",
+            geosweep_surface_set_points(null_mut(), 0, &replaced) => "surface is null",
+            geosweep_surface_set_points(surface, 0, null_mut()) => "points is null",
+            geosweep_surface_set_points(surface, 1, &replaced) => "number 1",
+            geosweep_surface_set_points(surface, 0, &in_program) => "points->data is not null",
+            geosweep_surface_set_points(surface, 0, &GeosweepPoints { stride: 2, ..replaced }) => "points.stride is 2",
+            geosweep_surface_set_sources(surface, 1, &later) => "number 1",
+            geosweep_surface_set_sources(surface, 0, null_mut()) => "sources is null",
+            geosweep_surface_set_sources(surface, 0, &zero()) => "it holds nothing",
+        }
+    }
+    session.host.end(commands);
+    unsafe {
+        ok(geosweep_surface_destroy(surface));
+        ok(geosweep_plan_destroy(plan));
+    }
+    session.end([ring, other, entries]);
 }
 
 /// What a solver should be made for, for plans that say `GEOSWEEP_SCHEDULE_BEST`.

@@ -9,7 +9,7 @@ use geosweep::ash::vk;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
     self, Access, ContourFrame, Frame, LevelInput, Lookup, PathFrame, PathsInfo, PointSource,
-    Points, Reader, RegionFrame, SourceBuffer, SourceInput, StartInput, SurfaceInfo,
+    Points, Reader, RegionFrame, SourceBuffer, SourceInput, StartInput, SurfaceFrame, SurfaceInfo,
 };
 use geosweep::vulkan::profile::{Grain, Profile, Slots};
 use geosweep::vulkan::{Method, Schedule};
@@ -96,6 +96,17 @@ fn recording_a_frame_allocates_nothing_and_calls_nothing_but_commands() {
                     unreached: -1.0,
                 })
                 .unwrap();
+            let frame = Frame {
+                before: Access::NONE,
+                points: Some(0),
+                sources: inputs[number % 2],
+                plan: &plan,
+                slot: number % 2,
+                reader: Reader::COMPUTE,
+                unreached: -1.0,
+            };
+            let frames = [SurfaceFrame { surface: &surface, frame, points_at: 0 }];
+            solver.record_frames(&recording_device, commands, &frames).unwrap();
             recording.resume(&plan).unwrap();
             recording.add(inputs[1 - number % 2], &plan).unwrap();
             recording.outcome(number % 2).unwrap();

@@ -4,8 +4,7 @@ use crate::vulkan::device_memory::DeviceMemory;
 use gpu_allocator::MemoryLocation;
 
 use super::access::Access;
-use super::curves::{self, CurveBuffer, CurveLayout, Curves, CurvesInfo};
-use super::host_sets::Content;
+use super::curves::{self, CurveBuffer, CurveLayout, Curves, CurvesInfo, Reads};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
 use super::surface::Surface;
@@ -108,11 +107,8 @@ impl Contours {
         let counts = buffers[1].size;
         let make = |pass| solver.pipelines.make(device, pass, Wavefront::Planar);
         let pipelines = [make(CONTOUR_COUNTS)?, make(CONTOUR_OFFSETS)?, make(CONTOUR_SEGMENTS)?];
-        let info = CurvesInfo { layout, buffers: &buffers };
-        let curves = Curves::new(device, allocator, (solver, surface), info, |buffers| {
-            let counts = curves::whole((device, limits), buffers[1].buffer, counts)?;
-            Ok(vec![Content::Input(counts)])
-        })?;
+        let info = CurvesInfo { layout, reads: Reads::Counts(counts), buffers: &buffers };
+        let curves = Curves::new(device, allocator, (solver, surface), info)?;
         Ok(Self { curves, pipelines })
     }
 
@@ -140,6 +136,25 @@ impl Contours {
     /// Bytes taken from the allocator's memory blocks.
     pub fn bytes(&self) -> u64 {
         self.curves.bytes()
+    }
+
+    /// Has the contours read the surface's points that were replaced since they were made
+    /// ([`Surface::set_points`]). Recordings in flight go on with those before.
+    ///
+    /// # Errors
+    /// If they were made for another surface or destroyed, or all of their descriptor sets are in flight.
+    pub fn rebind(
+        &mut self,
+        device: &ash::Device,
+        solver: &Solver,
+        surface: &Surface,
+    ) -> Result<(), VulkanError> {
+        self.curves.rebind(device, solver, surface)
+    }
+
+    /// Whether a recording of the contours may not have run: known with [`super::Tools::checks`] alone.
+    pub fn is_in_flight(&self) -> bool {
+        self.curves.is_in_flight()
     }
 
     /// Frees everything. No submitted work may still use the contours. A second call does nothing.
@@ -262,6 +277,7 @@ impl Recording<'_> {
     ) -> Result<CurveBuffer, VulkanError> {
         let curves = &contours.curves;
         curves.check(self, frame.points)?;
+        let sets = curves.sets()?.sets();
         let (levels, count) = frame.levels.read()?;
         let (recorder, chart) = (&self.recorder, self.surface.grid.chart);
         let _group = recorder.group(c"geosweep: contours");
@@ -287,7 +303,7 @@ impl Recording<'_> {
             let size = [WORKGROUP, height];
             let record = PassRecord { work, ..dispatched(PassKind::Contours, size) };
             let _pass = recorder.pass_with(record);
-            recorder.host_pass(pipeline, curves.tracing[0].set, &push, size);
+            recorder.host_pass(pipeline, sets[0].set, &push, size);
             recorder.barrier(SHADER_WRITE, SHADER);
         }
         curves.lift(self, frame.points, frame.reader);

@@ -6,7 +6,8 @@ use bytemuck::{Pod, Zeroable};
 use gpu_allocator::MemoryLocation;
 
 use super::access::Access;
-use super::host_sets::{self, Content, HostSet, Part};
+use super::bound_sets::BoundSets;
+use super::host_sets::{self, Content, Part};
 use super::inputs::{PointMemory, Points};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
@@ -190,44 +191,44 @@ pub(super) fn check_bytes(
 #[derive(Debug)]
 pub(super) struct Curves {
     pub(super) layout: CurveLayout,
-    /// Of the passes that trace the curves.
-    pub(super) tracing: Vec<HostSet>,
+    reads: Reads,
     /// With curves as the first of them.
     buffers: Vec<Buffer>,
-    /// For each of the surface's points its set and the pass that reads it.
-    lifting: Vec<(HostSet, Pipeline<Lift>)>,
-    pool: vk::DescriptorPool,
-    /// Of the surface's own sets, which tells surfaces apart.
-    surface: vk::DescriptorPool,
+    /// For each of the surface's points the pass that lifts curves to them.
+    lifting: Vec<Pipeline<Lift>>,
+    /// Of the passes that trace the curves, then of those that lift them.
+    sets: Option<BoundSets>,
 }
 
 /// What [`Curves`] are made of.
 pub(super) struct CurvesInfo<'a> {
     pub(super) layout: CurveLayout,
+    pub(super) reads: Reads,
     /// The curves' own, and others that passes use.
     pub(super) buffers: &'a [BufferInfo],
 }
 
+/// What the passes that trace curves read beside the map.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Reads {
+    /// So many bytes of counts in the second buffer.
+    Counts(u64),
+    /// Sources: inline ones, then those in each of the surface's buffers.
+    Sources,
+}
+
 impl Curves {
-    /// `tracing` says what the sets of the passes that trace read, given the buffers made.
     pub(super) fn new(
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
         (solver, surface): (&Solver, &Surface),
-        info: CurvesInfo,
-        tracing: impl FnOnce(&[Buffer]) -> Result<Vec<Content>, VulkanError>,
+        CurvesInfo { layout, reads, buffers }: CurvesInfo,
     ) -> Result<Self, VulkanError> {
-        let mut new = Self {
-            layout: info.layout,
-            tracing: Vec::new(),
-            buffers: Vec::new(),
-            lifting: Vec::new(),
-            pool: vk::DescriptorPool::null(),
-            surface: surface.sets.pool,
-        };
+        let (made, lifting) = (Vec::new(), Vec::new());
+        let mut new = Self { layout, reads, buffers: made, lifting, sets: None };
         let created = new
-            .allocate(device, allocator, &solver.pipelines, info.buffers)
-            .and_then(|()| new.describe(device, solver, surface, tracing));
+            .allocate(device, allocator, &solver.pipelines, buffers)
+            .and_then(|()| new.describe(device, solver, surface));
         match created {
             Ok(()) => Ok(new),
             Err(error) => {
@@ -256,27 +257,55 @@ impl Curves {
         device: &ash::Device,
         solver: &Solver,
         surface: &Surface,
-        tracing: impl FnOnce(&[Buffer]) -> Result<Vec<Content>, VulkanError>,
     ) -> Result<(), VulkanError> {
-        let limits = &solver.limits;
-        let output = whole((device, limits), self.buffers[0].buffer, self.layout.bytes())?;
-        let mut contents = tracing(&self.buffers)?;
-        let traced = contents.len();
-        for points in &surface.points {
-            contents.push(host_sets::points_content((device, limits), points, surface.grid.chart)?);
-        }
-        let contents: Vec<_> = contents.into_iter().map(|input| input.and_output(output)).collect();
-        let (pool, mut sets) = host_sets::describe(device, &solver.pipelines, &contents)?;
-        self.pool = pool;
-        for (set, points) in sets.split_off(traced).into_iter().zip(&surface.points) {
-            let pass = match points.memory {
-                PointMemory::Buffer { .. } => LIFT_FROM_BUFFER,
-                PointMemory::Image { .. } => LIFT_FROM_IMAGE,
-            };
-            self.lifting.push((set, solver.pipelines.make(device, pass, Wavefront::Planar)?));
-        }
-        self.tracing = sets;
+        let contents = self.contents((device, &solver.limits), surface)?;
+        self.sets = Some(BoundSets::new(device, &solver.pipelines, surface, &contents)?);
+        self.lifting = lifting(device, solver, surface)?;
         Ok(())
+    }
+
+    /// What the sets hold.
+    fn contents(
+        &self,
+        on: (&ash::Device, &Limits),
+        surface: &Surface,
+    ) -> Result<Vec<Content>, VulkanError> {
+        let output = whole(on, self.buffers[0].buffer, self.layout.bytes())?;
+        let mut contents = match self.reads {
+            Reads::Counts(bytes) => vec![Content::Input(whole(on, self.buffer(1), bytes)?)],
+            Reads::Sources => host_sets::all_sources(on, &surface.grid, &surface.sources)?,
+        };
+        for points in &surface.points {
+            contents.push(host_sets::points_content(on, points, surface.grid.chart)?);
+        }
+        Ok(contents.into_iter().map(|input| input.and_output(output)).collect())
+    }
+
+    /// Has them read what is now the surface's.
+    pub(super) fn rebind(
+        &mut self,
+        device: &ash::Device,
+        solver: &Solver,
+        surface: &Surface,
+    ) -> Result<(), VulkanError> {
+        self.sets()?.check_surface(surface)?;
+        let contents = self.contents((device, &solver.limits), surface)?;
+        let lifting = lifting(device, solver, surface)?;
+        if let Some(sets) = &mut self.sets {
+            sets.rebind(device, surface, &contents)?;
+        }
+        self.lifting = lifting;
+        Ok(())
+    }
+
+    /// Unless they were destroyed.
+    pub(super) fn sets(&self) -> Result<&BoundSets, VulkanError> {
+        self.sets.as_ref().ok_or(VulkanError::Destroyed)
+    }
+
+    /// Whether a followed recording of them may not have run.
+    pub(super) fn is_in_flight(&self) -> bool {
+        self.sets.as_ref().is_some_and(BoundSets::are_in_flight)
     }
 
     pub(super) fn bytes(&self) -> u64 {
@@ -296,10 +325,10 @@ impl Curves {
     /// Refuses to be recorded for another surface, or with points that this one does not have, or
     /// that have no positions.
     pub(super) fn check(&self, recording: &Recording, points: usize) -> Result<(), VulkanError> {
-        if recording.surface.sets.pool != self.surface {
-            return Err(VulkanError::OtherSurface);
-        }
+        let sets = self.sets()?;
+        sets.check_surface(recording.surface)?;
         let (_, Points { kind, .. }) = recording.points(points)?;
+        sets.check_points(recording.surface, points)?;
         if !kind.has_positions() {
             let reason = "a metric has no positions to lift them to".into();
             return Err(VulkanError::Curves { what: "contours or paths", reason });
@@ -307,10 +336,14 @@ impl Curves {
         recording.surface.state.check_map()
     }
 
-    /// Lifts all curves to the surface's points with this number, and lets the reader read.
+    /// Lifts all curves to the surface's points with this number, and lets the reader read. The last of a recording
+    /// that was checked.
     pub(super) fn lift(&self, recording: &Recording, points: usize, reader: Access) {
         let Recording { recorder, surface, .. } = recording;
-        let (set, pipeline) = self.lifting[points];
+        let (Some(sets), pipeline) = (&self.sets, self.lifting[points]) else { return };
+        let traced = sets.sets().len() - self.lifting.len();
+        let set = recording.points_in(sets.sets()[traced + points]);
+        surface.sets.points[points].is_read(&surface.flight);
         let Points { memory, kind, .. } = surface.points[points];
         let spacing = kind.spacing().map_or([0.0; 2], |of| [of.dx as f32, of.dy as f32]);
         let CurveLayout { curves, capacity, .. } = self.layout;
@@ -328,22 +361,33 @@ impl Curves {
         let _pass = recorder.pass_with(dispatched(PassKind::Lift, size));
         recorder.host_pass(pipeline, set.set, &lift, size);
         recorder.barrier(SHADER_WRITE, reader.side());
+        sets.are_used(recording.note());
     }
 
     pub(super) fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
-        // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
-        unsafe { device.destroy_descriptor_pool(self.pool, None) };
-        self.pool = vk::DescriptorPool::null();
+        if let Some(mut sets) = self.sets.take() {
+            sets.destroy(device);
+        }
         self.buffers.drain(..).for_each(|mut buffer| buffer.destroy(device, allocator));
     }
 }
 
+/// For each of the surface's points the pass that reads them.
+fn lifting(
+    device: &ash::Device,
+    solver: &Solver,
+    surface: &Surface,
+) -> Result<Vec<Pipeline<Lift>>, VulkanError> {
+    let pass = |points: &Points| match points.memory {
+        PointMemory::Buffer { .. } => LIFT_FROM_BUFFER,
+        PointMemory::Image { .. } => LIFT_FROM_IMAGE,
+    };
+    let make = |points| solver.pipelines.make(device, pass(points), Wavefront::Planar);
+    surface.points.iter().map(make).collect()
+}
+
 /// A buffer of ours, all of it.
-pub(super) fn whole(
-    on: (&ash::Device, &Limits),
-    buffer: vk::Buffer,
-    bytes: u64,
-) -> Result<Part, VulkanError> {
+fn whole(on: (&ash::Device, &Limits), buffer: vk::Buffer, bytes: u64) -> Result<Part, VulkanError> {
     Part::new(on, "curves", buffer, 0, bytes)
 }
 

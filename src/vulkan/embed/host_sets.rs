@@ -2,7 +2,9 @@
 
 use ash::vk;
 
+use super::input_sets::{InputSet, versions};
 use super::inputs::{Lookup, PointMemory, Points, SourceBuffer};
+use super::outputs::HostImage;
 use crate::constants::WORKGROUP;
 use crate::surface::Chart;
 use crate::vulkan::VulkanError;
@@ -26,6 +28,8 @@ pub(super) struct Part {
     start: u64,
     range: u64,
     first_word: i32,
+    /// Bytes behind it that its descriptor covers too.
+    room: u64,
 }
 
 impl Part {
@@ -47,7 +51,19 @@ impl Part {
             return Err(refuse(format!("it spans {bytes} bytes, and shaders see {most} at most")));
         }
         check_copied(device, what, (buffer, offset), bytes)?;
-        Ok(Self { buffer, start, range, first_word: ((offset - start) / WORD) as i32 })
+        let first_word = ((offset - start) / WORD) as i32;
+        Ok(Self { buffer, start, range, first_word, room: 0 })
+    }
+
+    /// The same with a descriptor that covers the rest of the buffer too, if shaders see all of it.
+    fn with_rest(self, (device, limits): (&ash::Device, &Limits)) -> Self {
+        // SAFETY: the buffer is alive, by the host's promise.
+        let holds = unsafe { device.get_buffer_memory_requirements(self.buffer) }.size;
+        let rest = holds - self.start;
+        match rest <= limits.storage_range.min(i32::MAX as u64) {
+            true => Self { range: vk::WHOLE_SIZE, room: rest - self.range, ..self },
+            false => self,
+        }
     }
 
     fn info(&self) -> vk::DescriptorBufferInfo {
@@ -97,18 +113,41 @@ pub(super) struct HostSet {
     pub(super) set: vk::DescriptorSet,
     pub(super) first_word: i32,
     pub(super) first_output: i32,
+    /// How many bytes later the input may begin.
+    pub(super) room: u64,
+}
+
+impl HostSet {
+    /// The same with the input so many bytes later.
+    pub(super) fn at(self, what: &'static str, offset: u64) -> Result<Self, VulkanError> {
+        let refuse = |reason| Err(VulkanError::HostBuffer { what, reason });
+        if !offset.is_multiple_of(WORD) {
+            return refuse(format!("the frame's offset {offset} is no multiple of 4 bytes"));
+        }
+        if offset > self.room {
+            return refuse(format!(
+                "the frame's offset {offset} is beyond the {} bytes that can be reached from where the surface \
+                 has them: give others to Surface::set_points or set_sources",
+                self.room
+            ));
+        }
+        Ok(Self { first_word: self.first_word + (offset / WORD) as i32, ..self })
+    }
 }
 
 /// The sets of a surface.
 #[derive(Debug)]
 pub(super) struct HostSets {
     pub(super) pool: vk::DescriptorPool,
-    pub(super) results: Vec<HostSet>,
+    pub(super) results: Vec<InputSet>,
     pub(super) inline_sources: HostSet,
-    pub(super) points: Vec<HostSet>,
-    pub(super) sources: Vec<HostSet>,
+    pub(super) points: Vec<InputSet>,
+    pub(super) sources: Vec<InputSet>,
     pub(super) lookups: Vec<HostSet>,
 }
+
+/// What the host gives a surface: images of distances, points, sources and lookups.
+pub(super) type Hosts<'a> = (&'a [HostImage], &'a [Points], &'a [SourceBuffer], &'a [Lookup]);
 
 /// What a set is made of.
 #[derive(Clone, Copy, Debug)]
@@ -148,29 +187,27 @@ impl HostSets {
         pipelines: &Pipelines,
         limits: &Limits,
         grid: &GridImages,
-        (points, sources, lookups): (&[Points], &[SourceBuffer], &[Lookup]),
+        (results, points, sources, lookups): Hosts,
     ) -> Result<Self, VulkanError> {
+        let versions = versions(grid.slots);
+        // Images of our own are never replaced.
+        let of_results = if results.is_empty() { 1 } else { versions };
+        let views = grid.results.iter().map(|image| image.view);
+        let views = views.chain(results.iter().map(|image| image.view));
         let mut contents: Vec<_> =
-            grid.results.iter().map(|image| Content::Result(image.view)).collect();
+            views.flat_map(|view| std::iter::repeat_n(Content::Result(view), of_results)).collect();
         let on = (device, limits);
         contents.push(inline_sources_content(on, grid)?);
         for points in points {
-            contents.push(points_content(on, points, grid.chart)?);
-        }
-        for (what, count) in sources
-            .iter()
-            .map(|sources| ("sources", sources.count))
-            .chain(lookups.iter().map(|lookup| ("places", lookup.count)))
-        {
-            if count > MOST_ENTRIES {
-                let reason = format!("{count} are more than the {MOST_ENTRIES} that are taken");
-                return Err(VulkanError::HostBuffer { what, reason });
-            }
+            let content = points_content(on, points, grid.chart)?;
+            contents.extend(std::iter::repeat_n(content, versions));
         }
         for sources in sources {
-            contents.push(sources_content(on, sources)?);
+            let content = sources_content(on, sources)?;
+            contents.extend(std::iter::repeat_n(content, versions));
         }
         for lookup in lookups {
+            check_count("places", lookup.count)?;
             let count = u64::from(lookup.count);
             let Lookup { places, places_offset, distances, distances_offset, .. } = *lookup;
             contents.push(Content::InputAndOutput(
@@ -182,10 +219,10 @@ impl HostSets {
         let mut sets = sets.into_iter();
         Ok(Self {
             pool,
-            results: sets.by_ref().take(grid.results.len()).collect(),
+            results: InputSet::each(grid.slots, of_results, &mut sets),
             inline_sources: sets.next().expect("every surface has this set"),
-            points: sets.by_ref().take(points.len()).collect(),
-            sources: sets.by_ref().take(sources.len()).collect(),
+            points: InputSet::each(points.len(), versions, &mut sets),
+            sources: InputSet::each(sources.len(), versions, &mut sets),
             lookups: sets.collect(),
         })
     }
@@ -224,7 +261,7 @@ pub(super) fn describe(
 }
 
 /// The sources that a recording brings with it.
-pub(super) fn inline_sources_content(
+fn inline_sources_content(
     on: (&ash::Device, &Limits),
     grid: &GridImages,
 ) -> Result<Content, VulkanError> {
@@ -232,13 +269,32 @@ pub(super) fn inline_sources_content(
     Ok(Content::Input(Part::new(on, "the inline sources", grid.download.buffer, 0, bytes)?))
 }
 
+/// The inline sources, and those in each buffer.
+pub(super) fn all_sources(
+    on: (&ash::Device, &Limits),
+    grid: &GridImages,
+    buffers: &[SourceBuffer],
+) -> Result<Vec<Content>, VulkanError> {
+    let inline = inline_sources_content(on, grid);
+    std::iter::once(inline).chain(buffers.iter().map(|of| sources_content(on, of))).collect()
+}
+
 pub(super) fn sources_content(
     on: (&ash::Device, &Limits),
     sources: &SourceBuffer,
 ) -> Result<Content, VulkanError> {
-    let bytes = u64::from(sources.count) * SOURCE_BYTES as u64;
-    let SourceBuffer { buffer, offset, .. } = *sources;
-    Ok(Content::Input(Part::new(on, "sources", buffer, offset, bytes)?))
+    let SourceBuffer { buffer, offset, count } = *sources;
+    check_count("sources", count)?;
+    let bytes = u64::from(count) * SOURCE_BYTES as u64;
+    Ok(Content::Input(Part::new(on, "sources", buffer, offset, bytes)?.with_rest(on)))
+}
+
+fn check_count(what: &'static str, count: u32) -> Result<(), VulkanError> {
+    if count > MOST_ENTRIES {
+        let reason = format!("{count} are more than the {MOST_ENTRIES} that are taken");
+        return Err(VulkanError::HostBuffer { what, reason });
+    }
+    Ok(())
 }
 
 pub(super) fn points_content(
@@ -261,12 +317,13 @@ pub(super) fn points_content(
                 return refuse(format!("a stride of {stride} bytes is no positive multiple of 4"));
             }
             let bytes = (chart.points() as u64 - 1).saturating_mul(stride).saturating_add(bytes);
-            Ok(Content::Input(Part::new(on, "points", buffer, offset, bytes)?))
+            Ok(Content::Input(Part::new(on, "points", buffer, offset, bytes)?.with_rest(on)))
         }
     }
 }
 
-fn fill(device: &ash::Device, set: vk::DescriptorSet, content: Content) -> HostSet {
+/// Describes the content to a set that no submitted work uses.
+pub(super) fn fill(device: &ash::Device, set: vk::DescriptorSet, content: Content) -> HostSet {
     let image = |index, view, layout| {
         let info = [vk::DescriptorImageInfo::default().image_view(view).image_layout(layout)];
         write(device, set, index, |write| write.image_info(&info));
@@ -284,10 +341,13 @@ fn fill(device: &ash::Device, set: vk::DescriptorSet, content: Content) -> HostS
             image(set_1::IMAGE, view, layout);
             return HostSet { first_output: buffer(set_1::OUTPUT, output), ..empty };
         }
-        Content::Input(part) => return HostSet { first_word: buffer(set_1::INPUT, part), ..empty },
+        Content::Input(part) => {
+            return HostSet { first_word: buffer(set_1::INPUT, part), room: part.room, ..empty };
+        }
         Content::InputAndOutput(input, output) => {
             let first_word = buffer(set_1::INPUT, input);
-            return HostSet { set, first_word, first_output: buffer(set_1::OUTPUT, output) };
+            let first_output = buffer(set_1::OUTPUT, output);
+            return HostSet { set, first_word, first_output, room: input.room };
         }
     }
     empty

@@ -147,6 +147,13 @@ pub enum SourceInput<'a> {
     Inline(&'a [PointSource]),
     /// From the surface's source buffer with this number.
     Buffer(usize),
+    /// From a part of that buffer, as in a ring of which each frame has another part.
+    BufferAt {
+        /// The number of the surface's source buffer.
+        number: usize,
+        /// Bytes beyond the first source that the surface has there; a multiple of 4.
+        offset: u64,
+    },
 }
 
 impl SourceInput<'_> {
@@ -156,7 +163,16 @@ impl SourceInput<'_> {
             |source: &PointSource| source.row.fract() != 0.0 || source.col.fract() != 0.0;
         match self {
             Self::Inline(sources) => sources.iter().any(is_inside),
-            Self::Buffer(_) => true,
+            Self::Buffer(_) | Self::BufferAt { .. } => true,
+        }
+    }
+
+    /// The number of its buffer and the bytes beyond its first source, if it is in one.
+    pub(super) fn buffer(&self) -> Option<(usize, u64)> {
+        match *self {
+            Self::Inline(_) => None,
+            Self::Buffer(number) => Some((number, 0)),
+            Self::BufferAt { number, offset } => Some((number, offset)),
         }
     }
 }

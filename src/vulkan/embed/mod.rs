@@ -55,17 +55,23 @@
 //! ```
 
 mod access;
+mod bound_sets;
 mod contours;
 mod curves;
+mod flight;
 mod host_sets;
+mod input_sets;
 mod inputs;
+mod outputs;
 mod paths;
 mod plan;
+mod rebinding;
 mod recording;
 mod regions;
 mod solver;
 mod state;
 mod surface;
+mod together;
 
 pub use super::device_memory::{DeviceMemory, MemoryBlock, MemoryRequest};
 pub use super::point_kind::PointKind;
@@ -73,9 +79,11 @@ pub use access::{Access, Reader};
 pub use contours::{ContourFrame, Contours, LevelInput};
 pub use curves::{CurveBuffer, CurveRecord, CurveStatus, CurveVertex};
 pub use inputs::{Lookup, PointMemory, PointSource, Points, SourceBuffer, SourceInput};
+pub use outputs::HostImage;
 pub use paths::{PathFrame, Paths, PathsInfo, StartInput};
 pub use plan::Plan;
 pub use recording::{Frame, Recording};
 pub use regions::{RegionBuffer, RegionFrame, Regions};
 pub use solver::{Solver, Tools};
 pub use surface::{Outcome, PackedTimes, ResultImage, Surface, SurfaceInfo};
+pub use together::SurfaceFrame;

@@ -4,8 +4,8 @@ use crate::vulkan::device_memory::DeviceMemory;
 use ash::vk;
 
 use super::access::Access;
-use super::curves::{self, CurveBuffer, CurveLayout, CurveRecord, Curves, CurvesInfo};
-use super::host_sets::{self, HostSet};
+use super::curves::{self, CurveBuffer, CurveLayout, CurveRecord, Curves, CurvesInfo, Reads};
+use super::host_sets;
 use super::inputs::{PointSource, SourceInput};
 use super::recording::{Recording, grid_size};
 use super::solver::Solver;
@@ -135,15 +135,8 @@ impl Paths {
         let (layout, buffers) = parts(limits, info)?;
         let make = |pass| solver.pipelines.make(device, pass, Wavefront::Planar);
         let pipelines = [make(PATH_STARTS)?, make(PATHS)?];
-        let info = CurvesInfo { layout, buffers: &buffers };
-        let curves = Curves::new(device, allocator, (solver, surface), info, |_| {
-            let mut sets =
-                vec![host_sets::inline_sources_content((device, limits), &surface.grid)?];
-            for sources in &surface.sources {
-                sets.push(host_sets::sources_content((device, limits), sources)?);
-            }
-            Ok(sets)
-        })?;
+        let info = CurvesInfo { layout, reads: Reads::Sources, buffers: &buffers };
+        let curves = Curves::new(device, allocator, (solver, surface), info)?;
         Ok(Self { curves, pipelines })
     }
 
@@ -170,6 +163,25 @@ impl Paths {
     /// Bytes taken from the allocator's memory blocks.
     pub fn bytes(&self) -> u64 {
         self.curves.bytes()
+    }
+
+    /// Has the paths read the surface's points and sources that were replaced since they were made
+    /// ([`Surface::set_points`], [`Surface::set_sources`]). Recordings in flight go on with those before.
+    ///
+    /// # Errors
+    /// If they were made for another surface or destroyed, or all of their descriptor sets are in flight.
+    pub fn rebind(
+        &mut self,
+        device: &ash::Device,
+        solver: &Solver,
+        surface: &Surface,
+    ) -> Result<(), VulkanError> {
+        self.curves.rebind(device, solver, surface)
+    }
+
+    /// Whether a recording of the paths may not have run: known with [`super::Tools::checks`] alone.
+    pub fn is_in_flight(&self) -> bool {
+        self.curves.is_in_flight()
     }
 
     /// Frees everything. No submitted work may still use the paths. A second call does nothing.
@@ -243,6 +255,8 @@ impl Recording<'_> {
         let (curves, layout) = (&paths.curves, paths.curves.layout);
         curves.check(self, frame.points)?;
         self.check_sources(frame.sources)?;
+        let sets = curves.sets()?;
+        sets.check_sources(self.surface, frame.sources)?;
         let count = frame.starts.count();
         check_starts(self.recorder.device, frame.starts, layout.curves as usize)?;
         let recorder = &self.recorder;
@@ -263,15 +277,11 @@ impl Recording<'_> {
             }
         }
         recorder.barrier(CLEAR, SHADER);
-        let (set, sources): (HostSet, usize) = match frame.sources {
-            SourceInput::Inline(sources) => {
-                recorder.write_sources(bytemuck::cast_slice(sources));
-                (curves.tracing[0], sources.len())
-            }
-            SourceInput::Buffer(number) => {
-                (curves.tracing[1 + number], self.surface.sources[number].count as usize)
-            }
-        };
+        if let SourceInput::Inline(sources) = frame.sources {
+            recorder.write_sources(bytemuck::cast_slice(sources));
+        }
+        let (inline, of_buffer) = (sets.sets()[0], |number| sets.sets()[1 + number]);
+        let (set, sources) = self.sources_in(frame.sources, inline, of_buffer);
         let batch = Push {
             grid: grid_size(self.surface.grid.chart),
             paths: count as i32,

@@ -7,6 +7,7 @@ use super::host_sets::{self, HostSet};
 use super::inputs::{PointMemory, PointSource, SourceInput};
 use super::plan::Plan;
 use super::solver::Solver;
+use super::state::number_of_preparation;
 use super::surface::{Outcome, ResultImage, Surface};
 use crate::constants::{NEVER_MEASURED, SOURCES_TOGETHER, SURROUNDINGS_TEXELS, WORKGROUP};
 use crate::surface::{Chart, EdgeRule};
@@ -33,8 +34,10 @@ use crate::vulkan::upload::SEED_BYTES;
 #[derive(Clone, Copy)]
 pub struct Recording<'a> {
     pub(super) recorder: Recorder<'a>,
-    solver: &'a Solver,
+    pub(super) solver: &'a Solver,
     pub(super) surface: &'a Surface,
+    /// Bytes beyond where the surface has its points.
+    points_at: u64,
 }
 
 /// What one frame takes: [`Recording::frame`].
@@ -75,7 +78,7 @@ impl<'a> Recording<'a> {
     ) -> Self {
         let commands = Commands::new(device, commands, &solver.pipelines);
         let recorder = Recorder { commands, grid: &surface.grid };
-        Self { recorder, solver, surface }
+        Self { recorder, solver, surface, points_at: 0 }
     }
 
     /// The same, with the passes taken down in a profile, which starts anew here: resets its
@@ -87,12 +90,23 @@ impl<'a> Recording<'a> {
         self
     }
 
+    /// The same, with points read so many bytes beyond where the surface has them, as in a ring of which each
+    /// frame has another part: by [`Recording::measure`], and where contours and paths are lifted. A multiple of 4,
+    /// and 0 for points in an image; looked at where points are read.
+    pub fn points_at(self, offset: u64) -> Self {
+        Self { points_at: offset, ..self }
+    }
+
     /// Brings the new surface's images into their layouts. To be recorded once, before anything
     /// else. Recorded again, it forgets the edge lengths: [`Recording::measure`] has to follow.
+    /// If it never runs, outcomes tell ([`VulkanError::PreparationLost`]).
     pub fn prepare(&self) {
+        let number = number_of_preparation();
         self.recorder.prepare();
+        self.recorder.set_known(offset::PREPARED, number);
         self.recorder.set_known(offset::POINTS, NEVER_MEASURED);
-        self.surface.state.prepare();
+        self.surface.state.prepare(number);
+        self.note();
     }
 
     /// All of a usual frame: [`Recording::begin`], [`Recording::measure`] if there are new points,
@@ -105,12 +119,33 @@ impl<'a> Recording<'a> {
         let _group = self.recorder.group(c"geosweep: frame");
         self.begin(frame.before);
         if let Some(points) = frame.points {
-            self.measure(points)?;
+            self.record_measure(points, self.points(points)?);
+            self.surface.state.measure(self.solver.is_curved());
         }
-        self.solve(frame.sources, frame.plan)?;
-        self.outcome(frame.slot)?;
-        self.result(frame.slot, frame.reader, frame.unreached)?;
+        self.record_solve(frame.sources, frame.plan);
+        self.record_outcome(frame.slot, self.next_outcome(frame.slot));
+        self.record_result(result, frame.slot, frame.reader, frame.unreached);
+        self.note();
         Ok(result)
+    }
+
+    /// With checks, has the device write a number behind what was recorded, so that it is known whether it has
+    /// run. The number, if so.
+    pub(super) fn note(&self) -> Option<u32> {
+        let serial = self.next_note();
+        if let Some(serial) = serial {
+            self.record_note(serial);
+        }
+        serial
+    }
+
+    pub(super) fn next_note(&self) -> Option<u32> {
+        let Self { recorder, surface, solver, .. } = self;
+        solver.checks.then(|| surface.flight.next(recorder.buffer, None))
+    }
+
+    pub(super) fn record_note(&self, serial: u32) {
+        self.recorder.mark(self.surface.grid.slots, serial);
     }
 
     /// Whether a frame can be recorded; records nothing. The image that it will write.
@@ -149,9 +184,17 @@ impl<'a> Recording<'a> {
     /// # Errors
     /// If the surface has no such points, or is not prepared.
     pub fn measure(&self, points: usize) -> Result<(), VulkanError> {
-        let (set, info) = self.points(points)?;
+        let read = self.points(points)?;
         self.surface.state.check_prepared()?;
-        let Self { recorder, surface, solver } = self;
+        self.record_measure(points, read);
+        self.surface.state.measure(self.solver.is_curved());
+        self.note();
+        Ok(())
+    }
+
+    pub(super) fn record_measure(&self, points: usize, (set, info): (HostSet, super::Points)) {
+        let Self { recorder, surface, solver, .. } = self;
+        surface.sets.points[points].is_read(&surface.flight);
         let chart = surface.grid.chart;
         let kind = info.kind;
         // Without positions there are no other edges than straight ones.
@@ -183,8 +226,6 @@ impl<'a> Recording<'a> {
         if solver.is_curved() {
             recorder.bend(rule, false);
         }
-        surface.state.measure(solver.is_curved());
-        Ok(())
     }
 
     /// Computes a map: as many iterations as the plan holds, less those after convergence.
@@ -195,9 +236,16 @@ impl<'a> Recording<'a> {
         self.check(plan)?;
         self.check_sources(sources)?;
         self.surface.state.check_measured(plan)?;
+        self.record_solve(sources, plan);
+        self.note();
+        Ok(())
+    }
+
+    fn record_solve(&self, sources: SourceInput, plan: &Plan) {
         self.surface.state.solve(plan);
         self.recorder.forget();
-        self.start(sources, plan, false)
+        self.start(sources, plan, false);
+        self.steps(plan);
     }
 
     /// Adds sources to the map, which has converged with the same wavefront.
@@ -209,7 +257,10 @@ impl<'a> Recording<'a> {
         self.check_sources(sources)?;
         self.surface.state.check_wavefront(plan.wavefront)?;
         self.surface.state.solve(plan);
-        self.start(sources, plan, true)
+        self.start(sources, plan, true);
+        self.steps(plan);
+        self.note();
+        Ok(())
     }
 
     /// Goes on with a map that may not have converged, by as many iterations again. In a later
@@ -222,8 +273,8 @@ impl<'a> Recording<'a> {
         self.check(plan)?;
         self.surface.state.check_plan(plan)?;
         self.recorder.go_on(plan.schedule, plan.steps());
-        self.recorder.steps(self.variant(plan), plan.steps());
-        self.recorder.end_portion();
+        self.steps(plan);
+        self.note();
         Ok(())
     }
 
@@ -233,17 +284,27 @@ impl<'a> Recording<'a> {
     /// If there is no such slot, or no map; with [`super::Tools::checks`] also if the slot's last recording
     /// has not run.
     pub fn outcome(&self, slot: usize) -> Result<(), VulkanError> {
-        let Self { recorder, surface, .. } = self;
-        surface.check_slot(slot)?;
-        surface.state.check_map()?;
+        self.surface.check_slot(slot)?;
+        self.surface.state.check_map()?;
         self.check_slot(slot, false)?;
-        let serial = surface.state.next_serial(slot, recorder.buffer);
-        recorder.outcome_with_serial(slot, serial);
+        self.record_outcome(slot, self.next_outcome(slot));
         Ok(())
     }
 
+    /// The serial of a slot's outcome that is recorded next.
+    pub(super) fn next_outcome(&self, slot: usize) -> u32 {
+        let Self { recorder, surface, .. } = self;
+        let serial = surface.flight.next(recorder.buffer, Some(slot));
+        surface.state.record_outcome(slot, serial, recorder.buffer);
+        serial
+    }
+
+    pub(super) fn record_outcome(&self, slot: usize, serial: u32) {
+        self.recorder.outcome_with_serial(slot, serial);
+    }
+
     /// Copies how the iterations have gone, [`super::Outcome::BYTES`] bytes for
-    /// [`super::Outcome::from_bytes`], into a buffer of the host's with usage `TRANSFER_DST`;
+    /// [`Surface::outcome_from`], into a buffer of the host's with usage `TRANSFER_DST`;
     /// `offset` is a multiple of 4. Shaders find the number of iterations in the third 32-bit
     /// number.
     ///
@@ -264,6 +325,7 @@ impl<'a> Recording<'a> {
         self.surface.state.check_map()?;
         self.recorder.outcome_to(buffer, offset);
         self.recorder.barrier(CLEAR, after.side());
+        self.note();
         Ok(())
     }
 
@@ -280,6 +342,18 @@ impl<'a> Recording<'a> {
     ) -> Result<ResultImage, VulkanError> {
         let result = self.surface.result(slot, reader.layout)?;
         self.surface.state.check_map()?;
+        self.record_result(result, slot, reader, unreached);
+        self.note();
+        Ok(result)
+    }
+
+    pub(super) fn record_result(
+        &self,
+        result: ResultImage,
+        slot: usize,
+        reader: Reader,
+        unreached: f32,
+    ) {
         let Self { recorder, surface, .. } = self;
         let texels = surface.grid.texels.inner();
         let points = size_of::<f32>() as u64 * surface.grid.chart.points() as u64;
@@ -294,11 +368,12 @@ impl<'a> Recording<'a> {
         let layouts = (vk::ImageLayout::UNDEFINED, general);
         recorder.image_barrier(result.image, before, SHADER_WRITE, layouts);
         let size = result::Push { grid: grid_size(chart), unreached };
-        let set = surface.sets.results[slot].set;
+        let results = &surface.sets.results[slot];
+        results.is_written(&surface.flight, self.solver.checks);
+        let set = results.set().set;
         recorder.host_pass(recorder.pipelines.of(RESULT), set, &size, texels);
         let layouts = (general, reader.layout);
         recorder.image_barrier(result.image, SHADER_WRITE, reader.access.side(), layouts);
-        Ok(result)
     }
 
     /// Looks distances up at the places in a buffer of the host's, bilinear between grid points.
@@ -315,7 +390,7 @@ impl<'a> Recording<'a> {
         after: Access,
     ) -> Result<(), VulkanError> {
         let Self { recorder, surface, .. } = self;
-        let set = nth(&surface.sets.lookups, "lookups", number)?;
+        let set = *nth(&surface.sets.lookups, "lookups", number)?;
         surface.state.check_map()?;
         let count = surface.lookup_counts[number];
         // A place and the points around it.
@@ -330,12 +405,13 @@ impl<'a> Recording<'a> {
         };
         recorder.host_pass(recorder.pipelines.of(LOOKUP), set.set, &places, [count, 1]);
         recorder.barrier(SHADER_WRITE, after.side());
+        self.note();
         Ok(())
     }
 
     /// Whether another map may go to a slot, if the host wants to know.
     fn check_slot(&self, slot: usize, starts_map: bool) -> Result<(), VulkanError> {
-        let Self { recorder, surface, solver } = self;
+        let Self { recorder, surface, solver, .. } = self;
         if !solver.checks {
             return Ok(());
         }
@@ -355,7 +431,7 @@ impl<'a> Recording<'a> {
     }
 
     /// By which a plan's pipelines are chosen for the surface.
-    fn variant(&self, plan: &Plan) -> Variant {
+    pub(super) fn variant(&self, plan: &Plan) -> Variant {
         Variant { slowed: self.surface.grid.is_slowed(), ..plan.wavefront.into() }
     }
 
@@ -369,21 +445,44 @@ impl<'a> Recording<'a> {
                 let chart = self.surface.grid.chart;
                 Ok(sources.iter().try_for_each(|source| source.check(chart))?)
             }
-            SourceInput::Buffer(number) => {
-                nth(&self.surface.sets.sources, "source buffers", number).map(drop)
+            SourceInput::Buffer(_) | SourceInput::BufferAt { .. } => {
+                let (number, offset) = sources.buffer().unwrap_or_default();
+                let set = nth(&self.surface.sets.sources, "source buffers", number)?.set();
+                set.at("sources", offset).map(drop)
             }
         }
     }
 
-    /// Starts a map on what is there, and runs the plan's steps.
-    fn start(&self, sources: SourceInput, plan: &Plan, is_added: bool) -> Result<(), VulkanError> {
-        let Self { recorder, surface, .. } = self;
-        let (set, count) = match sources {
-            SourceInput::Inline(sources) => (surface.sets.inline_sources, sources.len() as u32),
-            SourceInput::Buffer(number) => {
-                (surface.sets.sources[number], surface.sources[number].count)
-            }
+    /// Where a pass finds sources that were checked, and how many they are: in these sets of the inline ones, or
+    /// of a buffer with a number.
+    pub(super) fn sources_in(
+        &self,
+        sources: SourceInput,
+        inline: HostSet,
+        of_buffer: impl FnOnce(usize) -> HostSet,
+    ) -> (HostSet, u32) {
+        let SourceInput::Inline(sources) = sources else {
+            let (number, offset) = sources.buffer().unwrap_or_default();
+            let surface = self.surface;
+            surface.sets.sources[number].is_read(&surface.flight);
+            let set = of_buffer(number).at("sources", offset).expect("the sources were checked");
+            return (set, surface.sources[number].count);
         };
+        (inline, sources.len() as u32)
+    }
+
+    /// Runs the plan's steps.
+    fn steps(&self, plan: &Plan) {
+        self.recorder.steps(self.variant(plan), plan.steps());
+        self.recorder.end_portion();
+    }
+
+    /// Starts a map on what is there; the plan's steps follow.
+    pub(super) fn start(&self, sources: SourceInput, plan: &Plan, is_added: bool) {
+        let Self { recorder, surface, .. } = self;
+        let sets = &surface.sets;
+        let (set, count) =
+            self.sources_in(sources, sets.inline_sources, |number| sets.sources[number].set());
         // Which of them count the device alone knows.
         let causal = count > 1 || is_added || surface.grid.is_slowed();
         recorder.start(plan.stop, plan.schedule, causal, is_added);
@@ -411,14 +510,11 @@ impl<'a> Recording<'a> {
         if gains || count > 1 && plan.wavefront.is_curved() {
             self.surroundings(set, count, plan);
         }
-        recorder.steps(self.variant(plan), plan.steps());
-        recorder.end_portion();
-        Ok(())
     }
 
     /// Goes on from so many sources to what they reach first, if maps of the plan gain by it.
     fn surroundings(&self, set: HostSet, count: u32, plan: &Plan) {
-        let Self { recorder, surface, solver } = self;
+        let Self { recorder, surface, solver, .. } = self;
         let chart = surface.grid.chart;
         let Some(pipeline) = solver.surroundings(plan.schedule, self.variant(plan)) else { return };
         if count == 0 || count > most_surrounded(chart) {
@@ -450,8 +546,13 @@ impl<'a> Recording<'a> {
     }
 
     pub(super) fn points(&self, number: usize) -> Result<(HostSet, super::Points), VulkanError> {
-        let set = nth(&self.surface.sets.points, "point inputs", number)?;
-        Ok((set, self.surface.points[number]))
+        let set = nth(&self.surface.sets.points, "point inputs", number)?.set();
+        Ok((set.at("points", self.points_at)?, self.surface.points[number]))
+    }
+
+    /// A set of points in place of the surface's own, read from where this recording does.
+    pub(super) fn points_in(&self, set: HostSet) -> HostSet {
+        set.at("points", self.points_at).expect("the points were checked")
     }
 }
 
@@ -490,8 +591,12 @@ fn most_surrounded(chart: Chart) -> u32 {
     share.clamp(FEW_SOURCES, SOURCES_TOGETHER as usize) as u32
 }
 
-fn nth(sets: &[HostSet], what: &'static str, number: usize) -> Result<HostSet, VulkanError> {
-    sets.get(number).copied().ok_or(VulkanError::NoSuch { what, number, count: sets.len() })
+pub(super) fn nth<'a, T>(
+    all: &'a [T],
+    what: &'static str,
+    number: usize,
+) -> Result<&'a T, VulkanError> {
+    all.get(number).ok_or(VulkanError::NoSuch { what, number, count: all.len() })
 }
 
 pub(super) fn grid_size(chart: Chart) -> [i32; 2] {

@@ -5,8 +5,9 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 
 use super::access::Access;
+use super::bound_sets::BoundSets;
 use super::curves;
-use super::host_sets::{self, HostSet, Part};
+use super::host_sets::{self, Content, Part};
 use super::inputs::{PointSource, SourceInput};
 use super::recording::{Recording, grid_size};
 use super::solver::{Solver, over_any};
@@ -63,12 +64,9 @@ pub struct Regions {
     wavefront: Wavefront,
     buffer: Option<Buffer>,
     /// Of the inline sources, and of the surface's source buffers.
-    sets: Vec<HostSet>,
+    sets: Option<BoundSets>,
     /// In their order.
     pipelines: [Pipeline<Push>; 4],
-    pool: vk::DescriptorPool,
-    /// Of the surface's own sets, which tells surfaces apart.
-    surface: vk::DescriptorPool,
 }
 
 /// Labels in a buffer with the usages `STORAGE_BUFFER`, `VERTEX_BUFFER` and `TRANSFER_SRC`, from its
@@ -115,14 +113,18 @@ impl Regions {
             chart,
             wavefront,
             buffer: Some(Buffer::new(device, allocator, info)?),
-            sets: Vec::new(),
+            sets: None,
             pipelines,
-            pool: vk::DescriptorPool::null(),
-            surface: surface.sets.pool,
         };
         solver.pipelines.name(info.name, new.labels().buffer);
-        match new.describe(device, solver, surface, info.size) {
-            Ok(()) => Ok(new),
+        let sets = new
+            .contents((device, &solver.limits), surface)
+            .and_then(|contents| BoundSets::new(device, &solver.pipelines, surface, &contents));
+        match sets {
+            Ok(sets) => {
+                new.sets = Some(sets);
+                Ok(new)
+            }
             Err(error) => {
                 new.destroy(device, allocator);
                 Err(error)
@@ -130,23 +132,16 @@ impl Regions {
         }
     }
 
-    fn describe(
-        &mut self,
-        device: &ash::Device,
-        solver: &Solver,
+    /// What the sets hold.
+    fn contents(
+        &self,
+        on: (&ash::Device, &Limits),
         surface: &Surface,
-        bytes: u64,
-    ) -> Result<(), VulkanError> {
-        let limits = &solver.limits;
-        let output = Part::new((device, limits), "regions", self.labels().buffer, 0, bytes)?;
-        let mut contents =
-            vec![host_sets::inline_sources_content((device, limits), &surface.grid)?];
-        for sources in &surface.sources {
-            contents.push(host_sets::sources_content((device, limits), sources)?);
-        }
-        let contents: Vec<_> = contents.into_iter().map(|input| input.and_output(output)).collect();
-        (self.pool, self.sets) = host_sets::describe(device, &solver.pipelines, &contents)?;
-        Ok(())
+    ) -> Result<Vec<Content>, VulkanError> {
+        let bytes = info(on.1, self.chart)?.size;
+        let output = Part::new(on, "regions", self.labels().buffer, 0, bytes)?;
+        let sources = host_sets::all_sources(on, &surface.grid, &surface.sources)?;
+        Ok(sources.into_iter().map(|input| input.and_output(output)).collect())
     }
 
     pub(super) fn bytes_for(
@@ -177,11 +172,36 @@ impl Regions {
         self.buffer.as_ref().map_or(0, Buffer::bytes)
     }
 
+    /// Has the regions read the surface's sources that were replaced since they were made
+    /// ([`Surface::set_sources`]). Recordings in flight go on with those before.
+    ///
+    /// # Errors
+    /// If they were made for another surface or destroyed, or all of their descriptor sets are in flight.
+    pub fn rebind(
+        &mut self,
+        device: &ash::Device,
+        solver: &Solver,
+        surface: &Surface,
+    ) -> Result<(), VulkanError> {
+        let sets = self.sets.as_ref().ok_or(VulkanError::Destroyed)?;
+        sets.check_surface(surface)?;
+        let contents = self.contents((device, &solver.limits), surface)?;
+        match &mut self.sets {
+            Some(sets) => sets.rebind(device, surface, &contents),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether a recording of the regions may not have run: known with [`super::Tools::checks`] alone.
+    pub fn is_in_flight(&self) -> bool {
+        self.sets.as_ref().is_some_and(BoundSets::are_in_flight)
+    }
+
     /// Frees everything. No submitted work may still use the regions. A second call does nothing.
     pub fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
-        // SAFETY: the caller has made sure that nothing uses them; null handles are allowed.
-        unsafe { device.destroy_descriptor_pool(self.pool, None) };
-        self.pool = vk::DescriptorPool::null();
+        if let Some(mut sets) = self.sets.take() {
+            sets.destroy(device);
+        }
         if let Some(mut buffer) = self.buffer.take() {
             buffer.destroy(device, allocator);
         }
@@ -261,10 +281,10 @@ impl Recording<'_> {
         regions: &Regions,
         frame: &RegionFrame,
     ) -> Result<RegionBuffer, VulkanError> {
-        if self.surface.sets.pool != regions.surface {
-            return Err(VulkanError::OtherSurface);
-        }
+        let sets = regions.sets.as_ref().ok_or(VulkanError::Destroyed)?;
+        sets.check_surface(self.surface)?;
         self.check_sources(frame.sources)?;
+        sets.check_sources(self.surface, frame.sources)?;
         self.surface.state.check_wavefront(regions.wavefront)?;
         let (recorder, labels, chart) = (&self.recorder, regions.labels(), regions.chart);
         let _group = recorder.group(c"geosweep: regions");
@@ -277,15 +297,11 @@ impl Recording<'_> {
         recorder.fill(labels.buffer, 0, 2 * labels.bytes);
         drop(pass);
         recorder.barrier(CLEAR, SHADER);
-        let (set, count) = match frame.sources {
-            SourceInput::Inline(sources) => {
-                recorder.write_sources(bytemuck::cast_slice(sources));
-                (regions.sets[0], sources.len() as u32)
-            }
-            SourceInput::Buffer(number) => {
-                (regions.sets[1 + number], self.surface.sources[number].count)
-            }
-        };
+        if let SourceInput::Inline(sources) = frame.sources {
+            recorder.write_sources(bytemuck::cast_slice(sources));
+        }
+        let (inline, of_buffer) = (sets.sets()[0], |number| sets.sets()[1 + number]);
+        let (set, count) = self.sources_in(frame.sources, inline, of_buffer);
         let push = Push {
             grid: grid_size(chart),
             first_word: set.first_word,
@@ -312,6 +328,7 @@ impl Recording<'_> {
             let pass = if number < flowing { 2 } else { 3 };
             run(pass, all, push, Work::default(), if is_last { frame.reader } else { ours });
         }
+        sets.are_used(self.note());
         Ok(labels)
     }
 }

@@ -34,8 +34,9 @@ pub struct Tools {
     /// tell what they have made of pipelines, by [`Solver::executables`].
     pub executables: bool,
     /// Recordings are checked for what costs a look at mapped memory: with several slots, a slot that is
-    /// recorded while its last recording has not run is an error. While you develop; a recording that is
-    /// thrown away counts, unless its command buffer is recorded anew.
+    /// recorded while its last recording has not run is an error, and recordings without an outcome are followed
+    /// too ([`super::Surface::is_in_flight`]), for which each gets a fill and two barriers more. While you develop;
+    /// a recording that is thrown away counts, unless its command buffer is recorded anew.
     pub checks: bool,
 }
 
@@ -100,11 +101,7 @@ impl Solver {
         let properties = unsafe { instance.get_physical_device_properties(physical_device) };
         let mut unmet = requirements::unmet(instance, physical_device);
         if requirements::is_for_vulkan_1_0(instance, device) {
-            unmet.push(
-                "its instance was created for Vulkan 1.0, and 1.1 is needed: say so in \
-                        VkApplicationInfo::apiVersion"
-                    .into(),
-            );
+            unmet.push(requirements::FOR_VULKAN_1_0.into());
         }
         if !unmet.is_empty() {
             let name = properties.device_name_as_c_str().unwrap_or(c"unnamed");

@@ -1,10 +1,15 @@
 //! A surface in a renderer: its images, and the host's memory that it reads.
 
 use crate::vulkan::device_memory::DeviceMemory;
+use std::sync::Arc;
+
 use ash::vk;
 
+use super::flight::Flight;
 use super::host_sets::HostSets;
 use super::inputs::{Lookup, Points, SourceBuffer};
+use super::outputs::HostImage;
+use super::recording::nth;
 use super::solver::Solver;
 use super::state::State;
 use crate::constants::{BORDER, NEVER_MEASURED, SOURCES_TOGETHER, TIME};
@@ -31,6 +36,9 @@ pub struct SurfaceInfo<'a> {
     /// readers, which may be the same. If they differ, no ownership needs to be transferred between
     /// them; if this is empty, it does.
     pub queue_families: &'a [u32],
+    /// Images of the host's for the distances, one a slot; none for images that the surface makes. See
+    /// [`HostImage`].
+    pub results: &'a [HostImage],
     /// Where points may come from, by number: one for each frame in flight, say. If any has a slowness, the surface takes
     /// 4 bytes a point more, pipelines are made for it of all schedules and wavefronts that the solver has then, and
     /// planar fronts take the place of circular ones.
@@ -49,6 +57,7 @@ impl SurfaceInfo<'_> {
             edge_rule: EdgeRule::default(),
             slots: 1,
             queue_families: &[],
+            results: &[],
             points: &[],
             sources: &[],
             lookups: &[],
@@ -65,12 +74,22 @@ impl SurfaceInfo<'_> {
 
     fn purpose<'a>(&self, families: &'a [u32]) -> Purpose<'a> {
         let slowed = self.points.iter().any(|points| points.slowness.is_some());
-        Purpose::Embedded { results: self.slots.max(1), families, slowed }
+        let slots = self.slots.max(1);
+        let results = if self.results.is_empty() { slots } else { 0 };
+        Purpose::Embedded { slots, results, families, slowed }
     }
 
-    fn check(&self) -> Result<(), SurfaceError> {
+    fn check(&self) -> Result<(), VulkanError> {
         let Chart { rows, cols } = self.chart;
-        if rows == 0 || cols == 0 { Err(SurfaceError::Empty { rows, cols }) } else { Ok(()) }
+        if rows == 0 || cols == 0 {
+            return Err(SurfaceError::Empty { rows, cols }.into());
+        }
+        let (given, slots) = (self.results.len(), self.slots.max(1));
+        if given != 0 && given != slots {
+            let reason = format!("there are {given} of them for {slots} slots");
+            return Err(VulkanError::HostBuffer { what: "distances", reason });
+        }
+        self.results.iter().try_for_each(HostImage::check)
     }
 }
 
@@ -82,14 +101,18 @@ impl SurfaceInfo<'_> {
 pub struct Surface {
     pub(super) grid: GridImages,
     pub(super) sets: HostSets,
+    /// Images of the host's for distances, if the surface has none of its own.
+    pub(super) results: Vec<HostImage>,
     pub(super) points: Vec<Points>,
     pub(super) sources: Vec<SourceBuffer>,
     pub(super) lookup_counts: Vec<u32>,
     pub(super) state: State,
+    pub(super) flight: Arc<Flight>,
     pub(super) edge_rule: EdgeRule,
 }
 
-/// An image that holds distances, made with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`.
+/// An image that holds distances: the surface's, made with usage `SAMPLED`, `STORAGE` and `TRANSFER_SRC`, or the
+/// host's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ResultImage {
     /// The image.
@@ -135,6 +158,10 @@ pub struct Outcome {
     /// How many grid points are holes: those with something that is not finite, too large, beyond an image
     /// that is too small, or a slowness that is negative.
     pub holes: u32,
+    /// How many edges between points that can be used have no length: 0, as between points at one place, or
+    /// more than fits a number. A pole or a seam has its own, of which the host knows; more of them are vertices
+    /// that were zeroed, or not written yet.
+    pub edges_without_length: u32,
     /// How many of the map's sources reach no point: those off the grid, in holes, or with a time that is no
     /// number below 1e30. Unused entries of a buffer count.
     pub passed_over: u32,
@@ -158,16 +185,18 @@ impl Surface {
             solver.make_passes_with_slowness(device)?;
         }
         let mut grid = GridImages::new(device, allocator, pipelines, size, purpose)?;
-        let host = (info.points, info.sources, info.lookups);
+        let host = (info.results, info.points, info.sources, info.lookups);
         match HostSets::new(device, pipelines, &solver.limits, &grid, host) {
             Ok(sets) => Ok(Self {
-                grid,
                 sets,
+                results: info.results.to_vec(),
                 points: info.points.to_vec(),
                 sources: info.sources.to_vec(),
                 lookup_counts: info.lookups.iter().map(|lookup| lookup.count).collect(),
                 edge_rule: info.edge_rule,
                 state: State::new(info.slots.max(1)),
+                flight: Arc::new(Flight::new(grid.records())),
+                grid,
             }),
             Err(error) => {
                 grid.destroy(device, allocator);
@@ -200,22 +229,21 @@ impl Surface {
 
     /// How many images of distances there are.
     pub fn slots(&self) -> usize {
-        self.grid.results.len()
+        self.grid.slots
     }
 
     /// The image of distances of a slot, one texel a grid point: column to the right, row down.
     /// `layout` is that of the [`super::Reader`] it was last recorded for.
     pub fn result(&self, slot: usize, layout: vk::ImageLayout) -> Result<ResultImage, VulkanError> {
-        let images = &self.grid.results;
-        let image = images.get(slot).ok_or(VulkanError::NoSuch {
-            what: "slots",
-            number: slot,
-            count: images.len(),
-        })?;
+        nth(&self.sets.results, "slots", slot)?;
+        let (image, view) = match self.results.get(slot) {
+            Some(image) => (image.image, image.view),
+            None => (self.grid.results[slot].image, self.grid.results[slot].view),
+        };
         let Chart { rows, cols } = self.grid.chart;
         let extent = vk::Extent2D { width: cols as u32, height: rows as u32 };
         let format = RESULT_FORMAT;
-        Ok(ResultImage { image: image.image, view: image.view, format, extent, layout })
+        Ok(ResultImage { image, view, format, extent, layout })
     }
 
     /// The packed arrival times that all slots share: valid after a recording until the next one.
@@ -237,12 +265,31 @@ impl Surface {
     /// # Errors
     /// If there is no such slot, or its last recording has not run: then [`VulkanError::NotRun`]. Of a
     /// command buffer that is submitted again and again, the last run that has ended counts.
+    /// [`VulkanError::PreparationLost`] if [`super::Recording::prepare`] has not run before it.
     pub fn outcome(&self, slot: usize) -> Result<Outcome, VulkanError> {
         self.check_slot(slot)?;
         let record = self.grid.record(slot);
-        match self.state.has_run(slot, record.serial) {
+        if !self.state.has_run(slot, record.serial) {
+            return Err(VulkanError::NotRun { slot });
+        }
+        match self.state.was_prepared_by(slot, record.prepared) {
             true => Ok(Outcome::of(&record)),
-            false => Err(VulkanError::NotRun { slot }),
+            false => Err(VulkanError::PreparationLost),
+        }
+    }
+
+    /// How the iterations went, from what [`super::Recording::outcome_to`] has copied.
+    ///
+    /// # Errors
+    /// [`VulkanError::PreparationLost`] if [`super::Recording::prepare`] of this surface, as it was recorded last,
+    /// has not run before it; so it is of bytes that are no outcome's, or another surface's.
+    pub fn outcome_from(&self, bytes: &[u8; Outcome::BYTES]) -> Result<Outcome, VulkanError> {
+        let mut record = [0; size_of::<Record>()];
+        record[..Outcome::BYTES].copy_from_slice(bytes);
+        let record: Record = bytemuck::pod_read_unaligned(&record);
+        match self.state.is_prepared_by(record.prepared) {
+            true => Ok(Outcome::of(&record)),
+            false => Err(VulkanError::PreparationLost),
         }
     }
 
@@ -252,6 +299,21 @@ impl Surface {
         (0..self.slots()).find(|&slot| self.state.is_in_flight(slot, self.grid.record(slot).serial))
     }
 
+    /// Whether something that was recorded may not have run, as far as recordings are followed: those with an
+    /// outcome, and with [`super::Tools::checks`] all.
+    pub fn is_in_flight(&self) -> bool {
+        self.flight.waiting().is_some()
+    }
+
+    /// Whether a recording that reads the surface's points with this number may not have run, as far as
+    /// recordings are followed.
+    ///
+    /// # Errors
+    /// If there are no such points.
+    pub fn points_in_flight(&self, number: usize) -> Result<bool, VulkanError> {
+        Ok(nth(&self.sets.points, "point inputs", number)?.is_in_flight(&self.flight))
+    }
+
     /// Says that the last recording for a slot was thrown away and will never run: it is not waited for.
     ///
     /// # Errors
@@ -259,7 +321,14 @@ impl Surface {
     pub fn discard(&self, slot: usize) -> Result<(), VulkanError> {
         self.check_slot(slot)?;
         self.state.discard(slot);
+        self.flight.discard_slot(slot);
         Ok(())
+    }
+
+    /// The same of all that was recorded last into a command buffer, for a slot or not.
+    pub fn discard_commands(&self, commands: vk::CommandBuffer) {
+        self.state.discard_commands(commands);
+        self.flight.discard_commands(commands);
     }
 
     /// Most passes of a frame beside those of its plan.
@@ -283,6 +352,7 @@ impl Surface {
     /// it on the list of what is freed so many frames later. A second call does nothing.
     pub fn destroy(&mut self, device: &ash::Device, allocator: &mut dyn DeviceMemory) {
         self.state.destroy();
+        self.flight.land();
         self.sets.destroy(device);
         self.grid.destroy(device, allocator);
     }
@@ -311,18 +381,12 @@ impl Solver {
 }
 
 impl Outcome {
-    /// From what [`super::Recording::outcome_to`] copies.
-    pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
-        let mut record = [0; size_of::<Record>()];
-        record[..Self::BYTES].copy_from_slice(bytes);
-        Self::of(&bytemuck::pod_read_unaligned(&record))
-    }
-
     /// Bytes of the record that [`super::Recording::outcome_to`] copies.
     pub const BYTES: usize = offset::SERIAL_IN_RECORD as usize;
 
     fn of(record: &Record) -> Self {
-        let Record { outcome, holes, passed_over, sharp, compared, continued, turns, .. } = *record;
+        let Record { outcome, holes, no_length, passed_over, .. } = *record;
+        let Record { sharp, compared, continued, turns, .. } = *record;
         let measured = holes != NEVER_MEASURED;
         let resolution = Resolution::counted(sharp, compared, continued, turns);
         Self {
@@ -331,6 +395,7 @@ impl Outcome {
             converged: outcome.has_converged() && measured,
             measured,
             holes: if measured { holes } else { 0 },
+            edges_without_length: if measured { no_length } else { 0 },
             passed_over,
             resolution: resolution.filter(|_| measured),
         }

@@ -338,7 +338,7 @@ impl PairwiseOnDevice {
         submitter.record(&self.commands, |device, buffer, profile| {
             let pipelines = &solver.for_device.pipelines;
             append(BatchRecorder {
-                commands: Commands { device, buffer, pipelines, profile },
+                commands: Commands { device, buffer, pipelines, profile, turn: None },
                 passes: &self.passes,
                 resources: &self.resources,
                 layout: &self.layout,

@@ -5,6 +5,7 @@ use std::ffi::CStr;
 use ash::vk;
 use bytemuck::{Pod, bytes_of};
 
+use super::turn::Turn;
 use crate::constants::{MOST_GROUPS, WORKGROUP};
 use crate::vulkan::barrier;
 use crate::vulkan::descriptors::Sets;
@@ -23,6 +24,9 @@ pub(crate) struct Commands<'a> {
     pub(crate) pipelines: &'a Pipelines,
     /// Takes the passes down, if anyone looks on.
     pub(crate) profile: Option<&'a Profile>,
+    /// Which part is recorded, of a recording that shares its barriers with others. Such parts have neither labels
+    /// nor a place in profiles.
+    pub(crate) turn: Option<&'a Turn>,
 }
 
 /// How many workgroups are dispatched.
@@ -65,12 +69,15 @@ impl<'a> Commands<'a> {
         buffer: vk::CommandBuffer,
         pipelines: &'a Pipelines,
     ) -> Self {
-        Self { device, buffer, pipelines, profile: None }
+        Self { device, buffer, pipelines, profile: None, turn: None }
     }
 
     /// To be kept while a pass is recorded: its label, and its place in the profile with what is
     /// known of it.
     pub(crate) fn pass_with(&self, record: PassRecord) -> Option<Scope<'a>> {
+        if self.turn.is_some() {
+            return None;
+        }
         Scope::open(self.watch(), || (record, Presence::Always))
     }
 
@@ -85,8 +92,13 @@ impl<'a> Commands<'a> {
         self.pipelines.labels.as_ref().map(|labels| labels.group(self.buffer, label))
     }
 
+    /// Whether what is recorded is another part than the one whose turn it is.
+    fn is_skipped(&self) -> bool {
+        self.turn.is_some_and(|turn| !turn.is_now())
+    }
+
     pub(crate) fn watch(&self) -> Watch<'a> {
-        let Self { device, buffer, pipelines, profile } = *self;
+        let Self { device, buffer, pipelines, profile, .. } = *self;
         Watch { device, commands: buffer, profile, labels: pipelines.labels.as_ref() }
     }
 
@@ -96,6 +108,9 @@ impl<'a> Commands<'a> {
     }
 
     fn bind_handle(&self, pipeline: vk::Pipeline, layout: vk::PipelineLayout, sets: Sets) {
+        if self.is_skipped() {
+            return;
+        }
         // SAFETY: the pipeline was made with the layout, which the sets fit, and all are alive.
         unsafe {
             self.device.cmd_bind_pipeline(self.buffer, vk::PipelineBindPoint::COMPUTE, pipeline);
@@ -105,6 +120,9 @@ impl<'a> Commands<'a> {
 
     /// Dispatches the pipeline that is bound.
     pub(crate) fn dispatch<P: Pod>(&self, pipeline: Pipeline<P>, constants: &P, groups: Groups) {
+        if self.is_skipped() {
+            return;
+        }
         let bytes = bytes_of(constants);
         // SAFETY: a pipeline with this layout is bound, the layout has room for the constants of every
         // pass, and what the buffer holds at the offset are three numbers.
@@ -145,7 +163,10 @@ impl<'a> Commands<'a> {
     }
 
     pub(crate) fn barrier(&self, before: barrier::Access, after: barrier::Access) {
-        barrier::memory(self.device, self.buffer, before, after);
+        match self.turn {
+            None => barrier::memory(self.device, self.buffer, before, after),
+            Some(turn) => turn.barrier(before, after),
+        }
     }
 
     /// Brings an image from one layout into another between two kinds of access.
@@ -156,11 +177,19 @@ impl<'a> Commands<'a> {
         after: barrier::Access,
         layouts: (vk::ImageLayout, vk::ImageLayout),
     ) {
-        barrier::image(self.device, self.buffer, image, before, after, layouts);
+        match self.turn {
+            None => barrier::image(self.device, self.buffer, image, before, after, layouts),
+            Some(turn) => {
+                turn.image_barrier(barrier::ImageBarrier { image, before, after, layouts });
+            }
+        }
     }
 
     /// Fills a layer of an image.
     pub(crate) fn clear(&self, image: vk::Image, layer: u32, value: f64) {
+        if self.is_skipped() {
+            return;
+        }
         let value = vk::ClearColorValue { float32: [value as f32; 4] };
         let range =
             vk::ImageSubresourceRange { base_array_layer: layer, layer_count: 1, ..barrier::COLOR };
@@ -179,12 +208,18 @@ impl<'a> Commands<'a> {
 
     /// Fills part of a buffer with a number.
     pub(crate) fn fill_with(&self, buffer: vk::Buffer, offset: u64, size: u64, number: u32) {
+        if self.is_skipped() {
+            return;
+        }
         // SAFETY: the part lies in the buffer, which nothing else uses until the next barrier.
         unsafe { self.device.cmd_fill_buffer(self.buffer, buffer, offset, size, number) };
     }
 
     /// Writes part of a buffer, which has room for it; no more than 65 536 bytes, a multiple of 4.
     pub(crate) fn update(&self, buffer: vk::Buffer, offset: u64, bytes: &[u8]) {
+        if self.is_skipped() {
+            return;
+        }
         // SAFETY: the part lies in the buffer, which nothing else uses until the next barrier.
         unsafe { self.device.cmd_update_buffer(self.buffer, buffer, offset, bytes) };
     }
@@ -197,6 +232,9 @@ impl<'a> Commands<'a> {
 
     /// The same of several parts.
     pub(crate) fn copy_parts(&self, from: vk::Buffer, to: vk::Buffer, parts: &[vk::BufferCopy]) {
+        if self.is_skipped() {
+            return;
+        }
         // SAFETY: both buffers hold so many bytes there, of the host's as the host has promised.
         unsafe { self.device.cmd_copy_buffer(self.buffer, from, to, parts) };
     }

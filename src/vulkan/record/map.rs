@@ -6,7 +6,7 @@ use ash::vk;
 
 use super::recorder::{Recorder, dispatched};
 use crate::constants::{CARRIED, FAR, LAYERS, TIME};
-use crate::vulkan::barrier::{CLEAR, COPY, HOST_READ, PASS, SHADER, SHADER_WRITE};
+use crate::vulkan::barrier::{CLEAR, COPY, HOST_READ, PASS, SHADER, SHADER_WRITE, TRANSFER};
 use crate::vulkan::passes::{SEED, UNPACK};
 use crate::vulkan::profile::{PassKind, PassRecord, Work};
 use crate::vulkan::progress::{Outcome, Record, offset};
@@ -71,6 +71,15 @@ impl Recorder<'_> {
         self.outcome_to(buffer, at);
         self.barrier(CLEAR, CLEAR);
         self.fill_with(buffer, at + offset::SERIAL_IN_RECORD, size_of::<u32>() as u64, serial);
+        self.barrier(CLEAR, HOST_READ);
+    }
+
+    /// Writes a serial behind all passes so far, where the host finds it: in the record with this number.
+    pub(crate) fn mark(&self, number: usize, serial: u32) {
+        let at = record_offset(number) + offset::SERIAL_IN_RECORD;
+        let passes = (PASS.0 | TRANSFER.0, PASS.1 | TRANSFER.1);
+        self.barrier(passes, CLEAR);
+        self.fill_with(self.grid.outcome.buffer, at, size_of::<u32>() as u64, serial);
         self.barrier(CLEAR, HOST_READ);
     }
 

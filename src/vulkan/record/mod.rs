@@ -5,6 +5,8 @@ mod commands;
 mod map;
 mod recorder;
 mod surface;
+mod turn;
 
 pub(crate) use commands::{Commands, Groups, column_of};
 pub(crate) use recorder::{Recorder, dispatched};
+pub(crate) use turn::{MOST_TOGETHER, Turn};

@@ -16,7 +16,7 @@ use super::profile::{
     self, Grain, PassKind, PassRecord, Presence, Profile, Scope, StepCounter, Work,
 };
 use super::progress::{self, VISITS, offset};
-use super::record::{Groups, Recorder};
+use super::record::{Groups, MOST_TOGETHER, Recorder};
 use super::{Schedule, TexelChart, Tuning};
 use crate::Stop;
 use crate::constants::{FRONTS_ARE_ADDED, FRONTS_MEET, WORKGROUP};
@@ -99,6 +99,15 @@ fn order_of(step: &Step) -> Option<&'static dyn Order> {
     }
 }
 
+impl Steps<'_, '_> {
+    fn run(&mut self, step: &Step) {
+        match order_of(step) {
+            Some(order) => order.record(self, step),
+            None => self.dispatch(COUNT.pass(), 0, &[], Groups::line(1)),
+        }
+    }
+}
+
 impl Recorder<'_> {
     /// Before the seeds of a map whose fronts are causal or not ([`crate::surface::Origins`]), or of what is added to
     /// one: no iteration is done.
@@ -173,14 +182,40 @@ impl Recorder<'_> {
         let mut recording = Steps { recorder: self, variant, bound: None, notes, scans: 0 };
         for step in steps {
             Scope::go_on(&mut open, self.watch(), || account(&mut counter, step));
-            match order_of(step) {
-                Some(order) => order.record(&mut recording, step),
-                None => recording.dispatch(COUNT.pass(), 0, &[], Groups::line(1)),
-            }
+            recording.run(step);
             self.barrier(PASS, PASS);
         }
         drop(open);
         self.decided_after(visits);
+    }
+
+    /// Runs the steps of plans on as many surfaces: those of one number, then a barrier for all.
+    pub(crate) fn steps_together(all: &[Option<(Self, Variant, &[Step])>]) {
+        let count = all.len().min(MOST_TOGETHER);
+        let mut recordings: [Option<Steps>; MOST_TOGETHER] = [const { None }; MOST_TOGETHER];
+        let mut longest = 0;
+        for (recording, of) in recordings.iter_mut().zip(all) {
+            let Some((recorder, variant, steps)) = of else { continue };
+            let variant = *variant;
+            *recording = Some(Steps { recorder, variant, bound: None, notes: 0, scans: 0 });
+            longest = longest.max(steps.len());
+        }
+        for number in 0..longest {
+            let mut last = None;
+            for (recording, of) in recordings[..count].iter_mut().zip(all) {
+                let (Some(recording), Some((recorder, _, steps))) = (recording, of) else {
+                    continue;
+                };
+                let Some(step) = steps.get(number) else { continue };
+                // Passes of others have been bound meanwhile.
+                recording.bound = None;
+                recording.run(step);
+                last = Some(recorder);
+            }
+            if let Some(recorder) = last {
+                recorder.barrier(PASS, PASS);
+            }
+        }
     }
 
     /// After the steps of a plan, and what belongs to them.

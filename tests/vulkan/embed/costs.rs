@@ -3,11 +3,13 @@
 use std::ffi::CStr;
 use std::fmt::Write;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use geosweep::ash::{self, vk};
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, Frame, PointSource, Points, Reader, Recording, SourceInput, SurfaceInfo,
+    self, Access, Frame, PointSource, Points, Reader, Recording, SourceInput, SurfaceFrame,
+    SurfaceInfo,
 };
 use geosweep::vulkan::profile::{Decided, Grain, Profile, Slots};
 use geosweep::vulkan::{Method, Schedule, VulkanError};
@@ -67,6 +69,18 @@ fn taken(counter: &AtomicU32) -> u32 {
     counter.swap(0, Ordering::Relaxed)
 }
 
+/// One test counts at a time.
+static COUNTING: Mutex<()> = Mutex::new(());
+
+/// Dispatches, barriers and others of what is recorded.
+fn counted(host: &Host, record: impl FnOnce(&ash::Device)) -> [u32; 3] {
+    let _alone = COUNTING.lock().unwrap_or_else(PoisonError::into_inner);
+    record(&host.device_with(counting));
+    let [dispatches, barriers, others, _] =
+        [&DISPATCHES, &BARRIERS, &CLEARS_AND_COPIES, &OTHERS].map(taken);
+    [dispatches, barriers, others]
+}
+
 /// A row of the table: of a frame with new points and a source between grid points.
 fn row(host: &mut Host, solver: &embed::Solver, schedule: Schedule, side: usize) -> String {
     let device = host.device.clone();
@@ -109,10 +123,9 @@ fn row(host: &mut Host, solver: &embed::Solver, schedule: Schedule, side: usize)
     let moved: Option<u64> = resolved.passes.iter().map(|pass| pass.work.bytes()).sum();
     let moved = moved.expect("all passes of a frame are counted");
 
-    let counted: ash::Device = host.device_with(counting);
-    frame(solver.record(&counted, vk::CommandBuffer::null(), &surface)).unwrap();
-    let [dispatches, barriers, others, _] =
-        [&DISPATCHES, &BARRIERS, &CLEARS_AND_COPIES, &OTHERS].map(taken);
+    let [dispatches, barriers, others] = counted(host, |device| {
+        frame(solver.record(device, vk::CommandBuffer::null(), &surface)).unwrap();
+    });
     surface.destroy(&device, host.allocator());
     host.free(points);
     host.free(decisions);
@@ -157,6 +170,68 @@ fn frames_cost_what_the_guide_says() {
         }
     }
     compare_with_guide("costs", &table, host.is_processor());
+    solver.destroy(&device);
+    assert_eq!(host.allocations(), 0);
+}
+
+/// Surfaces of one size have the barriers of one, and 65 those of two.
+#[test]
+fn frames_recorded_together_share_their_barriers() {
+    let mut host = Host::without_validation();
+    let device = host.device.clone();
+    let schedules = [Schedule::Raster, Schedule::Tiles];
+    let passes = schedules.map(|of| (of, Wavefront::Curved));
+    let (instance, physical_device) = (host.instance.clone(), host.physical_device);
+    let mut solver = embed::Solver::new(&instance, physical_device, &device, &passes).unwrap();
+    for (side, counts) in [(64, &[1, 2, 8, 65][..]), (256, &[3])] {
+        let chart = Chart { rows: side, cols: side };
+        let points = host.buffer_of(&vertices(chart, 0.4));
+        let inputs = [Points::positions(points.handle, 32)];
+        let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(chart) };
+        let most = counts.iter().copied().max().unwrap();
+        let mut surfaces: Vec<_> =
+            (0..most).map(|_| solver.surface(&device, host.allocator(), &info).unwrap()).collect();
+        for surface in &surfaces {
+            host.run(|commands| solver.record(&device, commands, surface).prepare());
+        }
+        let source = [PointSource::at(0.32 * side as f32, 0.48 * side as f32)];
+        for schedule in schedules {
+            let stop = Stop { tolerance: 1e-4, iterations: 1000 };
+            let method = Method { wavefront: Wavefront::Curved, schedule: Some(schedule), stop };
+            let plan = solver.plan(chart, method, 4).unwrap();
+            let frame = Frame {
+                before: Access::NONE,
+                points: Some(0),
+                sources: SourceInput::Inline(&source),
+                plan: &plan,
+                slot: 0,
+                reader: Reader::FRAGMENT,
+                unreached: -1.0,
+            };
+            let none = vk::CommandBuffer::null();
+            let [dispatches, barriers, others] = counted(&host, |device| {
+                solver.record(device, none, &surfaces[0]).frame(&frame).unwrap();
+            });
+            for &count in counts {
+                let frames: Vec<_> = surfaces[..count]
+                    .iter()
+                    .map(|surface| SurfaceFrame { surface, frame, points_at: 0 })
+                    .collect();
+                let together = counted(&host, |device| {
+                    solver.record_frames(device, none, &frames).unwrap();
+                });
+                let n = count as u32;
+                let shared = n.div_ceil(64);
+                assert_eq!(
+                    together,
+                    [n * dispatches, shared * barriers, n * others],
+                    "{count} of {side}, {schedule}"
+                );
+            }
+        }
+        surfaces.iter_mut().for_each(|surface| surface.destroy(&device, host.allocator()));
+        host.free(points);
+    }
     solver.destroy(&device);
     assert_eq!(host.allocations(), 0);
 }

@@ -135,7 +135,7 @@ fn maps_come_of_what_was_measured() {
 fn nothing_is_read_of_a_map_that_is_not_there_or_another() {
     let mut host = Kept::watched();
     let points = host.buffer_of(&vertices(CHART, 0.3));
-    let (places, to) = (host.buffer_of(&[1.0, 2.0]), host.buffer(64, true));
+    let (places, to) = (host.buffer_of(&[1.0, 2.0]), host.buffer(80, true));
     let inputs = [Points::positions(points.handle, 32)];
     let lookup = Lookup {
         places: places.handle,
@@ -466,7 +466,7 @@ fn what_only_the_device_knows_is_in_the_outcome() {
     assert_eq!((outcome.holes, outcome.passed_over, outcome.measured), (3, 5, true));
     // What is added to a map counts with the others; a map that starts anew counts anew.
     let in_hole = source(hole_row, hole_col);
-    let record = stage.host.buffer(64, true);
+    let record = stage.host.buffer(80, true);
     stage.submit(|r| {
         r.begin(Access::NONE);
         r.add(SourceInput::Inline(&in_hole), &plan).unwrap();
@@ -476,7 +476,7 @@ fn what_only_the_device_knows_is_in_the_outcome() {
     let outcome = stage.surface.outcome(0).unwrap();
     assert_eq!((outcome.holes, outcome.passed_over), (3, 6));
     let bytes = record.bytes()[4..][..Outcome::BYTES].try_into().unwrap();
-    assert_eq!(Outcome::from_bytes(bytes), outcome);
+    assert_eq!(stage.surface.outcome_from(bytes).unwrap(), outcome);
     stage.map(1, SourceInput::Inline(&source(5.0, 5.0)), &plan);
     let outcome = stage.surface.outcome(0).unwrap();
     assert_eq!((outcome.holes, outcome.passed_over), (2 * 16 + 21, 0));
@@ -521,6 +521,163 @@ fn edges_that_were_never_measured_on_the_device_show() {
     let outcome = stage.surface.outcome(0).unwrap();
     assert!(!outcome.measured && !outcome.converged, "{outcome:?}");
     stage.end([points]);
+}
+
+/// Without layers, which would tell of images that were never brought into a layout. What a surface before has left
+/// in the memory is no preparation of this one.
+#[test]
+fn a_preparation_that_never_ran_shows() {
+    let (mut stage, points) = {
+        let mut host = Kept::unwatched();
+        let points = host.buffer_of(&vertices(CHART, 0.3));
+        let inputs = [Points::positions(points.handle, 32)];
+        let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+        (Stage::new(host, &RASTER[..1], &info), points)
+    };
+    let device = stage.host.device.clone();
+    let record = stage.host.buffer(80, true);
+    let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 8);
+    let sources = source(3.0, 4.0);
+    let bytes =
+        |record: &HostBuffer| *record.bytes()[..].first_chunk::<{ Outcome::BYTES }>().unwrap();
+    let whole = |stage: &Stage| {
+        stage.submit(|r| {
+            r.frame(&frame(&plan, &sources)).unwrap();
+            r.outcome_to(record.handle, 0, Access::HOST_READ).unwrap();
+        });
+    };
+    let is_lost = |outcome: Result<Outcome, VulkanError>| match outcome {
+        Ok(outcome) => {
+            assert!(outcome.converged, "{outcome:?}");
+            false
+        }
+        Err(VulkanError::PreparationLost) => true,
+        Err(other) => panic!("{other}"),
+    };
+    let lost = |stage: &Stage| {
+        let copied = is_lost(stage.surface.outcome_from(&bytes(&record)));
+        assert_eq!(is_lost(stage.surface.outcome(0)), copied);
+        copied
+    };
+    whole(&stage);
+    assert!(!lost(&stage));
+    let of_first = bytes(&record);
+    // Another surface, at the same place in memory.
+    stage.surface.destroy(&device, stage.host.allocator());
+    let inputs = [Points::positions(points.handle, 32)];
+    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+    stage.surface = stage.solver.surface(&device, stage.host.allocator(), &info).unwrap();
+    stage.attempt(|r| r.prepare());
+    whole(&stage);
+    assert!(lost(&stage));
+    assert!(is_lost(stage.surface.outcome_from(&of_first)));
+    stage.submit(|r| r.prepare());
+    whole(&stage);
+    assert!(!lost(&stage));
+    // Prepared again, which is lost: images are as they were, and yet nobody knows.
+    stage.attempt(|r| r.prepare());
+    whole(&stage);
+    assert!(lost(&stage));
+    stage.end([points, record]);
+}
+
+/// With checks, whatever was recorded; an outcome among it or not.
+#[test]
+fn every_recording_is_followed_with_checks() {
+    let mut host = Host::with_synchronization_validation();
+    let device = host.device.clone();
+    let points = host.buffer_of(&vertices(CHART, 0.3));
+    let (places, to) = (host.buffer_of(&[1.0, 2.0]), host.buffer(80, true));
+    let inputs = [Points::positions(points.handle, 32)];
+    let (place, distance) = (places.handle, to.handle);
+    let lookup = Lookup {
+        places: place,
+        places_offset: 0,
+        distances: distance,
+        distances_offset: 0,
+        count: 1,
+    };
+    let info =
+        SurfaceInfo { slots: 2, points: &inputs, lookups: &[lookup], ..SurfaceInfo::new(CHART) };
+    let tools = Tools { checks: true, ..Tools::default() };
+    let (instance, physical) = (host.instance.clone(), host.physical_device);
+    let passes = &RASTER[2..];
+    let mut solver =
+        embed::Solver::with_tools(&instance, physical, &device, passes, tools).unwrap();
+    let mut surface = solver.surface(&device, host.allocator(), &info).unwrap();
+    let room = PathsInfo { paths: 1, vertices: 50 };
+    let mut contours = solver.contours(&device, host.allocator(), &surface, 100).unwrap();
+    let mut paths = solver.paths(&device, host.allocator(), &surface, room).unwrap();
+    let curved = Wavefront::Curved;
+    let mut regions = solver.regions(&device, host.allocator(), &surface, curved).unwrap();
+    let stop = crate::embed::stage::STOP;
+    let plan =
+        solver.plan(CHART, geosweep::vulkan::Method { wavefront: curved, schedule: None, stop }, 4);
+    let plan = plan.unwrap();
+    let sources = source(3.0, 4.0);
+    let inline = SourceInput::Inline(&sources);
+    let (none, read) = (Access::NONE, Access::TRANSFER_READ);
+    let levels = LevelInput::Spacing { step: 1.0, count: 3 };
+    let contour_frame = ContourFrame { levels, start: 0.0, points: 0, reader: read };
+    let starts = StartInput::Inline(&[[9.0, 9.0]]);
+    let path_frame = PathFrame { before: none, starts, sources: inline, points: 0, reader: read };
+    let region_frame = RegionFrame { before: none, sources: inline, reader: read };
+    type Step<'a> = (&'a str, &'a dyn Fn(Recording) -> Result<(), VulkanError>);
+    let steps: [Step; 12] = [
+        ("prepare", &|r| {
+            r.prepare();
+            Ok(())
+        }),
+        ("measure", &|r| r.measure(0)),
+        ("solve", &|r| r.solve(inline, &plan)),
+        ("resume", &|r| r.resume(&plan)),
+        ("add", &|r| r.add(inline, &plan)),
+        ("outcome", &|r| r.outcome(1)),
+        ("outcome_to", &|r| r.outcome_to(to.handle, 0, none)),
+        ("result", &|r| r.result(0, Reader::COPY, 1.0).map(drop)),
+        ("lookup", &|r| r.lookup(0, 1.0, none, none)),
+        ("contours", &|r| r.contours(&contours, &contour_frame).map(drop)),
+        ("paths", &|r| r.paths(&paths, &path_frame).map(drop)),
+        ("regions", &|r| r.regions(&regions, &region_frame).map(drop)),
+    ];
+    let seen = |name: &str, waits: bool| {
+        assert_eq!(surface.is_in_flight(), waits, "{name}");
+        let reads_points = ["measure", "contours", "paths"].contains(&name);
+        assert_eq!(surface.points_in_flight(0).unwrap(), waits && reads_points, "{name}");
+        assert_eq!(contours.is_in_flight(), waits && name == "contours", "{name}");
+        assert_eq!(paths.is_in_flight(), waits && name == "paths", "{name}");
+        assert_eq!(regions.is_in_flight(), waits && name == "regions", "{name}");
+    };
+    for (name, step) in steps {
+        let thrown = [(); 2].map(|()| host.commands());
+        host.begin(thrown[0]);
+        step(solver.record(&device, thrown[0], &surface)).unwrap();
+        seen(name, true);
+        surface.discard_commands(thrown[1]);
+        seen(name, true);
+        surface.discard_commands(thrown[0]);
+        seen(name, false);
+        host.end(thrown[0]);
+        let commands = host.commands();
+        host.begin(commands);
+        let recording = solver.record(&device, commands, &surface);
+        recording.begin(none);
+        step(recording).unwrap();
+        host.end(commands);
+        seen(name, true);
+        host.submit(commands, vk::Fence::null());
+        unsafe { device.device_wait_idle() }.unwrap();
+        seen(name, false);
+    }
+    let allocator = host.allocator();
+    contours.destroy(&device, allocator);
+    paths.destroy(&device, allocator);
+    regions.destroy(&device, allocator);
+    surface.destroy(&device, allocator);
+    assert!(!contours.is_in_flight() && !surface.is_in_flight());
+    solver.destroy(&device);
+    [points, places, to].into_iter().for_each(|buffer| host.free(buffer));
+    assert_eq!((host.messages(), host.allocations()), (Vec::new(), 0));
 }
 
 /// No call of Vulkan's tells the state of a command buffer. The layers do; and what was recorded into one that

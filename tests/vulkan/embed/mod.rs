@@ -1,6 +1,7 @@
 //! The embedding interface, used by a renderer of the tests' own.
 
 mod capture;
+mod changes;
 mod costs;
 mod creation;
 mod curves;
@@ -12,6 +13,7 @@ mod faults;
 mod frames;
 mod inputs;
 mod misuse;
+mod outputs;
 mod pipeline_store;
 mod pipelines;
 mod queues;
@@ -23,6 +25,7 @@ mod render;
 mod resolution;
 mod stage;
 mod surroundings;
+mod together;
 
 /// It checks that every frame has converged.
 #[test]

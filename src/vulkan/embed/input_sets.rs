@@ -1,0 +1,90 @@
+//! Descriptor sets of an input that the host may replace by another buffer or image: one more than there are
+//! slots, taken in turn, so that frames in flight keep theirs.
+
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+use ash::vk;
+
+use super::flight::Flight;
+use super::host_sets::{self, Content, HostSet};
+use crate::vulkan::VulkanError;
+
+/// The sets of one input.
+#[derive(Debug)]
+pub(super) struct InputSet {
+    versions: Box<[Version]>,
+    current: usize,
+    /// How often the input was replaced.
+    pub(super) changes: u32,
+}
+
+#[derive(Debug)]
+struct Version {
+    set: HostSet,
+    /// Serial of the last recording that reads it.
+    used: AtomicU32,
+}
+
+/// Sets of an input on a surface with so many slots.
+pub(super) fn versions(slots: usize) -> usize {
+    slots.max(1) + 1
+}
+
+impl InputSet {
+    /// Of so many inputs, each with so many of these sets.
+    pub(super) fn each(
+        inputs: usize,
+        versions: usize,
+        sets: &mut impl Iterator<Item = HostSet>,
+    ) -> Vec<Self> {
+        let mut next = || {
+            let sets = sets.by_ref().take(versions);
+            let versions = sets.map(|set| Version { set, used: 0.into() }).collect();
+            Self { versions, current: 0, changes: 0 }
+        };
+        (0..inputs).map(|_| next()).collect()
+    }
+
+    /// The set to be bound.
+    pub(super) fn set(&self) -> HostSet {
+        self.versions[self.current].set
+    }
+
+    /// A recording reads the input, of which the serial is the next that is given out.
+    pub(super) fn is_read(&self, flight: &Flight) {
+        self.versions[self.current].used.store(flight.coming(), Relaxed);
+    }
+
+    /// A recording writes what the host gives, after the outcome of its slot, if it has one.
+    pub(super) fn is_written(&self, flight: &Flight, has_note: bool) {
+        let serial = if has_note { flight.coming() } else { flight.last() };
+        self.versions[self.current].used.store(serial, Relaxed);
+    }
+
+    /// Whether a recording that reads the input may not have run.
+    pub(super) fn is_in_flight(&self, flight: &Flight) -> bool {
+        self.versions.iter().any(|version| flight.waits_for(version.used.load(Relaxed)))
+    }
+
+    /// Replaces the input, in a set that no recording on its way reads.
+    pub(super) fn replace(
+        &mut self,
+        device: &ash::Device,
+        flight: &Flight,
+        (what, number): (&'static str, usize),
+        content: Content,
+    ) -> Result<(), VulkanError> {
+        let count = self.versions.len();
+        let mut others = (1..=count).map(|next| (self.current + next) % count);
+        let free = others.find(|&at| !flight.waits_for(self.versions[at].used.load(Relaxed)));
+        let Some(free) = free else {
+            return Err(VulkanError::InputInFlight { what, number });
+        };
+        let set: vk::DescriptorSet = self.versions[free].set.set;
+        self.versions[free] =
+            Version { set: host_sets::fill(device, set, content), used: 0.into() };
+        self.current = free;
+        self.changes = self.changes.wrapping_add(1);
+        Ok(())
+    }
+}

@@ -1,0 +1,237 @@
+//! Images of the host's that distances are written to, whose memory other images of the host's have meanwhile.
+
+use geosweep::Wavefront;
+use geosweep::ash::vk;
+use geosweep::surface::Chart;
+use geosweep::vulkan::embed::{
+    self, Access, Frame, HostImage, Points, Reader, SourceInput, SurfaceFrame, SurfaceInfo,
+};
+use geosweep::vulkan::{Schedule, VulkanError};
+
+use crate::embed::stage::{Kept, RASTER, Stage, source, vertices};
+use crate::host::Host;
+
+const CHART: Chart = Chart { rows: 23, cols: 36 };
+
+/// Images that have the same memory, one after another.
+struct Aliases {
+    images: Vec<HostImage>,
+    memory: vk::DeviceMemory,
+}
+
+impl Aliases {
+    fn new(host: &Host, count: usize) -> Self {
+        let device = &host.device;
+        let extent = vk::Extent3D { width: CHART.cols as u32, height: CHART.rows as u32, depth: 1 };
+        let usage = vk::ImageUsageFlags::STORAGE
+            | vk::ImageUsageFlags::TRANSFER_SRC
+            | vk::ImageUsageFlags::TRANSFER_DST;
+        let info = vk::ImageCreateInfo::default()
+            .flags(vk::ImageCreateFlags::ALIAS)
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(vk::Format::R32_SFLOAT)
+            .extent(extent)
+            .mip_levels(1)
+            .array_layers(1)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .usage(usage);
+        let images: Vec<_> =
+            (0..count).map(|_| unsafe { device.create_image(&info, None) }.unwrap()).collect();
+        let needed = unsafe { device.get_image_memory_requirements(images[0]) };
+        let info = vk::MemoryAllocateInfo::default()
+            .allocation_size(needed.size)
+            .memory_type_index(needed.memory_type_bits.trailing_zeros());
+        let memory = unsafe { device.allocate_memory(&info, None) }.unwrap();
+        let view = |image| {
+            unsafe { device.bind_image_memory(image, memory, 0) }.unwrap();
+            let info = vk::ImageViewCreateInfo::default()
+                .image(image)
+                .view_type(vk::ImageViewType::TYPE_2D)
+                .format(vk::Format::R32_SFLOAT)
+                .subresource_range(LEVEL);
+            HostImage { image, view: unsafe { device.create_image_view(&info, None) }.unwrap() }
+        };
+        Self { images: images.into_iter().map(view).collect(), memory }
+    }
+
+    /// Another image takes the memory: it is brought into a layout and cleared by a copy.
+    fn take_over(&self, host: &Host, commands: vk::CommandBuffer, number: usize) {
+        let barrier = vk::ImageMemoryBarrier::default()
+            .image(self.images[number].image)
+            .subresource_range(LEVEL)
+            .src_access_mask(vk::AccessFlags::TRANSFER_READ | vk::AccessFlags::SHADER_WRITE)
+            .dst_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+            .old_layout(vk::ImageLayout::UNDEFINED)
+            .new_layout(vk::ImageLayout::TRANSFER_DST_OPTIMAL);
+        let stages = vk::PipelineStageFlags::TRANSFER | vk::PipelineStageFlags::COMPUTE_SHADER;
+        let value = vk::ClearColorValue { float32: [1e9; 4] };
+        unsafe {
+            host.device.cmd_pipeline_barrier(
+                commands,
+                stages,
+                vk::PipelineStageFlags::TRANSFER,
+                vk::DependencyFlags::empty(),
+                &[],
+                &[],
+                &[barrier],
+            );
+            let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+            let image = self.images[number].image;
+            host.device.cmd_clear_color_image(commands, image, layout, &value, &[LEVEL]);
+        }
+    }
+
+    fn destroy(self, host: &Host) {
+        for HostImage { image, view } in self.images {
+            unsafe {
+                host.device.destroy_image_view(view, None);
+                host.device.destroy_image(image, None);
+            }
+        }
+        unsafe { host.device.free_memory(self.memory, None) };
+    }
+}
+
+const LEVEL: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
+    aspect_mask: vk::ImageAspectFlags::COLOR,
+    base_mip_level: 0,
+    level_count: 1,
+    base_array_layer: 0,
+    layer_count: 1,
+};
+
+fn copy(host: &Host, commands: vk::CommandBuffer, from: embed::ResultImage, to: vk::Buffer) {
+    let layers = vk::ImageSubresourceLayers::default()
+        .aspect_mask(vk::ImageAspectFlags::COLOR)
+        .layer_count(1);
+    let copy =
+        vk::BufferImageCopy::default().image_subresource(layers).image_extent(from.extent.into());
+    unsafe {
+        host.device.cmd_copy_image_to_buffer(commands, from.image, from.layout, to, &[copy]);
+    }
+    host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
+}
+
+/// Two characters with their vertices in rings, two frames in flight; one writes an image of the host's whose memory is
+/// another image's for the rest of the frame, and a third's in every second frame.
+#[test]
+fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
+    const FRAMES: usize = 50;
+    const SLOTS: usize = 2;
+    let mut host = Kept::watched_but_for_shaders();
+    let device = host.device.clone();
+    let phases = [0.2, 1.1, 2.5];
+    let part = 32 * CHART.points() as u64;
+    let ring = host.buffer_of(&phases.map(|phase| vertices(CHART, phase)).concat());
+    let inputs = [Points::positions(ring.handle, 32)];
+    let alone = SurfaceInfo { slots: SLOTS, points: &inputs, ..SurfaceInfo::new(CHART) };
+    let mut stage = Stage::new(host, &RASTER[2..], &alone);
+    let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 12);
+    let places = [source(7.25, 20.5), source(19.0, 3.0)];
+    let frame = |who: usize, slot| Frame {
+        before: Access::NONE,
+        points: Some(0),
+        sources: SourceInput::Inline(&places[who]),
+        plan: &plan,
+        slot,
+        reader: Reader::COPY,
+        unreached: f32::INFINITY,
+    };
+    // By a surface with images of its own, frame by frame.
+    let mut expected: [Vec<Vec<f32>>; 2] = [Vec::new(), Vec::new()];
+    for (who, maps) in expected.iter_mut().enumerate() {
+        for at in [0, part, 2 * part] {
+            stage.run(|recording| recording.points_at(at).frame(&frame(who, 0)));
+            stage.finish(&plan);
+            maps.push(stage.read());
+        }
+    }
+
+    let aliases = Aliases::new(&stage.host, 4);
+    let given = [aliases.images[0], aliases.images[1]];
+    let info = SurfaceInfo { results: &given, ..alone };
+    assert!(
+        stage.solver.bytes_for(&device, &info).unwrap()
+            < stage.solver.bytes_for(&device, &alone).unwrap()
+    );
+    let mut second = stage.solver.surface(&device, stage.host.allocator(), &info).unwrap();
+    stage.host.run(|commands| stage.solver.record(&device, commands, &second).prepare());
+    let bytes = 4 * CHART.points() as u64;
+    let to = [(); SLOTS].map(|()| [(); 2].map(|()| stage.host.buffer(bytes, true)));
+    let mut in_flight: [Option<(vk::Fence, usize)>; SLOTS] = [None; SLOTS];
+    let check = |stage: &Stage, second: &embed::Surface, slot: usize, fence, turn: usize| {
+        unsafe {
+            device.wait_for_fences(&[fence], true, u64::MAX).unwrap();
+            device.destroy_fence(fence, None);
+        }
+        for (who, to) in to[slot].iter().enumerate() {
+            let map = &to.floats()[..CHART.points()];
+            assert!(map == expected[who][(turn + who) % 3], "frame {turn}, character {who}");
+        }
+        for surface in [&stage.surface, second] {
+            let outcome = surface.outcome(slot).unwrap();
+            assert!(outcome.converged && outcome.edges_without_length == 0, "{outcome:?}");
+        }
+    };
+    for turn in 0..FRAMES {
+        let slot = turn % SLOTS;
+        if let Some((fence, before)) = in_flight[slot].take() {
+            check(&stage, &second, slot, fence, before);
+        }
+        if turn >= 10 {
+            // The graph hands out another image.
+            let image = aliases.images[(turn / 2) % 3];
+            second.set_result(&device, slot, image).unwrap();
+        }
+        let commands = stage.host.commands();
+        stage.host.begin(commands);
+        aliases.take_over(&stage.host, commands, 3);
+        let frames = [(&stage.surface, 0), (&second, 1)].map(|(surface, who)| SurfaceFrame {
+            surface,
+            frame: Frame { before: Access::TRANSFER_WRITE, ..frame(who, slot) },
+            points_at: part * ((turn + who) % 3) as u64,
+        });
+        stage.solver.record_frames(&device, commands, &frames).unwrap();
+        for (SurfaceFrame { surface, .. }, to) in frames.iter().zip(&to[slot]) {
+            let image = surface.result(slot, Reader::COPY.layout).unwrap();
+            copy(&stage.host, commands, image, to.handle);
+        }
+        stage.host.end(commands);
+        let fence = unsafe { device.create_fence(&Default::default(), None) }.unwrap();
+        stage.host.submit(commands, fence);
+        in_flight[slot] = Some((fence, turn));
+    }
+    for (slot, waits) in in_flight.into_iter().enumerate() {
+        let (fence, turn) = waits.unwrap();
+        check(&stage, &second, slot, fence, turn);
+    }
+
+    let refused = stage.surface.set_result(&device, 0, given[0]).unwrap_err();
+    assert!(matches!(refused, VulkanError::OwnResults), "{refused}");
+    let refused = second.set_result(&device, 2, given[0]).unwrap_err();
+    assert!(matches!(refused, VulkanError::NoSuch { number: 2, count: 2, .. }), "{refused}");
+    let null = HostImage { view: vk::ImageView::null(), ..given[0] };
+    let refused = second.set_result(&device, 0, null).unwrap_err();
+    assert!(refused.to_string().contains("the view is the null handle"), "{refused}");
+    let none = SurfaceInfo { results: &[null, null], ..alone };
+    let refused = stage.solver.surface(&device, stage.host.allocator(), &none).unwrap_err();
+    assert!(refused.to_string().contains("the view is the null handle"), "{refused}");
+    let few = SurfaceInfo { results: &given[..1], ..alone };
+    let refused = stage.solver.surface(&device, stage.host.allocator(), &few).unwrap_err();
+    assert!(refused.to_string().contains("there are 1 of them for 2 slots"), "{refused}");
+    // Recorded and not submitted: each of the slot's sets waits.
+    for image in [given[0], given[1], given[0]] {
+        second.set_result(&device, 0, image).unwrap();
+        let commands = stage.host.commands();
+        stage.host.begin(commands);
+        stage.solver.record(&device, commands, &second).frame(&frame(1, 0)).unwrap();
+        stage.host.end(commands);
+    }
+    let refused = second.set_result(&device, 0, given[1]).unwrap_err();
+    let in_flight = VulkanError::InputInFlight { what: "distances", number: 0 };
+    assert_eq!(refused.to_string(), in_flight.to_string());
+
+    second.destroy(&device, stage.host.allocator());
+    aliases.destroy(&stage.host);
+    stage.end(to.into_iter().flatten().chain([ring]));
+}

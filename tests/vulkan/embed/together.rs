@@ -1,0 +1,186 @@
+//! Frames of several surfaces, recorded together: each has the map that it would have alone.
+
+use geosweep::Wavefront;
+use geosweep::ash::vk;
+use geosweep::surface::Chart;
+use geosweep::vulkan::embed::{
+    self, Access, Frame, PointSource, Points, Reader, SourceBuffer, SourceInput, Surface,
+    SurfaceFrame, SurfaceInfo,
+};
+use geosweep::vulkan::{Method, Schedule, VulkanError};
+
+use crate::embed::stage::{Kept, STOP, Stage, source, vertices};
+use crate::host::{Host, HostBuffer};
+
+/// A surface with its plan, and how its frames go.
+struct Part {
+    surface: Surface,
+    plan: embed::Plan,
+    /// Points, sources, and the distances that were copied.
+    buffers: [HostBuffer; 3],
+    sources: Vec<PointSource>,
+    from_buffer: bool,
+    points_at: u64,
+    reader: Reader,
+}
+
+impl Part {
+    fn frame(&self, slot: usize, measures: bool) -> Frame<'_> {
+        Frame {
+            before: Access::NONE,
+            points: measures.then_some(0),
+            sources: match self.from_buffer {
+                true => SourceInput::Buffer(0),
+                false => SourceInput::Inline(&self.sources),
+            },
+            plan: &self.plan,
+            slot,
+            reader: self.reader,
+            unreached: -1.0,
+        }
+    }
+
+    /// Copies the image of a slot, and reads it.
+    fn read(&self, host: &Host, slot: usize) -> Vec<f32> {
+        let image = self.surface.result(slot, self.reader.layout).unwrap();
+        let layers = vk::ImageSubresourceLayers::default()
+            .aspect_mask(vk::ImageAspectFlags::COLOR)
+            .layer_count(1);
+        let copy = vk::BufferImageCopy::default()
+            .image_subresource(layers)
+            .image_extent(image.extent.into());
+        host.run(|commands| unsafe {
+            let (device, to) = (&host.device, self.buffers[2].handle);
+            device.cmd_copy_image_to_buffer(commands, image.image, image.layout, to, &[copy]);
+            host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
+        });
+        self.buffers[2].floats()[..self.surface.chart().points()].to_vec()
+    }
+}
+
+/// Of two schedules and wavefronts, four sizes, one of them measured in several bands, crowds and single sources,
+/// inline and in a buffer, for several readers.
+#[test]
+fn maps_recorded_together_are_those_recorded_alone() {
+    let host = Kept::watched_but_for_shaders();
+    let device = host.device.clone();
+    let (raster, tiles) = (Schedule::Raster, Schedule::Tiles);
+    let (planar, curved) = (Wavefront::Planar, Wavefront::Curved);
+    let passes = [(raster, planar), (raster, curved), (tiles, curved)];
+    let tiny = SurfaceInfo::new(Chart { rows: 2, cols: 2 });
+    let mut stage = Stage::new(host, &passes, &tiny);
+    let crowd: Vec<_> =
+        (0..300).map(|i| PointSource::at((i % 37) as f32, 0.25 * i as f32 % 40.0)).collect();
+    let single = source(7.25, 20.5).to_vec();
+    let general = Reader { layout: vk::ImageLayout::GENERAL, ..Reader::COPY };
+    let mut parts: Vec<Part> = [
+        (40, 50, raster, curved, &single, false, 0, Reader::COPY),
+        (40, 50, raster, curved, &crowd, false, 32 * 40 * 50, general),
+        (700, 500, raster, planar, &crowd, true, 0, Reader::COPY),
+        (61, 43, tiles, curved, &single, true, 0, Reader::COPY),
+    ]
+    .into_iter()
+    .map(|(rows, cols, schedule, wavefront, sources, from_buffer, points_at, reader)| {
+        let chart = Chart { rows, cols };
+        let all = [vertices(chart, 0.4), vertices(chart, 1.7)].concat();
+        let points = stage.host.buffer_of(&all);
+        let entries = stage.host.buffer_of(bytemuck::cast_slice(sources));
+        let inputs = [Points::positions(points.handle, 32)];
+        let count = sources.len() as u32;
+        let buffers = [SourceBuffer { buffer: entries.handle, offset: 0, count }];
+        let info =
+            SurfaceInfo { slots: 2, points: &inputs, sources: &buffers, ..SurfaceInfo::new(chart) };
+        let surface = stage.solver.surface(&device, stage.host.allocator(), &info).unwrap();
+        stage.host.run(|commands| stage.solver.record(&device, commands, &surface).prepare());
+        let method = Method { wavefront, schedule: Some(schedule), stop: STOP };
+        let plan = stage.solver.plan(chart, method, 12).unwrap();
+        let to = stage.host.buffer(4 * chart.points() as u64, true);
+        let sources = sources.clone();
+        let buffers = [points, entries, to];
+        Part { surface, plan, buffers, sources, from_buffer, points_at, reader }
+    })
+    .collect();
+    for measures in [true, false] {
+        let alone: Vec<_> = parts
+            .iter()
+            .map(|part| {
+                stage.host.run(|commands| {
+                    let recording = stage.solver.record(&device, commands, &part.surface);
+                    let frame = part.frame(0, measures);
+                    recording.points_at(part.points_at).frame(&frame).unwrap();
+                });
+                (part.read(&stage.host, 0), part.surface.outcome(0).unwrap())
+            })
+            .collect();
+        let frames: Vec<_> = parts
+            .iter()
+            .map(|part| SurfaceFrame {
+                surface: &part.surface,
+                frame: part.frame(1, measures),
+                points_at: part.points_at,
+            })
+            .collect();
+        stage.host.run(|commands| {
+            // Twice, since a frame follows another in one command buffer too.
+            stage.solver.record_frames(&device, commands, &frames).unwrap();
+            stage.solver.record_frames(&device, commands, &frames).unwrap();
+        });
+        for (number, (part, (map, outcome))) in parts.iter().zip(&alone).enumerate() {
+            assert!(part.read(&stage.host, 1) == *map, "surface {number}");
+            assert_eq!(part.surface.outcome(1).unwrap(), *outcome, "surface {number}");
+        }
+    }
+    for part in &mut parts {
+        part.surface.destroy(&device, stage.host.allocator());
+    }
+    stage.end(parts.into_iter().flat_map(|part| part.buffers));
+}
+
+#[test]
+fn a_frame_among_several_that_cannot_be_recorded_is_named() {
+    let mut host = Kept::unwatched();
+    let device = host.device.clone();
+    let chart = Chart { rows: 9, cols: 12 };
+    let points = host.buffer_of(&vertices(chart, 0.4));
+    let inputs = [Points::positions(points.handle, 32)];
+    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(chart) };
+    let mut stage = Stage::new(host, &[(Schedule::Raster, Wavefront::Planar)], &info);
+    let mut other = stage.solver.surface(&device, stage.host.allocator(), &info).unwrap();
+    let plan = stage.plan(Schedule::Raster, Wavefront::Planar, 4);
+    let place = source(3.0, 4.0);
+    let frame = Frame {
+        before: Access::NONE,
+        points: Some(0),
+        sources: SourceInput::Inline(&place),
+        plan: &plan,
+        slot: 0,
+        reader: Reader::COPY,
+        unreached: -1.0,
+    };
+    let first = SurfaceFrame { surface: &stage.surface, frame, points_at: 0 };
+    let second = SurfaceFrame { surface: &other, ..first };
+    // Commands would panic: none is recorded.
+    extern "system" fn recorded() -> vk::Result {
+        panic!("a frame that was refused has recorded something")
+    }
+    let strict = stage
+        .host
+        .device_with(|name| name.to_bytes().starts_with(b"vkCmd").then_some(recorded as _));
+    let refused = |frames: &[SurfaceFrame]| {
+        let none = vk::CommandBuffer::null();
+        let error = stage.solver.record_frames(&strict, none, frames).unwrap_err();
+        let VulkanError::OfFrame { number, source } = error else { panic!("{error}") };
+        (number, *source)
+    };
+    assert!(matches!(refused(&[first, second]), (1, VulkanError::NotPrepared)));
+    assert!(matches!(refused(&[second, first]), (0, VulkanError::NotPrepared)));
+    assert!(matches!(refused(&[first, first]), (1, VulkanError::TwiceTogether)));
+    let beyond = SurfaceFrame { points_at: 1 << 20, ..first };
+    assert!(matches!(refused(&[beyond]), (0, VulkanError::HostBuffer { .. })));
+    let no_slot = SurfaceFrame { frame: Frame { slot: 1, ..frame }, ..first };
+    assert!(matches!(refused(&[no_slot]), (0, VulkanError::NoSuch { .. })));
+    stage.solver.record_frames(&strict, vk::CommandBuffer::null(), &[]).unwrap();
+    assert!(!stage.surface.is_in_flight());
+    other.destroy(&device, stage.host.allocator());
+    stage.end([points]);
+}
