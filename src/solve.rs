@@ -28,8 +28,8 @@ pub enum Engine {
     /// Rotated raster scans on the CPU.
     Cpu,
     /// Fast marching on the CPU, the sequential reference for the planar front. Obtuse triangles are split.
-    /// With other fronts it can err by several per cent where triangles are obtuse, for two reasons: it
-    /// fixes each point's value only once, and where a triangle is split, the curvature of a front is that of flat
+    /// With other fronts it can err by several per cent where triangles are obtuse, for two reasons: it fixes
+    /// each point's value only once, and where a triangle is split, the curvature of a front is that of flat
     /// space instead of the surface.
     FastMarching,
 }

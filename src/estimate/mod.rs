@@ -36,7 +36,7 @@ pub struct ErrorEstimate<R = f32> {
     /// The observed order p: over the whole map, changes from grid to grid are proportional to h^p. It needs
     /// three grids. On smooth surfaces it is 1.2 to 2 for point-source fronts, about 2 for curved ones, and
     /// near 0.5 for planar ones from points. It is lower where the surface is rough on the grid or has holes,
-    /// and where only rounding is left. It is `None` for anchored fronts.
+    /// and where only rounding is left. It is `None` for anchored fronts that are compared with a finer grid.
     pub observed_order: Option<f64>,
     /// Number of grids that were compared, the map's own included: 2 or 3.
     pub grids: u32,

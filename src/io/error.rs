@@ -53,7 +53,7 @@ pub enum IoError {
     Content {
         /// The file.
         path: PathBuf,
-        /// What is wrong, where, and what to do.
+        /// Description of the error, its place, and what to do.
         reason: String,
     },
     /// The content is well-formed, but does not make a surface.

@@ -30,7 +30,7 @@ impl<R: Real> EdgeLengths<R> {
 /// eight triangles around the point, divided by its share of the fan's area ([`EdgeRule::share_of_fan`]), and
 /// counts as far as the neighbours agree ([`settled`]).
 ///
-/// Defects near `DEFECT_NOISE`, the rounding of lengths in single precision, are shrunk towards zero; else a
+/// Defects near `DEFECT_NOISE`, the rounding of lengths in single precision, are shrunk towards zero; otherwise a
 /// flat surface would seem bent the same way everywhere. Defects are limited to `LARGEST_DEFECT` radians, the
 /// range of the series for the arc tangent.
 ///

@@ -108,9 +108,9 @@ impl<R: Real> Rays<R> {
 /// Returns the arrival time at the anchor of a point that was reached at `time`, a distance `straight` from
 /// the anchor.
 ///
-/// This is the `known` time of the anchor, from which the times that follow are rounded. But where the two
-/// differ by more than rounding, the time that follows from the point counts, since a change must come from
-/// the neighbours.
+/// If the `known` time of the anchor agrees with `time - straight` up to rounding, the known time is
+/// returned, which is the more accurate one. Otherwise `time - straight` is returned, since a change must
+/// come from the neighbours.
 #[inline(always)]
 fn start<R: Real>(known: R, time: R, straight: R) -> R {
     let follows = time - straight;
@@ -522,7 +522,7 @@ impl<R: Real> Floor<R> {
 
     /// Returns whether the straight line from a point to an anchor passes over floor only. The line is
     /// followed from one grid line to the next: from column to column if it passes more columns than rows,
-    /// else from row to row.
+    /// otherwise from row to row.
     fn is_clear(&self, x0: usize, anchor: usize) -> bool {
         let [rows, cols] = self.step(x0, anchor);
         let axis = |by_cols, step: R| match (by_cols, step > R::zero()) {

@@ -225,7 +225,7 @@ impl FromOrigin {
 
     /// Returns the value that the front carries at x0. It is the number of the origin as long as the line
     /// explains the front's time, and the surface is flat enough for the curvature to follow from the
-    /// distance. Else it is the curvature.
+    /// distance. Otherwise it is the curvature.
     #[inline(always)]
     fn carried<R: Real>(&self, time: R, number: R, gaussian: R) -> R {
         let (away, gaussian) = (time.wide() - self.start, gaussian.wide());

@@ -124,7 +124,7 @@ impl<R: Real> Slope<R> {
 }
 
 /// Returns the arrival time at x0 of a straight front that reaches x1 and x2 at t1 and t2, given the slowness
-/// at x0, x1 and x2. It is at least the later of both times, see [`super::planar`].
+/// at x0, x1 and x2. It is at least the later of both times, see [`super::planar()`].
 #[inline(always)]
 pub(crate) fn planar_slowed<R: Real>(triangle: Triangle<R>, slowness: [R; 3]) -> R {
     let Triangle { t1, t2, l1, l2, c } = triangle;
@@ -150,7 +150,7 @@ pub(crate) fn planar_slowed<R: Real>(triangle: Triangle<R>, slowness: [R; 3]) ->
 }
 
 /// Returns the front at x0 from fronts at x1 and x2, given the slowness at x0, x1 and x2. It equals that of
-/// [`super::curved`] where the slowness is constant.
+/// [`super::curved()`] where the slowness is constant.
 ///
 /// Curvatures are those of the metric that the slowness makes of the surface. Where the slowness jumps, they
 /// are useless. The quantity that continues across a jump is the second derivative of the time along a front:

@@ -86,7 +86,7 @@ struct FileCurve {
 enum CurveKind {
     /// Points or a curve: the format does not distinguish them.
     Any,
-    /// As [`Self::Any`], and the last vertex is followed by the first.
+    /// Points or a curve, as in [`Self::Any`]. The last vertex is followed by the first.
     Closed,
     /// Points that do not form a curve.
     Points,
@@ -391,7 +391,7 @@ fn on_grid([row, col]: [f64; 2], chart: Chart) -> Result<[f64; 2], String> {
     })
 }
 
-/// Returns the number of a cell if it is finite, else an error.
+/// Returns the number of a cell if it is finite. Otherwise returns an error.
 fn finite(number: f64, text: &str, named: &Named) -> Result<f64, String> {
     match number.is_finite() {
         true => Ok(number),

@@ -186,7 +186,7 @@ impl FlatPaths {
 mod tests {
     use super::*;
 
-    /// The floor is where the picture has a dot.
+    /// Computes the paths over a picture's floor, which is where the picture has a dot.
     fn paths(picture: &[&str], from: [f64; 2]) -> FlatPaths {
         let floor = picture.iter().flat_map(|row| row.chars().map(|c| c == '.')).collect();
         FlatPaths::new(FloorPlan::new(picture.len(), picture[0].len(), floor, DVec2::ONE), from)

@@ -169,7 +169,7 @@ impl Mul<f64> for Jet {
 mod tests {
     use super::*;
 
-    /// A function that uses every operation.
+    /// Computes a function that uses every operation.
     fn function<T: Smooth>([u, v]: [T; 2]) -> T {
         let (sin, cos) = (u * v).sin_cos();
         let root = (u.squared() + v * 3.0 + 1.0).recip_sqrt();

@@ -5,8 +5,9 @@ use super::jet::Smooth;
 /// Height relative to MATLAB's, so that slopes stay below about 70 degrees.
 const HEIGHT: f64 = 0.25;
 
-/// z = 3 (1 - x)^2 e^(-x^2 - (y + 1)^2) - 10 (x/5 - x^3 - y^5) e^(-x^2 - y^2)
-///     - 1/3 e^(-(x + 1)^2 - y^2), for x and y from -3 to 3, times [`HEIGHT`].
+/// Returns the position of (u, v). The height is [`HEIGHT`] times
+/// 3 (1 - x)^2 e^(-x^2 - (y + 1)^2) - 10 (x/5 - x^3 - y^5) e^(-x^2 - y^2) - 1/3 e^(-(x + 1)^2 - y^2),
+/// for x and y from -3 to 3.
 pub(super) fn position<T: Smooth>(uv: [T; 2]) -> [T; 3] {
     let [x, y] = uv.map(|along| along * 6.0 - 3.0);
     let bell = |x: T, y: T| ((x.squared() + y.squared()) * -1.0).exp();

@@ -77,7 +77,7 @@ impl Direction {
     }
 }
 
-/// The same turns for directions given by their numbers in [`Direction::ALL`], for loops over all eight.
+/// Turns of directions that are given by their numbers in [`Direction::ALL`], for loops over all eight.
 pub(crate) mod ring {
     /// Returns the next direction counter-clockwise.
     #[inline(always)]

@@ -135,7 +135,7 @@ impl Panel {
 }
 
 /// Returns the number of quadrangles along the rays. With it, the straight sides deviate from the rays by
-/// only a small part of the distance between rays; else a guess would belong to the wrong rays.
+/// only a small part of the distance between rays; otherwise a guess would belong to the wrong rays.
 fn parts_along(patch: &Patch, from_source: bool) -> usize {
     const SMALL: f64 = 0.02;
     const MOST: f64 = 64.0;
