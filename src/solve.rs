@@ -92,7 +92,7 @@ pub struct Options {
     ///   surfaces and from curves, and as good as the circular one on rough terrain.
     ///
     /// A map with curved fronts takes about twice the time of one with circular fronts. A map with anchors
-    /// takes less than that.
+    /// takes less time than one with curved fronts.
     pub wavefront: Option<Wavefront>,
     /// The order of updates on a Vulkan device. It makes no difference to the map. With `None` it is
     /// [`Schedule::best_on`] the device. The CPU engines have one order each.

@@ -17,7 +17,8 @@ pub enum Wavefront {
     /// A circular front around a virtual point source, for one point. It is exact on developable surfaces
     /// except for the sampling, and second-order accurate elsewhere. Maps of several sources or over an
     /// uneven slowness are solved with [`Self::Curved`] instead, and their report says so: circular fronts do
-    /// not tell to which source they belong where they meet.
+    /// not tell to which source they belong where they meet. Fast marching, which updates in one order, keeps
+    /// them for several sources.
     PointSource = constants::CIRCULAR as i32,
     /// A front that carries its curvature beside the arrival time. It is second-order accurate on curved
     /// surfaces, also around holes and for extended sources.
