@@ -34,7 +34,7 @@ impl Corners {
         Self { is_corner: corners }
     }
 
-    /// Returns whether there are no holes, and so no corners.
+    /// Returns whether the map reaches all points, so that there are no corners.
     pub(super) fn is_none(&self) -> bool {
         self.is_corner.is_empty()
     }
