@@ -87,6 +87,60 @@ pub unsafe extern "C" fn geosweep_contours_create(
     })
 }
 
+/// Says how many bytes a buffer of yours has for contours, in place of one of their own.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_contours_buffer_bytes(
+    vertices: u32,
+    bytes: *mut u64,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let output = unsafe { Output::new(bytes, "bytes") }?;
+        output.write(embed::Contours::buffer_bytes(vertices));
+        Ok(())
+    })
+}
+
+/// Makes contours as `geosweep_contours_create` does, which go to a buffer of yours, from its first byte: with usage
+/// `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and what
+/// its readers ask for, device addresses too. It stays yours, and a render graph may give its memory to others meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_contours_create_into(
+    surface: *const GeosweepSurface,
+    vertices: u32,
+    buffer: vk::Buffer,
+    contours: *mut *mut GeosweepContours,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (surface, output) =
+            unsafe { (object(surface, "surface")?, Output::new(contours, "contours")?) };
+        let GeosweepSurface { shared, surface, .. } = surface;
+        let mut allocator = shared.allocator();
+        let (solver, device) = (&shared.solver, &shared.device);
+        let contours = solver.contours_into(device, &mut allocator, surface, vertices, buffer)?;
+        hand_out(output, GeosweepContours { shared: Arc::clone(shared), contours });
+        Ok(())
+    })
+}
+
+/// Has contours from now on go to another buffer of yours, if they were made with one. Recordings in flight go on with the
+/// one before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_contours_set_buffer(
+    contours: *mut GeosweepContours,
+    surface: *const GeosweepSurface,
+    buffer: vk::Buffer,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (of, surface) =
+            unsafe { (exclusive(contours, "contours")?, object(surface, "surface")?) };
+        let Shared { device, solver, .. } = &*surface.shared;
+        Ok(of.contours.set_buffer(device, solver, &surface.surface, buffer)?)
+    })
+}
+
 /// Says how many bytes of device memory contours take.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_contours_bytes(

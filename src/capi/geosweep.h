@@ -967,6 +967,23 @@ enum GeosweepStatus geosweep_contours_create(const struct GeosweepSurface *surfa
                                              uint32_t vertices,
                                              struct GeosweepContours **contours);
 
+// Says how many bytes a buffer of yours has for contours, in place of one of their own.
+enum GeosweepStatus geosweep_contours_buffer_bytes(uint32_t vertices, uint64_t *bytes);
+
+// Makes contours as `geosweep_contours_create` does, which go to a buffer of yours, from its first byte: with usage
+// `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and what
+// its readers ask for, device addresses too. It stays yours, and a render graph may give its memory to others meanwhile.
+enum GeosweepStatus geosweep_contours_create_into(const struct GeosweepSurface *surface,
+                                                  uint32_t vertices,
+                                                  VkBuffer buffer,
+                                                  struct GeosweepContours **contours);
+
+// Has contours from now on go to another buffer of yours, if they were made with one. Recordings in flight go on with the
+// one before.
+enum GeosweepStatus geosweep_contours_set_buffer(struct GeosweepContours *contours,
+                                                 const struct GeosweepSurface *surface,
+                                                 VkBuffer buffer);
+
 // Says how many bytes of device memory contours take.
 enum GeosweepStatus geosweep_contours_bytes(const struct GeosweepContours *contours,
                                             uint64_t *bytes);
@@ -1012,6 +1029,24 @@ enum GeosweepStatus geosweep_paths_create(const struct GeosweepSurface *surface,
                                           uint32_t vertices,
                                           struct GeosweepPaths **paths);
 
+// Says how many bytes a buffer of yours has for paths, in place of one of their own.
+enum GeosweepStatus geosweep_paths_buffer_bytes(uint32_t count, uint32_t vertices, uint64_t *bytes);
+
+// Makes paths as `geosweep_paths_create` does, which go to a buffer of yours, from its first byte: with usage
+// `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what
+// its readers ask for, device addresses too. It stays yours, and a render graph may give its memory to others meanwhile.
+enum GeosweepStatus geosweep_paths_create_into(const struct GeosweepSurface *surface,
+                                               uint32_t count,
+                                               uint32_t vertices,
+                                               VkBuffer buffer,
+                                               struct GeosweepPaths **paths);
+
+// Has paths from now on go to another buffer of yours, if they were made with one. Recordings in flight go on with the
+// one before.
+enum GeosweepStatus geosweep_paths_set_buffer(struct GeosweepPaths *paths,
+                                              const struct GeosweepSurface *surface,
+                                              VkBuffer buffer);
+
 // Says how many bytes of device memory paths take.
 enum GeosweepStatus geosweep_paths_bytes(const struct GeosweepPaths *paths, uint64_t *bytes);
 
@@ -1049,6 +1084,23 @@ enum GeosweepStatus geosweep_regions_bytes_for(const struct GeosweepSolver *solv
 enum GeosweepStatus geosweep_regions_create(const struct GeosweepSurface *surface,
                                             GeosweepWavefront wavefront,
                                             struct GeosweepRegions **regions);
+
+// Says how many bytes a buffer of yours has for regions, in place of one of their own.
+enum GeosweepStatus geosweep_regions_buffer_bytes(uint32_t rows, uint32_t cols, uint64_t *bytes);
+
+// Makes regions as `geosweep_regions_create` does, which go to a buffer of yours, from its first byte: with usage
+// `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what
+// its readers ask for, device addresses too. It stays yours, and a render graph may give its memory to others meanwhile.
+enum GeosweepStatus geosweep_regions_create_into(const struct GeosweepSurface *surface,
+                                                 GeosweepWavefront wavefront,
+                                                 VkBuffer buffer,
+                                                 struct GeosweepRegions **regions);
+
+// Has regions from now on go to another buffer of yours, if they were made with one. Recordings in flight go on with the
+// one before.
+enum GeosweepStatus geosweep_regions_set_buffer(struct GeosweepRegions *regions,
+                                                const struct GeosweepSurface *surface,
+                                                VkBuffer buffer);
 
 // Says how many bytes of device memory regions take.
 enum GeosweepStatus geosweep_regions_bytes(const struct GeosweepRegions *regions, uint64_t *bytes);

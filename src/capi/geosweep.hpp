@@ -445,6 +445,23 @@ public:
         return curves;
     }
 
+    /* To a buffer of yours of buffer_bytes, which may be another in each frame. */
+    Contours(const Surface &surface, uint32_t vertices, VkBuffer buffer) : Owned(surface.solver()) {
+        GeosweepContours *into = nullptr;
+        check(geosweep_contours_create_into(surface.get(), vertices, buffer, &into));
+        own(into);
+    }
+
+    static uint64_t buffer_bytes(uint32_t vertices) {
+        uint64_t bytes = 0;
+        check(geosweep_contours_buffer_bytes(vertices, &bytes));
+        return bytes;
+    }
+
+    void set_buffer(const Surface &surface, VkBuffer buffer) {
+        check(geosweep_contours_set_buffer(get(), surface.get(), buffer));
+    }
+
     /* After the surface's inputs were set anew. */
     void rebind(const Surface &surface) { check(geosweep_contours_rebind(get(), surface.get())); }
 
@@ -470,6 +487,23 @@ public:
         return curves;
     }
 
+    /* To a buffer of yours of buffer_bytes, which may be another in each frame. */
+    Paths(const Surface &surface, uint32_t paths, uint32_t vertices, VkBuffer buffer) : Owned(surface.solver()) {
+        GeosweepPaths *into = nullptr;
+        check(geosweep_paths_create_into(surface.get(), paths, vertices, buffer, &into));
+        own(into);
+    }
+
+    static uint64_t buffer_bytes(uint32_t paths, uint32_t vertices) {
+        uint64_t bytes = 0;
+        check(geosweep_paths_buffer_bytes(paths, vertices, &bytes));
+        return bytes;
+    }
+
+    void set_buffer(const Surface &surface, VkBuffer buffer) {
+        check(geosweep_paths_set_buffer(get(), surface.get(), buffer));
+    }
+
     /* After the surface's inputs were set anew. */
     void rebind(const Surface &surface) { check(geosweep_paths_rebind(get(), surface.get())); }
 
@@ -493,6 +527,23 @@ public:
         GeosweepLabels labels = GeosweepLabels();
         check(geosweep_regions_labels(get(), &labels));
         return labels;
+    }
+
+    /* To a buffer of yours of buffer_bytes, which may be another in each frame. */
+    Regions(const Surface &surface, GeosweepWavefront wavefront, VkBuffer buffer) : Owned(surface.solver()) {
+        GeosweepRegions *into = nullptr;
+        check(geosweep_regions_create_into(surface.get(), wavefront, buffer, &into));
+        own(into);
+    }
+
+    static uint64_t buffer_bytes(uint32_t rows, uint32_t cols) {
+        uint64_t bytes = 0;
+        check(geosweep_regions_buffer_bytes(rows, cols, &bytes));
+        return bytes;
+    }
+
+    void set_buffer(const Surface &surface, VkBuffer buffer) {
+        check(geosweep_regions_set_buffer(get(), surface.get(), buffer));
     }
 
     /* After the surface's inputs were set anew. */

@@ -68,7 +68,7 @@ pub use requirements::*;
 pub use solver::*;
 pub use status::{GeosweepStatus, geosweep_last_error};
 pub use surface::*;
-pub use surface_info::{GeosweepLookup, GeosweepSourceBuffer, GeosweepSurfaceInfo};
+pub use surface_info::*;
 
 /// What the header says of threads.
 const _: () = {

@@ -94,6 +94,62 @@ pub unsafe extern "C" fn geosweep_paths_create(
     })
 }
 
+/// Says how many bytes a buffer of yours has for paths, in place of one of their own.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_paths_buffer_bytes(
+    count: u32,
+    vertices: u32,
+    bytes: *mut u64,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let output = unsafe { Output::new(bytes, "bytes") }?;
+        output.write(embed::Paths::buffer_bytes(embed::PathsInfo { paths: count, vertices }));
+        Ok(())
+    })
+}
+
+/// Makes paths as `geosweep_paths_create` does, which go to a buffer of yours, from its first byte: with usage
+/// `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what
+/// its readers ask for, device addresses too. It stays yours, and a render graph may give its memory to others meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_paths_create_into(
+    surface: *const GeosweepSurface,
+    count: u32,
+    vertices: u32,
+    buffer: vk::Buffer,
+    paths: *mut *mut GeosweepPaths,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (surface, output) =
+            unsafe { (object(surface, "surface")?, Output::new(paths, "paths")?) };
+        let info = embed::PathsInfo { paths: count, vertices };
+        let GeosweepSurface { shared, surface, .. } = surface;
+        let mut allocator = shared.allocator();
+        let (solver, device) = (&shared.solver, &shared.device);
+        let paths = solver.paths_into(device, &mut allocator, surface, info, buffer)?;
+        hand_out(output, GeosweepPaths { shared: Arc::clone(shared), paths });
+        Ok(())
+    })
+}
+
+/// Has paths from now on go to another buffer of yours, if they were made with one. Recordings in flight go on with the
+/// one before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_paths_set_buffer(
+    paths: *mut GeosweepPaths,
+    surface: *const GeosweepSurface,
+    buffer: vk::Buffer,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (of, surface) = unsafe { (exclusive(paths, "paths")?, object(surface, "surface")?) };
+        let Shared { device, solver, .. } = &*surface.shared;
+        Ok(of.paths.set_buffer(device, solver, &surface.surface, buffer)?)
+    })
+}
+
 /// Says how many bytes of device memory paths take.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_paths_bytes(

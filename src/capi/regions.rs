@@ -87,6 +87,62 @@ pub unsafe extern "C" fn geosweep_regions_create(
     })
 }
 
+/// Says how many bytes a buffer of yours has for regions, in place of one of their own.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_regions_buffer_bytes(
+    rows: u32,
+    cols: u32,
+    bytes: *mut u64,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let output = unsafe { Output::new(bytes, "bytes") }?;
+        output.write(embed::Regions::buffer_bytes(chart(rows, cols)?));
+        Ok(())
+    })
+}
+
+/// Makes regions as `geosweep_regions_create` does, which go to a buffer of yours, from its first byte: with usage
+/// `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT` and `VK_BUFFER_USAGE_TRANSFER_DST_BIT` and what
+/// its readers ask for, device addresses too. It stays yours, and a render graph may give its memory to others meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_regions_create_into(
+    surface: *const GeosweepSurface,
+    wavefront: WavefrontNumber,
+    buffer: vk::Buffer,
+    regions: *mut *mut GeosweepRegions,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (surface, output) =
+            unsafe { (object(surface, "surface")?, Output::new(regions, "regions")?) };
+        let wavefront = self::wavefront(wavefront, "wavefront")?;
+        let GeosweepSurface { shared, surface, .. } = surface;
+        let mut allocator = shared.allocator();
+        let (solver, device) = (&shared.solver, &shared.device);
+        let regions = solver.regions_into(device, &mut allocator, surface, wavefront, buffer)?;
+        hand_out(output, GeosweepRegions { shared: Arc::clone(shared), regions });
+        Ok(())
+    })
+}
+
+/// Has regions from now on go to another buffer of yours, if they were made with one. Recordings in flight go on with the
+/// one before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn geosweep_regions_set_buffer(
+    regions: *mut GeosweepRegions,
+    surface: *const GeosweepSurface,
+    buffer: vk::Buffer,
+) -> GeosweepStatus {
+    guard(|| {
+        // SAFETY: the caller's promise.
+        let (of, surface) =
+            unsafe { (exclusive(regions, "regions")?, object(surface, "surface")?) };
+        let Shared { device, solver, .. } = &*surface.shared;
+        Ok(of.regions.set_buffer(device, solver, &surface.surface, buffer)?)
+    })
+}
+
 /// Says how many bytes of device memory regions take.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn geosweep_regions_bytes(

@@ -46,10 +46,10 @@ pub fn library() -> &'static Path {
     })
 }
 
-/// Under which programs look for the shared library.
-fn soname() -> String {
+/// Under which programs look for the shared library: the header's version is in it.
+pub fn soname() -> String {
     let [major, minor] = [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR")];
-    format!("libgeosweep.so.{major}.{minor}")
+    format!("libgeosweep.so.{major}.{minor}.h{}", geosweep::capi::GEOSWEEP_HEADER_VERSION)
 }
 
 /// The profile of this test, which lies in target/PROFILE/deps; that of dev in target/debug.

@@ -8,7 +8,7 @@ use std::process::Command;
 use geosweep::glam::DVec3;
 use geosweep::{Sources, Surface, Wavefront};
 
-use crate::build::{ROOT, library, profile, run, scratch, validated_with};
+use crate::build::{ROOT, library, profile, run, scratch, soname, validated_with};
 use crate::common::{CONVERGED, difference, on_cpu};
 
 fn cmake() -> Command {
@@ -121,8 +121,65 @@ fn a_renderer_in_cpp_finds_the_package_and_has_the_map() {
 #[cfg(target_os = "linux")]
 fn the_library_has_a_soname() {
     let library = fs::read(library().join("libgeosweep.so")).unwrap();
-    let [major, minor] = [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR")];
-    let soname = format!("\0libgeosweep.so.{major}.{minor}\0");
+    let soname = format!("\0{}\0", soname());
     let holds = library.windows(soname.len()).any(|bytes| bytes == soname.as_bytes());
     assert!(holds, "{:?}", OsStr::new(&soname));
+}
+
+/// What a toolchain stands for, as `cmake/RustTarget.cmake` has it: asked by a script, since no compiler is needed.
+#[test]
+fn toolchains_stand_for_rust_targets_or_fail() {
+    let folder = scratch("cmake/targets");
+    let script = folder.join("target.cmake");
+    let text = format!(
+        "set(ENV{{CARGO_HOME}} /nowhere)\nset(ENV{{HOME}} /nowhere)\nset(GEOSWEEP_RUSTC \"\")\n\
+         include({ROOT}/cmake/RustTarget.cmake)\ngeosweep_rust_target(target)\n\
+         message(\"target: ${{target}}.\")\n"
+    );
+    fs::write(&script, text).unwrap();
+    let asked = |settings: &[&str]| {
+        let mut command = cmake();
+        command.args(settings.iter().map(|setting| format!("-D{setting}")));
+        // No rustc is found, so that nothing depends on which targets are there.
+        let output = command.arg("-DGEOSWEEP_RUSTC=").arg("-P").arg(&script).output().unwrap();
+        (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (linux, android) = ("CMAKE_SYSTEM_NAME=Linux", "CMAKE_SYSTEM_NAME=Android");
+    let windows = ["WIN32=1", "CMAKE_SYSTEM_NAME=Windows", "CMAKE_SYSTEM_PROCESSOR=AMD64"];
+    let abi = "CMAKE_ANDROID_ARCH_ABI=";
+    for (settings, target) in [
+        (&[linux, "CMAKE_SYSTEM_PROCESSOR=x86_64"][..], "x86_64-unknown-linux-gnu"),
+        (&[linux, "CMAKE_SYSTEM_PROCESSOR=aarch64"], "aarch64-unknown-linux-gnu"),
+        (&[linux, "CMAKE_SYSTEM_PROCESSOR=armv7l"], "armv7-unknown-linux-gnueabihf"),
+        (
+            &[linux, "CMAKE_SYSTEM_PROCESSOR=x86_64", "CMAKE_SIZEOF_VOID_P=4"],
+            "i686-unknown-linux-gnu",
+        ),
+        (
+            &[linux, "CMAKE_SYSTEM_PROCESSOR=x86_64", "CMAKE_C_COMPILER_TARGET=x86_64-linux-musl"],
+            "x86_64-unknown-linux-musl",
+        ),
+        (&[android, "ANDROID=1", &format!("{abi}arm64-v8a")], "aarch64-linux-android"),
+        (&[android, "ANDROID=1", &format!("{abi}armeabi-v7a")], "armv7-linux-androideabi"),
+        (&[android, "ANDROID=1", &format!("{abi}x86_64")], "x86_64-linux-android"),
+        (&[&windows[..], &["MSVC=1"]].concat(), "x86_64-pc-windows-msvc"),
+        (&[&windows[..], &["CMAKE_C_COMPILER_ID=GNU"]].concat(), "x86_64-pc-windows-gnu"),
+        (
+            &["APPLE=1", "CMAKE_SYSTEM_NAME=Darwin", "CMAKE_OSX_ARCHITECTURES=arm64"],
+            "aarch64-apple-darwin",
+        ),
+        (&["GEOSWEEP_RUST_TARGET=mine"], "mine"),
+    ] {
+        let (succeeds, said) = asked(settings);
+        assert!(succeeds && said.contains(&format!("target: {target}.")), "{settings:?}: {said}");
+    }
+    for settings in [
+        &[linux, "CMAKE_SYSTEM_PROCESSOR=sparc64"][..],
+        &["CMAKE_SYSTEM_NAME=Haiku", "CMAKE_SYSTEM_PROCESSOR=x86_64"],
+        &["APPLE=1", "CMAKE_SYSTEM_NAME=Darwin", "CMAKE_OSX_ARCHITECTURES=arm64;x86_64"],
+    ] {
+        let (succeeds, said) = asked(settings);
+        assert!(!succeeds, "{settings:?}: {said}");
+        assert!(said.contains("GEOSWEEP_RUST_TARGET") || said.contains("lipo"), "{said}");
+    }
 }

@@ -279,6 +279,65 @@ fn inputs_change_from_frame_to_frame() {
     session.end([ring, other, entries]);
 }
 
+/// Images and buffers of the program's: those that are too small, null, or were not asked for are refused.
+#[test]
+fn outputs_may_be_the_programs_own() {
+    let mut session = Session::new(Host::with_synchronization_validation());
+    let data = [0.5f32; (ROWS * COLS) as usize];
+    let points = [heights(&data)];
+    let surface = session.surface(&surface_info(ROWS, COLS, &points));
+    let curved = GeosweepWavefront::Curved as i32;
+    let mut bytes = [0; 3];
+    unsafe {
+        ok(geosweep_contours_buffer_bytes(200, &mut bytes[0]));
+        ok(geosweep_paths_buffer_bytes(1, 60, &mut bytes[1]));
+        ok(geosweep_regions_buffer_bytes(ROWS, COLS, &mut bytes[2]));
+    }
+    assert_eq!(bytes, [36 + 200 * 24, 104 + 60 * 24, 24 * u64::from(ROWS * COLS)]);
+    let buffers = bytes.map(|bytes| session.host.buffer(bytes, false));
+    let [first, second, third] = buffers.each_ref().map(|buffer| buffer.handle);
+    let (mut contours, mut paths, mut regions) = (null_mut(), null_mut(), null_mut());
+    let (mut curves, mut labels) = (zero::<GeosweepCurves>(), zero::<GeosweepLabels>());
+    let none = vk::Buffer::null();
+    let image = GeosweepHostImage { image: vk::Image::null(), view: vk::ImageView::null() };
+    let images = GeosweepSurfaceInfo {
+        results: &image,
+        result_count: 1,
+        ..surface_info(ROWS, COLS, &points)
+    };
+    unsafe {
+        ok(geosweep_contours_create_into(surface, 200, first, &mut contours));
+        ok(geosweep_paths_create_into(surface, 1, 60, second, &mut paths));
+        ok(geosweep_regions_create_into(surface, curved, third, &mut regions));
+        ok(geosweep_contours_curves(contours, &mut curves));
+        ok(geosweep_regions_labels(regions, &mut labels));
+        assert_eq!((curves.buffer, labels.buffer), (first, third));
+        ok(geosweep_contours_set_buffer(contours, surface, third));
+        ok(geosweep_contours_curves(contours, &mut curves));
+        assert_eq!(curves.buffer, third);
+        let mut own = null_mut();
+        ok(geosweep_contours_create(surface, 200, &mut own));
+        let mut other = null_mut();
+        all_wrong! {
+            geosweep_contours_set_buffer(own, surface, first) => "a buffer of their own",
+            geosweep_contours_set_buffer(contours, surface, none) => "null handle",
+            geosweep_paths_set_buffer(paths, null_mut(), second) => "surface is null",
+            geosweep_regions_create_into(surface, curved, none, &mut null_mut()) => "null handle",
+            geosweep_regions_set_buffer(null_mut(), surface, third) => "regions is null",
+            geosweep_surface_set_result(surface, 0, &image) => "GeosweepSurfaceInfo::results",
+            geosweep_surface_set_result(surface, 1, &image) => "number 1",
+            geosweep_surface_create(session.solver, &images, &mut other) => "the image is the null handle",
+            geosweep_surface_create(session.solver, &GeosweepSurfaceInfo { slots: 2, ..images }, &mut other) => "there are 1 of them for 2 slots",
+        }
+        ok(geosweep_contours_destroy(own));
+        ok(geosweep_contours_destroy(contours));
+        ok(geosweep_paths_destroy(paths));
+        ok(geosweep_regions_destroy(regions));
+        ok(geosweep_surface_destroy(surface));
+    }
+    session.end(buffers);
+}
+
 /// What a solver should be made for, for plans that say `GEOSWEEP_SCHEDULE_BEST`.
 #[test]
 fn the_best_schedule_is_known_before_the_solver() {

@@ -1,6 +1,7 @@
 //! Contours on the device, for drawing in the same frame.
 
 use crate::vulkan::device_memory::DeviceMemory;
+use ash::vk;
 use gpu_allocator::MemoryLocation;
 
 use super::access::Access;
@@ -101,13 +102,14 @@ impl Contours {
         allocator: &mut dyn DeviceMemory,
         (solver, surface): (&Solver, &Surface),
         vertices: u32,
+        hosts: Option<vk::Buffer>,
     ) -> Result<Self, VulkanError> {
         let limits = &solver.limits;
         let (layout, buffers) = parts(limits, surface.grid.chart, vertices)?;
         let counts = buffers[1].size;
         let make = |pass| solver.pipelines.make(device, pass, Wavefront::Planar);
         let pipelines = [make(CONTOUR_COUNTS)?, make(CONTOUR_OFFSETS)?, make(CONTOUR_SEGMENTS)?];
-        let info = CurvesInfo { layout, reads: Reads::Counts(counts), buffers: &buffers };
+        let info = CurvesInfo { layout, reads: Reads::Counts(counts), buffers: &buffers, hosts };
         let curves = Curves::new(device, allocator, (solver, surface), info)?;
         Ok(Self { curves, pipelines })
     }
@@ -152,6 +154,25 @@ impl Contours {
         self.curves.rebind(device, solver, surface)
     }
 
+    /// Bytes of a buffer of the host's: [`Solver::contours_into`].
+    pub fn buffer_bytes(vertices: u32) -> u64 {
+        layout_of(vertices).bytes()
+    }
+
+    /// Has contours from now on go to another buffer of the host's. Recordings in flight go on with the one before.
+    ///
+    /// # Errors
+    /// As [`Contours::rebind`], or if they were made with a buffer of their own, or this one is too small.
+    pub fn set_buffer(
+        &mut self,
+        device: &ash::Device,
+        solver: &Solver,
+        surface: &Surface,
+        buffer: vk::Buffer,
+    ) -> Result<(), VulkanError> {
+        self.curves.set_buffer(device, solver, surface, buffer)
+    }
+
     /// Whether a recording of the contours may not have run: known with [`super::Tools::checks`] alone.
     pub fn is_in_flight(&self) -> bool {
         self.curves.is_in_flight()
@@ -192,8 +213,30 @@ impl Solver {
         surface: &Surface,
         vertices: u32,
     ) -> Result<Contours, VulkanError> {
-        Contours::new(device, allocator, (self, surface), vertices)
+        Contours::new(device, allocator, (self, surface), vertices, None)
     }
+
+    /// The same with a buffer of the host's for what is drawn, from its first byte: with usage `STORAGE_BUFFER`, and `VERTEX_BUFFER`, `INDIRECT_BUFFER` or `SHADER_DEVICE_ADDRESS` as
+    /// its readers ask for. [`Contours::buffer_bytes`] says how large
+    /// it has to be. It is the host's to destroy, and may be another in each frame ([`Contours::set_buffer`]).
+    ///
+    /// # Errors
+    /// As [`Solver::contours`], or if the buffer is too small, as far as that can be told.
+    pub fn contours_into(
+        &self,
+        device: &ash::Device,
+        allocator: &mut dyn DeviceMemory,
+        surface: &Surface,
+        vertices: u32,
+        buffer: vk::Buffer,
+    ) -> Result<Contours, VulkanError> {
+        Contours::new(device, allocator, (self, surface), vertices, Some(buffer))
+    }
+}
+
+fn layout_of(vertices: u32) -> CurveLayout {
+    // Two a segment.
+    CurveLayout { curves: 1, capacity: vertices / 2 * 2, between: 0 }
 }
 
 /// The layout, the buffer of curves and that of levels and counts.
@@ -202,8 +245,7 @@ fn parts(
     chart: Chart,
     vertices: u32,
 ) -> Result<(CurveLayout, [BufferInfo; 2]), VulkanError> {
-    // Two a segment.
-    let layout = CurveLayout { curves: 1, capacity: vertices / 2 * 2, between: 0 };
+    let layout = layout_of(vertices);
     if layout.capacity == 0 {
         let reason = format!("{vertices} vertices are too few for a line");
         return Err(VulkanError::Curves { what: "contours", reason });
@@ -285,7 +327,7 @@ impl Recording<'_> {
         let ours = (CLEAR.0 | SHADER.0, CLEAR.1 | SHADER.1);
         recorder.barrier((stages | SHADER.0, access | SHADER.1), ours);
         if count > 0 {
-            recorder.update(curves.buffer(1), 0, bytemuck::cast_slice(&levels[..count]));
+            recorder.update(curves.counts(), 0, bytemuck::cast_slice(&levels[..count]));
             recorder.barrier(CLEAR, SHADER);
         }
         let push = Push {

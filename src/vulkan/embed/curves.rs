@@ -157,7 +157,7 @@ impl CurveLayout {
         u64::from(self.curves) * u64::from(CURVE_WORDS) + u64::from(self.between)
     }
 
-    fn bytes(self) -> u64 {
+    pub(super) fn bytes(self) -> u64 {
         let vertices = u64::from(self.curves) * u64::from(self.capacity);
         size_of::<f32>() as u64 * (self.first_vertex() + vertices * u64::from(VERTEX_WORDS))
     }
@@ -192,7 +192,9 @@ pub(super) fn check_bytes(
 pub(super) struct Curves {
     pub(super) layout: CurveLayout,
     reads: Reads,
-    /// With curves as the first of them.
+    /// The host's buffer for the curves, if they have none of their own.
+    hosts: Option<vk::Buffer>,
+    /// With curves as the first of them, unless the host has them; then what passes count in.
     buffers: Vec<Buffer>,
     /// For each of the surface's points the pass that lifts curves to them.
     lifting: Vec<Pipeline<Lift>>,
@@ -206,6 +208,8 @@ pub(super) struct CurvesInfo<'a> {
     pub(super) reads: Reads,
     /// The curves' own, and others that passes use.
     pub(super) buffers: &'a [BufferInfo],
+    /// A buffer of the host's in place of the first.
+    pub(super) hosts: Option<vk::Buffer>,
 }
 
 /// What the passes that trace curves read beside the map.
@@ -222,12 +226,13 @@ impl Curves {
         device: &ash::Device,
         allocator: &mut dyn DeviceMemory,
         (solver, surface): (&Solver, &Surface),
-        CurvesInfo { layout, reads, buffers }: CurvesInfo,
+        CurvesInfo { layout, reads, buffers, hosts }: CurvesInfo,
     ) -> Result<Self, VulkanError> {
         let (made, lifting) = (Vec::new(), Vec::new());
-        let mut new = Self { layout, reads, buffers: made, lifting, sets: None };
+        let mut new = Self { layout, reads, hosts, buffers: made, lifting, sets: None };
+        let own = &buffers[usize::from(hosts.is_some())..];
         let created = new
-            .allocate(device, allocator, &solver.pipelines, buffers)
+            .allocate(device, allocator, &solver.pipelines, own)
             .and_then(|()| new.describe(device, solver, surface));
         match created {
             Ok(()) => Ok(new),
@@ -246,8 +251,9 @@ impl Curves {
         infos: &[BufferInfo],
     ) -> Result<(), VulkanError> {
         for &info in infos {
-            self.buffers.push(Buffer::new(device, allocator, info)?);
-            pipelines.name(info.name, self.buffer(self.buffers.len() - 1));
+            let buffer = Buffer::new(device, allocator, info)?;
+            pipelines.name(info.name, buffer.buffer);
+            self.buffers.push(buffer);
         }
         Ok(())
     }
@@ -270,15 +276,34 @@ impl Curves {
         on: (&ash::Device, &Limits),
         surface: &Surface,
     ) -> Result<Vec<Content>, VulkanError> {
-        let output = whole(on, self.buffers[0].buffer, self.layout.bytes())?;
+        let output = whole(on, self.output(), self.layout.bytes())?;
         let mut contents = match self.reads {
-            Reads::Counts(bytes) => vec![Content::Input(whole(on, self.buffer(1), bytes)?)],
+            Reads::Counts(bytes) => vec![Content::Input(whole(on, self.counts(), bytes)?)],
             Reads::Sources => host_sets::all_sources(on, &surface.grid, &surface.sources)?,
         };
         for points in &surface.points {
             contents.push(host_sets::points_content(on, points, surface.grid.chart)?);
         }
         Ok(contents.into_iter().map(|input| input.and_output(output)).collect())
+    }
+
+    /// Writes another buffer of the host's from now on.
+    pub(super) fn set_buffer(
+        &mut self,
+        device: &ash::Device,
+        solver: &Solver,
+        surface: &Surface,
+        buffer: vk::Buffer,
+    ) -> Result<(), VulkanError> {
+        let before = self.hosts.replace(buffer);
+        let bound = match before {
+            Some(_) => self.rebind(device, solver, surface),
+            None => Err(own_buffer("contours or paths")),
+        };
+        if bound.is_err() {
+            self.hosts = before;
+        }
+        bound
     }
 
     /// Has them read what is now the surface's.
@@ -312,14 +337,21 @@ impl Curves {
         self.buffers.iter().map(Buffer::bytes).sum()
     }
 
-    pub(super) fn buffer(&self, number: usize) -> vk::Buffer {
-        self.buffers[number].buffer
+    /// With the curves.
+    pub(super) fn output(&self) -> vk::Buffer {
+        let own = || self.buffers.first().map_or(vk::Buffer::null(), |buffer| buffer.buffer);
+        self.hosts.unwrap_or_else(own)
+    }
+
+    /// What passes count in.
+    pub(super) fn counts(&self) -> vk::Buffer {
+        self.buffers.last().map_or(vk::Buffer::null(), |buffer| buffer.buffer)
     }
 
     pub(super) fn curves(&self) -> CurveBuffer {
         let CurveLayout { curves, capacity, .. } = self.layout;
         let vertices_offset = size_of::<f32>() as u64 * self.layout.first_vertex();
-        CurveBuffer { buffer: self.buffer(0), curves, vertices_offset, capacity }
+        CurveBuffer { buffer: self.output(), curves, vertices_offset, capacity }
     }
 
     /// Refuses to be recorded for another surface, or with points that this one does not have, or
@@ -370,6 +402,12 @@ impl Curves {
         }
         self.buffers.drain(..).for_each(|mut buffer| buffer.destroy(device, allocator));
     }
+}
+
+/// Refuses a buffer of the host's in place of one that is not the host's.
+pub(super) fn own_buffer(what: &'static str) -> VulkanError {
+    let reason = "they have a buffer of their own: make them with the host's".into();
+    VulkanError::HostBuffer { what, reason }
 }
 
 /// For each of the surface's points the pass that reads them.

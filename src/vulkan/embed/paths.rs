@@ -130,12 +130,13 @@ impl Paths {
         allocator: &mut dyn DeviceMemory,
         (solver, surface): (&Solver, &Surface),
         info: PathsInfo,
+        hosts: Option<vk::Buffer>,
     ) -> Result<Self, VulkanError> {
         let limits = &solver.limits;
         let (layout, buffers) = parts(limits, info)?;
         let make = |pass| solver.pipelines.make(device, pass, Wavefront::Planar);
         let pipelines = [make(PATH_STARTS)?, make(PATHS)?];
-        let info = CurvesInfo { layout, reads: Reads::Sources, buffers: &buffers };
+        let info = CurvesInfo { layout, reads: Reads::Sources, buffers: &buffers, hosts };
         let curves = Curves::new(device, allocator, (solver, surface), info)?;
         Ok(Self { curves, pipelines })
     }
@@ -179,6 +180,25 @@ impl Paths {
         self.curves.rebind(device, solver, surface)
     }
 
+    /// Bytes of a buffer of the host's: [`Solver::paths_into`].
+    pub fn buffer_bytes(info: PathsInfo) -> u64 {
+        layout_of(info).bytes()
+    }
+
+    /// Has paths from now on go to another buffer of the host's. Recordings in flight go on with the one before.
+    ///
+    /// # Errors
+    /// As [`Paths::rebind`], or if they were made with a buffer of their own, or this one is too small.
+    pub fn set_buffer(
+        &mut self,
+        device: &ash::Device,
+        solver: &Solver,
+        surface: &Surface,
+        buffer: vk::Buffer,
+    ) -> Result<(), VulkanError> {
+        self.curves.set_buffer(device, solver, surface, buffer)
+    }
+
     /// Whether a recording of the paths may not have run: known with [`super::Tools::checks`] alone.
     pub fn is_in_flight(&self) -> bool {
         self.curves.is_in_flight()
@@ -217,8 +237,29 @@ impl Solver {
         surface: &Surface,
         info: PathsInfo,
     ) -> Result<Paths, VulkanError> {
-        Paths::new(device, allocator, (self, surface), info)
+        Paths::new(device, allocator, (self, surface), info, None)
     }
+
+    /// The same with a buffer of the host's for what is drawn, from its first byte: with usage `STORAGE_BUFFER` and `TRANSFER_DST`, and `VERTEX_BUFFER`, `INDIRECT_BUFFER` or
+    /// `SHADER_DEVICE_ADDRESS` as its readers ask for. [`Paths::buffer_bytes`] says how large
+    /// it has to be. It is the host's to destroy, and may be another in each frame ([`Paths::set_buffer`]).
+    ///
+    /// # Errors
+    /// As [`Solver::paths`], or if the buffer is too small, as far as that can be told.
+    pub fn paths_into(
+        &self,
+        device: &ash::Device,
+        allocator: &mut dyn DeviceMemory,
+        surface: &Surface,
+        info: PathsInfo,
+        buffer: vk::Buffer,
+    ) -> Result<Paths, VulkanError> {
+        Paths::new(device, allocator, (self, surface), info, Some(buffer))
+    }
+}
+
+fn layout_of(PathsInfo { paths, vertices }: PathsInfo) -> CurveLayout {
+    CurveLayout { curves: paths, capacity: vertices, between: (2 + PATH_WORDS) * paths }
 }
 
 /// The layout and the one buffer; starts and states lie between records and vertices.
@@ -231,8 +272,7 @@ fn parts(limits: &Limits, info: PathsInfo) -> Result<(CurveLayout, [BufferInfo; 
     if vertices < 2 {
         return refuse(format!("{vertices} vertices are too few for a line"));
     }
-    let layout =
-        CurveLayout { curves: paths, capacity: vertices, between: (2 + PATH_WORDS) * paths };
+    let layout = layout_of(info);
     layout.check("paths", limits)?;
     Ok((layout, [layout.info("paths")]))
 }
@@ -269,11 +309,11 @@ impl Recording<'_> {
         match frame.starts {
             _ if count == 0 => {}
             StartInput::Inline(starts) => {
-                recorder.update(curves.buffer(0), to, bytemuck::cast_slice(starts));
+                recorder.update(curves.output(), to, bytemuck::cast_slice(starts));
             }
             StartInput::Buffer { buffer, offset, .. } => {
                 let size = (START_BYTES * count) as u64;
-                recorder.copy((buffer, offset), (curves.buffer(0), to), size);
+                recorder.copy((buffer, offset), (curves.output(), to), size);
             }
         }
         recorder.barrier(CLEAR, SHADER);

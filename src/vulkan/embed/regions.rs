@@ -63,6 +63,8 @@ pub struct Regions {
     chart: Chart,
     wavefront: Wavefront,
     buffer: Option<Buffer>,
+    /// The host's buffer, if there is none of their own.
+    hosts: Option<vk::Buffer>,
     /// Of the inline sources, and of the surface's source buffers.
     sets: Option<BoundSets>,
     /// In their order.
@@ -103,6 +105,7 @@ impl Regions {
         allocator: &mut dyn DeviceMemory,
         (solver, surface): (&Solver, &Surface),
         wavefront: Wavefront,
+        hosts: Option<vk::Buffer>,
     ) -> Result<Self, VulkanError> {
         let chart = surface.grid.chart;
         let info = info(&solver.limits, chart)?;
@@ -112,11 +115,17 @@ impl Regions {
         let mut new = Self {
             chart,
             wavefront,
-            buffer: Some(Buffer::new(device, allocator, info)?),
+            buffer: match hosts {
+                Some(_) => None,
+                None => Some(Buffer::new(device, allocator, info)?),
+            },
+            hosts,
             sets: None,
             pipelines,
         };
-        solver.pipelines.name(info.name, new.labels().buffer);
+        if let Some(buffer) = &new.buffer {
+            solver.pipelines.name(info.name, buffer.buffer);
+        }
         let sets = new
             .contents((device, &solver.limits), surface)
             .and_then(|contents| BoundSets::new(device, &solver.pipelines, surface, &contents));
@@ -155,7 +164,8 @@ impl Regions {
 
     /// Where the labels are.
     pub fn labels(&self) -> RegionBuffer {
-        let buffer = self.buffer.as_ref().map_or(vk::Buffer::null(), |buffer| buffer.buffer);
+        let own = || self.buffer.as_ref().map_or(vk::Buffer::null(), |buffer| buffer.buffer);
+        let buffer = self.hosts.unwrap_or_else(own);
         RegionBuffer { buffer, bytes: WORD * self.chart.points() as u64 }
     }
 
@@ -190,6 +200,33 @@ impl Regions {
             Some(sets) => sets.rebind(device, surface, &contents),
             None => Ok(()),
         }
+    }
+
+    /// Bytes of a buffer of the host's: [`Solver::regions_into`].
+    pub fn buffer_bytes(chart: Chart) -> u64 {
+        (WORD * POINT_WORDS).saturating_mul(chart.points() as u64)
+    }
+
+    /// Has labels from now on go to another buffer of the host's. Recordings in flight go on with the one before.
+    ///
+    /// # Errors
+    /// As [`Regions::rebind`], or if they were made with a buffer of their own, or this one is too small.
+    pub fn set_buffer(
+        &mut self,
+        device: &ash::Device,
+        solver: &Solver,
+        surface: &Surface,
+        buffer: vk::Buffer,
+    ) -> Result<(), VulkanError> {
+        let before = self.hosts.replace(buffer);
+        let bound = match before {
+            Some(_) => self.rebind(device, solver, surface),
+            None => Err(curves::own_buffer("regions")),
+        };
+        if bound.is_err() {
+            self.hosts = before;
+        }
+        bound
     }
 
     /// Whether a recording of the regions may not have run: known with [`super::Tools::checks`] alone.
@@ -235,12 +272,29 @@ impl Solver {
         surface: &Surface,
         wavefront: Wavefront,
     ) -> Result<Regions, VulkanError> {
-        Regions::new(device, allocator, (self, surface), over_any(wavefront))
+        Regions::new(device, allocator, (self, surface), over_any(wavefront), None)
+    }
+
+    /// The same with a buffer of the host's for the labels and what they are found by, from its first byte: with usage `STORAGE_BUFFER` and `TRANSFER_DST`, and what its readers ask for.
+    /// [`Regions::buffer_bytes`] says how large it has to be. It is the host's to destroy, and may be another in each
+    /// frame ([`Regions::set_buffer`]).
+    ///
+    /// # Errors
+    /// As [`Solver::regions`], or if the buffer is too small, as far as that can be told.
+    pub fn regions_into(
+        &self,
+        device: &ash::Device,
+        allocator: &mut dyn DeviceMemory,
+        surface: &Surface,
+        wavefront: Wavefront,
+        buffer: vk::Buffer,
+    ) -> Result<Regions, VulkanError> {
+        Regions::new(device, allocator, (self, surface), over_any(wavefront), Some(buffer))
     }
 }
 
 fn info(limits: &Limits, chart: Chart) -> Result<BufferInfo, VulkanError> {
-    let size = (WORD * POINT_WORDS).saturating_mul(chart.points() as u64);
+    let size = Regions::buffer_bytes(chart);
     curves::check_bytes("regions", limits, size)?;
     Ok(BufferInfo { name: "regions", size, location: MemoryLocation::GpuOnly })
 }

@@ -4,12 +4,14 @@ use geosweep::Wavefront;
 use geosweep::ash::vk;
 use geosweep::surface::Chart;
 use geosweep::vulkan::embed::{
-    self, Access, Frame, HostImage, Points, Reader, SourceInput, SurfaceFrame, SurfaceInfo,
+    self, Access, ContourFrame, Contours, CurveRecord, Frame, HostImage, LevelInput, PathFrame,
+    Paths, PathsInfo, Points, Reader, RegionFrame, Regions, SourceInput, StartInput, SurfaceFrame,
+    SurfaceInfo,
 };
 use geosweep::vulkan::{Schedule, VulkanError};
 
 use crate::embed::stage::{Kept, RASTER, Stage, source, vertices};
-use crate::host::Host;
+use crate::host::{Host, HostBuffer};
 
 const CHART: Chart = Chart { rows: 23, cols: 36 };
 
@@ -234,4 +236,121 @@ fn two_characters_with_rings_and_an_aliased_image_have_their_maps() {
     second.destroy(&device, stage.host.allocator());
     aliases.destroy(&stage.host);
     stage.end(to.into_iter().flatten().chain([ring]));
+}
+
+/// Curves and labels in buffers of the host's are those in buffers of their own, and go to another one when told.
+#[test]
+fn curves_and_labels_go_to_buffers_of_the_hosts() {
+    let mut host = Kept::watched_but_for_shaders();
+    let device = host.device.clone();
+    let points = host.buffer_of(&vertices(CHART, 0.4));
+    let inputs = [Points::positions(points.handle, 32)];
+    let info = SurfaceInfo { points: &inputs, ..SurfaceInfo::new(CHART) };
+    let mut stage = Stage::new(host, &RASTER[2..], &info);
+    let plan = stage.plan(Schedule::Raster, Wavefront::Curved, 12);
+    let room = PathsInfo { paths: 2, vertices: 200 };
+    let bytes =
+        [Contours::buffer_bytes(3000), Paths::buffer_bytes(room), Regions::buffer_bytes(CHART)];
+    let [first, second] = [(); 2].map(|()| bytes.map(|bytes| stage.host.buffer(bytes, false)));
+    let to = [(); 3].map(|()| bytes.map(|bytes| stage.host.buffer(bytes, true)));
+    let curved = Wavefront::Curved;
+    let (solver, surface) = (&stage.solver, &stage.surface);
+    let memory = stage.host.allocator();
+    let own = (
+        solver.contours(&device, memory, surface, 3000).unwrap(),
+        solver.paths(&device, memory, surface, room).unwrap(),
+        solver.regions(&device, memory, surface, curved).unwrap(),
+    );
+    let [of_contours, of_paths, of_regions] = first.each_ref().map(|buffer| buffer.handle);
+    let hosts = (
+        solver.contours_into(&device, memory, surface, 3000, of_contours).unwrap(),
+        solver.paths_into(&device, memory, surface, room, of_paths).unwrap(),
+        solver.regions_into(&device, memory, surface, curved, of_regions).unwrap(),
+    );
+    assert!(hosts.1.bytes() == 0 && hosts.2.bytes() == 0 && hosts.0.bytes() < own.0.bytes());
+    let small = stage.host.buffer(64, false);
+    let memory = stage.host.allocator();
+    let (solver, surface) = (&stage.solver, &stage.surface);
+    for refused in [
+        solver.contours_into(&device, memory, surface, 3000, small.handle).map(drop),
+        solver.paths_into(&device, memory, surface, room, small.handle).map(drop),
+        solver.regions_into(&device, memory, surface, curved, small.handle).map(drop),
+        solver.regions_into(&device, memory, surface, curved, vk::Buffer::null()).map(drop),
+    ] {
+        let error = refused.unwrap_err().to_string();
+        let words = ["and holds", "null handle", "spans"];
+        assert!(words.iter().any(|words| error.contains(words)), "{error}");
+    }
+    let place = source(7.25, 20.5);
+    let sources = SourceInput::Inline(&place);
+    let draw = |stage: &Stage, of: &(Contours, Paths, Regions), to: &[HostBuffer; 3]| {
+        stage.host.run(|commands| {
+            let recording = stage.solver.record(&device, commands, &stage.surface);
+            recording
+                .frame(&Frame {
+                    before: Access::NONE,
+                    points: Some(0),
+                    sources,
+                    plan: &plan,
+                    slot: 0,
+                    reader: Reader::COPY,
+                    unreached: -1.0,
+                })
+                .unwrap();
+            let (reader, before) = (Access::TRANSFER_READ, Access::NONE);
+            let levels = LevelInput::Spacing { step: 3.0, count: 20 };
+            let lines = ContourFrame { levels, start: 0.0, points: 0, reader };
+            let lines = recording.contours(&of.0, &lines).unwrap();
+            let starts = StartInput::Inline(&[[1.0, 2.0], [20.0, 30.5]]);
+            let ways = PathFrame { before, starts, sources, points: 0, reader };
+            let ways = recording.paths(&of.1, &ways).unwrap();
+            let labels = RegionFrame { before, sources, reader };
+            let labels = recording.regions(&of.2, &labels).unwrap();
+            let found = [
+                (lines.buffer, u64::from(CurveRecord::BYTES)),
+                (ways.buffer, 2 * u64::from(CurveRecord::BYTES)),
+                (labels.buffer, labels.bytes),
+            ];
+            for ((from, size), to) in found.into_iter().zip(to) {
+                let copy = vk::BufferCopy::default().size(size);
+                unsafe { device.cmd_copy_buffer(commands, from, to.handle, &[copy]) };
+            }
+            stage.host.barrier(commands, Access::TRANSFER_WRITE, Access::HOST_READ);
+            found.map(|(buffer, size)| (buffer, size as usize))
+        })
+    };
+    let expected = draw(&stage, &own, &to[0]);
+    let mut hosts = hosts;
+    for (turn, given) in [&first, &second].into_iter().enumerate() {
+        if turn == 1 {
+            let [contours, paths, regions] = given.each_ref().map(|buffer| buffer.handle);
+            let (solver, surface) = (&stage.solver, &stage.surface);
+            hosts.0.set_buffer(&device, solver, surface, contours).unwrap();
+            hosts.1.set_buffer(&device, solver, surface, paths).unwrap();
+            hosts.2.set_buffer(&device, solver, surface, regions).unwrap();
+            hosts.2.set_buffer(&device, solver, surface, small.handle).unwrap_err();
+        }
+        let found = draw(&stage, &hosts, &to[1 + turn]);
+        for (kind, (buffer, size)) in found.into_iter().enumerate() {
+            assert_eq!((buffer, size), (given[kind].handle, expected[kind].1));
+            let same = to[0][kind].bytes()[..size] == to[1 + turn][kind].bytes()[..size];
+            assert!(same && size > 0, "{kind} of turn {turn}");
+        }
+    }
+    let record: &CurveRecord = bytemuck::from_bytes(&to[0][0].bytes()[..36]);
+    assert!(record.vertex_count > 100, "{record:?}");
+    let (mut contours, mut paths, mut regions) = own;
+    let (solver, surface) = (&stage.solver, &stage.surface);
+    contours.set_buffer(&device, solver, surface, first[0].handle).unwrap_err();
+    regions.set_buffer(&device, solver, surface, first[2].handle).unwrap_err();
+    let memory = stage.host.allocator();
+    for (contours, paths, regions) in
+        [(&mut contours, &mut paths, &mut regions), (&mut hosts.0, &mut hosts.1, &mut hosts.2)]
+    {
+        contours.destroy(&device, memory);
+        paths.destroy(&device, memory);
+        regions.destroy(&device, memory);
+    }
+    let buffers = to.into_iter().flatten().chain(first).chain(second).chain([points, small]);
+    stage.end(buffers);
 }
