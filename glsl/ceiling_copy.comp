@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Copies the fronts from one image to the other: how fast a pass can be that only moves data.
-// One invocation is one texel.
+// Copies the fronts from one image to the other. It measures how fast a pass can be that only moves data. One
+// invocation is one texel.
 
 #include "constants.glsl"
 #include "chart.glsl"
@@ -12,7 +12,7 @@ layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray old
 layout(set = 2, binding = 0, rgba32f) uniform writeonly restrict image2DArray new_fronts;
 
 layout(push_constant) uniform Size {
-    ivec2 texels; // columns and rows of texels, without the border
+    ivec2 texels; // size in texels, without the border
 };
 
 void main() {

@@ -29,7 +29,7 @@
 // Stands for a curvature of zero that carries a tag. Devices may flush smaller numbers to zero.
 #define FLAT 1e-30
 // Weight of a change of a front's curvature in the residual. The change is taken relative to 1 over the
-// arrival time, and added up beside relative changes of that time.
+// arrival time, and counts beside relative changes of that time.
 #define CURVATURE_COUNTS 1e-4
 // Fronts may carry the number of an origin in place of a curvature. These numbers begin at minus this value;
 // see src/update/curvature.rs.

@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// What the surface brings to fronts: its Gaussian curvature, from that of its fans as far as neighbours agree; on
-// floor plans corners, see corner.glsl. One invocation is one texel.
+// Computes the surface value of each point: its Gaussian curvature, which is that of its fan as far as
+// neighbours agree. At the holes of floor plans it holds corners instead; see corner.glsl. One invocation is
+// one texel.
 // Twin: settled() in src/surface/gaussian_curvature.rs, where the formula is explained.
 
 #include "constants.glsl"
@@ -16,7 +17,7 @@ layout(set = 0, binding = 1, rgba32f) uniform writeonly restrict image2D gaussia
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts_1;
 
 layout(push_constant) uniform Size {
-    ivec2 texels;       // columns and rows of texels, without the border
+    ivec2 texels;       // size in texels, without the border
     float share_of_fan; // see fan_curvature.comp
     uint is_floor;      // whether the surface is a floor plan
 };
@@ -43,7 +44,8 @@ float settled(ivec2 point) {
     float largest = is_whole(own) ? abs(own) : 0.0;
     for (int i = 0; i < 8; i++) {
         bool exists = edge_length(point, NEIGHBOURS[i]) < FAR;
-        // The border of the image is not written, and no edge leads there.
+        // Neighbours in the border are not read: the border of the image is not written, and no edge leads
+        // there.
         curvatures[i] = exists ? fan_curvature(point + NEIGHBOURS[i]) : with_tag(0.0, LACKING);
         if (is_whole(curvatures[i])) largest = max(largest, abs(curvatures[i]));
     }

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Lifts the vertices of curves to points in a buffer of the host's.
+// Lifts the vertices of curves to the surface, whose points lie in a buffer of the host. See lift.glsl.
 
 #include "constants.glsl"
 #include "chart.glsl"
