@@ -1,7 +1,8 @@
-// Fronts around a virtual point source as far away as their time says, which carry nothing else.
+// Implements fronts around a virtual point source, whose distance is the arrival time. They carry nothing
+// else.
 // Twin: the point-source front in src/update, where the formulas are explained.
 
-// The curvature over a base, in units of the base, given the time at its later end.
+// Returns the curvature over a base, in units of 1 over the base, given the time at its later end.
 float circular_curvature(float time, float base) {
     return base / max(time, 0.25 * base);
 }
