@@ -1,4 +1,4 @@
-// Straight fronts, which carry nothing but their arrival time (paper, section 3).
+// Implements straight fronts, which carry only their arrival time (paper, section 3).
 // Twin: the planar front in src/update.
 
 vec4 planar(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
