@@ -30,7 +30,7 @@ struct Line {
     bool exists;
     int source;   // source at its end; -1 if it ends elsewhere
     Place end;
-    float time;   // at its end, relative to the moment from which times of a step count
+    float time;   // time at its end, relative to the moment from which times of a step count
     float size;
     ivec2 cell;
 };
