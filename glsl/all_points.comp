@@ -17,7 +17,7 @@ layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray old
 layout(set = 2, binding = 0, rgba32f) uniform writeonly restrict image2DArray new_fronts;
 
 layout(push_constant) uniform Size {
-    ivec2 texels; // size in texels, without the border
+    ivec2 texels; // columns and rows of texels, without the border
 };
 
 // Returns the 4 x 4 points around the texel, row by row, from one layer of the 3 x 3 texels around it.

@@ -3,6 +3,7 @@
 // then sources inside cells.
 // Twins: the anchored front in src/update, and src/vulkan/anchors.rs.
 
+// Returns the number of the anchor that a front carries.
 uint number_of(float held) {
     uint bits = floatBitsToUint(held);
     return bits >> 31 << 25 | (bits >> 4 & (FIRST_INSIDE - 1u));
@@ -18,6 +19,7 @@ vec4 with_numbers(uvec4 numbers) {
     return uintBitsToFloat(numbers >> 25 << 31 | 1u << 29 | (numbers & (FIRST_INSIDE - 1u)) << 4);
 }
 
+// Returns whether one time is earlier than another by more than rounding.
 bool is_shorter(float a, float b) {
     return a < b * (1.0 - ALIKE * PRECISION);
 }

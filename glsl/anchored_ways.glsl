@@ -80,6 +80,7 @@ float area_of(vec2 a, vec2 b) {
     return area;
 }
 
+// Returns what is known of an anchor, given its number.
 Anchor anchor_of(uint number) {
     if (number >= FIRST_INSIDE) {
         vec4 source = source_inside(number - FIRST_INSIDE);
@@ -135,6 +136,8 @@ struct Detour {
     bool winds;  // whether the path bends to both sides
 };
 
+// Returns the shape of the path from an anchor, reached at `start`, to an end of a base. It follows the
+// anchors of the end back, one after another.
 Detour detour_of(Anchor anchor, float start, vec2 point, Known ends, int end) {
     vec2 place = vec2(ends.col[end], ends.row[end]);
     vec2 ahead = point - place;
@@ -362,14 +365,15 @@ Way reach(ivec2 point, Sight sight, Places places, int i) {
     return best;
 }
 
+// Returns a mask with a bit for each true component.
 uint bits_of(bvec4 which) {
     uvec4 each = mix(uvec4(0u), uvec4(1u, 2u, 4u, 8u), which);
     return each.x | each.y | each.z | each.w;
 }
 
-// Returns the paths that a scan brings to the first points, given their present fronts. `scan` is counted
-// from 1. There is none to a point whose neighbours are all reached later, unless the scan is to renew the
-// front that it brought earlier.
+// Returns the paths that a scan brings to the points whose bits are set in `points`, given their present
+// fronts. `scan` is counted from 1. There is no path to a point whose neighbours are all reached later,
+// unless the scan is to renew the front that it brought earlier.
 Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, vec4 time, vec4 held) {
     Fronts found = Fronts(vec4(FAR), vec4(0.0), bvec4(false));
     vec4 reached[3];
@@ -398,10 +402,10 @@ Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, 
     float held_there = told[first != 0u ? findLSB(first) : 0];
     bvec4 alike = both(bvec4(first != 0u), both(of_one, are_alike_but_for_tags(told, vec4(held_there))));
 
-    // The remaining points. On GPUs all invocations process the same point at a time, whether they need it or
-    // not. When neighbouring invocations processed different points, NVIDIA's compiler (driver 580) lost the
-    // results of some. On CPUs each invocation takes its own next point, since the lanes would otherwise wait
-    // for points that none of them needs.
+    // The remaining points. On GPUs all invocations turn to the same point at a time, and those that do not
+    // need it skip it. When neighbouring invocations processed different points, NVIDIA's compiler (driver
+    // 580) lost the results of some. On CPUs each invocation takes its own next point, since the lanes would
+    // otherwise wait for points that none of them needs.
     left &= ~bits_of(alike);
     for (int turn = 0; turn < 4; turn++) {
         int i = turn;

@@ -55,6 +55,7 @@ vec4 bend(ivec2 at, ivec2 step) {
     return vec4(up, known ? smaller : 0.0);
 }
 
+// Returns the distance between neighbours along the surface, or along the chord if `arcs` is 0.
 float separation(ivec2 at, ivec2 step) {
     vec3 d = difference(load(at), load(at + step), step);
     float chord = sqrt(dot3(d, d));

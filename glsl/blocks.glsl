@@ -5,8 +5,8 @@
 // it already.
 //
 // With anchors, a scan also reads corners further behind. In obtuse triangles it also reads points beyond
-// them. It reads some points of the block as they were before. If one of these has changed, the block is due
-// again in the next iteration.
+// them. Some of these points lie in the block, and are read as they were before. If one of them has changed,
+// the block is due again in the next iteration.
 //
 // A skipped block leaves both images of fronts as they are, and they are equal there. A scan that changes a
 // texel writes one image. The next scan reads that image and writes the other, and the texel's block is due
@@ -36,6 +36,7 @@ int pitch_of(ivec2 texels) {
     return (max(texels.x, texels.y) + LINES - 1) / LINES + 2;
 }
 
+// Returns the index of the word that says whether a block is due in a scan.
 int due_at(int scan, int block, int pitch) {
     return 3 * (scan * pitch + 1 + block) + 1;
 }

@@ -13,7 +13,7 @@ layout(local_size_x = WORKGROUP) in;
 layout(set = 2, binding = 0, rgba32f) uniform writeonly restrict image2DArray new_fronts;
 
 layout(push_constant) uniform Work {
-    ivec2 texels; // size in texels
+    ivec2 texels; // columns and rows of texels
     uint repeats; // number of updates from four triangles
 };
 

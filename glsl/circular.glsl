@@ -7,6 +7,7 @@ float circular_curvature(float time, float base) {
     return base / max(time, 0.25 * base);
 }
 
+// Returns the arrival times at x0 from the times at x1 and x2.
 vec4 circular(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
     vec4 along_edge = edge_step(t1, t2, l1, l2);
     bvec4 swap = lessThan(t1, t2);

@@ -21,6 +21,7 @@ layout(push_constant) uniform Contours {
     float start;      // time from which squared times count
 };
 
+// Returns a level by its index.
 float level(uint index) {
     return uintBitsToFloat(counts[index]);
 }

@@ -5,6 +5,7 @@
 
 const uint AXES = 0x55u;
 
+// Returns the bits of directions, turned by a number of eighths.
 uint turned(uint bits, int by) {
     return (bits >> by | bits << (8 - by)) & 255u;
 }

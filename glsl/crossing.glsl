@@ -12,6 +12,7 @@ struct Profile {
     vec2 behind;   // and of the front from the other end
 };
 
+// Returns the value of a profile at a share of the edge.
 float value(Profile profile, float s) {
     float rest = 1.0 - s;
     if (profile.fronts_meet) {

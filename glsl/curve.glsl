@@ -10,6 +10,7 @@ layout(set = 1, binding = 1) restrict buffer Curves {
     uint curves[];
 };
 
+// Writes the record of a curve, up to its status.
 void write_record(int curve, uint drawn, uint first, uint vertices, uint status) {
     uint at = uint(curve * CURVE_WORDS);
     curves[at] = drawn;

@@ -1,5 +1,5 @@
-// Implements fronts that carry their curvature, with a tag. The surface values are its Gaussian curvature,
-// with a tag of their own. See tag.glsl.
+// Implements fronts that carry their curvature, with a tag. The surface values are the Gaussian curvature of
+// the surface, with a tag of its own. See tag.glsl.
 // Twin: the curved front in src/update, where the formulas are explained.
 
 // Returns the curvature at the end of a ray, given what it would be on a developable surface.
@@ -8,6 +8,9 @@ vec4 bent(vec4 curvature, vec4 gaussian, vec4 ray) {
     return curvature - gaussian * ray * (1.0 - x + x * x * (1.0 / 3.0));
 }
 
+// Returns the fronts at x0 from fronts at x1 and x2. `g0` is the Gaussian curvature at x0. `alone` tells
+// where only one of x1 and x2 is present, across the grid's diagonal. `causal` tells where x0 must not depend
+// on neighbours that arrive later.
 Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone, bvec4 causal) {
     bvec4 swap = lessThan(end1.time, end2.time);
     vec4 t = mix(end1.time, end2.time, swap);

@@ -8,6 +8,7 @@ float edge_length(ivec2 point, ivec2 step) {
     return stored_length(imageLoad(edges, here ? point : point + step), here ? step : -step);
 }
 
+// Returns whether any edge leads from a point.
 bool has_edge(ivec2 point) {
     for (int i = 0; i < 8; i++) {
         if (edge_length(point, NEIGHBOURS[i]) < FAR) return true;

@@ -22,6 +22,8 @@ bool is_present(ivec2 at) {
     return in_grid(at, grid) && load(at).slowness > 0.0;
 }
 
+// Returns the length of an edge, weighted by the mean slowness of its ends. A diagonal exists only if one of
+// the two points beside it does.
 float edge_length(ivec2 at, ivec2 step) {
     if (!is_present(at + step)) return FAR;
     bool diagonal = step.x != 0 && step.y != 0;

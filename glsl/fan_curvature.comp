@@ -16,7 +16,7 @@ layout(local_size_x = WORKGROUP) in;
 layout(set = 0, binding = 2, rgba32f) uniform writeonly restrict image2DArray fronts_1;
 
 layout(push_constant) uniform Size {
-    ivec2 texels;       // size in texels, without the border
+    ivec2 texels;       // columns and rows of texels, without the border
     float share_of_fan; // share of a fan's area to which its angle defect belongs
     uint is_slowed;     // whether the slowness of the surface varies
 };

@@ -17,7 +17,7 @@ layout(set = 0, binding = 1, rgba32f) uniform writeonly restrict image2D gaussia
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts_1;
 
 layout(push_constant) uniform Size {
-    ivec2 texels;       // size in texels, without the border
+    ivec2 texels;       // columns and rows of texels, without the border
     float share_of_fan; // see fan_curvature.comp
     uint is_floor;      // whether the surface is a floor plan
 };
@@ -30,12 +30,14 @@ bool is_whole(float curvature) {
     return tag_of(curvature) == 0u;
 }
 
+// Returns the neighbours to which a point has edges, one bit each.
 uint neighbours_of(ivec2 point) {
     uint there = 0u;
     for (int i = 0; i < 8; i++) there |= edge_length(point, NEIGHBOURS[i]) < FAR ? 1u << i : 0u;
     return there;
 }
 
+// Returns the surface value of a point.
 float settled(ivec2 point) {
     float own = fan_curvature(point);
     if (is_floor != 0u && !is_whole(own)) return with_corner(neighbours_of(point), tag_of(own));

@@ -17,6 +17,7 @@ layout(push_constant) uniform Lift {
     int capacity;     // largest number of vertices of a curve
 };
 
+// Returns the position of a point.
 vec3 position_at(ivec2 at) {
     if (spacing.x > 0.0) return vec3(spacing * vec2(at), component(at, 0));
     return vec3(component(at, 0), component(at, 1), component(at, 2));

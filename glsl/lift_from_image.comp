@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 // Lifts the vertices of curves to the surface, whose points lie in an image of the host, one texel per point.
-// See lift.glsl.
+// One row of workgroups is one curve, and one invocation handles some of its vertices. See lift.glsl.
+// Twin: Curve::lift in src/geometry/curve.rs.
 
 #include "constants.glsl"
 #include "chart.glsl"

@@ -35,6 +35,7 @@ struct Sighted {
     vec4 start;                // FAR if the origin is not known
 };
 
+// Returns the origins of fronts, as seen from the points of a site.
 Sighted sighted_from(vec4 carried, Site site) {
     Sighted all = Sighted(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(FAR));
     for (int i = 0; i < 4; i++) {
@@ -60,6 +61,7 @@ struct Plane {
     vec4 first, both, second;
 };
 
+// Returns the parts of steps, given in columns and rows.
 Parts parts_of(Site site, vec4 col, vec4 row) {
     vec4 per_area = 1.0 / (site.first_row * site.second_col - site.first_col * site.second_row);
     return Parts((row * site.second_col - col * site.second_row) * per_area,
@@ -78,6 +80,8 @@ struct Ray {
     bvec4 is_beside; // starts between the source's ends, at a right angle
 };
 
+// Returns the ray to a place from the nearest point of a source. `to` is the step from x0 to one end of the
+// source, and `extent` the one from there to the other end.
 Ray ray_to(Plane plane, Parts to, Parts extent, vec4 per_square, vec2 place) {
     Parts from_end = Parts(place.x - to.first, place.y - to.second);
     vec4 foot = clamp(dot_in(plane, from_end, extent) * per_square, 0.0, 1.0);
@@ -119,6 +123,8 @@ struct FromOrigin {
 
 const float SIGHT_ROUNDING = 16.0;
 
+// Returns what the origin tells about the fronts at one end of the bases. `here` and `there` are the parts of
+// this end and of the other.
 FromOrigin from_origin(Plane plane, vec4 base, Site site, Sighted sighted, Ends end, vec2 here, vec2 there) {
     FromOrigin from;
     from.is_known = lessThan(sighted.start, vec4(FAR));

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Counts an iteration of all maps of a batch that are not done, and decides which of them need another one.
 // One invocation is one map.
+// Twin: src/cpu/progress.rs.
 
 #include "constants.glsl"
 #include "pairwise_progress.glsl"

@@ -18,7 +18,7 @@ layout(set = 0, binding = 3) writeonly restrict buffer Fans {
 };
 
 layout(push_constant) uniform Size {
-    ivec2 grid; // size in points
+    ivec2 grid; // columns and rows of points
     int scan;   // number of the scan, from 0 in the order of an iteration
 };
 

@@ -123,6 +123,7 @@ uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_re
     return change_of(old_time.xyxy, time.xyxy, old_carried.xyxy, carried.xyxy);
 }
 
+// Initializes a map: only its source is reached.
 void start(ivec2 source) {
     for (int i = int(gl_LocalInvocationIndex); i < area(); i += INVOCATIONS) {
         fronts[i] = FAR;

@@ -16,7 +16,7 @@ layout(set = 0, binding = 2, rgba32f) uniform writeonly restrict image2DArray fr
 layout(set = 2, binding = 0, rgba32f) uniform writeonly restrict image2DArray fronts_0;
 
 layout(push_constant) uniform Size {
-    ivec2 grid; // size in points
+    ivec2 grid; // columns and rows of points
 };
 
 void main() {

@@ -19,6 +19,7 @@ float square_of(float size, float unit) {
     return size < FAR ? scaled * scaled : NO_EDGE;
 }
 
+// Returns the cell with a given north-western corner.
 Cell cell_at(ivec2 first) {
     float sizes[6] = edges_of_cell(point_at(first));
     Cell cell;

@@ -97,6 +97,8 @@ vec2 derivatives(vec3 square, float least) {
     return half_inverse * vec2(square.y, square.z - 0.5 * square.y * square.y / value);
 }
 
+// Returns the first two derivatives, along the edge, of the arrival time at the place through a point of the
+// edge.
 vec2 slope_and_bend(Profile profile, vec2 ends, float square, float share) {
     float least = 1e-12 * square;
     vec3 time = excess(profile, share);
@@ -104,6 +106,7 @@ vec2 slope_and_bend(Profile profile, vec2 ends, float square, float share) {
     return derivatives(time, least) + derivatives(away(ends, square, share), least);
 }
 
+// Returns the crossing at a share of the edge.
 Crossing crossing_at(Profile profile, vec2 ends, float square, float share) {
     float apart = sqrt(max(away(ends, square, share).x, 0.0));
     return Crossing(share, time_along(profile, share), apart);

@@ -47,6 +47,7 @@ bool is_point(Place place) {
     return place.share == vec2(0.0);
 }
 
+// Returns the column and row at which a path starts.
 vec2 start_of(int path) {
     int at = records * CURVE_WORDS + 2 * path;
     return vec2(uintBitsToFloat(curves[at + 1]), uintBitsToFloat(curves[at]));
@@ -88,6 +89,7 @@ void begin(int number, inout Path path, float start) {
     add(number, path, at, path.time);
 }
 
+// Writes the record and the state of a path.
 void save(int number, Path path) {
     uint drawn = path.status == COMPLETE ? path.vertices : 0u;
     write_record(number, drawn, uint(number * capacity), path.vertices, path.status);
@@ -113,6 +115,7 @@ void save(int number, Path path) {
     curves[at + 14] = uint(path.own);
 }
 
+// Reads the record and the state of a path.
 Path load(int number) {
     Path path;
     int record = number * CURVE_WORDS;

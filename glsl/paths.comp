@@ -69,6 +69,8 @@ bool falls(Line line, Path path) {
     return path.below - line.time >= LEAST_FALL * line.size - slack;
 }
 
+// Replaces the best line by another one that is better and ends lower than the place of the path. A line that
+// falls is better than one that does not. Among equals, the one on which the front arrives first is better.
 void offer(Place end, float time, float size, Path path, ivec2 cell) {
     Line line = Line(true, -1, end, time, size, cell);
     bool is_better = !best.exists || time + size < best.time + best.size;
@@ -200,6 +202,7 @@ ivec2 lower_end(Place place) {
     return lowest;
 }
 
+// Moves along an edge and adds a vertex there. Returns false if there is no room.
 bool step_to(int number, inout Path path, inout ivec2 point, ivec2 step) {
     path.size += edge_length(point_at(point), step);
     point += step;

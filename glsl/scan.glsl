@@ -90,6 +90,7 @@ vec4 first_line_old(ivec2 texel, int layer) {
                 first_line(imageLoad(old_fronts, at + side), ahead).x);
 }
 
+// Returns a layer on the line of points behind a texel.
 Behind layer_behind(ivec2 texel, int layer) {
     ivec3 at = place_of(texel - ahead, layer);
     ivec3 side = ivec3(along, 0);
@@ -229,6 +230,7 @@ bool pass_triangles(ivec2 point, Sight behind, vec4 base_left, vec4 base_right, 
     return any_obtuse;
 }
 
+// Scans the block from its first line to its last.
 void scan_block() {
     int lane = int(gl_LocalInvocationID.x);
     int place = int(gl_WorkGroupID.x) * (int(gl_WorkGroupSize.x) - 2 * HALO) + lane - HALO;

@@ -22,7 +22,7 @@ layout(set = 0, binding = 3) readonly restrict buffer Seeds {
 };
 
 layout(push_constant) uniform Count {
-    ivec2 texels; // size in texels, without the border
+    ivec2 texels; // columns and rows of texels, without the border
     int count;
     uint follows; // SCANS_FOLLOW, TILES_FOLLOW or NOTHING_FOLLOWS
 };

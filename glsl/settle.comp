@@ -16,13 +16,14 @@ layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fro
 layout(set = 2, binding = 0, rgba32f) uniform writeonly restrict image2DArray fronts_0;
 
 layout(push_constant) uniform Recording {
-    ivec2 texels; // size in texels, without the border
+    ivec2 texels; // columns and rows of texels, without the border
     uint count;   // number of rounds
 };
 
 // State of the workgroup's tile.
 shared uint state;
 
+// Counts the rounds of the recording, and decides whether more follow.
 void count_rounds() {
     uint visited = 0u;
     while (visited < count && rounds[ROUND_WORDS * visited] > 0u) visited += 1u;

@@ -35,6 +35,7 @@ struct Crossing {
     vec4 place, rise, beyond;
 };
 
+// Finds where rays cross the base. The method is Newton's, from a guess.
 Crossing crossing_of(Slope front, Rays rays, vec4 guess) {
     vec4 across = rays.near + rays.slope * clamp(rays.foot, 0.0, 1.0);
     vec4 straight = clamp(-(front.d + rays.slope * rays.height) / across, -STEEPEST_GUESS, STEEPEST_GUESS);
@@ -66,6 +67,7 @@ Crossing crossing_of(Slope front, Rays rays, vec4 guess) {
     return first;
 }
 
+// Returns the arrival times at x0 of straight fronts, given the slowness at x0.
 vec4 planar_slowed(Ends end1, Ends end2, vec4 s0, vec4 l1, vec4 l2, vec4 c) {
     vec4 along_edge = edge_step(end1.time, end2.time, l1, l2);
     bvec4 swap = lessThan(end1.time, end2.time);
@@ -89,6 +91,7 @@ vec4 planar_slowed(Ends end1, Ends end2, vec4 s0, vec4 l1, vec4 l2, vec4 c) {
     return min(along_edge, mix(along_edge, time, both(shape.whole, within)));
 }
 
+// Returns the curved fronts at x0, given its Gaussian curvature and slowness.
 Fronts curved_slowed(Ends end1, Ends end2, vec4 g0, vec4 s0, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
     bvec4 swap = lessThan(end1.time, end2.time);
     vec4 t = mix(end1.time, end2.time, swap);

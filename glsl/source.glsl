@@ -32,6 +32,7 @@ vec2 place_of(Source s) {
     return vec2(s.col, s.row);
 }
 
+// Returns whether a source counts: it lies on the grid, and its time is finite and less than FAR.
 bool counts(Source s) {
     return is_on_grid(place_of(s), grid) && (floatBitsToUint(s.time) & 0x7f800000u) != 0x7f800000u
         && s.time < FAR;

@@ -12,6 +12,7 @@ struct Cell {
     float lengths[16];
 };
 
+// Returns the cell with a given north-western corner.
 Cell cell_at(ivec2 first) {
     Cell cell;
     for (int a = 0; a < 4; a++) {

@@ -57,6 +57,8 @@ ivec4 spots(ivec2 at) {
     return corners_row_major(at, SIDE);
 }
 
+// Returns the fronts, surface values and slowness at the four points of the texel whose first point is at
+// `at`.
 Ends ends_at(ivec2 at) {
     ivec4 s = spots(at);
     Ends ends = Ends(vec4(times[s.x], times[s.y], times[s.z], times[s.w]), vec4(0.0), vec4(0.0), vec4(0.0));
@@ -68,6 +70,7 @@ Ends ends_at(ivec2 at) {
     return ends;
 }
 
+// Returns the lengths of the edges that lead along `step` from the four points of the texel at `at`.
 vec4 edge_lengths(ivec2 at, ivec2 step) {
     bool here = stored_here(step);
     ivec4 s = spots(here ? at : at + step);
@@ -79,6 +82,7 @@ vec4 edge_lengths(ivec2 at, ivec2 step) {
 // The first of the points in shared memory, as a point of the images.
 ivec2 window;
 
+// Returns the front at a point. Outside the window, none has arrived.
 vec2 front_at(ivec2 point) {
     ivec2 at = point - window;
     if (!in_grid(at, ivec2(SIDE))) return vec2(FAR, 0.0);

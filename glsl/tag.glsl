@@ -33,10 +33,12 @@ uint scan_of(float held) {
     return floatBitsToUint(held) & SCAN_OF_TAG;
 }
 
+// Returns which fronts a scan, numbered from 1, has brought.
 bvec4 are_of_scan(vec4 held, uint scan) {
     return equal(floatBitsToUint(held) & SCAN_OF_TAG, uvec4(scan));
 }
 
+// Returns which numbers are equal except for their tags.
 bvec4 are_alike_but_for_tags(vec4 a, vec4 b) {
     return equal((floatBitsToUint(a) ^ floatBitsToUint(b)) & ~TAG, uvec4(0u));
 }

@@ -28,7 +28,7 @@ layout(set = 0, binding = 2, rgba32f) uniform restrict image2DArray fronts_1;
 layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray fronts_0;
 
 layout(push_constant) uniform Round {
-    ivec2 texels; // size in texels, without the border
+    ivec2 texels; // columns and rows of texels, without the border
     uint round;
 };
 
@@ -49,6 +49,7 @@ shared uint border_change;
 shared uint woken; // tiles that the next round visits, as bits of 3 x 3 tiles
 shared uint urgencies[9]; // urgencies of these tiles
 
+// Returns the length of an edge from a point of the window.
 float edge_in_tile(ivec2 at, ivec2 step) {
     bool here = stored_here(step);
     return stored_length(lengths[spot(here ? at : at + step)], here ? step : -step);
@@ -84,6 +85,7 @@ vec2 front_at(ivec2 point) {
 #include "splits.glsl"
 #include "anchored_ways.glsl"
 
+// Loads a tile and the points around it into shared memory.
 void load(ivec2 tile, ivec2 tile_grid) {
     ivec2 first = first_texel_of(tile);
     uint state_of_own = atomicOr(tiles[row_major(tile, tile_grid.x)], 0u);

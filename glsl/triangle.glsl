@@ -75,6 +75,7 @@ struct Shape {
     bvec4 whole;         // all three edges exist and enclose an area
 };
 
+// Returns the shapes of triangles from the lengths of their edges.
 Shape shape_of(vec4 side, vec4 other, vec4 base) {
     Shape shape;
     shape.per_base = 1.0 / base;

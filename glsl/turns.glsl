@@ -8,6 +8,7 @@ vec3 normal_inside(ivec2 at) {
     return inside ? normal(at) : vec3(0.0);
 }
 
+// Compares the normal at a point with those one and two steps away, at a sample of the points.
 void look_at_turns(ivec2 at) {
     ivec2 every = (grid + (LOOKS - 1)) / LOOKS;
     if (min(at.x, at.y) < 1 || any(notEqual((at - 1) % every, ivec2(0)))) return;

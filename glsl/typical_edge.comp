@@ -13,7 +13,7 @@
 layout(local_size_x = WORKGROUP) in;
 
 layout(push_constant) uniform Size {
-    ivec2 texels; // size in texels, without the border
+    ivec2 texels; // columns and rows of texels, without the border
 };
 
 // Sum of logarithms in units of 2^-11, and their number.
