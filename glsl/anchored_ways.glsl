@@ -16,7 +16,7 @@ struct Way {
 
 const Way NO_WAY = Way(FAR, 0u, FAR);
 
-// What is known of an anchor.
+// An anchor, as far as it is known.
 struct Anchor {
     uint number;
     vec2 place;  // column and row: whole numbers, except for sources
@@ -80,7 +80,7 @@ float area_of(vec2 a, vec2 b) {
     return area;
 }
 
-// Returns what is known of an anchor, given its number.
+// Returns an anchor, as far as it is known, given its number.
 Anchor anchor_of(uint number) {
     if (number >= FIRST_INSIDE) {
         vec4 source = source_inside(number - FIRST_INSIDE);

@@ -104,7 +104,7 @@ ivec2 at_point(ivec2 point) {
     return point - 2 * BORDER;
 }
 
-// Likewise for texels.
+// Converts a texel counted without the border to the same texel in the images, and back.
 ivec2 with_border(ivec2 inner) {
     return inner + BORDER;
 }

@@ -118,7 +118,8 @@
 #define LINES_BACK 32
 // With anchors, times are equal if they differ by no more than this multiple of their rounding.
 #define ALIKE 8.0
-// Likewise for the time of an anchor and the time that follows for the anchor from that of a point.
+// The time stored at an anchor and the one that follows from the time of a point are equal if they differ by
+// no more than this multiple of their rounding.
 #define ALIKE_AT_ANCHOR 16.0
 // Number of the first anchor that is a source inside a cell. Anchors with smaller numbers are grid points.
 #define FIRST_INSIDE 33554432
@@ -131,8 +132,8 @@
 #define PATIENCE 50
 // Change of a front in units of the last place that only a first front exceeds, by the change from FAR.
 #define FIRST_REACHED 167772160
-// What follows the seeds of a map, which the pass of seeds prepares for: scans, updates of all points, or
-// rounds of tiles.
+// Passes that follow the seeds of a map, for which the pass of seeds prepares: scans, updates of all points,
+// or rounds of tiles.
 #define SCANS_FOLLOW 0
 #define NOTHING_FOLLOWS 1
 #define TILES_FOLLOW 2

@@ -234,7 +234,8 @@ Fronts update_at(Ends end1, Ends end2, vec4 surface, vec4 slowness, vec4 l1, vec
     return update(end1, end2, surface, slowness, l1, l2, without_faces(obtuse, c), alone);
 }
 
-// As update_four() and update_pair() in wavefront.glsl, with the places from which origins are seen.
+// Returns the fronts as update_four() and update_pair() in wavefront.glsl do, given also the places from
+// which origins are seen.
 Fronts update_four(Sight sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right, Places places) {
     bvec4 alone = are_alone(sight.edges[1]);
     ivec2 back = -places.ahead;

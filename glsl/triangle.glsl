@@ -20,8 +20,8 @@ struct Fronts {
     bvec4 whole; // came through whole triangles, and are preferred among equal times
 };
 
-// What each of four points sees of the three neighbours that a scan has just visited: the one before it,
-// beside it and after it.
+// The three neighbours that a scan has just visited, as each of four points sees them: the one before the
+// point, beside it and after it.
 struct Sight {
     Ends ends[3];
     vec4 edges[3]; // lengths of the edges to them

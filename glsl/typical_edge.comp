@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Estimates the typical length of a surface's edges along rows and columns, at some texels of the grid. It is
-// the mean of their logarithms, which are interpolated linearly between powers of two. A single workgroup is
-// dispatched. One invocation handles some of the texels.
+// Estimates the typical length of a surface's edges along rows and columns from some texels of the grid. It
+// averages the logarithms of the lengths, which are interpolated linearly between powers of two. A single
+// workgroup is dispatched. One invocation handles some of the texels.
 // Twin: typical_edge in src/cpu/twins/tile_rounds.rs.
 
 #include "constants.glsl"

@@ -63,7 +63,8 @@ bvec4 are_split(Ends end1, Ends end2, vec4 slowness, vec4 l1, vec4 l2, vec4 c) {
     return are_obtuse(l1, l2, c);
 }
 
-// Likewise for the triangles of a pair of points of a line from the four points behind; see update_pair().
+// Returns whether the triangles between a pair of points of a line and the four points behind are obtuse; see
+// update_pair().
 bvec4 are_split_of_pair(Ends behind, vec2 slowness, vec4 l1, vec4 l2, vec4 c) {
     if (SLOWED != 0) return are_obtuse_on_surface(l1, l2, c, slowness.xyxy, behind.slowness.xyyz, behind.slowness.yzzw);
     return are_obtuse(l1, l2, c);

@@ -12,7 +12,7 @@ use crate::update::{Kept, Setting, Wavefront, base_crossing};
 /// A column and a row.
 type Place = [f32; 2];
 
-/// What is known of a point's region.
+/// The region of a point, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Link {
     Label(u32),
