@@ -39,10 +39,10 @@
 // Largest number of origins that have a number.
 #define MOST_ORIGINS 16777216
 // A front is in sight of its origin if its time equals that of the straight line from there, up to this part
-// of the time; see src/update/sight.rs.
+// of the line's length; see src/update/sight.rs.
 #define IN_SIGHT 0.02
-// A front lies on the straight line from its origin, up to rounding, if its time differs by no more than this
-// part of it.
+// A front lies on the straight line from its origin, nearly up to rounding, if its time differs by no more
+// than this part of the line's length.
 #define ON_LINE 1e-4
 // A ray that passes an edge by less than this part of the edge counts as a ray along it.
 #define PAST_EDGE 1e-4
@@ -212,7 +212,7 @@
 // A line of a path that ends nearer than this to a grid point, as a part of the edge, ends at that point.
 #define AT_POINT 1e-4
 // Part of its length by which a straight line to a source in sight is preferred to others. A line that fits
-// the arrival time as well as this needs no comparison with others.
+// the arrival time up to this part of its length needs no comparison with others.
 #define FITS 1e-3
 // A line falls if the arrival time falls along it by at least this part of its length.
 #define LEAST_FALL 0.5
