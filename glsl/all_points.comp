@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// An update of all points at once from their eight triangles. One invocation is one texel.
+// Updates all points at once from their eight triangles. One invocation is one texel.
 // Twin: src/cpu/twins/all_points.rs.
 
 #include "constants.glsl"
@@ -20,7 +20,7 @@ layout(push_constant) uniform Size {
     ivec2 texels; // columns and rows of texels, without the border
 };
 
-// The 4 x 4 points around the texel, row by row, of one layer.
+// Returns the 4 x 4 points around the texel, row by row, from one layer of the 3 x 3 texels around it.
 float[16] around(vec4 texels[9]) {
     return float[](texels[0].w, texels[1].z, texels[1].w, texels[2].z,
                    texels[3].y, texels[4].x, texels[4].y, texels[5].x,
@@ -33,7 +33,7 @@ vec4 at_step(float values[16], ivec2 step) {
     return vec4(values[first], values[first + 1], values[first + 4], values[first + 5]);
 }
 
-// The lengths of the edges that lead from the four points, shifted by `from`, along `step`.
+// Returns the lengths of the edges that lead along `step` from the four points shifted by `from`.
 vec4 edge_lengths(vec4 lengths[16], ivec2 from, ivec2 step) {
     bool here = stored_here(step);
     ivec2 at = from + (here ? ivec2(0) : step);

@@ -1,12 +1,13 @@
-// The update of fronts with anchors: exact over floor plans. Four points at once where all that each sees behind
-// it has one anchor, which is nearly everywhere; elsewhere one after another.
-// Include after wavefront.glsl, edge_image.glsl, surface_image.glsl and splits.glsl.
+// Implements the update of fronts with anchors, which is exact over floor plans. Four points are updated at
+// once if all that each sees behind it has one anchor, which holds nearly everywhere. Other points are
+// updated one after another. Include after wavefront.glsl, edge_image.glsl, surface_image.glsl and
+// splits.glsl.
 // Twin: the anchored front in src/update, where it is explained.
 
 #include "processor.glsl"
 #include "corner.glsl"
 
-// How a point is reached: when, from which anchor, and when that was.
+// A path to a point: the arrival time, the anchor, and the arrival time at the anchor.
 struct Way {
     float time;
     uint anchor;
@@ -15,24 +16,25 @@ struct Way {
 
 const Way NO_WAY = Way(FAR, 0u, FAR);
 
-// An anchor, as it is known itself.
+// An anchor, as far as it is known.
 struct Anchor {
     uint number;
-    vec2 place;  // column and row: whole numbers, but for sources
+    vec2 place;  // column and row: whole numbers, except for sources
     float time;  // FAR if it has not been reached
-    uint before; // its own anchor: itself, if it is a source or not known to be reached
+    uint before; // its own anchor: itself, if it is a source or is not known to be reached
 };
 
-// Three neighbours, and their anchors.
+// Three neighbours and their anchors.
 struct Known {
     vec3 time;
     uvec3 anchor;
-    vec3 start;    // when the anchor was reached
-    vec3 col, row; // of the anchor
-    uvec3 before;  // its own anchor
+    vec3 start;    // arrival time at the anchor
+    vec3 col, row; // column and row of the anchor
+    uvec3 before;  // anchor of the anchor
 };
 
-// The shorter of two ways; of two that are as long, on one line, that from the corner passed last.
+// Returns the shorter of two paths. Of two equally long ones on one line, it returns the one from the last
+// corner passed.
 Way shorter(Way a, Way b) {
     bool as_long = !is_shorter(a.time, b.time) && !is_shorter(b.time, a.time);
     bool second = as_long ? b.start > a.start : b.time < a.time;
@@ -40,7 +42,7 @@ Way shorter(Way a, Way b) {
     return a;
 }
 
-// From a point's number to that of the point below it.
+// Returns the difference between a point's number and that of the point below it.
 int points_in_row() {
     return imageSize(edges).x;
 }
@@ -49,8 +51,8 @@ uint number_at(ivec2 point) {
     return uint(row_major(point, points_in_row()));
 }
 
-// Not divided in whole numbers, which devices are slow at. No image has so many rows that rounding leads
-// further than to the next one.
+// Returns the grid point with a number. It avoids integer division, which is slow on devices. No image has so
+// many rows that rounding leads further than to the next row.
 ivec2 point_of(uint anchor) {
     int row = points_in_row();
     int y = int(float(anchor) / float(row));
@@ -60,7 +62,7 @@ ivec2 point_of(uint anchor) {
     return ivec2(x, y);
 }
 
-// Lengths of straight lines.
+// Returns the lengths of straight lines.
 vec4 lengths_of(vec4 cols, vec4 rows) {
     vec3 m = metric();
     return sqrt(rows * (m.x * rows + (m.y + m.y) * cols) + m.z * cols * cols);
@@ -71,13 +73,14 @@ float length_of(vec2 to) {
     return sqrt(to.y * (m.x * to.y + (m.y + m.y) * to.x) + m.z * to.x * to.x);
 }
 
-// Twice the area between two steps: exactly none between one and itself, also where devices would fuse one of the
-// products with the difference.
+// Returns twice the area between two steps. It is exactly zero between a step and itself, even on devices
+// that fuse a product with the difference.
 float area_of(vec2 a, vec2 b) {
     precise float area = a.x * b.y - a.y * b.x;
     return area;
 }
 
+// Returns an anchor, as far as it is known, given its number.
 Anchor anchor_of(uint number) {
     if (number >= FIRST_INSIDE) {
         vec4 source = source_inside(number - FIRST_INSIDE);
@@ -88,12 +91,12 @@ Anchor anchor_of(uint number) {
     return Anchor(number, vec2(point), front.x, front.x < FAR ? number_of(front.y) : number);
 }
 
-// The way over a straight line from an anchor that was reached at some time.
+// Returns the straight path from an anchor that was reached at `start`.
 Way way_from(vec2 step, float start, uint anchor) {
     return Way(start + length_of(step), anchor, start);
 }
 
-// On which side of one step another is. Exact between points of the grid.
+// Returns on which side of one step another lies. The result is exact between points of the grid.
 int side_of(vec2 border, vec2 step) {
     if (border == floor(border) && step == floor(step)) {
         ivec2 a = ivec2(border);
@@ -103,14 +106,15 @@ int side_of(vec2 border, vec2 step) {
     return int(sign(area_of(border, step)));
 }
 
-// The step in one of the eight directions. No table: lavapipe reads those for idle invocations too, anywhere.
+// Returns the step in one of the eight directions. It uses no table, since lavapipe reads tables for idle
+// invocations too, at any index.
 ivec2 step_of(int to) {
     return ivec2(int(0x83u >> to & 1u) - int(0x38u >> to & 1u),
                  int(0xe0u >> to & 1u) - int(0x0eu >> to & 1u));
 }
 
-// On which side of a ray to a corner the hole is that the corner is one of: 1, -1, or 0 if there are holes
-// on both.
+// Returns the side of a ray to a corner on which the corner's hole lies: 1, -1, or 0 if there are holes on
+// both sides.
 int shadow_of(vec2 ray, ivec2 corner) {
     uint blocked = blocked_eighths(surface_at(corner));
     bool left = false;
@@ -124,14 +128,16 @@ int shadow_of(vec2 ray, ivec2 corner) {
     return int(left) - int(right);
 }
 
-// How the way from an anchor to an end of a base goes.
+// The shape of the path from an anchor to an end of a base.
 struct Detour {
     bool known;
-    uint corner; // at which it bends first; the end's own anchor, if it bends at none before or is not known
-    vec2 border; // the step there
-    bool winds;  // whether it bends to both sides
+    uint corner; // first corner at which it bends, or the end's own anchor if there is none or it is not known
+    vec2 border; // step from the anchor to that corner
+    bool winds;  // whether the path bends to both sides
 };
 
+// Returns the shape of the path from an anchor, reached at `start`, to an end of a base. It follows the
+// anchors of the end back, one after another.
 Detour detour_of(Anchor anchor, float start, vec2 point, Known ends, int end) {
     vec2 place = vec2(ends.col[end], ends.row[end]);
     vec2 ahead = point - place;
@@ -176,18 +182,19 @@ Detour detour_of(Anchor anchor, float start, vec2 point, Known ends, int end) {
     return found;
 }
 
-// The eighths on both sides of one of the eight directions.
+// Returns the eighths on both sides of one of the eight directions, as bits.
 uint beside(int to) {
     return 1u << to | 1u << ((to + 7) & 7);
 }
 
-// The direction of a column or row.
+// Returns the direction of a step along a column or row.
 int axis_of(bool by_cols, float step) {
     return by_cols ? (step > 0.0 ? 0 : 4) : (step > 0.0 ? 6 : 2);
 }
 
-// Whether the straight line from a point to an anchor passes over floor alone: from line to line of the
-// grid, of its columns if it passes more of these than rows.
+// Returns whether the straight line from a point to an anchor passes over floor only. The line is followed
+// from one grid line to the next: from column to column if it passes more columns than rows, otherwise from
+// row to row.
 bool is_clear(ivec2 point, vec2 step) {
     bool by_cols = abs(step.x) >= abs(step.y);
     int ahead = axis_of(by_cols, by_cols ? step.x : step.y);
@@ -196,11 +203,11 @@ bool is_clear(ivec2 point, vec2 step) {
     float aside = min(abs(step.x), abs(step.y));
     int eighth = toward == ((ahead + 2) & 7) ? ahead : (ahead + 7) & 7;
 
-    // Along edges, a cell is to be there on one side.
+    // Along edges, one of the cells on both sides must be present.
     bool on_edges = aside == 0.0 || aside == lines;
     int diagonal = toward == ((ahead + 2) & 7) ? ahead + 1 : (ahead + 7) & 7;
     int edge = aside == 0.0 ? ahead : diagonal;
-    // Else through edges with cells on both sides, or through points.
+    // Otherwise the line must pass through edges with cells on both sides, or through points.
     uint through_point = 1u << eighth | 1u << ((eighth + 4) & 7);
     float beyond = 0.0;
     float left = lines;
@@ -211,7 +218,8 @@ bool is_clear(ivec2 point, vec2 step) {
             point += step_of(edge);
             left -= 1.0;
         } else {
-            // How far the line lies beyond the point: where it passes the next one, times the lines in all.
+            // `beyond` is how far the line lies beyond the point where it passes the next grid line, times
+            // the total number of lines.
             beyond += aside * min(left, 1.0);
             ivec2 next = point + step_of(toward);
             if (beyond > lines) clear = (blocked_eighths(surface_at(next)) & beside(ahead)) == 0u;
@@ -228,38 +236,42 @@ bool is_clear(ivec2 point, vec2 step) {
     return clear;
 }
 
-// Whether x0 is out of the shadow that an end of its base lies in, as seen from an anchor: behind the
-// first corner on the way from that anchor to the end, on the side of its hole. Where the end is not there,
-// or that way winds between holes, it lies in the shadow of another if the straight line would have been
-// shorter; only there is x0's own line followed.
+// Returns whether x0 is outside the shadow that hides an end of its base from an anchor. That shadow lies
+// behind the first corner on the path from the anchor to the end, on the side of the corner's hole. If the
+// end does not lie in it, or the path winds between holes, the end may lie in the shadow of another corner.
+// It does if the straight line would be shorter than its path. Only then x0's own line is followed over the
+// grid.
 bool sees(vec2 x0, vec2 point, Anchor anchor, float start, Known ends, int end) {
     Detour detour = detour_of(anchor, start, point, ends, end);
     int shadow = 0;
     if (detour.known && detour.corner < FIRST_INSIDE) shadow = shadow_of(detour.border, point_of(detour.corner));
-    // On the border the end's own anchor serves as well, and knows which corners come next.
+    // On the border of the shadow, the end's own anchor serves equally well, and it knows which corners come
+    // next.
     bool is_own = detour.corner == ends.anchor[end];
     bool is_told = shadow != 0 && (is_own || side_of(detour.border, point - anchor.place) * shadow > 0);
     int of_x0 = side_of(detour.border, x0 - anchor.place) * shadow;
     if (is_told && (of_x0 > 0 || (of_x0 == 0 && !is_own))) return false;
     if (is_told && !detour.winds) return true;
-    // By times last: their rounding hides small detours.
+    // Times are compared last, since their rounding hides small detours.
     bool is_hidden = is_shorter(start + length_of(point - anchor.place), ends.time[end]);
     return !is_hidden || is_clear(ivec2(x0), anchor.place - x0);
 }
 
-// When the anchor was reached is as it is known there, to which what follows from the neighbour is rounded;
-// but the latter where the two differ, since a change must come from the neighbours.
+// Returns the arrival times at an anchor. `known` is the time stored there, and `time - straight` is the one
+// that follows from the neighbour. The known time is returned if both agree up to rounding. Otherwise the one
+// that follows is returned, since a change must come from the neighbours.
 vec4 start_of(float known, vec4 time, vec4 straight) {
     vec4 follows = time - straight;
     return mix(follows, vec4(known), lessThanEqual(abs(known - follows), ALIKE_AT_ANCHOR * PRECISION * time));
 }
 
-// The shortest way to a point, the i-th of four, past three neighbours that follow one another: along an edge,
-// from its end, if that is a corner, or straight on; or straight through a triangle, from an anchor of its
-// ends or from these' own.
-// Each step is written once, in a loop over what is left to look at: lavapipe runs all lanes through every
-// branch, so that what is written costs, and loops over bits are not unrolled. Nor is any loop tested at its
-// end: lavapipe then overwrites what lanes take out of it that leave it before others.
+// Returns the shortest path to the i-th of four points, past three successive neighbours. It may come along
+// an edge: from its end if that is a corner, otherwise straight on. Or it comes straight through a triangle,
+// from an anchor of its ends or from the anchors of these.
+//
+// Each step is written once, in a loop over what is left to examine. lavapipe runs all lanes through every
+// branch, so that written code costs time, and loops over bits are not unrolled. No loop is tested at its
+// end: lavapipe would then overwrite the results of lanes that leave the loop earlier than others.
 Way reach(ivec2 point, Sight sight, Places places, int i) {
     vec2 x0 = vec2(point);
     vec2 ahead = vec2(places.ahead);
@@ -293,17 +305,17 @@ Way reach(ivec2 point, Sight sight, Places places, int i) {
         if (bends || goes_on) best = shorter(best, way);
     }
 
-    // Two bits for each triangle: from the anchors of one end and of the other. Where both have one, all that
-    // lies between is lit by it alone.
+    // Two bits for each triangle: whether to try the anchors of its one end and of its other end. If both
+    // ends have one anchor, it alone lights everything between them.
     bvec2 of_one = equal(ends.anchor.xy, ends.anchor.yz);
     left = (reached & 3u) == 3u ? (of_one.x ? 1u : 3u) : 0u;
     left |= (reached & 6u) == 6u ? (of_one.y ? 4u : 12u) : 0u;
-    int first = 0; // end of the triangle
-    int last = 0;  // the one that tells
+    int first = 0; // first end of the triangle
+    int last = 0;  // end whose anchors are tried
     int lines = 0;
     int bends = 0;
     bool goes_back = false;
-    vec2 went = vec2(0.0); // from the anchor to what was asked before
+    vec2 went = vec2(0.0); // from the anchor to the place examined before
     Anchor anchor = Anchor(0u, vec2(0.0), FAR, 0u);
     Way way = NO_WAY;
     while (goes_back || left != 0u) {
@@ -353,13 +365,15 @@ Way reach(ivec2 point, Sight sight, Places places, int i) {
     return best;
 }
 
+// Returns a mask with a bit for each true component.
 uint bits_of(bvec4 which) {
     uvec4 each = mix(uvec4(0u), uvec4(1u, 2u, 4u, 8u), which);
     return each.x | each.y | each.z | each.w;
 }
 
-// The ways of the first points that a scan, numbered from 1, brings them, given their fronts: none where
-// all neighbours are reached later, unless it is to bring again what it has brought before.
+// Returns the paths that a scan brings to the points whose bits are set in `points`, given their present
+// fronts. `scan` is counted from 1. There is no path to a point whose neighbours are all reached later,
+// unless the scan is to renew the front that it brought earlier.
 Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, vec4 time, vec4 held) {
     Fronts found = Fronts(vec4(FAR), vec4(0.0), bvec4(false));
     vec4 reached[3];
@@ -377,7 +391,8 @@ Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, 
     uint left = bits_of(wanted) & points;
     if (left == 0u) return found;
 
-    // Those with one anchor of all neighbours, and among them those with the first one's.
+    // Points whose neighbours all have one anchor, and among them those with the same anchor as the first
+    // one.
     bvec4 of_one = wanted;
     for (int k = 0; k < 3; k++) {
         bvec4 is_none = greaterThanEqual(reached[k], vec4(FAR));
@@ -387,9 +402,10 @@ Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, 
     float held_there = told[first != 0u ? findLSB(first) : 0];
     bvec4 alike = both(bvec4(first != 0u), both(of_one, are_alike_but_for_tags(told, vec4(held_there))));
 
-    // The others. Where invocations beside one another looked at different points, NVIDIA's compiler (driver 580) took
-    // from some what they had found: there all turn to the same point, whoever looks at it. A processor's lanes would
-    // wait for what none of them looks at.
+    // The remaining points. On GPUs all invocations turn to the same point at a time, and those that do not
+    // need it skip it. When neighbouring invocations processed different points, NVIDIA's compiler (driver
+    // 580) lost the results of some. On CPUs each invocation takes its own next point, since the lanes would
+    // otherwise wait for points that none of them needs.
     left &= ~bits_of(alike);
     for (int turn = 0; turn < 4; turn++) {
         int i = turn;
@@ -422,7 +438,7 @@ Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, 
         bvec4 is_behind = greaterThanEqual(back, vec4(1.0));
         vec4 start = vec4(FAR);
         for (int k = 0; k < 3; k++) {
-            // Through the triangle that begins with this neighbour, or along its edge.
+            // The path comes through the triangle that begins with this neighbour, or along its edge.
             vec2 edge = float(k - 1) * along - ahead;
             vec4 from = float(k - 1) * back;
             bvec4 through = bvec4(false);
@@ -437,7 +453,8 @@ Fronts ways_to(Sight sight, Places places, uint points, uint scan, bool renews, 
         }
         vec4 time_of_one = mix(vec4(FAR), start + straight, lessThan(start, vec4(FAR)));
         vec4 carried_of_one = vec4(held_there);
-        // From corners; of two ways that are as long, on one line, from the one passed last.
+        // Paths from corners. Of two equally long paths on one line, the one from the last corner passed is
+        // taken.
         for (int k = 0; k < 3; k++) {
             vec2 edge = float(k - 1) * along - ahead;
             vec4 from_corner = reached[k] + length_of(edge);

@@ -1,5 +1,6 @@
-// What the update by anchors knows of a floor plan beside its grid points: at the end of the buffer for
-// uploads sources inside cells, then the metric. Twin: src/vulkan/anchors.rs.
+// Declares the data about a floor plan, other than its grid points, that the update with anchors reads. They
+// lie at the end of the upload buffer: the sources inside cells, then the metric.
+// Twin: src/vulkan/anchors.rs.
 
 layout(set = 0, binding = 3) readonly restrict buffer Anchors {
     vec4 anchors[];
@@ -9,7 +10,8 @@ vec3 metric() {
     return anchors[anchors.length() - 1].xyz;
 }
 
-// The ends of an origin of curved fronts, by column and row: one, and what leads from it to the other; and its time.
+// Returns the ends of an origin of curved fronts, in columns and rows: one end, and the step from it to the
+// other. The time of the origin is read by origin_start().
 vec4 origin_ends(uint number) {
     return anchors[anchors.length() - 1 - SOURCES_INSIDE + 2 * int(number)];
 }

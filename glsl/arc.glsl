@@ -1,4 +1,4 @@
-// Lengths of edges along the surface rather than along chords.
+// Computes lengths of edges along the surface rather than along chords.
 // Twin: src/surface/arc.rs, where the formulas are explained.
 //
 // The including shader declares
@@ -13,12 +13,12 @@ vec3 unit(vec3 a) {
     return size > 0.0 ? a / size : vec3(0.0);
 }
 
-// From a point to its neighbour, or zero if that is missing.
+// Returns the step from a point to its neighbour, or zero if that is missing.
 vec3 way(ivec2 at, ivec2 step) {
     return is_present(at + step) ? difference(load(at), load(at + step), step) : vec3(0.0);
 }
 
-// The surface's unit normal, or zero where the grid has none.
+// Returns the surface's unit normal, or zero where the grid has none.
 vec3 normal(ivec2 at) {
     vec3 u = unit(way(at, ivec2(1, 0)) - way(at, ivec2(-1, 0)));
     vec3 v = unit(way(at, ivec2(0, -1)) - way(at, ivec2(0, 1)));
@@ -26,20 +26,20 @@ vec3 normal(ivec2 at) {
     return dot3(across, across) > 1e-6 ? unit(across) : vec3(0.0);
 }
 
-// Whether the grid's line goes on at both sides of a point.
+// Returns whether the grid line continues on both sides of a point.
 bool goes_on(ivec2 at, ivec2 step) {
     return is_present(at + step) && is_present(at - step);
 }
 
-// How far the surface bends across an end of an edge, and its normal there. Where the line ends, it bends
-// as far as at the next two points inwards.
+// Returns the normal at an end of an edge, and in w how far the surface bends there across the edge. Where
+// the grid line ends, the bend is the one at the next two points inwards.
 vec4 bend(ivec2 at, ivec2 step) {
     bool inside = goes_on(at, step);
     ivec2 inwards = inside ? ivec2(0) : is_present(at + step) ? step : -step;
     bool known = inside || (goes_on(at + inwards, step) && goes_on(at + 2 * inwards, step));
     vec3 up = vec3(0.0);
     float smaller = 0.0;
-    // A loop, since compilers would put the same code here three times over.
+    // This is a loop, since compilers would otherwise inline this code three times.
     for (int i = 0; i < (inside || !known ? 1 : 3); i++) {
         ivec2 point = at + i * inwards;
         vec3 normal_there = normal(point);
@@ -55,6 +55,7 @@ vec4 bend(ivec2 at, ivec2 step) {
     return vec4(up, known ? smaller : 0.0);
 }
 
+// Returns the distance between neighbours along the surface, or along the chord if `arcs` is 0.
 float separation(ivec2 at, ivec2 step) {
     vec3 d = difference(load(at), load(at + step), step);
     float chord = sqrt(dot3(d, d));

@@ -1,15 +1,15 @@
-// The band of rows that a dispatch measures. Large surfaces come in bands, since a device may
-// bind only part of their points at once.
+// Declares the band of rows that a dispatch measures. Large surfaces are measured in bands, since a device
+// may bind only part of their points at once.
 
 layout(push_constant) uniform Band {
     ivec2 grid;      // columns and rows of the whole grid
     int first_row;   // the band's first row
     int band_rows;   // rows measured
-    int buffer_row;  // the grid's row that the buffer starts with
+    int buffer_row;  // the grid row with which the buffer starts
     float dx;        // spacing of a height field
     float dy;
     int arcs;        // 1 for lengths along the surface, 0 for chords
-    int slowed;      // 1 if the slowness is kept, beside the Gaussian curvature; see surface_image.glsl
+    int slowed;      // 1 if the slowness is stored beside the Gaussian curvature; see surface_image.glsl
 };
 
 int buffer_index(ivec2 at) {

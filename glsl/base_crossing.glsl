@@ -1,6 +1,7 @@
-// Where the straight line on which a front arrives at x0 crosses the base of its triangle, from 0 at
-// x1 to 1 at x2: at one of these if it runs along an edge, or if one of them is not reached.
-// Include after wavefront.glsl. Twin: base_crossing in src/update.
+// Returns where the straight line on which a front arrives at x0 crosses the base of its triangle, from 0 at
+// x1 to 1 at x2. The result is 0 or 1 if the front runs along an edge, or if one end has not been reached.
+// Include after wavefront.glsl.
+// Twin: base_crossing in src/update.
 float base_crossing(vec2 times, vec2 carried, vec2 sides, float base) {
     bool swap = times.x < times.y;
     float t = swap ? times.y : times.x;

@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Updates from four triangles again and again, all in registers: how fast a pass can be that only
-// computes. One invocation is one texel, which is written at the end, or nothing happens at all.
+// Repeats updates from four triangles in registers. It measures how fast a pass can be that only computes.
+// One invocation is one texel. The texel is written at the end; otherwise a compiler would remove the
+// updates.
 
 #include "constants.glsl"
 #include "chart.glsl"
@@ -13,7 +14,7 @@ layout(set = 2, binding = 0, rgba32f) uniform writeonly restrict image2DArray ne
 
 layout(push_constant) uniform Work {
     ivec2 texels; // columns and rows of texels
-    uint repeats; // updates from four triangles
+    uint repeats; // number of updates from four triangles
 };
 
 void main() {
@@ -26,7 +27,7 @@ void main() {
         Ends beside = Ends(front.time.yzwx, front.carried.yzwx, surface, vec4(1.0));
         Fronts found = update(front, beside, surface, vec4(1.0), lengths, lengths.yzwx, lengths.zwxy, bvec4(false));
         front = Ends(found.time, found.carried, surface, vec4(1.0));
-        // So that no triangle's shape is known before the loop.
+        // Changes the lengths, so that a compiler cannot compute the shapes of triangles before the loop.
         lengths += 1e-9 * found.time;
     }
     imageStore(new_fronts, ivec3(with_border(inner), TIME), front.time + front.carried);

@@ -1,12 +1,14 @@
-// Weights of a cell's corners at a place so many columns and rows from the first, bilinear.
+// Returns the bilinear weights of a cell's corners at a place. `uv` is the offset of the place from the first
+// corner, in columns and rows.
 vec4 bilinear(vec2 uv) {
     vec2 not_uv = 1.0 - uv;
     return vec4(not_uv.x * not_uv.y, uv.x * not_uv.y, not_uv.x * uv.y, uv.x * uv.y);
 }
 
-// Weights of a cell's corners, north-west, north-east, south-west and south-east, some of which
-// may be missing, at a place so many columns and rows from the first; false in a hole.
-// Twin: corner_weights() in src/surface/chart, where they are explained.
+// Computes the weights of a cell's corners at a place, where some corners may be missing. The order is
+// north-west, north-east, south-west, south-east. `uv` is the offset of the place from the first corner, in
+// columns and rows. Returns false if the place lies in a hole.
+// Twin: corner_weights() in src/surface/chart, where the weights are explained.
 bool corner_weights(bvec4 there, vec2 uv, out vec4 weights) {
     vec2 not_uv = 1.0 - uv;
     weights = bilinear(uv);

@@ -1,11 +1,13 @@
-// Fronts around a virtual point source as far away as their time says, which carry nothing else.
+// Implements fronts around a virtual point source, whose distance is the arrival time. They carry nothing
+// else.
 // Twin: the point-source front in src/update, where the formulas are explained.
 
-// The curvature over a base, in units of the base, given the time at its later end.
+// Returns the curvature over a base, in units of 1 over the base, given the time at its later end.
 float circular_curvature(float time, float base) {
     return base / max(time, 0.25 * base);
 }
 
+// Returns the arrival times at x0 from the times at x1 and x2.
 vec4 circular(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
     vec4 along_edge = edge_step(t1, t2, l1, l2);
     bvec4 swap = lessThan(t1, t2);

@@ -1,6 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Counts the segments of contours in each row of cells, and in the strips of the row before each.
+// Counts the segments of contours in each row of cells, and in a row the segments before each strip. One
+// workgroup is one row of cells. One invocation is one strip of cells in it.
+// Twin: src/geometry/contours.rs.
 
 #include "constants.glsl"
 #include "chart.glsl"

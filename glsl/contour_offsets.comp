@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// From the number of segments in each row of cells to that in all rows before it, and what a draw
-// of them all reads. One workgroup is all.
+// Computes the number of segments in all rows before each row of cells, and writes what a draw of all
+// segments reads. A single workgroup is dispatched. One invocation takes some consecutive rows.
+// Twin: src/geometry/contours.rs.
 
 #include "constants.glsl"
 #include "chart.glsl"
@@ -33,7 +34,7 @@ void main() {
         uint needed = 2u * sum;
         uint drawn = min(needed, uint(capacity));
         write_record(0, drawn, 0u, needed, needed > drawn ? OUT_OF_ROOM : COMPLETE);
-        // What paths alone have to tell.
+        // These words have a meaning for paths only.
         for (int word = 6; word < CURVE_WORDS; word++) curves[word] = 0u;
     }
 }

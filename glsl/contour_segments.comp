@@ -1,7 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Writes the segments of contours, two vertices each, nearer points to the left as seen in a
-// picture. What does not fit is left out from the south.
+// Writes the segments of contours, two vertices each. Nearer points lie to the left as seen in a picture. If
+// the buffer is too small, the southernmost segments are left out. One workgroup is one row of cells. One
+// invocation is one strip of cells in it.
+// Twin: src/geometry/contours.rs.
 
 #include "constants.glsl"
 #include "chart.glsl"
@@ -12,8 +14,8 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-// Where a level crosses the edge between two corners, from the one that is first in the grid, so
-// that triangles agree on it.
+// Returns the place at which a level crosses the edge between two corners. It is computed from the corner
+// that comes first in the grid, so that all triangles of the edge agree on it.
 vec2 place_between(ivec2 cell, int a, int b, float time) {
     ivec2 from = cell + to_corner(min(a, b));
     ivec2 step = to_corner(max(a, b)) - to_corner(min(a, b));
@@ -36,8 +38,8 @@ void main() {
             for (uint index = through.x; index < through.y; index++, next++) {
                 if (next >= room) return;
                 float time = level(index);
-                // The way around the triangle leaves the nearer part on one edge and comes back
-                // on another.
+                // The walk around the triangle leaves the nearer part on one edge and returns to it on
+                // another.
                 for (int k = 0; k < 3; k++) {
                     int a = triangle[k];
                     int b = triangle[(k + 1) % 3];

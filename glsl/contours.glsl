@@ -1,25 +1,27 @@
-// Contours by marching triangles: what the shaders contour_*.comp share. Segments are counted,
-// their places found by sums, and then they are written: always in the same order, by rows of
+// Shares contouring by marching triangles among the shaders contour_*.comp. Segments are counted, their
+// places are found by prefix sums, and then they are written. Their order is always the same: by rows of
 // cells from north to south.
 //
-// One workgroup is a row of cells in contour_counts.comp and contour_segments.comp, one
-// invocation a strip of cells in it.
+// In contour_counts.comp and contour_segments.comp, one workgroup is a row of cells, and one invocation is a
+// strip of cells in it.
 // Twin: src/geometry/contours.rs, and src/surface/chart for which triangles there are.
 
 layout(set = 1, binding = 0) restrict buffer Counts {
-    // The levels as floats, ascending; how many segments lie in the rows of cells before each, or
-    // in each at first; for each row how many lie in the strips before each.
+    // The levels as floats, in ascending order. Then for each row of cells, the number of segments in the
+    // rows before it, or at first in the row itself. Then for each strip of each row, the number of segments
+    // in the strips before it.
     uint counts[];
 };
 
 layout(push_constant) uniform Contours {
     ivec2 grid;       // columns and rows of the whole grid
     uint levels;
-    int first_vertex; // its word
-    int capacity;     // in vertices, even
-    float start;      // since when squares of times count
+    int first_vertex; // index of its word
+    int capacity;     // number of vertices, even
+    float start;      // time from which squared times count
 };
 
+// Returns a level by its index.
 float level(uint index) {
     return uintBitsToFloat(counts[index]);
 }
@@ -32,7 +34,7 @@ uint strip_index(int row, uint strip) {
     return LEVELS_TOGETHER + grid.y + row * WORKGROUP + strip;
 }
 
-// The columns of cells of an invocation's strip, from the first to before the last.
+// Returns the range of columns of cells in an invocation's strip: the first, and the one after the last.
 ivec2 strip_columns() {
     int cells = cells_of(grid).x;
     int width = (cells + WORKGROUP - 1) / WORKGROUP;
@@ -42,7 +44,7 @@ ivec2 strip_columns() {
 
 const uint MISSING = 0xffffffffu;
 
-// How many levels a point has passed: the time there is at least as large.
+// Returns the number of levels that a point has passed. A level is passed if the time is at least as large.
 uint passed(float time) {
     if (!is_reached(time)) return MISSING;
     uint low = 0u;
@@ -58,14 +60,15 @@ uint passed(float time) {
     return low;
 }
 
-// A cell's corners, north-west, north-east, south-west and south-east: how many levels each has
-// passed, and its time.
+// The corners of a cell, north-west, north-east, south-west and south-east. Each has the number of levels
+// that it has passed, and its time.
 struct Corners {
     uvec4 passed;
     vec4 times;
 };
 
-// The cell to the east of one whose eastern corners are known; of any cell with `west` false.
+// Returns the corners of a cell. If `west` is true, `before` is the cell to the west, whose eastern corners
+// are reused.
 Corners corners_at(ivec2 cell, bool west, Corners before) {
     Corners here;
     if (west) {
@@ -80,12 +83,12 @@ Corners corners_at(ivec2 cell, bool west, Corners before) {
     return here;
 }
 
-// Counter-clockwise as seen in a picture, by the numbers of their corners: two of a cell that is
-// cut from north-west to south-east, two of one that is cut the other way.
+// Triangles, counter-clockwise as seen in a picture, by the numbers of their corners. The first two belong to
+// a cell that is cut from north-west to south-east, the others to a cell that is cut the other way.
 const ivec3 TRIANGLES[4] = ivec3[](ivec3(0, 2, 3), ivec3(0, 3, 1), ivec3(0, 2, 1), ivec3(2, 3, 1));
 
-// The first of a cell's triangles, and the one after its last. The cell is cut along the diagonal
-// that the map rises on, so that curves cross it.
+// Returns the first of a cell's triangles, and the one after its last. The cell is cut along the diagonal on
+// which the map rises more, so that curves cross it.
 ivec2 triangles(Corners cell) {
     int missing = 0;
     int hole = 0;
@@ -103,7 +106,7 @@ ivec2 triangles(Corners cell) {
     return missing == 1 ? ivec2(LEFT_BY[hole], LEFT_BY[hole] + 1) : ivec2(0);
 }
 
-// The first level that passes through a triangle, and the one after the last.
+// Returns the first level that passes through a triangle, and the one after the last.
 uvec2 levels_through(Corners cell, ivec3 triangle) {
     uvec3 ends = uvec3(cell.passed[triangle.x], cell.passed[triangle.y], cell.passed[triangle.z]);
     return uvec2(min(min(ends.x, ends.y), ends.z), max(max(ends.x, ends.y), ends.z));

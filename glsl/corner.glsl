@@ -1,24 +1,25 @@
-// Corners of holes, at which shortest paths bend: what the surface brings on floor plans, beside the tag of a
-// point that lacks an edge. Include after tag.glsl.
-// Twin: src/surface/corner.rs. Neighbours are a bit for each of the eight directions, counter-clockwise from
-// east.
+// Finds corners of holes, at which shortest paths bend. On floor plans, they are the surface values of points
+// that lack an edge, beside the tag. Neighbours are bits, one for each of the eight directions,
+// counter-clockwise from east. Include after tag.glsl.
+// Twin: src/surface/corner.rs.
 
 const uint AXES = 0x55u;
 
+// Returns the bits of directions, turned by a number of eighths.
 uint turned(uint bits, int by) {
     return (bits >> by | bits << (8 - by)) & 255u;
 }
 
-// Between which two directions one can go from a point, by the first of them: in whole cells, and halves of
-// cells.
+// Returns the eighths in which a path can leave a point, each named by the first of its two directions. Paths
+// can pass through whole cells and halves of cells.
 uint open_eighths(uint there) {
     uint axes = there & AXES;
     uint diagonals = there & ~AXES;
-    uint next = axes & turned(axes, 2); // with the axis after it
+    uint next = axes & turned(axes, 2); // with the next axis
     return next | turned(next, 7) | (axes & turned(diagonals, 1)) | (diagonals & turned(axes, 1));
 }
 
-// Whether paths can bend at a point.
+// Returns whether paths can bend at a point.
 bool is_corner(uint there) {
     uint open = open_eighths(there);
     uint beside = open | turned(open, 7);
@@ -30,18 +31,18 @@ bool is_corner(uint there) {
 
 const uint CORNER = 1u << 12;
 
-// As small as a zero with this tag.
+// Encodes corners and open eighths beside a tag. The number is as small as a zero with this tag.
 float with_corner(uint there, uint tag) {
     uint held = floatBitsToUint(FLAT) & 0x7f800000u;
     return uintBitsToFloat(held | (is_corner(there) ? CORNER : 0u) | open_eighths(there) << 4 | tag);
 }
 
-// At which of four points paths can bend.
+// Returns at which of four points paths can bend.
 bvec4 are_corners(vec4 surface) {
     return equal(floatBitsToUint(surface) & (CORNER | LACKING), uvec4(CORNER | LACKING));
 }
 
-// The eighths around a point that lead into a hole.
+// Returns the eighths around a point that lead into a hole.
 uint blocked_eighths(float surface) {
     return (tag_of(surface) & LACKING) != 0u ? ~(floatBitsToUint(surface) >> 4) & 255u : 0u;
 }

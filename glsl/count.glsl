@@ -1,4 +1,4 @@
-// Counts an iteration, given its largest change, and says whether it was the last.
+// Counts an iteration, given its largest change, and returns whether it was the last.
 // Twin: src/cpu/progress.rs.
 bool was_last(uint change, uint tolerance, uint most, inout uint iterations,
               inout uint since_reached, inout uint renews) {

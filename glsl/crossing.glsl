@@ -1,17 +1,18 @@
-// Where the map takes a value on an edge between grid points.
-// Twin: src/geometry/arrivals.rs. Squares of times are told here by how much they exceed that at
-// the edge's first end, a product of a difference and a sum: single precision would lose the
-// difference of two squares.
+// Finds where the map takes a value on an edge between grid points. Squared times are given by their excess
+// over that at the edge's first end, as the product of a difference and a sum. In single precision, the
+// difference of two squares would lose its digits.
+// Twin: src/geometry/arrivals.rs.
 
-// How far squares of times exceed that at an edge's first end, so many steps along it from there.
+// The excess of squared times over that at an edge's first end, along the edge.
 struct Profile {
-    float rise;    // at its other end
+    float rise;    // at the other end
     vec2 bends;    // second differences at both ends
     bool fronts_meet;
-    vec2 ahead;    // where fronts meet: slope and second difference of the one from the first end,
-    vec2 behind;   // and of the one from the other end
+    vec2 ahead;    // where fronts meet: slope and second difference of the front from the first end
+    vec2 behind;   // and of the front from the other end
 };
 
+// Returns the value of a profile at a share of the edge.
 float value(Profile profile, float s) {
     float rest = 1.0 - s;
     if (profile.fronts_meet) {
@@ -23,8 +24,8 @@ float value(Profile profile, float s) {
     return s * profile.rise - 0.5 * s * rest * bend;
 }
 
-// Where a profile takes a value that lies between those at 0 and 1, by regula falsi after
-// Illinois.
+// Returns where a profile takes a value between those at 0 and 1. The method is regula falsi in the Illinois
+// variant.
 float solve(Profile profile, float target) {
     float a = 0.0;
     float b = 1.0;
@@ -51,7 +52,8 @@ float solve(Profile profile, float target) {
     return b;
 }
 
-// On the edge from a point (0) to its neighbour (1) the place of a time that lies between theirs.
+// Returns where the edge from a point (0) to its neighbour (1) has a time that lies between those of its
+// ends.
 float crossing(ivec2 from, ivec2 step, float time, float start) {
     float here = time_at(from);
     float since = here - start;
@@ -70,7 +72,7 @@ float crossing(ivec2 from, ivec2 step, float time, float start) {
     float p = before + profile.rise;
     float q = after - 2.0 * profile.rise;
     if (has_before && has_after && p < 0.0 && q < 0.0) {
-        // Fronts meet on this edge: the earlier of both, each continued by itself.
+        // Two fronts meet on this edge. The earlier of both counts, and each is extrapolated by itself.
         float far_before = time_at(from - 2 * step);
         float far_after = time_at(from + 3 * step);
         if (!is_reached(far_before) || !is_reached(far_after)) return solve(profile, target);
@@ -84,7 +86,7 @@ float crossing(ivec2 from, ivec2 step, float time, float start) {
         profile.ahead = ahead;
         profile.behind = behind;
     } else if (has_before && has_after) {
-        // Near a kink on one side the other side's points know better.
+        // Near a kink on one side, the points of the other side are more accurate.
         bool smooth_here = abs(p - q) <= 0.5 * (abs(p) + abs(q));
         profile.bends = smooth_here ? vec2(p, q) : vec2(abs(p) < abs(q) ? p : q);
     } else if (has_before || has_after) {

@@ -1,15 +1,16 @@
-// Curves in a buffer, for drawing without a readback: first a record for each curve, then, from a
-// word that the passes are told, room for so many vertices of each.
+// Stores curves in a buffer, so that they can be drawn without a readback. The buffer holds a record for each
+// curve. From a word that is passed to the passes, it has room for a number of vertices of each curve.
 //
-// A record is what a draw reads (how many vertices, one instance, the first vertex, instance 0),
-// then how many vertices are there or are needed, what has become of the curve, and for paths the
-// source's number, the distance at the start and the length. A vertex is x, y, z, which
-// lift_from_*.comp fill in, the arrival time there, row and column.
+// A record begins with what an indirect draw reads: the number of vertices, one instance, the first vertex,
+// instance 0. The number of vertices that exist or are needed follows, then the status of the curve. Paths
+// also have the number of the source, the distance at the start and the length. A vertex is x, y and z, which
+// lift_from_*.comp write, then its arrival time, row and column.
 
 layout(set = 1, binding = 1) restrict buffer Curves {
     uint curves[];
 };
 
+// Writes the record of a curve, up to its status.
 void write_record(int curve, uint drawn, uint first, uint vertices, uint status) {
     uint at = uint(curve * CURVE_WORDS);
     curves[at] = drawn;
@@ -24,7 +25,7 @@ uint vertices_of(int curve) {
     return curves[curve * CURVE_WORDS + 4];
 }
 
-// Column and row of a vertex.
+// Returns the column and row of a vertex.
 vec2 place_at(int at) {
     return vec2(uintBitsToFloat(curves[at + 5]), uintBitsToFloat(curves[at + 4]));
 }

@@ -1,12 +1,16 @@
-// Fronts that carry their curvature, tagged; the surface brings its own, tagged too. See tag.glsl.
+// Implements fronts that carry their curvature, with a tag. The surface values are the Gaussian curvature of
+// the surface, with a tag of its own. See tag.glsl.
 // Twin: the curved front in src/update, where the formulas are explained.
 
-// Curvature at the end of a ray, from what it would be on a developable surface.
+// Returns the curvature at the end of a ray, given what it would be on a developable surface.
 vec4 bent(vec4 curvature, vec4 gaussian, vec4 ray) {
     vec4 x = curvature * ray;
     return curvature - gaussian * ray * (1.0 - x + x * x * (1.0 / 3.0));
 }
 
+// Returns the fronts at x0 from fronts at x1 and x2. `g0` is the Gaussian curvature at x0. `alone` tells
+// where only one of x1 and x2 is present, across the grid's diagonal. `causal` tells where x0 must not depend
+// on neighbours that arrive later.
 Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone, bvec4 causal) {
     bvec4 swap = lessThan(end1.time, end2.time);
     vec4 t = mix(end1.time, end2.time, swap);
@@ -49,7 +53,7 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     vec4 near_spread = max(1.0 + near_kappa * (rise - d), FOCUS);
     vec4 spread = far_spread * near_spread;
 
-    // Along the edge of the end from which it arrives first.
+    // The front along the edge of the end from which it arrives first.
     vec4 grazing = GRAZING * width;
     bvec4 from_far = lessThanEqual(by_far, by_near);
     vec4 edge = mix(near_l, l, from_far);
@@ -64,20 +68,21 @@ Fronts curved(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alo
     bvec4 starts_anew = both(notEqual(tags_of(edge_g) & LACKING, uvec4(0u)), either(either(from_far, is_known), is_corner));
     vec4 edge_k = mix(mix(near_k, k, from_far), vec4(SOURCE_CURVATURE), both(turns, starts_anew));
 
-    // One division serves the ray's place, its length and the curvature, whichever way it runs.
+    // One division serves the ray's place, its length and the curvature, both across the triangle and along
+    // an edge.
     vec4 weighted = (width - crossing) * far_kappa * near_spread + crossing * near_kappa * far_spread;
     vec4 dividend = mix(edge_k, weighted * shape.per_base, inside);
     vec4 per = 1.0 / mix(max(1.0 + edge_k * edge, FOCUS), width * spread, inside);
     vec4 share = crossing * spread * per;
     vec4 ray = mix(edge, c * (root * h * spread * per), inside);
     vec4 gaussian = mix(edge_g, g + share * (near_g - g), inside);
-    // Above the numbers of origins, which may stand in its place.
+    // Curvatures stay above the numbers of origins, which may stand in their place.
     vec4 curvature = max(bent(dividend * per, 0.5 * (g0 + gaussian), ray), -0.5 * FIRST_ORIGIN);
     return Fronts(mix(mix(by_near, by_far, from_far), time, inside), curvature, shape.whole);
 }
 
-// The curvature over a base, in units of the base: from that at its later end and at the nearer one, whose time
-// exceeds the other by `d`.
+// Returns the curvature over a base, in units of 1 over the base, given the curvatures at its later end and
+// at the nearer one. `d` is the time at the nearer end less that at the later end, in units of the base.
 float base_curvature(float k, float near_k, float d, float base) {
     bool beside = near_k >= SOURCE_CURVATURE && abs(k * base) < ABOUT_STRAIGHT && d > -FROM_SOURCE;
     float near_kappa = (beside ? k : near_k) * base;
@@ -85,13 +90,13 @@ float base_curvature(float k, float near_k, float d, float base) {
     return 0.5 * (passed + (k < SOURCE_CURVATURE ? k * base : passed));
 }
 
-// Whether fronts arrive at the same time as others, but for rounding.
+// Returns whether fronts arrive at the same time as others, up to rounding.
 bvec4 together(vec4 time, vec4 other) {
     return lessThanEqual(abs(time - other), TOGETHER * PRECISION * time);
 }
 
-// The earlier of two fronts at each point. Of those that arrive together a whole triangle knows
-// better, then the one that sees the ray run straight on, whose front is the flatter.
+// Returns the earlier of two fronts at each point. Of fronts that arrive together, one from a whole triangle
+// is preferred. Next is the one whose ray runs straight on, which is the flatter front.
 Fronts earlier_curved(Fronts a, Fronts b) {
     bvec4 alike = equal(uvec4(a.whole), uvec4(b.whole));
     bvec4 flatter = both(alike, lessThan(b.carried, a.carried));
@@ -102,10 +107,10 @@ Fronts earlier_curved(Fronts a, Fronts b) {
                   either(both(not(second), a.whole), both(second, b.whole)));
 }
 
-// Accepts fronts, brought by a scan numbered from 1, that are the first to arrive. Of those that arrive
-// together whole triangles know better, then the front that is flatter by more than rounding; and
-// those that this scan has brought before may be renewed, earlier or later, but for what rounding
-// alone has changed. Else the one that is there stays.
+// Accepts fronts, brought by a scan numbered from 1, that are the first to arrive. Of fronts that arrive
+// together, one from a whole triangle is preferred, then one that is flatter by more than rounding. A front
+// that this scan brought earlier may be renewed, to an earlier or later time, unless only rounding has
+// changed it. Otherwise the present front stays.
 void accept_curved(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 curvature) {
     vec4 tagged = with_tags(fronts.carried, mix(uvec4(scan), uvec4(scan | WHOLE), fronts.whole));
     uvec4 tag_before = tags_of(curvature);
@@ -121,10 +126,10 @@ void accept_curved(Fronts fronts, uint scan, bool renews, inout vec4 time, inout
     bvec4 is_new = not(both(ties, bends_alike));
     bvec4 comes_again = both(both(bvec4(renews), reached), equal(tag_before & SCAN_OF_TAG, uvec4(scan)));
     bvec4 first = either(both(not(ties), lessThan(fronts.time, time)), both(ties, knows));
-    // A seed knows better when its own source's front arrives than an update does.
+    // A seed knows better than an update when the front of its own source arrives.
     bvec4 is_seed = both(equal(tag_before & SCAN_OF_TAG, uvec4(0u)), lessThanEqual(curvature, vec4(-FIRST_ORIGIN)));
     bvec4 own = both(both(reached, is_seed), are_alike_but_for_tags(curvature, tagged));
-    // Exact seeds stay: two fronts taken for one would come too early.
+    // Exact seeds stay: two fronts taken for one would arrive too early.
     bvec4 held = both(both(reached, bvec4(holds)), equal(tag_before & SCAN_OF_TAG, uvec4(EXACT)));
     bvec4 accepted = either(both(first, not(either(own, held))), both(comes_again, is_new));
     curvature = mix(curvature, tagged, accepted);
@@ -132,7 +137,7 @@ void accept_curved(Fronts fronts, uint scan, bool renews, inout vec4 time, inout
     time = mix(time, arrival, accepted);
 }
 
-// Whether of two fronts at one point the first is kept.
+// Returns whether the first of two fronts at one point is kept.
 bool is_first_curved(float time, float curvature, float other, float other_curvature) {
     bool whole = tag_of(curvature) >= WHOLE;
     bool other_whole = tag_of(other_curvature) >= WHOLE;
@@ -140,13 +145,13 @@ bool is_first_curved(float time, float curvature, float other, float other_curva
     return together(vec4(other), vec4(time)).x ? knows : time < other;
 }
 
-// What changes of curvature count beside changes of times, in units of their last place.
+// Returns how much changes of curvature count beside changes of times, in units of the last place.
 uint change_of_curvature(vec4 before, vec4 curvature, vec4 time) {
     vec4 bends = abs(curvature - before) * time;
-    // Numbers of origins, in place of curvatures.
+    // Numbers of origins, which stand in place of curvatures.
     bvec4 named = lessThanEqual(min(before, curvature), vec4(-FIRST_ORIGIN));
     bends = mix(bends, mix(vec4(ORIGIN_COUNTS), vec4(0.0), are_alike_but_for_tags(before, curvature)), named);
     float bend = max(max(bends.x, bends.y), max(bends.z, bends.w)) * (CURVATURE_COUNTS / PRECISION);
-    // However large, it is not taken for a point's first front.
+    // The limit keeps a large change from being taken for a point's first front.
     return uint(min(bend, 1.0 / PRECISION));
 }

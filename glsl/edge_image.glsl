@@ -1,13 +1,14 @@
-// The lengths of edges as the image holds them. Include after chart.glsl.
+// Reads the lengths of edges from their image. Include after chart.glsl.
 
 layout(set = 0, binding = 0, rgba32f) uniform readonly restrict image2D edges;
 
-// Of an edge between neighbours.
+// Returns the length of the edge from a point to a neighbour.
 float edge_length(ivec2 point, ivec2 step) {
     bool here = stored_here(step);
     return stored_length(imageLoad(edges, here ? point : point + step), here ? step : -step);
 }
 
+// Returns whether any edge leads from a point.
 bool has_edge(ivec2 point) {
     for (int i = 0; i < 8; i++) {
         if (edge_length(point, NEIGHBOURS[i]) < FAR) return true;
@@ -15,8 +16,8 @@ bool has_edge(ivec2 point) {
     return false;
 }
 
-// Of the six edges of a cell: to the north, west, from north-west to south-east, from south-west to
-// north-east, to the east and south.
+// Returns the lengths of the six edges of a cell, in this order: north, west, north-west to south-east,
+// south-west to north-east, east, south.
 float[6] edges_of_cell(ivec2 first) {
     vec4 from_north_west = imageLoad(edges, first);
     vec4 from_south_west = imageLoad(edges, first + to_corner(2));

@@ -1,13 +1,13 @@
-// Measures the edges of the surface: what the shaders edges_from_*.comp share.
-// One invocation is one grid point and writes its edges to the east, north, north-east and
-// north-west; FAR where the surface has none.
+// Measures the edges of the surface, for the shaders edges_from_*.comp. One invocation is one grid point. It
+// writes the lengths of its edges to the east, north, north-east and north-west, or FAR where the surface has
+// none.
 // Twin: src/surface/measure.rs.
 //
 // The including shader declares a Point with a member `slowness` (0 in a hole), and
 //     Point load(ivec2 at)                              the point of the band's buffer
 // and defines
-//     float separation(ivec2 at, ivec2 step)            to a neighbour, without slowness
-//     void look_at_turns(ivec2 at)                      how far the surface turns at a point
+//     float separation(ivec2 at, ivec2 step)            distance to a neighbour, without slowness
+//     void look_at_turns(ivec2 at)                      measures how far the surface turns at a point
 
 #include "tag.glsl"
 #include "progress.glsl"
@@ -22,6 +22,8 @@ bool is_present(ivec2 at) {
     return in_grid(at, grid) && load(at).slowness > 0.0;
 }
 
+// Returns the length of an edge, weighted by the mean slowness of its ends. A diagonal exists only if one of
+// the two points beside it does.
 float edge_length(ivec2 at, ivec2 step) {
     if (!is_present(at + step)) return FAR;
     bool diagonal = step.x != 0 && step.y != 0;
@@ -32,7 +34,7 @@ float edge_length(ivec2 at, ivec2 step) {
     return 0.5 * (load(at).slowness + load(at + step).slowness) * apart;
 }
 
-// Tagged if it jumps there.
+// Returns the slowness at a point, with a tag if it jumps there.
 float tagged_slowness(ivec2 at) {
     float own = load(at).slowness;
     bool jumps = false;
@@ -52,14 +54,14 @@ void main() {
     if (is_beyond(at, ivec2(grid.x, first_row + band_rows))) return;
     vec4 lengths = vec4(FAR);
     if (is_present(at)) {
-        // A loop, since drivers are slow to compile the same code four times over.
+        // This is a loop, since drivers are slow to compile the same code four times.
         for (int i = 0; i < 4; i++) {
             lengths[i] = edge_length(at, STORED[i]);
         }
         look_at_turns(at);
     }
     imageStore(edges, point_at(at), lengths);
-    // By the first point of each texel, and of all its points.
+    // The slowness of all points of a texel is written by the invocation of its first point.
     if (slowed == 0 || at != first_point(without_border(texel_of(point_at(at))))) return;
     vec4 slowness;
     for (int i = 0; i < 4; i++) {

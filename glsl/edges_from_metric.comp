@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Edge lengths of a surface given by its metric, averaged over an edge's two ends by their slowness. One
-// invocation is one grid point.
+// Computes the edge lengths of a surface given by its metric. The lengths at both ends of an edge are
+// averaged, weighted by slowness. One invocation is one grid point.
+// Twin: src/surface/measure.rs.
 
 #include "constants.glsl"
 #include "chart.glsl"
@@ -10,7 +11,7 @@
 layout(local_size_x = WORKGROUP) in;
 
 struct Point {
-    vec3 metric; // rr, rc, cc
+    vec3 metric; // entries of the metric: rr, rc, cc
     float slowness;
 };
 
@@ -30,10 +31,10 @@ float step_length(vec3 metric, ivec2 step) {
 
 #include "edges.glsl"
 
-void look_at_turns(ivec2 at) {} // Nobody knows.
+void look_at_turns(ivec2 at) {} // not known: a metric has no normals
 
-// Of two points that differ in slowness, such that times their mean it is the mean of the products: what is
-// given may be the products alone.
+// Returns the mean of the lengths at both ends, weighted by their slowness. Multiplied by the mean slowness,
+// it gives the mean of the products of slowness and length. The host may have given these products alone.
 float separation(ivec2 at, ivec2 step) {
     Point a = load(at);
     Point b = load(at + step);

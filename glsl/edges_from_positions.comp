@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Edge lengths of a surface given by 3D points. One invocation is one grid point.
+// Computes the edge lengths of a surface given by 3D points. One invocation is one grid point.
+// Twin: src/surface/measure.rs.
 
 #include "constants.glsl"
 #include "chart.glsl"

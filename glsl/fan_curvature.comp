@@ -1,8 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Gaussian curvature of each point's fan of triangles from its edge lengths, into the layer of
-// what fronts carry of the second image, which is free until a map starts. One invocation is one
-// texel.
+// Computes the Gaussian curvature of each point's fan of triangles from edge lengths. It is written to the
+// layer CARRIED of the second image of fronts, which is free until a map starts. One invocation is one texel.
 // Twin: src/surface/gaussian_curvature.rs, where the formulas are explained.
 
 #include "constants.glsl"
@@ -18,11 +17,11 @@ layout(set = 0, binding = 2, rgba32f) uniform writeonly restrict image2DArray fr
 
 layout(push_constant) uniform Size {
     ivec2 texels;       // columns and rows of texels, without the border
-    float share_of_fan; // of a fan's area, to which its angle defect belongs
-    uint is_slowed;     // whether the surface has a slowness that is not the same everywhere
+    float share_of_fan; // share of a fan's area to which its angle defect belongs
+    uint is_slowed;     // whether the slowness of the surface varies
 };
 
-// The length of an edge on the surface.
+// Returns the length of an edge on the surface.
 float length_on_surface(ivec2 point, ivec2 step) {
     float length = edge_length(point, step);
     if (is_slowed == 0u || length >= FAR) return length;
@@ -34,7 +33,7 @@ float squared(ivec2 point, ivec2 step) {
     return length * length;
 }
 
-// The Gaussian curvature of the metric that a slowness makes of the surface.
+// Returns the Gaussian curvature of the metric that a slowness makes of a surface of curvature `gaussian`.
 float slowed(ivec2 point, float gaussian) {
     float own = slowness_at(point);
     float per_square = 1.0 / (own * own);
@@ -51,7 +50,7 @@ float slowed(ivec2 point, float gaussian) {
         float inner = 0.5 * (first + second - squared(point + to, next - to));
         area += 0.5 * sqrt(max(first * second - inner * inner, 0.0));
         if ((i & 1) == 1) continue;
-        // The neighbours to the left and to the right, seen from here.
+        // The neighbours to the left and right of `to`, as seen from the point.
         ivec2 left = NEIGHBOURS[(i + 2) % 8];
         ivec2 right = NEIGHBOURS[(i + 6) % 8];
         ivec2 previous = NEIGHBOURS[(i + 7) % 8];
@@ -66,7 +65,7 @@ float slowed(ivec2 point, float gaussian) {
     return isinf(curvature) || isnan(curvature) ? gaussian * per_square : curvature;
 }
 
-// Zero and a tag if a triangle of the fan is missing.
+// Returns the Gaussian curvature of a fan. If a triangle is missing, the result is zero with a tag.
 float fan_curvature(ivec2 point) {
     bool whole = true;
     bool lacks = false;
@@ -90,7 +89,7 @@ float fan_curvature(ivec2 point) {
         area = area + 0.5 * (a * b) * y;
         a = b;
     }
-    // What is open to waves beside a hole or the border.
+    // Beside a hole or the border, `turn` is the angle that is open to waves.
     if (lacks) return with_tag(0.0, turn.y < min(0.0, REFLEX * turn.x) ? LACKING | DIFFRACTS : LACKING);
     if (!whole) return with_tag(0.0, LACKING);
     float tangent = turn.x > 0.0 ? clamp(-turn.y / turn.x, -LARGEST_DEFECT, LARGEST_DEFECT)

@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// What the surface brings to fronts: its Gaussian curvature, from that of its fans as far as neighbours agree; on
-// floor plans corners, see corner.glsl. One invocation is one texel.
+// Computes the surface value of each point: its Gaussian curvature, which is that of its fan as far as
+// neighbours agree. At the holes of floor plans it holds corners instead; see corner.glsl. One invocation is
+// one texel.
 // Twin: settled() in src/surface/gaussian_curvature.rs, where the formula is explained.
 
 #include "constants.glsl"
@@ -29,12 +30,14 @@ bool is_whole(float curvature) {
     return tag_of(curvature) == 0u;
 }
 
+// Returns the neighbours to which a point has edges, one bit each.
 uint neighbours_of(ivec2 point) {
     uint there = 0u;
     for (int i = 0; i < 8; i++) there |= edge_length(point, NEIGHBOURS[i]) < FAR ? 1u << i : 0u;
     return there;
 }
 
+// Returns the surface value of a point.
 float settled(ivec2 point) {
     float own = fan_curvature(point);
     if (is_floor != 0u && !is_whole(own)) return with_corner(neighbours_of(point), tag_of(own));
@@ -43,7 +46,8 @@ float settled(ivec2 point) {
     float largest = is_whole(own) ? abs(own) : 0.0;
     for (int i = 0; i < 8; i++) {
         bool exists = edge_length(point, NEIGHBOURS[i]) < FAR;
-        // The border of the image is not written, and no edge leads there.
+        // Neighbours in the border are not read: the border of the image is not written, and no edge leads
+        // there.
         curvatures[i] = exists ? fan_curvature(point + NEIGHBOURS[i]) : with_tag(0.0, LACKING);
         if (is_whole(curvatures[i])) largest = max(largest, abs(curvatures[i]));
     }

@@ -1,21 +1,23 @@
-// Lifts the vertices of curves to the surface: what the shaders lift_from_*.comp share. The
-// workgroups in line of a dispatch are one curve, with an invocation for every so many vertices.
+// Lifts the vertices of curves to the surface, for the shaders lift_from_*.comp. One row of workgroups of a
+// dispatch is one curve. One invocation handles every n-th vertex, where n is the number of invocations in
+// the row.
+// Twin: Curve::lift in src/geometry/curve.rs.
 //
 // The including shader defines
-//     float component(ivec2 at, int index)              of what the host holds for a point
-// Twin: Curve::lift in src/geometry/curve.rs.
+//     float component(ivec2 at, int index)              a component of the host's data for a point
 
 float component(ivec2 at, int index);
 
 layout(push_constant) uniform Lift {
     ivec2 grid;       // columns and rows of the whole grid
-    int first_word;   // of the host's buffer
+    int first_word;   // offset in the host's buffer
     int stride;       // words from point to point
-    vec2 spacing;     // along columns and rows of a height field; 0 if points have positions
-    int first_vertex; // its word
-    int capacity;     // vertices of a curve, at most
+    vec2 spacing;     // spacing of columns and rows of a height field; 0 if points have positions
+    int first_vertex; // index of its word
+    int capacity;     // largest number of vertices of a curve
 };
 
+// Returns the position of a point.
 vec3 position_at(ivec2 at) {
     if (spacing.x > 0.0) return vec3(spacing * vec2(at), component(at, 0));
     return vec3(component(at, 0), component(at, 1), component(at, 2));
@@ -25,7 +27,7 @@ bool is_present(vec3 position) {
     return is_usable(position.x) && is_usable(position.y) && is_usable(position.z);
 }
 
-// Bilinear between four points, linear between three beside a hole.
+// Interpolates the position of a place: bilinearly between four points, linearly between three beside a hole.
 vec3 lifted(vec2 place) {
     ivec2 first = ivec2(place);
     vec3 corners[4];

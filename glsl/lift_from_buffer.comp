@@ -1,6 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Lifts the vertices of curves to points in a buffer of the host's.
+// Lifts the vertices of curves to the surface, whose points lie in a buffer of the host. One row of
+// workgroups is one curve, and one invocation handles some of its vertices. See lift.glsl.
+// Twin: Curve::lift in src/geometry/curve.rs.
 
 #include "constants.glsl"
 #include "chart.glsl"

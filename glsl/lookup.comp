@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Distances at some places, bilinear between grid points. One invocation is one place.
+// Looks up the distances at given places by bilinear interpolation between grid points. One invocation is one
+// place.
 
 #include "constants.glsl"
 #include "chart.glsl"
@@ -10,7 +11,7 @@
 layout(local_size_x = WORKGROUP) in;
 
 layout(set = 1, binding = 0) readonly restrict buffer Input {
-    float words[]; // row and column of a place
+    float words[]; // row and column of each place
 };
 layout(set = 1, binding = 1) writeonly restrict buffer Output {
     float distances[];
@@ -19,9 +20,9 @@ layout(set = 1, binding = 1) writeonly restrict buffer Output {
 layout(push_constant) uniform Places {
     ivec2 grid;           // columns and rows of the whole grid
     int count;
-    int first_word;       // of the places
+    int first_word;       // offset of the places
     int first_distance;
-    float unreached;      // what stands for places that are not reached, or not on the grid
+    float unreached;      // value for places that are not reached or not on the grid
 };
 
 void main() {

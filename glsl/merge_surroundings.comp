@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Where the surroundings of several sources meet, the earliest fronts of each texel. One invocation is one texel of one
-// source's surroundings; the first source that has the texel keeps it, and writes what all bring to it.
+// Takes the earliest front of each point where the surroundings of several sources meet. One invocation is
+// one texel of the surroundings of one source. The first source that has the texel keeps it, and writes what
+// all sources bring to it.
 // Twin: src/cpu/twins/surroundings.rs.
 
 #include "constants.glsl"
@@ -16,7 +17,7 @@ layout(set = 0, binding = 3) restrict buffer Seeds {
 };
 
 layout(push_constant) uniform Count {
-    int count; // of sources
+    int count; // number of sources
 };
 
 const int TEXELS = SURROUNDINGS_TEXELS;
@@ -31,20 +32,21 @@ void main() {
     vec4 times = seeds[index].times;
     vec4 curvatures = seeds[index].curvatures;
     for (int other = 0; other < count; other++) {
-        // No invocation writes this.
+        // No invocation writes `window`, so it can be read here.
         ivec2 at = texel - seeds[other * OWN_TEXELS].window;
         if (other == own || !in_grid(at, ivec2(TEXELS))) continue;
         if (other < own) {
             seeds[index].texel = ivec2(-1);
             return;
         }
-        // Its own invocation finds that it is not the first and leaves these.
+        // The invocation of the other texel finds that its source is not the first, and does not write these
+        // values.
         int there = other * OWN_TEXELS + row_major(at, TEXELS);
         bvec4 first = lessThan(seeds[there].times, times);
         times = mix(times, seeds[there].times, first);
         curvatures = mix(curvatures, seeds[there].curvatures, first);
     }
-    // Further away than a source's times are exact, what another source brings later is not exact either.
+    // If the earliest front is not exact, a later front of another source is not exact either.
     times = mix(times, vec4(FAR), equal(floatBitsToUint(curvatures) & SCAN_OF_TAG, uvec4(NOT_EXACT)));
     if (all(greaterThanEqual(times, vec4(FAR)))) seeds[index].texel = ivec2(-1);
     seeds[index].times = times;

@@ -1,9 +1,9 @@
-// The curved update where fronts of several origins meet, four triangles at once. Fronts of maps with several sources
-// carry the number of their origin in place of a curvature, as long as the straight line from there explains their time.
-// Include after curved.glsl and anchors.glsl.
-// Twin: src/update/sight.rs, where it is explained; there distances are in double precision.
+// Implements the curved update, for four triangles at once, where fronts of several origins meet. Fronts of
+// maps with several sources carry the number of their origin in place of a curvature, as long as the straight
+// line from there explains their time. Include after curved.glsl and anchors.glsl.
+// Twin: src/update/sight.rs, where it is explained. It computes distances in double precision.
 
-// Whether there are such numbers in the map.
+// Whether fronts of the map carry numbers of origins.
 layout(constant_id = 14) const int NAMED = 0;
 
 bvec4 are_numbers(vec4 carried) {
@@ -17,7 +17,7 @@ struct Site {
     vec4 second_col, second_row;
 };
 
-// Where four updates are that have the same steps to x1 and x2.
+// Returns the site of four updates that have the same steps to x1 and x2.
 Site site_at(Places places, ivec2 first, ivec2 second) {
     vec4 at = vec4(0.0, 1.0, 0.0, 1.0);
     vec4 further = vec4(0.0, 0.0, 1.0, 1.0);
@@ -30,11 +30,12 @@ Site site_at(Places places, ivec2 first, ivec2 second) {
 
 // The origins of fronts, in columns and rows.
 struct Sighted {
-    vec4 col, row;             // of one end, seen from x0
-    vec4 extent_col, extent_row; // from there to the other
+    vec4 col, row;             // from x0 to one end
+    vec4 extent_col, extent_row; // from that end to the other
     vec4 start;                // FAR if the origin is not known
 };
 
+// Returns the origins of fronts, as seen from the points of a site.
 Sighted sighted_from(vec4 carried, Site site) {
     Sighted all = Sighted(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(FAR));
     for (int i = 0; i < 4; i++) {
@@ -50,7 +51,8 @@ Sighted sighted_from(vec4 carried, Site site) {
     return all;
 }
 
-// A step as a sum of parts of x0 x1 and x0 x2, and squares of lengths of such sums.
+// Parts: a step as a sum of multiples of x0 x1 and x0 x2. Plane: the products that give squared lengths of
+// such sums.
 struct Parts {
     vec4 first, second;
 };
@@ -59,6 +61,7 @@ struct Plane {
     vec4 first, both, second;
 };
 
+// Returns the parts of steps, given in columns and rows.
 Parts parts_of(Site site, vec4 col, vec4 row) {
     vec4 per_area = 1.0 / (site.first_row * site.second_col - site.first_col * site.second_row);
     return Parts((row * site.second_col - col * site.second_row) * per_area,
@@ -70,13 +73,15 @@ vec4 dot_in(Plane plane, Parts a, Parts b) {
          + a.second * (plane.both * b.first + plane.second * b.second);
 }
 
-// A place as seen from the nearest one of a source.
+// The ray to a place from the nearest point of a source.
 struct Ray {
-    Parts step; // from there to the place
+    Parts step; // from that point to the place
     vec4 size;
     bvec4 is_beside; // starts between the source's ends, at a right angle
 };
 
+// Returns the ray to a place from the nearest point of a source. `to` is the step from x0 to one end of the
+// source, and `extent` the one from there to the other end.
 Ray ray_to(Plane plane, Parts to, Parts extent, vec4 per_square, vec2 place) {
     Parts from_end = Parts(place.x - to.first, place.y - to.second);
     vec4 foot = clamp(dot_in(plane, from_end, extent) * per_square, 0.0, 1.0);
@@ -85,8 +90,8 @@ Ray ray_to(Plane plane, Parts to, Parts extent, vec4 per_square, vec2 place) {
     return Ray(step, size, both(greaterThan(foot, vec4(0.0)), lessThan(foot, vec4(1.0))));
 }
 
-// By how much the second of two rays is longer: from the difference of their steps, which has more digits than that
-// of their lengths.
+// Returns by how much the second of two rays is longer. It uses the difference of their steps, which has more
+// digits than the difference of their lengths.
 vec4 longer(Plane plane, Ray a, Ray b) {
     Parts apart = Parts(b.step.first - a.step.first, b.step.second - a.step.second);
     Parts sum = Parts(b.step.first + a.step.first, b.step.second + a.step.second);
@@ -94,7 +99,7 @@ vec4 longer(Plane plane, Ray a, Ray b) {
     return mix(vec4(0.0), dot_in(plane, apart, sum) / sizes, greaterThan(sizes, vec4(0.0)));
 }
 
-// Curvature of a front at some distance from a point, or from a straight line.
+// Returns the curvature of a front at some distance from a point or from a straight line.
 vec4 curvature_at(vec4 away, bvec4 is_beside, vec4 gaussian) {
     vec4 bend = gaussian * away;
     bvec4 is_off = greaterThan(away, vec4(0.0));
@@ -102,22 +107,24 @@ vec4 curvature_at(vec4 away, bvec4 is_beside, vec4 gaussian) {
     return mix(mix(vec4(SOURCE_CURVATURE), round, is_off), -bend, is_beside);
 }
 
-// The front at one end of a base as seen from its origin.
+// The front at one end of a base, as seen from its origin.
 struct FromOrigin {
     bvec4 is_known;
     bvec4 is_in_sight; // the straight line explains its time
-    bvec4 is_on_line;  // nearly to rounding
+    bvec4 is_on_line;  // explains it nearly up to rounding
     vec4 curvature;
-    Ray ray;           // to x0
+    Ray ray;           // ray from the origin to x0
     bvec4 crosses;     // the ray crosses the base
-    vec4 crossing;     // the share of the base before that
-    vec4 time;         // when it comes to x0 along the line
-    vec4 other;        // and to the other end
+    vec4 crossing;     // share of the base that lies before the crossing
+    vec4 time;         // arrival time at x0 along the line
+    vec4 other;        // arrival time at the other end
     vec4 start;
 };
 
 const float SIGHT_ROUNDING = 16.0;
 
+// Returns what the origin tells about the fronts at one end of the bases. `here` and `there` are the parts of
+// this end and of the other.
 FromOrigin from_origin(Plane plane, vec4 base, Site site, Sighted sighted, Ends end, vec2 here, vec2 there) {
     FromOrigin from;
     from.is_known = lessThan(sighted.start, vec4(FAR));
@@ -149,8 +156,9 @@ FromOrigin from_origin(Plane plane, vec4 base, Site site, Sighted sighted, Ends 
     return from;
 }
 
-// The front carries its number at x0, as long as the line explains its time and the surface is not so bent that the
-// curvature does not follow from the distance.
+// Returns the value that the front carries at x0. It is the number of the origin as long as the line explains
+// the time, and the surface is flat enough for the curvature to follow from the distance. Otherwise it is the
+// curvature.
 vec4 carried_on(FromOrigin from, vec4 time, vec4 number, vec4 gaussian, vec4 base) {
     vec4 away = time - from.start;
     bvec4 is_straight = lessThanEqual(abs(away - from.ray.size), IN_SIGHT * (from.ray.size + base));
@@ -158,7 +166,7 @@ vec4 carried_on(FromOrigin from, vec4 time, vec4 number, vec4 gaussian, vec4 bas
     return mix(curvature_at(away, from.ray.is_beside, gaussian), number, both(is_straight, is_flat));
 }
 
-// The first of two fronts: the second where it comes and is not later.
+// Replaces the arriving front by another one, where that comes and is not later.
 void take_first(inout Fronts arrival, bvec4 comes, vec4 time, vec4 carried) {
     bvec4 is_first = both(comes, lessThanEqual(time, arrival.time));
     arrival.time = mix(arrival.time, time, is_first);
@@ -166,7 +174,7 @@ void take_first(inout Fronts arrival, bvec4 comes, vec4 time, vec4 carried) {
     arrival.whole = either(is_first, arrival.whole);
 }
 
-// The fronts at x0 from fronts at x1 and x2 that may have different origins.
+// Returns the fronts at x0 from fronts at x1 and x2 that may have different origins.
 Fronts curved_from_origins(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4 c, bvec4 alone, Site site) {
     Sighted sighted1 = sighted_from(end1.carried, site);
     Sighted sighted2 = sighted_from(end2.carried, site);
@@ -182,7 +190,7 @@ Fronts curved_from_origins(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4
     bvec4 both_known = both(first.is_known, second.is_known);
     bvec4 same = both(both_known, are_alike_but_for_tags(end1.carried, end2.carried));
     bvec4 of_one = both(both(same, exists), both(first.is_in_sight, second.is_in_sight));
-    // On a straight line nothing is to be told of the front's shape.
+    // On a straight line, the shape of the front is not needed.
     bvec4 exact = both(of_one, both(first.is_on_line, second.is_on_line));
     bvec4 inexact = both(of_one, not(exact));
     bvec4 obtuse = are_obtuse(l1, l2, c);
@@ -200,14 +208,14 @@ Fronts curved_from_origins(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4
     bvec4 free2 = lessThanEqual(end1.time, second.other + unblocked);
     bvec4 comes2 = both(both(both(second.is_in_sight, second.crosses), both(free2, in_order2)),
                         both(may_come, not(exact)));
-    // Where each front goes on by itself there is none of both, but along the edges.
+    // Where each front continues by itself, no common front crosses the face. Only the edges count.
     bvec4 faceless = either(either(apart, either(comes1, comes2)), either(exact, obtuse));
     Fronts arrival = curved(Ends(end1.time, first.curvature, end1.surface, vec4(0.0)),
                             Ends(end2.time, second.curvature, end2.surface, vec4(0.0)), g0, l1, l2,
                             without_faces(faceless, c), alone, both(bvec4(causal), not(of_one)));
     bvec4 keeps_name = both(both(inexact, first.crosses), lessThan(arrival.time, vec4(FAR)));
     vec4 named = carried_on(first, arrival.time, end1.carried, g0, base);
-    // What runs along an edge gives way to what comes with it but for rounding and tells its origin.
+    // A front along an edge gives way to one that arrives with it, up to rounding, and tells its origin.
     vec4 rounding = abs(arrival.time) * (SIGHT_ROUNDING * PRECISION);
     bvec4 gives_way = both(not(keeps_name), either(first.is_known, second.is_known));
     arrival.time = mix(arrival.time, arrival.time + rounding, gives_way);
@@ -217,16 +225,17 @@ Fronts curved_from_origins(Ends end1, Ends end2, vec4 g0, vec4 l1, vec4 l2, vec4
     return arrival;
 }
 
-// The fronts at x0, as update() has them, given the bases of obtuse triangles too.
+// Returns the fronts at x0 as update() does, given the bases of obtuse triangles too.
 Fronts update_at(Ends end1, Ends end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l2, vec4 c, bvec4 alone, Site site) {
-    // Over an uneven slowness fronts run along no straight lines.
+    // Over an uneven slowness, fronts do not run along straight lines.
     bool named = NAMED != 0 && HAS_CURVATURE && SLOWED == 0 && any(either(are_numbers(end1.carried), are_numbers(end2.carried)));
     if (named) return curved_from_origins(end1, end2, surface, l1, l2, c, alone, site);
     bvec4 obtuse = are_split(end1, end2, slowness, l1, l2, c);
     return update(end1, end2, surface, slowness, l1, l2, without_faces(obtuse, c), alone);
 }
 
-// As without places in wavefront.glsl, which tell where origins are.
+// Returns the fronts as update_four() and update_pair() in wavefront.glsl do, given also the places from
+// which origins are seen.
 Fronts update_four(Sight sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right, Places places) {
     bvec4 alone = are_alone(sight.edges[1]);
     ivec2 back = -places.ahead;

@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Counts an iteration of all maps of a batch that are not done, and decides which of them need
-// another one. One invocation is one map.
+// Counts an iteration of all maps of a batch that are not done, and decides which of them need another one.
+// One invocation is one map.
+// Twin: src/cpu/progress.rs.
 
 #include "constants.glsl"
 #include "pairwise_progress.glsl"
@@ -10,7 +11,7 @@
 layout(local_size_x = WORKGROUP) in;
 
 layout(push_constant) uniform Batch {
-    uint count; // of maps
+    uint count; // number of maps
 };
 
 void main() {

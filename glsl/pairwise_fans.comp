@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Puts the fans of a surface into the order in which one of the scans passes them. One invocation
-// is one pair of points of a line.
+// Writes the fans of a surface in the order in which one of the scans visits them. One invocation is one pair
+// of points of a line.
 // Twin: FanSlots in src/cpu/pairwise.
 
 #include "constants.glsl"
@@ -19,7 +19,7 @@ layout(set = 0, binding = 3) writeonly restrict buffer Fans {
 
 layout(push_constant) uniform Size {
     ivec2 grid; // columns and rows of points
-    int scan;   // from 0 in the order of an iteration
+    int scan;   // number of the scan, from 0 in the order of an iteration
 };
 
 void main() {

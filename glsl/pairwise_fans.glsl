@@ -1,13 +1,14 @@
-// The fans of a surface in the order in which scans pass them: what all maps share. A line of the
-// grid is cut into pairs of points; a pair has a place for each of the four scans. Include after
+// Lays out the fans of a surface in the order in which scans visit them. All maps share them. A line of the
+// grid is split into pairs of points, and a pair has a place for each of the four scans. Include after
 // wavefront.glsl and chart.glsl.
 
-// Numbers of a pair of points a and b: lengths of the edges to the neighbours behind, before,
-// beside and after a, then b (6); of the three edges between those (3); for fronts that carry something also
-// what the surface brings at the four points behind and at a and b (6).
+// Count of numbers stored for a pair of points a and b. They are the lengths of the edges to the three
+// neighbours behind a (before, beside and after it) and behind b (6), and the lengths of the three edges
+// between those neighbours (3). For fronts that carry something, the surface values at the four points behind
+// and at a and b follow (6).
 const int NUMBERS = CARRIES ? 15 : 9;
 
-// Where the first number of a pair stands; the others follow at a distance of `pairs`.
+// Returns the index of the first number of a pair. The others follow at a distance of `pairs`.
 int fan_place(ivec2 grid, int scan, int line, int pair, int pairs) {
     int of_rows = pairs_of(grid.x) * grid.y;
     int of_cols = pairs_of(grid.y) * grid.x;

@@ -1,5 +1,5 @@
-// The layers of a batch in the images of fronts: of each map its arrival times, then what its fronts carry
-// beside. Include after wavefront.glsl.
+// Numbers the layers of a batch in the images of fronts. Each map has a layer of arrival times, followed by a
+// layer of what its fronts carry beside. Include after wavefront.glsl.
 
 const int LAYERS_OF_MAP = CARRIES ? LAYERS : 1;
 

@@ -1,24 +1,25 @@
-// How the maps of a batch go, each by itself. Twin: src/vulkan/pairwise/progress.rs.
+// Declares the progress of each map of a batch.
+// Twin: src/vulkan/pairwise/progress.rs.
 
 struct Map {
-    int source_col;     // its source's column
-    int source_row;     // and row
-    uint residual;      // largest change of a front in this iteration, in units of the last place;
-    uint next_residual; // or, where a workgroup runs from one into the next, in every second one
+    int source_col;     // column of its source
+    int source_row;     // row of its source
+    uint residual;      // largest change of a front in this iteration, in units of the last place
+    uint next_residual; // the same in every second iteration, if a workgroup continues with the next iteration
     uint renews;        // 1 while curved fronts may be renewed
-    uint iterations;    // of four scans, done so far
-    uint last_residual; // that of the last iteration done
-    uint since_reached; // iterations since a point was first reached
-    uint done;          // 1 once the map has converged, or iterations have run out
+    uint iterations;    // number of iterations done, of four scans each
+    uint last_residual; // residual of the last iteration done
+    uint since_reached; // number of iterations since a point was last reached for the first time
+    uint done;          // 1 once the map has converged or the iterations have run out
 };
 
 layout(set = 0, binding = 4) restrict buffer Progress {
-    uint pending;       // maps that are not done
-    uint tolerance;     // residual at which a map has converged
-    uint most;          // iterations, at most
-    // What the dispatches of further iterations read, zero groups once all maps are done.
-    uint row_groups[3]; // of a row of texels
-    uint col_groups[3]; // of a column
+    uint pending;       // number of maps that are not done
+    uint tolerance;     // largest residual at which a map has converged
+    uint most;          // largest number of iterations
+    // Group counts of the indirect dispatches of further iterations, zero once all maps are done.
+    uint row_groups[3]; // for a row of texels
+    uint col_groups[3]; // for a column of texels
     Map maps[];
 };
 

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// A block of lines of a scan of all maps of a batch that are not done; see scan.glsl. The third
-// dimension of the dispatch is the map. In its first iteration a scan passes only lines ahead of the
-// source. Twin: scan_outward in src/cpu/twins/scan_in_turn.rs.
+// Scans a block of lines on all maps of a batch that are not done; see scan.glsl. The third dimension of the
+// dispatch is the map. In its first iteration, a scan visits only lines ahead of the source.
+// Twin: scan_outward in src/cpu/twins/scan_in_turn.rs.
 
 #include "constants.glsl"
 #include "chart.glsl"
@@ -12,7 +12,7 @@
 
 layout(local_size_x_id = 3) in;
 
-// Most lines of texels in a block.
+// Largest number of lines of texels in a block.
 layout(constant_id = 4) const int LINES = 1;
 
 ivec3 place_of(ivec2 texel, int layer) {
@@ -39,7 +39,7 @@ bool passes(ivec2 point, ivec2 ahead) {
 void main() {
     block_line = line;
     block_lines = lines;
-    // As on one map: a front that a slowness bends may meet itself.
+    // As on a single map, a front that is bent by a varying slowness may meet itself.
     causal = SLOWED != 0;
     if (maps[gl_WorkGroupID.z].done == 0u) scan_block();
 }

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Iterations of four rotated scans over a map that lies in shared memory. One workgroup is one
-// source, one invocation some pairs of neighbouring points of each line. A map that is not done
-// after so many iterations is kept, and goes on in the next dispatch.
+// Runs iterations of four rotated scans on maps that lie in shared memory. One workgroup is one source. One
+// invocation handles some pairs of neighbouring points of each line. A map that is not done after the largest
+// number of iterations is stored, and continues in the next dispatch.
 // Twin: scan_outward in src/cpu/twins/scan_in_turn.rs.
 
 #include "constants.glsl"
@@ -15,10 +15,11 @@
 
 layout(local_size_x_id = 3) in;
 
-// Points that there is room for in shared memory: rows times pitch, or more.
+// Number of points that fit into shared memory: rows times pitch, or more.
 layout(constant_id = 15) const int ROOM = 1;
-// The size of maps where the pipeline is for one size, else 0, and it is pushed. Loops whose bounds are known
-// are faster on processors, by 6 to 9 %; drivers for GPUs take seconds to compile them.
+// Size of the maps, if the pipeline is for a single size. Otherwise these are 0, and the size is a push
+// constant. Loops with known bounds are 6 to 9 % faster on CPUs. Drivers for GPUs take seconds to compile
+// them.
 layout(constant_id = 4) const int ITERATIONS = 0;
 layout(constant_id = 7) const int ROWS = 0;
 layout(constant_id = 8) const int COLS = 0;
@@ -26,9 +27,9 @@ layout(constant_id = 9) const int PITCH = 0;
 
 layout(push_constant) uniform Size {
     ivec2 grid;     // columns and rows
-    int pitch;      // from a point to the one below it: odd where there is room, so that the points of a
-                    // column lie in different banks of shared memory
-    int iterations; // in a dispatch, at most
+    int pitch;      // distance from a point to the one below it. It is odd if there is room, so that the
+                    // points of a column lie in different banks of shared memory
+    int iterations; // largest number of iterations in a dispatch
 } size;
 
 ivec2 grid() {
@@ -47,7 +48,7 @@ layout(set = 0, binding = 3) readonly restrict buffer Fans {
     float fans[];
 };
 layout(set = 2, binding = 2) writeonly restrict buffer Distances {
-    uint distances[]; // as in distance.glsl, a row for each map
+    uint distances[]; // as in distance.glsl, one row per map
 };
 layout(set = 2, binding = 1) restrict buffer Kept {
     float kept[]; // the fronts of maps that are not done
@@ -55,15 +56,15 @@ layout(set = 2, binding = 1) restrict buffer Kept {
 
 const int INVOCATIONS = int(gl_WorkGroupSize.x);
 
-// Arrival times, then what is carried beside.
+// Arrival times, followed by what fronts carry beside.
 shared float fronts[CARRIES ? 2 * ROOM : ROOM];
 
-// How many of each a map has.
+// Returns the size of a layer of a map, in numbers.
 int area() {
     return grid().y * pitch();
 }
 
-// Where a map's numbers are kept from one dispatch to the next.
+// Returns where a layer of a map is stored between dispatches.
 int kept_place(uint map, int layer) {
     return (int(map) * (CARRIES ? 2 : 1) + layer) * area();
 }
@@ -73,16 +74,16 @@ vec4 at_four(int places[4], int layer) {
                 fronts[layer + places[2]], fronts[layer + places[3]]);
 }
 
-// One of the numbers of a pair.
+// Reads one of the numbers of a pair.
 #define NUMBER(k) fans[first + (k) * pairs]
 
-// Updates a pair of points from the line behind; returns how much they have changed.
+// Updates a pair of points from the line behind. Returns how much they have changed.
 uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_renew) {
     int pairs = pairs_of(points);
     int across = stride_ahead(scan, pitch());
     int step = stride_along(scan, pitch());
     int first = fan_place(grid(), scan, line, pair, pairs);
-    // No edge leads beyond the ends of a line, where its last point stands in.
+    // No edge leads beyond the ends of a line. The last point stands in for the missing ones.
     int places[4];
     for (int i = 0; i < 4; i++) {
         places[i] = behind * across + point_in_line(2 * pair + i - 1, points) * step;
@@ -122,6 +123,7 @@ uint pass_pair(int scan, int line, int behind, int pair, int points, bool may_re
     return change_of(old_time.xyxy, time.xyxy, old_carried.xyxy, carried.xyxy);
 }
 
+// Initializes a map: only its source is reached.
 void start(ivec2 source) {
     for (int i = int(gl_LocalInvocationIndex); i < area(); i += INVOCATIONS) {
         fronts[i] = FAR;
@@ -162,7 +164,7 @@ void main() {
             int points = points_of_line(grid(), scan);
             bool forward = (scan & 1) == 0;
             int source_line = line_of(source, scan);
-            // Behind the first line there is none; the first iteration leads away from the source.
+            // No line lies behind the first one. The first iteration leads away from the source.
             int start = iterations > 0u ? 1 : forward ? source_line + 1 : lines - source_line;
             for (int passed = start; passed < lines; passed++) {
                 int line = forward ? passed : lines - 1 - passed;
@@ -174,8 +176,8 @@ void main() {
                 barrier();
             }
         }
-        // One of two numbers, in turns, gathers the largest change. The other was read before this
-        // iteration's first barrier.
+        // Two counters take turns in gathering the largest change. The one cleared here was last read before
+        // the first barrier of this iteration.
         if ((iterations & 1u) == 0u) {
             if (change > 0u) atomicMax(maps[map].residual, change);
             if (lane == 0) atomicExchange(maps[map].next_residual, 0u);

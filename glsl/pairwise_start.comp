@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The maps of a batch before the first iteration: no point reached but their sources. One
-// invocation is one texel, the border's too, of one map.
+// Initializes the maps of a batch before the first iteration: only the sources are reached. One invocation is
+// one texel of one map, including texels of the border.
 // Twin: the start of a map in src/cpu.
 
 #include "constants.glsl"

@@ -1,17 +1,17 @@
-// A cell of the grid and the distances in it, from the lengths of its edges alone. Lengths are in
+// Describes a cell of the grid and the distances in it, from the lengths of its edges alone. Lengths are in
 // units of the cell's longest edge, so that products of squares stay within single precision.
 // Twin: src/geometry/paths/cell.rs, where the arithmetic is explained.
 
-// The corners at both ends of a cell's sides: north, west, east and south.
+// Corners at both ends of each of a cell's sides: north, west, east and south.
 const ivec2 SIDES[4] = ivec2[](ivec2(0, 1), ivec2(0, 2), ivec2(1, 3), ivec2(2, 3));
-// Stands for the square of the length of an edge that does not exist.
+// Stands for the squared length of an edge that does not exist.
 const float NO_EDGE = 1e20;
 
 struct Cell {
     ivec2 first;  // its north-western corner
-    float unit;   // the length of its longest edge; 0 if it has none
+    float unit;   // length of its longest edge; 0 if it has none
     vec4 times;   // at its corners
-    mat4 squares; // of the lengths between its corners
+    mat4 squares; // squared lengths between its corners
 };
 
 float square_of(float size, float unit) {
@@ -19,6 +19,7 @@ float square_of(float size, float unit) {
     return size < FAR ? scaled * scaled : NO_EDGE;
 }
 
+// Returns the cell with a given north-western corner.
 Cell cell_at(ivec2 first) {
     float sizes[6] = edges_of_cell(point_at(first));
     Cell cell;
@@ -44,14 +45,14 @@ Cell cell_at(ivec2 first) {
     return cell;
 }
 
-// Squared distances from a place to the corners; at corners that are missing, too large for any
+// Returns the squared distances from a place to the corners. At missing corners, they are too large for any
 // distance.
 vec4 squares_from(Cell cell, vec4 place) {
     vec4 products = cell.squares * place;
     return products - 0.5 * dot(products, place);
 }
 
-// Distance of two places.
+// Returns the distance between two places.
 float distance_of(Cell cell, vec4 a, vec4 b) {
     vec4 apart = a - b;
     return sqrt(max(-0.5 * dot(cell.squares * apart, apart), 0.0));

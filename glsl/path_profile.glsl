@@ -1,24 +1,24 @@
-// Arrival times along an edge, and where a straight line to it arrives first. Times are in units
-// of the cell's longest edge, and relative to that at the edge's first end, so that single
-// precision holds where the source is far.
+// Describes arrival times along an edge, and finds where a straight line to it arrives first. Times are in
+// units of the cell's longest edge, and relative to the time at the edge's first end. So single precision
+// suffices where the source is far away.
 // Twin: src/geometry/paths, where the choices are explained.
 
 struct Profile {
-    float first; // since the start, at the first end
+    float first; // time since the start, at the first end
     float last;  // at the other end
-    float rise;  // of the squares of these
+    float rise;  // difference of their squares
     vec2 bends;  // second differences at both ends
-    float size;  // of the edge
+    float size;  // length of the edge
 };
 
-// Where a straight line crosses an edge.
+// The place where a straight line crosses an edge.
 struct Crossing {
     float share;
-    float time; // since the first end's
+    float time; // relative to the time at the first end
     float distance;
 };
 
-// How far the square of the time exceeds that at the first end, and its two derivatives.
+// Returns the excess of the squared time over that at the first end, and its first two derivatives.
 vec3 excess(Profile profile, float share) {
     float rest = 1.0 - share;
     float left = profile.bends.x;
@@ -31,22 +31,22 @@ vec3 excess(Profile profile, float share) {
     return vec3(value, slope, rest * left + share * right);
 }
 
-// The time since the first end's, from the excess of its square.
+// Returns the time since that at the first end, from the excess of its square.
 float since_first(Profile profile, float value) {
     float square = max(profile.first * profile.first + value, 0.0);
     float sum = profile.first + sqrt(square);
     return sum > 0.0 ? max(value, -profile.first * profile.first) / sum : 0.0;
 }
 
-// Whether the time half-way differs from those at the ends by no more than the way is long.
+// Returns whether the time half-way differs from those at the ends by no more than the way is long.
 bool is_distance(Profile profile) {
     float middle = since_first(profile, excess(profile, 0.5).x);
     float most = (0.5 + MARGIN) * profile.size;
     return abs(middle) <= most && abs(profile.last - profile.first - middle) <= most;
 }
 
-// The second and the third of four points in line are the edge's ends. `start` and `unit` make
-// times comparable with lengths; `square` is that of the edge's length.
+// Returns the profile of an edge. The second and third of four points in line are the ends of the edge.
+// `start` and `unit` make times comparable with lengths. `square` is the squared length of the edge.
 Profile profile_of(vec4 times, float start, float unit, float square) {
     vec4 since = max(times - start, 0.0) / unit;
     vec4 steps = (max(times, start) - max(times.y, start)) / unit;
@@ -76,27 +76,29 @@ Profile profile_of(vec4 times, float start, float unit, float square) {
     return profile;
 }
 
-// The time at a share of the edge.
+// Returns the time at a share of the edge.
 float time_along(Profile profile, float share) {
     float time = since_first(profile, excess(profile, share).x);
     float other = profile.last - profile.first - (1.0 - share) * profile.size;
     return max(time, max(-share * profile.size, other));
 }
 
-// The squared distance of a place from one on the edge, and its two derivatives.
+// Returns the squared distance between a place and one on the edge, and its first two derivatives.
 vec3 away(vec2 ends, float square, float share) {
     float skew = ends.y - ends.x;
     return vec3(ends.x + share * (skew - (1.0 - share) * square),
                 skew - (1.0 - 2.0 * share) * square, 2.0 * square);
 }
 
-// First and second derivative of the root of a square.
+// Returns the first two derivatives of the square root of a value.
 vec2 derivatives(vec3 square, float least) {
     float value = max(square.x, least);
     float half_inverse = 0.5 * inversesqrt(value);
     return half_inverse * vec2(square.y, square.z - 0.5 * square.y * square.y / value);
 }
 
+// Returns the first two derivatives, along the edge, of the arrival time at the place through a point of the
+// edge.
 vec2 slope_and_bend(Profile profile, vec2 ends, float square, float share) {
     float least = 1e-12 * square;
     vec3 time = excess(profile, share);
@@ -104,13 +106,14 @@ vec2 slope_and_bend(Profile profile, vec2 ends, float square, float share) {
     return derivatives(time, least) + derivatives(away(ends, square, share), least);
 }
 
+// Returns the crossing at a share of the edge.
 Crossing crossing_at(Profile profile, vec2 ends, float square, float share) {
     float apart = sqrt(max(away(ends, square, share).x, 0.0));
     return Crossing(share, time_along(profile, share), apart);
 }
 
-// Where the straight line to a place crosses the edge that arrives there first; `ends` are the
-// squared distances of the edge's ends from the place. Newton's method between brackets.
+// Returns where the straight line to a place that arrives there first crosses the edge. `ends` are the
+// squared distances of the edge's ends from the place. The method is Newton's, within brackets.
 Crossing crossing(Profile profile, vec2 ends, float square) {
     float low = slope_and_bend(profile, ends, square, 0.0).x;
     float high = slope_and_bend(profile, ends, square, 1.0).x;

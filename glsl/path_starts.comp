@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Puts paths at their starts, unless no path can start there. One invocation is one path.
+// Places paths at their starts, except where no path can start. One invocation is one path.
 // Twin: Paths::trace in src/geometry/paths.
 
 #include "constants.glsl"
@@ -13,7 +13,7 @@ layout(local_size_x = WORKGROUP) in;
 
 #include "path_state.glsl"
 
-// Whether the corners that a place lies between are reached.
+// Returns whether the corners between which a place lies are reached.
 bool is_reached_at(vec2 at) {
     ivec2 first = ivec2(at);
     vec2 share = at - vec2(first);

@@ -1,14 +1,14 @@
-// What is known of a path under way: what path_starts.comp and paths.comp share. Between the records
-// and the vertices lie the starts, row and column, and then the states.
+// Stores the state of paths under way, for path_starts.comp and paths.comp. Between the records and the
+// vertices lie the starts (row and column), and then the states.
 
 layout(push_constant) uniform Batch {
     ivec2 grid;       // columns and rows of the whole grid
-    int paths;        // that have a start
-    int records;      // how many there are
-    int first_vertex; // the first path's word
-    int capacity;     // vertices of a path, at most
-    int first_word;   // of the first source
-    int count;        // of sources
+    int paths;        // number of paths that have a start
+    int records;      // number of records
+    int first_vertex; // index of the first path's word
+    int capacity;     // largest number of vertices of a path
+    int first_word;   // offset of the first source
+    int count;        // number of sources
 };
 
 #include "source.glsl"
@@ -17,7 +17,7 @@ layout(push_constant) uniform Batch {
 const float UNKNOWN = 1e20;
 const ivec2 NO_CELL = ivec2(-2);
 
-// So many shares of a cell to the east and south of a grid point.
+// A place: a grid point, and a share of a cell to the east and south of it.
 struct Place {
     ivec2 first;
     vec2 share;
@@ -30,29 +30,30 @@ struct Path {
     int source;
     float time;
     float size;
-    // The state: where it is, when the front has arrived there, counted from a moment,
+    // The state: the place, and the arrival time there, relative to `moment`.
     Place place;
     float below;
     float moment;
-    float lowest;   // of the grid points passed,
-    ivec2 from;     // the cell it came through,
-    vec2 last;      // its last vertex, column and row,
-    float start;    // since when squares of times count,
-    float earliest; // the sources' initial values,
+    float lowest;   // earliest time of the grid points passed
+    ivec2 from;     // cell through which the path came
+    vec2 last;      // its last vertex, column and row
+    float start;    // time from which squared times count
+    float earliest; // earliest and latest of the sources' initial values
     float latest;
-    int own;        // and the source that it is known to lead to; -1 if not, -2 if not for sure
+    int own;        // source to which it is known to lead; -1 if not known, -2 if not certain
 };
 
 bool is_point(Place place) {
     return place.share == vec2(0.0);
 }
 
+// Returns the column and row at which a path starts.
 vec2 start_of(int path) {
     int at = records * CURVE_WORDS + 2 * path;
     return vec2(uintBitsToFloat(curves[at + 1]), uintBitsToFloat(curves[at]));
 }
 
-// Writes one more vertex; false if there is no room.
+// Writes one more vertex. Returns false if there is no room.
 bool add(int number, inout Path path, vec2 at, float time) {
     if (path.vertices >= uint(capacity)) {
         path.status = OUT_OF_ROOM;
@@ -65,7 +66,7 @@ bool add(int number, inout Path path, vec2 at, float time) {
     return true;
 }
 
-// Goes back to the start.
+// Puts a path back to its start.
 void begin(int number, inout Path path, float start) {
     path.vertices = 0u;
     path.status = UNDER_WAY;
@@ -75,7 +76,7 @@ void begin(int number, inout Path path, float start) {
     path.place.first = ivec2(at);
     path.place.share = at - vec2(path.place.first);
     bool is_known = is_point(path.place);
-    // Between grid points some corner's time will do.
+    // Between grid points, the earliest time of the corners serves.
     path.moment = time_at(path.place.first);
     for (int i = 0; i < 4 && !is_known; i++) {
         path.moment = min(path.moment, time_at(path.place.first + to_corner(i)));
@@ -88,6 +89,7 @@ void begin(int number, inout Path path, float start) {
     add(number, path, at, path.time);
 }
 
+// Writes the record and the state of a path.
 void save(int number, Path path) {
     uint drawn = path.status == COMPLETE ? path.vertices : 0u;
     write_record(number, drawn, uint(number * capacity), path.vertices, path.status);
@@ -113,6 +115,7 @@ void save(int number, Path path) {
     curves[at + 14] = uint(path.own);
 }
 
+// Reads the record and the state of a path.
 Path load(int number) {
     Path path;
     int record = number * CURVE_WORDS;

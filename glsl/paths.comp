@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Takes paths some steps further back to the source, from cell to cell along the straight line on
+// Continues paths by some steps back to the source. A path runs from cell to cell along the straight line on
 // which the front arrives first. One invocation is one path.
-// Twin: src/geometry/paths, in double precision. Out of pits of the map it looks further
-// than two grid points.
+// Twin: src/geometry/paths, in double precision. To leave pits of the map, the twin looks further than two
+// grid points.
 
 #include "constants.glsl"
 #include "chart.glsl"
@@ -20,17 +20,17 @@ layout(local_size_x = WORKGROUP) in;
 
 // Twice the distance from 1 to the next number.
 const float ROUNDING = 2.4e-7;
-// Triangles with a smaller squared sine, at the side's nearer end, are not held by single precision.
+// Triangles with a smaller squared sine, at the nearer end of the side, are too flat for single precision.
 const float FLAT_TRIANGLE = 3e-7;
-// Points that are nearer to one another, in lengths of their longest edges, coincide.
+// Points coincide if they are nearer to one another than this, in units of their longest edges.
 const float SAME_POINT = 1e-6;
 
-// One straight line of a path.
+// A straight line of a path.
 struct Line {
     bool exists;
-    int source;   // where it ends; -1 if at a place
+    int source;   // source at its end; -1 if it ends elsewhere
     Place end;
-    float time;   // at its end, relative to the moment that a step counts from
+    float time;   // time at its end, relative to the moment from which times of a step count
     float size;
     ivec2 cell;
 };
@@ -41,12 +41,13 @@ vec2 position(Place place) {
     return vec2(place.first) + place.share;
 }
 
-// How many cells a place lies in.
+// Returns the number of cells in which a place lies.
 int cells_around(Place place) {
     return (place.share.x == 0.0 ? 2 : 1) * (place.share.y == 0.0 ? 2 : 1);
 }
 
-// From the cell to the south-east to another of a place's cells.
+// Returns the offset of one of a place's cells from its south-eastern cell, in columns to the west and rows
+// to the north.
 ivec2 offset_of(Place place, int index) {
     if (place.share.x > 0.0) return ivec2(0, index);
     return to_corner(index);
@@ -56,17 +57,20 @@ vec4 weights_in(Place place, ivec2 cell) {
     return bilinear(place.share + vec2(place.first - cell));
 }
 
-// Not for places on grid lines: there two of the corners are enough.
+// Computes the weights of a place inside a cell. Places on grid lines need only two of the corners and do not
+// use this.
 bool weights_inside(Place place, Cell cell, out vec4 weights) {
     return corner_weights(reached_corners(cell), place.share, weights);
 }
 
-// Whether it falls by no less than LEAST_FALL of its length.
+// Returns whether the time falls along a line by at least LEAST_FALL of its length.
 bool falls(Line line, Path path) {
     float slack = ROUNDING * abs(path.moment + path.below);
     return path.below - line.time >= LEAST_FALL * line.size - slack;
 }
 
+// Replaces the best line by another one that is better and ends lower than the place of the path. A line that
+// falls is better than one that does not. Among equals, the one on which the front arrives first is better.
 void offer(Place end, float time, float size, Path path, ivec2 cell) {
     Line line = Line(true, -1, end, time, size, cell);
     bool is_better = !best.exists || time + size < best.time + best.size;
@@ -84,7 +88,7 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
     for (int side = 0; side < 4; side++) {
         int a = SIDES[side].x;
         int b = SIDES[side].y;
-        // The place's own edge, or an edge that ends there.
+        // Skips the place's own edge, and edges that end at the place.
         float own = weights[a] + weights[b];
         if (support == 1 ? own > 0.0 : support == 2 && own > 0.9999999) continue;
         ivec2 point = cell.first + to_corner(a);
@@ -95,7 +99,7 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
         float skew = max(ends.x, ends.y) - nearer - base;
         float whole = 4.0 * nearer * base;
         bool is_flat = whole - skew * skew <= FLAT_TRIANGLE * whole;
-        // A start that lies on a side as far as one can tell.
+        // The start lies on the side as far as single precision can tell.
         bool is_beside = is_flat && support > 2 && base > 0.0;
         if (reached[a] && reached[b] && max(ends.x, ends.y) < 0.5 * NO_EDGE
             && (is_beside || !is_flat)) {
@@ -107,7 +111,8 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
                                        : crossing(profile, ends, base);
             int end = found.share > 0.5 ? b : a;
             float away = found.share > 0.5 ? 1.0 - found.share : found.share;
-            // A line past a point later than its own start does not end there.
+            // A line that passes a point closely ends there, unless the point is reached later than the start
+            // of the line.
             if (away == 0.0 || (away < AT_POINT && cell.times[end] - moment < path.below)) {
                 Place there = Place(cell.first + to_corner(end), vec2(0.0));
                 float size = cell.unit * sqrt(max(squares[end], 0.0));
@@ -119,7 +124,7 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
             }
             continue;
         }
-        // Without a triangle paths run along edges.
+        // Without a triangle, paths run along edges.
         for (int k = 0; k < 2; k++) {
             int end = SIDES[side][k];
             bool along = support == 1 || weights[end] > 0.0 || support > 2;
@@ -132,7 +137,7 @@ void cross_cell(Cell cell, vec4 weights, Path path) {
     }
 }
 
-// The source in a cell from which the front arrives first at a place there, over a straight line.
+// Finds the source in a cell from which the front arrives first at a place in the cell, over a straight line.
 void find_source(Cell cell, vec4 weights, float moment, inout Line nearest) {
     for (int i = 0; i < count; i++) {
         Source other = source(i);
@@ -151,8 +156,8 @@ void find_source(Cell cell, vec4 weights, float moment, inout Line nearest) {
     }
 }
 
-// The straight line across a cell, ending lower than where the path is, on which the front arrives
-// first; the cell beside the one that the path comes from is tried first.
+// Returns the straight line across a cell on which the front arrives first, among those that end lower than
+// the place of the path. The cell beside the one from which the path comes is tried first.
 Line line_from(Path path) {
     Place place = path.place;
     int cells = cells_around(place);
@@ -167,7 +172,7 @@ Line line_from(Path path) {
         vec4 weights = weights_in(place, cell.first);
         if (cells == 1) weights_inside(place, cell, weights);
         cross_cell(cell, weights, path);
-        // A source in the cell is not far, and so not much earlier.
+        // A source in the cell is near, and so its time is not much earlier.
         if (!is_known || path.moment + path.below - path.latest <= 4.0 * cell.unit) {
             find_source(cell, weights, path.moment, nearest);
         }
@@ -181,7 +186,7 @@ Line line_from(Path path) {
     return in_sight ? nearest : best;
 }
 
-// The earliest of a place's own grid points.
+// Returns the earliest of the grid points next to a place.
 ivec2 lower_end(Place place) {
     ivec2 lowest = place.first;
     float time = FAR;
@@ -197,14 +202,15 @@ ivec2 lower_end(Place place) {
     return lowest;
 }
 
+// Moves along an edge and adds a vertex there. Returns false if there is no room.
 bool step_to(int number, inout Path path, inout ivec2 point, ivec2 step) {
     path.size += edge_length(point_at(point), step);
     point += step;
     return add(number, path, vec2(point), time_at(point));
 }
 
-// Goes across points in line that coincide, as at a pole, to the one from which an edge leads lowest,
-// and returns this edge; none if none leads lower than `below`.
+// Moves across points in a row that coincide, as at a pole, to the one from which an edge leads lowest.
+// Returns this edge, or zero if no edge leads lower than `below`.
 ivec2 step_across(inout ivec2 point, float below) {
     float longest = 0.0;
     for (int i = 0; i < 8; i++) {
@@ -231,8 +237,8 @@ ivec2 step_across(inout ivec2 point, float below) {
     return first;
 }
 
-// Goes along edges from a point to one where the front has arrived earlier than at all passed, one
-// or two edges away, or one from a point that coincides. Fails if there is none.
+// Moves along edges to a point with an earlier arrival time than all points passed so far. It lies one or two
+// edges away, or one edge away from a point that coincides. Returns false if there is none.
 bool detour(int number, inout Path path, inout ivec2 point) {
     float below = path.lowest;
     if (time_at(point) < below) return true;
@@ -289,7 +295,7 @@ void escape(int number, inout Path path) {
     path.below = 0.0;
 }
 
-// Goes one line further.
+// Adds one line to a path.
 void go_on(int number, inout Path path) {
     if (is_point(path.place)) path.lowest = min(path.lowest, time_at(path.place.first));
     Line line = line_from(path);
@@ -316,8 +322,9 @@ void go_on(int number, inout Path path) {
     path.moment = next;
 }
 
-// Squares of times are smooth at a source if they count from its own initial value, which is
-// known once a path has found it. So it goes once more, and once again if that leads elsewhere.
+// Restarts a path with the initial value of its own source. Squared times are smooth at a source if they
+// count from that value, which is known once a path has found the source. The path starts once more if the
+// restarted one leads to another source.
 void go_again(int number, inout Path path) {
     if (path.own == -1 && path.status == COMPLETE) {
         float own = source(path.source).time;

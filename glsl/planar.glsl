@@ -1,6 +1,8 @@
-// Straight fronts, which carry nothing but their arrival time (paper, section 3).
+// Implements straight fronts, which carry only their arrival time (paper, section 3).
 // Twin: the planar front in src/update.
 
+// Returns the arrival times at x0, at least the later of both times at x1 and x2 where the front crosses the
+// triangle.
 vec4 planar(vec4 t1, vec4 t2, vec4 l1, vec4 l2, vec4 c) {
     vec4 along_edge = edge_step(t1, t2, l1, l2);
     Shape shape = shape_of(l1, l2, c);

@@ -1,8 +1,8 @@
-// The host's points in the form that edges_from_*.comp read: what the shaders points_from_*.comp
-// share. One invocation is one grid point of a band of rows.
+// Converts the host's points to the form that edges_from_*.comp read, for the shaders points_from_*.comp. One
+// invocation is one grid point of a band of rows.
 //
 // The including shader defines
-//     float component(ivec2 at, int index)              of what the host holds for a point
+//     float component(ivec2 at, int index)              a component of the host's data for a point
 
 float component(ivec2 at, int index);
 
@@ -14,11 +14,11 @@ layout(push_constant) uniform Band {
     ivec2 grid;     // columns and rows of the whole grid
     int first_row;  // the band's first row
     int band_rows;
-    int first_own;  // of these, the first one that no other band has
+    int first_own;  // first of these rows that belongs to no other band
     int own_rows;
-    int heights;    // 1 for a height a point, 0 for a position
-    int slowness;   // which component is the slowness; -1 for 1 everywhere
-    int first_word; // of the host's buffer
+    int heights;    // 1 for one height per point, 0 for positions
+    int slowness;   // index of the component with the slowness; -1 for a slowness of 1 everywhere
+    int first_word; // offset in the host's buffer
     int stride;     // words from point to point
 };
 
@@ -41,7 +41,7 @@ void main() {
         points[to + i] = usable ? value : 0.0;
     }
     points[to + size] = present ? weight : 0.0;
-    // Rows around a band are those of others too.
+    // The rows around a band belong to other bands and are counted there.
     bool is_own = place.y >= first_own && place.y < first_own + own_rows;
     if (!present && is_own) atomicAdd(holes, 1u);
 }

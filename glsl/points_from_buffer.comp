@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Takes positions or heights from a buffer of the host's, such as a vertex buffer. One invocation
-// is one grid point.
+// Reads positions or heights from a buffer of the host, such as a vertex buffer. One invocation is one grid
+// point. See points.glsl.
 
 #include "constants.glsl"
 #include "chart.glsl"

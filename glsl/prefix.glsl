@@ -1,11 +1,11 @@
-// Sums over the invocations of a workgroup.
+// Computes prefix sums over the invocations of a workgroup.
 
-// No sum is larger, so that none wraps around.
+// Limit of all sums, so that none wraps around.
 const uint MOST = 1u << 30;
 
 shared uint sums[WORKGROUP];
 
-// The sum of what this invocation and those before it give, each at most MOST.
+// Returns the sum of the values of this invocation and of those before it. Each value is at most MOST.
 uint sum_up_to_here(uint own) {
     uint here = gl_LocalInvocationID.x;
     uint sum = own;

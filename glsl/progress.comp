@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Counts an iteration and decides whether another one follows. One invocation is all.
+// Counts an iteration and decides whether another one follows. A single invocation is dispatched.
 // Twin: src/cpu/progress.rs.
 
 #include "constants.glsl"

@@ -1,31 +1,32 @@
-// How a map's iterations go, kept on the device so that no readback steers them.
+// Declares the progress of a map's iterations. It is kept on the device, so that no readback is needed to
+// steer them.
 
 layout(set = 0, binding = 4) restrict buffer Progress {
     uint residual;      // largest change of a front in this iteration, in units of the last place
     uint renews;        // 1 while curved fronts may be renewed
-    uint iterations;    // done so far: of four scans, of updates of all points, or rounds of tiles
-    uint last_residual; // that of the last iteration done
-    uint since_reached; // iterations since a point was first reached
-    uint done;          // 1 once the map has converged, or iterations have run out
-    uint tolerance;     // residual at which a map has converged
-    uint most;          // iterations, at most
+    uint iterations;    // number done: iterations of four scans, updates of all points, or rounds of tiles
+    uint last_residual; // residual of the last iteration done
+    uint since_reached; // number of iterations since a point was last reached for the first time
+    uint done;          // 1 once the map has converged or the iterations have run out
+    uint tolerance;     // largest residual at which a map has converged
+    uint most;          // largest number of iterations
     uint fronts_meet;   // 0, FRONTS_MEET or FRONTS_ARE_ADDED; see wavefront.glsl
-    // What the dispatches of further iterations read, zero groups once the map is done.
-    uint grid_groups[3];   // of the grid
-    uint rounds[ROUND_WORDS * (ROUNDS + 1)]; // of the tiles on the list of each round; then what else is kept of it
-    uint unsettled[ROUNDS]; // largest change of a round that another one has to pass on
+    // Group counts of the indirect dispatches of further iterations, zero once the map is done.
+    uint grid_groups[3];   // for the grid
+    uint rounds[ROUND_WORDS * (ROUNDS + 1)]; // for the tiles on the list of each round, with its other numbers
+    uint unsettled[ROUNDS]; // largest change of a round that another round has to pass on
     uint reached;           // 1 once a round has reached a point
-    uint settled;           // texels that settle.comp has copied, for profiles
+    uint settled;           // number of texels copied by settle.comp, for profiles
     uint visits[VISIT_WORDS]; // a bit for each dispatch of a scan that has visited its block, for profiles
-    float typical_edge; // about as long as the surface's edges along rows and columns are; 0 if it has none
-    // What a renderer is to know of its input, which no iteration changes.
-    uint prepared;    // the number that the surface's last preparation to run has written
-    uint passed_over; // sources of the map that reach no point
-    uint holes;       // points that cannot be used; NEVER_MEASURED before there are any edges
-    uint no_length;   // edges between points that can be used, of length 0 or beyond FAR
-    // Of some of the edges, see turns.glsl.
-    uint sharp;       // those at whose ends normals differ by much
-    uint compared;    // all
-    uint continued;   // those beyond which the normal is known too
-    uint turns[2];    // of these the sums of squared differences of normals, one and two steps apart
+    float typical_edge; // typical length of edges along rows and columns; 0 if there are no edges
+    // Properties of a renderer's input. No iteration changes them.
+    uint prepared;    // number written by the last preparation of the surface that has run
+    uint passed_over; // number of sources of the map that reach no point
+    uint holes;       // number of unusable points; NEVER_MEASURED until there are edges
+    uint no_length;   // number of edges between usable points that have length 0 or a length beyond FAR
+    // Properties of a sample of the edges; see turns.glsl.
+    uint sharp;       // number of edges at whose ends the normals differ by much
+    uint compared;    // number of all sampled edges
+    uint continued;   // number of sampled edges beyond which the normal is known too
+    uint turns[2];    // for the latter, sums of squared differences of normals one and two steps apart
 };

@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Makes the ways of all points longer, by those of the points around where they lead, and takes
-// over the label of the nearest point there once it is known. One invocation is one point.
+// Extends the ways of all points by the ways of the points around their ends, and takes over the label of the
+// nearest point there once it is known. One invocation is one point.
+// Twin: src/cpu/twins/regions.rs.
 
 #include "constants.glsl"
 #include "chart.glsl"
@@ -11,8 +12,8 @@ layout(local_size_x = WORKGROUP) in;
 
 #include "regions.glsl"
 
-// Follows the ways of the points around a place on, or takes the label of the nearest one. False
-// where there is none.
+// Extends a way by the ways of the points around its end, or takes the label of the nearest of these points.
+// Returns false if no way leads on.
 bool step_on(inout uint link, inout vec2 place) {
     vec2 first = floor(place);
     vec4 weights = bilinear(place - first);
@@ -39,7 +40,7 @@ bool step_on(inout uint link, inout vec2 place) {
     for (int i = 0; i < 4; i++) {
         if (is_known(links[i])) continue;
         vec2 apart = place_at(from, corners[i]) - on;
-        // Elsewhere the front comes from another side.
+        // The front of this point comes from another side.
         if (max(abs(apart.x), abs(apart.y)) > NEAR_PLACES) continue;
         sum += weights[i];
         off += weights[i] * apart;

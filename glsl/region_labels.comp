@@ -1,8 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Gives points whose way has led nowhere the label of the first of their ancestors that has one:
-// the nearer end of the base that their way crosses, and so on, always earlier. One invocation is
-// one point.
+// Labels points whose way has led nowhere with the label of their first ancestor that has one. The parent of
+// a point is the nearer end of the base that its way crosses, which is always earlier. One invocation is one
+// point.
+// Twin: src/cpu/twins/regions.rs.
 
 #include "constants.glsl"
 #include "chart.glsl"

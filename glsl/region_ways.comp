@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The beginning of the way to each point, or the label of a point that no front reaches before a
-// source's own. One invocation is one point.
+// Computes the beginning of the way to each point. A point that a source's own front reaches first gets its
+// label instead. One invocation is one point.
+// Twin: src/cpu/twins/regions.rs.
 
 #include "constants.glsl"
 #include "chart.glsl"
@@ -30,8 +31,8 @@ void main() {
     uint link = NO_REGION;
     vec2 place = vec2(at);
     if (is_reached(here)) {
-        // The neighbours counter-clockwise from east, and the first again. Ways lead to earlier
-        // points alone, so that none leads in a circle.
+        // The neighbours counter-clockwise from east, with the first repeated at the end. Ways lead only to
+        // earlier points, so that none leads in a circle.
         float times[9];
         float carried[9];
         float surface[9];

@@ -1,12 +1,12 @@
-// Regions of the points nearest to each source, in a buffer: for each grid point, row-major, what is
-// known of its label, twice, then the place to which its way leads, column and row, twice. Passes
-// read the one and write the other, and the last of them leaves the labels in the first.
+// Computes regions of the points nearest to each source, in a buffer. For each grid point, in row-major
+// order, it holds twice what is known of the point's label, then twice the place to which its way leads, in
+// column and row. Each pass reads one copy and writes the other. The last pass leaves the labels in the first
+// copy.
 //
-// The way to a point is the line on which its front has come, back towards the source: at first to
-// where it crosses the base of the triangle that has brought the front. From there it leads on
-// as the ways of the points around do, so that passes over all points make all ways longer by a
-// factor each. Ways do not stick to grid points, which would turn them by up to half the angle
-// between two neighbours.
+// The way to a point is the line on which its front has come, followed back towards the source. At first it
+// leads to where it crosses the base of the triangle that has brought the front. From there it continues as
+// the ways of the points around do. So each pass over all points lengthens all ways by a factor. Ways do not
+// follow grid points, which would turn them by up to half the angle between two neighbours.
 // Twin of all passes: src/cpu/twins/regions.rs.
 
 layout(set = 1, binding = 1) restrict buffer Regions {
@@ -15,13 +15,13 @@ layout(set = 1, binding = 1) restrict buffer Regions {
 
 layout(push_constant) uniform Push {
     ivec2 grid;     // columns and rows of the whole grid
-    int first_word; // of the first source
-    int count;      // of sources
-    int from;       // 0 or 1: which links and places are read; the others are written
-    uint is_last;   // 1 if nothing but labels is left to write: of seeds 1 in the second pass
+    int first_word; // offset of the first source
+    int count;      // number of sources
+    int from;       // 0 or 1: copy of links and places that is read; the other one is written
+    uint is_last;   // 1 if only labels are left to write; for seeds, 1 in the second pass
 };
 
-// Set in a link beside a label. The others are the indices of points.
+// Marks a link that is a label. Other links are the indices of points.
 const uint KNOWN = 0x80000000u;
 const uint NO_REGION = 0xffffffffu;
 

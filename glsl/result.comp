@@ -1,7 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Unpacks arrival times into an image with one distance a texel. One invocation is one texel of the
-// fronts.
+// Unpacks arrival times into an image with one distance per texel. One invocation is one texel of the fronts.
 
 #include "constants.glsl"
 #include "chart.glsl"
@@ -13,7 +12,7 @@ layout(set = 1, binding = 3, r32f) uniform writeonly restrict image2D distances;
 
 layout(push_constant) uniform Size {
     ivec2 grid;      // columns and rows of the whole grid
-    float unreached; // what stands for points that are not reached
+    float unreached; // value for points that are not reached
 };
 
 void main() {

@@ -1,6 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Blocks of lines of a scan of one map: one, or where a line fits a workgroup many in turn; see scan.glsl.
+// Scans blocks of lines of one map; see scan.glsl. A dispatch covers one block, or many in turn if a line
+// fits into a workgroup.
+// Twin: src/cpu/twins/scan_in_turn.rs.
 
 #include "constants.glsl"
 #include "chart.glsl"
@@ -66,7 +68,8 @@ void main() {
         passed_lines += block_lines;
         int at = due_at(int(SCAN) - 1, first_line / LINES, pitch);
         if (in_turn != 0) {
-            // What the block before has written, to the line behind this one and to what is due.
+            // Makes visible what the previous block has written: the line behind this block, and which blocks
+            // are due.
             memoryBarrierImage();
             memoryBarrierBuffer();
             barrier();
@@ -74,7 +77,7 @@ void main() {
             barrier();
             if (is_due == 0u) continue;
         }
-        // What the block is visited by has been read.
+        // The mark that made the block due has been read. Only a mark for the next iteration is kept.
         if (gl_GlobalInvocationID.x == 0u) {
             atomicAnd(blocks[at], due_again(iterations));
             int bit = note + number;

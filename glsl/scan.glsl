@@ -1,28 +1,32 @@
-// A block of lines of texels of a rotated raster scan (paper, section 5.3 and figure 3, second
-// row): rows for the scans down and up, columns for those right and left.
-// One invocation is one texel of each line. Its first line of points is updated from the line
-// behind; its second from its first, for which the two neighbouring points of the first line are
-// computed here again. Between lines of a block, neighbours pass their results on in shared
-// memory. At both ends of a workgroup the results go wrong by one texel a line, for want of a
-// neighbour; these texels are computed by the workgroup beside it too, which writes them.
-// Include after wavefront.glsl. Twin: src/cpu/twins/scan_in_turn.rs.
+// Scans a block of lines of texels in a rotated raster scan (paper, section 5.3 and figure 3, second row).
+// Lines are rows for the scans down and up, and columns for those right and left.
+//
+// One invocation is one texel of each line. It updates the texel's first line of points from the line behind.
+// It updates the second line from the first. For that it also computes the two neighbouring points of the
+// first line. Between lines of a block, neighbours exchange their results in shared memory. At both ends of a
+// workgroup, the results become invalid by one more texel per line, since a neighbour is missing. The
+// workgroup beside it computes these texels too, and writes them.
+//
+// Include after wavefront.glsl.
+// Twin: src/cpu/twins/scan_in_turn.rs.
 //
 // The including shader defines
-//     ivec3 place_of(ivec2 texel, int layer)            in the images of fronts
+//     ivec3 place_of(ivec2 texel, int layer)            texel and layer in the images of fronts
 //     bool renews_fronts()                              whether fronts are renewed
-//     void note_change(uint change)                     of a front, in units of the last place
-//     bool passes(ivec2 point, ivec2 ahead)             whether the scan gets to a point's line
+//     void note_change(uint change)                     records a change, in units of the last place
+//     bool passes(ivec2 point, ivec2 ahead)             whether the scan visits a point's line
 //     void note_moved(uint moved, uint further, ivec2 texel)
-//                                                       in which lines, bit by bit from that of the
-//                                                       texel on, a front has changed at all, and in
-//                                                       which of them at points that see further than
-//                                                       their neighbours, or may be seen from there: with
-//                                                       anchors at points that lack an edge, else in
-//                                                       obtuse triangles
-//     int LINES                                         most lines of texels in a block
-// and WITH_FURTHER_POINTS if updates may see points beyond the neighbours: anchors, and parts of obtuse triangles.
+//                                                       records lines in which a front has changed at
+//                                                       all. Bit 0 is the line of `texel`. `further`
+//                                                       has the lines where such points see further
+//                                                       than their neighbours, or may be seen from
+//                                                       there: with anchors points that lack an edge,
+//                                                       otherwise points of obtuse triangles
+//     int LINES                                         largest number of lines of texels in a block
+// and WITH_FURTHER_POINTS if updates may read points beyond the neighbours: anchors, and parts of obtuse
+// triangles.
 
-// The scan's direction: one of the four unit steps.
+// Direction of the scan: one of the four unit steps.
 layout(constant_id = 0) const int AHEAD_X = 0;
 layout(constant_id = 1) const int AHEAD_Y = 1;
 
@@ -30,8 +34,8 @@ layout(constant_id = 1) const int AHEAD_Y = 1;
 #include "surface_image.glsl"
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray old_fronts;
-// Read on the line behind the block, which an earlier dispatch has written, and by the parts of obtuse triangles
-// on lines of the block that this workgroup has written.
+// This image is read on the line behind the block, which an earlier dispatch has written. The parts of obtuse
+// triangles also read it on lines of the block that this workgroup has written.
 #ifdef WITH_FURTHER_POINTS
 layout(set = 2, binding = 0, rgba32f) uniform restrict coherent image2DArray new_fronts;
 #else
@@ -39,45 +43,45 @@ layout(set = 2, binding = 0, rgba32f) uniform restrict image2DArray new_fronts;
 #endif
 
 layout(push_constant) uniform Block {
-    int line;  // the first row or column of texels in the order of the scan
-    int lines; // how many, in one block or in turn
-    int first; // the first texel visited in each
-    int count; // how many
-    int last;  // the last texel of a line of the grid
-    int pitch; // blocks of a scan: see blocks.glsl
-    int note;  // number of the first block in the recording, for profiles; or negative
-    int in_turn; // whether one workgroup takes several blocks, those that are due
+    int line;  // first row or column of texels, in the order of the scan
+    int lines; // number of lines, in one block or in several
+    int first; // first texel visited in each line
+    int count; // number of texels visited in each line
+    int last;  // last texel of a line of the grid
+    int pitch; // number of blocks of a scan, see blocks.glsl
+    int note;  // number of the first block in the recording, for profiles, or negative
+    int in_turn; // whether one workgroup visits several blocks in turn, those that are due
 };
 
-// The first line of the block, and how many it has.
+// First line of the block, and its number of lines.
 int block_line;
 int block_lines;
 
 const ivec2 ahead = ivec2(AHEAD_X, AHEAD_Y);
 const ivec2 along = ivec2(AHEAD_Y * AHEAD_Y, AHEAD_X * AHEAD_X);
-// The scan's number, from 1 in the order of an iteration.
+// Number of the scan, from 1 in the order of an iteration.
 const uint SCAN = AHEAD_Y != 0 ? (AHEAD_Y > 0 ? 1u : 2u) : (AHEAD_X > 0 ? 3u : 4u);
-// Texels at each end of a workgroup that another one writes.
+// Number of texels at each end of a workgroup that another workgroup writes.
 const int HALO = LINES - 1;
-// Fronts of the line of points just updated, in turns, for the neighbours.
+// Fronts of the line of points just updated, for the neighbours. Two buffers alternate.
 shared vec4 passed[2][gl_WorkGroupSize.x];
 
 bool differ(vec4 a, vec4 b) {
     return any(notEqual(floatBitsToUint(a), floatBitsToUint(b)));
 }
 
-// The line of points before the texel's, at points -2 to 3; its own are 0 and 1.
+// Values on the line of points before the texel's, at points -2 to 3. The texel's own points are 0 and 1.
 struct Behind {
     vec2 left, middle, right;
 };
 
-// Edge lengths from four points in a row, the second being this one.
+// Returns the edge lengths of four points in a line, of which `point` is the second.
 vec4 edge_lengths(ivec2 point, ivec2 step) {
     return vec4(edge_length(point - along, step), edge_length(point, step),
                 edge_length(point + along, step), edge_length(point + 2 * along, step));
 }
 
-// A layer at points -1 to 2 of the texel's first line.
+// Returns a layer at points -1 to 2 of the texel's first line.
 vec4 first_line_old(ivec2 texel, int layer) {
     ivec3 at = place_of(texel, layer);
     ivec3 side = ivec3(along, 0);
@@ -86,6 +90,7 @@ vec4 first_line_old(ivec2 texel, int layer) {
                 first_line(imageLoad(old_fronts, at + side), ahead).x);
 }
 
+// Returns a layer on the line of points behind a texel.
 Behind layer_behind(ivec2 texel, int layer) {
     ivec3 at = place_of(texel - ahead, layer);
     ivec3 side = ivec3(along, 0);
@@ -109,24 +114,25 @@ Behind slowness_behind(ivec2 texel) {
 // The two lines of points that a scan updates in a texel.
 struct Lines {
     Ends first; // points -1 to 2
-    vec4 second; // points 0 and 1, twice
+    vec4 second; // points 0 and 1, repeated
     vec4 second_carried;
 };
 
 #ifdef WITH_FURTHER_POINTS
-// The first line of points of the line of texels being updated, likewise.
+// Fronts of the first line of points in the line of texels being updated, for the neighbours.
 shared vec4 begun[gl_WorkGroupSize.x];
-// How many lines of texels of the block are done, and whether the first points of the next one are.
+// Number of lines of texels of the block that are done, and whether the first points of the next one are.
 int lines_done = 0;
 bool has_begun = false;
 
-// The texel in a line that a lane updates first of all.
+// Returns the first texel of a line that this workgroup computes.
 int first_of_workgroup() {
     return first + int(gl_WorkGroupID.x) * (int(gl_WorkGroupSize.x) - 2 * HALO) - HALO;
 }
 
-// Behind the block lines are as this scan has left them, and so are those in it that are done, where this workgroup
-// writes them; the others are as they were before.
+// Returns the front at a point. Behind the block, fronts are those that this scan has left. The same holds
+// for lines of the block that are done, at texels that this workgroup writes. All others are the fronts from
+// before the scan.
 vec2 front_at(ivec2 point) {
     ivec2 texel = texel_of(point);
     int lines_on = lines_ahead(texel, ahead) - block_line * (AHEAD_X + AHEAD_Y);
@@ -151,10 +157,10 @@ vec2 front_at(ivec2 point) {
 #include "splits.glsl"
 #include "anchored_ways.glsl"
 
-// Updates both lines of a texel by ways to anchors, given what its first line sees, and the edges from its
-// second line to the first.
+// Updates both lines of a texel by paths to anchors. `behind` is what its first line sees. `l1` and `l2` are
+// the edges from its second line to the first.
 void follow_ways(ivec2 point, Sight behind, vec4 l1, vec4 l2, bool may_renew, inout Lines own) {
-    // A loop, since drivers are slow to compile the same code twice over.
+    // This is a loop, since drivers are slow to compile the same code twice.
     for (int half_of = 0; half_of < 2; half_of++) {
         ivec2 at = half_of == 0 ? point : point + ahead;
         if (!passes(at, ahead)) continue;
@@ -181,8 +187,8 @@ void follow_ways(ivec2 point, Sight behind, vec4 l1, vec4 l2, bool may_renew, in
 }
 #endif
 
-// The same through triangles, given the bases of those of the first line too.
-// Returns whether any of them is obtuse.
+// Updates both lines of a texel through triangles, given also the bases of those of the first line. Returns
+// whether any of them is obtuse.
 bool pass_triangles(ivec2 point, Sight behind, vec4 base_left, vec4 base_right, vec4 l1, vec4 l2,
                     vec2 surface, vec2 slowness, bool may_renew, inout Lines own) {
     bool any_obtuse = false;
@@ -224,13 +230,14 @@ bool pass_triangles(ivec2 point, Sight behind, vec4 base_left, vec4 base_right, 
     return any_obtuse;
 }
 
+// Scans the block from its first line to its last.
 void scan_block() {
     int lane = int(gl_LocalInvocationID.x);
     int place = int(gl_WorkGroupID.x) * (int(gl_WorkGroupSize.x) - 2 * HALO) + lane - HALO;
     bool writes = lane >= HALO && lane < int(gl_WorkGroupSize.x) - HALO && place < count;
-    // Beyond the grid a texel is computed again: no edge leads there.
+    // Beyond the grid, the nearest texel is computed again. No edge leads there.
     place = texel_in_line(first + place, last);
-    // Neighbours' lanes; the outermost have none, and what they compute is not written.
+    // Lanes of the neighbours. The outermost lanes lack one, and their results are not written.
     int before = max(lane - 1, 0);
     int beyond = min(lane + 1, int(gl_WorkGroupSize.x) - 1);
     bool may_renew = renews_fronts();
@@ -299,7 +306,7 @@ void scan_block() {
                                      first_line(own_surface, ahead),
                                      first_line(surface_of(texel + along), ahead).x);
         }
-        // From points 0 and 1 of the second line: left triangles in xy, right triangles in zw.
+        // From points 0 and 1 of the second line. Left triangles are in xy, right triangles in zw.
         ivec2 next = point + ahead;
         vec2 sides = vec2(edge_length(next, -ahead), edge_length(next + along, -ahead));
         vec4 l1 = vec4(edge_length(next, -ahead - along), edge_length(next + along, -ahead - along),

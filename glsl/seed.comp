@@ -1,8 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Initial values of the sources, where they are earlier than what is there. One invocation is one
-// texel with sources in it, or nothing if its column is negative. If tiles follow, those around the
-// texel are put on the first list; if scans follow, the blocks with the texel are due in all of them.
+// Writes the initial values of sources where they are earlier than the present ones. One invocation is one
+// texel with sources in it. It does nothing if the column of the texel is negative. If tiles follow, the
+// tiles around the texel are put on the first list. If scans follow, the blocks with the texel become due in
+// all scans.
 // Twin: the start of a map in src/cpu.
 
 #include "constants.glsl"
@@ -23,7 +24,7 @@ layout(set = 0, binding = 3) readonly restrict buffer Seeds {
 layout(push_constant) uniform Count {
     ivec2 texels; // columns and rows of texels, without the border
     int count;
-    uint follows; // what does: SCANS_FOLLOW, TILES_FOLLOW or another
+    uint follows; // SCANS_FOLLOW, TILES_FOLLOW or NOTHING_FOLLOWS
 };
 
 void main() {
@@ -34,7 +35,7 @@ void main() {
     vec4 time = imageLoad(new_fronts, ivec3(texel, TIME));
     vec4 carried = imageLoad(new_fronts, ivec3(texel, CARRIED));
     vec4 times = seeds[index].times;
-    // What is exact and comes with another front stays.
+    // An exact seed replaces a front that arrives at the same time.
     bvec4 exact = equal(floatBitsToUint(seeds[index].curvatures) & SCAN_OF_TAG, uvec4(EXACT));
     bvec4 first = mix(lessThan(times, time), lessThanEqual(times, time), exact);
     imageStore(new_fronts, ivec3(texel, TIME), mix(time, times, first));

@@ -1,7 +1,7 @@
-// The first fronts of a texel's points, as seed.comp takes them.
+// The first fronts at the points of a texel, as seed.comp reads them.
 struct SeedTexel {
-    ivec2 texel; // its column is negative if there are none
-    ivec2 window; // the first texel of the surroundings that it belongs to, if it belongs to any
+    ivec2 texel; // negative column: there are none
+    ivec2 window; // first texel of the surroundings that it belongs to, if any
     vec4 times;
     vec4 curvatures;
 };

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// After the rounds of a recording, brings all fronts back to image 0 and forgets when tiles were
-// visited. One workgroup is one tile, one invocation some of its texels; the first of all also
-// counts the rounds and decides whether more follow.
+// Copies all fronts back to image 0 after the rounds of a recording, and resets the states of the tiles. One
+// workgroup is one tile. One invocation handles some of its texels. The very first invocation also counts the
+// rounds and decides whether more follow.
 // Twin: Tiles::settle in src/cpu/twins/tile_rounds.rs.
 
 #include "constants.glsl"
@@ -17,12 +17,13 @@ layout(set = 2, binding = 0, rgba32f) uniform writeonly restrict image2DArray fr
 
 layout(push_constant) uniform Recording {
     ivec2 texels; // columns and rows of texels, without the border
-    uint count;   // of rounds
+    uint count;   // number of rounds
 };
 
-// Of the workgroup's tile.
+// State of the workgroup's tile.
 shared uint state;
 
+// Counts the rounds of the recording, and decides whether more follow.
 void count_rounds() {
     uint visited = 0u;
     while (visited < count && rounds[ROUND_WORDS * visited] > 0u) visited += 1u;
@@ -32,7 +33,7 @@ void count_rounds() {
     if (since_reached >= PATIENCE) renews = 0u;
     if (visited < count || rounds[ROUND_WORDS * count] == 0u) done = 1u;
     if (iterations >= most) done = 1u;
-    // A recording that goes on takes its first list from here.
+    // The next recording would take its first list from this entry.
     if (done != 0u) rounds[ROUND_WORDS * count] = 0u;
 }
 

@@ -1,12 +1,12 @@
-// Fronts over a slowness that differs from corner to corner of a triangle.
+// Implements fronts over a slowness that differs between the corners of a triangle.
 // Twin: src/update/slowed.rs, where it is explained.
 
-// 1 where the slowness jumps at one of three points, else 0.
+// Returns 1 where the slowness jumps at one of three points, else 0.
 vec4 jump_of(vec4 a, vec4 b, vec4 c) {
     return vec4(notEqual((tags_of(a) | tags_of(b) | tags_of(c)) & JUMPS, uvec4(0u)));
 }
 
-// Whether triangles are obtuse at x0 on the surface, given the slowness at x0, x1 and x2.
+// Returns whether triangles are obtuse at x0 on the surface, given the slowness at x0, x1 and x2.
 bvec4 are_obtuse_on_surface(vec4 l1, vec4 l2, vec4 c, vec4 s0, vec4 s1, vec4 s2) {
     vec4 per_base = (s1 + s2) / c;
     vec4 side = l1 / (s0 + s1) * per_base;
@@ -14,7 +14,8 @@ bvec4 are_obtuse_on_surface(vec4 l1, vec4 l2, vec4 c, vec4 s0, vec4 s1, vec4 s2)
     return both(lessThan(c, vec4(FAR)), lessThan(side * side + other * other, vec4(OBTUSE)));
 }
 
-// A triangle from edges weighted by a slowness, given that along the side and the other one over that along the base.
+// Returns the shape of a triangle from edges weighted by a slowness. `of_side` and `of_other` are the mean
+// slowness along these two edges, divided by that along the base.
 Shape shape_on_surface(vec4 side, vec4 other, vec4 base, vec4 of_side, vec4 of_other) {
     Shape shape = shape_of(side / of_side, other / of_other, base);
     shape.whole = both(shape.whole, lessThan(max(max(side, other), base), vec4(FAR)));
@@ -34,6 +35,7 @@ struct Crossing {
     vec4 place, rise, beyond;
 };
 
+// Finds where rays cross the base. The method is Newton's, from a guess.
 Crossing crossing_of(Slope front, Rays rays, vec4 guess) {
     vec4 across = rays.near + rays.slope * clamp(rays.foot, 0.0, 1.0);
     vec4 straight = clamp(-(front.d + rays.slope * rays.height) / across, -STEEPEST_GUESS, STEEPEST_GUESS);
@@ -65,6 +67,7 @@ Crossing crossing_of(Slope front, Rays rays, vec4 guess) {
     return first;
 }
 
+// Returns the arrival times at x0 of straight fronts, given the slowness at x0.
 vec4 planar_slowed(Ends end1, Ends end2, vec4 s0, vec4 l1, vec4 l2, vec4 c) {
     vec4 along_edge = edge_step(end1.time, end2.time, l1, l2);
     bvec4 swap = lessThan(end1.time, end2.time);
@@ -79,7 +82,7 @@ vec4 planar_slowed(Ends end1, Ends end2, vec4 s0, vec4 l1, vec4 l2, vec4 c) {
     vec4 from_near = (s0 + near_s) * per_base_slowness;
     Shape shape = shape_on_surface(l, near_l, c, from_far, from_near);
     vec4 d = (near_t - t) * shape.per_base;
-    // Where there is no triangle what follows is of no account, but a number.
+    // Where there is no triangle, the following values do not matter, but must be numbers.
     vec4 height = sqrt(mix(vec4(1.0), shape.height_squared, shape.whole));
     Rays rays = Rays(shape.foot, height, from_far, from_near - from_far, vec4(1.0));
     Crossing crossing = crossing_of(Slope(d, vec4(0.0), -d, vec4(0.0), vec4(0.0)), rays, vec4(0.0));
@@ -88,6 +91,7 @@ vec4 planar_slowed(Ends end1, Ends end2, vec4 s0, vec4 l1, vec4 l2, vec4 c) {
     return min(along_edge, mix(along_edge, time, both(shape.whole, within)));
 }
 
+// Returns the curved fronts at x0, given its Gaussian curvature and slowness.
 Fronts curved_slowed(Ends end1, Ends end2, vec4 g0, vec4 s0, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
     bvec4 swap = lessThan(end1.time, end2.time);
     vec4 t = mix(end1.time, end2.time, swap);
@@ -140,7 +144,7 @@ Fronts curved_slowed(Ends end1, Ends end2, vec4 g0, vec4 s0, vec4 l1, vec4 l2, v
     bvec4 is_first = both(lessThanEqual(time, min(by_far, by_near)), either(bvec4(!causal), greaterThanEqual(time, later)));
     bvec4 inside = both(both(is_front, within), is_first);
 
-    // Along the edge of the end from which it arrives first.
+    // The front along the edge of the end from which it arrives first.
     bvec4 is_from_far = lessThanEqual(by_far, by_near);
     vec4 edge = mix(near_l, l, is_from_far);
     vec4 edge_g = mix(near_g, g, is_from_far);

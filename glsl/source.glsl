@@ -1,11 +1,11 @@
-// The sources of a map as the host gives them.
+// Reads the sources of a map as the host gives them.
 //
 // The including shader declares
 //     ivec2 grid;       columns and rows of the whole grid
-//     int first_word;   of the first source
+//     int first_word;   offset of the first source
 
 layout(set = 1, binding = 0) readonly restrict buffer Input {
-    float words[]; // four a source, as in Source
+    float words[]; // four words per source, as in Source
 };
 
 struct Source {
@@ -15,7 +15,8 @@ struct Source {
     float curvature;
 };
 
-// What is 0, negative, infinite or no number stands for a point source, what is tiny for a straight front.
+// Returns the curvature of a source. A value that is 0, negative, infinite or NaN stands for a point source.
+// A tiny value stands for a straight front.
 float usable_curvature(float given) {
     uint bits = floatBitsToUint(given);
     if (bits == 0u || bits >= 0x7f800000u) return SOURCE_CURVATURE;
@@ -31,6 +32,7 @@ vec2 place_of(Source s) {
     return vec2(s.col, s.row);
 }
 
+// Returns whether a source counts: it lies on the grid, and its time is finite and less than FAR.
 bool counts(Source s) {
     return is_on_grid(place_of(s), grid) && (floatBitsToUint(s.time) & 0x7f800000u) != 0x7f800000u
         && s.time < FAR;

@@ -1,10 +1,10 @@
-// When a source's front reaches the points around it. Include after edge_image.glsl, cell.glsl
-// and source.glsl.
+// Computes when a source's front reaches the points around it. Include after edge_image.glsl, cell.glsl and
+// source.glsl.
 //
-// The distance from a place in a cell to a corner follows from the lengths of the cell's edges:
-// with the place p = sum of w_i p_i over the corners, and the corner at the origin,
+// The distance from a place in a cell to a corner follows from the lengths of the cell's edges. With the
+// place p = sum of w_i p_i over the corners, and the corner at the origin,
 // |p|^2 = sum of w_i w_j <p_i, p_j>, and 2 <p_i, p_j> = |p_i|^2 + |p_j|^2 - |p_i - p_j|^2.
-// Nothing needs to be known of positions, and slowness is in the lengths.
+// No positions are needed, and the lengths include the slowness.
 // Twin: Sources::seeds in src/surface/sources, in terms of positions.
 
 // The lengths of the edges between the corners of a cell.
@@ -12,6 +12,7 @@ struct Cell {
     float lengths[16];
 };
 
+// Returns the cell with a given north-western corner.
 Cell cell_at(ivec2 first) {
     Cell cell;
     for (int a = 0; a < 4; a++) {
@@ -25,7 +26,7 @@ Cell cell_at(ivec2 first) {
     return cell;
 }
 
-// From a corner of a cell to a place in it; FAR if there is no way.
+// Returns the distance from a corner of a cell to a place in it, or FAR if there is no way.
 float distance_in(Cell cell, int corner, vec2 uv) {
     bvec4 there;
     for (int a = 0; a < 4; a++) {
@@ -51,7 +52,7 @@ float distance_in(Cell cell, int corner, vec2 uv) {
     return sqrt(max(square, 0.0));
 }
 
-// When a source's front reaches a point of the cells around it, and its curvature there.
+// Returns when a source's front reaches a point of the cells around it, and the front's curvature there.
 vec2 arrival(Source s, ivec2 at) {
     vec2 place = place_of(s);
     vec2 whole = floor(place);
@@ -61,7 +62,7 @@ vec2 arrival(Source s, ivec2 at) {
     }
     float nearest = FAR;
     for (int i = 0; i < 4; i++) {
-        // The cell of which the point is this corner.
+        // The cell in which the point is this corner.
         ivec2 first = at - to_corner(i);
         vec2 uv = place - vec2(first);
         bool inside = all(greaterThanEqual(uv, vec2(0.0))) && all(lessThanEqual(uv, vec2(1.0)));

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Initial values around sources that lie anywhere on the grid, as seed.comp reads them. A source
-// reaches no further than 2 x 2 texels: one invocation is one source and one of these texels, and
-// the first source of a texel writes what all bring to it.
+// Computes the initial values around sources that lie anywhere on the grid, as seed.comp reads them. A source
+// reaches at most 2 x 2 texels. One invocation is one source and one of these texels. The first source of a
+// texel writes what all sources bring to it.
 // Twin: Sources::seeds in src/surface/sources.
 
 #include "constants.glsl"
@@ -21,19 +21,19 @@ layout(set = 0, binding = 3) writeonly restrict buffer Seeds {
 
 layout(push_constant) uniform Portion {
     ivec2 grid;     // columns and rows of the whole grid
-    int first_word; // of the first source
-    int count;      // of sources
+    int first_word; // offset of the first source
+    int count;      // number of sources
 };
 
 #include "source.glsl"
 #include "source_arrival.glsl"
 
-// The first of the texels with points of cells around a source.
+// Returns the first of the texels that hold points of the cells around a source.
 ivec2 first_texel(Source s) {
     return texel_of(point_at(max(ivec2(ceil(place_of(s))) - 1, ivec2(0))));
 }
 
-// Whether there is a point around a source for its front to begin at.
+// Returns whether a source reaches any of the points around it.
 bool arrives(Source s) {
     if (!counts(s)) return false;
     for (int i = 0; i < 4; i++) {
@@ -56,7 +56,7 @@ void main() {
     if ((index & 3) == 0 && !arrives(own)) atomicAdd(passed_over, 1u);
     if (!counts(own)) return;
     ivec2 texel = first_texel(own) + to_corner(index & 3);
-    // The image's border ends where the grid's last texel has a neighbour.
+    // Next to the last texel of the grid lies the border, which gets no seeds.
     if (is_beyond(without_border(texel), texels_of(grid))) return;
     for (int i = 0; i < number; i++) {
         Source other = source(i);

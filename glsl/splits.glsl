@@ -1,24 +1,24 @@
-// Fronts through the parts of obtuse triangles, which have no face themselves: grid points beyond their bases
-// split them. What cannot be split has none either.
-// Include after wavefront.glsl and edge_image.glsl.
+// Computes fronts through the parts of obtuse triangles. Such a triangle is not used as a whole; grid points
+// beyond its base split it. If it cannot be split, only its edges are used. Include after wavefront.glsl and
+// edge_image.glsl.
 // Twin: src/surface/unfold.rs, where it is explained.
 //
 // The including shader defines
-//     vec2 front_at(ivec2 point)          arrival time and what is carried at any point of the grid
-//     float surface_at(ivec2 point)       what the surface brings there
+//     vec2 front_at(ivec2 point)          arrival time and carried value at any point of the grid
+//     float surface_at(ivec2 point)       surface value there
 //     float slowness_at(ivec2 point)      its slowness, where it is uneven
 
 vec2 front_at(ivec2 point);
 
-// Whether the surface has obtuse triangles. A constant, since drivers for CPUs take the time of the branch not
-// taken too: twice as long for a scan.
+// Whether the surface has obtuse triangles. This is a constant, since CPU drivers spend the time of the
+// branch not taken too, which doubles the time of a scan.
 layout(constant_id = 6) const int SPLITS = 1;
 
-// A grid point in the plane of x0's triangle.
+// A grid point unfolded into the plane of x0's triangle.
 struct Unfolded {
     ivec2 step; // from x0
     vec2 place;
-    vec3 front; // its arrival time, and what is carried and what the surface brings there
+    vec3 front; // arrival time, carried value and surface value there
     float slowness;
 };
 
@@ -26,14 +26,14 @@ float known_slowness_at(ivec2 point) {
     return SLOWED != 0 ? slowness_at(point) : 1.0;
 }
 
-// The length of an edge on the surface.
+// Returns the length of an edge on the surface.
 float length_on_surface(ivec2 point, ivec2 step) {
     float length = edge_length(point, step);
     if (SLOWED == 0 || length >= FAR) return length;
     return (length + length) / (slowness_at(point) + slowness_at(point + step));
 }
 
-// Whether one place lies to the left of another one, seen from x0.
+// Returns whether one place lies to the left of another, as seen from x0, by more than rounding.
 bool follows(vec2 a, vec2 other) {
     float across = other.x * a.y - other.y * a.x;
     return across > SPLIT_MARGIN * (dot(a, a) + dot(other, other));
@@ -44,7 +44,8 @@ bool is_obtuse(vec2 a, vec2 b) {
     return dot(a, a) / base + dot(b, b) / base < OBTUSE;
 }
 
-// The place so far from both ends of an edge, to its right. False if the three are no triangle.
+// Finds the place at given distances from both ends of an edge, to the right of the edge. Returns false if
+// the three lengths do not make a triangle.
 bool unfold(vec2 u, vec2 w, float base, float to_u, float to_w, out vec2 place) {
     place = vec2(0.0);
     if (max(base, max(to_u, to_w)) >= FAR) return false;
@@ -59,7 +60,7 @@ bool unfold(vec2 u, vec2 w, float base, float to_u, float to_w, out vec2 place) 
     return true;
 }
 
-// The point beyond an edge of the grid that is next in x0's plane. False if there is none.
+// Finds the next point beyond an edge of the grid, in x0's plane. Returns false if there is none.
 bool find_beyond(ivec2 x0, Unfolded u, Unfolded w, int turn, vec2 right, vec2 left, inout Unfolded apex) {
     ivec2 along = w.step - u.step;
     ivec2 away = turn * ivec2(-along.y, along.x);
@@ -98,11 +99,12 @@ vec3 known_at(ivec2 point) {
     return vec3(front_at(point), CARRIES ? surface_at(point) : 0.0);
 }
 
-// The first of the fronts at x0 through the parts of its obtuse triangle between two neighbours, four times over.
+// Returns the first of the fronts at x0 through the parts of its obtuse triangle between two neighbours, in
+// all four components.
 Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
     Fronts first = Fronts(vec4(FAR), vec4(0.0), bvec4(false));
     ivec2 base = b - a;
-    // Whichever scan asks, from the same end: counter-clockwise.
+    // The search starts from the same end whichever scan asks: counter-clockwise.
     if (base.x * a.y - base.y * a.x < 0) {
         a = b;
         base = -base;
@@ -118,10 +120,10 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
     Unfolded right = Unfolded(a, vec2(la, 0.0), known_at(x0 + a), known_slowness_at(x0 + a));
     Unfolded left = Unfolded(b, vec2(x, sqrt(height_squared)), known_at(x0 + b), known_slowness_at(x0 + b));
     float own_slowness = known_slowness_at(x0);
-    // What a part lies over counts where the slowness jumps.
+    // If the slowness jumps below a part, the largest slowness counts.
     float least = min(own_slowness, min(right.slowness, left.slowness));
     float largest = max(own_slowness, max(right.slowness, left.slowness));
-    // The edge beyond which the next point is looked for.
+    // The edge beyond which the next point is searched.
     Unfolded u = right;
     Unfolded w = left;
     int turn = base.x * a.y - base.y * a.x > 0 ? 1 : -1;
@@ -140,7 +142,8 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
             continue;
         }
         apex.front = known_at(x0 + apex.step);
-        // The part to the right of the point in x, that to its left in y; there is nothing in one that is obtuse.
+        // The part to the right of the point is in x, the part to its left in y. An obtuse part brings no
+        // front.
         bool right_obtuse = is_obtuse(right.place, apex.place);
         bool left_obtuse = is_obtuse(apex.place, left.place);
         vec2 ends = vec2(right_obtuse ? FAR : 0.0, left_obtuse ? FAR : 0.0);
@@ -192,11 +195,11 @@ Fronts through_parts(ivec2 x0, ivec2 a, ivec2 b) {
     return first;
 }
 
-// Adds what comes through the parts of obtuse triangles to the fronts of four points, given which of their
-// triangles to the left and right are.
+// Adds the fronts through the parts of obtuse triangles to the fronts of four points. `left` and `right` tell
+// which of their triangles are obtuse.
 void add_parts(Places places, bvec4 left, bvec4 right, inout Fronts fronts) {
     if (SPLITS == 0 || !any(either(left, right))) return;
-    // A loop, since drivers are slow to compile the same code twice over.
+    // This is a loop, since drivers are slow to compile the same code twice.
     for (int i = 0; i < 8; i++) {
         int k = i & 3;
         if (!(i < 4 ? left[k] : right[k])) continue;

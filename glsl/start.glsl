@@ -1,4 +1,4 @@
-// Times as numbers in the same order, negative ones too; equal times are equal numbers.
+// Maps times to integers in the same order, including negative times. Equal times have equal integers.
 
 uint rank_of(float time) {
     uint bits = time == 0.0 ? 0u : floatBitsToUint(time);

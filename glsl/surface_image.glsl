@@ -1,10 +1,10 @@
-// What the surface brings to fronts, by their kind: its Gaussian curvature, tagged, or on floor plans where holes
-// are (corner.glsl). Include after chart.glsl.
+// Reads the surface values: the Gaussian curvature with a tag, or on floor plans the places of holes
+// (corner.glsl). Include after chart.glsl.
 
 layout(set = 0, binding = 1, rgba32f) uniform readonly restrict image2D gaussians;
 
-// Where there is a slowness that is not the same everywhere, the image is twice as wide, and has it in its right
-// half: 1 where no point is.
+// Returns the slowness of a texel. If the slowness varies, the image is twice as wide, and its right half
+// holds the slowness, which is 1 where there is no point.
 vec4 slowness_of(ivec2 texel) {
     return imageLoad(gaussians, texel + ivec2(imageSize(gaussians).x / 2, 0));
 }

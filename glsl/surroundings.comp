@@ -1,13 +1,16 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// What a source inside a cell reaches first, as seed.comp reads it: a map of the texels around its
-// cell, by updates of all their points from their eight triangles until nothing changes. Rays from there
-// pass between points of which two scans reach one each, and whole maps would take an iteration for
-// each cell until that changes hardly anything.
-// A point source with others near it is solved alone, at a grid point too: an update takes fronts of two sources for one,
-// which comes too early. Its times are exact up to where a front from elsewhere may be first.
-// One workgroup is one source, one invocation one texel. merge_surroundings.comp takes the earliest where surroundings
-// meet.
+// Solves a map of the texels around the cell of a source, as seed.comp reads it. All points are updated from
+// their eight triangles until nothing changes. One workgroup is one source. One invocation is one texel.
+//
+// This pass is for sources inside cells. Rays from there pass between pairs of points that two different
+// scans reach, one each. Scans of the whole grid would take an iteration for each cell until that no longer
+// matters.
+//
+// It is also for point sources with others near them, including those at grid points. Each is solved alone,
+// since an update would take the fronts of two sources for one, which would arrive too early. Its times are
+// exact up to where a front from elsewhere may be first. Where surroundings meet, merge_surroundings.comp
+// takes the earliest fronts.
 // Twin: src/cpu/twins/surroundings.rs.
 
 #include "constants.glsl"
@@ -27,15 +30,15 @@ layout(set = 0, binding = 3) writeonly restrict buffer Seeds {
 
 layout(push_constant) uniform Portion {
     ivec2 grid;     // columns and rows of the whole grid
-    int first_word; // of the first source
+    int first_word; // offset of the first source
 };
 
 #include "source.glsl"
 #include "source_arrival.glsl"
 
-// The points of the texels, with those around that their own see, which stay unreached: ways outside are for
-// the scans to find. What a map that sources are added to has from there is taken back here, and stays in
-// the images, since nothing is written but what comes earlier.
+// The window holds the points of the texels and the points around that these see. The latter stay unreached:
+// ways outside the window are for the scans to find. If sources are added to a map, fronts that came from
+// there may be withdrawn here. They stay in the images, since only earlier fronts are written.
 const int TEXELS = SURROUNDINGS_TEXELS;
 #include "window.glsl"
 
@@ -46,14 +49,16 @@ shared float times[AREA];
 shared float carried[CARRIES ? AREA : 1];
 // Whether a front has changed in an even step, and in an odd one.
 shared uint moved[2];
-// How long after the source's start its front first leaves the window, as bits.
+// Time from the source's start until its front first leaves the window, as the bits of a float.
 shared uint leaves;
 
-// The four points of a texel whose first is here.
+// Returns the indices of the four points of the texel whose first point is at `at`.
 ivec4 spots(ivec2 at) {
     return corners_row_major(at, SIDE);
 }
 
+// Returns the fronts, surface values and slowness at the four points of the texel whose first point is at
+// `at`.
 Ends ends_at(ivec2 at) {
     ivec4 s = spots(at);
     Ends ends = Ends(vec4(times[s.x], times[s.y], times[s.z], times[s.w]), vec4(0.0), vec4(0.0), vec4(0.0));
@@ -65,6 +70,7 @@ Ends ends_at(ivec2 at) {
     return ends;
 }
 
+// Returns the lengths of the edges that lead along `step` from the four points of the texel at `at`.
 vec4 edge_lengths(ivec2 at, ivec2 step) {
     bool here = stored_here(step);
     ivec4 s = spots(here ? at : at + step);
@@ -73,9 +79,10 @@ vec4 edge_lengths(ivec2 at, ivec2 step) {
                 stored_length(lengths[s.z], way), stored_length(lengths[s.w], way));
 }
 
-// The first point of the images in shared memory.
+// The first of the points in shared memory, as a point of the images.
 ivec2 window;
 
+// Returns the front at a point. Outside the window, none has arrived.
 vec2 front_at(ivec2 point) {
     ivec2 at = point - window;
     if (!in_grid(at, ivec2(SIDE))) return vec2(FAR, 0.0);
@@ -85,12 +92,12 @@ vec2 front_at(ivec2 point) {
 
 #include "splits.glsl"
 
-// Has a texel whose first point is here accept what comes through the two triangles of each scan.
+// Updates the texel whose first point is at `at` through the two triangles of each scan.
 void update_texel(ivec2 at, inout vec4 time, inout vec4 held) {
     vec4 own = ends_at(at).surface;
     vec4 own_slowness = ends_at(at).slowness;
     Fronts fronts;
-    // A loop, since drivers are slow to compile the same code twice over.
+    // This is a loop, since drivers are slow to compile the same code several times.
     for (int triangle = 0; triangle < 8; triangle++) {
         int scan = triangle / 2;
         ivec2 ahead = ahead_of(scan);
@@ -121,7 +128,7 @@ bool is_inside_cell(Source s) {
     return place_of(s) != floor(place_of(s));
 }
 
-// The first of a source's texels.
+// Returns the first texel of a source's window.
 ivec2 first_texel(Source s) {
     return texel_of(point_at(ivec2(place_of(s)))) - (TEXELS / 2 - 1);
 }
@@ -130,7 +137,7 @@ bool is_point(Source s) {
     return s.curvature == SOURCE_CURVATURE;
 }
 
-// Whether a source has others near it, all of them points.
+// Returns whether a source has others near it, all of which are point sources.
 bool is_crowded(Source own) {
     if (!HAS_CURVATURE || !is_point(own)) return false;
     bool found = false;
@@ -144,7 +151,7 @@ bool is_crowded(Source own) {
     return found;
 }
 
-// The start of the first of all sources.
+// Returns the start time of the earliest source.
 float first_start() {
     float first = FAR;
     for (int i = 0; i < int(gl_NumWorkGroups.x); i++) {
@@ -154,7 +161,7 @@ float first_start() {
     return first;
 }
 
-// A source's own fronts at the points of a texel.
+// Computes a source's own fronts at the points of a texel.
 void take_own(Source own, ivec2 texel, out vec4 time, out vec4 held) {
     for (int j = 0; j < 4; j++) {
         vec2 front = arrival(own, at_point(first_point(texel) + to_corner(j)));
@@ -163,7 +170,7 @@ void take_own(Source own, ivec2 texel, out vec4 time, out vec4 held) {
     }
 }
 
-// Whether the grid goes on beyond a texel of the window.
+// Returns whether the grid continues beyond a texel of the window.
 bool is_at_way_out(ivec2 in_window, ivec2 inner, ivec2 texels) {
     bvec2 low = bvec2(uvec2(equal(in_window, ivec2(0))) & uvec2(greaterThan(inner, ivec2(0))));
     bvec2 high = bvec2(uvec2(equal(in_window, ivec2(TEXELS - 1))) & uvec2(lessThan(inner, texels - 1)));
@@ -242,8 +249,9 @@ void main() {
             atomicMin(leaves, floatBitsToUint(max(soonest - own.time, 0.0)));
         }
         barrier();
-        // What comes from elsewhere has to pass the border, and from there it has as far to go as is left of the
-        // source's own way there.
+        // A front from elsewhere enters through the border of the window, and not before the first source
+        // starts. From there its way to a point is at least as long as the source's own way from the point to
+        // the border. So the source's own front is the first one up to the mean of both times.
         float until = own.time + uintBitsToFloat(leaves);
         bvec4 exact = lessThanEqual(time, vec4(until < FAR ? 0.5 * (until + first_start()) : FAR));
         held = with_tags(held, mix(uvec4(NOT_EXACT | WHOLE), uvec4(EXACT | WHOLE), exact));

@@ -1,14 +1,15 @@
-// Tags: the last binary digits of what a front carries and of what the surface brings.
+// Defines tags: the last binary digits of the value that a front carries, and of the surface value.
 //
-// The tag of a front is the scan that has brought it, from 1 to 4, or 0 for a source or EXACT for one that stays, plus WHOLE if it came
-// through a whole triangle or is a source's. The surface's is LACKING at points that lack an edge, and DIFFRACTS
-// beside it where waves diffract.
+// The tag of a front is the number of the scan that has brought it, from 1 to 4. For a source it is 0, and
+// for a seed that stays it is EXACT. WHOLE is added if the front came through a whole triangle or is that of
+// a source. The tag of the surface is LACKING at points that lack an edge, with DIFFRACTS added where waves
+// diffract.
 
 const uint SCAN_OF_TAG = TAG & ~WHOLE;
-// That of a source's front, which knows where it comes from as well as one through a triangle.
+// Tag of a source's front. It knows where it comes from as well as a front through a triangle does.
 const uint SOURCE_TAG = WHOLE;
 
-// A number with a tag; zero becomes tiny.
+// Returns a number with a tag. Zero becomes a tiny number.
 float with_tag(float value, uint tag) {
     float held = abs(value) < FLAT ? FLAT : value;
     return uintBitsToFloat((floatBitsToUint(held) & ~TAG) | tag);
@@ -27,15 +28,17 @@ uvec4 tags_of(vec4 held) {
     return floatBitsToUint(held) & TAG;
 }
 
-// The scan that has brought a front.
+// Returns the number of the scan that has brought a front.
 uint scan_of(float held) {
     return floatBitsToUint(held) & SCAN_OF_TAG;
 }
 
+// Returns which fronts a scan, numbered from 1, has brought.
 bvec4 are_of_scan(vec4 held, uint scan) {
     return equal(floatBitsToUint(held) & SCAN_OF_TAG, uvec4(scan));
 }
 
+// Returns which numbers are equal except for their tags.
 bvec4 are_alike_but_for_tags(vec4 a, vec4 b) {
     return equal((floatBitsToUint(a) ^ floatBitsToUint(b)) & ~TAG, uvec4(0u));
 }

@@ -1,11 +1,13 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// One round of the tiles on its list: iterations of four rotated scans inside each tile, in shared
-// memory, the points around it standing still; then the tiles beside a side that has changed are
-// put on the list of the next round. Tiles that are due much later than the first wait for it too.
-// One workgroup is one tile; one invocation is two neighbouring points of a line of one of the four
-// scans, which run at once on copies of their own. Each tile's fronts lie in one of the two images
-// and are written to the other, so that a round does not depend on the order of its workgroups.
+// Runs one round of the tiles on its list. It iterates four rotated scans inside each tile in shared memory,
+// while the points around the tile stay fixed. Then it puts the tiles beside each side that has changed on
+// the list of the next round. Tiles that are due much later than the first are put on that list without a
+// visit.
+//
+// One workgroup is one tile. One invocation is two neighbouring points of a line of one of the four scans,
+// which run at once on separate copies. The fronts of a tile lie in one of the two images and are written to
+// the other, so that a round does not depend on the order of its workgroups.
 // Twin: src/cpu/twins/tile_rounds.rs.
 
 #include "constants.glsl"
@@ -19,7 +21,7 @@
 
 layout(local_size_x_id = 3, local_size_y = 4) in;
 
-// Iterations inside a tile, at most.
+// Largest number of iterations inside a tile.
 layout(constant_id = 4) const int INNER = 4;
 
 layout(set = 0, binding = 2, rgba32f) uniform restrict image2DArray fronts_1;
@@ -33,7 +35,7 @@ layout(push_constant) uniform Round {
 #include "window.glsl"
 
 const int INVOCATIONS = 2 * TILE;
-// Texels of the tile for each invocation.
+// Number of texels of the tile for each invocation.
 const int SHARE = (OWN_TEXELS + INVOCATIONS - 1) / INVOCATIONS;
 
 shared vec4 lengths[AREA];
@@ -44,20 +46,21 @@ shared float times[4 * AREA];
 shared float carried[CARRIES ? 4 * AREA : 1];
 shared uint change;
 shared uint border_change;
-shared uint woken; // sides beyond which the next round visits a tile: 3 x 3 bits
-shared uint urgencies[9]; // of these tiles
+shared uint woken; // tiles that the next round visits, as bits of 3 x 3 tiles
+shared uint urgencies[9]; // urgencies of these tiles
 
+// Returns the length of an edge from a point of the window.
 float edge_in_tile(ivec2 at, ivec2 step) {
     bool here = stored_here(step);
     return stored_length(lengths[spot(here ? at : at + step)], here ? step : -step);
 }
 
-// What front_at() is asked for: in which of the copies, beside a tile whose first point in shared memory is
-// `window`.
+// Context of front_at(): the copy that it reads, and the first point in shared memory.
 int copy_here;
 ivec2 window;
 
-// In and around the tile as the copy has it; beyond, as it was before the round.
+// Returns the front at a point. In and around the tile it comes from the copy; elsewhere it is the one from
+// before the round.
 vec2 front_at(ivec2 point) {
     ivec2 at = point - window;
     if (in_grid(at, ivec2(SIDE))) {
@@ -82,11 +85,12 @@ vec2 front_at(ivec2 point) {
 #include "splits.glsl"
 #include "anchored_ways.glsl"
 
+// Loads a tile and the points around it into shared memory.
 void load(ivec2 tile, ivec2 tile_grid) {
     ivec2 first = first_texel_of(tile);
     uint state_of_own = atomicOr(tiles[row_major(tile, tile_grid.x)], 0u);
     for (uint i = gl_LocalInvocationIndex; i < (TEXELS + 2) * (TEXELS + 2); i += INVOCATIONS) {
-        // From the texel before the tile's first.
+        // Counts from the texel before the tile's first.
         ivec2 in_tile = from_row_major(int(i), TEXELS + 2) - 1;
         ivec2 texel = min(first + in_tile, last_texel(texels));
         ivec2 owner = tile_with(texel, tile_grid);
@@ -122,7 +126,7 @@ void load(ivec2 tile, ivec2 tile_grid) {
     }
 }
 
-// One line of one scan: points `at` and `at + along`.
+// Updates the points `at` and `at + along` of a line of one scan.
 void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
     ivec2 behind = at - ahead;
     ivec2 next = at + along;
@@ -139,7 +143,7 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
         }
         if (SLOWED != 0) ends.slowness[i] = slowness[from];
     }
-    // Left triangles in xy, right triangles in zw.
+    // Left triangles are in xy, right triangles in zw.
     vec2 sides = vec2(edge_in_tile(at, -ahead), edge_in_tile(next, -ahead));
     vec4 l1 = vec4(edge_in_tile(at, -ahead - along), edge_in_tile(next, -ahead - along), sides);
     vec4 l2 = vec4(sides, edge_in_tile(at, -ahead + along), edge_in_tile(next, -ahead + along));
@@ -163,7 +167,7 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
         add_parts(pair, obtuse, obtuse.zwxy, fronts);
     }
     accept(fronts, uint(copy) + 1u, may_renew, time, held);
-    // Parts and anchors may be seen on the line itself.
+    // Other invocations may read parts and anchors on this line, so all of them read before any writes.
     if (SPLITS != 0 || HAS_ANCHORS) barrier();
     times[a] = time.x;
     times[b] = time.y;
@@ -173,7 +177,7 @@ void advance(ivec2 at, ivec2 ahead, ivec2 along, int copy, bool may_renew) {
     }
 }
 
-// Makes the four copies the same again, with the first to arrive at each point.
+// Makes the four copies equal again, with the first front to arrive at each point.
 void merge(ivec2 in_tile, inout vec4 time, inout vec4 held) {
     for (int j = 0; j < 4; j++) {
         int at = spot(first_in_window(in_tile) + to_corner(j));
@@ -182,8 +186,8 @@ void merge(ivec2 in_tile, inout vec4 time, inout vec4 held) {
             for (int copy = 0; copy < 4; copy++) {
                 float other = times[copy * AREA + at];
                 float other_held = carried[copy * AREA + at];
-                // One that the copy's own scan has not brought stands for nothing but the old one; if that has
-                // been taken back, none is left.
+                // A front that the copy's own scan has not brought is the old one and does not count. If the
+                // old one has been withdrawn, no front is left.
                 if (other >= FAR && !found) {
                     time[j] = other;
                     held[j] = other_held;
@@ -204,7 +208,7 @@ void merge(ivec2 in_tile, inout vec4 time, inout vec4 held) {
     }
 }
 
-// The tiles that may see a point of this one, as bits of 3 x 3 tiles.
+// Returns the tiles that may see a point of this tile, as bits of 3 x 3 tiles.
 uint sides_of(ivec2 at) {
     const int REACH = SPLITS != 0 ? SPLIT_REACH : 1;
     uint bits = 0u;
@@ -217,7 +221,7 @@ uint sides_of(ivec2 at) {
     return bits;
 }
 
-// The step to one of the 3 x 3 tiles around a tile.
+// Returns the step to one of the 3 x 3 tiles around a tile.
 ivec2 neighbour(uint bit) {
     return from_row_major(int(bit), 3) - 1;
 }
@@ -236,7 +240,7 @@ void main() {
             tiles[(2u + (round & 1u)) * count + place] = number | uint(HAS_WAITED);
             enlist(number, urgency, round + 1u, count);
             atomicAdd(rounds[ROUND_WORDS * round + 4u], 1u);
-            // The map has not converged.
+            // A tile that waits means that the map has not converged.
             atomicMax(unsettled[round], tolerance + 1u);
         }
         return;
@@ -270,7 +274,7 @@ void main() {
         time[k] = time_before[k];
         held[k] = held_before[k];
     }
-    // The first line of a scan may come from another subgroup.
+    // The first line of a scan may be written by another subgroup, so all invocations read before that.
     barrier();
 
     int copy = int(gl_LocalInvocationID.y);
@@ -300,7 +304,7 @@ void main() {
         if (all_change <= tolerance) break;
     }
 
-    // Nothing waits beyond the border of the grid.
+    // The tiles around this one that lie on the grid.
     uint around = 0u;
     for (uint i = 0u; i < 9u; i++) {
         ivec2 other = tile + neighbour(i);
@@ -348,7 +352,8 @@ void main() {
         ivec2 other = tile + neighbour(gl_LocalInvocationIndex);
         uint wanted = uint(row_major(other, tile_grid.x));
         uint due = urgencies[gl_LocalInvocationIndex];
-        // It may come back to what it was before the round, and not have settled.
+        // A tile may return to the fronts from before the round without having settled. Then it has no
+        // urgency of its own.
         enlist(wanted, due != 0u ? due : urgency, round + 1u, count);
     }
 }

@@ -1,5 +1,5 @@
-// Arrival times of single grid points, out of the fronts. Two points beside the grid may be asked
-// for, which are never reached. Include after chart.glsl.
+// Reads the arrival times of single grid points from the fronts. Up to two points beyond the grid may be
+// read; these are never reached. Include after chart.glsl.
 
 layout(set = 0, binding = 2, rgba32f) uniform readonly restrict image2DArray fronts;
 
@@ -8,7 +8,7 @@ float time_at(ivec2 at) {
     return imageLoad(fronts, ivec3(texel_of(point), TIME))[component_of(point)];
 }
 
-// At the corners of a cell.
+// Returns the times at the corners of a cell.
 vec4 times_at_corners(ivec2 first) {
     return vec4(time_at(first), time_at(first + to_corner(1)), time_at(first + to_corner(2)),
                 time_at(first + to_corner(3)));

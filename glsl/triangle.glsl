@@ -1,5 +1,5 @@
-// The triangle x0 x1 x2 of an update, for four of them at once: the fronts at x1 and x2, and those that
-// arrive at x0.
+// Describes the triangle x0 x1 x2 of an update, for four of them at once: the fronts at x1 and x2, and those
+// that arrive at x0.
 // Twin: src/update.
 
 // Distance from 1 to the next number.
@@ -8,27 +8,28 @@ const float PRECISION = 1.1920929e-7;
 // Fronts at x1 or x2 of four triangles.
 struct Ends {
     vec4 time;
-    vec4 carried; // beside the time, by the kind of front
-    vec4 surface; // what the surface brings there, by the kind of front
-    vec4 slowness; // and that, where it is uneven
+    vec4 carried; // value carried beside the time, depending on the kind of front
+    vec4 surface; // surface value there, depending on the kind of front
+    vec4 slowness; // slowness there, if it is uneven
 };
 
 // Fronts that arrive at x0 of four triangles.
 struct Fronts {
     vec4 time;
     vec4 carried;
-    bvec4 whole; // come from whole triangles, and decide between equal times
+    bvec4 whole; // came through whole triangles, and are preferred among equal times
 };
 
-// What four points see of the three neighbours each that a scan has just passed: before it, beside it
-// and after it.
+// The three neighbours that a scan has just visited, as each of four points sees them: the one before the
+// point, beside it and after it.
 struct Sight {
     Ends ends[3];
-    vec4 edges[3]; // to them
+    vec4 edges[3]; // lengths of the edges to them
 };
 
-// What a pair of points of a line sees, each twice: from the fronts at the four points behind, and the edges to
-// the first and to the second end of each triangle, left ones in xy and right ones in zw.
+// Returns what a pair of points of a line sees, with each point repeated. It is given the fronts at the four
+// points behind, and the edges to the first and to the second end of each triangle. Left triangles are in xy,
+// right ones in zw.
 Sight sight_of_pair(Ends behind, vec4 l1, vec4 l2) {
     Sight sight;
     sight.ends[0] = Ends(behind.time.xyxy, behind.carried.xyxy, behind.surface.xyxy, behind.slowness.xyxy);
@@ -40,8 +41,8 @@ Sight sight_of_pair(Ends behind, vec4 l1, vec4 l2) {
     return sight;
 }
 
-// Where four points of an update are: the first, how much further the second and the third, the fourth being
-// beyond both; and the scan's way.
+// The places of four points of an update: the first, the steps from it to the second and to the third, and
+// the scan's steps. The fourth point lies beyond both.
 struct Places {
     ivec2 first, to_second, to_third;
     ivec2 ahead, along;
@@ -59,12 +60,12 @@ uint largest(uvec4 values) {
     return max(max(values.x, values.y), max(values.z, values.w));
 }
 
-// The Dijkstra step along an edge (paper, eq. 16).
+// Returns the arrival time along an edge, the Dijkstra step (paper, eq. 16).
 vec4 edge_step(vec4 t1, vec4 t2, vec4 l1, vec4 l2) {
     return min(t1 + l1, t2 + l2);
 }
 
-// A triangle in units of its base, seen from one end of it.
+// The shape of a triangle in units of its base, seen from one end of the base.
 struct Shape {
     vec4 per_base;       // 1 over the length of the base
     vec4 side;           // from this end of the base to x0
@@ -74,6 +75,7 @@ struct Shape {
     bvec4 whole;         // all three edges exist and enclose an area
 };
 
+// Returns the shapes of triangles from the lengths of their edges.
 Shape shape_of(vec4 side, vec4 other, vec4 base) {
     Shape shape;
     shape.per_base = 1.0 / base;
@@ -81,14 +83,14 @@ Shape shape_of(vec4 side, vec4 other, vec4 base) {
     shape.other = other * shape.per_base;
     shape.foot = 0.5 * ((shape.side * shape.side - shape.other * shape.other) + 1.0);
     shape.height_squared = (shape.side - shape.foot) * (shape.side + shape.foot);
-    // Asked of the lengths: where edges are missing the height is no number, and devices may take comparisons
-    // with that for true.
+    // This tests the lengths. Where edges are missing, the height is NaN, and devices may take comparisons
+    // with NaN for true.
     bvec4 exists = lessThan(max(max(side, other), base), vec4(FAR));
     shape.whole = both(greaterThan(shape.height_squared, vec4(0.0)), exists);
     return shape;
 }
 
-// Whether no angle is obtuse by more than some degrees.
+// Returns whether no angle is obtuse by more than a few degrees.
 bvec4 are_upright(Shape shape) {
     vec4 side = shape.side * shape.side;
     vec4 other = shape.other * shape.other;
@@ -96,7 +98,7 @@ bvec4 are_upright(Shape shape) {
     return lessThan(longest, UPRIGHT * (side + other + 1.0 - longest));
 }
 
-// Whether triangles of one slowness are obtuse at x0.
+// Returns whether triangles of one slowness are obtuse at x0.
 bvec4 are_obtuse(vec4 l1, vec4 l2, vec4 c) {
     vec4 per_base = 1.0 / c;
     vec4 side = l1 * per_base;
@@ -104,8 +106,8 @@ bvec4 are_obtuse(vec4 l1, vec4 l2, vec4 c) {
     return both(lessThan(c, vec4(FAR)), lessThan(side * side + other * other, vec4(OBTUSE)));
 }
 
-// Whether of x1 and x2 only the one across the diagonal is there, given the edges to the other, along
-// an axis of the grid: fronts are then taken to have come around a hole's corner.
+// Returns whether only the one of x1 and x2 across the grid's diagonal is present, given the edges to the
+// other, along an axis of the grid. Fronts are then assumed to have come around a hole's corner.
 bvec4 are_alone(vec4 beside) {
     return greaterThanEqual(beside, vec4(FAR));
 }

@@ -1,17 +1,19 @@
-// How sharply the surface turns from point to point, for a renderer to know whether its grid resolves it.
+// Measures how sharply the surface turns from point to point, so that a renderer knows whether its grid
+// resolves it.
 // Twin: src/surface/resolution.rs, where it is explained.
 
-// The unit normal at a point all four of whose neighbours are there, or zero.
+// Returns the unit normal at a point with all four neighbours, otherwise zero.
 vec3 normal_inside(ivec2 at) {
     bool inside = is_present(at) && goes_on(at, ivec2(1, 0)) && goes_on(at, ivec2(0, 1));
     return inside ? normal(at) : vec3(0.0);
 }
 
+// Compares the normal at a point with those one and two steps away, at a sample of the points.
 void look_at_turns(ivec2 at) {
     ivec2 every = (grid + (LOOKS - 1)) / LOOKS;
     if (min(at.x, at.y) < 1 || any(notEqual((at - 1) % every, ivec2(0)))) return;
-    // In one loop, since compilers would put the code of a normal here five times over: here, then one and two
-    // steps to the east, then to the north.
+    // The normals are computed in one loop, since compilers would otherwise inline the code of a normal five
+    // times. The order is: here, one and two steps to the east, one and two steps to the north.
     vec3 here = vec3(0.0);
     float turned = 0.0;
     for (int i = 0; i < 5; i++) {
@@ -27,7 +29,7 @@ void look_at_turns(ivec2 at) {
         vec3 apart = there - here;
         float square = dot3(apart, apart);
         if (steps == 1) {
-            // Negative: not known.
+            // A negative value means that it is not known.
             turned = is_known ? square : -1.0;
             if (!is_known) continue;
             atomicAdd(compared, 1u);

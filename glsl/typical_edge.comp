@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// About how long a surface's edges along rows and columns are: the mean of their logarithms, but for what lies between
-// powers of two, at some texels of the grid. One workgroup is all.
+// Estimates the typical length of a surface's edges along rows and columns from some texels of the grid. It
+// averages the logarithms of the lengths, which are interpolated linearly between powers of two. A single
+// workgroup is dispatched. One invocation handles some of the texels.
 // Twin: typical_edge in src/cpu/twins/tile_rounds.rs.
 
 #include "constants.glsl"
@@ -15,7 +16,7 @@ layout(push_constant) uniform Size {
     ivec2 texels; // columns and rows of texels, without the border
 };
 
-// Logarithms in units of 2^-11, and how many they are.
+// Sum of logarithms in units of 2^-11, and their number.
 shared uint sum;
 shared uint count;
 

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Unpacks arrival times into rows of distances. One invocation is one column of a row of texels of a band of rows, so
-// that those beside one another write what lies side by side: it goes over a bus to the host. The third dimension of
-// the dispatch is the map.
+// Unpacks arrival times into rows of distances. One invocation is one column of a row of texels in a band of
+// rows. Neighbouring invocations then write to adjacent addresses, which matters since the output crosses a
+// bus to the host. The third dimension of the dispatch is the map.
 // Twin: the distances of a solution in src/cpu.
 
 #include "constants.glsl"
@@ -20,7 +20,7 @@ layout(push_constant) uniform Band {
     ivec2 grid;     // columns and rows of the whole grid
     int first_row;  // the band's first row, even
     int band_rows;
-    int layers;     // of each map in the image, the first with its times
+    int layers;     // number of layers per map in the image; the first holds its times
 };
 
 void main() {

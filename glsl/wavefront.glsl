@@ -1,18 +1,19 @@
-// The kinds of front, and the one place that asks which it is. A kind is a file: what its fronts carry beside
-// their arrival time, and how they are updated, compared, accepted, and their changes measured. It is a line here
-// in each function for which it has a way of its own.
-// Include after constants.glsl. Twins: Wavefront in src/update, and its kinds there and in src/cpu.
+// Selects the kind of front. This is the only place that asks for the kind. Each kind has a file, which
+// defines what its fronts carry beside their arrival time, and how they are updated, compared and accepted,
+// and their changes measured. A kind adds a line to each function here that it handles in its own way.
+// Include after constants.glsl.
+// Twins: Wavefront in src/update, and its kinds there and in src/cpu.
 
-// One of PLANAR, CIRCULAR, CURVED and ANCHORED.
+// Kind of front: PLANAR, CIRCULAR, CURVED or ANCHORED.
 layout(constant_id = 2) const int WAVEFRONT = PLANAR;
 
-// Whether the surface has a slowness that is not the same everywhere: then fronts are straight or carry their
-// curvature.
+// Whether the slowness of the surface varies. Fronts are then straight or carry their curvature.
 layout(constant_id = 12) const int SLOWED = 0;
 
-// Whether fronts hang on nothing that arrives later, as where several may meet. Shaders of maps set it.
+// Whether fronts depend on nothing that arrives later. This is needed where several may meet. Shaders of maps
+// set it.
 bool causal = false;
-// Whether seeds that are exact are held.
+// Whether exact seeds are kept.
 bool holds = true;
 
 #include "tag.glsl"
@@ -24,14 +25,13 @@ bool holds = true;
 #include "anchored.glsl"
 
 const bool HAS_CURVATURE = WAVEFRONT == CURVED;
-// Whether updates follow ways back to their anchors, beyond the neighbours of a point (anchored_ways.glsl).
+// Whether updates follow paths back to their anchors, beyond the neighbours of a point (anchored_ways.glsl).
 const bool HAS_ANCHORS = WAVEFRONT == ANCHORED;
-// Whether fronts carry anything beside their arrival time, which then has the layer CARRIED, and ask what the
-// surface brings.
+// Whether fronts carry anything beside their arrival time, in the layer CARRIED, and read the surface values.
 const bool CARRIES = HAS_CURVATURE || HAS_ANCHORS;
 
-// The fronts at x0, given what the surface brings there and its slowness: at FAR or later if neither x1 nor x2 is reached.
-// Within a triangle a front with an anchor is a circular one.
+// Returns the fronts at x0, given the surface value and the slowness there. Their times are FAR or later if
+// neither x1 nor x2 is reached. Within a triangle, a front with an anchor is a circular one.
 Fronts update(Ends end1, Ends end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l2, vec4 c, bvec4 alone) {
     if (SLOWED != 0) {
         if (HAS_CURVATURE) return curved_slowed(end1, end2, surface, slowness, l1, l2, c, alone);
@@ -43,37 +43,40 @@ Fronts update(Ends end1, Ends end2, vec4 surface, vec4 slowness, vec4 l1, vec4 l
     return Fronts(time, vec4(0.0), bvec4(false));
 }
 
-// The curvature of a front over the base of a triangle, in units of the base. Given are the time at the later end,
-// what is carried there and at the other end, and how far the other end's time exceeds this one, in the same unit.
+// Returns the curvature of a front over the base of a triangle, in units of 1 over the base. `time` is that
+// at the later end, and `carried` is the value there and at the other end. `d` is the time at the other end
+// less that at this one, in units of the base.
 float curvature_over_base(float time, vec2 carried, float d, float base) {
     if (HAS_CURVATURE) return base_curvature(carried.x, carried.y, d, base);
     return WAVEFRONT == PLANAR ? 0.0 : circular_curvature(time, base);
 }
 
-// The earlier of two fronts at each point.
+// Returns the earlier of two fronts at each point.
 Fronts earlier(Fronts a, Fronts b) {
     if (CARRIES) return earlier_curved(a, b);
     return Fronts(min(a.time, b.time), vec4(0.0), bvec4(false));
 }
 
-// Whether triangles are obtuse at x0, given the slowness there.
+// Returns whether triangles are obtuse at x0, given the slowness there.
 bvec4 are_split(Ends end1, Ends end2, vec4 slowness, vec4 l1, vec4 l2, vec4 c) {
     if (SLOWED != 0) return are_obtuse_on_surface(l1, l2, c, slowness, end1.slowness, end2.slowness);
     return are_obtuse(l1, l2, c);
 }
 
-// The same of the triangles of a pair of points of a line from the four points behind: see update_pair().
+// Returns whether the triangles between a pair of points of a line and the four points behind are obtuse; see
+// update_pair().
 bvec4 are_split_of_pair(Ends behind, vec2 slowness, vec4 l1, vec4 l2, vec4 c) {
     if (SLOWED != 0) return are_obtuse_on_surface(l1, l2, c, slowness.xyxy, behind.slowness.xyyz, behind.slowness.yzzw);
     return are_obtuse(l1, l2, c);
 }
 
-// The bases of triangles, but of obtuse ones, whose edges alone count: see splits.glsl.
+// Returns the bases of triangles, or FAR for obtuse ones, of which only the edges count; see splits.glsl.
 vec4 without_faces(bvec4 obtuse, vec4 c) {
     return mix(c, vec4(FAR), obtuse);
 }
 
-// The fronts at four points through the two triangles that each sees behind it, given these triangles' bases.
+// Returns the fronts at four points through the two triangles that each sees behind it, given the bases of
+// these triangles.
 Fronts update_four(Sight sight, vec4 surface, vec4 slowness, vec4 base_left, vec4 base_right) {
     bvec4 alone = are_alone(sight.edges[1]);
     bvec4 left = are_split(sight.ends[0], sight.ends[1], slowness, sight.edges[0], sight.edges[1], base_left);
@@ -84,8 +87,8 @@ Fronts update_four(Sight sight, vec4 surface, vec4 slowness, vec4 base_left, vec
                           without_faces(right, base_right), alone));
 }
 
-// The same at a pair of points of a line, each twice, from the four points behind: left triangles in xy, right
-// ones in zw.
+// Returns the fronts at a pair of points of a line, each repeated, from the four points behind. Left
+// triangles are in xy, right ones in zw.
 Fronts update_pair(Ends behind, vec2 surface, vec2 slowness, vec4 l1, vec4 l2, vec4 base) {
     Ends near = Ends(behind.time.xyyz, behind.carried.xyyz, behind.surface.xyyz, behind.slowness.xyyz);
     Ends far = Ends(behind.time.yzzw, behind.carried.yzzw, behind.surface.yzzw, behind.slowness.yzzw);
@@ -95,8 +98,8 @@ Fronts update_pair(Ends behind, vec2 surface, vec2 slowness, vec4 l1, vec4 l2, v
                    Fronts(sided.time.zwzw, sided.carried.zwzw, sided.whole.zwzw));
 }
 
-// Which fronts points keep: those that are there, or those that a scan, numbered from 1, brings. Those that it
-// has brought before may be renewed.
+// Selects which fronts points keep: the present ones, or those that a scan, numbered from 1, brings. If
+// `renews` is set, fronts that the same scan brought earlier may be renewed.
 void accept(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 carried) {
     if (HAS_CURVATURE) {
         accept_curved(fronts, scan, renews, time, carried);
@@ -107,7 +110,7 @@ void accept(Fronts fronts, uint scan, bool renews, inout vec4 time, inout vec4 c
     }
 }
 
-// Whether of two fronts at one point, each brought by another scan, the first is kept.
+// Returns whether the first of two fronts at one point is kept, where different scans brought them.
 bool is_first(float time, float carried, float other, float other_carried) {
     bool first = time < other;
     if (HAS_CURVATURE) first = is_first_curved(time, carried, other, other_carried);
@@ -115,12 +118,12 @@ bool is_first(float time, float carried, float other, float other_carried) {
     return first;
 }
 
-// Whether the earlier of two times is kept, whichever of the two fronts is: not where a time belongs to what is
-// carried.
+// Whether the earlier of two times is kept, whichever of the two fronts is. It is not if a time belongs to
+// the carried value.
 const bool KEEPS_EARLIER_TIME = !HAS_ANCHORS;
 
-// How much fronts have changed: the largest difference of arrival times in units of the last
-// place, or what a change of what they carry counts beside it.
+// Returns how much fronts have changed: the largest difference of arrival times in units of the last place,
+// or the weight of a change of what they carry.
 uint change_of(vec4 old_time, vec4 time, vec4 old_carried, vec4 carried) {
     uvec4 old_bits = floatBitsToUint(old_time);
     uvec4 bits = floatBitsToUint(time);

@@ -1,21 +1,21 @@
-// A window of TEXELS x TEXELS texels in shared memory: their points, and those around that they see.
-// Include after chart.glsl; the including shader defines TEXELS.
+// Places a window of TEXELS x TEXELS texels in shared memory: their points, and the points around them that
+// they see. Include after chart.glsl. The including shader defines TEXELS.
 
 const int SIDE = 2 * TEXELS + 2;
 const int AREA = SIDE * SIDE;
 const int OWN_TEXELS = TEXELS * TEXELS;
 
-// Where a point of the window is in shared memory.
+// Returns the index in shared memory of a point of the window.
 int spot(ivec2 in_window) {
     return row_major(in_window, SIDE);
 }
 
-// The first point of a texel of the window, which counts from the window's first.
+// Returns the first point of a texel. Both are counted from the first of the window.
 ivec2 first_in_window(ivec2 texel) {
     return first_point(texel) + 1;
 }
 
-// The point of the images that is the window's first, given its first texel.
+// Returns the image point that comes first in the window, given the window's first texel.
 ivec2 window_at(ivec2 first_texel) {
     return first_point(first_texel) - 1;
 }

@@ -1,5 +1,4 @@
-//! All points at once from their eight triangles, again and again. The twin of
-//! `glsl/all_points.comp`.
+//! Updates all points at once from their eight triangles, repeatedly. The twin of `glsl/all_points.comp`.
 
 use super::behind;
 use crate::Stop;
@@ -9,8 +8,8 @@ use crate::cpu::{Progress, Solution};
 use crate::surface::{EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
-/// Solves by updates of all points from the fronts before, two an iteration: iteration by iteration
-/// what the shader does. A front advances by one point an update.
+/// Solves by updates of all points from the previous fronts, two in each iteration. Each iteration equals
+/// that of the shader. A front advances by one point per update.
 pub fn all_points<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],

@@ -1,6 +1,6 @@
-//! The shaders' schedules point by point, each in the order of its shader: for tests and studies to hold one
-//! against the other, after any number of iterations. They are slow, and no part of what the crate promises to
-//! keep; with the feature `twins`.
+//! Implements the shaders' schedules point by point, each in the order of its shader. Tests and studies
+//! compare both after any number of iterations. The twins are slow. They need the feature `twins` and are not
+//! covered by the crate's promises of compatibility.
 
 mod all_points;
 mod regions;
@@ -20,7 +20,7 @@ use super::behind::Behind;
 use super::scan::Scan;
 use crate::surface::Chart;
 
-/// What lies behind a point in each of the four scans of an iteration.
+/// Returns what lies behind a point in each of the four scans of an iteration.
 fn behind(chart: Chart) -> [Behind; 4] {
     Scan::ALL.map(|scan| Behind::of(chart, scan))
 }

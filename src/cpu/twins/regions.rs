@@ -1,4 +1,4 @@
-//! Labels by the nearest source. The twin of `glsl/region_*.comp`.
+//! Labels points by the nearest source. The twin of `glsl/region_*.comp`.
 
 use super::scan_in_turn::scan;
 use crate::Stop;
@@ -9,21 +9,21 @@ use crate::cpu::point_fronts::PointFronts;
 use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
 use crate::update::{Kept, Setting, Wavefront, base_crossing};
 
-/// Column and row.
+/// A column and a row.
 type Place = [f32; 2];
 
-/// What is known of a point's region.
+/// The region of a point, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Link {
     Label(u32),
-    /// That of an earlier point, if its way leads nowhere.
+    /// The label of an earlier point, which applies if the way leads nowhere.
     Parent(usize),
     /// No front arrives.
     Nothing,
 }
 
-/// For each grid point, row-major, the label of the seed from which its front has come, and
-/// [`u32::MAX`] where none arrives.
+/// Returns for each grid point, in row-major order, the label of the seed from which its front has come. The
+/// label is [`u32::MAX`] where no front arrives.
 pub fn regions(
     edges: &EdgeLengths<f32>,
     seeds: &[(Seed, u32)],
@@ -60,8 +60,8 @@ fn solve<'a, K: TriangleKind<'a, f32>>(
     links.into_iter().map(label).collect()
 }
 
-/// So many follow a way past as many points as the grid has, if each makes it longer by a factor of
-/// one more than the jumps.
+/// Returns the number of passes that extend a way past as many points as the grid has. Each pass lengthens
+/// the way by a factor of `jumps` + 1.
 fn rounds(chart: Chart, jumps: u32) -> u32 {
     let (mut rounds, mut reach) = (1, u64::from(jumps) + 1);
     while reach < chart.points() as u64 {
@@ -70,7 +70,7 @@ fn rounds(chart: Chart, jumps: u32) -> u32 {
     rounds
 }
 
-/// The earliest seed of each point, the first of equally early ones.
+/// Returns the earliest seed of each point, and the smallest label among equally early ones.
 fn starts(chart: Chart, seeds: &[(Seed, u32)]) -> Vec<Option<(f32, u32)>> {
     let mut starts: Vec<Option<(f32, u32)>> = vec![None; chart.points()];
     for (seed, label) in seeds {
@@ -83,7 +83,7 @@ fn starts(chart: Chart, seeds: &[(Seed, u32)]) -> Vec<Option<(f32, u32)>> {
     starts
 }
 
-/// Where the way to a point crosses the base of its triangle.
+/// Returns where the way to a point crosses the base of its triangle.
 fn begin<'a, K: TriangleKind<'a, f32>>(
     chart: Chart,
     fronts: &PointFronts<'a, f32, K>,
@@ -99,7 +99,7 @@ fn begin<'a, K: TriangleKind<'a, f32>>(
     if here >= f32::FAR {
         return (Link::Nothing, own);
     }
-    // Ways lead to earlier points alone, so that none leads in a circle.
+    // Ways lead only to earlier points, so that none leads in a circle.
     let earlier = |other: usize| {
         let time = fronts.time(other);
         let is_before = time < here || (time == here && other < point);
@@ -133,7 +133,7 @@ fn begin<'a, K: TriangleKind<'a, f32>>(
     (Link::Parent(chart.index(row, col)), place)
 }
 
-/// Follows the ways of other points on.
+/// Extends a way by the ways of other points.
 fn flow(chart: Chart, links: &[Link], places: &[Place], index: usize) -> (Link, Place) {
     let (mut link, mut place) = (links[index], places[index]);
     for _ in 0..FLOW_JUMPS {
@@ -149,7 +149,7 @@ fn flow(chart: Chart, links: &[Link], places: &[Place], index: usize) -> (Link, 
     (link, place)
 }
 
-/// Where the way leads on from a place, or the label there.
+/// Returns where the way continues from a place, or the label there.
 fn step(
     chart: Chart,
     links: &[Link],
@@ -193,7 +193,7 @@ fn step(
     Some(Ok([0, 1].map(|k| (on[k] + off[k] / sum).clamp(0.0, last[k] as f32))))
 }
 
-/// Where ways lead nowhere, the label of the first of a point's ancestors that has one.
+/// Returns the label of a point's first ancestor that has one, for points whose ways lead nowhere.
 fn jump(links: &[Link], index: usize) -> Link {
     let mut link = links[index];
     for _ in 0..PARENT_JUMPS {

@@ -1,4 +1,4 @@
-//! Rotated raster scans that pass over the blocks of lines in which nothing can change. The twin of
+//! Implements rotated raster scans that skip blocks of lines in which nothing can change. The twin of
 //! `glsl/blocks.glsl`.
 
 use super::behind;
@@ -11,13 +11,14 @@ use crate::cpu::{Progress, Solution};
 use crate::surface::{Chart, EdgeLengths, Real, Seed, Tiling};
 use crate::update::Wavefront;
 
-/// Which blocks an iteration has visited: of the scans down, up, right and left in turn those of rows,
-/// or columns, from the first on.
+/// The blocks that an iteration has visited. For each of the scans down, up, right and left, it lists the
+/// blocks of rows or of columns, starting with the first.
 pub type Visits = [Vec<bool>; 4];
 
-/// Solves as [`super::scan_in_turn`] does, to the bit, in blocks of so many lines of texels, which are
-/// pairs of rows or columns. A scan visits a block if a point in it, or on the line of texels behind
-/// it, has changed since it last did. Also returns what each iteration has visited.
+/// Solves as [`super::scan_in_turn`] does, bit for bit, in blocks of `lines` lines of texels. A line of
+/// texels is a pair of rows or columns. A scan visits a block if a point in it, or on the line of texels
+/// behind it, has changed since the scan's last visit. Also returns the blocks that each iteration has
+/// visited.
 pub fn scan_due<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
@@ -77,9 +78,9 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
     }
 }
 
-/// The blocks that a scan has to visit.
+/// The blocks that each scan has to visit.
 struct Due {
-    /// Lines of texels in a block.
+    /// Number of lines of texels in a block.
     lines: usize,
     blocks: [Vec<bool>; 4],
 }
@@ -90,8 +91,8 @@ impl Due {
         Self { lines, blocks: Scan::ALL.map(|scan| vec![false; tiles.by(scan.lines()).rows]) }
     }
 
-    /// A point, by row and column, has changed: in a scan, which needs not visit the block again for it,
-    /// or before all.
+    /// Records that a point, given by row and column, has changed. `by` is the scan that changed it, or
+    /// `None` before the first iteration. That scan need not visit the block again for it.
     fn changed(&mut self, (row, col): (usize, usize), by: Option<usize>) {
         for (scan, order) in Scan::ALL.into_iter().enumerate() {
             let texel = order.lines().place(row, col).0 / 2;
@@ -99,7 +100,7 @@ impl Due {
             if by != Some(scan) {
                 self.blocks[scan][block] = true;
             }
-            // The last lines of the block in the order of the scan are seen by those ahead.
+            // The last lines of the block, in the order of the scan, are seen by the blocks ahead.
             let forward = order.is_forward();
             let after = if forward { self.lines - 1 - line } else { line };
             let reach = (SPLIT_REACH as usize).div_ceil(2);

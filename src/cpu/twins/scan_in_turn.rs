@@ -1,4 +1,4 @@
-//! Rotated raster scans one after another, point by point. The twin of `glsl/scan.comp`.
+//! Implements rotated raster scans one after another, point by point. The twin of `glsl/scan.comp`.
 
 use super::behind;
 use crate::Stop;
@@ -8,9 +8,9 @@ use crate::cpu::{Progress, Solution};
 use crate::surface::{EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
-/// Solves by the scans rotated by 45 degrees (figure 3, second row), down, up, right and left, each
-/// after the one before: iteration by iteration what the shader does. [`crate::cpu::rotated_scan`]
-/// converges to the same map, many times faster.
+/// Solves by scans rotated by 45 degrees (figure 3, second row), down, up, right and left, each after the one
+/// before. Each iteration equals that of the shader. [`crate::cpu::rotated_scan`] converges to the same map
+/// many times faster.
 pub fn scan_in_turn<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
@@ -20,9 +20,9 @@ pub fn scan_in_turn<R: Real>(
     solve(edges, seeds, wavefront, stop, false)
 }
 
-/// The same, but that each scan of the first iteration passes only the lines ahead of the source,
-/// or of some source if there are several. This is what the pairwise engines do: lines behind
-/// the source have nothing to bring but what the opposite scan has reached just now.
+/// Solves as [`scan_in_turn`] does, except that each scan of the first iteration visits only the lines ahead
+/// of the source, or of some source if there are several. The pairwise engines do this: lines behind the
+/// source only hold what the opposite scan has just reached.
 pub fn scan_outward<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
@@ -46,7 +46,7 @@ fn solve<R: Real>(
     })
 }
 
-/// Scans from the fronts at seeds; returns how that went.
+/// Scans from the fronts at seeds, and returns the progress.
 pub(super) fn scan<'a, R: Real, K: FrontKind<'a, R>>(
     fronts: &mut PointFronts<'a, R, K>,
     seeds: &[Seed],

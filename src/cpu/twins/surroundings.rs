@@ -1,5 +1,5 @@
-//! What sources inside cells, and those that have others near them, reach first, solved before the whole grid. The twin
-//! of `glsl/surroundings.comp` and `glsl/merge_surroundings.comp`.
+//! Solves the surroundings of sources inside cells, and of sources that have others near them, before the
+//! whole grid. The twin of `glsl/surroundings.comp` and `glsl/merge_surroundings.comp`.
 
 use std::ops::Range;
 
@@ -13,19 +13,20 @@ use crate::cpu::point_fronts::PointFronts;
 use crate::surface::{Chart, EdgeLengths, Real, Seed};
 use crate::update::Wavefront;
 
-/// A point source of a renderer's.
+/// A point source, as a renderer gives it.
 #[derive(Clone, Debug)]
 pub struct PointSource {
     /// Row and column.
     pub at: DVec2,
-    /// Arrival time there.
+    /// Arrival time at the source.
     pub start: f64,
-    /// The grid points that its front begins at.
+    /// The grid points at which its front begins.
     pub seeds: Vec<Seed>,
 }
 
-/// The seeds of point sources and what their surroundings make of them; where these meet, the earliest fronts. The
-/// solution has no iterations and is no map yet, but on a grid that is not larger.
+/// Returns the seeds of point sources and the fronts in their surroundings. Where surroundings meet, the
+/// earliest fronts are taken. The solution has no iterations. It is not a complete map, except on a grid that
+/// is no larger than the surroundings.
 pub fn surroundings<R: Real>(
     edges: &EdgeLengths<R>,
     sources: &[PointSource],
@@ -60,7 +61,7 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
         }
         let window = Window::around(source.at, chart);
         let points = || window.places().map(|(row, col)| chart.bordered(row, col));
-        // What lies around stays unreached: ways outside are for the scans to find.
+        // Points around the window stay unreached: ways outside it are for the scans to find.
         let mut old = unreached.clone();
         let begin = match is_crowded {
             true => PointFronts::start(edges, kind.clone(), &source.seeds),
@@ -89,7 +90,7 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
             }
         }
     }
-    // Further away than a source's times are exact, what another source brings later is not exact either.
+    // If the earliest front is not exact, a later front of another source is not exact either.
     for (point, _) in is_exact.iter().enumerate().filter(|(_, is)| **is) {
         if merged.time(point) < fronts.time(point) {
             fronts.copy_point(&merged, point);
@@ -98,7 +99,8 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
     fronts.finish(0, 0.0)
 }
 
-/// The points of the texels around a source's cell, of which the cell has one or two: so many lie before.
+/// The points of the texels around a source's cell. The window extends equally far to both sides of the cell,
+/// which lies in one or two texels.
 struct Window {
     rows: Range<usize>,
     cols: Range<usize>,
@@ -119,14 +121,15 @@ impl Window {
         self.rows.clone().flat_map(|row| self.cols.clone().map(move |col| (row, col)))
     }
 
-    /// Until when no front from elsewhere is first, given when the first of all sources starts.
+    /// Returns the time up to which no front from elsewhere is first. `first` is the start time of the
+    /// earliest source.
     fn exact_until<'a, R: Real, K: FrontKind<'a, R>>(
         &self,
         alone: &PointFronts<'a, R, K>,
         start: f64,
         first: f64,
     ) -> R {
-        // The grid goes on beyond a texel at the window's side.
+        // Whether the grid continues beyond a texel at the side of the window.
         let leaves = |span: &Range<usize>, at: usize, all: usize| {
             at < span.start + 2 && span.start > 0 || at + 2 >= span.end && span.end < all
         };

@@ -1,4 +1,4 @@
-//! Rounds of scans inside tiles. The twin of `glsl/tiles.comp` and `glsl/settle.comp`.
+//! Implements rounds of scans inside tiles. The twin of `glsl/tiles.comp` and `glsl/settle.comp`.
 
 use super::behind;
 use crate::Stop;
@@ -12,23 +12,23 @@ use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed, Tiling, relative
 use crate::update::Wavefront;
 use num_traits::One;
 
-/// How rounds go.
+/// Options of rounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rounds {
-    /// Points on a side of a tile; even.
+    /// Number of points on a side of a tile. It is even.
     pub tile: usize,
-    /// Iterations of four scans inside a tile in one round, at most.
+    /// Largest number of iterations of four scans inside a tile in one round.
     pub inner: u32,
-    /// Rounds of a recording, after which it is decided whether curved fronts are renewed.
+    /// Number of rounds of a recording. After these it is decided whether curved fronts are still renewed.
     pub recorded: u32,
-    /// Tiles that are due much later than the first wait if more than these are on the list: 0 in shaders on processors,
-    /// 64 on GPUs. `None`: no tile waits.
+    /// Tiles that are due much later than the first one wait if more than this number are on the list. It is
+    /// 0 in shaders on CPUs and 64 on GPUs. With `None`, no tile waits.
     pub few: Option<usize>,
 }
 
-/// Solves by rounds of the tiles beside which the round before has changed something, in each of
-/// them iterations of four scans: round by round what the shaders do. An iteration of the solution is
-/// a round.
+/// Solves by rounds. A round visits the tiles beside which the previous round has changed something, and
+/// iterates four scans inside each. Each round equals that of the shaders. An iteration of the solution is a
+/// round.
 pub fn tile_rounds<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
@@ -39,7 +39,7 @@ pub fn tile_rounds<R: Real>(
     tile_rounds_counted(edges, seeds, wavefront, stop, rounds).0
 }
 
-/// The same, and how many tiles were visited in all rounds together.
+/// Solves as [`tile_rounds`] does, and also returns the number of tiles visited in all rounds.
 pub fn tile_rounds_counted<R: Real>(
     edges: &EdgeLengths<R>,
     seeds: &[Seed],
@@ -52,7 +52,8 @@ pub fn tile_rounds_counted<R: Real>(
     })
 }
 
-/// About how long edges along rows and columns are, in single precision. The twin of `glsl/typical_edge.comp`.
+/// Returns the typical length of edges along rows and columns, in single precision. The twin of
+/// `glsl/typical_edge.comp`.
 fn typical_edge<R: Real>(edges: &EdgeLengths<R>) -> f32 {
     let Chart { rows, cols } = edges.chart();
     let looks = EDGE_LOOKS as usize;
@@ -101,21 +102,21 @@ fn solve<'a, R: Real, K: FrontKind<'a, R>>(
 struct Tiles<'a, R: Real, K: FrontKind<'a, R>> {
     chart: Chart,
     tiling: Tiling,
-    /// How far from a point others may see it.
+    /// Distance from which other points may see a point.
     reach: usize,
     rounds: Rounds,
     behind: [Behind; 4],
-    /// Before the round.
+    /// The fronts before the round.
     fronts: PointFronts<'a, R, K>,
-    /// Four copies of the fronts, of which those of one tile and around it are in use.
+    /// Four copies of the fronts. The fronts of one tile and around it are in use.
     copies: [PointFronts<'a, R, K>; 4],
     /// The tiles to visit in the next round.
     list: Vec<(usize, usize)>,
-    /// When each of all tiles is due, if it is on the list.
+    /// The time at which each tile is due, if it is on the list.
     due: Vec<Option<R>>,
-    /// By how much later than the first a tile is due that waits; zero if none does.
+    /// A tile waits if it is due later than the first by more than this. If it is zero, no tile waits.
     band: R,
-    /// Of tiles so far.
+    /// Number of tiles visited so far.
     visits: u64,
     tolerance: R::Bits,
     most: u32,
@@ -125,12 +126,12 @@ struct Tiles<'a, R: Real, K: FrontKind<'a, R>> {
     renews: bool,
 }
 
-/// How a round, or the visit of a tile, has gone.
+/// The outcome of a round, or of the visit of a tile.
 #[derive(Default)]
 struct Visit<B> {
     /// Largest change that another round has to pass on.
     unsettled: B,
-    /// Whether a point was reached.
+    /// Whether a point was reached for the first time.
     reached: bool,
 }
 
@@ -162,7 +163,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
             since_reached: 0,
             renews: true,
         };
-        // The tiles of the texels around each seed's.
+        // The tiles of the texels around the texel of each seed.
         let texels = Tiling::new(chart, 2);
         for seed in seeds {
             let (texel, _) = texels.tile_of((seed.row, seed.col));
@@ -186,7 +187,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
         *due = Some(time);
     }
 
-    /// Visits the tiles on the list that do not wait, which all see the fronts before the round.
+    /// Visits the tiles on the list that do not wait. All of them see the fronts from before the round.
     fn round(&mut self) -> Visit<R::Bits> {
         let mut after = self.fronts.clone();
         let mut round = Visit::<R::Bits>::default();
@@ -233,7 +234,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
                 for line in order.in_order(turned.rows) {
                     let points = turned.cols.clone().map(|at| order.lines().place(line, at));
                     let points = points.map(|(row, col)| chart.bordered(row, col));
-                    // All see the line as it was.
+                    // All points see the line as it was.
                     let seen = |x| if near(x) { copy.at(x) } else { fronts.at(x) };
                     let arrive = |point| (point, copy.reach_seen(point, behind, seen));
                     for (point, front) in points.map(arrive).collect::<Vec<_>>() {
@@ -274,17 +275,17 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Tiles<'a, R, K> {
         Visit { unsettled: change.max(border_change), reached }
     }
 
-    /// Makes the four copies of the fronts at a point the same again, with the first to arrive, and
-    /// returns the change. A front that the copy's own scan has not brought stands for nothing but
-    /// the old one.
+    /// Makes the four copies of the fronts at a point equal again, with the first front to arrive, and
+    /// returns the change. A front that the copy's own scan has not brought is the old one and does not
+    /// count.
     fn merge(&mut self, after: &mut PointFronts<'a, R, K>, point: usize) -> R::Bits {
         let change = after.take_first(&self.copies, point);
         self.copies.iter_mut().for_each(|copy| copy.copy_point(after, point));
         change
     }
 
-    /// After the rounds of a recording, each with its largest unsettled change; returns whether they
-    /// were the last. The twin of `settle.comp`, but that fronts are in one place here.
+    /// Ends the rounds of a recording, and returns whether they were the last. `unsettled` holds the largest
+    /// unsettled change of each round. The twin of `settle.comp`, except that fronts are in one place here.
     fn settle(&mut self, unsettled: &[R::Bits], reached: bool, recorded: u32) -> bool {
         let visited = unsettled.len() as u32;
         self.iterations += visited;
