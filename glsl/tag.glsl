@@ -1,7 +1,8 @@
 // Defines tags: the last binary digits of the value that a front carries, and of the surface value.
 //
 // The tag of a front is the number of the scan that has brought it, from 1 to 4. For a source it is 0, and
-// for a seed that stays it is EXACT. WHOLE is added if the front came through a whole triangle or is that of
+// for a seed that stays it is EXACT. NOT_EXACT marks a front of a source that is solved alone, further from
+// it than its times are known to be exact: merge_surroundings.comp drops it. WHOLE is added if the front came through a whole triangle or is that of
 // a source. The tag of the surface is LACKING at points that lack an edge, with DIFFRACTS added where waves
 // diffract.
 
