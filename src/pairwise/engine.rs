@@ -42,8 +42,7 @@ impl<'a> RowEngine<'a> {
         let kind = match engine {
             Engine::Auto | Engine::Cpu => {
                 let edges = EdgeLengths::new(surface)?;
-                let lanes = LaneEngine::new(surface, &edges, wavefront);
-                match lanes.filter(|_| in_batches(&edges)) {
+                match LaneEngine::new(surface, &edges, wavefront) {
                     Some(lanes) => Kind::Lanes(lanes),
                     None => Kind::Maps(edges),
                 }
@@ -194,7 +193,7 @@ impl<'a> RowEngine<'a> {
     }
 }
 
-/// Whether maps are computed in batches: updates there see a point's neighbours alone, and not the points that split
+/// Whether maps are computed in batches on a device: updates there see a point's neighbours alone, and not the points that split
 /// obtuse triangles.
 fn in_batches(edges: &EdgeLengths<f32>) -> bool {
     edges.obtuse_triangles().is_none()

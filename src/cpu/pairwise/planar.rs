@@ -94,4 +94,19 @@ impl Kernel for Planar {
         }
         times
     }
+
+    type Part = PlanarTriangle;
+
+    fn part(lengths: [f32; 3]) -> PlanarTriangle {
+        PlanarTriangle::new(lengths)
+    }
+
+    #[inline(always)]
+    fn through([x1, x2]: [&Lanes; 2], part: &PlanarTriangle) -> Lanes {
+        let mut times = Lanes::all(0.0);
+        for lane in 0..LANES {
+            times.0[lane] = part.arrival(x1.0[lane], x2.0[lane]);
+        }
+        times
+    }
 }
