@@ -44,7 +44,7 @@ pub(crate) use geometry::Sample;
 pub use geometry::{Geometry, MetricTensor, Spacing};
 pub(crate) use jump::jumps;
 pub use measure::{LONGEST_EDGE, SHORTEST_EDGE};
-pub(crate) use parts::{PartsOfLine, SideParts, TriangleOfLine};
+pub(crate) use parts::Part;
 pub use real::{FAR, Real};
 pub(crate) use real::{max, min, relative_change};
 pub use resolution::Resolution;

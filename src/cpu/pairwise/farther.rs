@@ -74,10 +74,9 @@ impl Concerns {
         for scan in SCANS.into_iter().filter(|scan| scan.lines() == lines) {
             let Some(parts) = edges.parts_on_side(scan.back()) else { continue };
             for line in 0..turned.rows {
-                let parts = parts.within(line + 1, 1..turned.cols + 1);
-                for (part, triangle) in parts.triangles.iter().enumerate() {
-                    let point = triangle.place() - 1;
-                    for corner in parts.corners(part) {
+                for (place, parts) in parts.within(line + 1, 1..turned.cols + 1).parts() {
+                    let point = place - 1;
+                    for corner in parts.flat_map(|part| part.corners) {
                         let (row, col) = chart.bordered_position(corner);
                         let (of_corner, changed) = lines.place(row, col);
                         let behind = match scan.is_forward() {
@@ -101,5 +100,61 @@ impl Concerns {
         let before = |line: usize| found.partition_point(|&(of, _)| of < line) as u32;
         let starts = (0..=turned.rows).map(before).collect();
         Self { starts, concerns: found.into_iter().map(|(_, concern)| concern).collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::super::pending::Pending;
+    use super::*;
+    use crate::surface::builtin::Builtin;
+
+    /// A change wakes the points beside it on the next line of each scan, those of which a part has it as a corner, and
+    /// no others.
+    #[test]
+    fn changes_wake_the_points_whose_parts_have_them_as_corners() {
+        let surface = Builtin::ShearedPlane { degrees: 70.0 }.surface(9, 70).unwrap();
+        let edges = EdgeLengths::<f32>::new(&surface).unwrap();
+        let chart = edges.chart();
+        let farther = Arc::new(Farther::new(&edges));
+        let mut far = 0;
+        for index in (0..chart.points()).step_by(7) {
+            let (row, col) = chart.position(index);
+            let mut pending = Pending::new(chart, farther.clone());
+            pending.start(0);
+            pending.touch(row, col);
+            for scan in SCANS {
+                let turned = chart.by(scan.lines());
+                let (of_change, changed) = scan.lines().place(row, col);
+                let parts = edges.parts_on_side(scan.back()).unwrap();
+                for line in 0..turned.rows {
+                    let taken = pending.take(scan, line, true).map(|taken| taken.to_vec());
+                    let is_next = match scan.is_forward() {
+                        true => line == of_change + 1,
+                        false => line + 1 == of_change,
+                    };
+                    let mut expected = vec![false; turned.cols];
+                    for (point, expected) in expected.iter_mut().enumerate() {
+                        *expected = is_next && point.abs_diff(changed) <= 1;
+                    }
+                    for (place, mut parts) in parts.within(line + 1, 1..turned.cols + 1).parts() {
+                        let has_it =
+                            parts.any(|part| part.corners.contains(&chart.bordered(row, col)));
+                        far += usize::from(has_it && !expected[place - 1]);
+                        expected[place - 1] |= has_it;
+                    }
+                    let is_taken = |point: usize| {
+                        taken
+                            .as_ref()
+                            .is_some_and(|taken| taken[point / WORD] >> (point % WORD) & 1 != 0)
+                    };
+                    let found: Vec<_> = (0..turned.cols).map(is_taken).collect();
+                    assert_eq!(found, expected, "{scan:?}, line {line}, change at {row}, {col}");
+                }
+            }
+        }
+        assert!(far > 50, "{far}");
     }
 }

@@ -15,11 +15,12 @@ mod scans;
 mod stage;
 
 use super::Instructions;
-use crate::surface::{Chart, Direction, EdgeLengths};
+use crate::surface::{Chart, Direction, EdgeLengths, Real};
 use crate::update::Wavefront;
 use crate::{Convergence, Stop};
-use kernel::LANES;
+use kernel::{FanSlots, LANES};
 use maps::Known;
+use pending::SCANS;
 use planar::Planar;
 use point_source::PointSource;
 use scans::{BatchSolver, Scans};
@@ -51,7 +52,10 @@ impl PairwiseScan {
             return None;
         }
         let scans: Box<dyn BatchSolver> = match wavefront {
-            Wavefront::Planar => Box::new(Scans::<Planar>::new(edges)),
+            Wavefront::Planar if edges.has_obtuse_triangles() || has_wide_angles(edges) => {
+                Box::new(Scans::<Planar<true>>::new(edges))
+            }
+            Wavefront::Planar => Box::new(Scans::<Planar<false>>::new(edges)),
             Wavefront::PointSource if edges.front_meets_itself() => {
                 Box::new(Scans::<PointSource<true>>::new(edges))
             }
@@ -141,4 +145,18 @@ impl PairwiseScan {
         assert!(into.iter().flatten().all(|row| row.len() == points), "rows of {points} points");
         self.scans.solve(sources, known, stop, self.instructions, into)
     }
+}
+
+/// Whether two edges that follow one another around a point are at more than a right angle, be it by too little to be
+/// obtuse.
+fn has_wide_angles(edges: &EdgeLengths<f32>) -> bool {
+    let fans = SCANS.map(|scan| FanSlots::new(edges.chart(), scan));
+    edges.chart().places().any(|(row, col)| {
+        let point = edges.chart().bordered(row, col);
+        fans.iter().any(|slots| slots.fan(edges, point).triangles().into_iter().any(is_wide))
+    })
+}
+
+fn is_wide([l1, l2, c]: [f32; 3]) -> bool {
+    c < f32::FAR && l1 * l1 + l2 * l2 < c * c
 }

@@ -30,11 +30,13 @@ impl<K: Kernel> Parts<K> {
             starts.push(0);
             for line in 0..lines.rows {
                 let of_line = parts.within(line + 1, 1..lines.cols + 1);
-                all.extend(of_line.triangles.iter().enumerate().map(|(part, triangle)| Part {
-                    point: triangle.place() as u32 - 1,
-                    corners: of_line.corners(part).map(|corner| corner as u32),
-                    coefficients: K::part(of_line.lengths(part)),
-                }));
+                for (place, parts) in of_line.parts() {
+                    all.extend(parts.map(|part| Part {
+                        point: place as u32 - 1,
+                        corners: part.corners.map(|corner| corner as u32),
+                        coefficients: K::part(part.lengths),
+                    }));
+                }
                 starts.push(all.len() as u32);
             }
         }
