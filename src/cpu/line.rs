@@ -83,10 +83,8 @@ impl<R: Real, C: Carried, G> GridLines<'_, R, C, G> {
             return Kept { time: self.times[point], carried: self.carried[point] };
         };
         let (row, col) = edges.chart().entry(point);
-        let lines = self.times.len() / self.stride;
-        match col.checked_sub(*first) {
-            Some(line) if line < lines && rows.contains(&row) => {
-                let place = line * self.stride + row;
+        match col.checked_sub(*first).map(|line| line * self.stride + row) {
+            Some(place) if place < self.times.len() && rows.contains(&row) => {
                 Kept { time: self.times[place], carried: self.carried[place] }
             }
             _ => Kept { time: times[point], carried: carried[point] },

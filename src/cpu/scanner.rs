@@ -51,7 +51,7 @@ impl<'a, R: Real, K: FrontKind<'a, R>> Scanner<'a, R, K> {
         let copies = rayon::join(copy, copy).into();
         if K::NEEDS_EDGES {
             // Here, and not first by the threads of a scan, which would wait for one another.
-            edges.obtuse_triangles();
+            edges.parts_on_side(Scan::DOWN.back());
         }
         let carries_nothing = size_of::<K::Carried>() == 0;
         let keeps_edges = carries_nothing && chart.points() >= TRANSPOSED_FROM;

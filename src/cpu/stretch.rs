@@ -45,10 +45,11 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
     }
 
     /// One of the two triangles of point i: with the points behind before and beside it, or with those
-    /// beside and after it. Of an obtuse one the edges.
+    /// beside and after it. Of an obtuse one the edges, if any of the stretch may be obtuse (`SPLIT`).
     #[inline(always)]
-    pub(super) fn triangle<const LEFT: bool>(&self, i: usize) -> Triangle<R> {
-        self.weighted_triangle::<LEFT>(i).without_obtuse_face()
+    pub(super) fn triangle<const LEFT: bool, const SPLIT: bool>(&self, i: usize) -> Triangle<R> {
+        let triangle = self.weighted_triangle::<LEFT>(i);
+        if SPLIT { triangle.without_obtuse_face() } else { triangle }
     }
 
     /// The same, obtuse or not.
@@ -66,15 +67,19 @@ impl<'a, R: Real, C: Carried, G> Stretch<'a, R, C, G> {
 
     /// The same, x1 being the point behind beside point i.
     #[inline(always)]
-    pub(super) fn seen_from_beside<const LEFT: bool>(&self, i: usize) -> Triangle<R> {
-        let triangle = self.triangle::<LEFT>(i);
+    pub(super) fn seen_from_beside<const LEFT: bool, const SPLIT: bool>(
+        &self,
+        i: usize,
+    ) -> Triangle<R> {
+        let triangle = self.triangle::<LEFT, SPLIT>(i);
         if LEFT { triangle.mirrored() } else { triangle }
     }
 
     /// Point i before its update.
     #[inline(always)]
-    pub(super) fn visited(&self, i: usize) -> Visited<R> {
-        let triangles = [self.triangle::<true>(i), self.triangle::<false>(i).mirrored()];
+    pub(super) fn visited<const SPLIT: bool>(&self, i: usize) -> Visited<R> {
+        let triangles =
+            [self.triangle::<true, SPLIT>(i), self.triangle::<false, SPLIT>(i).mirrored()];
         Visited { now: self.times[i], triangles }
     }
 

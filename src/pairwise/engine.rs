@@ -42,8 +42,7 @@ impl<'a> RowEngine<'a> {
         let kind = match engine {
             Engine::Auto | Engine::Cpu => {
                 let edges = EdgeLengths::new(surface)?;
-                let lanes = LaneEngine::new(surface, &edges, wavefront);
-                match lanes.filter(|_| in_batches(&edges)) {
+                match LaneEngine::new(surface, &edges, wavefront) {
                     Some(lanes) => Kind::Lanes(lanes),
                     None => Kind::Maps(edges),
                 }
@@ -194,8 +193,8 @@ impl<'a> RowEngine<'a> {
     }
 }
 
-/// Returns whether maps can be computed in batches. The updates of a batch use only a point's neighbours, and
-/// not the points that split obtuse triangles.
+/// Returns whether a device computes maps in batches. The updates of a batch there use only a point's
+/// neighbours, and not the points that split obtuse triangles.
 fn in_batches(edges: &EdgeLengths<f32>) -> bool {
     edges.obtuse_triangles().is_none()
 }

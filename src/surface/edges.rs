@@ -12,6 +12,7 @@ use super::chart::{Block, Chart, Direction, EdgeSlot, STORED};
 use super::even_grid::EvenGrid;
 use super::geometry::Geometry;
 use super::measure::{LONGEST_EDGE, RowBends, SHORTEST_EDGE};
+use super::parts::Parts;
 use super::points::Row;
 use super::real::Real;
 use super::unfold::{ObtuseTriangles, RowAbove};
@@ -46,6 +47,8 @@ pub struct EdgeLengths<R> {
     pub(super) gaussian_curvature: OnceLock<Vec<R>>,
     /// See `unfold.rs`.
     pub(super) obtuse: ObtuseTriangles,
+    /// See `parts.rs`.
+    pub(super) parts: Parts<R>,
 }
 
 impl<R: Real> EdgeLengths<R> {
@@ -107,6 +110,7 @@ impl<R: Real> EdgeLengths<R> {
             floor: surface.floor(),
             gaussian_curvature: OnceLock::new(),
             obtuse,
+            parts: Parts::default(),
         })
     }
 
@@ -148,6 +152,7 @@ impl<R: Real> EdgeLengths<R> {
             floor: self.floor,
             gaussian_curvature: OnceLock::new(),
             obtuse: Default::default(),
+            parts: Parts::default(),
         }
     }
 
@@ -196,13 +201,13 @@ impl<R: Real> EdgeLengths<R> {
         self.rule
     }
 
-    /// Returns the number of bytes held. This includes the Gaussian curvature once a curved wavefront has
-    /// requested it.
+    /// Returns the number of bytes held. This includes the Gaussian curvature and the parts of obtuse triangles
+    /// once a solver has requested them.
     pub fn bytes(&self) -> usize {
         let curvature = self.gaussian_curvature.get().map(Vec::as_slice);
         let planes = self.lengths.iter().map(Vec::as_slice).chain(curvature);
         let planes = planes.chain(self.slowness()).chain(self.metric_curvature.as_deref());
-        planes.map(std::mem::size_of_val).sum::<usize>() + self.obtuse.bytes()
+        planes.map(std::mem::size_of_val).sum::<usize>() + self.obtuse.bytes() + self.parts.bytes()
     }
 
     #[inline]

@@ -14,7 +14,7 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
-use super::chart::{Direction, EdgeSlot, ring};
+use super::chart::{Direction, STORED, ring};
 use super::edges::EdgeLengths;
 use super::real::{Real, max, min};
 use crate::constants::{EVEN_SLOWNESS, OBTUSE, SPLIT_MARGIN, SPLIT_REACH, SPLIT_STEPS};
@@ -50,13 +50,33 @@ struct Lines {
 }
 
 impl Lines {
-    /// Lists the marked points of `lines` lines of `length` points. `at` gives the index of the point at a
-    /// place in a line.
-    fn of(bits: &[u8], lines: usize, length: usize, at: impl Fn(usize, usize) -> usize) -> Self {
-        let (mut starts, mut places) = (vec![0], Vec::new());
-        for line in 0..lines {
-            places.extend((0..length as u32).filter(|&place| bits[at(line, place as usize)] != 0));
+    /// Returns the lists of `lines`, in their order, and empty ones for two border lines before and after them.
+    fn of(lines: &[Vec<u32>]) -> Self {
+        let (mut starts, mut places) = (vec![0, 0], Vec::new());
+        for line in lines {
+            places.extend(line);
             starts.push(places.len() as u32);
+        }
+        starts.push(places.len() as u32);
+        Self { starts, places }
+    }
+
+    /// The same points by the lines across, of which there are so many.
+    fn turned(&self, lines: usize) -> Self {
+        let mut starts = vec![0; lines + 1];
+        for &place in &self.places {
+            starts[place as usize + 1] += 1;
+        }
+        for line in 0..lines {
+            starts[line + 1] += starts[line];
+        }
+        let (mut ends, mut places) = (starts.clone(), vec![0; self.places.len()]);
+        for (line, range) in self.starts.windows(2).enumerate() {
+            for &place in &self.places[range[0] as usize..range[1] as usize] {
+                let end = &mut ends[place as usize];
+                places[*end as usize] = line as u32;
+                *end += 1;
+            }
         }
         Self { starts, places }
     }
@@ -92,7 +112,12 @@ impl<R: Real> EdgeLengths<R> {
     }
 
     fn found(&self) -> Option<&Found> {
-        self.obtuse.0.get_or_init(|| obtuse_triangles(self)).as_ref()
+        if let Some(found) = self.obtuse.0.get() {
+            return found.as_ref();
+        }
+        // Not inside the lock: a thread that waits for others here may take up work that asks for them too.
+        let found = obtuse_triangles(self);
+        self.obtuse.0.get_or_init(|| found).as_ref()
     }
 
     /// Returns the points with obtuse triangles in part of a row or column of the bordered array, by their
@@ -107,15 +132,19 @@ impl<R: Real> EdgeLengths<R> {
         self.obtuse_triangles().is_some()
     }
 
-    /// Returns the length on the surface of the edge from a point of the bordered array to the neighbour at
-    /// `step`.
-    #[inline]
-    fn along(&self, point: usize, step: Step) -> R {
-        let to = Direction::ALL.into_iter().find(|to| to.step() == step);
-        let Some(to) = to else { return R::FAR };
-        let (chart, length) = (self.chart(), self.at(point, EdgeSlot::new(self.chart(), 0, to)));
+    /// Returns the length on the surface of the edge from a point of the bordered array to the neighbour at a
+    /// step of rows and columns.
+    #[inline(always)]
+    fn along(&self, point: usize, (down, right): Step) -> R {
+        if down.unsigned_abs().max(right.unsigned_abs()) > 1 {
+            return R::FAR;
+        }
+        let Some((stored, is_of_neighbour)) = STORED_AT[(3 * down + right + 4) as usize] else {
+            return R::FAR;
+        };
+        let there = point.wrapping_add_signed(down * self.chart().stride() as isize + right);
+        let length = self.planes()[stored][if is_of_neighbour { there } else { point }];
         let Some(slowness) = self.slowness().filter(|_| length < R::FAR) else { return length };
-        let there = point.wrapping_add_signed(chart.offset(to));
         (length + length) / (slowness[point] + slowness[there])
     }
 
@@ -256,6 +285,20 @@ impl<R: Real> EdgeLengths<R> {
     }
 }
 
+/// For each step to a neighbour, three for a row, which of the stored edges it is, and whether the neighbour has it.
+const STORED_AT: [Option<(usize, bool)>; 9] = {
+    let mut found = [None; 9];
+    let mut stored = 0;
+    while stored < STORED.len() {
+        let (down, right) = STORED[stored].step();
+        let along = 3 * down + right;
+        found[(4 + along) as usize] = Some((stored, false));
+        found[(4 - along) as usize] = Some((stored, true));
+        stored += 1;
+    }
+    found
+};
+
 /// A step in rows and columns.
 type Step = (isize, isize);
 
@@ -368,20 +411,59 @@ fn obtuse_triangles<R: Real>(edges: &EdgeLengths<R>) -> Option<Found> {
     let chart = edges.chart();
     let mut triangles = vec![0; chart.bordered_points()];
     let is_slowed = edges.slowness().is_some();
-    chart.rows_mut(&mut triangles).enumerate().for_each(|(row, line)| match is_slowed {
-        true => Instructions::best().run(SlowedRowOfTriangles { edges, row, line }),
-        false => Instructions::best().run(RowOfTriangles { edges, row, line }),
-    });
-    triangles.par_iter().any(|&bits| bits != 0).then(|| {
-        let stride = chart.stride();
-        let rows = triangles.len() / stride;
-        let by_row = Lines::of(&triangles, rows, stride, |row, col| row * stride + col);
-        let by_col = Lines::of(&triangles, stride, rows, |col, row| row * stride + col);
+    let in_row = |(row, line): (usize, &mut [u8])| {
+        match is_slowed {
+            true => Instructions::best().run(SlowedRowOfTriangles { edges, row, line }),
+            false => {
+                Instructions::best().run(RowOfTriangles { edges, row, line });
+                edges.leave_obtuse(row, line);
+            }
+        }
+        marked(line).map(|col| col as u32 + 1).collect()
+    };
+    let rows: Vec<Vec<u32>> = chart.rows_mut(&mut triangles).enumerate().map(in_row).collect();
+    rows.iter().any(|row| !row.is_empty()).then(|| {
+        let by_row = Lines::of(&rows);
+        let by_col = by_row.turned(chart.stride());
         Found { bits: triangles, lines: [by_row, by_col] }
     })
 }
 
-/// The loop that finds the obtuse triangles of a row of points.
+impl<R: Real> EdgeLengths<R> {
+    /// Of the triangles of a row of points that may be obtuse, leaves those that are, as updates compute it.
+    fn leave_obtuse(&self, row: usize, line: &mut [u8]) {
+        let [fan, bases] = self.fans(row, line.len());
+        for col in marked(line).collect::<Vec<_>>() {
+            let bits = &mut line[col];
+            for to in 0..8 {
+                if *bits >> to & 1 == 0 {
+                    continue;
+                }
+                let per_base = bases[to][col].recip();
+                let [side, other] = [fan[to][col], fan[ring::next(to)][col]].map(|l| l * per_base);
+                if !is_obtuse(side * side, other * other) {
+                    *bits &= !(1 << to);
+                }
+            }
+        }
+    }
+}
+
+/// The places in a line where a bit is set: few, as a rule.
+fn marked(line: &[u8]) -> impl Iterator<Item = usize> {
+    const TOGETHER: usize = 16;
+    let some = line.chunks(TOGETHER).enumerate().filter(|(_, of)| any_bit(of) != 0);
+    some.flat_map(|(chunk, of)| {
+        let set = (chunk * TOGETHER..).zip(of).filter(|(_, bits)| **bits != 0);
+        set.map(|(at, _)| at)
+    })
+}
+
+fn any_bit(of: &[u8]) -> u8 {
+    of.iter().fold(0, |all, bits| all | bits)
+}
+
+/// The triangles of a row of points that may be obtuse: rather too many by rounding than too few.
 struct RowOfTriangles<'a, R> {
     edges: &'a EdgeLengths<R>,
     row: usize,
@@ -394,15 +476,18 @@ impl<R: Real> Loop for RowOfTriangles<'_, R> {
     #[inline(always)]
     fn run(self) {
         let Self { edges, row, line } = self;
-        let [fan, bases] = edges.fans(row, line.len());
-        for (col, bits) in line.iter_mut().enumerate() {
-            let mut found = 0;
-            for to in 0..8 {
-                let (a, b, c) = (fan[to][col], fan[ring::next(to)][col], bases[to][col]);
-                let obtuse = (c < R::FAR) & (a * a + b * b < R::of(OBTUSE) * (c * c));
-                found |= u8::from(obtuse) << to;
+        let points = line.len();
+        let [fan, bases] = edges.fans(row, points);
+        let limit = R::of(1.001 * OBTUSE);
+        line.fill(0);
+        // One after another, so that points become lanes.
+        for to in 0..8 {
+            let [a, b, c] = [fan[to], fan[ring::next(to)], bases[to]].map(|of| &of[..points]);
+            for (col, bits) in line.iter_mut().enumerate() {
+                let (a, b, c) = (a[col], b[col], c[col]);
+                let obtuse = (c < R::FAR) & (a * a + b * b < limit * (c * c));
+                *bits |= u8::from(obtuse) << to;
             }
-            *bits = found;
         }
     }
 }

@@ -143,13 +143,21 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
         how: How,
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
-        let parts = self.through_parts_of_line(lines, line, points, how.scan);
+        let splits = self.splits_of_line(lines, line, points, how.scan);
         let first = lines.position(line, points.start, how.scan);
         let origins = self.has_numbers().then(|| LineOrigins::new(&self.table, first, how.scan));
         let line = lines.line(line, points, how.scan);
         let causal = self.origins.are_causal();
-        let line = CurvedLine { line, parts: &parts, causal, origins };
-        how.instructions.run(LineUpdate { line, how, changed })
+        match &splits {
+            None => {
+                let line = CurvedLine::<_, false> { line, parts: &[], causal, origins };
+                how.instructions.run(LineUpdate { line, how, changed })
+            }
+            Some(parts) => {
+                let line = CurvedLine::<_, true> { line, parts, causal, origins };
+                how.instructions.run(LineUpdate { line, how, changed })
+            }
+        }
     }
 
     #[inline(always)]
@@ -161,7 +169,7 @@ impl<'a, R: Real> FrontKind<'a, R> for Curved<'a, R> {
         points: usize,
         how: How,
     ) -> bool {
-        leaves(&stretch, points, how, self.has_numbers())
+        leaves::<_, false>(&stretch, points, how, self.has_numbers())
     }
 }
 
@@ -267,9 +275,9 @@ pub(super) fn accept<R: Real>(
     }
 }
 
-/// Whether a scan leaves a stretch of points as they are.
+/// Whether a scan leaves a stretch of points as they are, of whose triangles some may be obtuse (`SPLIT`) or none.
 #[inline(always)]
-fn leaves<R: Real>(
+fn leaves<R: Real, const SPLIT: bool>(
     stretch: &Stretch<R, Curvature<R>, R>,
     points: usize,
     how: How,
@@ -288,7 +296,7 @@ fn leaves<R: Real>(
     let [before, beside, after] = stretch.carried_behind;
     let mut settled = true;
     for i in 0..points {
-        let visited: Visited<R> = stretch.visited(i);
+        let visited: Visited<R> = stretch.visited::<SPLIT>(i);
         let [left, right] = visited.triangles;
         let [k_before, k_beside, k_after] =
             [before[i].value(), beside[i].value(), after[i].value()];
@@ -301,11 +309,11 @@ fn leaves<R: Real>(
     settled
 }
 
-/// A line while a scan updates it.
-struct CurvedLine<'a, R> {
+/// A line while a scan updates it, of which some triangles are obtuse (`SPLIT`) or none.
+struct CurvedLine<'a, R, const SPLIT: bool> {
     line: ScanLine<'a, R, Curvature<R>, R>,
-    /// What comes through parts of obtuse triangles, by the point's place in the line.
-    parts: &'a [(usize, Front<R>)],
+    /// The points with such triangles, and what comes through parts of these.
+    parts: &'a [(usize, Option<Front<R>>)],
     /// See [`Bends::causal`].
     causal: bool,
     /// If fronts carry numbers of origins.
@@ -328,7 +336,7 @@ impl<R: Real> Default for BentChanges<R> {
     }
 }
 
-impl<R: Real> Stretches for CurvedLine<'_, R> {
+impl<R: Real, const SPLIT: bool> Stretches for CurvedLine<'_, R, SPLIT> {
     type Changes = BentChanges<R>;
     type Bits = R::Bits;
 
@@ -351,26 +359,27 @@ impl<R: Real> Stretches for CurvedLine<'_, R> {
         changes: &mut BentChanges<R>,
     ) -> Option<bool> {
         let stretch = self.line.stretch(start, points);
-        let parts = in_stretch(self.parts, start, points);
+        let parts = if SPLIT { in_stretch(self.parts, start, points) } else { &[] };
         let has_numbers = self.origins.is_some();
-        if parts.is_empty() && leaves(&stretch, points, how, has_numbers) {
-            return None;
-        }
-        let gaussian_behind = self.line.ground_behind(start, points);
-        let bent = Bent { stretch, gaussian_behind, causal: self.causal };
-        let origins =
-            self.origins.as_ref().and_then(|origins| origins.behind(start, &stretch, points));
-        let mut first = if let Some(origins) = &origins {
-            fronts_of_origins(&bent, origins, points)
-        } else if stretch.comes_from_left(points) {
-            first_fronts::<R, true, false>(&bent, points, how)
+        let first = if parts.is_empty() {
+            if leaves::<_, false>(&stretch, points, how, has_numbers) {
+                return None;
+            }
+            self.first_fronts::<false>(start, stretch, points, how)
         } else {
-            first_fronts::<R, false, true>(&bent, points, how)
+            let is_alone = parts.iter().all(|(_, front)| front.is_none());
+            if is_alone && leaves::<_, true>(&stretch, points, how, has_numbers) {
+                return None;
+            }
+            let mut first = self.first_fronts::<true>(start, stretch, points, how);
+            for &(point, front) in parts {
+                if let Some(front) = front {
+                    let i = point - start;
+                    first.set(i, Front::first(first.get(i), front));
+                }
+            }
+            first
         };
-        for &(point, front) in parts {
-            let i = point - start;
-            first.set(i, Front::first(first.get(i), front));
-        }
         let (mut times, mut curvatures) = ([R::zero(); TILE], [Curvature::default(); TILE]);
         let mut any = false;
         for i in 0..points {
@@ -400,14 +409,38 @@ impl<R: Real> Stretches for CurvedLine<'_, R> {
     }
 }
 
+impl<R: Real, const SPLIT: bool> CurvedLine<'_, R, SPLIT> {
+    /// The fronts that come first to a stretch of points, of whose triangles some are obtuse or none.
+    #[inline(always)]
+    fn first_fronts<const OBTUSE: bool>(
+        &self,
+        start: usize,
+        stretch: Stretch<'_, R, Curvature<R>, R>,
+        points: usize,
+        how: How,
+    ) -> FirstFronts<R> {
+        let gaussian_behind = self.line.ground_behind(start, points);
+        let bent = Bent::<_, OBTUSE> { stretch, gaussian_behind, causal: self.causal };
+        let origins =
+            self.origins.as_ref().and_then(|origins| origins.behind(start, &stretch, points));
+        if let Some(origins) = &origins {
+            fronts_of_origins(&bent, origins, points)
+        } else if stretch.comes_from_left(points) {
+            first_fronts::<R, true, false, OBTUSE>(&bent, points, how)
+        } else {
+            first_fronts::<R, false, true, OBTUSE>(&bent, points, how)
+        }
+    }
+}
+
 /// A stretch of points, and the Gaussian curvature behind them.
-struct Bent<'a, R> {
+struct Bent<'a, R, const SPLIT: bool> {
     stretch: Stretch<'a, R, Curvature<R>, R>,
     gaussian_behind: [&'a [R]; 3],
     causal: bool,
 }
 
-impl<R: Real> Bent<'_, R> {
+impl<R: Real, const SPLIT: bool> Bent<'_, R, SPLIT> {
     /// The curvatures of the fronts at x1 and x2 of one of the two triangles of point i.
     #[inline(always)]
     fn fronts<const LEFT: bool>(&self, i: usize) -> [R; 2] {
@@ -428,14 +461,14 @@ impl<R: Real> Bent<'_, R> {
     /// The front through it.
     #[inline(always)]
     fn front<const LEFT: bool>(&self, i: usize) -> Front<R> {
-        curved(self.stretch.triangle::<LEFT>(i), self.bends::<LEFT>(i))
+        curved(self.stretch.triangle::<LEFT, SPLIT>(i), self.bends::<LEFT>(i))
     }
 }
 
 /// The first fronts where some of those behind have known origins.
 #[inline(always)]
-fn fronts_of_origins<R: Real>(
-    bent: &Bent<R>,
+fn fronts_of_origins<R: Real, const SPLIT: bool>(
+    bent: &Bent<R, SPLIT>,
     origins: &StretchOrigins<R>,
     points: usize,
 ) -> FirstFronts<R> {
@@ -454,8 +487,8 @@ fn fronts_of_origins<R: Real>(
 /// The first fronts through the triangle that most points should be reached through, and through the
 /// other unless nothing comes first through it.
 #[inline(always)]
-fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
-    bent: &Bent<R>,
+fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool, const SPLIT: bool>(
+    bent: &Bent<R, SPLIT>,
     points: usize,
     how: How,
 ) -> FirstFronts<R> {
@@ -469,7 +502,7 @@ fn first_fronts<R: Real, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
         // A front that is renewed may come later than it did.
         let renewed = how.renews & stretch.carried[i].is_from(how.scan.0);
         let now = if renewed { first.times[i] } else { min(stretch.times[i], first.times[i]) };
-        let other = stretch.seen_from_beside::<SECOND_LEFT>(i);
+        let other = stretch.seen_from_beside::<SECOND_LEFT, SPLIT>(i);
         settled &= from_curved(other, bent.fronts::<SECOND_LEFT>(i), now);
     }
     if !settled {

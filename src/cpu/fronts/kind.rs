@@ -10,7 +10,7 @@ use crate::cpu::line::GridLines;
 use crate::cpu::line_update::{How, Updated};
 use crate::cpu::scan::Scan;
 use crate::cpu::stretch::{Before, Stretch};
-use crate::surface::{Chart, Direction, EdgeLengths, Real, Seed};
+use crate::surface::{Chart, Direction, EdgeLengths, Part, Real, Seed};
 use crate::update::{Carried, Kept, Triangle};
 
 /// The front that a point keeps, by the kind of front.
@@ -185,36 +185,77 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
         first
     }
 
-    /// What comes to the points of a line through the parts of obtuse triangles behind them, by their places in it.
-    fn through_parts_of_line(
+    /// What comes to the points of a line that have obtuse triangles behind them, by their places in it, through the
+    /// parts of these, if there are any. None if no triangle there is obtuse.
+    fn splits_of_line(
         &self,
         lines: &LinesOf<'_, 'a, R, Self>,
         line: usize,
         points: &Range<usize>,
         scan: Scan,
-    ) -> Vec<(usize, Self::Arrival)> {
+    ) -> Option<Splits<Self::Arrival>> {
+        let edges = lines.place.edges;
+        edges.obtuse_triangles()?;
+        let [row, col] = lines.position(line, points.start, scan);
+        let (of_line, first) = if scan.by_rows() { (row, col) } else { (col, row) };
+        let Some(side) = edges.parts_on_side(scan.back()) else {
+            return Some(self.splits_found_now(lines, [row, col], points.len(), scan));
+        };
+        let triangles = side.within(of_line, first..first + points.len());
+        if triangles.is_empty() {
+            return None;
+        }
+        let chart = edges.chart();
+        let mut found: Splits<Self::Arrival> = Vec::new();
+        for (place, parts) in triangles.parts() {
+            let (row, col) = scan.lines().place(of_line, place);
+            let point = chart.entry_index(row, col);
+            let arrivals = parts.map(|Part { corners: [x1, x2], lengths, slowness }| {
+                let [a, b] = [x1, x2].map(|x| lines.front(x));
+                let [l1, l2, c] = lengths;
+                let triangle = Triangle { t1: a.time, t2: b.time, l1, l2, c };
+                let carried = [a.carried, b.carried];
+                self.arrival_over([point, x1, x2], triangle, carried, slowness)
+            });
+            let arrival = arrivals.reduce(Self::earlier);
+            match found.last_mut() {
+                // The point's other triangle.
+                Some((last, other)) if *last == place - first => {
+                    *other = [*other, arrival].into_iter().flatten().reduce(Self::earlier);
+                }
+                _ => found.push((place - first, arrival)),
+            }
+        }
+        Some(found)
+    }
+
+    /// The same from a point on, of parts that are not kept.
+    fn splits_found_now(
+        &self,
+        lines: &LinesOf<'_, 'a, R, Self>,
+        [row, col]: [usize; 2],
+        points: usize,
+        scan: Scan,
+    ) -> Splits<Self::Arrival> {
         let mut found = Vec::new();
         let edges = lines.place.edges;
         let Some(obtuse) = edges.obtuse_triangles() else { return found };
-        let chart = edges.chart();
+        let (chart, by_rows) = (edges.chart(), scan.by_rows());
         let behind = Behind::of(chart, scan);
-        let [row, col] = lines.position(line, points.start, scan);
-        let by_rows = scan.by_rows();
         let (of_line, first) = if by_rows { (row, col) } else { (col, row) };
-        for &at in edges.obtuse_points(by_rows, of_line, first..first + points.len()) {
+        for &at in edges.obtuse_points(by_rows, of_line, first..first + points) {
             let at = at as usize;
-            let point = match by_rows {
-                true => chart.entry_index(row, at),
-                false => chart.entry_index(at, col),
-            };
+            let (row, col) = scan.lines().place(of_line, at);
+            let point = chart.entry_index(row, col);
+            if obtuse[point] & behind.bits() == 0 {
+                continue;
+            }
             let of_point =
                 behind.triangles().iter().filter(|slots| obtuse[point] & slots.bit() != 0);
-            let arrival = of_point
-                .filter_map(|slots| {
-                    self.through_parts(edges, point, slots.directions(), |x| lines.front(x))
-                })
-                .reduce(Self::earlier);
-            found.extend(arrival.map(|arrival| (at - first, arrival)));
+            let arrivals = of_point.filter_map(|slots| {
+                self.through_parts(edges, point, slots.directions(), |x| lines.front(x))
+            });
+            found.push((at - first, arrivals.reduce(Self::earlier)));
         }
         found
     }
@@ -247,6 +288,10 @@ pub(in crate::cpu) trait TriangleKind<'a, R: Real>: FrontKind<'a, R> {
     /// What a circle of some radius carries over a plane.
     fn circle(radius: R) -> Self::Carried;
 }
+
+/// Points of a line that have obtuse triangles, in their order, by their places in it, with what comes through parts of
+/// these.
+pub(super) type Splits<A> = Vec<(usize, Option<A>)>;
 
 /// Of what comes to some points of a line, in their order, that which comes to so many from one on.
 #[inline(always)]

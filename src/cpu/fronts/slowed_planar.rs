@@ -75,7 +75,8 @@ impl<'a, R: Real> FrontKind<'a, R> for SlowedPlanar<'a, R> {
         how: How,
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
-        let parts = self.through_parts_of_line(lines, line, points, how.scan);
+        let splits = self.splits_of_line(lines, line, points, how.scan).unwrap_or_default();
+        let parts: Vec<_> = splits.into_iter().filter_map(|(at, some)| Some((at, some?))).collect();
         let line = PlanarLine { line: lines.line(line, points, how.scan), parts: &parts };
         how.instructions.run(LineUpdate { line, how, changed })
     }

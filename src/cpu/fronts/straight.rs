@@ -98,10 +98,18 @@ impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
         how: How,
         changed: &mut [bool],
     ) -> Updated<R::Bits> {
-        let parts = self.through_parts_of_line(lines, line, points, how.scan);
+        let splits = self.splits_of_line(lines, line, points, how.scan);
         let line = lines.line(line, points, how.scan);
-        let line = StraightLine { line, parts: &parts, kind: *self };
-        how.instructions.run(LineUpdate { line, how, changed })
+        match &splits {
+            None => {
+                let line = StraightLine::<_, _, false> { line, parts: &[], kind: *self };
+                how.instructions.run(LineUpdate { line, how, changed })
+            }
+            Some(parts) => {
+                let line = StraightLine::<_, _, true> { line, parts, kind: *self };
+                how.instructions.run(LineUpdate { line, how, changed })
+            }
+        }
     }
 
     #[inline(always)]
@@ -113,7 +121,7 @@ impl<'a, R: Real, S: Straight> FrontKind<'a, R> for S {
         points: usize,
         _: How,
     ) -> bool {
-        stretch.leads(points) || stays::<R, S>(&stretch, points)
+        stretch.leads(points) || stays::<R, S, false>(&stretch, points)
     }
 }
 
@@ -140,10 +148,13 @@ impl<'a, R: Real, S: Straight> TriangleKind<'a, R> for S {
 
 /// Whether nothing comes earlier to any point.
 #[inline(always)]
-fn stays<R: Real, S: Straight>(stretch: &Stretch<R, (), ()>, points: usize) -> bool {
+fn stays<R: Real, S: Straight, const SPLIT: bool>(
+    stretch: &Stretch<R, (), ()>,
+    points: usize,
+) -> bool {
     let mut settled = true;
     for i in 0..points {
-        let visited: Visited<R> = stretch.visited(i);
+        let visited: Visited<R> = stretch.visited::<SPLIT>(i);
         let [left, right] = visited.triangles;
         let of = [S::is_settled(left, visited.now), S::is_settled(right, visited.now)];
         settled &= visited.stays(of);
@@ -151,11 +162,11 @@ fn stays<R: Real, S: Straight>(stretch: &Stretch<R, (), ()>, points: usize) -> b
     settled
 }
 
-/// A line while a scan updates it.
-struct StraightLine<'a, R, S> {
+/// A line while a scan updates it, of which some triangles are obtuse (`SPLIT`) or none.
+struct StraightLine<'a, R, S, const SPLIT: bool> {
     line: ScanLine<'a, R, (), ()>,
-    /// When something comes through parts of obtuse triangles, by the point's place in the line.
-    parts: &'a [(usize, R)],
+    /// The points with such triangles.
+    parts: &'a [(usize, Option<R>)],
     kind: S,
 }
 
@@ -169,7 +180,7 @@ impl<R: Real> Default for TimeChanges<R> {
     }
 }
 
-impl<R: Real, S: Straight> Stretches for StraightLine<'_, R, S> {
+impl<R: Real, S: Straight, const SPLIT: bool> Stretches for StraightLine<'_, R, S, SPLIT> {
     type Changes = TimeChanges<R>;
     type Bits = R::Bits;
 
@@ -192,26 +203,30 @@ impl<R: Real, S: Straight> Stretches for StraightLine<'_, R, S> {
         changes: &mut TimeChanges<R>,
     ) -> Option<bool> {
         let stretch = self.line.stretch(start, points);
-        let parts = in_stretch(self.parts, start, points);
-        if parts.is_empty() {
+        let parts = if SPLIT { in_stretch(self.parts, start, points) } else { &[] };
+        let mut before = [R::zero(); TILE];
+        before[..points].copy_from_slice(stretch.times);
+        let after = if parts.is_empty() {
             if stretch.leads(points) {
                 return None;
             }
             // Where none has been reached, something comes, and the test would be in vain.
-            if !stretch.is_unreached(points) && stays::<R, S>(&stretch, points) {
+            if !stretch.is_unreached(points) && stays::<R, S, false>(&stretch, points) {
                 return None;
             }
-        }
-        let mut before = [R::zero(); TILE];
-        before[..points].copy_from_slice(stretch.times);
-        let mut now = before;
-        for &(point, time) in parts {
-            now[point - start] = S::first(now[point - start], time);
-        }
-        let after = if stretch.comes_from_left(points) {
-            updated::<R, S, true, false>(self.kind, &stretch, &now, points)
+            through_both::<R, S, false>(self.kind, &stretch, &before, points)
         } else {
-            updated::<R, S, false, true>(self.kind, &stretch, &now, points)
+            let is_alone = parts.iter().all(|(_, time)| time.is_none());
+            if is_alone && (stretch.leads(points) || stays::<R, S, true>(&stretch, points)) {
+                return None;
+            }
+            let mut now = before;
+            for &(point, time) in parts {
+                if let Some(time) = time {
+                    now[point - start] = S::first(now[point - start], time);
+                }
+            }
+            through_both::<R, S, true>(self.kind, &stretch, &now, points)
         };
         let mut any = false;
         for (i, largest) in changes.0[..points].iter_mut().enumerate() {
@@ -232,7 +247,7 @@ impl<R: Real, S: Straight> Stretches for StraightLine<'_, R, S> {
 /// The arrival times at points, or those through one of their two triangles where these are
 /// earlier. In an array of its own: compilers do not keep in registers what they write to a line.
 #[inline(always)]
-fn earlier<R: Real, S: Straight, const LEFT: bool>(
+fn earlier<R: Real, S: Straight, const LEFT: bool, const SPLIT: bool>(
     kind: S,
     stretch: &Stretch<R, (), ()>,
     now: &[R; TILE],
@@ -240,24 +255,45 @@ fn earlier<R: Real, S: Straight, const LEFT: bool>(
 ) -> [R; TILE] {
     let mut times = [R::zero(); TILE];
     for i in 0..points {
-        times[i] = kind.earlier(now[i], stretch.triangle::<LEFT>(i));
+        times[i] = kind.earlier(now[i], stretch.triangle::<LEFT, SPLIT>(i));
     }
     times
 }
 
-/// Updates points from the triangle that most of them should be reached through, and from the
-/// other unless nothing comes earlier through it.
+/// Updates points from both of their triangles, of which some may be obtuse (`SPLIT`) or none.
 #[inline(always)]
-fn updated<R: Real, S: Straight, const FIRST_LEFT: bool, const SECOND_LEFT: bool>(
+fn through_both<R: Real, S: Straight, const SPLIT: bool>(
     kind: S,
     stretch: &Stretch<R, (), ()>,
     now: &[R; TILE],
     points: usize,
 ) -> [R; TILE] {
-    let first = earlier::<R, S, FIRST_LEFT>(kind, stretch, now, points);
+    if stretch.comes_from_left(points) {
+        updated::<R, S, true, false, SPLIT>(kind, stretch, now, points)
+    } else {
+        updated::<R, S, false, true, SPLIT>(kind, stretch, now, points)
+    }
+}
+
+/// Updates points from the triangle that most of them should be reached through, and from the
+/// other unless nothing comes earlier through it.
+#[inline(always)]
+fn updated<
+    R: Real,
+    S: Straight,
+    const FIRST_LEFT: bool,
+    const SECOND_LEFT: bool,
+    const SPLIT: bool,
+>(
+    kind: S,
+    stretch: &Stretch<R, (), ()>,
+    now: &[R; TILE],
+    points: usize,
+) -> [R; TILE] {
+    let first = earlier::<R, S, FIRST_LEFT, SPLIT>(kind, stretch, now, points);
     let mut settled = true;
     for (i, &time) in first[..points].iter().enumerate() {
-        settled &= S::is_settled(stretch.seen_from_beside::<SECOND_LEFT>(i), time);
+        settled &= S::is_settled(stretch.seen_from_beside::<SECOND_LEFT, SPLIT>(i), time);
     }
-    if settled { first } else { earlier::<R, S, SECOND_LEFT>(kind, stretch, &first, points) }
+    if settled { first } else { earlier::<R, S, SECOND_LEFT, SPLIT>(kind, stretch, &first, points) }
 }

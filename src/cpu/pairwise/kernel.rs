@@ -81,6 +81,25 @@ pub(super) trait Kernel: 'static {
 
     /// When the fronts arrive from the three points behind.
     fn arrivals(behind: [&Lanes; 3], coefficients: &Self::Coefficients) -> Lanes;
+
+    /// What all maps share of a part of an obtuse triangle.
+    type Part: Copy + Send + Sync;
+
+    /// That of one with such lengths of x0 x1, x0 x2 and x1 x2.
+    fn part(lengths: [f32; 3]) -> Self::Part;
+
+    /// When the fronts at x1 and x2 arrive through it.
+    fn through(ends: [&Lanes; 2], part: &Self::Part) -> Lanes;
+}
+
+/// A point in the maps that pass it as it has become, in the others as it was.
+#[inline(always)]
+pub(super) fn merged(new: Lanes, old: Lanes, maps: [u32; LANES]) -> Lanes {
+    let (mut new, old): ([u32; LANES], [u32; LANES]) = (bytemuck::cast(new), bytemuck::cast(old));
+    for lane in 0..LANES {
+        new[lane] = (new[lane] & maps[lane]) | (old[lane] & !maps[lane]);
+    }
+    bytemuck::cast(new)
 }
 
 /// Where the two triangles of a scan lie, seen from their point.
@@ -92,11 +111,15 @@ impl FanSlots {
         Self(Behind::of(chart, scan))
     }
 
-    /// The fan of a point of a bordered array.
+    /// The fan of a point of a bordered array, of obtuse triangles the edges alone.
     pub(super) fn fan(&self, edges: &EdgeLengths<f32>, point: usize) -> Fan {
         Fan {
             edges: self.0.edges().map(|slot| edges.at(point, slot)),
-            bases: self.0.bases().map(|slot| edges.at(point, slot)),
+            bases: self
+                .0
+                .triangles()
+                .each_ref()
+                .map(|slots| slots.triangle(edges, point, [0.0; 2]).without_obtuse_face().c),
         }
     }
 }

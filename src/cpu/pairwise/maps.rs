@@ -1,10 +1,14 @@
 //! The maps of a batch, and what they start from.
 
+use std::sync::Arc;
+
+use super::farther::Farther;
 use super::kernel::Lanes;
+use super::marks::Marks;
 use super::outward::Outward;
 use super::pending::Pending;
 use super::stage::Stage;
-use crate::surface::{Chart, Real};
+use crate::surface::{Chart, Lines, Real};
 
 /// The maps of a batch: bordered arrays of points, a lane of each for one of the maps. No point is
 /// reached between two batches.
@@ -13,6 +17,8 @@ pub(super) struct Maps {
     pub pending: Pending,
     /// What the scans of the first iteration are kept to; none afterwards.
     pub outward: Option<Outward>,
+    /// The points of a line that change through parts of obtuse triangles, for the scans by rows and by columns.
+    pub changed: [Marks; 2],
     pub stage: Stage,
 }
 
@@ -32,18 +38,20 @@ impl Known<'_> {
 }
 
 impl Maps {
-    pub(super) fn new(chart: Chart) -> Self {
+    pub(super) fn new(chart: Chart, farther: Arc<Farther>) -> Self {
         Self {
             points: vec![Lanes::UNREACHED; chart.bordered_points()],
-            pending: Pending::new(chart),
+            pending: Pending::new(chart, farther),
             outward: None,
+            changed: [Lines::Rows, Lines::Cols].map(|lines| Marks::none(line_of(chart.by(lines)))),
             stage: Stage::new(chart),
         }
     }
 
     pub(super) fn bytes(chart: Chart) -> usize {
         let points = chart.bordered_points() * size_of::<Lanes>();
-        points + Pending::bytes(chart) + Stage::bytes(chart)
+        let lines = [chart, chart.transposed()].map(|lines| Marks::bytes(line_of(lines)));
+        points + Pending::bytes(chart) + lines.iter().sum::<usize>() + Stage::bytes(chart)
     }
 
     /// Reaches the sources and what is known.
@@ -64,4 +72,9 @@ impl Maps {
             self.pending.touch(row, col);
         }
     }
+}
+
+/// A single line of a chart whose rows are the lines.
+fn line_of(lines: Chart) -> Chart {
+    Chart { rows: 1, ..lines }
 }

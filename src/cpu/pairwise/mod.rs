@@ -1,10 +1,12 @@
 //! All pairs: the maps of neighbouring sources in the lanes of one instruction stream (paper,
 //! section 5.1, Algorithm 4).
 
+mod farther;
 mod kernel;
 mod maps;
 mod marks;
 mod outward;
+mod parts;
 mod pending;
 mod planar;
 mod point_source;
@@ -13,11 +15,12 @@ mod scans;
 mod stage;
 
 use super::Instructions;
-use crate::surface::{Chart, EdgeLengths};
+use crate::surface::{Chart, Direction, EdgeLengths, Real};
 use crate::update::Wavefront;
 use crate::{Convergence, Stop};
-use kernel::LANES;
+use kernel::{FanSlots, LANES};
 use maps::Known;
+use pending::SCANS;
 use planar::Planar;
 use point_source::PointSource;
 use scans::{BatchSolver, Scans};
@@ -42,14 +45,21 @@ impl PairwiseScan {
     /// wavefront whose maps have no update in common, because its fronts carry more than their
     /// arrival time: [`Wavefront::Curved`] and [`Wavefront::Anchored`]. Those are computed map by
     /// map, by [`RotatedScan`](super::RotatedScan). So are those over a slowness that is not the same
-    /// everywhere.
+    /// everywhere, or with more obtuse triangles than are kept in parts.
     pub fn new(edges: &EdgeLengths<f32>, wavefront: Wavefront) -> Option<Self> {
-        if edges.slowness().is_some() {
+        let has_parts = edges.parts_on_side(Direction::North).is_some();
+        if edges.slowness().is_some() || (edges.has_obtuse_triangles() && !has_parts) {
             return None;
         }
         let scans: Box<dyn BatchSolver> = match wavefront {
-            Wavefront::Planar => Box::new(Scans::<Planar>::new(edges)),
-            Wavefront::PointSource => Box::new(Scans::<PointSource>::new(edges)),
+            Wavefront::Planar if edges.has_obtuse_triangles() || has_wide_angles(edges) => {
+                Box::new(Scans::<Planar<true>>::new(edges))
+            }
+            Wavefront::Planar => Box::new(Scans::<Planar<false>>::new(edges)),
+            Wavefront::PointSource if edges.front_meets_itself() => {
+                Box::new(Scans::<PointSource<true>>::new(edges))
+            }
+            Wavefront::PointSource => Box::new(Scans::<PointSource<false>>::new(edges)),
             Wavefront::Curved | Wavefront::Anchored => return None,
         };
         Some(Self { chart: edges.chart(), scans, instructions: Instructions::best() })
@@ -135,4 +145,18 @@ impl PairwiseScan {
         assert!(into.iter().flatten().all(|row| row.len() == points), "rows of {points} points");
         self.scans.solve(sources, known, stop, self.instructions, into)
     }
+}
+
+/// Whether two edges that follow one another around a point are at more than a right angle, be it by too little to be
+/// obtuse.
+fn has_wide_angles(edges: &EdgeLengths<f32>) -> bool {
+    let fans = SCANS.map(|scan| FanSlots::new(edges.chart(), scan));
+    edges.chart().places().any(|(row, col)| {
+        let point = edges.chart().bordered(row, col);
+        fans.iter().any(|slots| slots.fan(edges, point).triangles().into_iter().any(is_wide))
+    })
+}
+
+fn is_wide([l1, l2, c]: [f32; 3]) -> bool {
+    c < f32::FAR && l1 * l1 + l2 * l2 < c * c
 }

@@ -1,5 +1,8 @@
 //! Which points a scan has to visit: those beside a change that it has not seen yet.
 
+use std::sync::Arc;
+
+use super::farther::Farther;
 use super::marks::{Marks, WORD};
 use crate::cpu::scan::Scan;
 use crate::surface::{Chart, Lines};
@@ -15,16 +18,19 @@ pub(super) struct Pending {
     changed: [Marks; 2],
     /// Points before this one, row-major, are known and never visited.
     known: usize,
+    /// Shared by all batches of a surface.
+    farther: Arc<Farther>,
 }
 
 impl Pending {
-    pub(super) fn new(chart: Chart) -> Self {
+    pub(super) fn new(chart: Chart, farther: Arc<Farther>) -> Self {
         let [by_rows, by_cols] = [chart, chart.transposed()].map(Marks::none);
         Self {
             chart,
             visits: [by_rows.clone(), by_rows.clone(), by_cols.clone(), by_cols.clone()],
             changed: [by_rows, by_cols],
             known: 0,
+            farther,
         }
     }
 
@@ -71,6 +77,12 @@ impl Pending {
         taken.iter().any(|&word| word != 0).then_some(taken)
     }
 
+    /// Marks further points of a line that the current scan has changed.
+    pub(super) fn changed_too(&mut self, scan: Scan, line: usize, changed: &[u64]) {
+        let all = self.changed[kind(scan)].line_mut(line);
+        all.iter_mut().zip(changed).for_each(|(all, changed)| *all |= changed);
+    }
+
     /// Tells both scans over lines of this kind what has changed on a line.
     pub(super) fn tell(&mut self, scan: Scan, line: usize) {
         let changed = self.changed[kind(scan)].line(line);
@@ -79,6 +91,9 @@ impl Pending {
             Lines::Cols => [Scan::RIGHT, Scan::LEFT],
         };
         let lines = self.chart.by(scan.lines());
+        for concern in self.farther.of(scan.lines(), line, changed) {
+            self.visits[index(concern.scan())].mark(concern.line as usize, concern.point as usize);
+        }
         for scan in over {
             let ahead = scan.over_lines().back().opposite();
             if let Some((next, _)) = lines.neighbour(line, 0, ahead) {
@@ -140,7 +155,7 @@ mod tests {
 
     #[test]
     fn a_source_wakes_its_neighbours_and_nothing_else() {
-        let mut pending = Pending::new(Chart { rows: 4, cols: 5 });
+        let mut pending = Pending::new(Chart { rows: 4, cols: 5 }, Arc::default());
         pending.start(0);
         pending.touch(1, 4);
         assert_eq!(take(&mut pending, Scan::DOWN, 2), [3, 4]);
@@ -152,7 +167,7 @@ mod tests {
     #[test]
     fn a_change_wakes_its_neighbours_ahead_of_each_scan() {
         for scan in SCANS {
-            let mut pending = Pending::new(Chart { rows: 80, cols: 90 });
+            let mut pending = Pending::new(Chart { rows: 80, cols: 90 }, Arc::default());
             pending.start(0);
             let (line, point) = scan.lines().place(65, 64);
             pending.changed[kind(scan)].mark(line, point);
@@ -171,7 +186,7 @@ mod tests {
         let chart = Chart { rows: 4, cols: 5 };
         for known in 1..=20 {
             for scan in SCANS {
-                let mut pending = Pending::new(chart);
+                let mut pending = Pending::new(chart, Arc::default());
                 pending.start(known);
                 let mut visited = Vec::new();
                 for line in 0..chart.by(scan.lines()).rows {

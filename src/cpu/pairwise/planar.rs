@@ -5,7 +5,9 @@ use super::reach::Reach;
 use crate::surface::{Real, max, min};
 use crate::update::Corner;
 
-pub(super) struct Planar;
+/// Fronts that arrive before neither end of a base if they are `CAUSAL`, as single maps have them. Between edges at an
+/// angle that is not obtuse none does so anyway.
+pub(super) struct Planar<const CAUSAL: bool>;
 
 /// What the planar update needs of a triangle (paper, eqs. 10 and 15, solved for t0).
 ///
@@ -25,7 +27,15 @@ pub(super) struct PlanarTriangle {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coefficients {
     reach: Reach,
+    edges: [f32; 3],
     triangles: [PlanarTriangle; 2],
+}
+
+/// What the update needs of a part of an obtuse triangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlanarPart {
+    edges: [f32; 2],
+    triangle: PlanarTriangle,
 }
 
 impl PlanarTriangle {
@@ -51,21 +61,28 @@ impl PlanarTriangle {
         }
     }
 
+    /// Given the lengths of x0 x1 and x0 x2 too.
     #[inline(always)]
-    fn arrival(&self, t1: f32, t2: f32) -> f32 {
+    fn arrival<const CAUSAL: bool>(&self, [t1, t2]: [f32; 2], [l1, l2]: [f32; 2]) -> f32 {
         let Self { low, high, w, alpha, beta } = *self;
+        let later = min(max(t1, t2), min(t1 + l1, t2 + l2));
         let t1 = min(t1, t2 - low);
         let d = min(t2 - t1, high);
         let across = max(alpha - beta * d * d, 0.0);
-        t1 + (w * d + across.sqrt())
+        let time = t1 + (w * d + across.sqrt());
+        if CAUSAL { max(time, later) } else { time }
     }
 }
 
-impl Kernel for Planar {
+impl<const CAUSAL: bool> Kernel for Planar<CAUSAL> {
     type Coefficients = Coefficients;
 
     fn coefficients(fan: Fan) -> Coefficients {
-        Coefficients { reach: Reach::new(fan), triangles: fan.triangles().map(PlanarTriangle::new) }
+        Coefficients {
+            reach: Reach::new(fan),
+            edges: fan.edges,
+            triangles: fan.triangles().map(PlanarTriangle::new),
+        }
     }
 
     #[inline(always)]
@@ -85,12 +102,31 @@ impl Kernel for Planar {
     #[inline(always)]
     fn arrivals(
         [before, beside, after]: [&Lanes; 3],
-        Coefficients { triangles: [left, right], .. }: &Coefficients,
+        Coefficients { edges: [la, lb, lc], triangles: [left, right], .. }: &Coefficients,
     ) -> Lanes {
         let mut times = Lanes::all(0.0);
         for lane in 0..LANES {
             let (a, b, c) = (before.0[lane], beside.0[lane], after.0[lane]);
-            times.0[lane] = min(left.arrival(a, b), right.arrival(b, c));
+            times.0[lane] = min(
+                left.arrival::<CAUSAL>([a, b], [*la, *lb]),
+                right.arrival::<CAUSAL>([b, c], [*lb, *lc]),
+            );
+        }
+        times
+    }
+
+    type Part = PlanarPart;
+
+    fn part(lengths: [f32; 3]) -> PlanarPart {
+        let [l1, l2, _] = lengths;
+        PlanarPart { edges: [l1, l2], triangle: PlanarTriangle::new(lengths) }
+    }
+
+    #[inline(always)]
+    fn through([x1, x2]: [&Lanes; 2], PlanarPart { edges, triangle }: &PlanarPart) -> Lanes {
+        let mut times = Lanes::all(0.0);
+        for lane in 0..LANES {
+            times.0[lane] = triangle.arrival::<CAUSAL>([x1.0[lane], x2.0[lane]], *edges);
         }
         times
     }

@@ -2,10 +2,11 @@
 
 use super::kernel::{Fan, Kernel, LANES, Lanes};
 use super::reach::{Bulge, Reach};
-use crate::surface::min;
+use crate::surface::{max, min};
 use crate::update::Corner;
 
-pub(super) struct PointSource;
+/// Fronts that arrive before neither end of a base if they are `CAUSAL`.
+pub(super) struct PointSource<const CAUSAL: bool>;
 
 /// What the circular update needs of a triangle, with x1 at the origin, x2 at (base, 0) and x0 at
 /// (foot, height). Not a number where there is no triangle, so that every comparison fails.
@@ -29,6 +30,13 @@ pub(super) struct Coefficients {
     reach: Reach,
     bulge: Bulge,
     triangles: [CircularTriangle; 2],
+}
+
+/// What the update needs of a part of an obtuse triangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CircularPart {
+    edges: [f32; 2],
+    triangle: CircularTriangle,
 }
 
 impl CircularTriangle {
@@ -56,18 +64,19 @@ impl CircularTriangle {
     /// rounds to the precision of t0 and not to that of the step; with a coefficient or two ready
     /// and all sources at grid points, that is what is fast and good enough.
     #[inline(always)]
-    fn arrival_squared(&self, t1_squared: f32, t2_squared: f32) -> f32 {
+    fn arrival_squared<const CAUSAL: bool>(&self, t1_squared: f32, t2_squared: f32) -> f32 {
         let x = (t1_squared - t2_squared) * self.half_per_base + self.half_base;
         // Not a number if no point is as far from both, which no comparison holds for.
         let y = (t1_squared - x * x).sqrt();
         let upwind = (x >= self.slopes[0] * y) & (x <= self.base + self.slopes[1] * y);
         let rise = self.twice_height * y - self.twice_foot * x;
         let squared = (t1_squared + self.side_squared) + rise;
+        let squared = if CAUSAL { max(squared, max(t1_squared, t2_squared)) } else { squared };
         if upwind { squared } else { f32::INFINITY }
     }
 }
 
-impl Kernel for PointSource {
+impl<const CAUSAL: bool> Kernel for PointSource<CAUSAL> {
     type Coefficients = Coefficients;
 
     fn coefficients(fan: Fan) -> Coefficients {
@@ -104,7 +113,27 @@ impl Kernel for PointSource {
             let (a, b, c) = (before.0[lane], beside.0[lane], after.0[lane]);
             let along_edge = min(min(a + edges[0], b + edges[1]), c + edges[2]);
             let [aa, bb, cc] = [a * a, b * b, c * c];
-            let squared = min(left.arrival_squared(aa, bb), right.arrival_squared(bb, cc));
+            let [left, right] =
+                [left.arrival_squared::<CAUSAL>(aa, bb), right.arrival_squared::<CAUSAL>(bb, cc)];
+            times.0[lane] = min(along_edge, min(left, right).sqrt());
+        }
+        times
+    }
+
+    type Part = CircularPart;
+
+    fn part(lengths: [f32; 3]) -> CircularPart {
+        let [l1, l2, _] = lengths;
+        CircularPart { edges: [l1, l2], triangle: CircularTriangle::new(lengths) }
+    }
+
+    #[inline(always)]
+    fn through([x1, x2]: [&Lanes; 2], CircularPart { edges, triangle }: &CircularPart) -> Lanes {
+        let mut times = Lanes::all(0.0);
+        for lane in 0..LANES {
+            let (a, b) = (x1.0[lane], x2.0[lane]);
+            let along_edge = min(a + edges[0], b + edges[1]);
+            let squared = triangle.arrival_squared::<CAUSAL>(a * a, b * b);
             times.0[lane] = min(along_edge, squared.sqrt());
         }
         times

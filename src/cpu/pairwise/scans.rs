@@ -1,11 +1,13 @@
 //! Raster scans over the maps of a batch.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
-use super::kernel::{FanSlots, Kernel, LANES, Lanes};
+use super::farther::Farther;
+use super::kernel::{FanSlots, Kernel, LANES, Lanes, merged};
 use super::maps::{Known, Maps};
 use super::marks::WORD;
 use super::outward::Passing;
+use super::parts::{Parts, VisitParts};
 use super::pending::SCANS;
 use crate::cpu::scan::Scan;
 use crate::cpu::{Instructions, Progress};
@@ -19,6 +21,9 @@ pub(super) struct Scans<K: Kernel> {
     chart: Chart,
     /// For each scan the coefficients of all points, in the order in which it passes them.
     coefficients: [Vec<K::Coefficients>; 4],
+    /// For each scan the parts of obtuse triangles.
+    parts: [Parts<K>; 4],
+    farther: Arc<Farther>,
     spare: Mutex<Vec<Maps>>,
 }
 
@@ -48,7 +53,9 @@ impl<K: Kernel> Scans<K> {
             let places = lines.places().map(|(line, point)| scan.lines().place(line, point));
             places.map(|(row, col)| at(row, col)).collect()
         });
-        Self { chart, coefficients, spare: Mutex::default() }
+        let parts = SCANS.map(|scan| Parts::new(edges, scan));
+        let farther = Arc::new(Farther::new(edges));
+        Self { chart, coefficients, parts, farther, spare: Mutex::default() }
     }
 
     fn iterate<const TRACKS: bool>(
@@ -84,11 +91,13 @@ impl<K: Kernel> Scans<K> {
         wakes: u32,
         instructions: Instructions,
     ) -> u32 {
-        let Maps { points, pending, outward, .. } = maps;
+        let Maps { points, pending, outward, changed, .. } = maps;
         let (chart, lines) = (self.chart, self.chart.by(scan.lines()));
         let step = chart.offset(scan.lines().along()).unsigned_abs();
         let behind = chart.offset(scan.back());
-        let coefficients = &self.coefficients[usize::from(scan.0) - 1];
+        let index = usize::from(scan.0) - 1;
+        let (coefficients, parts) = (&self.coefficients[index], &self.parts[index]);
+        let changed = changed[scan.lines() as usize].line_mut(0);
         let mut largest = 0;
         for line in scan.in_order(0..lines.rows) {
             let passing = match outward {
@@ -104,9 +113,18 @@ impl<K: Kernel> Scans<K> {
                 _ => [u32::MAX; LANES],
             };
             let (row, col) = scan.lines().place(line, 0);
+            let first = chart.bordered(row, col);
+            let parts = parts.of_line(line);
+            if !parts.is_empty() {
+                changed.fill(0);
+                let changed = &mut *changed;
+                let visit: VisitParts<K, TRACKS> =
+                    VisitParts { points, first, step, parts, marks, changed, wakes, maps };
+                largest = largest.max(instructions.run(visit));
+            }
             let work = MarkedLine::<K> {
                 points,
-                first: chart.bordered(row, col),
+                first,
                 step,
                 behind,
                 coefficients: &coefficients[lines.row(line)],
@@ -119,6 +137,9 @@ impl<K: Kernel> Scans<K> {
                 _ => instructions.run(Visit::<K, TRACKS, false>(work)),
             };
             largest = largest.max(change);
+            if !parts.is_empty() {
+                pending.changed_too(scan, line, changed);
+            }
             pending.tell(scan, line);
         }
         pending.end(scan);
@@ -129,7 +150,8 @@ impl<K: Kernel> Scans<K> {
 impl<K: Kernel> BatchSolver for Scans<K> {
     fn bytes(&self) -> (usize, usize) {
         let coefficients = self.coefficients.iter().map(Vec::len).sum::<usize>();
-        (coefficients * size_of::<K::Coefficients>(), Maps::bytes(self.chart))
+        let parts = self.parts.iter().map(Parts::bytes).sum::<usize>() + self.farther.bytes();
+        (coefficients * size_of::<K::Coefficients>() + parts, Maps::bytes(self.chart))
     }
 
     fn solve(
@@ -141,7 +163,7 @@ impl<K: Kernel> BatchSolver for Scans<K> {
         into: &mut [Option<&mut [f32]>],
     ) -> Convergence {
         let spare = self.spare.lock().expect("nothing panics while it is held").pop();
-        let mut maps = spare.unwrap_or_else(|| Maps::new(self.chart));
+        let mut maps = spare.unwrap_or_else(|| Maps::new(self.chart, self.farther.clone()));
         maps.start(self.chart, sources, known);
         let convergence = if stop.iterations == 1 {
             // Whatever a single iteration changes, it was the last.
@@ -203,14 +225,4 @@ impl<K: Kernel, const TRACKS: bool, const ALL: bool> Loop for Visit<'_, K, TRACK
         }
         if TRACKS { largest.into_iter().max().unwrap_or_default() } else { u32::MAX }
     }
-}
-
-/// A point in the maps that pass it as it has become, in the others as it was.
-#[inline(always)]
-fn merged(new: Lanes, old: Lanes, maps: [u32; LANES]) -> Lanes {
-    let (mut new, old): ([u32; LANES], [u32; LANES]) = (bytemuck::cast(new), bytemuck::cast(old));
-    for lane in 0..LANES {
-        new[lane] = (new[lane] & maps[lane]) | (old[lane] & !maps[lane]);
-    }
-    bytemuck::cast(new)
 }
