@@ -1,4 +1,4 @@
-//! The pipelines over the maps of a batch.
+//! Makes the pipelines for the maps of a batch.
 
 use super::layout::{BatchLayout, Workgroup};
 use crate::vulkan::VulkanError;
@@ -11,26 +11,26 @@ use crate::vulkan::shaders::{
     pairwise_count, pairwise_fans, pairwise_scan, pairwise_shared, pairwise_start,
 };
 
-/// The device's pipelines for a batch, by where its maps lie.
+/// Pipelines of a batch, by where its maps lie.
 #[derive(Debug)]
 pub(super) enum BatchPipelines {
     SharedMemory {
-        /// Puts the surface's fans into order.
+        /// Pipeline that arranges the surface's fans.
         fans: Pipeline<pairwise_fans::Push>,
         maps: Pipeline<pairwise_shared::Push>,
-        /// Of the latter, which depends on the size of maps, or on the room for them.
+        /// Guard of the pipeline `maps`, which depends on the size of maps, or on the room for them.
         _in_use: InUse,
     },
     Images {
         start: Pipeline<pairwise_start::Push>,
-        /// In the order of an iteration.
+        /// Pipelines of the scans, in the order of an iteration.
         scans: [Pipeline<pairwise_scan::Push>; 4],
         count: Pipeline<pairwise_count::Push>,
     },
 }
 
 impl BatchPipelines {
-    /// Makes those that are not there.
+    /// Makes the pipelines that do not exist yet.
     pub(super) fn new(
         device: &ash::Device,
         pipelines: &Pipelines,
