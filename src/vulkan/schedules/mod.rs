@@ -1,5 +1,6 @@
-//! The schedules: a file each, which says which passes one takes, plans them, starts a map, records the
-//! steps and counts what they have to do. Here is all that asks which schedule it is.
+//! Plans and records the schedules. Each schedule has a file, which states its passes, plans its steps,
+//! starts a map, records the steps and counts their work. This file contains everything that depends on the
+//! choice of the schedule.
 
 mod all_points;
 mod order;
@@ -34,8 +35,8 @@ impl Schedule {
         }
     }
 
-    /// The steps of a recording: as many iterations (or rounds of tiles) as are worth submitting
-    /// together, and no more than `most`. Before and after it, all fronts are in image 0.
+    /// Returns the steps of a recording: as many iterations (or rounds of tiles) as are worth submitting
+    /// together, and at most `most`. Before and after these steps all fronts are in image 0.
     ///
     /// If the map has just been started, `reached` is the box around its sources. `portions` are
     /// [`Tuning::portions`].
@@ -62,34 +63,34 @@ impl Schedule {
         self.order().plan(texels, portions, reached, most)
     }
 
-    /// The numbers of its passes in the table.
+    /// Returns the numbers of the schedule's passes in the table.
     pub(crate) fn passes(self) -> &'static [usize] {
         self.order().passes()
     }
 
-    /// See [`Order::follows`].
+    /// Returns [`Order::follows`].
     pub(crate) fn follows(self) -> u32 {
         self.order().follows()
     }
 
-    /// Whether it goes by rounds over lists of tiles that the device makes, rather than by iterations over the
-    /// whole grid.
+    /// Returns whether the schedule runs rounds over lists of tiles that the device makes. Otherwise it runs
+    /// iterations over the whole grid.
     pub fn has_rounds(self) -> bool {
         self.order().has_rounds()
     }
 
-    /// See [`Order::together`].
+    /// Returns [`Order::together`].
     pub(crate) fn together(self, texels: TexelChart, portions: Portions) -> u32 {
         self.order().together(texels, portions)
     }
 
-    /// See [`Order::gains_by_surroundings`].
+    /// Returns [`Order::gains_by_surroundings`].
     pub(crate) fn gains_by_surroundings(self) -> bool {
         self.order().gains_by_surroundings()
     }
 }
 
-/// The schedule that a step is of; counts are of several.
+/// Returns the schedule to which a step belongs; `None` for a count, which several schedules use.
 fn order_of(step: &Step) -> Option<&'static dyn Order> {
     match step {
         Step::Scan(_) => Some(&raster::Raster),
@@ -109,11 +110,11 @@ impl Steps<'_, '_> {
 }
 
 impl Recorder<'_> {
-    /// Before the seeds of a map whose fronts are causal or not ([`crate::surface::Origins`]), or of what is added to
-    /// one: no iteration is done.
+    /// Records the start of a map before its seeds, or before what is added to a map: no iteration is done.
+    /// `causal` says whether the map's fronts are causal ([`crate::surface::Origins`]).
     pub(crate) fn start(&self, stop: Stop, schedule: Schedule, causal: bool, is_added: bool) {
         let order = schedule.order();
-        // The progress, what is kept of each tile, and what else the schedule keeps.
+        // Written are the progress, the numbers kept for each tile, and what else the schedule keeps.
         let written =
             offset::VISITS + TILE_WORDS as u64 * self.tile_bytes() + 4 * order.start_words(self);
         let work = Work::of_bytes(0, written);
@@ -137,7 +138,7 @@ impl Recorder<'_> {
         self.barrier(CLEAR, PASS);
     }
 
-    /// Dispatches no group of any pass of a map, since drivers may compile a pipeline at its first
+    /// Dispatches no workgroup of any pass of a map, since drivers may compile a pipeline at its first
     /// dispatch.
     pub(crate) fn warm_up_map(&self, schedule: Schedule, variant: Variant) {
         let of_schedule = schedule.passes().iter().copied();
@@ -151,17 +152,17 @@ impl Recorder<'_> {
         }
     }
 
-    /// Before more iterations of a map, by a recording as long as the last.
+    /// Records what must precede further iterations of a map. The recording is as long as the last.
     pub(crate) fn go_on(&self, schedule: Schedule, steps: &[Step]) {
         schedule.order().go_on(self, steps);
     }
 
-    /// Runs the steps of a plan, whose pipelines were made for a variant.
+    /// Records the steps of a plan, whose pipelines were made for `variant`.
     pub(crate) fn steps(&self, variant: impl Into<Variant>, steps: &[Step]) {
         self.steps_after(None, variant, steps);
     }
 
-    /// The same of a part of the plan, after the last step of another recording.
+    /// Records a part of a plan's steps. `before` is the last step of the previous recording.
     pub(crate) fn steps_after(
         &self,
         before: Option<&Step>,
@@ -189,7 +190,8 @@ impl Recorder<'_> {
         self.decided_after(visits);
     }
 
-    /// Runs the steps of plans on as many surfaces: those of one number, then a barrier for all.
+    /// Records the steps of plans on several surfaces: all steps with the same number, then one barrier for
+    /// all.
     pub(crate) fn steps_together(all: &[Option<(Self, Variant, &[Step])>]) {
         let count = all.len().min(MOST_TOGETHER);
         let mut recordings: [Option<Steps>; MOST_TOGETHER] = [const { None }; MOST_TOGETHER];
@@ -207,7 +209,7 @@ impl Recorder<'_> {
                     continue;
                 };
                 let Some(step) = steps.get(number) else { continue };
-                // Passes of others have been bound meanwhile.
+                // Passes of other surfaces have been bound meanwhile.
                 recording.bound = None;
                 recording.run(step);
                 last = Some(recorder);
@@ -218,14 +220,15 @@ impl Recorder<'_> {
         }
     }
 
-    /// After the steps of a plan, and what belongs to them.
+    /// Ends a portion after the steps of a plan and what belongs to them.
     pub(crate) fn end_portion(&self) {
         if let Some(profile) = self.profile {
             profile.end_portion(self.device, self.buffer);
         }
     }
 
-    /// As many as there is room for, if a profile wants to know.
+    /// Returns how many dispatches of scans note their visits: as many as there is room for, if a profile
+    /// requests it.
     fn visits_noted(&self, steps: &[Step]) -> u32 {
         if self.profile.and_then(Profile::decisions).is_none() {
             return 0;
@@ -238,8 +241,8 @@ impl Recorder<'_> {
         blocks.sum::<u32>().min(VISITS)
     }
 
-    /// Copies how the iterations have gone so far to where a profile finds it, and forgets so many
-    /// bytes of visits.
+    /// Copies the outcome of the iterations so far to where a profile finds it, and clears `visits` bytes of
+    /// visits.
     fn decided_before(&self, visits: u64) {
         let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
         let work = Work::of_bytes(profile::BEFORE_BYTES, profile::BEFORE_BYTES + visits);
@@ -253,7 +256,7 @@ impl Recorder<'_> {
         self.barrier(TRANSFER, PASS_AND_HOST);
     }
 
-    /// Copies what the device has decided by now, with so many bytes of visits.
+    /// Copies the device's decisions to where a profile finds them, with `visits` bytes of visits.
     fn decided_after(&self, visits: u64) {
         let Some((buffer, offset)) = self.profile.and_then(Profile::decisions) else { return };
         let bytes = offset::VISITS + visits;
@@ -263,7 +266,7 @@ impl Recorder<'_> {
     }
 }
 
-/// The record of the next step of a recording.
+/// Returns the record of the next step of a recording.
 pub(super) fn account(counter: &mut StepCounter, step: &Step) -> (PassRecord, Presence) {
     match order_of(step) {
         Some(order) => order.account(counter, step),
@@ -271,13 +274,13 @@ pub(super) fn account(counter: &mut StepCounter, step: &Step) -> (PassRecord, Pr
     }
 }
 
-/// How many records the steps make.
+/// Returns the number of records that the steps make.
 pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
     // Iterations end with a count, so that no scan follows one of the same direction.
     let merged = steps.windows(2).filter(|pair| match &pair[0] {
         Step::Scan(before) => match grain {
-            // What happens in an iteration beyond convergence is only known later, so that a portion
-            // takes room for all of its iterations.
+            // The work of an iteration beyond convergence is known only later, so that a portion takes room
+            // for all of its iterations.
             Grain::Iterations | Grain::Portions => true,
             Grain::Scans => matches!(&pair[1], Step::Scan(after) if before.scan == after.scan),
             Grain::Blocks => false,
@@ -288,8 +291,8 @@ pub(crate) fn records(steps: &[Step], grain: Grain) -> u32 {
     (steps.len() - merged.count()) as u32
 }
 
-/// The passes of a plan, each as if the map had not converged before it, without times. What rounds
-/// of tiles visit is not known from the plan.
+/// Returns the passes of a plan, each as if the map had not converged before it, without times. A plan does
+/// not determine what rounds of tiles visit.
 ///
 /// ```
 /// use geosweep::Wavefront;
