@@ -1,10 +1,10 @@
-//! Barriers, each named by the hazard it covers.
+//! Records barriers. Each kind of access is named by the hazard that it covers.
 
 use ash::vk;
 
 use super::record::MOST_TOGETHER;
 
-/// A side of a barrier: pipeline stages and the kinds of access in them.
+/// One side of a barrier: pipeline stages, and the kinds of access in them.
 pub(crate) type Access = (vk::PipelineStageFlags, vk::AccessFlags);
 
 pub(crate) const NOTHING: Access = (vk::PipelineStageFlags::TOP_OF_PIPE, vk::AccessFlags::NONE);
@@ -46,7 +46,7 @@ pub(crate) const PASS_AND_HOST: Access = (
     vk::AccessFlags::from_raw(PASS.1.as_raw() | HOST_READ.1.as_raw()),
 );
 
-/// Makes what `before` has written visible to `after`.
+/// Makes the writes of `before` visible to `after`.
 pub(crate) fn memory(
     device: &ash::Device,
     commands: vk::CommandBuffer,
@@ -72,7 +72,7 @@ pub(crate) fn memory(
     }
 }
 
-/// Brings an image from one layout into another, between `before` and `after`.
+/// Transitions an image from one layout into another, between `before` and `after`.
 pub(crate) fn image(
     device: &ash::Device,
     commands: vk::CommandBuffer,
@@ -97,7 +97,7 @@ pub(crate) fn image(
     }
 }
 
-/// What an image is brought from and to.
+/// Barrier of an image with a transition of its layout.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ImageBarrier {
     pub(crate) image: vk::Image,
@@ -120,7 +120,7 @@ impl ImageBarrier {
     }
 }
 
-/// Several barriers as one: the stages of all, the accesses of those over all memory, and images.
+/// Records several barriers as one: the stages of all, the accesses over all memory, and the images.
 pub(crate) fn merged(
     device: &ash::Device,
     commands: vk::CommandBuffer,
@@ -133,7 +133,7 @@ pub(crate) fn merged(
     }
     let all = vk::MemoryBarrier::default().src_access_mask(before.1).dst_access_mask(after.1);
     let all = [all];
-    // Images alone have nothing to do with other memory.
+    // Barriers of images alone do not concern other memory.
     let all = if (before.1 | after.1).is_empty() { &all[..0] } else { &all[..] };
     let mut infos = [vk::ImageMemoryBarrier::default(); MOST_TOGETHER];
     for (info, image) in infos.iter_mut().zip(images) {
