@@ -156,7 +156,7 @@ pub(crate) const COLOR: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
     layer_count: vk::REMAINING_ARRAY_LAYERS,
 };
 
-/// Shows that the validation layers are listening: leaves out barriers on purpose.
+/// Checks that the validation layers are active, by leaving out barriers on purpose.
 #[cfg(test)]
 pub(crate) mod tests {
     use std::cell::RefCell;
@@ -174,7 +174,7 @@ pub(crate) mod tests {
         LEFT_OUT.with_borrow_mut(|choice| choice.as_mut().is_some_and(choose))
     }
 
-    /// Does something without the memory barriers that are chosen.
+    /// Calls `record` without the memory barriers for which `chosen` returns true.
     pub(crate) fn without<T>(
         chosen: impl FnMut(Access, Access) -> bool + 'static,
         record: impl FnOnce() -> T,
@@ -185,7 +185,7 @@ pub(crate) mod tests {
         done
     }
 
-    /// Chooses the barrier with this number, counted from 0.
+    /// Returns a function that chooses the barrier with this number, counted from 0.
     pub(crate) fn number(which: usize) -> impl FnMut(Access, Access) -> bool {
         let mut numbers = 0..;
         move |_, _| numbers.next() == Some(which)

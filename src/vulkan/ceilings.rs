@@ -370,7 +370,7 @@ mod tests {
         let context = Arc::new(Context::new(&DeviceChoice::Name(device), true).unwrap());
         let ceilings = Probe::new(&context).unwrap().measure().unwrap();
         context.check_validation().unwrap();
-        // Wide enough for any device, and narrow enough to find a wrong unit.
+        // The range is wide enough for any device, and narrow enough to detect a wrong unit.
         for rate in [&ceilings.triangles[..], &[ceilings.copy, ceilings.read_back]].concat() {
             assert!((1e6..1e14).contains(&rate), "{ceilings:?}");
         }

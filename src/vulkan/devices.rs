@@ -194,7 +194,7 @@ mod tests {
     fn devices_are_named_by_a_part_of_the_name_or_an_index() {
         let machine = devices(&[("other", true), (CPU, false)]);
         let position = |text: &str| position(&machine, &text.parse().unwrap());
-        // Whether it can be used is found out by who has asked for it.
+        // The choice finds a device that is not usable too. The caller finds out whether it is.
         assert_eq!((position("DEVICE 1").unwrap(), position("1").unwrap()), (1, 1));
         for wanted in ["2", "card"] {
             let error = position(wanted).unwrap_err().to_string();

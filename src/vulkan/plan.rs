@@ -235,7 +235,7 @@ mod tests {
         TexelChart::new(Chart { rows: side, cols: side }).unwrap()
     }
 
-    /// Of an iteration that visits everything a thirty-second at 8192 points a side.
+    /// At 8192 points a side a submission is a thirty-second of an iteration that visits everything.
     #[test]
     fn a_submission_is_a_small_share_of_a_large_map() {
         for (side, shares) in [(1024, 1), (2048, 1), (4096, 8), (6000, 17), (8192, 32)] {
@@ -266,7 +266,7 @@ mod tests {
             let parts: Vec<_> = parts(&steps, texels, 1).iter().map(|part| part.len()).collect();
             parts
         };
-        // Eight blocks in each of four scans, the last with the count; two updates.
+        // There are eight blocks in each of four scans, the last with the count, and two updates.
         let blocks = [vec![1; 31], vec![2]].concat();
         assert_eq!(cut(Schedule::Raster), blocks);
         assert_eq!(cut(Schedule::AllPoints), [1, 2]);

@@ -505,7 +505,7 @@ mod tests {
         (before, after) == (PASS, PASS)
     }
 
-    /// Shows that the validation layers are listening: without this, a clean log says nothing.
+    /// Checks that the validation layers are active. Without this a clean log would prove nothing.
     #[test]
     fn a_missing_barrier_is_reported() {
         let surface = hill();
@@ -521,7 +521,7 @@ mod tests {
         }
     }
 
-    /// What a host's tools see of us is what the layers say of a fault.
+    /// Names in the layers' messages about a fault are those that a host's tools see.
     #[test]
     fn pipelines_have_names_while_profiling() {
         let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());
@@ -552,9 +552,9 @@ mod tests {
         assert_eq!(log.messages(), Vec::<String>::new());
     }
 
-    /// Replaces one function of the device by one that fails.
+    /// Returns a solver with one function of the device replaced by one that fails.
     fn with_failing(name: &'static CStr, result: extern "system" fn() -> vk::Result) -> Solver {
-        // Not under validation: the layers would rightly complain of what the fault leaves.
+        // Validation is off, since the layers would rightly report what the fault leaves behind.
         let mut solver = Solver::open(&DeviceChoice::Any, false).unwrap();
         let context = Arc::get_mut(&mut solver.context).unwrap();
         let (instance, handle) = (&context.instance.handle, context.device.handle());

@@ -53,7 +53,7 @@ mod tests {
     use super::*;
     use crate::update::{Front, SEED};
 
-    /// Else what arrives together with one would take its place on a device alone.
+    /// If they differed, a front that arrives together with a seed would replace it on a device alone.
     #[test]
     fn fronts_at_seeds_are_those_of_the_cpu() {
         for curvature in [0.0, -0.0, 0.5, Seed::AT_SOURCE] {

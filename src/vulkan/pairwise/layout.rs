@@ -62,8 +62,7 @@ const MOST_ITERATIONS: u32 = 32;
 /// Largest number of trips through loops in a dispatch. Mesa's llvmpipe leaves the loops of a shader silently
 /// after 65,535 trips of an invocation, counted over all loops.
 const MOST_TRIPS: u32 = 60_000;
-/// Largest number of invocations of a workgroup. With more of them barriers cost more than shorter lines
-/// save.
+/// Largest number of invocations of a workgroup. With more of them, barriers cost more than lines gain.
 const MOST_INVOCATIONS: u32 = 128;
 
 impl Workgroup {
@@ -244,13 +243,13 @@ mod tests {
         assert_eq!(fits(65, Wavefront::Planar), None);
         assert_eq!(fits(64, Wavefront::Curved), None);
         assert_eq!(fits(45, Wavefront::Curved).unwrap().pitch, 45);
-        // With room for it, columns do not share a bank.
+        // If there is room for it, the pitch is odd, so that columns do not share a bank.
         let more = BatchLimits { shared_memory: 48 << 10, ..SMALLEST };
         let workgroup = Workgroup::fitting(square(64), Wavefront::Curved, &more).unwrap();
         assert_eq!(workgroup.pitch, 65);
     }
 
-    /// A GPU's drivers compile few pipelines for all sizes, and each map has room.
+    /// On GPUs drivers compile few pipelines for all sizes, and each map has room.
     #[test]
     fn maps_of_many_sizes_share_the_room_that_they_have() {
         let limits = BatchLimits { shared_memory: 48 << 10, ..SMALLEST };

@@ -390,8 +390,8 @@ mod tests {
 
     const SOURCES: [Option<usize>; 3] = [Some(15), None, Some(411)];
 
-    /// Leaves out one barrier of a recording: after the copy of what the host has written, after the
-    /// start, and before the copy of what the host reads.
+    /// Leaves out one barrier of a recording: after the copy of what the host has written, after the start,
+    /// or before the copy of what the host reads.
     #[test]
     fn missing_barriers_are_reported() {
         let surface = hill();
@@ -416,8 +416,8 @@ mod tests {
         }
     }
 
-    /// A pipeline for all sizes that have as much room, as GPUs have it, gives the maps of one for the size alone, in
-    /// one dispatch or several.
+    /// Checks that a pipeline for all sizes with the same room, as GPUs use it, gives the same maps as one
+    /// for a single size, in one dispatch or several.
     #[test]
     fn a_size_that_is_pushed_makes_no_difference() {
         let solver = solver();
@@ -459,7 +459,7 @@ mod tests {
         assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD-")), "{messages:?}");
     }
 
-    /// What a host's tools see of us is what the layers say of a fault.
+    /// Names in the layers' messages about a fault are those that a host's tools see.
     #[test]
     fn passes_and_images_have_names_while_profiling() {
         let device = DeviceChoice::Name(std::env::var("GEOSWEEP_TEST_DEVICE").unwrap_or_default());

@@ -86,8 +86,8 @@ fn text(chars: &[c_char]) -> String {
 mod tests {
     use super::*;
 
-    /// No device at hand has the extension, so this holds the reading of it against what the
-    /// specification says of the structures.
+    /// No available device has the extension, so the test checks how its structures are read against the
+    /// specification.
     #[test]
     fn every_format_of_a_statistic_is_a_number() {
         use vk::PipelineExecutableStatisticFormatKHR as Format;

@@ -288,7 +288,7 @@ impl PassRecord {
         }
     }
 
-    /// Takes the next pass of the same scan or iteration in.
+    /// Adds the next pass of the same scan or iteration to this record.
     pub(crate) fn absorb(&mut self, next: &Self) {
         // A count visits no texels.
         self.area = self.area.zip(next.area).map(|(a, b)| a.around(b)).or(self.area);
@@ -300,14 +300,14 @@ impl PassRecord {
         self.work = self.work.and(next.work);
     }
 
-    /// All passes of a portion, each with what is known of its work.
+    /// Returns one record for all passes of a portion, with what is known of the work of each.
     pub(super) fn of_portion(passes: &[Self]) -> Self {
         let mut all = Self { dispatches: 0, ..Self::new(PassKind::Portion) };
         let visits: Vec<_> = passes.iter().filter(|pass| pass.area.is_some()).collect();
         let sum = |of: fn(&Work) -> Option<u64>| -> Option<u64> {
             visits.iter().map(|pass| of(&pass.work)).sum()
         };
-        // What visits no texels only adds to the bytes.
+        // Passes without texels only add to the bytes.
         let bytes = |of: fn(&Work) -> Option<u64>| {
             let others = passes.iter().filter(|pass| pass.area.is_none());
             let others: u64 = others.filter_map(|pass| of(&pass.work)).sum();
@@ -329,8 +329,8 @@ impl PassRecord {
         all
     }
 
-    /// Whether the pass lies beyond convergence, or no block of its scan was due, or its list of tiles was empty:
-    /// it was dispatched and visited nothing.
+    /// Returns whether the pass was dispatched and visited nothing: it lies beyond convergence, or no block
+    /// of its scan was due, or its list of tiles was empty.
     pub fn is_idle(&self) -> bool {
         let is_scan = matches!(self.kind, PassKind::Scan(_));
         let has_no_groups = self.groups.is_some_and(|groups| groups.contains(&0));

@@ -316,9 +316,9 @@ mod tests {
     use crate::vulkan::profile::Capability;
     use crate::vulkan::{Method, Schedule, Solver};
 
-    /// Queries, copies of decisions and lists, labels and names leave no message under the
-    /// validation layers, with synchronization validation; whatever is left out, the map is the
-    /// same to the last bit.
+    /// Checks that queries, copies of decisions and lists, labels and names leave no message under the
+    /// validation layers, with synchronization validation. Whatever is left out, the map is the same to the
+    /// last bit.
     #[test]
     fn profiles_leave_no_message_and_no_trace_in_the_map() {
         let heights = (0..75 * 90).map(|i| f64::from(i % 7 + i / 270).sin()).collect();
@@ -345,7 +345,7 @@ mod tests {
                     let (watched, profile) = watched.unwrap();
                     assert_eq!(watched.distances, plain.distances);
                     assert_eq!(watched.iterations, plain.iterations);
-                    // Every recording tells how it has gone, and then the map is read back.
+                    // Every recording reports its outcome, and then the map is read back.
                     let ends = match detail.grain {
                         Grain::Portions => PassKind::Portion,
                         _ => PassKind::Outcome,
@@ -353,7 +353,7 @@ mod tests {
                     let recordings = profile.passes().filter(|pass| pass.kind == ends).count();
                     assert!(recordings >= 1 && profile.submissions.len() == recordings + 1);
                 }
-                // What was recorded with queries is not submitted again without.
+                // A recording with queries is not submitted again without them.
                 let again = solver.solve(&mut on_device, &seeds, method).unwrap();
                 assert_eq!(again.distances, plain.distances);
             }

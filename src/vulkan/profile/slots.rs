@@ -70,7 +70,7 @@ impl Slots {
 pub struct Profile {
     slots: Slots,
     grain: Grain,
-    /// Passes that there is room for.
+    /// Number of passes for which there is room.
     room: usize,
     taken: Mutex<Taken>,
 }

@@ -272,7 +272,8 @@ mod tests {
 
     #[test]
     fn columns_of_workgroups_are_no_more_than_devices_take() {
-        // Tiles of 16 points on 4112 x 4112, and of 8 points on the largest images.
+        // The counts are those of tiles of 16 points on 4112 x 4112 points, and of 8 points on the largest
+        // images.
         for (count, wanted) in [
             (1, [1, 1, 1]),
             (65_535, [65_535, 1, 1]),

@@ -109,7 +109,7 @@ impl Recorder<'_> {
     }
 
     /// Computes the surface's Gaussian curvature, once all edges are measured by the rule. On floor plans it
-    /// computes where shortest paths can bend.
+    /// also computes where shortest paths can bend.
     pub(crate) fn bend(&self, rule: EdgeRule, is_floor: bool) {
         let inner = self.grid.texels.inner();
         let texels = inner.map(|texels| texels as i32);

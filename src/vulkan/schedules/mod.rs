@@ -329,7 +329,7 @@ mod tests {
     const TUNING: Tuning =
         Tuning { scan_width: 64, scan_lines: 4, tile: 16, inner: 4, together: None, visits: None };
 
-    /// A dispatch for each block of lines, as on grids of any size.
+    /// Returns portions with one dispatch for each block of lines, as on grids of any size.
     fn portions(wavefront: Wavefront, texels: TexelChart) -> Portions {
         Portions { across: 0, ..TUNING.portions(wavefront, texels) }
     }
@@ -352,7 +352,8 @@ mod tests {
                 let after = decided(record, presence, Some(decisions));
                 assert_eq!(after.iteration, record.iteration.map(|iteration| 7 + iteration));
                 if presence == Presence::Count {
-                    // Seven numbers are looked at and five written, two more at the end; or one is.
+                    // A count reads seven numbers and writes five, and two more at the end. Beyond
+                    // convergence it reads one.
                     let found = after.work.bytes_read.zip(after.work.bytes_written);
                     let last = record.iteration == Some(0);
                     assert_eq!(found, Some(if last { (4 * 7, 4 * (5 + 2)) } else { (4, 0) }));
@@ -372,12 +373,12 @@ mod tests {
         }
     }
 
-    /// Ten rows of texels and seventeen columns in blocks of four; the device has visited the last two
-    /// rows in both scans, and in the scan left the last column.
+    /// The grid has ten rows of texels and seventeen columns, in blocks of four. The device has visited the
+    /// last two rows in both scans, and the last column in the scan left.
     #[test]
     fn blocks_that_were_not_due_are_skipped() {
         let mut visits = [0; VISIT_WORDS as usize];
-        // Three blocks down, three up, five right and five left.
+        // There are three blocks down, three up, five right and five left.
         for number in [2, 3, 11] {
             visits[0] |= 1 << number;
         }
@@ -413,7 +414,7 @@ mod tests {
         }
     }
 
-    /// The same grid, on which a dispatch is a scan.
+    /// Repeats the previous check on the same grid with one dispatch for each scan.
     #[test]
     fn blocks_in_turn_are_skipped_one_by_one() {
         let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();
@@ -427,7 +428,7 @@ mod tests {
             visits[0] |= 1 << number;
         }
         let decisions = Decisions { after: 2, visits: &visits, ..Decisions::default() };
-        // Down, up, right, left, and the count.
+        // The passes are down, up, right, left, and the count.
         let visited = [34, 34, 0, 10, 0, 0, 0, 0, 40, 0];
         let all = [170, 170, 170, 170, 0, 170, 170, 170, 170, 0];
         for (number, &(record, presence)) in found.iter().enumerate() {
@@ -439,7 +440,7 @@ mod tests {
             assert_eq!(after.work.skipped, Some(all[number] - visited[number]), "{number}");
             assert_eq!((after.groups, after.dispatches), (Some([1, 1, 1]), 1));
             assert_eq!(after.is_idle(), visited[number] == 0, "{number}");
-            // Once the map has converged a workgroup finds that nothing is due.
+            // Once the map has converged, a workgroup finds that no block is due.
             let beyond = Decisions { is_done: true, after: 0, ..decisions };
             let after = decided(record, presence, Some(beyond));
             assert_eq!((after.groups, after.work.texels), (Some([1, 1, 1]), Some(0)));
@@ -452,7 +453,7 @@ mod tests {
         let texels = TexelChart::new(Chart { rows: 20, cols: 33 }).unwrap();
         let portions = portions(Wavefront::Planar, texels);
         let steps = |schedule: Schedule| schedule.plan(texels, portions, None, 2);
-        // Ten rows of texels and seventeen columns in blocks of four.
+        // The grid has ten rows of texels and seventeen columns, in blocks of four.
         let raster = steps(Schedule::Raster);
         assert_eq!(records(&raster, Grain::Blocks), 2 * (2 * 3 + 2 * 5 + 1));
         assert_eq!(records(&raster, Grain::Scans), 2 * (4 + 1));
@@ -480,7 +481,7 @@ mod tests {
             .into_iter()
             .map(|(record, presence)| decided(record, presence, Some(decisions)))
             .collect();
-        // Two rounds of 2 x 3 tiles of 8 x 8 texels, then what settles them.
+        // There are two rounds of 2 x 3 tiles of 8 x 8 texels, then the pass that settles them.
         assert_eq!(found.len(), 3);
         let bytes = Some(2 * 64 * (2 * 16 + 16 + 64 + 2 * 16));
         assert_eq!((found[0].work.texels, found[0].work.skipped), (Some(2 * 64), Some(4 * 64)));
@@ -488,7 +489,7 @@ mod tests {
         assert_eq!((found[0].groups, found[0].iteration), (Some([3, 1, 1]), Some(3)));
         assert!(found[1].is_idle() && found[1].iteration == Some(4));
         assert_eq!((found[2].kind, found[2].groups), (PassKind::Settle, Some([6, 1, 1])));
-        // A state of each tile, and eight numbers of each texel that is brought back, both ways.
+        // It reads and writes a state of each tile, and eight numbers of each texel that is brought back.
         assert_eq!(found[2].work.bytes(), Some(2 * (6 * 4 + 37 * 2 * 16)));
     }
 

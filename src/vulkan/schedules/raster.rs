@@ -302,7 +302,7 @@ mod tests {
         }
     }
 
-    /// Marks what a front can reach, point by point, by the scans' own neighbourhoods.
+    /// Marks the points that a front can reach, one by one, by the neighbourhoods of the scans.
     #[test]
     fn nothing_outside_the_bounds_can_be_reached() {
         let (rows, cols) = (13usize, 18usize);
@@ -316,7 +316,7 @@ mod tests {
             for pass in scans(&raster(texels, lines, reached)) {
                 let (dx, dy) = pass.scan.ahead();
                 let forward = dx + dy > 0;
-                // All points of the line's two rows or columns, in bounds or not.
+                // These are all points of the line's two rows or columns, in bounds or not.
                 for half in 0..2 * pass.lines as usize {
                     let first = 2 * (pass.line as usize - 1);
                     let line = if forward { first + half } else { first + 1 - half };
@@ -345,7 +345,8 @@ mod tests {
         }
     }
 
-    /// Lines of 60 texels fit a workgroup, those of 70 do not; of these there are 60.
+    /// Lines of 60 texels, of which there are 70, fit a workgroup. Lines of 70 texels, of which there are 60,
+    /// do not.
     #[test]
     fn a_dispatch_takes_blocks_in_turn_where_lines_fit_a_workgroup() {
         let texels = texels(120, 140);
@@ -361,7 +362,7 @@ mod tests {
         assert!(
             of(Scan::Up).all(|(in_turn, _, lines, blocks)| !in_turn && lines == 6 && blocks == 1)
         );
-        // Seventy lines: ten blocks, then one and a part of one.
+        // Seventy lines are ten blocks, then one and a part of one.
         assert!(of(Scan::Right).eq([(true, 1, 60, 10), (true, 61, 10, 2)]));
         assert!(of(Scan::Left).eq([(true, 70, 10, 2), (true, 60, 60, 10)]));
         assert_eq!(texels_scanned(&steps), 4 * 60 * 70);
