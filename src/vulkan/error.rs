@@ -246,7 +246,7 @@ pub enum VulkanError {
     /// Contours, paths or regions cannot be made or recorded as requested.
     #[error("no {what}: {reason}")]
     Curves {
-        /// Which of the three was requested.
+        /// Kind of the result: contours, paths or regions.
         what: &'static str,
         /// Reason for the failure.
         reason: String,

@@ -33,7 +33,7 @@ impl Instance {
             .application_name(c"geosweep")
             .engine_name(c"geosweep")
             .api_version(API_VERSION);
-        // SAFETY: no layer's extensions are asked for.
+        // SAFETY: no layer's extensions are requested.
         let offered = unsafe { entry.enumerate_instance_extension_properties(None) };
         let offered = offered.unwrap_or_default();
         let offers = |name: &CStr| {

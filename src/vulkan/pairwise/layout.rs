@@ -56,8 +56,8 @@ pub(super) struct Workgroup {
     pub(super) is_known: bool,
 }
 
-/// Largest number of iterations in a dispatch. Most surfaces need no more. It takes far less time than the
-/// time after which systems consider a dispatch hung.
+/// Largest number of iterations in a dispatch. Most surfaces need no more. These iterations take far less
+/// time than a dispatch may take before systems consider it hung.
 const MOST_ITERATIONS: u32 = 32;
 /// Largest number of trips through loops in a dispatch. Mesa's llvmpipe leaves the loops of a shader silently
 /// after 65,535 trips of an invocation, counted over all loops.
@@ -131,9 +131,9 @@ pub(super) struct BatchLayout {
 /// Largest number of bytes of a batch's distances, and of its images. Estimated, not measured: a thousand
 /// maps of 64 x 64 points fill any GPU, and so do the lines of texels of some dozens of larger maps.
 const ON_GPU: [u64; 2] = [16 << 20, 256 << 20];
-/// The same limits for CPUs. Measured on lavapipe (Mesa 22.3, two cores), maps in images, circular fronts,
-/// one iteration: 1 and 4 MiB take the same time, 256 KiB half as long again, and 16 MiB up to three times as
-/// long.
+/// Limits for CPUs, in the same order. Measured on lavapipe (Mesa 22.3, two cores), maps in images, circular
+/// fronts, one iteration: 1 and 4 MiB take the same time, 256 KiB half as long again, and 16 MiB up to three
+/// times as long.
 const ON_CPU: [u64; 2] = [4 << 20, 4 << 20];
 
 /// Largest number of maps in a batch, however small they are.

@@ -21,8 +21,8 @@ pub struct QueryRange {
     pub count: u32,
 }
 
-/// Queries and buffers of the host that a profile may use. All of them are optional. What a missing one would
-/// tell is missing in the records.
+/// Queries and buffers of the host that a profile may use. All of them are optional. The records lack the
+/// values of those that are missing.
 ///
 /// The sizes are for `passes` passes in a recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -111,9 +111,9 @@ pub struct Resolved {
 }
 
 impl Profile {
-    /// Creates a profile with room for `passes` records of the grain `grain`, and as many queries as each
-    /// range has (see [`Slots`]). [`super::super::embed::Solver::passes_of_frame`] returns the number of
-    /// records of a frame.
+    /// Creates a profile with room for `passes` records of the grain `grain`. Each range must have the number
+    /// of queries that [`Slots`] states; a smaller range reduces the room.
+    /// [`super::super::embed::Solver::passes_of_frame`] returns the number of records of a frame.
     pub fn new(passes: u32, grain: Grain, slots: Slots) -> Self {
         // An empty range counts as none.
         let usable = |range: Option<QueryRange>| range.filter(|range| range.count > 0);

@@ -32,9 +32,9 @@ pub(crate) struct Commands<'a> {
 /// Number of workgroups of a dispatch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Groups {
-    /// These numbers.
+    /// Number of workgroups in each dimension.
     These([u32; 3]),
-    /// Three numbers in a buffer, at this offset.
+    /// Buffer that holds these three numbers, and their offset in it.
     From(vk::Buffer, u64),
 }
 

@@ -15,7 +15,7 @@ use crate::vulkan::barrier::{self, Access, ImageBarrier};
 /// Largest number of recordings that share barriers. Each brings at most one image to a barrier.
 pub(crate) const MOST_TOGETHER: usize = 64;
 
-/// Number of the part of the recordings that is appended.
+/// Part of the recordings that is appended, with the barriers after it.
 #[derive(Debug, Default)]
 pub(crate) struct Turn {
     wanted: AtomicU32,

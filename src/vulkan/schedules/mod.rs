@@ -114,7 +114,7 @@ impl Recorder<'_> {
     /// `causal` says whether the map's fronts are causal ([`crate::surface::Origins`]).
     pub(crate) fn start(&self, stop: Stop, schedule: Schedule, causal: bool, is_added: bool) {
         let order = schedule.order();
-        // Written are the progress, the numbers kept for each tile, and what else the schedule keeps.
+        // The start writes the progress, the numbers kept for each tile, and what else the schedule keeps.
         let written =
             offset::VISITS + TILE_WORDS as u64 * self.tile_bytes() + 4 * order.start_words(self);
         let work = Work::of_bytes(0, written);
